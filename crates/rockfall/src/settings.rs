@@ -145,6 +145,10 @@ macro_rules! constant_table {
                 gravity: finite = 1.0, "units/s²", Some((-10.0, 20.0));
                 /// Whether collisions are handled as impulses. If not, contact forces act in collisions too.
                 collisions: switch = true, "", None;
+                /// Whether contacts that begin and end within one step are collisions too, between spheres without rods, and of
+                /// these with boxes and polygons. So a fast sphere does not pass through a thin wall. Without `collisions` this
+                /// has no effect.
+                continuous_collisions: switch = false, "", None;
                 /// Direction of gravity g, a unit vector. A vector of another length is normalized, except in a struct that is
                 /// filled in by hand.
                 gravity_direction: direction = Vec3::NEG_Y, "", None;

@@ -17,6 +17,7 @@ fn other_value(name: &str) -> &'static str {
         "gravity" => "4",
         "collisions" => "off",
         "gravity_direction" => "0.6,-0.8,0",
+        "continuous_collisions" => "on",
         "contact_pull" => "on",
         "resting_overlap" => "0.01",
         "linear_damping" | "angular_damping" => "0.5",
@@ -27,7 +28,7 @@ fn other_value(name: &str) -> &'static str {
 }
 
 /// Balls that spin and slide on a floor, hit each other and part, and two that overlap with the floor by more than at rest: they are
-/// pushed out, so that damping may pull. Every constant matters to some of them.
+/// pushed out, so that damping may pull. A small one flies past a thin post. Every constant matters to some of them.
 fn scene(law: &str) -> rockfall::Scene {
     let mut scene = rockfall::Scene::new();
     scene.settings.set("contact_law", law).expect("a contact law");
@@ -41,6 +42,11 @@ fn scene(law: &str) -> rockfall::Scene {
         let ball = Sphere::new([x, y, 0.01 * f32::from(k)], 0.5).velocity([2.0 - 1.5 * f32::from(k % 2), -1.0, 0.5]);
         scene.add_sphere(ball.angular_momentum([0.1, 0.2, -0.3]).material(material)).expect("a valid sphere");
     }
+    // It flies past this post within a step.
+    scene.add_box(Cuboid::between([-0.01, 2.9, -0.01], [0.01, 3.5, 0.01]).material(material)).expect("a valid box");
+    scene
+        .add_sphere(Sphere::new([-1.3, 3.2, 0.0], 0.05).velocity([20.0, 0.0, 0.2]).material(material))
+        .expect("a valid sphere");
     for (x, overlap) in [(-4.0, 0.004), (-2.5, 0.002)] {
         scene
             .add_sphere(Sphere::new([x, 0.5 - overlap, 3.0], 0.5).velocity([0.3, 0.0, 0.0]).material(material))

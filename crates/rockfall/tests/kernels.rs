@@ -40,6 +40,7 @@ fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
         cohesion: rods,
         verlet: muscles,
         double: rods != muscles,
+        continuous: large,
         law,
         many: false,
         worlds: None,
@@ -66,8 +67,9 @@ fn the_kernel_of_worlds_is_valid_and_fits_workgroup_memory() {
     let [stage] = OUTSIDE;
     let worlds = Some(WorldSizes::MOST);
     let (rods, large, muscles, materials, resistance, many) = (false, false, false, false, false, false);
-    let (cohesion, verlet, double) = (false, false, false);
-    let variant = Variant { rods, large, muscles, law: 0, materials, resistance, cohesion, verlet, double, many, worlds };
+    let (cohesion, verlet, double, continuous) = (false, false, false, false);
+    let variant =
+        Variant { rods, large, muscles, law: 0, materials, resistance, cohesion, verlet, double, continuous, many, worlds };
     let text = variant.apply(&source(stage));
     assert!(text.contains("var<workgroup> step: Step;") && !text.contains("var<uniform> step"));
     let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));

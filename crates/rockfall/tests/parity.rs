@@ -22,6 +22,8 @@ mod clusters;
 mod collide;
 #[path = "parity/compare.rs"]
 mod compare;
+#[path = "parity/crossings.rs"]
+mod crossings;
 #[path = "parity/decisions.rs"]
 mod decisions;
 #[path = "parity/device.rs"]

@@ -73,6 +73,7 @@ class Settings:
         contact_law: str
         gravity: float
         collisions: bool
+        continuous_collisions: bool
         gravity_direction: tuple[float, float, float]
         contact_pull: bool
         resting_overlap: float

@@ -105,6 +105,9 @@ pub const FINE_MARGIN: f32 = 8e-7;
 /// Part of the largest coordinate by which a sphere must be inside its AABB when positions have a low part.
 pub const FINE_SLACK: f32 = 2.5e-7;
 
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): contacts that begin and end within a step are handled.
+pub const FLAG_CONTINUOUS: u32 = 1024;
+
 /// Words of the rates of a sphere: acceleration x, y, z, torque x, y, z.
 pub const RATE_WORDS: u32 = 6;
 

@@ -80,7 +80,8 @@ pub struct Status {
     /// 2 when the collisions of the current step are done. 1 when they were done in a previous attempt at this step, so that
     /// they are not repeated.
     pub collided: u32,
-    /// 1 when rod lengths must be restored before the integration: in the first step and in a step with collisions.
+    /// 1 when rod lengths must be restored before the integration: in the first step, after edits and in a step with collisions.
+    /// The end of a step clears it, so at the start of the collisions it is 0 when a step has led to the present state.
     pub lengths_due: u32,
     /// Velocity Verlet: 1 when the rates of the last force evaluation do not belong to the present state. They are then evaluated
     /// again before the integration: in the first step, after edits, and after the collision phase,

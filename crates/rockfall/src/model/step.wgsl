@@ -119,6 +119,8 @@ const VERLET: bool = true;
 const DOUBLE: bool = true;
 // Regions of a state. Each is a vec4f per sphere.
 const STATE_REGIONS: u32 = 3u + u32(DOUBLE);
+// Whether contacts that begin and end within a step are handled.
+const CONTINUOUS: bool = true;
 // The contact law. Kernels are compiled for one law.
 const LAW: u32 = 1u;
 
@@ -198,6 +200,7 @@ const FLAG_RESISTANCE: u32 = 64u;
 const FLAG_COHESION: u32 = 128u;
 const FLAG_VERLET: u32 = 256u;
 const FLAG_DOUBLE: u32 = 512u;
+const FLAG_CONTINUOUS: u32 = 1024u;
 const RATE_WORDS: u32 = 6u;
 const FINE_MARGIN: f32 = 8e-7;
 const FINE_SLACK: f32 = 2.5e-7;

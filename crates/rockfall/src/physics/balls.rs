@@ -6,6 +6,7 @@ use glam::{BVec4A, Vec4};
 use crate::model::lanes::{LANES, Vec3x4};
 use crate::model::lists::Entry;
 use crate::model::view::{Object, TINY, View};
+use crate::physics::collision::crossing::has_just_begun;
 use crate::physics::contact::{Approach, Sides, Touches};
 use crate::physics::pairs::Surfaces;
 use crate::physics::side::side;
@@ -40,6 +41,15 @@ impl<'a, 'b> Ball<'a, 'b> {
             place: view.place(mover),
             sides: Sides::splat(&side(view, Object::Sphere(mover), 0.0)),
         })
+    }
+
+    /// Which of the contacts with up to four other spheres did not begin within the step.
+    pub(crate) fn have_lasted(&self, others: &[Entry]) -> BVec4A {
+        let mut lasted = [0.0; LANES];
+        for (lane, other) in lasted.iter_mut().zip(others) {
+            *lane = if has_just_begun(self.view, self.sphere, other.id()) { 0.0 } else { 1.0 };
+        }
+        Vec4::from_array(lasted).cmpgt(Vec4::ZERO)
     }
 
     /// Calls `take` with the spheres of a list that are near enough to overlap, up to four at a time. Most spheres are not. The

@@ -2,11 +2,12 @@
 //!
 //! [`Collision`] is a contact together with the effects of its impulse on the bodies of both sides. [`lone`] handles lone
 //! collisions at their time of contact. [`cluster`] solves collisions that share bodies, by sweeps. [`all`] finds both
-//! kinds and combines their results.
+//! kinds and combines their results. [`crossing`] finds contacts that began and ended within the last step.
 
 pub(crate) mod all;
 pub(crate) mod body;
 mod cluster;
+pub(crate) mod crossing;
 mod lone;
 mod networks;
 

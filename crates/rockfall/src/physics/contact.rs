@@ -4,9 +4,10 @@
 use glam::{Vec3, Vec4};
 
 use crate::model::lanes::Vec3x4;
-use crate::model::layout::{FLAG_COLLISIONS, FLAG_PULL};
+use crate::model::layout::{FLAG_COLLISIONS, FLAG_CONTINUOUS, FLAG_PULL};
 use crate::model::step::Step;
 use crate::model::view::{TINY, View};
+use crate::physics::collision::crossing::has_just_begun;
 use crate::physics::geometry::ROUNDED;
 use crate::physics::pairs::{Surface, Surfaces};
 use crate::physics::side::{Side, side};
@@ -71,6 +72,9 @@ pub(crate) struct ContactForce<V> {
 
 /// Returns the contact force of two objects that overlap.
 pub(crate) fn contact_force(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> ContactForce<Vec3> {
+    if view.step.flags & FLAG_CONTINUOUS != 0 && has_just_begun(view, id_a, id_b) {
+        return ContactForce::default();
+    }
     let [a, b] =
         [(id_a, touch.a), (id_b, touch.b)].map(|(id, parameter)| Sides::splat(&side(view, view.object(id), parameter)));
     let surfaces = Surfaces::splat(&Surface::of(view, id_a, id_b));

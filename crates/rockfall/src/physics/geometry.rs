@@ -26,7 +26,7 @@ fn across(v: Vec3, axis: Vec3, squared: f32) -> Vec3 {
 }
 
 /// A parameter that is beyond an end by at most this belongs to the segment, so that rounding errors do not decide.
-const AT_END: f32 = 1e-6;
+pub(crate) const AT_END: f32 = 1e-6;
 
 /// Whether a parameter belongs to a segment.
 pub(super) fn on_segment(parameter: f32) -> bool {

@@ -38,6 +38,12 @@ pub(crate) fn travel_bound(step: &Step, velocity: Vec3, radius: f32, steps: f32)
     (steps - step.lead) * (1.05 * velocity.length() * step.dt) + (0.05 * steps - 0.03) * radius
 }
 
+/// Returns the distance from the point that [`position_ahead`] returns to the position of a sphere before the last step, taken as
+/// straight. Where contacts that begin and end within a step are handled, lists hold the pairs of this path too.
+pub(crate) fn trail(step: &Step, velocity: Vec3, radius: f32) -> f32 {
+    1.001 * (step.lead + 1.0) * step.dt * velocity.length() + 0.02 * radius
+}
+
 /// Returns how far a moving sphere is outside the ball that its AABB encloses, in units of 0.02 r; 0 when it is inside.
 pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
     if view.is_fixed(sphere) {

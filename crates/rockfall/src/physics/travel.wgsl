@@ -22,6 +22,12 @@ fn acceleration_margin(third: vec3f, fourth: vec3f, steps: f32) -> f32 {
     return select(0.0, gain, gain < 1e30);
 }
 
+// Distance from the point that `position_ahead` returns to the position of a sphere before the last step, taken as straight. Where
+// contacts that begin and end within a step are handled, lists hold the pairs of this path too.
+fn trail(velocity: vec4f, radius: f32) -> f32 {
+    return 1.001 * (step.lead + 1.0) * step.dt * length(velocity.xyz) + 0.02 * radius;
+}
+
 // Bound for the distance of a sphere, within `steps` steps, from the point that `position_ahead` returns. It includes some room
 // for acceleration, which grows with the number of steps. It is 0 for exact lists, which are rebuilt as soon as a sphere leaves
 // its AABB.

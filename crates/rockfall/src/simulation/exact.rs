@@ -9,7 +9,7 @@
 //! Lookahead 0 stands for exact lists. `simulation/lookahead.rs` chooses them by a trial, like any other number of steps. Results
 //! do not depend on it.
 
-use crate::model::layout::LAW_THESIS;
+use crate::model::layout::{FLAG_CONTINUOUS, LAW_THESIS};
 use crate::options::Optimization;
 use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::Simulation;
@@ -19,7 +19,7 @@ use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::Phase;
 
 impl Simulation {
-    /// Whether lists may be exact in this scene. Other contact laws keep springs for the pairs of their lists, friction impulses
+    /// Whether lists may be exact in this scene. Contacts within the last step need lists of its whole path. Other contact laws keep springs for the pairs of their lists, friction impulses
     /// follow the collisions and use their lists, and rods move between two evaluations. Without collisions bodies press each other
     /// gently, and lists with a margin last longer than a step.
     pub(super) fn may_have_exact_lists(&self) -> bool {
@@ -27,6 +27,7 @@ impl Simulation {
         self.options.integrator == Integrator::SymplecticEuler
             && self.broad_phase_method() == BroadPhase::Grid
             && self.scene.settings.collisions
+            && step.flags & FLAG_CONTINUOUS == 0
             && step.rods == 0
             && step.long_at == 0
             && step.law == LAW_THESIS

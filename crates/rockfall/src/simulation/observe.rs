@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::exec::cpu;
 use crate::model::impulse::Impulse;
-use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, LAW_THESIS};
+use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, FLAG_CONTINUOUS, LAW_THESIS};
 use crate::model::lists::{Entry, Lists};
 use crate::model::muscles::MuscleClock;
 use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_PAIRS, Status};
@@ -30,6 +30,7 @@ use crate::simulation::contact_springs::ContactSprings;
 use crate::simulation::drive::{MAX_ATTEMPTS, margin_after_escape, room_for};
 use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine};
+use crate::step::collisions::find_collisions;
 use crate::step::forces::law_forces;
 use crate::step::schedule::Phase;
 use crate::user_laws::set::UserLaws;
@@ -302,10 +303,14 @@ pub(crate) fn observe(
     let mut world = World::build_with(scene, laws.clone())?;
     world.set_muscles(scene, clock);
     world.step.dt = dt;
+    // The contacts of the present state, and not those within the last step.
+    world.step.flags &= !FLAG_CONTINUOUS;
     for attempts in 0..=MAX_ATTEMPTS {
         world.status = Status::default();
         let phases = [Phase::UpdateAabbs, Phase::BroadPhase].iter().flat_map(|phase| phase.stages(Integrator::Rk4, method));
-        let stages: Vec<_> = phases.chain(Phase::HandleCollisions.stages(Integrator::Rk4, method).first()).copied().collect();
+        let mut collisions = Phase::HandleCollisions.stages(Integrator::Rk4, method).iter();
+        let finding = collisions.find(|run| run.stage.is(&find_collisions::STAGE));
+        let stages: Vec<_> = phases.chain(finding).copied().collect();
         cpu::run(&mut world, &stages);
         let status = &world.status;
         if status.rejected == 0 {

@@ -8,8 +8,9 @@ use crate::step::broad_phase::grid::{
 use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
 use crate::step::collisions::{
-    apply_collisions, apply_friction_impulses, commit_collisions, commit_friction_impulses, find_collisions, gather_impulses,
-    list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions, weigh_networks,
+    apply_collisions, apply_friction_impulses, commit_collisions, commit_crossings, commit_friction_impulses, find_collisions,
+    find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions,
+    weigh_networks,
 };
 use crate::step::forces::{commit_history, law_forces, rod_forces};
 use crate::step::fused::{run_steps, run_worlds};
@@ -21,7 +22,7 @@ use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_sph
 use crate::step::stage::Stage;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 54] = [
+pub const ALL: [&Stage; 56] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -39,6 +40,7 @@ pub const ALL: [&Stage; 54] = [
     &count_long::STAGE,
     &find_neighbours::STAGE,
     &fill_long::STAGE,
+    &find_crossings::STAGE,
     &find_collisions::STAGE,
     &list_collisions::STAGE,
     &weigh_networks::STAGE,
@@ -49,6 +51,7 @@ pub const ALL: [&Stage; 54] = [
     &project_networks::STAGE,
     &apply_collisions::STAGE,
     &commit_collisions::STAGE,
+    &commit_crossings::STAGE,
     &apply_friction_impulses::STAGE,
     &commit_friction_impulses::STAGE,
     &restore_lengths::STAGE,

@@ -3,8 +3,10 @@
 pub(crate) mod apply_collisions;
 pub(crate) mod apply_friction_impulses;
 pub(crate) mod commit_collisions;
+pub(crate) mod commit_crossings;
 pub(crate) mod commit_friction_impulses;
 pub(crate) mod find_collisions;
+pub(crate) mod find_crossings;
 pub(crate) mod gather_impulses;
 pub(crate) mod list_collisions;
 pub(crate) mod project_networks;

@@ -1,6 +1,6 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
-use crate::model::layout::{LAW_THESIS, SWEEPS, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
+use crate::model::layout::{FLAG_CONTINUOUS, LAW_THESIS, SWEEPS, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
@@ -12,8 +12,9 @@ use crate::step::broad_phase::grid::{
 use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
 use crate::step::collisions::{
-    apply_collisions, apply_friction_impulses, commit_collisions, commit_friction_impulses, find_collisions, gather_impulses,
-    list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions, weigh_networks,
+    apply_collisions, apply_friction_impulses, commit_collisions, commit_crossings, commit_friction_impulses, find_collisions,
+    find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions,
+    weigh_networks,
 };
 use crate::step::forces::{commit_history, law_forces, rod_forces};
 use crate::step::integrate::{
@@ -44,6 +45,8 @@ pub enum When {
     LargeSwept,
     /// Scenes whose contacts get friction impulses.
     FrictionImpulses,
+    /// Scenes in which contacts that begin and end within a step are handled.
+    Continuous,
     /// Scenes with bodies much larger than most.
     LongMovers,
     /// Scenes with the contact law of the thesis.
@@ -83,6 +86,7 @@ impl Run {
             When::SweptAtOnce => step.sweeps == SWEEPS_FEW,
             When::LargeSwept => step.large > 0 && step.sweeps == SWEEPS_ON,
             When::FrictionImpulses => step.has_friction_impulses(),
+            When::Continuous => step.flags & FLAG_CONTINUOUS != 0,
             When::LongMovers => step.long_at != 0,
             When::ThesisLaw => step.law == LAW_THESIS,
             When::Histories => step.law != LAW_THESIS,
@@ -243,15 +247,17 @@ impl Phase {
 }
 
 /// Finds collisions, solves those that share bodies by sweeps, and applies the impulses. After each sweep `project_networks`
-/// computes the changes of velocity in networks, and `gather_impulses` those of large spheres.
+/// computes the changes of velocity in networks, and `gather_impulses` those of large spheres. Crossings are found first, because
+/// the other contacts of their spheres do not collide, and applied last, to spheres that no other collision changes.
 const HANDLE_COLLISIONS: &[Run] = &{
-    const FIRST: usize = 5;
+    const FIRST: usize = 6;
     const LAST: usize = FIRST + 3 * SWEEPS as usize;
-    let mut runs = [run(&find_collisions::STAGE); LAST + 4];
-    runs[1] = run(&list_collisions::STAGE).when(When::Listed);
-    runs[2] = run(&weigh_networks::STAGE).when(When::Networks);
-    runs[3] = run(&weigh_collisions::STAGE).when(When::Listed);
-    runs[4] = run(&sweep_at_once::STAGE).when(When::SweptAtOnce);
+    let mut runs = [run(&find_crossings::STAGE).when(When::Continuous); LAST + 5];
+    runs[1] = run(&find_collisions::STAGE);
+    runs[2] = run(&list_collisions::STAGE).when(When::Listed);
+    runs[3] = run(&weigh_networks::STAGE).when(When::Networks);
+    runs[4] = run(&weigh_collisions::STAGE).when(When::Listed);
+    runs[5] = run(&sweep_at_once::STAGE).when(When::SweptAtOnce);
     let mut sweep = 0;
     while sweep < SWEEPS as usize {
         let at = FIRST + 3 * sweep;
@@ -262,8 +268,9 @@ const HANDLE_COLLISIONS: &[Run] = &{
     }
     runs[LAST] = run(&apply_collisions::STAGE);
     runs[LAST + 1] = run(&commit_collisions::STAGE);
-    runs[LAST + 2] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
-    runs[LAST + 3] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
+    runs[LAST + 2] = run(&commit_crossings::STAGE).when(When::Continuous);
+    runs[LAST + 3] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
+    runs[LAST + 4] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
     runs
 };
 

@@ -11,7 +11,7 @@
 //! bindings, and the [`HOOKS`]. A [`Variant`] adapts the text to the kinds of objects in a scene. `tests/wgsl.rs` checks that
 //! no file uses a name without requiring its file, requires a file that it does not use, or declares a name twice.
 
-use crate::model::layout::{FLAG_COHESION, FLAG_DOUBLE, FLAG_RESISTANCE, FLAG_VERLET, MANY_OBJECTS};
+use crate::model::layout::{FLAG_COHESION, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_RESISTANCE, FLAG_VERLET, MANY_OBJECTS};
 use crate::model::part::{Part, part};
 use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
@@ -28,6 +28,7 @@ pub const HOOKS: &[(&str, &str)] = &[
     ("emit", "handles a pair that the broad phase finds"),
     ("evaluation", "number of the force evaluation of RK4, from 0; velocity Verlet: 0 for the state, 3 for stage state 4"),
     ("into", "start of the list to sort"),
+    ("is_put_off", "whether a contact does not collide because a crossing of one of its spheres came first"),
     ("low_at", "index of the low part of the position of a sphere in `state`"),
     ("momentum_at", "index of the angular momentum of a sphere in `state`"),
     ("next_row", "reads a row of the state that replaces the present one"),
@@ -65,6 +66,7 @@ const SHARED: &[Part] = &[
     part!("physics/collision/changes.wgsl"),
     part!("physics/collision/cluster.wgsl"),
     part!("physics/collision/couplings.wgsl"),
+    part!("physics/collision/crossings.wgsl"),
     part!("physics/collision/impulses.wgsl"),
     part!("physics/collision/lone.wgsl"),
     part!("physics/collision/networks.wgsl"),
@@ -109,6 +111,7 @@ const SHARED: &[Part] = &[
     part!("step/broad_phase/sort_and_skip/near_tiles.wgsl"),
     part!("step/collisions/classify_contacts.wgsl"),
     part!("step/collisions/collided.wgsl"),
+    part!("step/collisions/crossing_rows.wgsl"),
     part!("step/collisions/has_changes.wgsl"),
     part!("step/collisions/record_of.wgsl"),
     part!("step/collisions/records.wgsl"),
@@ -195,6 +198,8 @@ pub struct Variant {
     pub verlet: bool,
     /// Positions have a low part.
     pub double: bool,
+    /// Contacts that begin and end within a step are handled.
+    pub continuous: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
     /// Each workgroup has a world of its own: it has its own copy of the block `step`, and one block of counters.
@@ -215,6 +220,7 @@ impl Variant {
             cohesion: flags & FLAG_COHESION != 0,
             verlet: flags & FLAG_VERLET != 0,
             double: flags & FLAG_DOUBLE != 0,
+            continuous: flags & FLAG_CONTINUOUS != 0,
             many: step.objects() >= MANY_OBJECTS,
             worlds: None,
         }
@@ -233,6 +239,7 @@ impl Variant {
             ("ESCAPES", self.worlds.is_none()),
             ("VERLET", self.verlet),
             ("DOUBLE", self.double),
+            ("CONTINUOUS", self.continuous),
         ];
         let text = text.replace("const LAW: u32 = 1u;", &format!("const LAW: u32 = {}u;", self.law));
         let replaced = constants.iter().fold(text, |text, (name, is_set)| {

@@ -16,6 +16,7 @@ use rockfall::step::wgsl::Wgsl;
 use rockfall::{ContactLaw, Integrator, Settings};
 
 use crate::compare::{MEASURED, differences};
+use crate::crossings;
 use crate::decisions::entries;
 use crate::device::{GPU, on_gpu, open};
 use crate::trace::{COLLISIONS, Only, POSITIONS, Plan, Scenario, Trace, trace};
@@ -93,6 +94,30 @@ static MISTAKES: &[Mistake] = &[
         "(any_bits & ENTRY_COLLIDES)",
         "(any_bits & ENTRY_OVERLAPS)",
         Buffer::Lists,
+    ),
+    Mistake("update_aabbs", 0, "travel.wgsl", "(step.lead + 1.0)", "step.lead", Buffer::Aabbs),
+    Mistake("find_crossings", 0, "crossings.wgsl", "reach * reach - dot", "reach - dot", Buffer::Y3),
+    Mistake("find_crossings", 0, "crossings.wgsl", "time += at.x / at.y", "time -= at.x / at.y", Buffer::Y3),
+    Mistake("find_crossings", 0, "crossings.wgsl", "cross(velocity, face.right)", "cross(velocity, face.left)", Buffer::Y3),
+    Mistake("find_crossings", 0, "find_crossings.wgsl", "& (time > earliest.time)", "& (time > 0.0)", Buffer::Y3),
+    Mistake("find_crossings", 0, "lone.wgsl", "var tau = start;", "var tau = 0.0;", Buffer::Y3),
+    Mistake("find_collisions", 0, "find_collisions.wgsl", "return has_handled_crossing(b);", "return false;", Buffer::Lists),
+    Mistake("commit_crossings", 0, "crossing_rows.wgsl", ".other == id", ".other != id", Buffer::Start),
+    Mistake(
+        "commit_crossings",
+        0,
+        "commit_crossings.wgsl",
+        "position.xyz + crossings",
+        "position.xyz - crossings",
+        Buffer::Start,
+    ),
+    Mistake(
+        "advance",
+        0,
+        "contact.wgsl",
+        "collision_velocity(radius)) >= 0.0",
+        "collision_velocity(radius)) >= 9.0",
+        Buffer::Y2,
     ),
     Mistake("find_collisions", 0, "find_collisions.wgsl", "e += WORKGROUP", "e += 2u * WORKGROUP", Buffer::Lists),
     Mistake("find_collisions", 0, "workgroup_per_sphere.wgsl", "(workgroup - step.large)", "workgroup", Buffer::Lists),
@@ -564,7 +589,8 @@ fn is_rejected(gpu: &Gpu, traces: &[Trace], mistake: &Mistake) -> bool {
 
 #[test]
 fn every_kernel_with_a_mistake_is_rejected() {
-    let traces = plans().each_ref().map(trace);
+    let mut traces: Vec<Trace> = plans().iter().map(trace).collect();
+    traces.push(crossings::trace(1, false));
     let (left, accepted) = (Mutex::new(MISTAKES.iter()), Mutex::new(Vec::new()));
     let check = |next: fn(&mut slice::Iter<'static, Mistake>) -> Option<&'static Mistake>| {
         let gpu = open();

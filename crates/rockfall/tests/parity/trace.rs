@@ -59,7 +59,7 @@ impl Scenario {
 }
 
 /// Stages that solve collisions. On the GPU each does a part of the work. The CPU computes all collisions in one of them.
-const SOLVING: [&str; 11] = [
+const SOLVING: [&str; 12] = [
     "list_collisions",
     "weigh_networks",
     "weigh_collisions",
@@ -69,6 +69,7 @@ const SOLVING: [&str; 11] = [
     "project_networks",
     "apply_collisions",
     "commit_collisions",
+    "commit_crossings",
     "apply_friction_impulses",
     "commit_friction_impulses",
 ];
@@ -186,7 +187,7 @@ fn build(drawn: &Clusters, plan: &Plan) -> World {
     with_step_settings(world)
 }
 
-fn with_step_settings(mut world: World) -> World {
+pub(crate) fn with_step_settings(mut world: World) -> World {
     world.step.dt = DT;
     // The attraction of JKR cohesion moves small spheres further.
     world.step.margin_scale = if world.step.neck > 0.0 { 2.0 * MARGIN } else { MARGIN };
@@ -282,7 +283,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
             // all spheres of a network, the CPU only those that collide.
             let is_comparable = match run.stage.name {
                 "commit_collisions" => world.step.networks == 0,
-                "commit_friction_impulses" => true,
+                "commit_crossings" | "commit_friction_impulses" => true,
                 _ => group.len() == 1,
             };
             if is_comparable {

@@ -287,7 +287,12 @@ impl GpuWorld {
     /// # Errors
     /// [`Error::Device`] when the device is lost.
     pub fn write_uniforms(&mut self, step: &Step) -> Result<()> {
-        self.step = self.step.with_constants_of(step);
+        let step = self.step.with_constants_of(step);
+        if Variant::of(&step) != Variant::of(&self.step) {
+            // A setting has changed that kernels are compiled for.
+            self.ready.clear();
+        }
+        self.step = step;
         catch(self.gpu.device(), || {
             self.gpu.queue().write_buffer(&self.uniform, 0, bytes_of(&self.step));
         })

@@ -157,6 +157,7 @@ impl DeviceWorlds {
             cohesion: false,
             verlet: false,
             double: false,
+            continuous: false,
             many: false,
             worlds: Some(self.sizes),
         };

@@ -6,8 +6,8 @@ use crate::error::Result;
 use crate::fine::Fine;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
-    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FIRST_HISTORY_ROOM, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_DOUBLE,
-    FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE,
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FIRST_HISTORY_ROOM, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_CONTINUOUS,
+    FLAG_DOUBLE, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE,
     MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
 };
 use crate::model::step::Step;
@@ -110,6 +110,7 @@ impl World {
     /// Writes the settings to the uniform block.
     pub fn set_settings(&mut self, settings: &Settings) {
         let Settings { gravity, gravity_direction, collisions, contact_pull, contact_law, precision, .. } = *settings;
+        let is_continuous = collisions && settings.continuous_collisions;
         let step = &mut self.step;
         step.set_constants(settings);
         step.law = contact_law.number();
@@ -122,7 +123,7 @@ impl World {
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
         // These flags follow from the table of pairs and the options.
         let kept = FLAG_CONTINUE | FLAG_GROUPS | FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION | FLAG_VERLET;
-        let chosen = bit(collisions, FLAG_COLLISIONS) | bit(contact_pull, FLAG_PULL);
+        let chosen = bit(collisions, FLAG_COLLISIONS) | bit(is_continuous, FLAG_CONTINUOUS) | bit(contact_pull, FLAG_PULL);
         step.flags = step.flags & kept | chosen | bit(precision == Precision::Double, FLAG_DOUBLE);
         step.sweeps = step.sweeps.max(step.calm_sweeps());
     }

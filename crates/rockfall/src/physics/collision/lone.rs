@@ -8,8 +8,10 @@
 use glam::Vec3;
 
 use crate::model::impulse::Impulse;
+use crate::model::layout::FLAG_CONTINUOUS;
 use crate::model::view::{Object, View};
 use crate::physics::collision::body::{Body, Capsule, Part};
+use crate::physics::collision::crossing::begun_within_step;
 use crate::physics::collision::{Change, Collision};
 use crate::physics::forces::net_force::{attached_curvature, attached_force};
 use crate::physics::pairs::Surface;
@@ -130,15 +132,44 @@ fn turned(d: Vec3, q: Vec3, time: f32) -> (Vec3, Vec3) {
 
 /// Solves a lone collision.
 pub(super) fn solve(view: &View, k: &Collision) -> Outcome {
+    let movers = movers_of(view, k);
+    let movers = &movers[..k.parts().len()];
+    let (tau, hit) = time_of_contact(view, k, movers, start_of(view, k)).unwrap_or((0.0, *k));
+    solved(view, &hit, movers, tau)
+}
+
+/// Solves a crossing, a contact that began at about the time `tau` and has ended (docs/physics.md section 3.10). `None` when the
+/// objects do not approach each other at the time of contact.
+pub(super) fn solve_crossing(view: &View, k: &Collision, tau: f32) -> Option<Outcome> {
+    let movers = movers_of(view, k);
+    let movers = &movers[..k.parts().len()];
+    let (tau, hit) = time_of_contact(view, k, movers, tau)?;
+    Some(solved(view, &hit, movers, tau))
+}
+
+/// The time that the iteration begins with: where contacts within a step are handled, the time of the first contact on straight
+/// paths, if it is within the step (docs/physics.md section 3.10).
+fn start_of(view: &View, k: &Collision) -> f32 {
+    let is_continuous = view.step.flags & FLAG_CONTINUOUS != 0;
+    let began = is_continuous.then(|| begun_within_step(view, k.a, k.b)).flatten();
+    began.map_or(0.0, |(time, _)| time)
+}
+
+/// The bodies of a collision, and their accelerations.
+fn movers_of(view: &View, k: &Collision) -> [(MovingBody, Vec3); 4] {
     let mut movers = [(MovingBody::Sphere(0), Vec3::ZERO); 4];
     for (place, part) in movers.iter_mut().zip(k.parts()) {
         let mover = MovingBody::of(view, part);
         *place = (mover, mover.acceleration(view));
     }
-    let movers = &movers[..k.parts().len()];
-    let (tau, hit) = time_of_contact(view, k, movers);
-    let size = (1.0 + Surface::of(view, k.a, k.b).restitution) * hit.approach / effective_inverse_mass(view, &hit, movers, tau);
-    let impulse = Impulse { key: k.key(view), size, direction: hit.touch.normal };
+    movers
+}
+
+/// The effects of the collision `hit`, as it was at the time `tau` earlier.
+fn solved(view: &View, hit: &Collision, movers: &[(MovingBody, Vec3)], tau: f32) -> Outcome {
+    let size =
+        (1.0 + Surface::of(view, hit.a, hit.b).restitution) * hit.approach / effective_inverse_mass(view, hit, movers, tau);
+    let impulse = Impulse { key: hit.key(view), size, direction: hit.touch.normal };
     let mut outcome = Outcome { impulse, ..Outcome::default() };
     for (part, (mover, _)) in hit.parts().iter().zip(movers) {
         let pushed = part.sign * size;
@@ -185,9 +216,9 @@ fn effective_inverse_mass(view: &View, hit: &Collision, movers: &[(MovingBody, V
     (inverse_mass + tau * tau * curvature).max(0.5 * inverse_mass)
 }
 
-/// The time for which the two objects have overlapped, and the collision as it was at the start of the overlap. If the objects
-/// had no contact line then, or did not approach each other, the time is 0 and the collision is the present one.
-fn time_of_contact(view: &View, k: &Collision, movers: &[(MovingBody, Vec3)]) -> (f32, Collision) {
+/// The time since the two objects began to overlap, and the collision as it was then. The iteration begins with the time `start`.
+/// `None` if the objects had no contact line then, or did not approach each other.
+fn time_of_contact(view: &View, k: &Collision, movers: &[(MovingBody, Vec3)], start: f32) -> Option<(f32, Collision)> {
     let (a, b) = (view.object(k.a), view.object(k.b));
     let feature = match (a, b) {
         (Object::Rod(rod), Object::Cuboid(cuboid)) => Some(Feature::of(view, rod, cuboid, k.feature)),
@@ -199,12 +230,12 @@ fn time_of_contact(view: &View, k: &Collision, movers: &[(MovingBody, Vec3)]) ->
         let collision = Collision::of(view, &before, [k.a, k.b], k.feature, touch);
         (collision.approach > 0.0).then_some(collision)
     };
-    let mut tau = 0.0_f32;
+    let mut tau = start;
     for _ in 0..ITERATIONS {
         let Some(collision) = closing(tau, true) else { break };
         tau = (tau + collision.touch.overlap / collision.approach).clamp(0.0, view.step.dt);
     }
-    closing(tau, false).map_or((0.0, *k), |hit| (tau, hit))
+    closing(tau, false).map(|hit| (tau, hit))
 }
 
 /// The moment of inertia It of a capsule at an earlier time. It differs from the present one only if the distance of the

@@ -1,5 +1,5 @@
-// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/forces/attached.wgsl physics/geometry.wgsl
-// requires physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/contact.wgsl
+// requires physics/forces/attached.wgsl physics/geometry.wgsl physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
 
 // Solves lone collisions at their time of contact (docs/physics.md section 3.6). The pair is moved back to the time at
 // which it first touched.
@@ -120,8 +120,27 @@ fn closes(at: Placed) -> bool {
     return is_known & (at.touch.overlap != NO_CONTACT_LINE) & (at.closing.approach > 0.0);
 }
 
-// Solves the lone collision of two objects, a before b in insertion order. `found` is their contact in the present state.
+// Solves the lone collision of two objects, a before b in insertion order. `found` is their contact in the present state. Where
+// contacts within a step are handled, the iteration begins with the time of the first contact on straight paths, if it is within
+// the step (docs/physics.md section 3.10).
 fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
+    var start = 0.0;
+    if CONTINUOUS {
+        if a_id < step.spheres {
+            let radius = state[position_at(a_id)].w;
+            var smaller = radius;
+            if b_id < step.spheres {
+                smaller = min(radius, state[position_at(b_id)].w);
+            }
+            start = max(0.0, time_of_beginning(a_id, b_id, collision_velocity(smaller)));
+        }
+    }
+    return solve_from(a_id, b_id, feature, found, start, false);
+}
+
+// Does what `solve_lone` does, with an iteration that begins with the time `start`. The impulse of a crossing is 0 if its objects
+// do not approach each other at the time of contact (docs/physics.md section 3.10).
+fn solve_from(a_id: u32, b_id: u32, feature: u32, found: Touch, start: f32, is_crossing: bool) -> Solved {
     var a = contact_side(a_id, found.a);
     var b = contact_side(b_id, found.b);
     let a_now = side_motion(a);
@@ -129,7 +148,7 @@ fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
     let a_pull = pull_on(a);
     let b_pull = pull_on(b);
     let by_vertex = meets_by_vertex(a, b, a_now, feature);
-    var tau = 0.0;
+    var tau = start;
     for (var round = 0u; round < CONTACT_ROUNDS; round++) {
         let at = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, true, feature, by_vertex);
         if !closes(at) {
@@ -139,6 +158,9 @@ fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
     }
     var at_contact = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, false, feature, by_vertex);
     if !closes(at_contact) {
+        if is_crossing {
+            return Solved(found.n, 0.0, 0.0, 0.0, 0.0);
+        }
         tau = 0.0;
         at_contact = Placed(found, approach_at(a_id, b_id, found));
     }

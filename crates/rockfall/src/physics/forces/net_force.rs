@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4};
 
 use crate::model::counters::Tally;
 use crate::model::lanes::first_lanes;
-use crate::model::layout::{KIND_FORCE, KIND_ROD, KIND_SPRING, KIND_TETHER, LAW_THESIS};
+use crate::model::layout::{FLAG_CONTINUOUS, KIND_FORCE, KIND_ROD, KIND_SPRING, KIND_TETHER, LAW_THESIS};
 use crate::model::lists::{Entry, Lists};
 use crate::model::view::{Attachment, TINY, View};
 use crate::physics::balls::{Ball, Meeting};
@@ -52,7 +52,10 @@ fn each_contact(
 fn add_ball_loads(ball: &Ball, others: &[Entry], tally: Option<&mut Tally>, [force, torque]: &mut [Vec4; 2]) {
     let Meeting { a, b, touches } = ball.meet(others);
     let loads = contact_forces(ball.view.step, &a, &b, &touches, &ball.surfaces(others));
-    let touch = touches.overlap.cmpgt(Vec4::ZERO) & first_lanes(others.len());
+    let mut touch = touches.overlap.cmpgt(Vec4::ZERO) & first_lanes(others.len());
+    if ball.view.step.flags & FLAG_CONTINUOUS != 0 {
+        touch &= ball.have_lasted(others);
+    }
     *force = loads.force.or_zero(touch).add_lanes_to(*force);
     *torque = loads.torque_a.or_zero(touch).add_lanes_to(*torque);
     if let Some(tally) = tally {

@@ -9,7 +9,9 @@
 //!
 //! In scenes with JKR cohesion, `neck` r is added, the distance at which contacts tear. So a contact keeps its list entries
 //! until it ends. In scenes with large spheres a is the acceleration in the last step of RK4, if it is known (`FLAG_STAGES`).
-//! Otherwise a is 0. A fixed sphere has no margin. For exact lists (`lookahead` is 0) the margin is 0.02 r.
+//! Otherwise a is 0. A fixed sphere has no margin. For exact lists (`lookahead` is 0) the margin is 0.02 r. Where contacts that
+//! begin and end within a step are handled (`FLAG_CONTINUOUS`), the first two terms and 0.02 r of the third are at least
+//! 1.001 (lead + 1) |v| dt + 0.02 r, so that the ball also holds the path of the last step.
 //!
 //! The centre of the sphere must stay within the margin of that place until its list is rebuilt. If it moves further,
 //! `find_collisions`, `advance` or `symplectic_euler` rejects the step. The host then raises `margin_scale`, and the step is
@@ -26,13 +28,13 @@ use rayon::prelude::*;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
-use crate::model::layout::{FINE_MARGIN, FLAG_STAGES};
+use crate::model::layout::{FINE_MARGIN, FLAG_CONTINUOUS, FLAG_STAGES};
 use crate::model::part::part;
 use crate::model::status::REBUILD_REQUESTED;
 use crate::model::step::{Aabb, Step};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
-use crate::physics::travel::{EXACT_MARGIN, acceleration_margin, position_ahead, travel_bound};
+use crate::physics::travel::{EXACT_MARGIN, acceleration_margin, position_ahead, trail, travel_bound};
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -118,6 +120,8 @@ fn margin(view: &View, gain: f32, sphere: u32) -> f32 {
     }
     let radius = view.radius(sphere);
     let travel = travel_bound(view.step, view.velocity(sphere), radius, view.step.lookahead);
+    let is_continuous = view.step.flags & FLAG_CONTINUOUS != 0;
+    let travel = if is_continuous { travel.max(trail(view.step, view.velocity(sphere), radius)) } else { travel };
     let exact = view.step.has_exact_lists();
     let spare = if exact { EXACT_MARGIN } else { (view.step.margin_scale - 1.0) * 0.02 };
     travel + gain + spare * radius

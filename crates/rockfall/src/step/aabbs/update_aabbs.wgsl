@@ -22,7 +22,11 @@ fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
         gain = select(0.0, acceleration_margin(y3[at].xyz, y4[at].xyz, step.lookahead), (step.flags & FLAG_STAGES) != 0u);
     }
     let spare = select((step.margin_scale - 1.0) * 0.02, EXACT_MARGIN, has_exact_lists()) * radius;
-    return select(0.0, travel_bound(velocity, radius, step.lookahead) + gain + spare, velocity.w > 0.0);
+    var travel = travel_bound(velocity, radius, step.lookahead);
+    if CONTINUOUS {
+        travel = max(travel, trail(velocity, radius));
+    }
+    return select(0.0, travel + gain + spare, velocity.w > 0.0);
 }
 
 // Returns the AABB of a ball of this radius about the centre of a sphere. The radius is that of the sphere itself or of a rod

@@ -81,7 +81,12 @@ fn entries_to_classify(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
 // Classifies an entry and returns its bits. They are written only if they have changed, which is rare.
 fn mark_entry(own: Own, velocity: vec4f, other: LoadedEntry, slot: vec2u) -> u32 {
     let entry = other.entry & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
-    let bits = classify(own, velocity, other);
+    var bits = classify(own, velocity, other);
+    if (bits & ENTRY_COLLIDES) != 0u {
+        if is_put_off(own.id, entry_id(other.entry)) {
+            bits = ENTRY_OVERLAPS;
+        }
+    }
     if (entry | bits) != other.entry {
         lists[slot.x][slot.y] = entry | bits;
     }

@@ -8,6 +8,8 @@
 //! both sides. Later stages read these bits and do not decide again. `LIST_COLLIDES` is set in the count of a mover that
 //! has a colliding entry. Each collision is counted once, at the mover with the lower insertion index.
 //!
+//! The contacts of a sphere whose crossing is handled do not collide (docs/physics.md section 3.10).
+//!
 //! The step is rejected when a sphere is outside its AABB (`REJECTED_ESCAPED`). Like the other stages of the phase, this
 //! stage does nothing when the step is rejected or its collisions are done.
 
@@ -19,13 +21,16 @@ use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
-use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, LIST_COLLIDES, LIST_COUNT_MASK, SLICE};
+use crate::model::layout::{
+    ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, FLAG_CONTINUOUS, LIST_COLLIDES, LIST_COUNT_MASK, SLICE,
+};
 use crate::model::lists::{Entry, Slice, slices};
 use crate::model::part::part;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::balls::Ball;
 use crate::physics::collision::Collision;
+use crate::physics::collision::crossing::Crossings;
 use crate::physics::travel::escape_ratio;
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
@@ -41,6 +46,7 @@ pub(crate) const STAGE: Stage = Stage {
         write("lists", Buffer::Lists),
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
+        read("crossings", Buffer::Y3),
     ],
     threads: Threads::SharedMovers,
     // Reads position, velocity and entries. Few entries change.
@@ -52,8 +58,9 @@ fn find_collisions(world: &mut World, _pass: u32) {
     if world.status.rejected != 0 || world.status.collided != 0 {
         return;
     }
-    let World { step, topology, states: [state, ..], lists, aabbs, status, .. } = world;
+    let World { step, topology, states: [state, _, y3, _], lists, aabbs, status, .. } = world;
     let view = View::new(step, topology, state);
+    let crossings = (step.flags & FLAG_CONTINUOUS != 0).then_some(Crossings::new(step, y3));
     let tally = slices(step, lists)
         .into_par_iter()
         .with_min_len(GRAIN / SLICE as usize)
@@ -64,7 +71,7 @@ fn find_collisions(world: &mut World, _pass: u32) {
                 if mover < step.spheres {
                     tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, aabbs, mover));
                 }
-                mark(&view, &mut slice, place, &mut tally);
+                mark(&view, crossings, &mut slice, place, &mut tally);
             }
             tally
         })
@@ -73,7 +80,7 @@ fn find_collisions(world: &mut World, _pass: u32) {
 }
 
 /// Marks the entries of the mover at this place of a slice, and the mover's count if one of them collides.
-fn mark(view: &View, slice: &mut Slice, place: usize, tally: &mut Tally) {
+fn mark(view: &View, crossings: Option<Crossings>, slice: &mut Slice, place: usize, tally: &mut Tally) {
     let mover = slice.first + place as u32;
     let count = slice.counts[place] & LIST_COUNT_MASK;
     let words = Cell::from_mut(&mut *slice.words).as_slice_of_cells();
@@ -82,7 +89,11 @@ fn mark(view: &View, slice: &mut Slice, place: usize, tally: &mut Tally) {
     let list = |place: u32| Entry::new(id_mask, place, word(place).get() & !(ENTRY_OVERLAPS | ENTRY_COLLIDES));
     (0..count).for_each(|place| word(place).set(list(place).word));
     slice.counts[place] &= !LIST_COLLIDES;
+    let is_put_off = |entry: &Entry| {
+        crossings.is_some_and(|crossings| [mover, entry.id()].into_iter().any(|id| crossings.handled(id).is_some()))
+    };
     let mut set = |entry: &Entry, bits: u32| {
+        let bits = if bits & ENTRY_COLLIDES != 0 && is_put_off(entry) { ENTRY_OVERLAPS } else { bits };
         word(entry.place).set(entry.word | bits);
         if bits & ENTRY_COLLIDES != 0 {
             slice.counts[place] |= LIST_COLLIDES;

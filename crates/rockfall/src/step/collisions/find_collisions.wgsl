@@ -1,14 +1,27 @@
 // requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
-// requires physics/geometry.wgsl step/collisions/classify_contacts.wgsl step/large_spheres/workgroup_per_sphere.wgsl
+// requires physics/geometry.wgsl step/collisions/classify_contacts.wgsl step/collisions/crossing_rows.wgsl
+// requires step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
 @group(0) @binding(4) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(5) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
+@group(0) @binding(7) var<storage, read> crossings: array<vec4f>;
 
 // Whether an entry of the workgroup's large sphere collides.
 var<workgroup> any_collides: atomic<u32>;
+
+// The contacts of a sphere whose crossing is handled do not collide (docs/physics.md section 3.10).
+fn is_put_off(a: u32, b: u32) -> bool {
+    if !CONTINUOUS {
+        return false;
+    }
+    if has_handled_crossing(a) {
+        return true;
+    }
+    return has_handled_crossing(b);
+}
 
 // Does what `mark_entries` does, for the large sphere of a workgroup. Each thread marks every WORKGROUP-th entry. Returns
 // the number of collisions that this thread has counted.

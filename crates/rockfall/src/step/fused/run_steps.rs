@@ -10,9 +10,9 @@
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 #[cfg(feature = "gpu")]
-use crate::model::layout::LAW_THESIS;
-#[cfg(feature = "gpu")]
 use crate::model::layout::POSITIONS_FIRST;
+#[cfg(feature = "gpu")]
+use crate::model::layout::{FLAG_CONTINUOUS, LAW_THESIS};
 use crate::model::layout::{ORDER_MASK, PHASES_SHIFT, POSITIONS_ALONE, SYMPLECTIC_EULER};
 use crate::model::part::part;
 use crate::model::step::Step;
@@ -57,10 +57,14 @@ pub(crate) fn is_small(step: &Step) -> bool {
 
 /// Returns whether the stage may replace other stages in a scene with these counts. It cannot where there may be long movers,
 /// because each of them needs more than one thread, and not with a contact law that has
-/// stages of its own.
+/// stages of its own, or where contacts within a step are handled, which has stages of its own too.
 #[cfg(feature = "gpu")]
 pub(crate) fn can_fuse(step: &Step) -> bool {
-    is_small(step) && step.spheres <= MAX_FUSED_SPHERES && step.long_at == 0 && step.law == LAW_THESIS
+    is_small(step)
+        && step.spheres <= MAX_FUSED_SPHERES
+        && step.long_at == 0
+        && step.law == LAW_THESIS
+        && step.flags & FLAG_CONTINUOUS == 0
 }
 
 /// Returns the pass of a dispatch that runs only this phase, either that of collisions or that of positions.

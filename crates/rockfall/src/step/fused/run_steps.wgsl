@@ -30,6 +30,11 @@ fn add_law_load(i: u32, net: ptr<function, Net>) {}
 
 fn remember(i: u32, old_position: vec3f, spin: vec3f) {}
 
+// Where contacts within a step are handled, the single stages replace this kernel.
+fn is_put_off(a: u32, b: u32) -> bool {
+    return false;
+}
+
 // Every sphere computes its collisions itself. If collisions share bodies, the step is rejected, and the single stages
 // replace this kernel.
 fn part_of_entry(sphere: u32, row: u32, slot: vec2u) -> Part {

@@ -67,4 +67,5 @@ fn close_step(local: u32) {
     atomicStore(&status.bad_count, 0u);
     atomicStore(&status.bad_body, NO_BODY);
     atomicStore(&status.collided, 0u);
+    status.lengths_due = 0u;
 }

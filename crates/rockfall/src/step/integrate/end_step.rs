@@ -1,6 +1,6 @@
-//! Closes the step. Moves the counters to the `last_*` fields, adds them to the totals, and clears `collided`. If the state
-//! of a body stopped being finite, the steps after this one are rejected unless `FLAG_CONTINUE` is set. Does nothing in a
-//! rejected step.
+//! Closes the step. Moves the counters to the `last_*` fields, adds them to the totals, and clears `collided` and
+//! `lengths_due`. If the state of a body stopped being finite, the steps after this one are rejected unless `FLAG_CONTINUE` is
+//! set. Does nothing in a rejected step.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -50,4 +50,5 @@ pub(crate) fn end_step(world: &mut World, _pass: u32) {
         }
     }
     status.collided = 0;
+    status.lengths_due = 0;
 }
