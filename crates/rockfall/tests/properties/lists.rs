@@ -105,6 +105,7 @@ fn a_fast_body_passes_a_crowd_as_with_all_pairs() {
 
 /// A random change of a scene. Indices are taken modulo the number of objects.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "there are few edits at a time")]
 enum Edit {
     Add(Thing),
     AddCapsule(Vec3, Vec3),
