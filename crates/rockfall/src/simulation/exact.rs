@@ -19,9 +19,9 @@ use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::Phase;
 
 impl Simulation {
-    /// Whether lists may be exact in this scene. Contacts within the last step need lists of its whole path. Other contact laws keep springs for the pairs of their lists, friction impulses
-    /// follow the collisions and use their lists, and rods move between two evaluations. Without collisions bodies press each other
-    /// gently, and lists with a margin last longer than a step.
+    /// Whether lists may be exact in this scene. Contacts that begin and end within a step need lists of the whole path. Other contact
+    /// laws keep springs for the pairs of their lists, friction impulses follow the collisions and use their lists, and rods move
+    /// between two evaluations. Without collisions bodies press each other gently, and lists with a margin last longer than a step.
     pub(super) fn may_have_exact_lists(&self) -> bool {
         let step = &self.world.step;
         self.options.integrator == Integrator::SymplecticEuler
