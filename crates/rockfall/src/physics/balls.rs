@@ -6,8 +6,8 @@ use glam::{BVec4A, Vec4};
 use crate::model::lanes::{LANES, Vec3x4};
 use crate::model::lists::Entry;
 use crate::model::view::{Object, TINY, View};
-use crate::physics::collision::crossing::has_just_begun;
-use crate::physics::contact::{Approach, Sides, Touches};
+use crate::physics::contact::{Approach, Sides, Touches, collision_velocity};
+use crate::physics::first_contact::time_of_beginning;
 use crate::physics::pairs::Surfaces;
 use crate::physics::side::side;
 use crate::physics::touch::ROUNDING;
@@ -47,7 +47,9 @@ impl<'a, 'b> Ball<'a, 'b> {
     pub(crate) fn have_lasted(&self, others: &[Entry]) -> BVec4A {
         let mut lasted = [0.0; LANES];
         for (lane, other) in lasted.iter_mut().zip(others) {
-            *lane = if has_just_begun(self.view, self.sphere, other.id()) { 0.0 } else { 1.0 };
+            let smaller = self.view.radius(self.sphere).min(self.view.radius(other.id()));
+            let began = time_of_beginning(self.view, self.sphere, other.id(), collision_velocity(self.view.step, smaller));
+            *lane = if began.is_some() { 0.0 } else { 1.0 };
         }
         Vec4::from_array(lasted).cmpgt(Vec4::ZERO)
     }

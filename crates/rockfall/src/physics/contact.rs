@@ -7,7 +7,7 @@ use crate::model::lanes::Vec3x4;
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_CONTINUOUS, FLAG_PULL};
 use crate::model::step::Step;
 use crate::model::view::{TINY, View};
-use crate::physics::collision::crossing::has_just_begun;
+use crate::physics::first_contact::time_of_beginning;
 use crate::physics::geometry::ROUNDED;
 use crate::physics::pairs::{Surface, Surfaces};
 use crate::physics::side::{Side, side};
@@ -72,11 +72,15 @@ pub(crate) struct ContactForce<V> {
 
 /// Returns the contact force of two objects that overlap.
 pub(crate) fn contact_force(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> ContactForce<Vec3> {
-    if view.step.flags & FLAG_CONTINUOUS != 0 && has_just_begun(view, id_a, id_b) {
-        return ContactForce::default();
+    let sides = [(id_a, touch.a), (id_b, touch.b)].map(|(id, parameter)| side(view, view.object(id), parameter));
+    if view.step.flags & FLAG_CONTINUOUS != 0 {
+        let threshold = collision_velocity(view.step, smaller_radius(&sides[0], &sides[1]));
+        // A contact that began within the step exerts no force (docs/physics.md section 3.10).
+        if time_of_beginning(view, id_a, id_b, threshold).is_some() {
+            return ContactForce::default();
+        }
     }
-    let [a, b] =
-        [(id_a, touch.a), (id_b, touch.b)].map(|(id, parameter)| Sides::splat(&side(view, view.object(id), parameter)));
+    let [a, b] = sides.each_ref().map(Sides::splat);
     let surfaces = Surfaces::splat(&Surface::of(view, id_a, id_b));
     let of_four = contact_forces(view.step, &a, &b, &Touches::splat(touch), &surfaces);
     let [force, torque_a, torque_b] = [of_four.force, of_four.torque_a, of_four.torque_b].map(|v| v.to_rows()[0]);

@@ -1,0 +1,122 @@
+//! The first contact of two objects within the last step (docs/physics.md section 3.10).
+//!
+//! The motion is taken as straight. Times are in seconds before the present.
+
+use glam::Vec3;
+
+use crate::model::view::{BoxRecord, Object, PolygonRecord, View};
+use crate::physics::geometry::{AT_END, point_box};
+use crate::physics::touch::{Motions, ROUNDING, line};
+
+/// Most iterations for the first contact with a box.
+const ITERATIONS: u32 = 16;
+/// A sphere touches a box when the iteration ends at most this far from it, in radii.
+const NEAR: f32 = 1e-3;
+
+/// The time at which a pair began to touch, if that was within the step and it then approached at more than `threshold` (units/s). It
+/// may touch still.
+pub(crate) fn time_of_beginning(view: &View, one: u32, other: u32, threshold: f32) -> Option<f32> {
+    let (a, b) = view.ordered(one, other);
+    let time = time_of_first_contact(view, a, b)?;
+    let normal = line(view, &Earlier { view, time }, view.object(a), view.object(b), None)?.normal;
+    let spheres = || [a, b].into_iter().filter(|id| *id < view.step.spheres);
+    let inverse_mass: f32 = spheres().map(|sphere| view.inverse_mass(sphere)).sum();
+    let towards = |id: u32| if id < view.step.spheres { normal.dot(view.velocity(id)) } else { 0.0 };
+    (inverse_mass > 0.0 && towards(a) - towards(b) > threshold).then_some(time)
+}
+
+/// The time of the first contact of objects A and B, if their paths touch. A was added before B.
+fn time_of_first_contact(view: &View, a: u32, b: u32) -> Option<f32> {
+    let dt = view.step.dt;
+    match (view.object(a), view.object(b)) {
+        (Object::Sphere(a), Object::Sphere(b)) => {
+            let radii = [view.radius(a), view.radius(b)];
+            let path = view.own_velocity(b) - view.own_velocity(a);
+            let balls = view.is_ball(a) && view.is_ball(b);
+            balls.then(|| sphere_sphere(view.position(b) - view.position(a), path, radii, dt)).flatten()
+        }
+        (Object::Sphere(a), Object::Cuboid(cuboid)) if view.is_ball(a) => {
+            sphere_box(&view.cuboid(cuboid), view.position(a), view.own_velocity(a), view.radius(a), dt)
+        }
+        (Object::Sphere(a), Object::Polygon(polygon)) if view.is_ball(a) => {
+            sphere_polygon(&view.polygon(polygon), view.position(a), view.own_velocity(a), view.radius(a), dt)
+        }
+        _ => None,
+    }
+}
+
+/// `d` is the vector between the centres, `path` its rate of change.
+fn sphere_sphere(d: Vec3, path: Vec3, radii: [f32; 2], dt: f32) -> Option<f32> {
+    let (reach, least) = (radii[0] + radii[1], radii[0].min(radii[1]));
+    let squared = path.length_squared();
+    let nearest = d.dot(path) / squared;
+    let chord = reach * reach - (d - nearest * path).length_squared();
+    let was_apart = reach - (d - dt * path).length() <= ROUNDING * least;
+    let time = nearest + (chord / squared).sqrt();
+    // Without relative motion the times are not numbers.
+    (nearest < dt && chord > 0.0 && was_apart && time > 0.0).then(|| time.min(dt))
+}
+
+fn sphere_box(cuboid: &BoxRecord, position: Vec3, velocity: Vec3, radius: f32, dt: f32) -> Option<f32> {
+    let at = |time: f32| {
+        let (normal, distance) = point_box(cuboid, position - time * velocity, radius);
+        (radius - distance, velocity.dot(normal))
+    };
+    let mut time = dt;
+    let (mut overlap, mut closing) = at(time);
+    if overlap > ROUNDING * radius {
+        return None;
+    }
+    for _ in 0..ITERATIONS {
+        if overlap >= 0.0 || closing <= 0.0 {
+            break;
+        }
+        time += overlap / closing;
+        (overlap, closing) = at(time);
+    }
+    (overlap >= -NEAR * radius && closing > 0.0 && time > 0.0).then_some(time)
+}
+
+fn sphere_polygon(polygon: &PolygonRecord, position: Vec3, velocity: Vec3, radius: f32, dt: f32) -> Option<f32> {
+    let normal = polygon.left.cross(polygon.right);
+    let (squared, length) = (normal.length_squared(), normal.length());
+    let coordinates = |v: Vec3| {
+        let (l, k) = (v.cross(polygon.right).dot(normal) / squared, polygon.left.cross(v).dot(normal) / squared);
+        Vec3::new(l, k, v.dot(normal) / length)
+    };
+    let (place, rate) = (coordinates(position - polygon.corner), coordinates(velocity));
+    if rate.z >= 0.0 {
+        return None;
+    }
+    let low = Vec3::new(-AT_END, -AT_END, 0.0);
+    let high = Vec3::new(1.0 + AT_END, 1.0 + AT_END, (1.0 - ROUNDING) * radius);
+    let (mut end, mut begin) = (f32::NEG_INFINITY, f32::INFINITY);
+    for axis in 0..3 {
+        if rate[axis] == 0.0 {
+            if place[axis] < low[axis] || place[axis] > high[axis] {
+                return None;
+            }
+            continue;
+        }
+        let times = [(place[axis] - low[axis]) / rate[axis], (place[axis] - high[axis]) / rate[axis]];
+        end = end.max(times[0].min(times[1]));
+        begin = begin.min(times[0].max(times[1]));
+    }
+    (end > 0.0 && end < begin && begin < dt).then(|| ((place.z - radius) / rate.z).clamp(0.0, dt))
+}
+
+/// The spheres at an earlier time, moved back along straight lines. Fixed spheres are not moved.
+pub(crate) struct Earlier<'a> {
+    pub(crate) view: &'a View<'a>,
+    pub(crate) time: f32,
+}
+
+impl Motions for Earlier<'_> {
+    fn position(&self, sphere: u32) -> Vec3 {
+        self.view.position(sphere) - self.time * self.view.own_velocity(sphere)
+    }
+
+    fn velocity(&self, sphere: u32) -> Vec3 {
+        self.view.velocity(sphere)
+    }
+}
