@@ -114,7 +114,7 @@ fn has_pairs(world: &World) -> bool {
     groups.windows(2).any(|pair| pair[0] == pair[1])
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "gpu"))]
 mod tests {
     use super::*;
     use crate::generate::{creature, creature_without_pairs};
