@@ -114,7 +114,8 @@ fn has_pairs(world: &World) -> bool {
     groups.windows(2).any(|pair| pair[0] == pair[1])
 }
 
-#[cfg(all(test, feature = "gpu"))]
+#[cfg(feature = "gpu")]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::generate::{creature, creature_without_pairs};
