@@ -3,6 +3,7 @@
 
 use glam::Vec3;
 
+use crate::fine::Fine;
 use crate::model::layout::BOX_FEATURES;
 use crate::model::view::{BoxRecord, Object, PolygonRecord, RodRecord, TINY, View};
 use crate::physics::fine_geometry::{fine_box, fine_plane, fine_spheres};
@@ -19,13 +20,26 @@ pub(crate) trait Motions {
     fn position(&self, sphere: u32) -> Vec3;
     fn velocity(&self, sphere: u32) -> Vec3;
 
+    /// The position with its low part, where positions have one.
+    fn fine_position(&self, _sphere: u32) -> Option<Fine> {
+        None
+    }
+
     /// The contact of two spheres with these radii.
     fn spheres(&self, [a, b]: [u32; 2], radii: [f32; 2]) -> Touch {
+        if let (Some(a), Some(b)) = (self.fine_position(a), self.fine_position(b)) {
+            let (normal, overlap) = fine_spheres(a, b, radii);
+            return Touch { normal, overlap, a: 0.0, b: 0.0 };
+        }
         round(self.position(b) - self.position(a), radii[0] + radii[1], Vec3::Y, 0.0, 0.0)
     }
 
     /// The contact of a sphere of this radius with a box.
     fn on_box(&self, sphere: u32, radius: f32, cuboid: &BoxRecord) -> Touch {
+        if let Some(centre) = self.fine_position(sphere) {
+            let (normal, overlap) = fine_box(cuboid, centre, radius);
+            return Touch { normal, overlap, a: 0.0, b: 0.0 };
+        }
         let (normal, distance) = point_box(cuboid, self.position(sphere), radius);
         Touch { normal, overlap: radius - distance, a: 0.0, b: 0.0 }
     }
@@ -33,6 +47,10 @@ pub(crate) trait Motions {
     /// The contact of a sphere of this radius with the plane of a polygon, and whether the centre is over the polygon and not beside
     /// it. The overlap exceeds the radius where the centre is behind the plane.
     fn on_plane(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> (Touch, bool) {
+        if let Some(centre) = self.fine_position(sphere) {
+            let (face, overlap, is_inside) = fine_plane(polygon, centre, radius);
+            return (Touch { normal: -face, overlap, a: 0.0, b: 0.0 }, is_inside);
+        }
         let (face, height, is_inside) = point_polygon(polygon, self.position(sphere));
         (Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 }, is_inside)
     }
@@ -47,30 +65,8 @@ impl Motions for View<'_> {
         View::velocity(self, sphere)
     }
 
-    fn spheres(&self, [a, b]: [u32; 2], radii: [f32; 2]) -> Touch {
-        if self.step.is_double() {
-            let (normal, overlap) = fine_spheres(self.fine(a), self.fine(b), radii);
-            return Touch { normal, overlap, a: 0.0, b: 0.0 };
-        }
-        round(self.position(b) - self.position(a), radii[0] + radii[1], Vec3::Y, 0.0, 0.0)
-    }
-
-    fn on_box(&self, sphere: u32, radius: f32, cuboid: &BoxRecord) -> Touch {
-        if self.step.is_double() {
-            let (normal, overlap) = fine_box(cuboid, self.fine(sphere), radius);
-            return Touch { normal, overlap, a: 0.0, b: 0.0 };
-        }
-        let (normal, distance) = point_box(cuboid, self.position(sphere), radius);
-        Touch { normal, overlap: radius - distance, a: 0.0, b: 0.0 }
-    }
-
-    fn on_plane(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> (Touch, bool) {
-        if self.step.is_double() {
-            let (face, overlap, is_inside) = fine_plane(polygon, self.fine(sphere), radius);
-            return (Touch { normal: -face, overlap, a: 0.0, b: 0.0 }, is_inside);
-        }
-        let (face, height, is_inside) = point_polygon(polygon, self.position(sphere));
-        (Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 }, is_inside)
+    fn fine_position(&self, sphere: u32) -> Option<Fine> {
+        self.step.is_double().then(|| self.fine(sphere))
     }
 }
 
