@@ -433,13 +433,18 @@ fn touch_bar(id: u32, own: Bar, other: u32, feature: u32) -> Touch {
 
 // Contact of a sphere with an object that is not a sphere. `i` is the id of the sphere, `own` its position and radius.
 fn touch_static_or_rod(i: u32, id: u32, own: vec4f) -> Touch {
-    let boxes = step.spheres + step.rods;
-    if id < boxes {
+    if id < step.spheres + step.rods {
         if RODS {
             return touch_sphere_rod(i, own, bar_of(id - step.spheres));
         }
         return no_touch();
     }
+    return touch_static(i, id, own);
+}
+
+// Contact of a sphere with a box or polygon.
+fn touch_static(i: u32, id: u32, own: vec4f) -> Touch {
+    let boxes = step.spheres + step.rods;
     if id < boxes + step.boxes {
         if DOUBLE {
             return touch_box_finely(i, own.w, cuboid(id - boxes));

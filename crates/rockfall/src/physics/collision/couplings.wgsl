@@ -66,12 +66,16 @@ fn couple_sphere(k: Record, number: u32, sphere: u32, part: f32, side: f32) {
     if (w <= 0.0) | (part == 0.0) {
         return;
     }
-    couple_sphere_row(k, number, sphere, sphere, side * part * w);
+    var rods = vec2u(0u);
     if RODS {
-        let rods = rods_of(sphere);
-        for (var r = 0u; r < rods.y; r++) {
-            couple_sphere_row(k, number, sphere, step.spheres + index_of(topology[rods.x + r]), side * part * w);
+        rods = rods_of(sphere);
+    }
+    for (var r = 0u; r < 1u + rods.y; r++) {
+        var row = sphere;
+        if r > 0u {
+            row = step.spheres + index_of(topology[rods.x + r - 1u]);
         }
+        couple_sphere_row(k, number, sphere, row, side * part * w);
     }
 }
 
@@ -96,9 +100,10 @@ fn couple_capsule(k: Record, number: u32, half: ContactSide, side: f32) {
     let rod = capsule_rod(half.spheres.x);
     let capsule = capsule_of(half.spheres, side_motion(half));
     let torque = torque_at(capsule, half.at, k.n);
-    couple_capsule_row(k, number, capsule, torque, rod, half.spheres.x, side);
-    couple_capsule_row(k, number, capsule, torque, rod, half.spheres.y, side);
-    couple_capsule_row(k, number, capsule, torque, rod, step.spheres + rod, side);
+    for (var r = 0u; r < 3u; r++) {
+        let row = select(select(half.spheres.x, half.spheres.y, r == 1u), step.spheres + rod, r == 2u);
+        couple_capsule_row(k, number, capsule, torque, rod, row, side);
+    }
 }
 
 fn couple_capsule_row(k: Record, number: u32, capsule: Capsule, torque: vec3f, rod: u32, row: u32, side: f32) {
@@ -148,18 +153,24 @@ fn couple_side(k: Record, number: u32, half: ContactSide, side: f32) {
         gathered |= bit;
         return;
     }
-    if RODS & (half.kind == ROD) {
-        couple_sphere(k, number, half.spheres.x, 1.0 - half.at, side);
-        couple_sphere(k, number, half.spheres.y, half.at, side);
-        return;
+    let is_rod = RODS & (half.kind == ROD);
+    for (var end = 0u; end < select(1u, 2u, is_rod); end++) {
+        let part = select(1.0, select(1.0 - half.at, half.at, end == 1u), is_rod);
+        couple_sphere(k, number, select(half.spheres.x, half.spheres.y, end == 1u), part, side);
     }
-    couple_sphere(k, number, half.spheres.x, 1.0, side);
+}
+
+// Side A (0) or B (1) of a collision.
+fn side_of_record(k: Record, side: u32) -> ContactSide {
+    let is_b = side == 1u;
+    return contact_side(select(k.a_id, k.b_id, is_b), select(k.a, k.b, is_b));
 }
 
 // Finds and writes all couplings of a collision that is left to the sweeps.
 fn find_couplings(k: Record, number: u32, is_only: bool) {
     begin_couplings();
-    couple_side(k, number, contact_side(k.a_id, k.a), 1.0);
-    couple_side(k, number, contact_side(k.b_id, k.b), -1.0);
+    for (var side = 0u; side < 2u; side++) {
+        couple_side(k, number, side_of_record(k, side), select(1.0, -1.0, side == 1u));
+    }
     put_couplings(number, is_only);
 }

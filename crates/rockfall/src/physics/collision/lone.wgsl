@@ -149,14 +149,20 @@ fn solve_from(a_id: u32, b_id: u32, feature: u32, found: Touch, start: f32, is_c
     let b_pull = pull_on(b);
     let by_vertex = meets_by_vertex(a, b, a_now, feature);
     var tau = start;
-    for (var round = 0u; round < CONTACT_ROUNDS; round++) {
-        let at = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, true, feature, by_vertex);
-        if !closes(at) {
+    var at_contact: Placed;
+    // The last round evaluates the contact at the time found. It is part of the loop so that compilers make one copy of `placed`.
+    for (var round = 0u; round <= CONTACT_ROUNDS; round++) {
+        let is_last = round == CONTACT_ROUNDS;
+        at_contact = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, !is_last, feature, by_vertex);
+        if is_last {
             break;
         }
-        tau = clamp(tau + at.touch.overlap / at.closing.approach, 0.0, step.dt);
+        if !closes(at_contact) {
+            round = CONTACT_ROUNDS - 1u;
+            continue;
+        }
+        tau = clamp(tau + at_contact.touch.overlap / at_contact.closing.approach, 0.0, step.dt);
     }
-    var at_contact = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, false, feature, by_vertex);
     if !closes(at_contact) {
         if is_crossing {
             return Solved(found.n, 0.0, 0.0, 0.0, 0.0);

@@ -27,51 +27,67 @@ fn share_of(sphere: u32, row: u32, at: f32) -> f32 {
     return select(at, 1.0 - at, rod_ends(row - step.spheres).x == sphere);
 }
 
-fn add_friction_impulses(sphere: u32, row: u32, rubbed: ptr<function, FrictionSums>) {
-    let count = count_of(row);
-    let first = first_of(row);
-    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
-        for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            let rub = friction_impulse_of(row, slot_at(first, begin + firstTrailingBit(rest)));
-            let is_a = rub.a_id == row;
-            let share = share_of(sphere, row, select(rub.at.y, rub.at.x, is_a));
-            let arm = select(rub.arms.y, rub.arms.x, is_a);
-            // The torques on both sides have the same sign: the impulses are opposite, and the arms are too.
-            (*rubbed).velocity = fma(rub.impulse, vec3f(select(-share, share, is_a)), (*rubbed).velocity);
-            (*rubbed).turning = fma(cross(rub.n, rub.impulse), vec3f(share * arm), (*rubbed).turning);
-        }
-    }
+fn add_to_sphere(rub: FrictionImpulse, sphere: u32, row: u32, rubbed: ptr<function, FrictionSums>) {
+    let is_a = rub.a_id == row;
+    let share = share_of(sphere, row, select(rub.at.y, rub.at.x, is_a));
+    let arm = select(rub.arms.y, rub.arms.x, is_a);
+    // The torques on both sides have the same sign: the impulses are opposite, and the arms are too.
+    (*rubbed).velocity = fma(rub.impulse, vec3f(select(-share, share, is_a)), (*rubbed).velocity);
+    (*rubbed).turning = fma(cross(rub.n, rub.impulse), vec3f(share * arm), (*rubbed).turning);
 }
 
-fn add_friction_impulses_on_capsule(capsule: Capsule, rod: u32, row: u32, rubbed: ptr<function, FrictionSums>) {
-    let count = count_of(row);
-    let first = first_of(row);
-    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
-        for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            let rub = friction_impulse_of(row, slot_at(first, begin + firstTrailingBit(rest)));
-            let is_a = rub.a_id == row;
-            var at = select(rub.at.y, rub.at.x, is_a);
-            if row < step.spheres {
-                at = select(0.0, 1.0, rod_ends(rod).y == row);
-            }
-            let torque = select(rub.arms.y, rub.arms.x, is_a) * cross(rub.n, rub.impulse);
-            let grip = capsule_load(capsule, at, select(-rub.impulse, rub.impulse, is_a), torque);
-            (*rubbed).velocity += grip.push;
-            (*rubbed).turning += grip.turning;
-            (*rubbed).rolling += grip.rolling;
-        }
+fn add_to_capsule(rub: FrictionImpulse, capsule: Capsule, rod: u32, row: u32, rubbed: ptr<function, FrictionSums>) {
+    let is_a = rub.a_id == row;
+    var at = select(rub.at.y, rub.at.x, is_a);
+    if row < step.spheres {
+        at = select(0.0, 1.0, rod_ends(rod).y == row);
     }
+    let torque = select(rub.arms.y, rub.arms.x, is_a) * cross(rub.n, rub.impulse);
+    let grip = capsule_load(capsule, at, select(-rub.impulse, rub.impulse, is_a), torque);
+    (*rubbed).velocity += grip.push;
+    (*rubbed).turning += grip.turning;
+    (*rubbed).rolling += grip.rolling;
 }
 
-fn sphere_after_friction(i: u32) -> Motion {
+// Row r of a body: the sphere itself and its rods, or both ends of a capsule and its rod.
+fn body_row(i: u32, rod: u32, rods: vec2u, r: u32) -> u32 {
+    if RODS & (rod != NONE) {
+        let ends = rod_ends(rod);
+        return select(select(ends.x, ends.y, r == 1u), step.spheres + rod, r == 2u);
+    }
+    if r == 0u {
+        return i;
+    }
+    return step.spheres + index_of(topology[rods.x + r - 1u]);
+}
+
+// The sums for sphere i, or for its capsule if `rod` is not NONE. There is one loop for both, because software drivers compile a
+// copy of `friction_impulse_of` for every call.
+fn friction_sums(i: u32, rod: u32, capsule: Capsule) -> FrictionSums {
     var rubbed = FrictionSums(vec3f(0.0), vec3f(0.0), vec3f(0.0));
-    add_friction_impulses(i, i, &rubbed);
+    var rods = vec2u(0u);
     if RODS {
-        let rods = rods_of(i);
-        for (var r = 0u; r < rods.y; r++) {
-            add_friction_impulses(i, step.spheres + index_of(topology[rods.x + r]), &rubbed);
+        rods = rods_of(i);
+    }
+    for (var r = 0u; r < select(1u + rods.y, 3u, rod != NONE); r++) {
+        let row = body_row(i, rod, rods, r);
+        let count = count_of(row);
+        let first = first_of(row);
+        for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
+            for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
+                let rub = friction_impulse_of(row, slot_at(first, begin + firstTrailingBit(rest)));
+                if RODS & (rod != NONE) {
+                    add_to_capsule(rub, capsule, rod, row, &rubbed);
+                } else {
+                    add_to_sphere(rub, i, row, &rubbed);
+                }
+            }
         }
     }
+    return rubbed;
+}
+
+fn sphere_after_friction(i: u32, rubbed: FrictionSums) -> Motion {
     let velocity = state[velocity_at(i)];
     return Motion(
         state[position_at(i)].xyz,
@@ -80,13 +96,8 @@ fn sphere_after_friction(i: u32) -> Motion {
     );
 }
 
-fn end_after_friction(i: u32, rod: u32) -> Motion {
+fn end_after_friction(i: u32, rod: u32, capsule: Capsule, rubbed: FrictionSums) -> Motion {
     let ends = rod_ends(rod);
-    let capsule = capsule_of(ends, side_motion(contact_side(i, 0.0)));
-    var rubbed = FrictionSums(vec3f(0.0), vec3f(0.0), vec3f(0.0));
-    add_friction_impulses_on_capsule(capsule, rod, ends.x, &rubbed);
-    add_friction_impulses_on_capsule(capsule, rod, ends.y, &rubbed);
-    add_friction_impulses_on_capsule(capsule, rod, step.spheres + rod, &rubbed);
     let offset = select(-capsule.centre, 1.0 - capsule.centre, ends.y == i) * capsule.d;
     let turning = capsule.inverse_inertia * rubbed.turning;
     let velocity = state[velocity_at(i)].xyz + capsule.inverse_mass * rubbed.velocity + cross(turning, offset);
@@ -99,13 +110,19 @@ fn motion_after_friction(i: u32) -> Motion {
     if inverse_mass(i) <= 0.0 {
         return Motion(state[position_at(i)].xyz, state[velocity_at(i)].xyz, state[momentum_at(i)].xyz);
     }
+    var rod = NONE;
+    var capsule = Capsule(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0, 0.0);
     if RODS {
-        let rod = capsule_with(i);
+        rod = capsule_with(i);
         if rod != NONE {
-            return end_after_friction(i, rod);
+            capsule = capsule_of(rod_ends(rod), side_motion(contact_side(i, 0.0)));
         }
     }
-    return sphere_after_friction(i);
+    let rubbed = friction_sums(i, rod, capsule);
+    if RODS & (rod != NONE) {
+        return end_after_friction(i, rod, capsule, rubbed);
+    }
+    return sphere_after_friction(i, rubbed);
 }
 
 @compute @workgroup_size(64)

@@ -23,7 +23,7 @@ fn is_across(sphere: u32, entry: u32, n: vec3f) -> bool {
     if entry_id(entry) < step.spheres + step.rods {
         return false;
     }
-    return abs(dot(touch(sphere, entry_id(entry), 0u).n, n)) <= PERPENDICULAR;
+    return abs(dot(touch_static(sphere, entry_id(entry), state[position_at(sphere)]).n, n)) <= PERPENDICULAR;
 }
 
 // The other pressed contacts of a body of collision k. The body is a moving sphere with the rods that end in it, or the
@@ -61,8 +61,10 @@ fn add_row(k: Record, sphere: u32, row: u32, is_plain: bool, company: ptr<functi
     }
 }
 
+// What the bodies of a collision add to its weight. Every function below is called in one place only: software drivers compile a
+// copy of a function for each call, and the contacts of a sphere take long to compile.
 struct Weight {
-    // The sum of N times the inverse mass over the bodies of the side (docs/physics.md section 3.7).
+    // The sum of N times the inverse mass over the bodies (docs/physics.md section 3.7).
     weight: f32,
     is_undisturbed: bool,
     others: u32,
@@ -70,43 +72,58 @@ struct Weight {
     is_swept: bool,
 }
 
-// The weight of one end of a side. `part` is the share of the impulse that the end gets.
-fn weight_of_end(k: Record, sphere: u32, part: f32, of_network: vec2f) -> Weight {
-    let w = inverse_mass(sphere);
-    if w <= 0.0 {
-        return Weight(0.0, true, 0u, false);
+fn weigh_bodies(k: Record, r: u32) -> Weight {
+    var sum = Weight(0.0, true, 0u, false);
+    for (var side = 0u; side < 2u; side++) {
+        let half = side_of_record(k, side);
+        // A sphere has one end, and both ends of a capsule have the same rows.
+        let ends = select(u32(half.kind != STATIC), 2u, (half.kind == ROD) && !is_of_network(half));
+        let of_network = network_weights(r, 2u * side);
+        for (var end = 0u; end < ends; end++) {
+            let one = weight_of_end(k, half, end, select(of_network.xy, of_network.zw, end == 1u));
+            sum.weight += one.weight;
+            sum.is_undisturbed &= one.is_undisturbed;
+            sum.others += one.others;
+            sum.is_swept |= one.is_swept;
+        }
     }
-    if network_of(sphere) != NO_NETWORK {
-        return weight_of_network(of_network);
+    return sum;
+}
+
+fn is_of_network(rod: ContactSide) -> bool {
+    return network_of_rod(rod.id - step.spheres) != NO_NETWORK;
+}
+
+// What one end of a side adds. `of_network` holds what its network adds to the weight, and how many collisions touch it.
+fn weight_of_end(k: Record, half: ContactSide, end: u32, of_network: vec2f) -> Weight {
+    let sphere = select(half.spheres.x, half.spheres.y, end == 1u);
+    let w = inverse_mass(sphere);
+    // The share of the impulse that the end gets.
+    var part = 1.0;
+    if half.kind == ROD {
+        if is_of_network(half) {
+            return weight_of_network(of_network);
+        }
+        part = select(1.0 - half.at, half.at, end == 1u);
+    }
+    if half.kind != CAPSULE {
+        if w <= 0.0 {
+            return Weight(0.0, true, 0u, false);
+        }
+        if network_of(sphere) != NO_NETWORK {
+            return weight_of_network(of_network);
+        }
     }
     let company = company_of(k, sphere);
-    return Weight(company.weight * part * part * w, company.is_undisturbed, company.others, false);
+    var weight = company.weight * part * part * w;
+    if half.kind == CAPSULE {
+        weight = f32(1u + company.others) * response(half, side_motion(half), k.n).y;
+    }
+    return Weight(weight, company.is_undisturbed, company.others, false);
 }
 
-// The weight of a network. `of_network` holds what it adds to the weight, and how many collisions touch it.
 fn weight_of_network(of_network: vec2f) -> Weight {
     return Weight(of_network.x, false, u32(max(of_network.y, 1.0)) - 1u, true);
-}
-
-fn weight_of_side(k: Record, half: ContactSide, of_network: vec4f) -> Weight {
-    if half.kind == STATIC {
-        return Weight(0.0, true, 0u, false);
-    }
-    if half.kind == SPHERE {
-        return weight_of_end(k, half.spheres.x, 1.0, of_network.xy);
-    }
-    if half.kind == CAPSULE {
-        // Both ends have the same rows, so one end is enough.
-        let company = company_of(k, half.spheres.x);
-        let inverse_mass = response(half, side_motion(half), k.n).y;
-        return Weight(f32(1u + company.others) * inverse_mass, company.is_undisturbed, company.others, false);
-    }
-    if network_of_rod(half.id - step.spheres) != NO_NETWORK {
-        return weight_of_network(of_network.xy);
-    }
-    let one = weight_of_end(k, half.spheres.x, 1.0 - half.at, of_network.xy);
-    let two = weight_of_end(k, half.spheres.y, half.at, of_network.zw);
-    return Weight(one.weight + two.weight, one.is_undisturbed & two.is_undisturbed, one.others + two.others, one.is_swept | two.is_swept);
 }
 
 // Stores a collision whose impulse is known.
@@ -186,21 +203,19 @@ fn weigh_plain(r: u32) {
 
 fn weigh(r: u32) {
     let k = record_at(r);
-    let a = contact_side(k.a_id, k.a);
-    let b = contact_side(k.b_id, k.b);
-    let one = weight_of_side(k, a, network_weights(r, 0u));
-    let two = weight_of_side(k, b, network_weights(r, 2u));
-    if one.is_undisturbed & two.is_undisturbed {
+    let sum = weigh_bodies(k, r);
+    if sum.is_undisturbed {
         let solved = solve_lone(k.a_id, k.b_id, k.feature, touch(k.a_id, k.b_id, k.feature));
         put_solved(r, solved, solved.tau);
         return;
     }
-    let weight = one.weight + two.weight;
     // A contact that rods keep from moving along n gets no impulse (docs/physics.md section 3.4).
+    let a = side_of_record(k, 0u);
+    let b = side_of_record(k, 1u);
     let unprojected = approach_of(a, b, side_motion(a), side_motion(b), k.n).inverse_mass;
-    let inverse = select(0.0, 1.0 / weight, weight > RIGID * unprojected);
-    let is_only = one.others + two.others == 0u;
-    if !is_only | one.is_swept | two.is_swept {
+    let inverse = select(0.0, 1.0 / sum.weight, sum.weight > RIGID * unprojected);
+    let is_only = sum.others == 0u;
+    if !is_only | sum.is_swept {
         put_swept(r, inverse);
         find_couplings(k, r, is_only);
     } else {
