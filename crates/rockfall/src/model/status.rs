@@ -126,6 +126,9 @@ pub struct Status {
     pub clustered_steps: u32,
     /// Such steps with more than [`FEW_COLLISIONS`](crate::model::layout::FEW_COLLISIONS) collisions.
     pub many_steps: u32,
+    /// Which of the two tables in [`Buffer::Histories`](crate::model::buffer::Buffer::Histories) has the springs before the step,
+    /// 0 or 1. The end of a step exchanges the tables.
+    pub history_table: u32,
 }
 
 impl Default for Status {

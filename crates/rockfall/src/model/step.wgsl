@@ -56,6 +56,7 @@ struct Status {
     clustered: u32,
     clustered_steps: u32,
     many_steps: u32,
+    history_table: u32,
 }
 
 // `Counters` and `Status` for stages in which many threads of a dispatch write them.
@@ -98,6 +99,7 @@ struct StatusAtomic {
     clustered: atomic<u32>,
     clustered_steps: u32,
     many_steps: u32,
+    history_table: u32,
 }
 
 @group(0) @binding(0) var<uniform> step: Step;

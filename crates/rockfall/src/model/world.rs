@@ -171,7 +171,9 @@ impl World {
         let row = words(self.step.history_room);
         let mut histories = vec![NO_KEY; 2 * movers * row];
         if old > 0 && self.histories.len() == 2 * movers * old && row >= old {
-            for (to, from) in histories.chunks_exact_mut(row).zip(self.histories.chunks_exact(old)).take(movers) {
+            let first_row = self.status.history_table as usize * movers;
+            let (to, from) = (histories.chunks_exact_mut(row), self.histories.chunks_exact(old));
+            for (to, from) in to.zip(from).skip(first_row).take(movers) {
                 to[..old].copy_from_slice(from);
             }
         }

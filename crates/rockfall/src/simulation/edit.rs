@@ -283,6 +283,7 @@ impl Simulation {
         put_springs(&mut self.world, &self.scene, springs);
         put_rates(&mut self.world, rates);
         self.status.forces_due = self.world.status.forces_due;
+        self.status.history_table = self.world.status.history_table;
         self.engine.complete(&mut self.world);
         self.packed_ids = ids_of(&self.scene);
         self.packed = self.scene.sphere_ids().collect();

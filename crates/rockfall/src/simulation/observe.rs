@@ -174,7 +174,7 @@ impl Simulation {
         let (view, lists) = view_and_lists(&world);
         let impulses = solve(&view, &lists).impulses;
         let impulses = impulses.as_slice();
-        let histories = Histories::new(&world.step, &world.histories);
+        let histories = Histories::of(&world);
         let movers = 0..world.movers();
         let found: Vec<(Collision, ContactAction, Option<ContactSprings>)> = movers
             .into_par_iter()
@@ -212,7 +212,7 @@ impl Simulation {
             LAW_THESIS => (0..world.step.rods).flat_map(of_rod).flatten().map(|load| load.extend(0.0)).collect(),
             _ => world.wrenches.clone(),
         };
-        let histories = Histories::new(&world.step, &world.histories);
+        let histories = Histories::of(&world);
         let of_sphere = |sphere: u32| {
             let mut values = SphereDiagnostics::default();
             for entry in lists.row(sphere) {
@@ -236,7 +236,7 @@ impl Simulation {
         let world = self.observed()?;
         let (view, lists) = view_and_lists(&world);
         let stiffness = f64::from(world.step.contact_force);
-        let histories = Histories::new(&world.step, &world.histories);
+        let histories = Histories::of(&world);
         let of_mover = |mover: u32| -> f64 {
             let own = lists.row(mover).filter(|entry| entry.id() > mover);
             own.filter_map(|entry| {

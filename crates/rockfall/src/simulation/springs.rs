@@ -7,7 +7,7 @@ use crate::model::layout::HISTORY_WORDS;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::laws::contact::Spring;
-use crate::physics::laws::history::{Histories, feature_bits, owner, pack, row_words};
+use crate::physics::laws::history::{Histories, feature_bits, owner, pack, row_words, table_words};
 use crate::scene::{AnyId, Scene};
 use crate::simulation::Simulation;
 
@@ -16,7 +16,7 @@ use crate::simulation::Simulation;
 fn springs_of(world: &World, ids: &[AnyId]) -> Vec<KeptSpring> {
     let step = &world.step;
     let bits = feature_bits(step);
-    let histories = Histories::new(step, &world.histories);
+    let histories = Histories::of(world);
     let of_row = |row: u32| {
         histories.row(row).into_iter().map(move |(key, Spring { shift, overlap, moment })| {
             let (other, feature) = (key >> bits, key & ((1 << bits) - 1));
@@ -48,7 +48,8 @@ pub(super) fn put_springs(world: &mut World, scene: &Scene, springs: &[KeptSprin
     let most = rows.iter().map(Vec::len).max().unwrap_or_default() as u32;
     world.set_history_room(FIRST_HISTORY_ROOM.max(most.next_power_of_two()));
     let words = row_words(&world.step);
-    for (row, records) in world.histories.chunks_exact_mut(words).zip(rows) {
+    let table = world.status.history_table as usize * table_words(&world.step);
+    for (row, records) in world.histories[table..].chunks_exact_mut(words).zip(rows) {
         for (words, (key, spring)) in row.chunks_exact_mut(HISTORY_WORDS as usize).zip(records) {
             pack(words, key, &spring);
         }
@@ -61,14 +62,19 @@ impl Simulation {
         if self.world.step.history_room == 0 {
             return Ok(Vec::new());
         }
-        self.engine.download_histories(&mut self.world).await?;
+        self.download_histories().await?;
         Ok(springs_of(&self.world, &self.packed_ids))
     }
 
     /// Makes room for more contacts per mover, after a step that was rejected for lack of it.
     pub(super) async fn grow_histories(&mut self) -> Result<()> {
-        self.engine.download_histories(&mut self.world).await?;
+        self.download_histories().await?;
         self.world.set_history_room(2 * self.world.step.history_room);
         self.engine.resize_histories(&self.world)
+    }
+
+    async fn download_histories(&mut self) -> Result<()> {
+        self.world.status.history_table = self.status.history_table;
+        self.engine.download_histories(&mut self.world).await
     }
 }

@@ -12,7 +12,7 @@ use crate::step::collisions::{
     find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions,
     weigh_networks,
 };
-use crate::step::forces::{commit_history, law_forces, rod_forces};
+use crate::step::forces::{law_forces, rod_forces};
 use crate::step::fused::{run_steps, run_worlds};
 use crate::step::integrate::{
     advance, check_drift, commit_and_turn, commit_symplectic_euler, constrain, drift, end_step, finish, finish_and_turn, kick,
@@ -22,7 +22,7 @@ use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_sph
 use crate::step::stage::Stage;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 56] = [
+pub const ALL: [&Stage; 55] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -57,7 +57,6 @@ pub const ALL: [&Stage; 56] = [
     &restore_lengths::STAGE,
     &rod_forces::STAGE,
     &law_forces::STAGE,
-    &commit_history::STAGE,
     &advance::STAGE,
     &finish::STAGE,
     &finish_and_turn::STAGE,

@@ -1,5 +1,4 @@
 //! Forces on rods. The stages of `integrate` evaluate the forces on spheres.
 
-pub(crate) mod commit_history;
 pub(crate) mod law_forces;
 pub(crate) mod rod_forces;

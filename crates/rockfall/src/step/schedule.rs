@@ -16,7 +16,7 @@ use crate::step::collisions::{
     find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions,
     weigh_networks,
 };
-use crate::step::forces::{commit_history, law_forces, rod_forces};
+use crate::step::forces::{law_forces, rod_forces};
 use crate::step::integrate::{
     advance, check_drift, commit_and_turn, commit_symplectic_euler, constrain, drift, end_step, finish, finish_and_turn, kick,
     kick_and_turn, restore_lengths, starting_forces, symplectic_euler, turn,
@@ -216,7 +216,6 @@ impl Phase {
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Rods),
                         run(&commit_and_turn::STAGE).when(When::NoRods),
-                        run(&commit_history::STAGE).when(When::Histories),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -237,7 +236,6 @@ impl Phase {
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Rods),
                         pass(&kick_and_turn::STAGE, 3).when(When::NoRods),
-                        run(&commit_history::STAGE).when(When::Histories),
                         run(&end_step::STAGE),
                     ]
                 }

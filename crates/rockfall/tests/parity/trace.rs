@@ -227,7 +227,7 @@ fn add_springs(world: &mut World, plan: &Plan) {
     for run in lists.flat_map(|phase| phase.stages(plan.integrator, plan.broad_phase)) {
         run.on_cpu(&mut early);
     }
-    let laws = ["law_forces", "commit_history"];
+    let laws = ["law_forces", "end_step"];
     let stages = Phase::UpdatePositions.stages(Integrator::SymplecticEuler, plan.broad_phase).iter();
     stages.filter(|run| laws.contains(&run.stage.name)).for_each(|run| run.on_cpu(&mut early));
     assert_eq!(early.status.rejected, 0, "the rows have no room for all springs");
@@ -248,6 +248,7 @@ fn add_springs(world: &mut World, plan: &Plan) {
         }
     }
     world.histories = early.histories;
+    world.status.history_table = early.status.history_table;
 }
 
 fn run(drawn: &Clusters, plan: &Plan) -> Trace {

@@ -5,19 +5,20 @@
 //! of memory either. So records do not depend on pair lists at all. Each row is filled from its start; the first record without
 //! a key ends it.
 //!
-//! There are two tables of rows: the springs before the step, and those after it. `commit_history` copies the second to the
-//! first when the step is accepted, so a rejected step is repeated from the same springs.
+//! There are two tables of rows: the springs before the step, and those after it. `end_step` exchanges them, so a rejected step is
+//! repeated from the same springs. `history_table` of the status is the number of the first.
 
 use glam::Vec3;
 
 use crate::model::layout::{HISTORY_WORDS, NO_KEY};
 use crate::model::step::Step;
 use crate::model::view::{Object, View};
+use crate::model::world::World;
 use crate::physics::laws::contact::Spring;
 
 const WORDS: usize = HISTORY_WORDS as usize;
 
-/// The springs before the step.
+/// A table of springs.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Histories<'a> {
     /// Words of a row.
@@ -26,7 +27,13 @@ pub(crate) struct Histories<'a> {
 }
 
 impl<'a> Histories<'a> {
-    /// `words` are those of both tables.
+    /// The springs before the step.
+    pub(crate) fn of(world: &'a World) -> Self {
+        let words = &world.histories[world.status.history_table as usize * table_words(&world.step)..];
+        Self::new(&world.step, words)
+    }
+
+    /// `words` begin with those of the table.
     pub(crate) fn new(step: &Step, words: &'a [u32]) -> Self {
         Self { stride: row_words(step), words }
     }
@@ -50,6 +57,11 @@ impl<'a> Histories<'a> {
 /// Words of a row: `history_room` records.
 pub(crate) fn row_words(step: &Step) -> usize {
     step.history_room as usize * WORDS
+}
+
+/// Words of a table: one row per mover.
+pub(crate) fn table_words(step: &Step) -> usize {
+    step.movers() as usize * row_words(step)
 }
 
 /// The owner of a contact: the mover whose row keeps its spring. It is the smaller of two spheres or of two rods, because a

@@ -2,7 +2,7 @@
 
 // Where the springs of contacts are kept (docs/physics.md section 4.11). A row of `histories` belongs to a mover, by insertion
 // index. It has `history_room` records of two vectors: displacement and overlap; moment and the key of the other
-// object. A record without a key ends the row. The rows after the step follow those before it.
+// object. A record without a key ends the row. There are two tables of rows: the springs before the step, and those after it.
 
 struct Spring {
     shift: vec3f,
@@ -27,9 +27,9 @@ fn record_of_row(row: u32, place: u32) -> u32 {
     return 2u * (row * step.history_room + place);
 }
 
-// First row of the springs after the step.
-fn rows_after() -> u32 {
-    return step.spheres + step.rods;
+// First row of a table: 0 is the one with the springs before the step, 1 that with those after it.
+fn first_row(table: u32) -> u32 {
+    return (status.history_table ^ table) * (step.spheres + step.rods);
 }
 
 // Whether the mover a owns its contact with object b; a was added first. Of two spheres or two rods, the smaller one does. A
@@ -47,7 +47,7 @@ fn first_owns(a: u32, b: u32) -> bool {
 // The spring of the contact of a and b before the step.
 fn spring_of(a: u32, b: u32, feature: u32) -> Spring {
     let is_first = first_owns(a, b);
-    let row = insertion_index(select(b, a, is_first));
+    let row = first_row(0u) + insertion_index(select(b, a, is_first));
     let key = entry_key(select(a, b, is_first), feature);
     for (var place = 0u; place < step.history_room; place++) {
         let at = record_of_row(row, place);
@@ -65,7 +65,7 @@ fn spring_of(a: u32, b: u32, feature: u32) -> Spring {
 
 // Writes a record of the springs after the step.
 fn put_spring(mover: u32, place: u32, key: u32, spring: Spring) {
-    let at = record_of_row(rows_after() + insertion_index(mover), place);
+    let at = record_of_row(first_row(1u) + insertion_index(mover), place);
     histories[at] = bitcast<vec4u>(vec4f(spring.shift, spring.overlap));
     histories[at + 1u] = vec4u(bitcast<vec3u>(spring.moment), key);
 }
@@ -73,6 +73,6 @@ fn put_spring(mover: u32, place: u32, key: u32, spring: Spring) {
 // Ends the row of a mover after `count` records.
 fn end_row(mover: u32, count: u32) {
     if count < step.history_room {
-        histories[record_of_row(rows_after() + insertion_index(mover), count) + 1u] = vec4u(NO_KEY);
+        histories[record_of_row(first_row(1u) + insertion_index(mover), count) + 1u] = vec4u(NO_KEY);
     }
 }

@@ -1,7 +1,7 @@
 //! Computes the contact forces of a law with history, and advances the springs of the contacts (docs/physics.md section 4.11).
 //!
 //! Both sides of a contact evaluate it in the same way, so their forces are equal and opposite. The owner of a contact writes its
-//! new spring to the second table of `Histories`. `commit_history` takes it over when the step is accepted. The step is rejected
+//! new spring to the table of `Histories` for the springs after the step. The step is rejected
 //! when a row has no room for all contacts of its mover. Like `rod_forces`, the stage counts contacts and clears `lengths_due`.
 //!
 //! Pass 0 of velocity Verlet computes forces only if `forces_due` is set, and leaves the springs as they are: the evaluation at the
@@ -20,7 +20,7 @@ use crate::model::status::REJECTED_HISTORY;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::laws::contact::law_force;
-use crate::physics::laws::history::{Histories, key, owner, pack, row_words};
+use crate::physics::laws::history::{Histories, key, owner, pack, row_words, table_words};
 use crate::physics::laws::neck::contact;
 use crate::step::moves::{FORCES, Moves};
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
@@ -63,7 +63,8 @@ fn law_forces(world: &mut World, pass: u32) {
     let lists = Lists::new(step, &world.lists);
     let counts = pass == step.counted_pass();
     let words = row_words(step);
-    let (before, after) = world.histories.split_at_mut(words * step.movers() as usize);
+    let (first, second) = world.histories.split_at_mut(table_words(step));
+    let (before, after) = if world.status.history_table == 0 { (first, second) } else { (second, first) };
     let histories = Histories::new(step, before);
     let mut slots: Vec<u32> = (0..step.movers()).collect();
     (0..spheres).for_each(|slot| slots[view.insertion_index(slot) as usize] = slot);

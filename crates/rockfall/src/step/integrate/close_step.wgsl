@@ -68,4 +68,5 @@ fn close_step(local: u32) {
     atomicStore(&status.bad_body, NO_BODY);
     atomicStore(&status.collided, 0u);
     status.lengths_due = 0u;
+    status.history_table ^= 1u;
 }

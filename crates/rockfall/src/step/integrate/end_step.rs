@@ -1,5 +1,5 @@
-//! Closes the step. Moves the counters to the `last_*` fields, adds them to the totals, and clears `collided` and
-//! `lengths_due`. If the state of a body stopped being finite, the steps after this one are rejected unless `FLAG_CONTINUE` is
+//! Closes the step. Moves the counters to the `last_*` fields, adds them to the totals, clears `collided` and `lengths_due`, and
+//! makes the springs after the step those before the next one. If the state of a body stopped being finite, the steps after this one are rejected unless `FLAG_CONTINUE` is
 //! set. Does nothing in a rejected step.
 
 use crate::model::buffer::Buffer;
@@ -51,4 +51,5 @@ pub(crate) fn end_step(world: &mut World, _pass: u32) {
     }
     status.collided = 0;
     status.lengths_due = 0;
+    status.history_table ^= 1;
 }
