@@ -1,4 +1,5 @@
 //! `cargo xtask validate` writes `docs/validation.md` and its plots. `cargo xtask web` builds the page of the browser.
+//! `cargo xtask public-api` compares the public API with its listings.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,6 +9,7 @@ use std::time::Instant;
 use clap::Parser;
 use rockfall_validation::{ALL, Effort, Experiment, Outcome, Result, page, section};
 
+mod public_api;
 mod web;
 
 /// Tasks of the project.
@@ -28,18 +30,31 @@ enum Task {
         #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/dist"))]
         out: PathBuf,
     },
+    /// Compares the public API of every published library with its listing, crates/NAME/public-api.txt
+    PublicApi {
+        /// Write the listings anew
+        #[arg(long)]
+        update: bool,
+    },
 }
 
 fn main() -> ExitCode {
     match Task::parse() {
         Task::Validate { names, out } => validation(&names, &out),
-        Task::Web { out } => match web::build(&out) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(error) => {
-                eprintln!("error: {error}");
-                ExitCode::FAILURE
-            }
-        },
+        Task::Web { out } => exit_code(web::build(&out).map(|()| true)),
+        Task::PublicApi { update } => exit_code(public_api::check(update)),
+    }
+}
+
+/// Prints the error of a task, if it failed. `Ok(false)` is a failure that the task has reported.
+fn exit_code(done: Result<bool>) -> ExitCode {
+    match done {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
     }
 }
 
@@ -50,14 +65,7 @@ fn validation(names: &[String], out: &Path) -> ExitCode {
         eprintln!("error: unknown experiment '{unknown}'; expected one or more of: {}", known.join(", "));
         return ExitCode::from(2);
     }
-    match validate(names, out) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(validate(names, out))
 }
 
 /// Runs the experiments and writes the results. Returns whether every check holds.

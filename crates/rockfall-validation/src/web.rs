@@ -1,11 +1,10 @@
 //! `cargo xtask web`: builds the page of the browser to `web/dist`.
 
-use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-type Result<T> = std::result::Result<T, Box<dyn Error>>;
+use rockfall_validation::Result;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const HELP: &str = "no Rust compiler here builds for wasm32-unknown-unknown: run `rustup target add wasm32-unknown-unknown`, or \
