@@ -56,6 +56,8 @@ pub(crate) fn size(size: &Measured) -> Value {
         "contacts": size.report.contacts,
         "collisions": size.report.total_collisions,
         "replays": size.report.replays,
+        "list_builds": size.report.list_builds,
+        "steps_with_warmup": size.report.steps,
         "profile": size.profile.as_ref().map(|profile| profile_of(size, profile)),
     })
 }

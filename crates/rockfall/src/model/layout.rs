@@ -136,7 +136,7 @@ pub const HISTORY_WORDS: u32 = 8;
 /// Key of a record without a contact. It ends a row.
 pub const NO_KEY: u32 = u32::MAX;
 /// Initial number of records in a row.
-pub const FIRST_HISTORY_ROOM: u32 = 8;
+pub const FIRST_HISTORY_ROOM: u32 = 4;
 
 /// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are not listed. Each sphere computes the impulses
 /// of its own collisions. The step is rejected when a collision shares a body with another.

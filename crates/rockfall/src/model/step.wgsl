@@ -148,7 +148,7 @@ const USER_REACH: f32 = 0.01;
 const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
 const HISTORY_WORDS: u32 = 8u;
 const NO_KEY: u32 = 0xffffffffu;
-const FIRST_HISTORY_ROOM: u32 = 8u;
+const FIRST_HISTORY_ROOM: u32 = 4u;
 const GROUP_MASK: u32 = (1u << MATERIAL_SHIFT) - 1u;
 
 const KIND_SHIFT: u32 = 30u;

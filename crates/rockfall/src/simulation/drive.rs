@@ -280,6 +280,7 @@ impl Simulation {
             room_per_mover: Lookahead::room(words_of_rows(step.pair_rows) as f32 / movers, step.rods > 0),
             movers,
             has_rods: step.rods > 0,
+            has_history: step.history_room > 0,
             may_be_exact: self.may_have_exact_lists(),
             are_exact: step.has_exact_lists(),
             dispatches: self.list_dispatches(),

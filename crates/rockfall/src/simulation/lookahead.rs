@@ -45,6 +45,8 @@ const BUILD_EXACT: f32 = 0.1;
 const FIND_EXACT: f32 = 0.017;
 /// Reading one entry in all stages of a step.
 const LOOK: f32 = 0.008;
+/// The same with a contact law with history, whose kernel is long: its threads wait longer for each other.
+const LOOK_OF_LAW: f32 = 0.016;
 /// Repeating a rejected step and the steps submitted after it, about three steps in all.
 const REJECTION: f32 = 4.0;
 /// Testing one other object, in brute force.
@@ -76,6 +78,8 @@ pub(super) struct Lists {
     /// Number of spheres and rods.
     pub(super) movers: f32,
     pub(super) has_rods: bool,
+    /// Whether the contact law has history.
+    pub(super) has_history: bool,
     /// Whether lists may be exact.
     pub(super) may_be_exact: bool,
     /// Whether lists were exact.
@@ -103,7 +107,7 @@ impl Lists {
         let alone = if self.dispatches > 0.0 { DISPATCH * self.dispatches + wait * self.words_per_mover } else { 0.0 };
         let (build, find) = if self.are_exact { (BUILD_EXACT, FIND_EXACT) } else { (BUILD, FIND) };
         self.builds_per_step * (build + search + find * self.words_per_mover)
-            + LOOK * self.words_per_mover
+            + if self.has_history { LOOK_OF_LAW } else { LOOK } * self.words_per_mover
             + REJECTION * self.rejections_per_step
             + alone / self.movers
     }
@@ -260,6 +264,7 @@ mod tests {
         room_per_mover: 50.0,
         movers: 1e6,
         has_rods: false,
+        has_history: false,
         may_be_exact: false,
         are_exact: false,
         dispatches: 0.0,

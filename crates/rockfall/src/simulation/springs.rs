@@ -46,7 +46,7 @@ pub(super) fn put_springs(world: &mut World, scene: &Scene, springs: &[KeptSprin
         rows[row as usize].push((key, Spring { shift, overlap, moment }));
     }
     let most = rows.iter().map(Vec::len).max().unwrap_or_default() as u32;
-    world.set_history_room(FIRST_HISTORY_ROOM.max(most.next_power_of_two()));
+    world.set_history_room(FIRST_HISTORY_ROOM.max(most));
     let words = row_words(&world.step);
     let table = world.status.history_table as usize * table_words(&world.step);
     for (row, records) in world.histories[table..].chunks_exact_mut(words).zip(rows) {
@@ -69,7 +69,9 @@ impl Simulation {
     /// Makes room for more contacts per mover, after a step that was rejected for lack of it.
     pub(super) async fn grow_histories(&mut self) -> Result<()> {
         self.download_histories().await?;
-        self.world.set_history_room(2 * self.world.step.history_room);
+        let room = self.world.step.history_room;
+        // Rows take half of the memory of a scene of grains, so they grow by little.
+        self.world.set_history_room(room + (room / 4).max(1));
         self.engine.resize_histories(&self.world)
     }
 

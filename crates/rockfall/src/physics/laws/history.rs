@@ -65,7 +65,8 @@ pub(crate) fn table_words(step: &Step) -> usize {
 }
 
 /// The owner of a contact: the mover whose row keeps its spring. It is the smaller of two spheres or of two rods, because a
-/// sphere has few contacts with spheres that are not smaller. A sphere owns its contacts with rods.
+/// sphere has few contacts with spheres that are not smaller. Of two equal ones it is the first if both insertion indices are even
+/// or both are odd, so that nobody owns all of its contacts, and rows are short. A sphere owns its contacts with rods.
 pub(crate) fn owner(view: &View, a: u32, b: u32) -> u32 {
     let (a, b) = view.ordered(a, b);
     let radii = match (view.object(a), view.object(b)) {
@@ -73,7 +74,9 @@ pub(crate) fn owner(view: &View, a: u32, b: u32) -> u32 {
         (Object::Rod(one), Object::Rod(other)) => [view.rod(one).radius, view.rod(other).radius],
         _ => return a,
     };
-    if radii[1] < radii[0] { b } else { a }
+    let is_second =
+        if radii[0] == radii[1] { (view.insertion_index(a) ^ view.insertion_index(b)) & 1 == 1 } else { radii[1] < radii[0] };
+    if is_second { b } else { a }
 }
 
 /// The key of the other object of a contact in its owner's row.

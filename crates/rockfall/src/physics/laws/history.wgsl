@@ -32,16 +32,22 @@ fn first_row(table: u32) -> u32 {
     return (status.history_table ^ table) * (step.spheres + step.rods);
 }
 
-// Whether the mover a owns its contact with object b; a was added first. Of two spheres or two rods, the smaller one does. A
-// sphere owns its contacts with rods.
+// Whether the mover a owns its contact with object b; a was added first. Of two spheres or two rods, the smaller one does. Of two
+// equal ones it is a if both insertion indices are even or both are odd, so that nobody owns all of its contacts. A sphere owns its
+// contacts with rods.
 fn first_owns(a: u32, b: u32) -> bool {
+    var radii = vec2f(0.0);
     if b < step.spheres {
-        return state[position_at(b)].w >= state[position_at(a)].w;
+        radii = vec2f(state[position_at(a)].w, state[position_at(b)].w);
+    } else if RODS & (a >= step.spheres) & (b < step.spheres + step.rods) {
+        radii = vec2f(rod_radius(a - step.spheres), rod_radius(b - step.spheres));
+    } else {
+        return true;
     }
-    if RODS & (a >= step.spheres) & (b < step.spheres + step.rods) {
-        return rod_radius(b - step.spheres) >= rod_radius(a - step.spheres);
+    if radii.x == radii.y {
+        return ((insertion_index(a) ^ insertion_index(b)) & 1u) == 0u;
     }
-    return true;
+    return radii.y > radii.x;
 }
 
 // The spring of the contact of a and b before the step.

@@ -187,6 +187,18 @@ fn close_in(probe: Probe, first: u32, count: u32) -> u32 {
     return close & (0xffffffffu >> (32u - count));
 }
 
+// Whether a sorted box or polygon does not meet the mover, although its ball may. The ball of a plate is far larger than the plate:
+// every mover in a drum is in the balls of all its walls.
+fn is_static_apart(mover: u32, place: u32) -> bool {
+    if are_statics_tested_apart() {
+        return false;
+    }
+    if extents[place].w >= 0.0 {
+        return false;
+    }
+    return !aabbs_meet(aabbs[mover], aabbs[id_at(place)]);
+}
+
 // Emits the objects of a span that are close. Neighbouring threads find objects at different times, and all of them wait
 // while one handles its object. So each thread first tests up to 32 objects, and then handles those that are close.
 fn test_span(mover: u32, probe: Probe, span: Span) {
@@ -196,7 +208,10 @@ fn test_span(mover: u32, probe: Probe, span: Span) {
         first = select(first, 0u, first == objects());
         let count = min(min(left, 32u), objects() - first);
         for (var rest = close_in(probe, first, count); rest != 0u; rest &= rest - 1u) {
-            emit(mover, first + firstTrailingBit(rest));
+            let place = first + firstTrailingBit(rest);
+            if !is_static_apart(mover, place) {
+                emit(mover, place);
+            }
         }
         first += count;
         left -= count;
