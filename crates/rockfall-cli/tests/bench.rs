@@ -39,7 +39,8 @@ fn check_json(backend: &str) {
     assert_eq!(object["sizes"].as_array().unwrap().len(), 2);
     let size = &object["sizes"][1];
     let expected = "bodies broad_phase objects seconds steps_per_second sphere_steps_per_second memory_bytes memory_bytes_per_sphere \
-                    buffers least_bytes_per_sphere_step bandwidth_used contacts collisions replays profile";
+                    buffers least_bytes_per_sphere_step bandwidth_used contacts collisions replays list_builds \
+                    steps_with_warmup profile";
     assert_eq!(keys(size), words(expected));
     assert_eq!(size["objects"]["spheres"], 64);
     for spread in ["seconds", "steps_per_second", "sphere_steps_per_second"] {

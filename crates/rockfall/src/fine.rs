@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-/// The sum of two vectors. Each component of `low` is at most half of the distance of neighbouring `f32` numbers at that of `high`, so
+/// The sum of two vectors. Each component of `low` is at most half a unit in the last place of the same component of `high`, so
 /// that `high` is the sum rounded to `f32`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Fine {

@@ -5,8 +5,9 @@
 //! of memory either. So records do not depend on pair lists at all. Each row is filled from its start; the first record without
 //! a key ends it.
 //!
-//! There are two tables of rows: the springs before the step, and those after it. `end_step` exchanges them, so a rejected step is
-//! repeated from the same springs. `history_table` of the status is the number of the first.
+//! There are two tables of rows: the springs before the step, and those after it. `end_step` exchanges them, so a rejected step
+//! is repeated from the same springs. `history_table` of the status is the number, 0 or 1, of the table with the springs before
+//! the step.
 
 use glam::Vec3;
 
@@ -65,8 +66,9 @@ pub(crate) fn table_words(step: &Step) -> usize {
 }
 
 /// The owner of a contact: the mover whose row keeps its spring. It is the smaller of two spheres or of two rods, because a
-/// sphere has few contacts with spheres that are not smaller. Of two equal ones it is the first if both insertion indices are even
-/// or both are odd, so that nobody owns all of its contacts, and rows are short. A sphere owns its contacts with rods.
+/// sphere has few contacts with spheres that are not smaller. Of two equal ones it is the first if both insertion indices are
+/// even or both are odd, and otherwise the second. A mover thus owns about half of its contacts with equal ones, which keeps
+/// rows short. A sphere owns its contacts with rods.
 pub(crate) fn owner(view: &View, a: u32, b: u32) -> u32 {
     let (a, b) = view.ordered(a, b);
     let radii = match (view.object(a), view.object(b)) {

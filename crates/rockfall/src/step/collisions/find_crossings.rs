@@ -1,4 +1,4 @@
-//! Finds contacts that began and ended within the last step (docs/physics.md section 3.10).
+//! Finds crossings: contacts that began within the last step and do not collide at its end (docs/physics.md section 3.10).
 //!
 //! Writes, for every sphere, the crossing that counts for it and its changes of position and velocity, or that there is none, to
 //! regions 0 and 2 of `Y3`. `find_collisions` and `commit_crossings` read them. Where no step has led to the present state
