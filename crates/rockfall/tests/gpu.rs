@@ -11,8 +11,9 @@ use std::task::{Context, Poll, Waker};
 
 use glam::Vec3;
 use rockfall::exec::gpu::{Gpu, GpuWorld, block_on};
+use rockfall::generate::Drum;
 use rockfall::model::buffer::Buffer;
-use rockfall::model::layout::{CELL_BLOCK, SIZE_WORDS};
+use rockfall::model::layout::{CELL_BLOCK, FEW_STATICS, SIZE_WORDS};
 use rockfall::model::status::REJECTED_PAIRS;
 use rockfall::model::world::World;
 use rockfall::scene::{Capsule, Cuboid, Sphere};
@@ -141,6 +142,23 @@ fn lists_that_do_not_fit_reject_the_step_and_grow() {
     let status = block_on(gpu.device(), device.read_status()).unwrap();
     assert_eq!((status.rejected, status.steps), (0, 1));
     assert!(status.last_contacts > 50);
+}
+
+/// The ball around a plate of a drum holds many grains that the plate is far from. They make no entries, and take no room.
+#[test]
+fn plates_take_no_room_in_the_lists_of_grains_far_from_them() {
+    let mut world = World::build_in_space(&Drum::new(2000).scene(0).unwrap()).unwrap();
+    world.step.dt = Drum::STEP;
+    assert!(world.step.boxes + world.step.polygons > FEW_STATICS, "the plates are in the grid");
+    let lists = [Phase::UpdateAabbs, Phase::BroadPhase].into_iter();
+    let runs: Vec<Run> = lists.flat_map(|phase| phase.stages(Integrator::VelocityVerlet, BroadPhase::Grid)).copied().collect();
+    let gpu = open();
+    let mut device = GpuWorld::new(&gpu, &world).unwrap();
+    device.run(&runs, &world.step, 1).unwrap();
+    let status = block_on(gpu.device(), device.read_status()).unwrap();
+    runs.iter().for_each(|run| run.on_cpu(&mut world));
+    assert!(world.status.pair_rows_needed > 0, "{:?}", world.status);
+    assert_eq!((status.rejected, status.pair_rows_needed), (0, world.status.pair_rows_needed));
 }
 
 #[test]
