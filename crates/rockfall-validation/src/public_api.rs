@@ -1,6 +1,7 @@
 //! `cargo xtask public-api`: finds every change of the public API.
 //!
-//! The API comes from rustdoc's JSON, which is unstable in stable toolchains. `RUSTC_BOOTSTRAP` lets the toolchain in use write it.
+//! The API comes from rustdoc's JSON, which is unstable in stable toolchains. `scripts/rustdoc-unstable` lets the toolchain in use
+//! write it.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -47,7 +48,8 @@ pub(crate) fn check(update: bool) -> Result<bool> {
 fn document(root: &Path) -> Result<()> {
     let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.args(["doc", "--workspace", "--no-deps", "--quiet"]).current_dir(root);
-    cargo.env("RUSTC_BOOTSTRAP", "1").env("RUSTDOCFLAGS", "-Zunstable-options --output-format=json");
+    cargo.env("RUSTDOC", root.join("scripts/rustdoc-unstable"));
+    cargo.env("RUSTDOCFLAGS", "-Zunstable-options --output-format=json");
     if cargo.status()?.success() { Ok(()) } else { Err("rustdoc failed".into()) }
 }
 

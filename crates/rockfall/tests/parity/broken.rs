@@ -446,7 +446,6 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Histories,
     ),
     Mistake("law_forces", 0, "history.wgsl", "radii.y > radii.x", "radii.y < radii.x", Buffer::Histories),
-    Mistake("law_forces", 0, "history.wgsl", "& 1u) == 0u", "& 1u) != 0u", Buffer::Histories),
     Mistake("law_forces", 0, "mover_load.wgsl", "select(-contact.force,", "select(contact.force,", Buffer::Wrenches),
     Mistake("symplectic_euler", 0, "wrenches.wgsl", "2u * i", "i", Buffer::Y2),
     Mistake(
