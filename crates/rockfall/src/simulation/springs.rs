@@ -7,7 +7,7 @@ use crate::model::layout::HISTORY_WORDS;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::laws::contact::Spring;
-use crate::physics::laws::history::{Histories, feature_bits, owner, pack, row_words, table_words};
+use crate::physics::laws::history::{Histories, feature_bits, first_word, owner, pack, row_words};
 use crate::scene::{AnyId, Scene};
 use crate::simulation::Simulation;
 
@@ -48,8 +48,8 @@ pub(super) fn put_springs(world: &mut World, scene: &Scene, springs: &[KeptSprin
     let most = rows.iter().map(Vec::len).max().unwrap_or_default() as u32;
     world.set_history_room(FIRST_HISTORY_ROOM.max(most));
     let words = row_words(&world.step);
-    let table = world.status.history_table as usize * table_words(&world.step);
-    for (row, records) in world.histories[table..].chunks_exact_mut(words).zip(rows) {
+    let first = first_word(world);
+    for (row, records) in world.histories[first..].chunks_exact_mut(words).zip(rows) {
         for (words, (key, spring)) in row.chunks_exact_mut(HISTORY_WORDS as usize).zip(records) {
             pack(words, key, &spring);
         }

@@ -30,8 +30,7 @@ pub(crate) struct Histories<'a> {
 impl<'a> Histories<'a> {
     /// The springs before the step.
     pub(crate) fn of(world: &'a World) -> Self {
-        let words = &world.histories[world.status.history_table as usize * table_words(&world.step)..];
-        Self::new(&world.step, words)
+        Self::new(&world.step, &world.histories[first_word(world)..])
     }
 
     /// `words` begin with those of the table.
@@ -63,6 +62,11 @@ pub(crate) fn row_words(step: &Step) -> usize {
 /// Words of a table: one row per mover.
 pub(crate) fn table_words(step: &Step) -> usize {
     step.movers() as usize * row_words(step)
+}
+
+/// First word of the springs before the step, in a world.
+pub(crate) fn first_word(world: &World) -> usize {
+    world.status.history_table as usize * table_words(&world.step)
 }
 
 /// The owner of a contact: the mover whose row keeps its spring. It is the smaller of two spheres or of two rods, because a

@@ -61,8 +61,8 @@ fn add_row(k: Record, sphere: u32, row: u32, is_plain: bool, company: ptr<functi
     }
 }
 
-// What the bodies of a collision add to its weight. Every function below is called in one place only: software drivers compile a
-// copy of a function for each call, and the contacts of a sphere take long to compile.
+// What the bodies of a collision add to its weight. `weigh_bodies` calls `weight_of_end` in one place, for both ends of both sides:
+// software drivers compile a copy of a function for each call, and the contacts of a sphere take long to compile.
 struct Weight {
     // The sum of N times the inverse mass over the bodies (docs/physics.md section 3.7).
     weight: f32,
