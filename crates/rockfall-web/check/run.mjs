@@ -1,14 +1,22 @@
 // Runs the tests of the page one after the other: node run.mjs DIST SCENES. `scripts/web-test` calls it.
 import path from "node:path";
-import { serve } from "./browser.mjs";
+import { kind, serve } from "./browser.mjs";
 import * as page from "./page.mjs";
 import * as physics from "./physics.mjs";
+
+// Touch events are sent through Chromium's own protocol. WebKitGTK has no WebGPU.
+const CPU = ["cpuIsBitwiseEqual", "pageRunsOnCpu", "pagePaintsOnCpu"];
+const can = name => ({ chromium: true, firefox: name !== "pageWorksByTouch", webkit: CPU.includes(name) })[kind];
 
 const [dist, scenes, only] = process.argv.slice(2);
 const { server, address } = await serve(path.resolve(dist));
 let failed = 0;
 for (const [name, test] of Object.entries({ ...physics, ...page })) {
     if (only && name !== only) continue;
+    if (!can(name)) {
+        console.log(`not in ${kind}: ${name}`);
+        continue;
+    }
     const start = performance.now();
     try {
         await test(address, path.resolve(scenes));

@@ -126,8 +126,14 @@ function record() {
         stage.recorder.stop();
         return;
     }
-    const recorder = new MediaRecorder(stage.canvas.captureStream(30));
-    recorder.ondataavailable = event => download(event.data, "rockfall.webm");
+    // WebKit on Linux writes MP4 only.
+    const mimeType = ["video/webm", "video/mp4"].find(type => window.MediaRecorder?.isTypeSupported(type));
+    if (!mimeType) return report("This browser cannot record.", true);
+    const recorder = new MediaRecorder(stage.canvas.captureStream(30), { mimeType });
+    recorder.ondataavailable = ({ data }) => {
+        if (data.size > 0) download(data, `rockfall.${mimeType.slice(6)}`);
+        else report("The browser recorded nothing. Perhaps it has no encoder for films.", true);
+    };
     recorder.onstop = () => {
         stage.recorder = null;
         find("record").textContent = "Record";

@@ -2,9 +2,21 @@
 
 const PREFIX = "#scene=";
 
+// Every promise is awaited, because Firefox reports an error of `pipeThrough` a second time, as one that nobody handles.
 async function through(stream, bytes) {
-    const answer = new Response(new Blob([bytes]).stream().pipeThrough(stream));
-    return new Uint8Array(await answer.arrayBuffer());
+    const writer = stream.writable.getWriter();
+    const written = writer.write(bytes).then(() => writer.close());
+    const reader = stream.readable.getReader();
+    const read = async () => {
+        const parts = [];
+        for (;;) {
+            const { done, value } = await reader.read();
+            if (done) return parts;
+            parts.push(value);
+        }
+    };
+    const [parts] = await Promise.all([read(), written]);
+    return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
 
 export async function toFragment(text) {
