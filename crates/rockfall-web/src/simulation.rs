@@ -92,6 +92,13 @@ impl Simulation {
         Ok(self.inner.run_async(steps.into(), dt).await.map_err(thrown)?.into())
     }
 
+    /// Sets how many steps a portion has at most and how many portions are under way at a time, as `Simulation::set_portions`
+    /// of the crate. For `scripts/web-bench`.
+    #[wasm_bindgen(js_name = setPortions, skip_typescript)]
+    pub fn set_portions(&mut self, steps: u32, depth: usize) {
+        self.inner.set_portions(steps.into(), depth);
+    }
+
     /// The report on all steps so far.
     #[wasm_bindgen(getter)]
     pub fn report(&self) -> Report {

@@ -52,6 +52,7 @@ pub use contact_springs::ContactSprings;
 use drive::Window;
 use edit::Dirty;
 use engine::Engine;
+use flight::Portioning;
 use interval::Interval;
 use lookahead::Lookahead;
 pub use observe::{Body, Contact, ContactAction, MaxOverlap, SphereDiagnostics};
@@ -95,6 +96,7 @@ pub struct Simulation {
     interval: Interval,
     /// Counts of the steps with the current lookahead and interval.
     window: Window,
+    portioning: Portioning,
     /// The part of the scene that must be uploaded before the engine may run.
     dirty: Dirty,
     edits: Vec<edit::Edits>,
@@ -207,6 +209,7 @@ impl Simulation {
             lookahead,
             interval,
             window: Window::default(),
+            portioning: Portioning::default(),
             dirty: Dirty::Clean,
             edits: Vec::new(),
             aabbs_due: true,

@@ -8,7 +8,7 @@ use common::mixed::{Run, assert_bitwise_identical};
 use rockfall::generate::Benchmark;
 use rockfall::model::layout::FLAG_STAGES;
 use rockfall::model::step::Step;
-use rockfall::{Backend, BroadPhase, Integrator, Optimization, Options, Scene, Simulation};
+use rockfall::{Backend, BroadPhase, Integrator, Optimization, Options, Scene, Simulation, Sphere};
 
 const STEPS: u64 = 40;
 const DT: f32 = 0.02;
@@ -91,6 +91,27 @@ fn aabbs_may_ignore_acceleration() {
 #[test]
 fn portions_may_run_one_by_one() {
     with_and_without(Optimization::Portions, pile, &options(), |_| ());
+}
+
+/// Fast spheres hit a pile that is too large for the portions of small scenes. Steps are rejected, because spheres leave their
+/// AABBs.
+#[test]
+fn portions_may_have_any_length() {
+    let runs = [(1, 1), (4, 2), (16, 2), (32, 4)].map(|(steps, depth)| {
+        let mut scene = Benchmark::Pile.generate(1100, 3).expect("a scene");
+        for k in 0..5u8 {
+            let centre = [f32::from(k), 25.0 + 12.0 * f32::from(k), 0.0];
+            scene.add_sphere(Sphere::new(centre, 1.0).mass(200.0).velocity([0.0, -60.0, 0.0])).expect("a sphere");
+        }
+        let mut simulation = Simulation::with_options(scene, options()).expect("the simulation opens");
+        simulation.set_portions(steps, depth);
+        simulation.run(STEPS, DT).expect("steps");
+        assert!(simulation.report().replays > 0, "no step was rejected");
+        Run::of(&mut simulation)
+    });
+    for run in &runs[1..] {
+        assert_bitwise_identical(&runs[0], run);
+    }
 }
 
 #[test]

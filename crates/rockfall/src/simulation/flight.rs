@@ -16,19 +16,30 @@ use crate::simulation::engine::PendingStatus;
 use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::{Phase, Run};
 
-/// Number of portions that are submitted to a device at a time.
-const DEPTH: usize = 2;
 /// Steps per portion in small scenes and on the CPU, where a rejected step costs little.
 const LARGE_PORTION: u64 = 32;
-/// Maximum number of steps per portion otherwise. After a rejected step the rest of two portions is rejected too, which costs
-/// one dispatch per stage.
-const PORTION: u64 = 4;
 /// Movers times steps of a portion that takes a large device several milliseconds, many times as long as the transfer of the
 /// status.
 const MOVED: u32 = 1 << 21;
 /// How far AABBs are placed ahead of their bodies, in steps. Half a step ahead, they need to reach only half of the distance of
 /// one step to either side.
 const LEAD: f32 = 0.5;
+
+/// How many steps a portion has at most, and how many portions are under way at a time. No result depends on it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Portioning {
+    /// Maximum number of steps per portion in scenes that are not small. After a rejected step the rest of all portions under way
+    /// is rejected too, which costs one dispatch per stage.
+    steps: u64,
+    /// Number of portions that are submitted to a device at a time.
+    depth: usize,
+}
+
+impl Default for Portioning {
+    fn default() -> Self {
+        Self { steps: 4, depth: 2 }
+    }
+}
 
 /// A portion that was submitted.
 struct Portion {
@@ -58,7 +69,7 @@ impl Simulation {
         self.begin(&stretch)?;
         // Timing the stages of a portion requires waiting for it.
         let overlaps = self.engine.dispatches() && recorder.is_none() && self.options.uses(Optimization::Portions);
-        let depth = if overlaps { DEPTH } else { 1 };
+        let depth = if overlaps { self.portioning.depth } else { 1 };
         let mut in_flight = VecDeque::with_capacity(depth);
         let (mut submitted, mut done) = (0, 0);
         loop {
@@ -134,13 +145,20 @@ impl Simulation {
         Ok(done)
     }
 
+    /// Sets how many steps a portion has at most in scenes that are not small, and how many portions are under way at a time.
+    /// For measurements.
+    #[doc(hidden)]
+    pub fn set_portions(&mut self, steps: u64, depth: usize) {
+        self.portioning = Portioning { steps: steps.max(1), depth: depth.max(1) };
+    }
+
     /// Number of steps of the next portion.
     fn portion(&self) -> u64 {
         let step = &self.world.step;
         if !self.engine.dispatches() || is_small(step) {
             return LARGE_PORTION;
         }
-        u64::from(MOVED / (step.spheres + step.rods).max(1)).clamp(1, PORTION)
+        u64::from(MOVED / (step.spheres + step.rods).max(1)).clamp(1, self.portioning.steps)
     }
 
     /// Number of steps from one step in which lists may be rebuilt to the next.
