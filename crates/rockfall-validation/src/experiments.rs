@@ -41,6 +41,7 @@ experiments! {
     zigzag: "A zigzag stack",
     collapse: "Collapse of a column",
     grains: "Contact laws for grains",
+    precision: "Double precision of positions",
     standing: "A heap that stands",
     runout: "Run-out of a column of grains",
     janssen: "A tube of grains with static friction",

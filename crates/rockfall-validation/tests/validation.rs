@@ -47,6 +47,7 @@ experiments!(
     zigzag,
     collapse,
     grains,
+    precision,
     standing,
     runout,
     janssen,

@@ -6,6 +6,8 @@ mod common;
 
 #[path = "laws/chung_ooi.rs"]
 mod chung_ooi;
+#[path = "laws/coarse.rs"]
+mod coarse;
 #[path = "laws/cohesion.rs"]
 mod cohesion;
 #[path = "laws/jkr.rs"]

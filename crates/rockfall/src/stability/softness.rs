@@ -71,7 +71,7 @@ impl Scene {
 
     /// Overlap of two spheres like this one that are pressed together by a force, and the power of the overlap to which the force
     /// is proportional.
-    fn overlap_under(&self, sphere: &Sphere, force: f64) -> Option<(f64, f64)> {
+    pub(super) fn overlap_under(&self, sphere: &Sphere, force: f64) -> Option<(f64, f64)> {
         let number = self.material_number(Some(sphere.material?)).ok()?;
         let [mass, radius] = [sphere.mass, sphere.radius].map(f64::from);
         match self.settings.contact_law {

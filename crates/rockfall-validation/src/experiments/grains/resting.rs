@@ -7,6 +7,7 @@ use rockfall::{Pair, RollingModel, Simulation};
 
 use super::{Grains, Solid, hertz_overlap};
 use crate::chart::{Axis, Chart, Mark};
+use crate::measure::period;
 use crate::{Outcome, Result};
 
 const SOFT: Solid = Solid(1e7, 0.25, 2500.0);
@@ -56,6 +57,31 @@ fn stacked(outcome: &mut Outcome) -> Result<()> {
     outcome.check("two stacked balls: overlap with the plane (µm)", 1e6 * lower, 1e6 * (RADIUS - heights[0]), 1e4 * lower);
     let found = 2.0 * RADIUS - (heights[1] - heights[0]);
     outcome.check("two stacked balls: overlap of the balls (µm)", 1e6 * upper, 1e6 * found, 1e4 * upper);
+    Ok(())
+}
+
+/// Period of the slip of a ball that lies on a plane and is pushed along it without losses. The contact does not slide, so the slip is
+/// that of an oscillator with Mindlin's stiffness k = 8 G* sqrt(R o) and the inverse mass 1/m + (R - o)²/I, which is about 7/(2 m).
+fn rocking(outcome: &mut Outcome) -> Result<()> {
+    /// A 500th of a period, in s.
+    const FINE: f64 = 1e-5;
+    let Solid(young, poisson, _) = SOFT;
+    let weight = SOFT.mass(RADIUS) * GRAVITY;
+    let overlap = hertz_overlap(SOFT, RADIUS, weight);
+    let shear = young / (2.0 * (1.0 + poisson)) / (2.0 * (2.0 - poisson));
+    let stiffness = 8.0 * shear * (RADIUS * overlap).sqrt();
+    let inverse_mass = (1.0 + 2.5 * (1.0 - overlap / RADIUS).powi(2)) / SOFT.mass(RADIUS);
+    let theory = 2.0 * PI / (stiffness * inverse_mass).sqrt();
+    // The greatest force is a fifth of Coulomb's limit.
+    let mut simulation = lying(properties().restitution(1.0), 0.0, 0.005, [0.0; 3])?;
+    let mut slips = Vec::new();
+    for step in 1..=(20.5 * theory / FINE) as u32 {
+        simulation.run(1, FINE as f32)?;
+        let sphere = simulation.sync()?.spheres()[0];
+        let slip = f64::from(sphere.velocity.x) + (RADIUS - overlap) * f64::from(sphere.spin().z);
+        slips.push((f64::from(step) * FINE, slip));
+    }
+    outcome.check("a ball that rocks on a plane: period (ms)", 1e3 * theory, 1e3 * period(&slips), 5.0 * theory);
     Ok(())
 }
 
@@ -135,6 +161,7 @@ fn cohesion(outcome: &mut Outcome) -> Result<()> {
 
 pub(super) fn run(outcome: &mut Outcome) -> Result<()> {
     stacked(outcome)?;
+    rocking(outcome)?;
     slopes(outcome)?;
     to_rest(outcome)?;
     cohesion(outcome)
