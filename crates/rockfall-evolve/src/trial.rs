@@ -1,9 +1,10 @@
 //! Lets creatures live side by side for some seconds, and judges what they did.
 
+use std::ops::ControlFlow;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
-use rockfall::{Integrator, Options, Result, Scene, SphereState, Worlds};
+use rockfall::{Integrator, Options, Result, Scene, Worlds};
 
 use crate::genome::{Bond, Genome};
 use crate::goal::{Goal, Outcome};
@@ -67,27 +68,21 @@ impl Trial {
         let (settled, last) = (self.settling_steps(), self.steps());
         let sample = (SAMPLE / f64::from(self.dt)).round().max(1.0) as u64;
         let conditions = self.conditions();
-        let look = |watches: &mut [Watch], sample: Option<(Vec<Vec<SphereState>>, bool)>| {
-            let Some((states, has_settled)) = sample else { return };
-            let seen = watches.par_iter_mut().zip(&bonds).zip(&states);
-            seen.for_each(|((watch, bonds), states)| watch.look(&conditions, bonds, states, has_settled));
-        };
-        let mut unseen = None;
-        let mut done = 0;
-        while done < last {
-            // A sample falls on the end of the settling and on the last step.
-            let next = if done < settled { settled.min(done + sample) } else { last.min(done + sample) };
-            worlds.run(next - done, self.dt)?;
-            // The last sample is looked at while a GPU advances the worlds.
-            look(&mut watches, unseen.take());
-            done = next;
-            unseen = Some((worlds.all_states()?, done >= settled));
-            if should_stop() {
+        let mut has_stopped = false;
+        // A sample falls on the end of the settling and on the last step.
+        for (steps, after) in [(settled, 0), (last - settled, settled)] {
+            worlds.run_sampled(steps, self.dt, sample, |seen| {
+                let has_settled = after + seen.steps() >= settled;
+                let each = watches.par_iter_mut().zip(&bonds).enumerate();
+                each.for_each(|(world, (watch, bonds))| watch.look(&conditions, bonds, &seen.states(world), has_settled));
+                has_stopped = should_stop();
+                if has_stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            })?;
+            if has_stopped {
                 self.keep(worlds);
                 return Ok(None);
             }
         }
-        look(&mut watches, unseen.take());
         let mut outcomes = Vec::with_capacity(genomes.len());
         for (world, (watch, genome)) in watches.iter().zip(genomes).enumerate() {
             let stopped = worlds.report(world, None)?.stopped.is_some();

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rockfall::{Result, Scene, Simulation, Sphere, SphereId};
+use rockfall::{Result, Scene, Simulation, Sphere, SphereId, SphereState};
 
 use crate::arguments::{quaternion, vector};
 
@@ -54,16 +54,24 @@ impl Field {
 
     /// Appends the field of a sphere to a table.
     pub(crate) fn append(self, sphere: &Sphere, to: &mut Vec<f32>) {
-        let q = sphere.orientation;
         match self {
-            Self::Position => to.extend(sphere.position.to_array()),
-            Self::Velocity => to.extend(sphere.velocity.to_array()),
-            Self::Orientation => to.extend([q.w, q.x, q.y, q.z]),
-            Self::AngularMomentum => to.extend(sphere.angular_momentum.to_array()),
             Self::Force | Self::Impulse => to.extend(sphere.force.to_array()),
             Self::Radius => to.push(sphere.radius),
             Self::Mass => to.push(sphere.mass),
             Self::Fixed => to.push(f32::from(u8::from(sphere.fixed))),
+            _ => self.append_state(&SphereState::from(sphere), to),
+        }
+    }
+
+    /// Appends the field of a sphere's state to a table. Other fields than those of a state have no numbers.
+    pub(crate) fn append_state(self, state: &SphereState, to: &mut Vec<f32>) {
+        let q = state.orientation;
+        match self {
+            Self::Position => to.extend(state.position.to_array()),
+            Self::Velocity => to.extend(state.velocity.to_array()),
+            Self::Orientation => to.extend([q.w, q.x, q.y, q.z]),
+            Self::AngularMomentum => to.extend(state.angular_momentum.to_array()),
+            Self::Force | Self::Impulse | Self::Radius | Self::Mass | Self::Fixed => {}
         }
     }
 

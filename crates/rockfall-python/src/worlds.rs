@@ -1,10 +1,11 @@
 //! The native worlds: many small scenes side by side.
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use numpy::{PyArray1, PyArray3, PyArrayMethods};
+use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::glam::Vec3;
@@ -124,6 +125,40 @@ impl Worlds {
             py.check_signals()?;
         }
         Ok(())
+    }
+
+    /// Runs steps. Returns a field of the states of the spheres of all worlds after every `every` steps, of shape (samples, worlds,
+    /// spheres, columns). Missing spheres are 0.
+    fn record<'py>(
+        &self,
+        py: Python<'py>,
+        steps: u64,
+        dt: f32,
+        every: u64,
+        field: &str,
+    ) -> PyResult<Bound<'py, PyArray4<f32>>> {
+        let field: Field = field.parse()?;
+        let columns = field.columns();
+        let mut interrupt = None;
+        let (numbers, shape) = self.locked(py, |worlds| {
+            let [spheres, _] = room(worlds)?;
+            let (mut numbers, mut samples) = (Vec::new(), 0);
+            worlds.run_sampled(steps, dt, every, |sample| {
+                for world in 0..sample.len() {
+                    let end = numbers.len() + spheres * columns;
+                    sample.states(world).iter().for_each(|state| field.append_state(state, &mut numbers));
+                    numbers.resize(end, 0.0);
+                }
+                samples += 1;
+                interrupt = Python::attach(|py| py.check_signals().err());
+                if interrupt.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            })?;
+            Ok((numbers, [samples, worlds.len(), spheres, columns]))
+        })?;
+        match interrupt {
+            Some(interrupt) => Err(interrupt),
+            None => PyArray1::from_vec(py, numbers).reshape(shape),
+        }
     }
 
     /// A field of the spheres of all worlds, of shape (worlds, spheres, columns). Missing spheres are 0.

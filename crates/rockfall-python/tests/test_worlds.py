@@ -54,6 +54,31 @@ def test_a_world_is_bitwise_identical_to_a_simulation(backend: str) -> None:
     np.testing.assert_allclose(report["time"], 0.3)
 
 
+@pytest.mark.parametrize("backend", ["cpu", "gpu"])
+def test_a_record_is_that_of_a_loop(backend: str) -> None:
+    scenes = [creature(seed, spheres) for seed, spheres in enumerate([4, 8, 6])]
+    recorded = rf.Worlds(scenes, dt=0.005, backend=backend)
+    for field, columns in [("positions", 3), ("velocities", 3), ("orientations", 4), ("angular_momenta", 3)]:
+        looped = rf.Worlds(scenes, dt=0.005, backend=backend)
+        recorded.reset()
+        samples = recorded.record(11, every=4, field=field)
+        assert samples.shape == (3, 3, 8, columns) and samples.dtype == np.float32 and not samples.flags.writeable
+        for steps, sample in zip([4, 4, 3], samples, strict=True):
+            looped.run(steps)
+            assert sample.tolist() == getattr(looped, field).tolist(), (field, steps)
+    assert recorded.record(0).shape == (0, 3, 8, 3)
+
+
+def test_wrong_records_are_errors() -> None:
+    worlds = rf.Worlds(creature(1, 4), count=2, dt=0.005, backend="cpu")
+    for wrong in ({"steps": -1}, {"steps": 2, "every": 0}, {"steps": 2, "field": "colours"}):
+        with pytest.raises(ValueError, match="expected"):
+            worlds.record(**wrong)
+    with pytest.raises(TypeError):
+        worlds.record(2.5)
+    assert worlds.report()["steps"].tolist() == [0, 0]
+
+
 def test_neighbours_and_order_do_not_matter() -> None:
     scenes = [creature(seed, 5 + seed) for seed in range(3)]
     together, alone = rf.Worlds(scenes, backend="cpu", dt=0.005), rf.Worlds(scenes[2], count=1, backend="cpu", dt=0.005)

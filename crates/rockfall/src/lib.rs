@@ -116,7 +116,7 @@ pub use user_laws::{ContactForceLaw, ContactInput, ContactResponse, ForceInput, 
 #[cfg(feature = "gpu")]
 pub use wgpu;
 #[cfg(not(target_family = "wasm"))]
-pub use worlds::{Sleep, WorldPath, WorldReport, Worlds};
+pub use worlds::{Sample, Sleep, WorldPath, WorldReport, Worlds};
 
 /// Runs the example of the README as a test.
 #[cfg(doctest)]

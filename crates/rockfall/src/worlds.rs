@@ -18,9 +18,11 @@ mod checkpoint;
 mod control;
 #[cfg(feature = "gpu")]
 mod device;
+mod sample;
 mod sleep;
 #[cfg(feature = "gpu")]
 use device::Batch;
+pub use sample::Sample;
 pub use sleep::Sleep;
 
 /// A batch of scenes that advance side by side, each in its own world.
@@ -310,12 +312,20 @@ impl Worlds {
     /// # Errors
     /// [`Error::Device`] when the GPU fails.
     pub fn all_states(&mut self) -> Result<Vec<Vec<SphereState>>> {
+        self.bring_to_host()?;
+        let states = |world: &World| world.simulation.scene().spheres().iter().map(SphereState::from).collect();
+        Ok(self.worlds.par_iter().map(states).collect())
+    }
+
+    /// Brings the present states of all worlds to the scenes of their simulations.
+    fn bring_to_host(&mut self) -> Result<()> {
         self.refresh()?;
+        let sync = |world: &mut World| world.simulation.sync().map(|_| ());
         // The states of simulations of their own on a GPU are read one after the other.
         if self.info.kind == Backend::Cpu || self.worlds.iter().all(|world| world.path == WorldPath::Device) {
-            self.worlds.par_iter_mut().map(|world| world.simulation.spheres()).collect()
+            self.worlds.par_iter_mut().try_for_each(sync)
         } else {
-            self.worlds.iter_mut().map(|world| world.simulation.spheres()).collect()
+            self.worlds.iter_mut().try_for_each(sync)
         }
     }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::checkpoint::Checkpoint;
 use crate::error::Result;
 use crate::exec::gpu::Gpu;
-use crate::exec::gpu::worlds::{DeviceWorlds, States};
+use crate::exec::gpu::worlds::{DeviceWorlds, Download, States};
 use crate::model::layout::FLAG_CONTINUE;
 use crate::model::muscles::BASE_STEPS;
 use crate::model::world_sizes::WorldSizes;
@@ -160,6 +160,18 @@ impl Batch {
         }
         let slots = &mut self.slots;
         self.device.download(|states| take_states(slots, worlds, states))
+    }
+}
+
+impl Batch {
+    /// Starts to copy the states of all worlds, as they are after the steps so far, without waiting.
+    pub(super) fn start_sample(&mut self) -> Result<Download> {
+        self.device.start_download()
+    }
+
+    /// Waits for such a copy, and shows it.
+    pub(super) fn finish_sample<T>(&mut self, sample: Download, show: impl FnOnce(&States<'_>) -> T) -> Result<T> {
+        self.device.finish_download(sample, show)
     }
 }
 

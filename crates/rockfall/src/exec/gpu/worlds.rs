@@ -36,8 +36,15 @@ pub(crate) struct DeviceWorlds {
     buffers: [wgpu::Buffer; 5],
     /// The kernel, which tests replace.
     stage: &'static Stage,
-    /// Memory of the host for the buffers that are read back, from the first time on.
-    staging: Option<[wgpu::Buffer; 3]>,
+    /// Memory of the host for the buffers that are read back, and that no [`Download`] uses.
+    staging: Vec<[wgpu::Buffer; 3]>,
+}
+
+/// A copy of the states of all worlds that is on its way to the host.
+#[derive(Debug)]
+pub(crate) struct Download {
+    staging: [wgpu::Buffer; 3],
+    mapped: [Mapped; 3],
 }
 
 /// Bytes per world of the buffers: parameters, starts, topologies, turns, results.
@@ -49,6 +56,7 @@ fn bytes_of_world(sizes: &WorldSizes) -> [u64; 5] {
 }
 
 /// The states of all worlds, as they are on the device.
+#[derive(Debug)]
 pub(crate) struct States<'a> {
     spheres: usize,
     starts: &'a [[f32; 4]],
@@ -75,7 +83,7 @@ impl DeviceWorlds {
             made.push(make_buffer(gpu.device(), label, bytes * u64::from(count.max(1)), usage)?);
         }
         let buffers = std::array::from_fn(|place| made[place].clone());
-        Ok(Self { gpu: gpu.clone(), count, sizes, buffers, stage: &STAGE, staging: None })
+        Ok(Self { gpu: gpu.clone(), count, sizes, buffers, stage: &STAGE, staging: Vec::new() })
     }
 
     pub(crate) fn sizes(&self) -> WorldSizes {
@@ -200,34 +208,46 @@ impl DeviceWorlds {
 
     /// Waits for the device, and gives the states of all worlds to `take`.
     pub(crate) fn download<T>(&mut self, take: impl FnOnce(&States<'_>) -> T) -> Result<T> {
+        let download = self.start_download()?;
+        self.finish_download(download, take)
+    }
+
+    /// Starts to copy the states of all worlds, as they are after the steps that were submitted so far.
+    pub(crate) fn start_download(&mut self) -> Result<Download> {
         let device = self.gpu.device();
         let sizes = bytes_of_world(&self.sizes).map(|bytes| bytes * u64::from(self.count.max(1)));
-        let staging = match &self.staging {
+        let staging = match self.staging.pop() {
             Some(staging) => staging,
             None => {
                 let [starts, turns, results] =
                     READ.map(|place| make_buffer(device, "read back", sizes[place].max(4), READ_BACK));
-                self.staging.insert([starts?, turns?, results?])
+                [starts?, turns?, results?]
             }
         };
-        catch(device, || {
+        let submission = catch(device, || {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            for (place, to) in READ.iter().zip(staging) {
+            for (place, to) in READ.iter().zip(&staging) {
                 encoder.copy_buffer_to_buffer(&self.buffers[*place], 0, to, 0, sizes[*place]);
             }
-            self.gpu.queue().submit([encoder.finish()]);
+            self.gpu.queue().submit([encoder.finish()])
         })?;
-        let mapped = staging.each_ref().map(|buffer| Mapped::read(buffer, self.gpu.faults()));
-        let mut views = Vec::with_capacity(mapped.len());
-        for mapped in mapped {
-            views.push(block_on(device, mapped.bytes("the worlds"))?);
+        let mapped = staging.each_ref().map(|buffer| Mapped::read(buffer, self.gpu.faults()).after(submission.clone()));
+        Ok(Download { staging, mapped })
+    }
+
+    /// Waits for a copy, and gives the states to `take`.
+    pub(crate) fn finish_download<T>(&mut self, download: Download, take: impl FnOnce(&States<'_>) -> T) -> Result<T> {
+        let mut views = Vec::with_capacity(download.mapped.len());
+        for mapped in download.mapped {
+            views.push(block_on(self.gpu.device(), mapped.bytes("the worlds"))?);
         }
         let [starts, turns, results] = &views[..] else { return Err(Error::Device("a state is missing".to_owned())) };
         let spheres = self.sizes.spheres as usize;
         let states = States { spheres, starts: cast_slice(starts), turns: cast_slice(turns), results: cast_slice(results) };
         let taken = take(&states);
         drop(views);
-        staging.iter().for_each(wgpu::Buffer::unmap);
+        download.staging.iter().for_each(wgpu::Buffer::unmap);
+        self.staging.push(download.staging);
         Ok(taken)
     }
 }
@@ -263,6 +283,12 @@ impl States<'_> {
     /// What a world reported.
     pub(crate) fn result(&self, slot: usize) -> WorldResult {
         self.results[slot]
+    }
+
+    /// Position, velocity, angular momentum and orientation of a sphere of a world.
+    pub(crate) fn sphere(&self, slot: usize, sphere: usize) -> [Vec4; 4] {
+        let row = |region: usize| Vec4::from_array(self.starts[(3 * slot + region) * self.spheres + sphere]);
+        [row(0), row(1), row(2), Vec4::from_array(self.turns[slot * self.spheres + sphere])]
     }
 
     /// Copies the state of a world into a host's world of as many spheres.
