@@ -1,11 +1,12 @@
 //! Sets states, rest lengths and forces of worlds.
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::report::SphereState;
-use crate::scene::{Spring, finite};
-use crate::worlds::Worlds;
+use crate::scene::finite;
+use crate::worlds::{World, Worlds};
 
 impl Worlds {
     /// Sets position, velocity, angular momentum and orientation of all spheres of a world, one state per sphere in order of
@@ -51,12 +52,9 @@ impl Worlds {
     /// not finite. Nothing is changed then.
     pub fn set_rest_lengths(&mut self, world: usize, lengths: &[f32]) -> Result<()> {
         let simulation = &mut self.current(world)?.simulation;
-        let ids: Vec<_> = simulation.scene().spring_ids().collect();
-        check_count("rest lengths", lengths.len(), ids.len(), "one length per spring of the world")?;
+        check_count("rest lengths", lengths.len(), simulation.scene().springs().len(), "one length per spring of the world")?;
         check_lengths(lengths)?;
-        for (id, length) in ids.into_iter().zip(lengths) {
-            simulation.update_spring(id, |spring: &mut Spring| spring.length = *length)?;
-        }
+        simulation.set_rest_lengths(lengths)?;
         self.changed(world);
         Ok(())
     }
@@ -89,11 +87,12 @@ impl Worlds {
         let counts: Vec<usize> = self.worlds.iter().map(|world| world.simulation.scene().springs().len()).collect();
         check_count("rest lengths", lengths.len(), counts.iter().sum(), "one length per spring of all worlds")?;
         check_lengths(lengths)?;
+        self.refresh()?;
         let mut rest = lengths;
-        for (world, count) in counts.into_iter().enumerate() {
-            let own = rest.split_off(..count).unwrap_or_default();
-            self.set_rest_lengths(world, own)?;
-        }
+        let own: Vec<&[f32]> = counts.into_iter().map(|count| rest.split_off(..count).unwrap_or_default()).collect();
+        let set = |(world, lengths): (&mut World, &[f32])| world.simulation.set_rest_lengths(lengths);
+        self.worlds.par_iter_mut().zip(own).try_for_each(set)?;
+        (0..self.len()).for_each(|world| self.changed(world));
         Ok(())
     }
 

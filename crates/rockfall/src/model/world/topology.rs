@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::error::{Error, Result};
 use crate::model::layout::{
     FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_RESISTANCE, GROUP_MASK, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING,
-    KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, max_objects,
+    KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, SPRING_WORDS, max_objects,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -14,6 +14,9 @@ use crate::model::world::build::in_order;
 use crate::model::world::frames::{batches, networks};
 use crate::model::world::order::inverse;
 use crate::scene::{Dampings, Pair, Scene, SphereId};
+
+/// Place of the rest length in the record of a spring: after the two ends and the stiffness.
+const LENGTH_WORD: usize = 3;
 
 impl World {
     /// Packs everything but the state of the spheres: the topology buffer, and the counts and offsets of the uniform block.
@@ -87,6 +90,14 @@ fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, topology: &mut Vec<
     };
     if !order.is_empty() {
         (step.insertion_indices_at, step.slots_at) = (append(order), append(slots));
+    }
+}
+
+impl World {
+    /// Writes the rest lengths of all springs, in order of addition, to the topology buffer.
+    pub(crate) fn set_rest_lengths(&mut self, lengths: &[f32]) {
+        let springs = self.topology[self.step.springs_at as usize..].chunks_exact_mut(SPRING_WORDS as usize);
+        springs.zip(lengths).for_each(|(spring, length)| spring[LENGTH_WORD] = length.to_bits());
     }
 }
 
