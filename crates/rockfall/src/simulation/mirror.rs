@@ -4,7 +4,6 @@ use crate::error::{BadStage, Error, Result};
 use crate::model::status::{BAD_STAGE_SHIFT, Status};
 use crate::model::world::World;
 use crate::simulation::Simulation;
-use crate::simulation::edit::Dirty;
 
 /// What steps that ran elsewhere report.
 pub(crate) struct Elsewhere {
@@ -32,23 +31,6 @@ impl Simulation {
     /// The `FLAG_*` bits of the arrays.
     pub(crate) fn packed_flags(&self) -> u32 {
         self.world.step.flags
-    }
-
-    /// Sets the rest lengths of all springs, in order of addition, which must be valid. Where nothing else waits to be packed and the
-    /// arrays are on the host, only the lengths are written: packing all objects takes ten times as long.
-    pub(crate) fn set_rest_lengths(&mut self, lengths: &[f32]) -> Result<()> {
-        let is_packed = self.dirty == Dirty::Clean && self.edits.is_empty() && self.cpu_view().is_some();
-        let ids: Vec<_> = self.scene.spring_ids().collect();
-        for (id, length) in ids.into_iter().zip(lengths) {
-            self.scene.springs.get_mut(id)?.length = *length;
-        }
-        if is_packed {
-            self.world.set_rest_lengths(lengths);
-            self.status.forces_due = 1;
-        } else {
-            self.dirty = self.dirty.max(Dirty::Topology);
-        }
-        Ok(())
     }
 
     /// Takes the state after steps that ran elsewhere, which `copy` writes to the arrays.
