@@ -71,7 +71,9 @@ fn samples_are_those_of_single_calls(backend: Backend) {
         // What is set while a world is stopped is seen.
         let mut moved = together.states(1).expect("states");
         moved[0].position += Vec3::Y;
-        [&mut together, &mut apart].map(|worlds| worlds.set_states(1, &moved).expect("states"));
+        for worlds in [&mut together, &mut apart] {
+            worlds.set_states(1, &moved).expect("states");
+        }
         assert_eq!(sampled(&mut together, 3, 2), one_by_one(&mut apart, 3, 2));
         let reports = [&mut together, &mut apart].map(|worlds| worlds.report(2, None).expect("a report").report);
         assert_eq!((reports[0].steps, reports[0].time), (21, reports[1].time));
