@@ -161,9 +161,7 @@ impl Batch {
         let slots = &mut self.slots;
         self.device.download(|states| take_states(slots, worlds, states))
     }
-}
 
-impl Batch {
     /// Starts to copy the states of all worlds, as they are after the steps so far, without waiting.
     pub(super) fn start_sample(&mut self) -> Result<Download> {
         self.device.start_download()

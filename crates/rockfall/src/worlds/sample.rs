@@ -89,11 +89,11 @@ impl Taken {
 
 impl Worlds {
     /// Advances the worlds as [`Worlds::run`] does, and calls `see` with the states of all worlds after every `every` steps and
-    /// after the last step. Returns the number of steps done, which is less than `steps` if `see` returned
-    /// [`ControlFlow::Break`].
+    /// after the last step. Returns the number of steps done. If `see` returns [`ControlFlow::Break`], no more steps are
+    /// submitted.
     ///
     /// On a GPU this is faster than calls of [`Worlds::run`] and [`Worlds::all_states`]: the device already runs the next steps
-    /// while `see` looks at a sample. So after a break, up to `every` more steps are done than the sample says. If a world has a
+    /// while `see` looks at a sample. So after a break, up to `every` more steps may be done than the sample says. If a world has a
     /// simulation of its own on the GPU ([`WorldPath::Simulation`](crate::WorldPath::Simulation)), the device waits.
     ///
     /// # Errors
