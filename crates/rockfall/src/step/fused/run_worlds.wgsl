@@ -6,9 +6,10 @@
 // Each workgroup advances a world of its own, for many steps, with a thread per sphere. The shared files compute the same here as
 // in the stages. `step` is a copy of the world's block. Where they read `topology`, the host inserts `world_topology`.
 //
-// A force evaluation has three parts, with a barrier after each. First each spring is evaluated by one thread. Then each sphere
-// adds up the forces on it, in the same order as in the stages, and computes its next state. Last it shows this state to the
-// others. Workgroup memory has only what threads exchange, because a device runs more worlds at a time if each takes less.
+// A force evaluation has two parts, with a barrier after each. First each spring is evaluated by one thread, and each sphere adds
+// up the forces of its contacts. Then each sphere adds the forces of what is attached to it, computes its next state, and shows it
+// to the others. So forces are added in the same order as in the stages. Workgroup memory has only what threads exchange, because
+// a device runs more worlds at a time if each takes less.
 
 struct WorldResult {
     steps: u32,
@@ -65,13 +66,16 @@ var<private> next: array<vec4f, 3>;
 var<private> second: array<vec4f, 3>;
 var<private> third: array<vec4f, 3>;
 var<private> orientation: vec4f;
-// Objects that the sphere of this thread may touch as long as no sphere leaves the ball around its reference position: a bit per
-// id.
+// Objects of the same group that the sphere of this thread may touch at all: a bit per id.
+var<private> mates: vec2u;
+// Those that it may touch as long as no sphere leaves the ball around its reference position.
 var<private> near: vec2u;
 // Position at which `near` was found, and the squared radius of the ball.
 var<private> reference: vec4f;
-// First word of what is attached to the sphere, and one past the last.
+// First word of what is attached to the sphere, and one past the last. Springs come first.
 var<private> attached: vec2u;
+// One past the last word of its springs.
+var<private> springs_end: u32;
 // The world takes no more steps.
 var<private> is_halted: bool;
 // Steps one after the other, up to now, at whose end no sphere moved.
@@ -158,16 +162,15 @@ fn load_status(before: WorldResult) {
     atomicStore(&status.bad_count, 0u);
     atomicStore(&status.counters[0].contacts, 0u);
     atomicStore(&status.counters[0].max_overlap, 0u);
-    atomicStore(&moved, 0u);
+    // Near objects are found in the first force evaluation.
+    atomicStore(&moved, 1u);
     atomicStore(&motion, 0u);
 }
 
 // Loads the sphere of this thread.
 fn load_sphere(world: u32, i: u32) {
-    near = vec2u(0u);
     attached = vec2u(0u);
-    // No displacement is within this.
-    reference = vec4f(0.0, 0.0, 0.0, -1.0);
+    springs_end = 0u;
     last_contacts = 0u;
     last_deepest = 0.0;
     if i >= step.spheres {
@@ -178,7 +181,37 @@ fn load_sphere(world: u32, i: u32) {
     }
     orientation = turns[world * WORLD_SPHERES + i];
     attached = adjacency(i);
+    springs_end = attached.x;
+    while springs_end < attached.y {
+        if kind_of(topology[springs_end]) != KIND_SPRING {
+            break;
+        }
+        springs_end += 1u;
+    }
+    mates = mates_of(i);
     show(i, start[0], start[1], start[2]);
+}
+
+// The bit of an object.
+fn bit_of(id: u32) -> vec2u {
+    let bit = 1u << (id & 31u);
+    return select(vec2u(0u, bit), vec2u(bit, 0u), id < 32u);
+}
+
+fn mates_of(i: u32) -> vec2u {
+    let group = topology[step.tags_at + i] & GROUP_MASK;
+    var found = vec2u(0u);
+    for (var id = select(step.spheres, 0u, SPHERE_PAIRS); id < objects(); id++) {
+        if (id != i) & ((topology[step.tags_at + id] & GROUP_MASK) == group) {
+            found |= bit_of(id);
+        }
+    }
+    return found;
+}
+
+// The bits of all spheres. The other bits of the first word are those of static objects.
+fn sphere_bits() -> u32 {
+    return select((1u << (step.spheres & 31u)) - 1u, ~0u, step.spheres >= 32u);
 }
 
 // Radius of the ball in which a sphere may move before the near objects are found again: some room, and the way of a few steps.
@@ -204,42 +237,42 @@ fn is_static_near(own: vec3f, reach: f32, number: u32) -> bool {
     return !(abs(distance) > reach + rounding(own, abs(face.corner) + abs(face.left) + abs(face.right)));
 }
 
-// Whether an object may touch a sphere before one of the two leaves its ball. Comparisons with values that are not finite count
-// as near.
-fn is_near(own: vec4f, margin: f32, id: u32) -> bool {
-    if id >= step.spheres {
-        return is_static_near(own.xyz, own.w + margin, id - step.spheres);
-    }
+// Whether another sphere may touch a sphere before one of the two leaves its ball. Comparisons with values that are not finite
+// count as near.
+fn is_sphere_near(own: vec4f, margin: f32, id: u32) -> bool {
     let other = state[position_at(id)];
     let between = other.xyz - own.xyz;
     let reach = own.w + other.w + margin + margin_of(other.w, state[velocity_at(id)].xyz);
     return !(dot(between, between) > reach * reach);
 }
 
-// Finds the objects of the same group that a sphere may touch, at the present positions.
+// Finds the objects of the same group that a sphere may touch, at the present positions. Each thread goes through its own bits, so
+// that threads with different objects test them at the same time.
 fn find_near(i: u32) {
     let own = state[position_at(i)];
     let margin = margin_of(own.w, state[velocity_at(i)].xyz);
-    let group = topology[step.tags_at + i] & GROUP_MASK;
     var found = vec2u(0u);
-    for (var id = select(step.spheres, 0u, SPHERE_PAIRS); id < objects(); id++) {
-        if (id != i) & ((topology[step.tags_at + id] & GROUP_MASK) == group) {
-            if is_near(own, margin, id) {
-                let bit = 1u << (id & 31u);
-                found |= select(vec2u(0u, bit), vec2u(bit, 0u), id < 32u);
-            }
+    if SPHERE_PAIRS {
+        for (var spheres = mates.x & sphere_bits(); spheres != 0u; spheres &= spheres - 1u) {
+            let id = firstTrailingBit(spheres);
+            found.x |= select(0u, 1u << id, is_sphere_near(own, margin, id));
         }
+    }
+    var statics = vec2u(mates.x & ~sphere_bits(), mates.y);
+    while any(statics != vec2u(0u)) {
+        let id = take_lowest(&statics);
+        found |= select(vec2u(0u), bit_of(id), is_static_near(own.xyz, own.w + margin, id - step.spheres));
     }
     near = found;
     // A little less than the square of the margin, because of rounding errors.
     reference = vec4f(own.xyz, 0.98 * margin * margin);
 }
 
-// Requests that near objects are found again if the sphere has left its ball. `evaluations` counts force evaluations.
+// Requests that near objects are found again in the next force evaluation if the sphere has left its ball.
 fn check_reference(i: u32, evaluations: u32) {
     let way = state[position_at(i)].xyz - reference.xyz;
     if !(dot(way, way) <= reference.w) {
-        atomicStore(&moved, evaluations);
+        atomicStore(&moved, evaluations + 1u);
     }
 }
 
@@ -318,11 +351,10 @@ fn add_sphere_contacts(i: u32, own: vec4f, side: Side, candidates: u32, net: ptr
 fn add_near_contacts(i: u32, net: ptr<function, Net>) {
     let own = state[position_at(i)];
     let side = sphere_side(own, state[velocity_at(i)], state[momentum_at(i)]);
-    let all_spheres = select((1u << (step.spheres & 31u)) - 1u, ~0u, step.spheres >= 32u);
     if SPHERE_PAIRS {
-        add_sphere_contacts(i, own, side, near.x & all_spheres, net);
+        add_sphere_contacts(i, own, side, near.x & sphere_bits(), net);
     }
-    var statics = vec2u(near.x & ~all_spheres, near.y);
+    var statics = vec2u(near.x & ~sphere_bits(), near.y);
     while any(statics != vec2u(0u)) {
         // The rows of a static object are not used.
         let other = LoadedEntry(take_lowest(&statics), vec4f(0.0), vec4f(0.0), vec4f(0.0));
@@ -330,27 +362,42 @@ fn add_near_contacts(i: u32, net: ptr<function, Net>) {
     }
 }
 
-// Adds the forces of springs, tethers and external forces in the order of the adjacency words. The force of a spring on end B is
-// computed from negated vectors in the stages, so it is the same with the other sign.
-fn add_attached(i: u32, net: ptr<function, Net>) {
-    for (var at = attached.x; at < attached.y; at++) {
-        let word = topology[at];
-        if kind_of(word) == KIND_SPRING {
-            let force = spring_forces[word & (END_B - 1u)].xyz;
-            (*net).force += select(force, -force, (word & END_B) != 0u);
-        } else {
-            (*net).force += attached_force(i, kind_of(word), index_of(word));
+// Adds the force of a spring. On end B it is computed from negated vectors in the stages, so it is the same with the other sign.
+fn add_spring(word: u32, force: vec4f, net: ptr<function, Net>) {
+    (*net).force += select(force.xyz, -force.xyz, (word & END_B) != 0u);
+}
+
+// Adds the forces of springs in the order of the adjacency words. It reads four at once, so that their memory requests overlap.
+// Past the end of the list, it repeats the last one, and does not add it.
+fn add_springs(net: ptr<function, Net>) {
+    for (var at = attached.x; at < springs_end; at += 4u) {
+        let rest = springs_end - 1u - at;
+        let places = vec4u(at) + min(vec4u(0u, 1u, 2u, 3u), vec4u(rest));
+        let words = vec4u(topology[places.x], topology[places.y], topology[places.z], topology[places.w]);
+        let springs = words & vec4u(END_B - 1u);
+        let second = spring_forces[springs.y];
+        let third = spring_forces[springs.z];
+        let fourth = spring_forces[springs.w];
+        add_spring(words.x, spring_forces[springs.x], net);
+        if rest > 0u {
+            add_spring(words.y, second, net);
+        }
+        if rest > 1u {
+            add_spring(words.z, third, net);
+        }
+        if rest > 2u {
+            add_spring(words.w, fourth, net);
         }
     }
 }
 
-fn world_net(i: u32) -> Net {
-    var net = no_force();
-    if (evaluated == 0u) | (inverse_mass(i) > 0.0) {
-        add_near_contacts(i, &net);
-        add_attached(i, &net);
+// Adds the forces of springs, tethers and external forces in the order of the adjacency words.
+fn add_attached(i: u32, net: ptr<function, Net>) {
+    add_springs(net);
+    for (var at = springs_end; at < attached.y; at++) {
+        let word = topology[at];
+        (*net).force += attached_force(i, kind_of(word), index_of(word));
     }
-    return net;
 }
 
 // Turns the sphere by a mean spin during a step.
@@ -361,9 +408,8 @@ fn turn_own(spin: vec3f) {
     }
 }
 
-// Adds up the forces on a sphere, and computes the next stage state or the state after the step from them.
-fn evaluate_sphere(i: u32, is_symplectic_euler: bool) {
-    let net = world_net(i);
+// Computes the next stage state of a sphere, or its state after the step, from the forces on it.
+fn advance_sphere(i: u32, net: Net, is_symplectic_euler: bool) {
     if is_symplectic_euler {
         write_symplectic_euler(i, net);
     } else if evaluated == 3u {
@@ -411,33 +457,36 @@ fn show_next(i: u32, evaluations: u32, is_symplectic_euler: bool) {
     }
 }
 
-// `evaluations` counts the force evaluations of the dispatch, from 1. Returns the first body whose state stopped being finite in
-// this step, or NO_BODY.
-fn evaluate(local: u32, evaluations: u32, has_new_time: bool, is_symplectic_euler: bool) -> u32 {
+// Evaluates the forces once. `evaluations` counts the force evaluations of the dispatch, from 1.
+fn evaluate(local: u32, evaluations: u32, has_new_time: bool, is_symplectic_euler: bool) {
     let is_active = (local < step.spheres) & !is_halted;
-    if !is_halted {
-        evaluate_springs(local, has_new_time);
-    }
+    var has_net = is_active;
     if is_active {
-        check_reference(local, evaluations);
-    }
-    workgroupBarrier();
-    if is_active {
+        has_net = (evaluated == 0u) | (inverse_mass(local) > 0.0);
         if atomicLoad(&moved) == evaluations {
             find_near(local);
         }
-        evaluate_sphere(local, is_symplectic_euler);
+    }
+    if !is_halted {
+        evaluate_springs(local, has_new_time);
+    }
+    var net = no_force();
+    if has_net {
+        add_near_contacts(local, &net);
     }
     workgroupBarrier();
-    if is_active {
-        show_next(local, evaluations, is_symplectic_euler);
+    if has_net {
+        add_attached(local, &net);
     }
-    let bad_body = atomicLoad(&status.bad_body);
+    if is_active {
+        advance_sphere(local, net, is_symplectic_euler);
+        show_next(local, evaluations, is_symplectic_euler);
+        check_reference(local, evaluations);
+    }
     if (local == 0u) & !is_halted & (is_symplectic_euler | (evaluated == 3u)) {
         status.steps += 1u;
     }
     workgroupBarrier();
-    return bad_body;
 }
 
 // Notes bodies whose state stopped being finite. They may halt the world.
@@ -457,13 +506,15 @@ fn note_bad(local: u32, bad_body: u32) {
 // Step `k` of the dispatch.
 fn run_step(k: u32, local: u32, is_symplectic_euler: bool) {
     let evaluations = select(4u, 1u, is_symplectic_euler);
-    var bad_body = NO_BODY;
     for (var number = 0u; number < evaluations; number++) {
         evaluated = number;
         // Evaluations 1 and 2 are at the same time, and so are evaluation 3 and evaluation 0 of the next step.
         let has_new_time = is_symplectic_euler | (k == 0u) | ((number & 1u) == 1u);
-        bad_body = evaluate(local, k * evaluations + number + 1u, has_new_time, is_symplectic_euler);
+        evaluate(local, k * evaluations + number + 1u, has_new_time, is_symplectic_euler);
     }
+    // The first body whose state stopped being finite in this step, or NO_BODY. All threads read it before one of them changes it.
+    let bad_body = atomicLoad(&status.bad_body);
+    workgroupBarrier();
     if !is_halted {
         let is_calm = atomicLoad(&motion) != (k + 1u) * evaluations;
         calm = select(0u, min(calm, NO_BODY - 1u) + 1u, is_calm);
