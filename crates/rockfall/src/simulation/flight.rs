@@ -1,7 +1,7 @@
 //! Submits steps to the engine in portions and reads the status after each without idling the device.
 //!
 //! A device works on one portion while the status after the previous one is transferred to the host. If that status reports a
-//! rejected step, the portion under way is rejected too. Its stages return at once, so only time is lost.
+//! rejected step, the portions under way are rejected too. Their stages return at once, so only time is lost.
 
 use std::collections::VecDeque;
 
@@ -36,8 +36,9 @@ pub(super) struct Portioning {
 }
 
 impl Default for Portioning {
+    /// A browser tells a page about three milliseconds late that a portion is done, so more must be under way.
     fn default() -> Self {
-        Self { steps: 4, depth: 2 }
+        if cfg!(target_arch = "wasm32") { Self { steps: 8, depth: 4 } } else { Self { steps: 4, depth: 2 } }
     }
 }
 
@@ -84,6 +85,10 @@ impl Simulation {
                 return Ok(done);
             };
             done += self.finish(&stretch, portion).await?;
+            if self.status.rejected != 0 {
+                // The portions that follow do nothing, so their status is not waited for.
+                in_flight.clear();
+            }
         }
     }
 
