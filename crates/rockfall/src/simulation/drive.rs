@@ -26,9 +26,8 @@ const BATCH_OF_EXACT: u64 = 8;
 const BATCH_OF_SMALL: u64 = 16;
 /// Maximum number of times in a row that a step may be rejected.
 pub(super) const MAX_ATTEMPTS: u32 = 64;
-/// Factor per step by which a raised AABB margin decays. A margin that has decayed too far causes a rejected step, which costs five
-/// milliseconds in a browser and a few tenths of one elsewhere.
-const MARGIN_DECAY: f32 = if cfg!(target_arch = "wasm32") { 0.9995 } else { 0.997 };
+/// Factor per step by which a raised AABB margin decays. A margin that has decayed too far causes a rejected step.
+const MARGIN_DECAY: f32 = 0.997;
 /// The same in scenes with rods or large spheres. Their lists are so long that lengthening them costs more than a rejected
 /// step.
 const MARGIN_DECAY_OF_LONG: f32 = 0.99;
