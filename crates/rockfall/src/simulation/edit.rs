@@ -226,7 +226,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Applies the edits made since the last step or read to the arrays in memory and on the device. [`Simulation::gpu_view`]
+    /// Applies the edits made since the last step or read to the arrays in memory and on the device. `Simulation::gpu_view`
     /// and [`Simulation::cpu_view`] then show them. No state is read back.
     ///
     /// # Errors

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::report::SphereState;
 use crate::scene::finite;
-use crate::worlds::{World, Worlds};
+use crate::simulation::Simulation;
+use crate::worlds::Worlds;
 
 impl Worlds {
     /// Sets position, velocity, angular momentum and orientation of all spheres of a world, one state per sphere in order of
@@ -67,12 +68,9 @@ impl Worlds {
     /// Nothing is changed then.
     pub fn set_forces(&mut self, world: usize, forces: &[Vec3]) -> Result<()> {
         let simulation = &mut self.current(world)?.simulation;
-        let ids: Vec<_> = simulation.scene().sphere_ids().collect();
-        check_count("forces", forces.len(), ids.len(), "one force per sphere of the world")?;
+        check_count("forces", forces.len(), simulation.scene().spheres().len(), "one force per sphere of the world")?;
         forces.iter().try_for_each(|force| finite("force", *force))?;
-        for (id, force) in ids.into_iter().zip(forces) {
-            simulation.set_force(id, *force)?;
-        }
+        set_forces(simulation, forces)?;
         self.changed(world);
         Ok(())
     }
@@ -87,13 +85,7 @@ impl Worlds {
         let counts: Vec<usize> = self.worlds.iter().map(|world| world.simulation.scene().springs().len()).collect();
         check_count("rest lengths", lengths.len(), counts.iter().sum(), "one length per spring of all worlds")?;
         check_lengths(lengths)?;
-        self.refresh()?;
-        let mut rest = lengths;
-        let own: Vec<&[f32]> = counts.into_iter().map(|count| rest.split_off(..count).unwrap_or_default()).collect();
-        let set = |(world, lengths): (&mut World, &[f32])| world.simulation.set_rest_lengths(lengths);
-        self.worlds.par_iter_mut().zip(own).try_for_each(set)?;
-        (0..self.len()).for_each(|world| self.changed(world));
-        Ok(())
+        self.set_in_all(&counts, lengths, Simulation::set_rest_lengths)
     }
 
     /// Sets the external forces on all spheres of all worlds: those of world 0, then those of world 1, and so on. See
@@ -106,13 +98,28 @@ impl Worlds {
         let counts: Vec<usize> = self.worlds.iter().map(|world| world.simulation.scene().spheres().len()).collect();
         check_count("forces", forces.len(), counts.iter().sum(), "one force per sphere of all worlds")?;
         forces.iter().try_for_each(|force| finite("force", *force))?;
-        let mut rest = forces;
-        for (world, count) in counts.into_iter().enumerate() {
-            let own = rest.split_off(..count).unwrap_or_default();
-            self.set_forces(world, own)?;
-        }
+        self.set_in_all(&counts, forces, set_forces)
+    }
+
+    /// Gives every world its part of `values`, of which it has as many as `counts` says.
+    fn set_in_all<T: Sync>(
+        &mut self,
+        counts: &[usize],
+        values: &[T],
+        set: impl Fn(&mut Simulation, &[T]) -> Result<()> + Sync,
+    ) -> Result<()> {
+        self.refresh()?;
+        let mut rest = values;
+        let parts: Vec<&[T]> = counts.iter().map(|count| rest.split_off(..*count).unwrap_or_default()).collect();
+        self.worlds.par_iter_mut().zip(parts).try_for_each(|(world, part)| set(&mut world.simulation, part))?;
+        (0..self.len()).for_each(|world| self.changed(world));
         Ok(())
     }
+}
+
+fn set_forces(simulation: &mut Simulation, forces: &[Vec3]) -> Result<()> {
+    let ids: Vec<_> = simulation.scene().sphere_ids().collect();
+    ids.into_iter().zip(forces).try_for_each(|(id, force)| simulation.set_force(id, *force))
 }
 
 fn check_lengths(lengths: &[f32]) -> Result<()> {

@@ -5,7 +5,7 @@ use rockfall::{
     Scene, Simulation, Sphere, SphereId, Spring, Tether,
 };
 
-use crate::common::{bits, bits_of};
+use crate::common::bits_of;
 use crate::{assert_close, options, scene_with};
 
 const INTEGRATORS: [Integrator; 2] = [Integrator::SymplecticEuler, Integrator::VelocityVerlet];
@@ -316,6 +316,8 @@ fn check_suggests_double_precision_where_positions_are_too_coarse() {
 #[cfg(feature = "gpu")]
 #[test]
 fn worlds_keep_low_parts() {
+    use crate::common::bits;
+
     for backend in [Backend::Cpu, Backend::Gpu] {
         let options = options(backend);
         let mut alone = Simulation::with_options(heap(), options.clone()).expect("the simulation opens");
