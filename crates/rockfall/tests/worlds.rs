@@ -375,7 +375,8 @@ fn a_body_of_the_greatest_size_fits_into_a_workgroup() {
     let body = |boxes: u8| {
         let mut scene = weightless();
         scene.settings.collisions = false;
-        let place = |k: usize| Sphere::new([k as f32, 0.0, 0.0], 0.1);
+        // Each in contact with a box of its own.
+        let place = |k: usize| Sphere::new([k as f32 + 0.5, 0.05, 0.5], 0.1);
         let ids: Vec<_> = (0..Worlds::BODY_SPHERES).map(|k| scene.add_sphere(place(k)).expect("a sphere")).collect();
         let pairs = (0..ids.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
         for (a, b) in pairs.take(Worlds::BODY_MUSCLES) {
@@ -383,14 +384,15 @@ fn a_body_of_the_greatest_size_fits_into_a_workgroup() {
             scene.add_spring(spring).expect("a spring");
         }
         for k in 0..boxes {
-            let low = Vec3::new(f32::from(k), -9.0, 0.0);
+            let low = Vec3::new(f32::from(k), -1.0, 0.0);
             scene.add_box(Cuboid::between(low, low + Vec3::ONE)).expect("a box");
         }
         scene
     };
     // Worlds with as much of everything as documented.
     let mut full = body(32);
-    let place = |k: usize| Sphere::new([k as f32, 5.0, 0.0], 0.1).force([0.0, 1.0, 0.0]);
+    // The last two spheres are in contact with each other and with the last box.
+    let place = |k: usize| Sphere::new([if k == 10 { 31.35 } else { k as f32 + 20.5 }, 0.05, 0.5], 0.1).force([0.0, 1.0, 0.0]);
     let more: Vec<_> = (0..12).map(|k| full.add_sphere(place(k)).expect("a sphere")).collect();
     for k in 0..64 {
         let spring = Spring::new(more[k % 11], more[11], 100.0, 1.0).muscle(Muscle::new(0.1, 1.0, 0.0));
@@ -400,8 +402,17 @@ fn a_body_of_the_greatest_size_fits_into_a_workgroup() {
         full.add_tether(Tether::new(more[0], [0.0, 1.0, 0.0], 3.0)).expect("a tether");
     }
     let scenes = [body(44), body(45), full];
-    let mut worlds = worlds(&scenes, &Options::new().backend(Backend::Gpu));
+    let options = Options::new().backend(Backend::Gpu);
+    let mut worlds = worlds(&scenes, &options);
     let paths = [0, 1, 2].map(|world| worlds.report(world, None).expect("a report").path);
     assert_eq!(paths, [WorldPath::Device, WorldPath::Simulation, WorldPath::Device]);
     const { assert!(Worlds::BODY_MUSCLES == 64) };
+    worlds.run(10, DT).expect("steps");
+    for world in [0, 2] {
+        let mut alone = Simulation::with_options(scenes[world].clone(), options.clone()).expect("the simulation opens");
+        alone.run(10, DT).expect("steps");
+        assert_eq!(bits(&worlds.states(world).expect("states")), bits(&alone.spheres().expect("states")));
+        let contacts = worlds.report(world, None).expect("a report").report.contacts;
+        assert!(contacts > 10 && contacts == alone.report().contacts, "{contacts}");
+    }
 }

@@ -117,6 +117,25 @@ fn sleeping_worlds_advance_by_default(backend: Backend) {
     assert_eq!((default.speed, default.steps, default.skip), (0.01, 100, false));
 }
 
+/// A ball that a tether tears away. It stops in the first step, so it is at rest at the end of this step.
+fn torn() -> Scene {
+    let mut scene = weightless();
+    scene.settings.collisions = false;
+    let id = scene.add_sphere(Sphere::new([0.0, 5.0, 0.0], 0.1)).expect("a sphere");
+    scene.add_tether(Tether::new(id, [9.0, 9.0, 0.0], 3e38)).expect("a tether");
+    scene
+}
+
+/// A world that would fall asleep in the step in which a body stops being finite is stopped and reported.
+fn a_world_that_is_not_finite_does_not_sleep(backend: Backend) {
+    let mut worlds = worlds(&[torn(), ball()], backend, true);
+    worlds.set_sleep(Sleep::new().speed(SPEED).steps(1).skip(true)).expect("a valid criterion");
+    worlds.run(5, DT).expect("steps");
+    let report = worlds.report(0, None).expect("a report");
+    assert!(report.stopped.is_some() && !report.sleeping, "{report:?}");
+    assert!(worlds.report(1, None).expect("a report").stopped.is_none());
+}
+
 /// States, forces and resets wake a world up. What it did before makes no difference.
 fn controls_wake_a_world_up(backend: Backend) {
     let mut worlds = worlds(&[ball(), ball(), ball()], backend, true);
@@ -157,7 +176,13 @@ fn files_keep_what_sleeps(backend: Backend) {
     assert_eq!(bits(&resumed.states(0).expect("states")), bits(&whole.states(0).expect("states")));
 }
 
-both_in_turn!(a_world_at_rest_sleeps, sleeping_worlds_advance_by_default, controls_wake_a_world_up, files_keep_what_sleeps,);
+both_in_turn!(
+    a_world_at_rest_sleeps,
+    sleeping_worlds_advance_by_default,
+    a_world_that_is_not_finite_does_not_sleep,
+    controls_wake_a_world_up,
+    files_keep_what_sleeps,
+);
 
 /// Muscles move sooner or later, however slow everything is now.
 #[test]

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use rockfall::output::AtomicFile;
-use rockfall_evolve::{Evolution, Genome, Niche, Outcome};
+use rockfall_evolve::{Evolution, Genome, Ground, Niche, Outcome};
 
 use super::Arguments;
 use crate::failure::Failure;
@@ -67,13 +67,32 @@ fn run_command(evolution: &Evolution, name: &str) -> String {
     format!("rockfall run {name} --dt {} --steps {steps}{integrator}", plan.dt)
 }
 
+/// The command that evolved the creatures up to now. `GROUND` stands for the file with the ground, if there was one.
+fn evolve_command(evolution: &Evolution) -> Result<String, Failure> {
+    let plan = evolution.plan();
+    let mut text = format!(
+        "rockfall evolve --goal {} --body {} --population {} --generations {} --seconds {} --dt {} --seed {}",
+        plan.goal,
+        plan.body,
+        plan.population,
+        evolution.history().len(),
+        plan.seconds,
+        plan.dt,
+        plan.seed
+    );
+    if plan.integrator != "rk4" {
+        let _ = write!(text, " --integrator {}", plan.integrator);
+    }
+    if plan.ground != Ground::level(plan.seconds)?.scene().to_text() {
+        text += " --ground GROUND (its boxes, polygons and settings are those below)";
+    }
+    Ok(text)
+}
+
 fn scene_text(evolution: &Evolution, genome: &Genome, outcome: &Outcome, title: &str) -> Result<String, Failure> {
     let plan = evolution.plan();
     let scene = genome.scene(&evolution.trial().ground)?;
-    let mut text = format!(
-        "# {title}: rockfall evolve --goal {} --body {} --population {} --seconds {} --dt {} --seed {}\n",
-        plan.goal, plan.body, plan.population, plan.seconds, plan.dt, plan.seed
-    );
+    let mut text = format!("# {title}: {}\n", evolve_command(evolution)?);
     let _ = writeln!(
         text,
         "# {}: {:.3} {}. Length {:.2} units. From step {} to step {} the centre moves {:.3} units along the ground:",

@@ -29,7 +29,7 @@ const LEAD: f32 = 0.5;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Portioning {
     /// Maximum number of steps per portion in scenes that are not small. After a rejected step the rest of all portions under way
-    /// is rejected too, which costs one dispatch per stage.
+    /// is rejected too, which costs one dispatch per stage and step.
     steps: u64,
     /// Number of portions that are submitted to a device at a time.
     depth: usize,

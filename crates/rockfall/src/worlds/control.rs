@@ -101,7 +101,7 @@ impl Worlds {
         self.set_in_all(&counts, forces, set_forces)
     }
 
-    /// Gives every world its part of `values`, of which it has as many as `counts` says.
+    /// Gives each world its part of `values`. `counts` has the number of values of each world.
     fn set_in_all<T: Sync>(
         &mut self,
         counts: &[usize],
@@ -111,9 +111,9 @@ impl Worlds {
         self.refresh()?;
         let mut rest = values;
         let parts: Vec<&[T]> = counts.iter().map(|count| rest.split_off(..*count).unwrap_or_default()).collect();
-        self.worlds.par_iter_mut().zip(parts).try_for_each(|(world, part)| set(&mut world.simulation, part))?;
+        let done = self.worlds.par_iter_mut().zip(parts).try_for_each(|(world, part)| set(&mut world.simulation, part));
         (0..self.len()).for_each(|world| self.changed(world));
-        Ok(())
+        done
     }
 }
 

@@ -45,7 +45,7 @@ var<workgroup> status: StatusAtomic;
 var<workgroup> spring_forces: array<vec4f, WORLD_SPRINGS>;
 // Rest lengths of springs with muscles at the present evaluation.
 var<workgroup> lengths: array<f32, WORLD_SPRINGS>;
-// Number of the last force evaluation before which a sphere had left the ball around its reference position.
+// Number of the last force evaluation that must find near objects again.
 var<workgroup> moved: atomic<u32>;
 
 // Number of the last force evaluation at the end of a step in which a sphere moved.
@@ -375,18 +375,19 @@ fn add_springs(net: ptr<function, Net>) {
         let places = vec4u(at) + min(vec4u(0u, 1u, 2u, 3u), vec4u(rest));
         let words = vec4u(topology[places.x], topology[places.y], topology[places.z], topology[places.w]);
         let springs = words & vec4u(END_B - 1u);
-        let second = spring_forces[springs.y];
-        let third = spring_forces[springs.z];
-        let fourth = spring_forces[springs.w];
-        add_spring(words.x, spring_forces[springs.x], net);
+        let force_x = spring_forces[springs.x];
+        let force_y = spring_forces[springs.y];
+        let force_z = spring_forces[springs.z];
+        let force_w = spring_forces[springs.w];
+        add_spring(words.x, force_x, net);
         if rest > 0u {
-            add_spring(words.y, second, net);
+            add_spring(words.y, force_y, net);
         }
         if rest > 1u {
-            add_spring(words.z, third, net);
+            add_spring(words.z, force_z, net);
         }
         if rest > 2u {
-            add_spring(words.w, fourth, net);
+            add_spring(words.w, force_w, net);
         }
     }
 }
@@ -491,7 +492,7 @@ fn evaluate(local: u32, evaluations: u32, has_new_time: bool, is_symplectic_eule
 
 // Notes bodies whose state stopped being finite. They may halt the world.
 fn note_bad(local: u32, bad_body: u32) {
-    if (bad_body == NO_BODY) | is_halted {
+    if bad_body == NO_BODY {
         return;
     }
     if local == 0u {
@@ -518,9 +519,9 @@ fn run_step(k: u32, local: u32, is_symplectic_euler: bool) {
     if !is_halted {
         let is_calm = atomicLoad(&motion) != (k + 1u) * evaluations;
         calm = select(0u, min(calm, NO_BODY - 1u) + 1u, is_calm);
-        is_halted = is_asleep();
+        note_bad(local, bad_body);
+        is_halted |= is_asleep();
     }
-    note_bad(local, bad_body);
 }
 
 fn store_world(world: u32, local: u32) {
