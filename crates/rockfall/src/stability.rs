@@ -226,7 +226,8 @@ impl Scene {
     }
 
     /// Constants and a time step, at most `dt` seconds, with which the scene causes none of the warnings of
-    /// [`Scene::stability`], [`Scene::fast_muscle`], [`Scene::sinking`] and [`Scene::tunnelling`]. `None` if there are none now.
+    /// [`Scene::stability`], [`Scene::law_times`], [`Scene::fast_muscle`], [`Scene::sinking`] and [`Scene::tunnelling`]. `None` if
+    /// there are none now.
     pub fn suggestion(&self, dt: f32, integrator: Integrator) -> Option<Suggestion> {
         let mut settings = self.settings;
         let sinking = self.sinking(integrator);
@@ -235,7 +236,9 @@ impl Scene {
         }
         let mended = Self { settings, ..self.clone() };
         let stiff = mended.stability(dt, integrator).into_iter().map(|warning| warning.largest_dt);
+        let slow = mended.law_times().into_iter().filter(|time| time.is_exceeded_by(dt));
         let bounds = stiff
+            .chain(slow.map(|time| time.largest_dt()))
             .chain(mended.tunnelling(dt).map(|tunnelling| tunnelling.largest_dt))
             .chain(mended.fast_muscle(dt).map(|muscle| muscle.largest_dt));
         let largest = bounds.fold(f64::INFINITY, f64::min);

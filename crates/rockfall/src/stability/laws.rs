@@ -39,10 +39,10 @@ impl LawTime {
 
     /// Describes the time and a time step of `dt` seconds.
     pub fn describe(&self, dt: f32) -> String {
-        let percent = 100.0 * f64::from(dt) / self.seconds;
-        let steps = self.seconds / f64::from(dt);
-        let steps = if self.is_rayleigh() { String::new() } else { format!(" ({steps:.1} steps per impact)") };
-        format!("{self}; the time step is {percent:.3} % of it{steps}, at most {:.3e} s is advised", self.largest_dt())
+        let (part, steps) = (f64::from(dt) / self.seconds, self.seconds / f64::from(dt));
+        let step = if part < 1.0 { format!("{:.3} % of it", 100.0 * part) } else { format!("{part:.1} times as long") };
+        let steps = if self.is_rayleigh() || part >= 1.0 { String::new() } else { format!(" ({steps:.1} steps per impact)") };
+        format!("{self}; the time step is {step}{steps}, at most {:.3e} s is advised", self.largest_dt())
     }
 }
 
