@@ -205,6 +205,7 @@ impl Simulation {
 
     /// Sets the rest lengths of all springs, in order of addition, which must be valid. Where nothing else waits to be packed and the
     /// arrays are on the host, only the lengths are written: packing all objects again takes several times as long.
+    #[cfg(not(target_family = "wasm"))]
     pub(crate) fn set_rest_lengths(&mut self, lengths: &[f32]) -> Result<()> {
         let is_packed = self.dirty == Dirty::Clean && self.edits.is_empty() && self.cpu_view().is_some();
         let ids: Vec<_> = self.scene.spring_ids().collect();

@@ -16,6 +16,7 @@ use crate::model::world::order::inverse;
 use crate::scene::{Dampings, Pair, Scene, SphereId};
 
 /// Place of the rest length in the record of a spring: after the two ends and the stiffness.
+#[cfg(not(target_family = "wasm"))]
 const LENGTH_WORD: usize = 3;
 
 impl World {
@@ -95,6 +96,7 @@ fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, topology: &mut Vec<
 
 impl World {
     /// Writes the rest lengths of all springs, in order of addition, to the topology buffer.
+    #[cfg(not(target_family = "wasm"))]
     pub(crate) fn set_rest_lengths(&mut self, lengths: &[f32]) {
         let springs = self.topology[self.step.springs_at as usize..].chunks_exact_mut(SPRING_WORDS as usize);
         springs.zip(lengths).for_each(|(spring, length)| spring[LENGTH_WORD] = length.to_bits());
