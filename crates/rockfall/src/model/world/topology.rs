@@ -4,9 +4,11 @@
 use glam::Vec3;
 
 use crate::error::{Error, Result};
+#[cfg(not(target_family = "wasm"))]
+use crate::model::layout::SPRING_WORDS;
 use crate::model::layout::{
     FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_RESISTANCE, GROUP_MASK, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING,
-    KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, SPRING_WORDS, max_objects,
+    KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, max_objects,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
