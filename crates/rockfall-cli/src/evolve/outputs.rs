@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use rockfall::output::AtomicFile;
-use rockfall_evolve::{Evolution, Genome, Ground, Niche, Outcome};
+use rockfall_evolve::{Evolution, Genome, Ground, Niche, Outcome, Plan};
 
 use super::Arguments;
 use crate::failure::Failure;
@@ -63,26 +63,28 @@ fn history(evolution: &Evolution) -> String {
 /// The command that shows the creature in a simulation of its own.
 fn run_command(evolution: &Evolution, name: &str) -> String {
     let (plan, steps) = (evolution.plan(), evolution.trial().steps());
-    let integrator = if plan.integrator == "rk4" { String::new() } else { format!(" --integrator {}", plan.integrator) };
-    format!("rockfall run {name} --dt {} --steps {steps}{integrator}", plan.dt)
+    format!("rockfall run {name} --dt {} --steps {steps}{}", plan.dt, integrator_option(plan))
+}
+
+/// ` --integrator NAME`, or nothing for the default.
+fn integrator_option(plan: &Plan) -> String {
+    if plan.integrator == "rk4" { String::new() } else { format!(" --integrator {}", plan.integrator) }
 }
 
 /// The command that evolved the creatures up to now. `GROUND` stands for the file with the ground, if there was one.
 fn evolve_command(evolution: &Evolution) -> Result<String, Failure> {
     let plan = evolution.plan();
     let mut text = format!(
-        "rockfall evolve --goal {} --body {} --population {} --generations {} --seconds {} --dt {} --seed {}",
+        "rockfall evolve --goal {} --body {} --population {} --generations {} --seconds {} --dt {} --seed {}{}",
         plan.goal,
         plan.body,
         plan.population,
         evolution.history().len(),
         plan.seconds,
         plan.dt,
-        plan.seed
+        plan.seed,
+        integrator_option(plan)
     );
-    if plan.integrator != "rk4" {
-        let _ = write!(text, " --integrator {}", plan.integrator);
-    }
     if plan.ground != Ground::level(plan.seconds)?.scene().to_text() {
         text += " --ground GROUND (its boxes, polygons and settings are those below)";
     }
