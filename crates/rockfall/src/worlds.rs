@@ -39,7 +39,7 @@ pub struct Worlds {
     info: BackendInfo,
     #[cfg(feature = "gpu")]
     gpu: Option<Gpu>,
-    /// The worlds that run on the device, one workgroup each.
+    /// The worlds that run on the device, in workgroups of one or a few.
     #[cfg(feature = "gpu")]
     batch: Option<Batch>,
     sleep: Sleep,
@@ -66,7 +66,8 @@ pub enum WorldPath {
     /// By a simulation of its own, which supports all objects and settings. On a GPU its steps are dispatched one world after the
     /// other.
     Simulation,
-    /// By a workgroup of the GPU, which runs many steps in one dispatch, side by side with other worlds. This path takes worlds of
+    /// By a workgroup of the GPU, which runs many steps in one dispatch, side by side with other worlds; small worlds of large
+    /// batches share a workgroup. This path takes worlds of
     /// up to 32 spheres, 64 objects and 128 springs, without rods, materials, collisions as impulses
     /// ([`Settings::collisions`](crate::Settings::collisions)) and friction impulses. A world that replaces another one takes it if
     /// it is not larger than the largest world was when the batch was created.
@@ -199,6 +200,15 @@ impl Worlds {
             return World::new(simulation, WorldPath::Simulation);
         }
         World::new(Simulation::with_options(scene, self.options.clone())?, WorldPath::Simulation)
+    }
+
+    /// Sets whether small worlds share workgroups on the device. Otherwise their number decides. For tests: results do not change.
+    #[cfg(feature = "gpu")]
+    #[doc(hidden)]
+    pub fn share_workgroups(&mut self, shared: bool) {
+        if let Some(batch) = &mut self.batch {
+            batch.share_workgroups(shared);
+        }
     }
 
     /// Replaces the kernel of the worlds on the device. For tests that put mistakes into it.

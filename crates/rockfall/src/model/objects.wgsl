@@ -13,8 +13,27 @@ fn spin_of(sphere: u32) -> vec3f {
     return momentum.xyz * momentum.w;
 }
 
+// Boxes, polygons, springs and muscles are stored field by field: a word of each of them, then the next word of each. The host
+// replaces it. This is so where each workgroup has a world of its own, so that threads read words next to each other.
+const BY_FIELD: bool = true;
+
+// First word of a record of such objects. `table` is the first word of them all, `words` the length of a record.
+fn word_of_record(table: u32, index: u32, words: u32) -> u32 {
+    return table + index * select(words, 1u, BY_FIELD);
+}
+
+// Distance of the words of such a record. `count` is the number of records.
+fn stride_of(count: u32) -> u32 {
+    return select(1u, count, BY_FIELD);
+}
+
 fn vector_at(word: u32) -> vec3f {
-    return bitcast<vec3f>(vec3u(topology[word], topology[word + 1u], topology[word + 2u]));
+    return spread_vector_at(word, 1u);
+}
+
+// A vector whose words have a distance of `stride`.
+fn spread_vector_at(word: u32, stride: u32) -> vec3f {
+    return bitcast<vec3f>(vec3u(topology[word], topology[word + stride], topology[word + 2u * stride]));
 }
 
 fn float_at(word: u32) -> f32 {
@@ -40,6 +59,10 @@ fn other_end(rod: u32, sphere: u32) -> u32 {
     return select(ends.x, ends.y, ends.x == sphere);
 }
 
+fn springs() -> u32 {
+    return (step.tethers_at - step.springs_at) / SPRING_WORDS;
+}
+
 struct Cuboid {
     corner: vec3f,
     i: vec3f,
@@ -48,8 +71,14 @@ struct Cuboid {
 }
 
 fn cuboid(index: u32) -> Cuboid {
-    let at = step.boxes_at + index * BOX_WORDS;
-    return Cuboid(vector_at(at), vector_at(at + 3u), vector_at(at + 6u), vector_at(at + 9u));
+    let at = word_of_record(step.boxes_at, index, BOX_WORDS);
+    let stride = stride_of(step.boxes);
+    return Cuboid(
+        spread_vector_at(at, stride),
+        spread_vector_at(at + 3u * stride, stride),
+        spread_vector_at(at + 6u * stride, stride),
+        spread_vector_at(at + 9u * stride, stride),
+    );
 }
 
 struct Polygon {
@@ -59,8 +88,13 @@ struct Polygon {
 }
 
 fn polygon(index: u32) -> Polygon {
-    let at = step.polygons_at + index * POLYGON_WORDS;
-    return Polygon(vector_at(at), vector_at(at + 3u), vector_at(at + 6u));
+    let at = word_of_record(step.polygons_at, index, POLYGON_WORDS);
+    let stride = stride_of(step.polygons);
+    return Polygon(
+        spread_vector_at(at, stride),
+        spread_vector_at(at + 3u * stride, stride),
+        spread_vector_at(at + 6u * stride, stride),
+    );
 }
 
 // First word, and one past the last word, of what is attached to a sphere. Rods come first, because a rod is kind 0.

@@ -25,6 +25,8 @@ pub const HOOKS: &[(&str, &str)] = &[
     ("add_law_load", "adds the force and torque of the contacts of a sphere, for laws with history"),
     ("add_wrench", "adds the force and torque on the rod end that a sphere forms"),
     ("count", "number of entries of the list to sort"),
+    ("early_changes", "part of stage states 2 and 3 in the sum for a vector of a sphere"),
+    ("early_momenta", "part of the start and of stage states 2 and 3 in the sum for the mean angular momentum of a sphere"),
     ("emit", "handles a pair that the broad phase finds"),
     ("evaluation", "number of the force evaluation of RK4, from 0; velocity Verlet: 0 for the state, 3 for stage state 4"),
     ("into", "start of the list to sort"),
@@ -120,6 +122,7 @@ const SHARED: &[Part] = &[
     part!("step/commit.wgsl"),
     part!("step/commit_next_state.wgsl"),
     part!("step/integrate/close_step.wgsl"),
+    part!("step/integrate/early_stages.wgsl"),
     part!("step/integrate/finished.wgsl"),
     part!("step/integrate/kicked.wgsl"),
     part!("step/integrate/next_state.wgsl"),
@@ -202,7 +205,7 @@ pub struct Variant {
     pub continuous: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
-    /// Each workgroup has a world of its own: it has its own copy of the block `step`, and one block of counters.
+    /// Each workgroup has worlds of its own: each world has its own block `step`, and one block of counters.
     pub worlds: Option<WorldSizes>,
 }
 
@@ -237,6 +240,7 @@ impl Variant {
             ("RESISTANCE", self.resistance),
             ("COHESION", self.cohesion),
             ("ESCAPES", self.worlds.is_none()),
+            ("BY_FIELD", self.worlds.is_some()),
             ("VERLET", self.verlet),
             ("DOUBLE", self.double),
             ("CONTINUOUS", self.continuous),
@@ -248,9 +252,23 @@ impl Variant {
         let Some(sizes) = self.worlds else { return replaced };
         let block = format!("const COUNTER_BLOCKS: u32 = {COUNTER_BLOCKS}u;");
         let replaced = sizes.apply(&replaced);
-        replaced
-            .replace("@group(0) @binding(0) var<uniform> step: Step;", "var<workgroup> step: Step;")
+        let replaced = replaced
+            .replace("@group(0) @binding(0) var<uniform> step: Step;\n", "")
             .replace("topology[", "topology[world_topology + ")
-            .replace(&block, "const COUNTER_BLOCKS: u32 = 1u;")
+            .replace(&block, "const COUNTER_BLOCKS: u32 = 1u;");
+        let replaced = replace_variable(&replaced, "step.", "world_steps[own_world].");
+        replace_variable(&replaced, "status.", "world_statuses[own_world].")
     }
+}
+
+/// Replaces the name of a variable, with the dot behind it, where it is not the end of a longer name.
+fn replace_variable(text: &str, name: &str, by: &str) -> String {
+    let mut pieces = text.split(name);
+    let mut replaced = pieces.next().unwrap_or_default().to_owned();
+    for piece in pieces {
+        let is_longer = replaced.ends_with(|before: char| before.is_alphanumeric() || "_/.".contains(before));
+        replaced.push_str(if is_longer { name } else { by });
+        replaced.push_str(piece);
+    }
+    replaced
 }

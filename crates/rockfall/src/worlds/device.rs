@@ -1,4 +1,4 @@
-//! The worlds of a batch that run on the device, one workgroup each.
+//! The worlds of a batch that run on the device, in workgroups of one or a few.
 
 use rayon::prelude::*;
 
@@ -69,6 +69,11 @@ impl Batch {
     /// The room for a world, and whether the kernel has code for pairs of spheres.
     pub(super) fn sizes(&self) -> WorldSizes {
         self.device.sizes()
+    }
+
+    /// Sets whether small worlds share workgroups.
+    pub(super) fn share_workgroups(&mut self, shared: bool) {
+        self.device.share_workgroups(shared);
     }
 
     /// Replaces the kernel.

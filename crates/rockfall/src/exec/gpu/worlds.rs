@@ -1,4 +1,4 @@
-//! Many small worlds on a device, one workgroup each.
+//! Many small worlds on a device, in workgroups of one or a few.
 
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::Vec4;
@@ -13,7 +13,9 @@ use crate::exec::gpu::wait::{Mapped, block_on};
 use crate::exec::gpu::world::UNIFORM;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
-use crate::model::layout::{KIND_SHIFT, KIND_SPRING, LAW_THESIS, PHASES_SHIFT, SPRING_WORDS, SYMPLECTIC_EULER};
+use crate::model::layout::{
+    BOX_WORDS, KIND_SHIFT, KIND_SPRING, LAW_THESIS, MUSCLE_WORDS, PHASES_SHIFT, POLYGON_WORDS, SPRING_WORDS, SYMPLECTIC_EULER,
+};
 use crate::model::step::{Pass, Step};
 use crate::model::world::World;
 use crate::model::world_sizes::WorldSizes;
@@ -24,6 +26,8 @@ use crate::step::wgsl::Variant;
 
 /// Most steps of a dispatch. Systems stop dispatches that take seconds.
 const MOST_STEPS: u64 = 1000;
+/// From this number of worlds on, small ones share workgroups.
+const MANY_WORLDS: u32 = 2048;
 /// Places of the buffers that are read back: states, orientations, results.
 const READ: [usize; 3] = [1, 3, 4];
 
@@ -83,11 +87,17 @@ impl DeviceWorlds {
             made.push(make_buffer(gpu.device(), label, bytes * u64::from(count.max(1)), usage)?);
         }
         let buffers = std::array::from_fn(|place| made[place].clone());
+        let sizes = WorldSizes { shared: count >= MANY_WORLDS, ..sizes };
         Ok(Self { gpu: gpu.clone(), count, sizes, buffers, stage: &STAGE, staging: Vec::new() })
     }
 
     pub(crate) fn sizes(&self) -> WorldSizes {
         self.sizes
+    }
+
+    /// Sets whether small worlds share workgroups.
+    pub(crate) fn share_workgroups(&mut self, shared: bool) {
+        self.sizes.shared = shared;
     }
 
     /// Replaces the kernel.
@@ -137,7 +147,7 @@ impl DeviceWorlds {
                     put(&mut starts[region * room..], cast_slice(&world.states[0][region * rows..][..rows]));
                 }
                 put(step, bytes_of(&world.step));
-                put(topology, cast_slice(&with_marked_ends(world)));
+                put(topology, cast_slice(&kernel_topology(world)));
                 put(turns, cast_slice(&world.orientations));
                 put(result, bytes_of(&reported));
                 Ok(())
@@ -172,7 +182,7 @@ impl DeviceWorlds {
         let kernel = self.gpu.kernel(self.stage, variant, vec![1; self.stage.bindings.len()], &std::sync::Arc::default())?;
         let device = self.gpu.device();
         let across = device.limits().max_compute_workgroups_per_dimension;
-        let [x, y, z] = rows(self.count, across);
+        let [x, y, z] = rows(self.count.div_ceil(self.sizes.group().0), across);
         let euler = if integrator == Integrator::SymplecticEuler { SYMPLECTIC_EULER } else { 0 };
         let mut left = steps;
         while left > 0 {
@@ -252,26 +262,53 @@ impl DeviceWorlds {
     }
 }
 
-/// Set in the adjacency words of end B of a spring, as in the kernel. Indices are smaller.
-const END_B: u32 = 1 << 29;
+/// Set in the name of a spring at its end B, as in the kernel. Indices are smaller.
+const END_B: u8 = 1 << 7;
+/// Names of springs in a word.
+const SPRING_NAMES: usize = 4;
 
-/// The topology of a world, with the adjacency words of ends B of springs marked.
-fn with_marked_ends(world: &World) -> Vec<u32> {
-    let mut words = world.topology.clone();
+/// The topology of a world as the kernel reads it: names of springs in the adjacency, and records field by field.
+fn kernel_topology(world: &World) -> Vec<u32> {
     let step = &world.step;
-    if step.adjacency_at == 0 {
-        return words;
+    let mut words = world.topology.clone();
+    if step.adjacency_at != 0 {
+        (0..step.spheres).for_each(|sphere| name_springs(world, sphere, &mut words));
     }
-    for sphere in 0..step.spheres {
-        let range = (step.adjacency_at + 2 * sphere) as usize;
-        for at in words[range] as usize..words[range + 1] as usize {
-            let (kind, index) = (words[at] >> KIND_SHIFT, words[at] & (END_B - 1));
-            if kind == KIND_SPRING && words[(step.springs_at + index * SPRING_WORDS) as usize] != sphere {
-                words[at] |= END_B;
-            }
+    let springs = (step.tethers_at - step.springs_at) / SPRING_WORDS;
+    let muscles = if step.muscles_at == 0 { 0 } else { springs };
+    let tables = [
+        (step.boxes_at, step.boxes, BOX_WORDS),
+        (step.polygons_at, step.polygons, POLYGON_WORDS),
+        (step.springs_at, springs, SPRING_WORDS),
+        (step.muscles_at, muscles, MUSCLE_WORDS),
+    ];
+    for (first, count, fields) in tables {
+        let records = first as usize..(first + count * fields) as usize;
+        let by_record = &world.topology[records.clone()];
+        for (at, word) in words[records].iter_mut().enumerate() {
+            let (field, record) = (at / count as usize, at % count as usize);
+            *word = by_record[record * fields as usize + field];
         }
     }
     words
+}
+
+/// Replaces the springs in the adjacency of a sphere by their names. Its first word says how many there are.
+fn name_springs(world: &World, sphere: u32, words: &mut [u32]) {
+    let step = &world.step;
+    let range = (step.adjacency_at + 2 * sphere) as usize;
+    let [first, end] = [range, range + 1].map(|at| world.topology[at] as usize);
+    let is_spring = |word: &&u32| **word >> KIND_SHIFT == KIND_SPRING;
+    let name = |word: &u32| {
+        let index = word & ((1 << KIND_SHIFT) - 1);
+        let is_end_a = world.topology[(step.springs_at + index * SPRING_WORDS) as usize] == sphere;
+        index as u8 | if is_end_a { 0 } else { END_B }
+    };
+    let names: Vec<u8> = world.topology[first..end].iter().take_while(is_spring).map(name).collect();
+    words[range] |= (names.len() as u32) << 16;
+    for (word, names) in words[first..].iter_mut().zip(names.chunks(SPRING_NAMES)) {
+        *word = (0..).step_by(8).zip(names).map(|(shift, name)| u32::from(*name) << shift).sum();
+    }
 }
 
 /// Writes bytes to the beginning of a place.

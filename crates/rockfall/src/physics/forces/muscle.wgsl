@@ -17,14 +17,14 @@ fn half_steps() -> u32 {
 }
 
 // The upper word of the phase of a muscle at the present force evaluation: the phase at the base of the clock, and the change in
-// half a step times the half steps since then. `muscle` is the first word of its record.
-fn muscle_phase(muscle: u32) -> u32 {
+// half a step times the half steps since then. `muscle` is the first word of its record, `stride` the distance of its words.
+fn muscle_phase(muscle: u32, stride: u32) -> u32 {
     let halves = half_steps();
-    let change = topology[muscle + 3u];
+    let change = topology[muscle + 3u * stride];
     let low = change * halves;
-    let carry = u32(low + topology[muscle + 1u] < low);
-    let high = topology[muscle + 4u] * halves + upper_product(change, halves);
-    return topology[muscle + 2u] + high + carry;
+    let carry = u32(low + topology[muscle + stride] < low);
+    let high = topology[muscle + 4u * stride] * halves + upper_product(change, halves);
+    return topology[muscle + 2u * stride] + high + carry;
 }
 
 // Sine of a phase, given by its upper word. It is the sine or cosine of an angle of at most an eighth turn.
@@ -39,15 +39,16 @@ fn sine_of_phase(phase: u32) -> f32 {
     return select(value, -value, (quarter & 2u) == 2u);
 }
 
-// Rest length of a spring of constant length `length` at the present force evaluation. `muscle` is the first word of its record.
-// The amplitude is 0 if it has no muscle.
-fn muscle_length(muscle: u32, length: f32) -> f32 {
-    return length * fma(float_at(muscle), sine_of_phase(muscle_phase(muscle)), 1.0);
+// Rest length of a spring of constant length `length` at the present force evaluation. The amplitude is 0 if it has no muscle.
+fn muscle_length(spring: u32, length: f32) -> f32 {
+    let muscle = word_of_record(step.muscles_at, spring, MUSCLE_WORDS);
+    let phase = muscle_phase(muscle, stride_of(springs()));
+    return length * fma(float_at(muscle), sine_of_phase(phase), 1.0);
 }
 
 fn rest_length(spring: u32, length: f32) -> f32 {
     if MUSCLES {
-        return muscle_length(step.muscles_at + spring * MUSCLE_WORDS, length);
+        return muscle_length(spring, length);
     }
     return length;
 }

@@ -1,7 +1,8 @@
 // requires model/entries.wgsl model/four_states.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl
 // requires physics/collision/changes.wgsl physics/forces/net_force.wgsl physics/escape.wgsl physics/rotation.wgsl
 // requires step/collisions/collided.wgsl step/collisions/has_changes.wgsl step/collisions/classify_contacts.wgsl
-// requires step/collisions/rows.wgsl step/commit.wgsl step/integrate/close_step.wgsl step/integrate/finished.wgsl
+// requires step/collisions/rows.wgsl step/commit.wgsl step/integrate/close_step.wgsl step/integrate/early_stages.wgsl
+// requires step/integrate/finished.wgsl
 // requires step/integrate/symplectic_euler_state.wgsl step/integrate/next_state.wgsl
 
 @group(0) @binding(2) var<storage, read_write> start: array<vec4f>;

@@ -1,4 +1,4 @@
-//! Runs many steps of many small worlds in one dispatch, with one workgroup per world. The data of a world are in workgroup memory.
+//! Runs many steps of many small worlds in one dispatch. A workgroup has one world, or several small ones, in its memory.
 //!
 //! The kernel is made of the same files as the stages, so that it computes the same. It takes worlds without rods, collisions as
 //! impulses and friction impulses, which no step can reject. It has no lists: each thread keeps the objects near its sphere as bits.

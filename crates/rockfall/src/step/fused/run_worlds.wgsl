@@ -3,8 +3,9 @@
 // requires physics/rotation.wgsl step/commit.wgsl step/integrate/close_step.wgsl step/integrate/finished.wgsl
 // requires step/integrate/next_state.wgsl step/integrate/symplectic_euler_state.wgsl
 
-// Each workgroup advances a world of its own, for many steps, with a thread per sphere. The shared files compute the same here as
-// in the stages. `step` is a copy of the world's block. Where they read `topology`, the host inserts `world_topology`.
+// Each workgroup advances one world, or several small ones, for many steps, with a thread per sphere. The shared files compute the
+// same here as in the stages. Where they read `step` or `status`, the host inserts those of the thread's world, and where they read
+// `topology`, it inserts `world_topology`.
 //
 // A force evaluation has two parts, with a barrier after each. First each spring is evaluated by one thread, and each sphere adds
 // up the forces of its contacts. Then each sphere adds the forces of what is attached to it, computes its next state, and shows it
@@ -35,36 +36,47 @@ const WORLD_SPRINGS: u32 = 128u;
 const WORLD_TOPOLOGY: u32 = 2304u;
 // Two spheres of a world may be in the same group. The host replaces it. Without, there is no code for pairs of spheres.
 const SPHERE_PAIRS: bool = true;
-// Threads of a workgroup, one per sphere.
-const WORLD_THREADS: u32 = 32u;
+// Worlds of a workgroup, and its threads. The host replaces them (`WorldSizes::group`). Several worlds have a thread per sphere.
+const GROUP_WORLDS: u32 = 1u;
+const GROUP_THREADS: u32 = 32u;
+// Threads of a world.
+const WORLD_THREADS: u32 = select(WORLD_SPHERES, GROUP_THREADS, GROUP_WORLDS == 1u);
 
+// Below, the worlds of the workgroup one after the other.
+var<workgroup> world_steps: array<Step, GROUP_WORLDS>;
+var<workgroup> world_statuses: array<StatusAtomic, GROUP_WORLDS>;
 // The stage state whose forces are evaluated: positions, velocities, angular momenta.
-var<workgroup> state: array<vec4f, 3u * WORLD_SPHERES>;
-var<workgroup> status: StatusAtomic;
+var<workgroup> state: array<vec4f, 3u * WORLD_SPHERES * GROUP_WORLDS>;
 // Forces on ends A of springs.
-var<workgroup> spring_forces: array<vec4f, WORLD_SPRINGS>;
+var<workgroup> spring_forces: array<vec4f, WORLD_SPRINGS * GROUP_WORLDS>;
 // Rest lengths of springs with muscles at the present evaluation.
-var<workgroup> lengths: array<f32, WORLD_SPRINGS>;
+var<workgroup> lengths: array<f32, WORLD_SPRINGS * GROUP_WORLDS>;
 // Number of the last force evaluation that must find near objects again.
-var<workgroup> moved: atomic<u32>;
-
+var<workgroup> moved: array<atomic<u32>, GROUP_WORLDS>;
 // Number of the last force evaluation at the end of a step in which a sphere moved.
-var<workgroup> motion: atomic<u32>;
+var<workgroup> motion: array<atomic<u32>, GROUP_WORLDS>;
+// Not 0 if a world of the workgroup was not halted at the start of the dispatch.
+var<workgroup> awake: atomic<u32>;
 
 // Names that functions of the shared files need. Nothing that this kernel computes depends on them.
 var<private> lists: array<array<u32, SLICE>, 1>;
 var<private> aabbs: array<Aabb, WORLD_SPHERES>;
 var<private> orientations: array<vec4f, 1>;
 
+// The world of the thread in its workgroup, its first row in `state`, and its first spring.
+var<private> own_world: u32;
+var<private> own_rows: u32;
+var<private> first_spring: u32;
 // First word of the world in `topology`.
 var<private> world_topology: u32;
 // Number of the force evaluation in the step.
 var<private> evaluated: u32;
-// The rows of the sphere of this thread: at the start of the step, in the next stage state, in stage states 2 and 3.
+// The rows of the sphere of this thread: at the start of the step, and in the next stage state.
 var<private> start: array<vec4f, 3>;
 var<private> next: array<vec4f, 3>;
-var<private> second: array<vec4f, 3>;
-var<private> third: array<vec4f, 3>;
+// What stage states 2 and 3 contribute to the state at the end of the step, and to the mean spin. They need no other rows.
+var<private> changes: array<vec3f, 3>;
+var<private> momenta: vec3f;
 var<private> orientation: vec4f;
 // Objects of the same group that the sphere of this thread may touch at all: a bit per id.
 var<private> mates: vec2u;
@@ -72,10 +84,10 @@ var<private> mates: vec2u;
 var<private> near: vec2u;
 // Position at which `near` was found, and the squared radius of the ball.
 var<private> reference: vec4f;
-// First word of what is attached to the sphere, and one past the last. Springs come first.
+// The springs of the sphere: the first word of their names, and their number.
+var<private> own_springs: vec2u;
+// First word of what else is attached to the sphere, and one past the last.
 var<private> attached: vec2u;
-// One past the last word of its springs.
-var<private> springs_end: u32;
 // The world takes no more steps.
 var<private> is_halted: bool;
 // Steps one after the other, up to now, at whose end no sphere moved.
@@ -84,15 +96,16 @@ var<private> calm: u32;
 var<private> last_contacts: u32;
 var<private> last_deepest: f32;
 
-// Set by the host in the adjacency words of end B of a spring. Indices are smaller.
-const END_B: u32 = 1u << 29u;
+// A word has the names of four springs. A name is the index of a spring, and a bit that is set at its end B.
+const SPRING_NAMES: u32 = 4u;
+const END_B: u32 = 128u;
 
 fn position_at(sphere: u32) -> u32 {
-    return sphere;
+    return own_rows + sphere;
 }
 
 fn velocity_at(sphere: u32) -> u32 {
-    return WORLD_SPHERES + sphere;
+    return own_rows + WORLD_SPHERES + sphere;
 }
 
 // Not used: worlds with low parts of positions do not run here.
@@ -101,7 +114,7 @@ fn low_at(sphere: u32) -> u32 {
 }
 
 fn momentum_at(sphere: u32) -> u32 {
-    return 2u * WORLD_SPHERES + sphere;
+    return own_rows + 2u * WORLD_SPHERES + sphere;
 }
 
 fn evaluation() -> u32 {
@@ -125,17 +138,17 @@ fn put_next(region: u32, i: u32, row: vec4f) {
     next[region] = row;
 }
 
-fn y2_row(region: u32, i: u32) -> vec4f {
-    return second[region];
+fn early_changes(region: u32, i: u32, y: vec3f) -> vec3f {
+    return changes[region];
 }
 
-fn y3_row(region: u32, i: u32) -> vec4f {
-    return third[region];
+fn early_momenta(i: u32, start_momentum: vec3f) -> vec3f {
+    return momenta;
 }
 
 // Asked for in evaluation 3.
 fn y4_row(region: u32, i: u32) -> vec4f {
-    return state[region * WORLD_SPHERES + i];
+    return state[own_rows + region * WORLD_SPHERES + i];
 }
 
 // The next functions do nothing, because these worlds have no rods.
@@ -163,14 +176,14 @@ fn load_status(before: WorldResult) {
     atomicStore(&status.counters[0].contacts, 0u);
     atomicStore(&status.counters[0].max_overlap, 0u);
     // Near objects are found in the first force evaluation.
-    atomicStore(&moved, 1u);
-    atomicStore(&motion, 0u);
+    atomicStore(&moved[own_world], 1u);
+    atomicStore(&motion[own_world], 0u);
 }
 
 // Loads the sphere of this thread.
 fn load_sphere(world: u32, i: u32) {
     attached = vec2u(0u);
-    springs_end = 0u;
+    own_springs = vec2u(0u);
     last_contacts = 0u;
     last_deepest = 0.0;
     if i >= step.spheres {
@@ -181,13 +194,8 @@ fn load_sphere(world: u32, i: u32) {
     }
     orientation = turns[world * WORLD_SPHERES + i];
     attached = adjacency(i);
-    springs_end = attached.x;
-    while springs_end < attached.y {
-        if kind_of(topology[springs_end]) != KIND_SPRING {
-            break;
-        }
-        springs_end += 1u;
-    }
+    own_springs = vec2u(attached.x & 0xffffu, attached.x >> 16u);
+    attached.x = own_springs.x + own_springs.y;
     mates = mates_of(i);
     show(i, start[0], start[1], start[2]);
 }
@@ -272,25 +280,25 @@ fn find_near(i: u32) {
 fn check_reference(i: u32, evaluations: u32) {
     let way = state[position_at(i)].xyz - reference.xyz;
     if !(dot(way, way) <= reference.w) {
-        atomicStore(&moved, evaluations + 1u);
+        atomicStore(&moved[own_world], evaluations + 1u);
     }
 }
 
 // Evaluates each spring. `has_new_time` tells whether the rest lengths of muscles change.
 fn evaluate_springs(local: u32, has_new_time: bool) {
-    let springs = (step.tethers_at - step.springs_at) / SPRING_WORDS;
-    for (var first = 0u; first < springs; first += WORLD_THREADS) {
+    let count = springs();
+    for (var first = 0u; first < count; first += WORLD_THREADS) {
         let spring = first + local;
-        if spring < springs {
-            let word = step.springs_at + spring * SPRING_WORDS;
+        if spring < count {
+            let word = word_of_record(step.springs_at, spring, SPRING_WORDS);
             let a = topology[word];
-            let b = topology[word + 1u];
-            var constants = vector_at(word + 2u);
+            let b = topology[word + count];
+            var constants = spread_vector_at(word + 2u * count, count);
             if step.muscles_at != 0u {
                 if has_new_time {
-                    lengths[spring] = muscle_length(step.muscles_at + spring * MUSCLE_WORDS, constants.y);
+                    lengths[first_spring + spring] = muscle_length(spring, constants.y);
                 }
-                constants.y = lengths[spring];
+                constants.y = lengths[first_spring + spring];
             }
             let force = spring_force(
                 state[position_at(a)].xyz,
@@ -299,7 +307,7 @@ fn evaluate_springs(local: u32, has_new_time: bool) {
                 state[velocity_at(b)].xyz,
                 constants,
             );
-            spring_forces[spring] = vec4f(force, 0.0);
+            spring_forces[first_spring + spring] = vec4f(force, 0.0);
         }
     }
 }
@@ -362,32 +370,31 @@ fn add_near_contacts(i: u32, net: ptr<function, Net>) {
     }
 }
 
-// Adds the force of a spring. On end B it is computed from negated vectors in the stages, so it is the same with the other sign.
-fn add_spring(word: u32, force: vec4f, net: ptr<function, Net>) {
-    (*net).force += select(force.xyz, -force.xyz, (word & END_B) != 0u);
+// Adds the force of a spring, given by its name. On end B it is computed from negated vectors in the stages, so it is the same with
+// the other sign.
+fn add_spring(name: u32, force: vec4f, net: ptr<function, Net>) {
+    (*net).force += select(force.xyz, -force.xyz, (name & END_B) != 0u);
 }
 
-// Adds the forces of springs in the order of the adjacency words. It reads four at once, so that their memory requests overlap.
-// Past the end of the list, it repeats the last one, and does not add it.
+// Adds the forces of springs in the order of the adjacency. It reads four at once, so that their memory requests overlap. The
+// names past the end are those of any springs, which are not added.
 fn add_springs(net: ptr<function, Net>) {
-    for (var at = attached.x; at < springs_end; at += 4u) {
-        let rest = springs_end - 1u - at;
-        let places = vec4u(at) + min(vec4u(0u, 1u, 2u, 3u), vec4u(rest));
-        let words = vec4u(topology[places.x], topology[places.y], topology[places.z], topology[places.w]);
-        let springs = words & vec4u(END_B - 1u);
+    for (var k = 0u; k < own_springs.y; k += SPRING_NAMES) {
+        let names = vec4u(topology[own_springs.x + k / SPRING_NAMES]) >> vec4u(0u, 8u, 16u, 24u);
+        let springs = vec4u(first_spring) + (names & vec4u(END_B - 1u));
         let force_x = spring_forces[springs.x];
         let force_y = spring_forces[springs.y];
         let force_z = spring_forces[springs.z];
         let force_w = spring_forces[springs.w];
-        add_spring(words.x, force_x, net);
-        if rest > 0u {
-            add_spring(words.y, force_y, net);
+        add_spring(names.x, force_x, net);
+        if k + 1u < own_springs.y {
+            add_spring(names.y, force_y, net);
         }
-        if rest > 1u {
-            add_spring(words.z, force_z, net);
+        if k + 2u < own_springs.y {
+            add_spring(names.z, force_z, net);
         }
-        if rest > 2u {
-            add_spring(words.w, force_w, net);
+        if k + 3u < own_springs.y {
+            add_spring(names.w, force_w, net);
         }
     }
 }
@@ -395,7 +402,7 @@ fn add_springs(net: ptr<function, Net>) {
 // Adds the forces of springs, tethers and external forces in the order of the adjacency words.
 fn add_attached(i: u32, net: ptr<function, Net>) {
     add_springs(net);
-    for (var at = springs_end; at < attached.y; at++) {
+    for (var at = attached.x; at < attached.y; at++) {
         let word = topology[at];
         (*net).force += attached_force(i, kind_of(word), index_of(word));
     }
@@ -437,6 +444,20 @@ fn is_asleep() -> bool {
     return (pass_.rest_steps != 0u) & (calm >= pass_.rest_steps) & (step.muscles_at == 0u);
 }
 
+// Adds stage state 2 or 3 to the sums. They are those of step/integrate/early_stages.wgsl, in the same order. Twice a number is
+// exact.
+fn add_stage_state() {
+    for (var region = 0u; region < 3u; region++) {
+        let change = next[region].xyz - start[region].xyz;
+        if evaluated == 0u {
+            changes[region] = change;
+        } else {
+            changes[region] += 2.0 * change;
+        }
+    }
+    momenta = select(momenta, start[2].xyz, evaluated == 0u) + 2.0 * next[2].xyz;
+}
+
 // Shows the state whose forces are evaluated next.
 fn show_next(i: u32, evaluations: u32, is_symplectic_euler: bool) {
     if is_symplectic_euler {
@@ -446,15 +467,13 @@ fn show_next(i: u32, evaluations: u32, is_symplectic_euler: bool) {
     if is_symplectic_euler | (evaluated == 3u) {
         show(i, start[0], start[1], start[2]);
         if is_moving() {
-            atomicStore(&motion, evaluations);
+            atomicStore(&motion[own_world], evaluations);
         }
         return;
     }
     show(i, next[0], next[1], next[2]);
-    if evaluated == 0u {
-        second = next;
-    } else if evaluated == 1u {
-        third = next;
+    if evaluated < 2u {
+        add_stage_state();
     }
 }
 
@@ -464,7 +483,7 @@ fn evaluate(local: u32, evaluations: u32, has_new_time: bool, is_symplectic_eule
     var has_net = is_active;
     if is_active {
         has_net = (evaluated == 0u) | (inverse_mass(local) > 0.0);
-        if atomicLoad(&moved) == evaluations {
+        if atomicLoad(&moved[own_world]) == evaluations {
             find_near(local);
         }
     }
@@ -517,7 +536,7 @@ fn run_step(k: u32, local: u32, is_symplectic_euler: bool) {
     let bad_body = atomicLoad(&status.bad_body);
     workgroupBarrier();
     if !is_halted {
-        let is_calm = atomicLoad(&motion) != (k + 1u) * evaluations;
+        let is_calm = atomicLoad(&motion[own_world]) != (k + 1u) * evaluations;
         calm = select(0u, min(calm, NO_BODY - 1u) + 1u, is_calm);
         note_bad(local, bad_body);
         is_halted |= is_asleep();
@@ -545,33 +564,52 @@ fn store_world(world: u32, local: u32) {
     }
 }
 
-@compute @workgroup_size(WORLD_THREADS)
+// Sets which world of the workgroup the thread has, and returns its number there.
+fn take_place(thread: u32) -> u32 {
+    if GROUP_WORLDS == 1u {
+        own_world = 0u;
+    } else {
+        own_world = min(thread / WORLD_SPHERES, GROUP_WORLDS - 1u);
+    }
+    own_rows = own_world * 3u * WORLD_SPHERES;
+    first_spring = own_world * WORLD_SPRINGS;
+    return thread - own_world * WORLD_THREADS;
+}
+
+@compute @workgroup_size(GROUP_THREADS)
 fn run_worlds(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) local: u32,
+    @builtin(local_invocation_index) thread: u32,
 ) {
-    // The dispatch may have more workgroups than there are worlds. These repeat nothing: they run no step and store nothing.
-    let number = linear_group(group, groups);
-    let is_world = number < arrayLength(&parameters);
-    let world = select(0u, number, is_world);
+    let local = take_place(thread);
+    let number = linear_group(group, groups) * GROUP_WORLDS + own_world;
+    // There may be more places than worlds, and more threads than spheres. These run no step and store nothing.
+    let has_place = (number < arrayLength(&parameters)) & (local < WORLD_THREADS);
+    let world = min(number, arrayLength(&parameters) - 1u);
+    world_topology = world * WORLD_TOPOLOGY;
+    if thread == 0u {
+        atomicStore(&awake, 0u);
+    }
     if local == 0u {
-        step = parameters[world];
+        world_steps[own_world] = parameters[world];
     }
     workgroupBarrier();
-    world_topology = world * WORLD_TOPOLOGY;
     let before = results[world];
     if local == 0u {
         load_status(before);
     }
     load_sphere(world, local);
     calm = before.calm;
-    let was_halted = !is_world | (before.rejected != 0u) | is_asleep();
+    let was_halted = !has_place | (before.rejected != 0u) | is_asleep();
     is_halted = was_halted;
+    if !was_halted {
+        atomicStore(&awake, 1u);
+    }
     workgroupBarrier();
     // All threads of a workgroup agree on this.
-    let steps = select(pass_.index >> PHASES_SHIFT, 0u, was_halted);
-    for (var k = 0u; k < steps; k++) {
+    let count = select(pass_.index >> PHASES_SHIFT, 0u, atomicLoad(&awake) == 0u);
+    for (var k = 0u; k < count; k++) {
         run_step(k, local, (pass_.index & SYMPLECTIC_EULER) != 0u);
     }
     if !was_halted {

@@ -1,5 +1,6 @@
 // requires model/one_state.wgsl model/stage_states.wgsl model/step.wgsl physics/forces/wrenches.wgsl
-// requires step/integrate/finished.wgsl step/large_spheres/large_sphere_forces.wgsl step/large_spheres/workgroup_per_sphere.wgsl
+// requires step/integrate/early_stages.wgsl step/integrate/finished.wgsl
+// requires step/large_spheres/large_sphere_forces.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> y2: array<vec4f>;

@@ -4,7 +4,7 @@
 // at Y4.
 fn finished(region: u32, i: u32, slope: vec3f) -> vec3f {
     let y = start_row(region, i).xyz;
-    let sum = (y2_row(region, i).xyz - y) + 2.0 * (y3_row(region, i).xyz - y) + (y4_row(region, i).xyz - y);
+    let sum = early_changes(region, i, y) + (y4_row(region, i).xyz - y);
     return y + sum / 3.0 + (step.dt / 6.0) * slope;
 }
 
@@ -28,7 +28,7 @@ fn finish_sphere(i: u32, net: Net) -> Finished {
             finished(1u, i, rates.acceleration),
             finished(2u, i, rates.torque),
         );
-        let sum = old_momentum.xyz + 2.0 * y2_row(2u, i).xyz + 2.0 * y3_row(2u, i).xyz + y4_row(2u, i).xyz;
+        let sum = early_momenta(i, old_momentum.xyz) + y4_row(2u, i).xyz;
         spin = sum * (old_momentum.w / 6.0);
         if !is_finite(after) {
             after = stopped(old_position.xyz, 4u, i);
