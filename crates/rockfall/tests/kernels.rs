@@ -286,7 +286,7 @@ fn the_structs_equal_those_of_layout() {
     let counters = rust_fields!(Counters: contacts, max_overlap, collisions, pad);
     let counters = (split(counters.0, "pad"), counters.1);
     let status = rust_fields!(Status: counters, rejected, pair_rows_needed, escape_ratio, steps, collided, lengths_due, forces_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
-        bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits, listed, clustered, clustered_steps, many_steps, history_table);
+        bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits, listed, clustered, clustered_steps, many_steps, history_table, history_blocks, history_needed);
     for stage in ALL {
         let module = module(stage);
         assert_eq!(wgsl_fields(&module, "Step"), step, "{}", stage.name);
@@ -336,6 +336,9 @@ fn the_constants_equal_those_of_layout() {
         RATE_WORDS,
         PAIR_WORDS,
         HISTORY_WORDS,
+        HISTORY_BLOCK,
+        NO_KEY,
+        LINK_KEY,
         SWEEPS_OFF,
         SWEEPS_LISTED,
         SWEEPS_FEW,

@@ -38,9 +38,10 @@ pub enum Buffer {
     /// Dispatch sizes of the stages that rebuild the lists: first the sizes for this step, then the sizes for a step in which
     /// the lists are rebuilt. Used in large scenes.
     DispatchSizes,
-    /// The springs of contacts, for laws with history: the table before the step, then the table after it. Each has a row of
-    /// [`Step::history_room`](crate::model::step::Step::history_room) records of
-    /// [`HISTORY_WORDS`](crate::model::layout::HISTORY_WORDS) words per mover, in insertion order.
+    /// The springs of contacts, for laws with history, in two tables: one with those before the step, one with those after it.
+    /// Either has a block of [`HISTORY_BLOCK`](crate::model::layout::HISTORY_BLOCK) records of
+    /// [`HISTORY_WORDS`](crate::model::layout::HISTORY_WORDS) words per mover, in insertion order, and a pool of
+    /// [`Step::history_pool`](crate::model::step::Step::history_pool) blocks for movers with more contacts.
     Histories,
     /// Velocity Verlet: acceleration and torque of every sphere, in insertion order, from the last force evaluation. Each sphere
     /// has [`RATE_WORDS`](crate::model::layout::RATE_WORDS) floats. Empty for other integrators.

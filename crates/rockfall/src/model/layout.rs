@@ -133,10 +133,15 @@ pub const LAW_USER: u32 = 3;
 pub const USER_REACH: f32 = 0.01;
 /// Words of the spring of a contact: displacement x, y, z, overlap, moment x, y, z, key.
 pub const HISTORY_WORDS: u32 = 8;
-/// Key of a record without a contact. It ends a row.
+/// Records of a block of springs. A mover has one block of its own, and chains further ones from a pool.
+pub const HISTORY_BLOCK: u32 = 4;
+/// Key of a record without a contact. It ends a chain of blocks.
 pub const NO_KEY: u32 = u32::MAX;
-/// Initial number of records in a row.
-pub const FIRST_HISTORY_ROOM: u32 = 4;
+/// Bit of the key of a record that holds no spring. The other bits are the number of the next block of the chain. Keys of springs
+/// have at most [`ENTRY_BITS`] bits.
+pub const LINK_KEY: u32 = 1 << 31;
+/// Maximum number of blocks in a table of springs. The vectors of both tables are then numbered by 32 bits.
+pub const MAX_HISTORY_BLOCKS: u32 = 1 << 28;
 
 /// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are not listed. Each sphere computes the impulses
 /// of its own collisions. The step is rejected when a collision shares a body with another.

@@ -18,8 +18,8 @@ pub const REJECTED_COLLISIONS: u32 = 16;
 /// Bit of [`Status::rejected`], together with [`REJECTED_COLLISIONS`]: one workgroup cannot do all sweeps.
 pub const REJECTED_MANY: u32 = 32;
 
-/// Bit of [`Status::rejected`]: a mover has more contacts than a row of
-/// [`Buffer::Histories`](crate::model::buffer::Buffer::Histories) has room for.
+/// Bit of [`Status::rejected`]: the contacts need more blocks than the pool of
+/// [`Buffer::Histories`](crate::model::buffer::Buffer::Histories) has. They need [`Status::history_needed`].
 pub const REJECTED_HISTORY: u32 = 64;
 
 /// Bit of [`Status::rebuild`]: some body requests new lists.
@@ -129,6 +129,11 @@ pub struct Status {
     /// Which of the two tables in [`Buffer::Histories`](crate::model::buffer::Buffer::Histories) has the springs before the step,
     /// 0 or 1. The end of a step exchanges the tables.
     pub history_table: u32,
+    /// Blocks of the pool that the springs after the current step take, with those for which there is no room. The end of a step
+    /// resets it, also that of a rejected one.
+    pub history_blocks: u32,
+    /// Number of blocks that the pool must have for a step that was rejected with [`REJECTED_HISTORY`].
+    pub history_needed: u32,
 }
 
 impl Default for Status {

@@ -162,8 +162,8 @@ uniform! {
         pub materials: u32,
         /// The contact law, one of the `LAW_*` constants.
         pub law: u32,
-        /// Records per row of the springs of contacts; 0 for the law of the thesis.
-        pub history_room: u32,
+        /// Blocks of the pool in either table of the springs of contacts.
+        pub history_pool: u32,
         /// JKR cohesion: distance up to which contacts persist when their objects are apart, as a fraction of the radius of any
         /// of them. AABBs of spheres and rods grow by as much. 0 in scenes without it.
         pub neck: f32,
@@ -195,6 +195,11 @@ impl Step {
     /// Number of objects that have a list: spheres and rods.
     pub const fn movers(&self) -> u32 {
         self.spheres + self.rods
+    }
+
+    /// Number of blocks in either table of the springs of contacts: one per mover, and the pool.
+    pub const fn history_blocks(&self) -> u32 {
+        self.movers() + self.history_pool
     }
 
     /// Number of all objects.

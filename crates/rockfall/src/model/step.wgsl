@@ -57,6 +57,8 @@ struct Status {
     clustered_steps: u32,
     many_steps: u32,
     history_table: u32,
+    history_blocks: u32,
+    history_needed: u32,
 }
 
 // `Counters` and `Status` for stages in which many threads of a dispatch write them.
@@ -100,6 +102,8 @@ struct StatusAtomic {
     clustered_steps: u32,
     many_steps: u32,
     history_table: u32,
+    history_blocks: atomic<u32>,
+    history_needed: u32,
 }
 
 @group(0) @binding(0) var<uniform> step: Step;
@@ -147,8 +151,9 @@ const LAW_USER: u32 = 3u;
 const USER_REACH: f32 = 0.01;
 const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
 const HISTORY_WORDS: u32 = 8u;
+const HISTORY_BLOCK: u32 = 4u;
 const NO_KEY: u32 = 0xffffffffu;
-const FIRST_HISTORY_ROOM: u32 = 4u;
+const LINK_KEY: u32 = 0x80000000u;
 const GROUP_MASK: u32 = (1u << MATERIAL_SHIFT) - 1u;
 
 const KIND_SHIFT: u32 = 30u;

@@ -13,7 +13,9 @@ use glam::Vec4;
 
 use crate::model::buffer::Buffer;
 use crate::model::impulse::Impulse;
-use crate::model::layout::{FLAG_VERLET, HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, RATE_WORDS, SLICE, words_of_rows};
+use crate::model::layout::{
+    FLAG_VERLET, HISTORY_BLOCK, HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, RATE_WORDS, SLICE, words_of_rows,
+};
 use crate::model::muscles::MuscleClock;
 use crate::model::rest::Rest;
 use crate::model::status::Status;
@@ -163,21 +165,25 @@ impl World {
         pass == self.step.counted_pass() || self.step.flags & FLAG_VERLET == 0 || self.status.forces_due != 0
     }
 
-    /// Makes room for `room` springs of contacts per mover, and keeps the springs. With the law of the thesis there are none.
-    pub fn set_history_room(&mut self, room: u32) {
-        let words = |room: u32| (room * HISTORY_WORDS) as usize;
-        let (old, movers) = (words(self.step.history_room), self.movers() as usize);
-        self.step.history_room = if self.step.law == LAW_THESIS { 0 } else { room };
-        let row = words(self.step.history_room);
-        let mut histories = vec![NO_KEY; 2 * movers * row];
-        if old > 0 && self.histories.len() == 2 * movers * old && row >= old {
-            let first_row = self.status.history_table as usize * movers;
-            let (to, from) = (histories.chunks_exact_mut(row), self.histories.chunks_exact(old));
-            for (to, from) in to.zip(from).skip(first_row).take(movers) {
-                to[..old].copy_from_slice(from);
-            }
+    /// Gives either table of springs a pool of `blocks` blocks, and keeps the springs before the step if their chains fit. With the
+    /// law of the thesis there are no springs.
+    pub fn set_history_pool(&mut self, blocks: u32) {
+        let old = self.history_words();
+        self.step.history_pool = if self.step.law == LAW_THESIS { 0 } else { blocks };
+        let table = self.history_words();
+        let mut histories = vec![NO_KEY; 2 * table];
+        if self.histories.len() == 2 * old {
+            // Links are numbers of blocks within a table, so they stay valid.
+            let (kept, first) = (old.min(table), self.status.history_table as usize);
+            histories[first * table..][..kept].copy_from_slice(&self.histories[first * old..][..kept]);
         }
         self.histories = histories;
+    }
+
+    /// Words of a table of springs: the blocks of the movers and those of the pool.
+    pub(crate) fn history_words(&self) -> usize {
+        let blocks = if self.step.law == LAW_THESIS { 0 } else { self.step.history_blocks() };
+        blocks as usize * (HISTORY_BLOCK * HISTORY_WORDS) as usize
     }
 
     /// Allocates `rows` rows of list entries. The contents of the lists are lost.

@@ -2,7 +2,7 @@
 
 use crate::error::BadStage;
 use crate::error::{Error, Result};
-use crate::model::layout::{MAX_PAIR_ROWS, words_of_rows};
+use crate::model::layout::{LAW_THESIS, MAX_PAIR_ROWS, words_of_rows};
 use crate::model::muscles::BASE_STEPS;
 use crate::model::status::{
     BAD_STAGE_SHIFT, NO_BODY, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_MANY,
@@ -280,7 +280,7 @@ impl Simulation {
             room_per_mover: Lookahead::room(words_of_rows(step.pair_rows) as f32 / movers, step.rods > 0),
             movers,
             has_rods: step.rods > 0,
-            has_history: step.history_room > 0,
+            has_history: step.law != LAW_THESIS,
             may_be_exact: self.may_have_exact_lists(),
             are_exact: step.has_exact_lists(),
             dispatches: self.list_dispatches(),

@@ -272,7 +272,7 @@ impl Simulation {
                 break;
             }
             world.status.rejected = 0;
-            world.set_history_room(2 * world.step.history_room);
+            world.set_history_pool(world.status.history_blocks);
         }
         Ok(world)
     }

@@ -12,7 +12,7 @@ use glam::{Vec3, Vec4};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::model::buffer::Buffer;
-use rockfall::model::layout::{HISTORY_WORDS, NO_KEY};
+use rockfall::model::layout::{HISTORY_BLOCK, HISTORY_WORDS, LINK_KEY, NO_KEY};
 use rockfall::model::status::{COUNTER_BLOCKS, Counters, Status};
 use rockfall::model::world::World;
 use rockfall::step::schedule::Run;
@@ -52,19 +52,25 @@ fn flat(vectors: &[Vec4]) -> Vec<f32> {
     vectors.iter().flat_map(|vector| vector.to_array()).collect()
 }
 
-/// Keys and springs of all rows before and after the step. A row ends with the first record without a key, whose key is returned
-/// too.
+/// Keys and springs of all movers before and after the step. The keys of a mover end with [`NO_KEY`].
 pub(crate) fn springs(world: &World) -> Vec<(u32, [f32; HISTORY_WORDS as usize - 1])> {
-    let (words, room) = (HISTORY_WORDS as usize, world.step.history_room as usize);
+    let (words, blocks) = (HISTORY_WORDS as usize, world.step.history_blocks() as usize);
     let mut all = Vec::new();
-    for row in world.histories.chunks_exact((room * words).max(1)) {
-        for record in row.chunks_exact(words) {
-            let key = record[words - 1];
-            let spring = if key == NO_KEY { [0.0; 7] } else { std::array::from_fn(|k| f32::from_bits(record[k])) };
-            all.push((key, spring));
-            if key == NO_KEY {
-                break;
+    for table in world.histories.chunks_exact((blocks * HISTORY_BLOCK as usize * words).max(1)) {
+        let records: Vec<&[u32]> = table.chunks_exact(words).collect();
+        for mover in 0..world.movers() {
+            let mut rest = records[(mover * HISTORY_BLOCK) as usize..].iter().take(HISTORY_BLOCK as usize);
+            while let Some(record) = rest.next().filter(|record| record[words - 1] != NO_KEY) {
+                let key = record[words - 1];
+                if key & LINK_KEY == 0 {
+                    all.push((key, std::array::from_fn(|k| f32::from_bits(record[k]))));
+                } else {
+                    // The block may be another one on the other backend.
+                    let next = (key & !LINK_KEY) * HISTORY_BLOCK;
+                    rest = records[next as usize..].iter().take(HISTORY_BLOCK as usize);
+                }
             }
+            all.push((NO_KEY, [0.0; 7]));
         }
     }
     all

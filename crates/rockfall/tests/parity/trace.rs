@@ -1,7 +1,7 @@
 //! Traces of random steps: the world before every stage. No decision of the step is near the value at which it changes.
 
 use rockfall::model::layout::{
-    CELL_BLOCK, CELLS_AT, FLAG_STAGES, HISTORY_WORDS, LAW_THESIS, NO_KEY, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE,
+    CELL_BLOCK, CELLS_AT, FLAG_STAGES, HISTORY_WORDS, LAW_THESIS, LINK_KEY, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE,
     SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON, SYMPLECTIC_EULER,
 };
 use rockfall::model::status::REBUILD_REQUESTED;
@@ -230,9 +230,9 @@ fn add_springs(world: &mut World, plan: &Plan) {
     let laws = ["law_forces", "end_step"];
     let stages = Phase::UpdatePositions.stages(Integrator::SymplecticEuler, plan.broad_phase).iter();
     stages.filter(|run| laws.contains(&run.stage.name)).for_each(|run| run.on_cpu(&mut early));
-    assert_eq!(early.status.rejected, 0, "the rows have no room for all springs");
+    assert_eq!(early.status.rejected, 0, "the pool has no room for all springs");
     for (number, record) in early.histories.chunks_exact_mut(HISTORY_WORDS as usize).enumerate() {
-        if record[HISTORY_WORDS as usize - 1] != NO_KEY {
+        if record[HISTORY_WORDS as usize - 1] & LINK_KEY == 0 {
             let factors = [[3.0; 3], [0.5; 3]][number % 2];
             for (word, factor) in record.iter_mut().zip(factors) {
                 *word = (f32::from_bits(*word) * factor).to_bits();
@@ -254,7 +254,7 @@ fn add_springs(world: &mut World, plan: &Plan) {
 fn run(drawn: &Clusters, plan: &Plan) -> Trace {
     let mut world = build(drawn, plan);
     if world.step.law != LAW_THESIS {
-        world.set_history_room(64);
+        world.set_history_pool(256);
         add_springs(&mut world, plan);
     }
     let mut scenarios = Vec::new();

@@ -4,9 +4,9 @@ use crate::error::{Error, Result};
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
-    BOX_WORDS, FORCE_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LIST_COUNT_MASK, MATERIAL_SHIFT,
-    MUSCLE_WORDS, NO_NETWORK, NO_ROD, PAIR_WORDS, POLYGON_WORDS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF,
-    TETHER_WORDS, words_of_rows,
+    BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LINK_KEY,
+    LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_ROD, PAIR_WORDS, POLYGON_WORDS,
+    ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF, TETHER_WORDS, words_of_rows,
 };
 use crate::model::status::REJECTED_PAIRS;
 use crate::model::world::World;
@@ -19,6 +19,7 @@ pub(crate) fn check_buffer(world: &World, buffer: Buffer) -> Result<()> {
         Buffer::Topology => check_topology(world),
         Buffer::Lists => check_lists(world),
         Buffer::DispatchSizes => check_dispatches(world),
+        Buffer::Histories => check_histories(world),
         _ => Ok(()),
     }
 }
@@ -140,6 +141,36 @@ fn check_batches(world: &World) -> Result<()> {
             for rod in slice(world, pair[0], u64::from(pair[1] - pair[0]), "rods of a batch")? {
                 ensure(*rod < step.rods, "a rod of a batch")?;
             }
+        }
+    }
+    Ok(())
+}
+
+/// Every link of the springs before the step leads to a block of the pool, and no two lead to the same one, so chains end.
+/// Kernels do not read the other table before they have written it.
+fn check_histories(world: &World) -> Result<()> {
+    let (movers, blocks) = (world.movers() as usize, world.step.history_blocks() as usize);
+    let table = world.history_words();
+    let is_sized =
+        world.histories.len() == 2 * table && world.status.history_table < 2 && blocks <= MAX_HISTORY_BLOCKS as usize;
+    ensure(is_sized, "the size of the springs of contacts")?;
+    if table == 0 {
+        return Ok(());
+    }
+    let words = table / blocks;
+    let first = world.status.history_table as usize * table;
+    let next = |block: usize| {
+        let records = world.histories[first + block * words..][..words].chunks_exact(HISTORY_WORDS as usize);
+        let mut keys = records.map(|record| record[record.len() - 1]);
+        keys.find(|key| key & LINK_KEY != 0).filter(|key| *key != NO_KEY).map(|key| (key & !LINK_KEY) as usize)
+    };
+    let mut is_taken = vec![false; blocks - movers];
+    for mover in 0..movers {
+        let mut block = mover;
+        while let Some(linked) = next(block) {
+            let place = linked.checked_sub(movers).and_then(|place| is_taken.get_mut(place));
+            ensure(place.is_some_and(|taken| !std::mem::replace(taken, true)), "a link of the springs of contacts")?;
+            block = linked;
         }
     }
     Ok(())

@@ -257,8 +257,9 @@ impl GpuWorld {
     /// As for [`GpuWorld::new`].
     pub(crate) fn resize_histories(&mut self, world: &World) -> Result<()> {
         self.gpu.faults().check()?;
+        check_buffer(world, Buffer::Histories)?;
         self.fit(world, Buffer::Histories)?;
-        self.step.history_room = world.step.history_room;
+        self.step.history_pool = world.step.history_pool;
         self.write(Buffer::Histories, world.bytes(Buffer::Histories))
     }
 

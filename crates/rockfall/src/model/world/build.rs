@@ -6,9 +6,9 @@ use crate::error::Result;
 use crate::fine::Fine;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
-    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FIRST_HISTORY_ROOM, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_CONTINUOUS,
-    FLAG_DOUBLE, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE,
-    MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
+    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_GROUPS,
+    FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE, MIN_PLANNED_OBJECTS, SLICE,
+    SUM_WORDS,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -100,7 +100,7 @@ impl World {
         world.set_grid(scene);
         // Laws with history evaluate the contacts of a mover in one thread.
         world.step.large = if world.step.law == LAW_THESIS { world.large_spheres(scene) } else { 0 };
-        world.set_history_room(FIRST_HISTORY_ROOM);
+        world.set_history_pool(0);
         world.set_collision_room();
         let entries = if world.movers() <= FEW_MOVERS { FIRST_ENTRIES_OF_FEW } else { FIRST_ENTRIES };
         world.set_pair_room((entries * world.movers().div_ceil(SLICE)).max(1));

@@ -1,8 +1,10 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl
 
-// Where the springs of contacts are kept (docs/physics.md section 4.11). A row of `histories` belongs to a mover, by insertion
-// index. It has `history_room` records of two vectors: displacement and overlap; moment and the key of the other
-// object. A record without a key ends the row. There are two tables of rows: the springs before the step, and those after it.
+// Where the springs of contacts are kept (docs/physics.md section 4.11). A block of `histories` has HISTORY_BLOCK records of
+// two vectors: displacement and overlap; moment and the key of the other object. Each mover has a block, by insertion index. A
+// mover that owns more contacts has a chain of blocks, which continues in blocks of the pool. The last record of a block that
+// does not end the chain is a link: the bit LINK_KEY and the number of the next block. A record without a key ends the chain,
+// and so does the end of a block. There are two tables of blocks: the springs before the step, and those after it.
 
 struct Spring {
     shift: vec3f,
@@ -23,13 +25,19 @@ fn spring_time() -> f32 {
     return select(0.0, step.dt, advances_springs());
 }
 
-fn record_of_row(row: u32, place: u32) -> u32 {
-    return 2u * (row * step.history_room + place);
+// Number of blocks of a table.
+fn table_blocks() -> u32 {
+    return step.spheres + step.rods + step.history_pool;
 }
 
-// First row of a table: 0 is the one with the springs before the step, 1 that with those after it.
-fn first_row(table: u32) -> u32 {
-    return (status.history_table ^ table) * (step.spheres + step.rods);
+// First vector of a table: 0 is the one with the springs before the step, 1 that with those after it.
+fn first_vector(table: u32) -> u32 {
+    return (status.history_table ^ table) * 2u * HISTORY_BLOCK * table_blocks();
+}
+
+// First record of a mover in a table.
+fn first_record(mover: u32) -> u32 {
+    return HISTORY_BLOCK * insertion_index(mover);
 }
 
 // Whether the mover a owns its contact with object b; a was added first. Of two spheres or two rods, the smaller one does. Of two
@@ -53,10 +61,11 @@ fn first_owns(a: u32, b: u32) -> bool {
 // The spring of the contact of a and b before the step.
 fn spring_of(a: u32, b: u32, feature: u32) -> Spring {
     let is_first = first_owns(a, b);
-    let row = first_row(0u) + insertion_index(select(b, a, is_first));
     let key = entry_key(select(a, b, is_first), feature);
-    for (var place = 0u; place < step.history_room; place++) {
-        let at = record_of_row(row, place);
+    let table = first_vector(0u);
+    var record = first_record(select(b, a, is_first));
+    loop {
+        let at = table + 2u * record;
         let last = histories[at + 1u];
         if last.w == key {
             let words = bitcast<vec4f>(histories[at]);
@@ -65,20 +74,71 @@ fn spring_of(a: u32, b: u32, feature: u32) -> Spring {
         if last.w == NO_KEY {
             break;
         }
+        if (last.w & LINK_KEY) != 0u {
+            record = HISTORY_BLOCK * (last.w & ~LINK_KEY);
+            continue;
+        }
+        record += 1u;
+        if record % HISTORY_BLOCK == 0u {
+            break;
+        }
     }
     return Spring(vec3f(0.0), 0.0, vec3f(0.0));
 }
 
-// Writes a record of the springs after the step.
-fn put_spring(mover: u32, place: u32, key: u32, spring: Spring) {
-    let at = record_of_row(first_row(1u) + insertion_index(mover), place);
-    histories[at] = bitcast<vec4u>(vec4f(spring.shift, spring.overlap));
-    histories[at + 1u] = vec4u(bitcast<vec3u>(spring.moment), key);
+// The chain of a mover in the table after the step: its first record, and the record after the last one.
+struct Chain {
+    first: u32,
+    end: u32,
 }
 
-// Ends the row of a mover after `count` records.
-fn end_row(mover: u32, count: u32) {
-    if count < step.history_room {
-        histories[record_of_row(first_row(1u) + insertion_index(mover), count) + 1u] = vec4u(NO_KEY);
+fn new_chain(mover: u32) -> Chain {
+    let first = first_record(mover);
+    return Chain(first, first);
+}
+
+// Whether the last block of a chain has no free record.
+fn is_full(chain: Chain) -> bool {
+    return (chain.end % HISTORY_BLOCK == 0u) & (chain.end != chain.first);
+}
+
+// Takes a block of the pool for a chain whose last block is full. A link takes the place of the last record, which moves to the new
+// block. Returns the next free record. If the pool has no room, the step is rejected, and blocks are only counted.
+fn lengthen(end: u32) -> u32 {
+    let block = step.spheres + step.rods + atomicAdd(&status.history_blocks, 1u);
+    if block < table_blocks() {
+        let old = first_vector(1u) + 2u * (end - 1u);
+        let new_ = first_vector(1u) + 2u * HISTORY_BLOCK * block;
+        histories[new_] = histories[old];
+        histories[new_ + 1u] = histories[old + 1u];
+        histories[old + 1u] = vec4u(LINK_KEY | block);
+    } else {
+        atomicOr(&status.rejected, REJECTED_HISTORY);
+    }
+    return HISTORY_BLOCK * block + 1u;
+}
+
+// Whether a record is in the table, and not in a block for which the pool has no room.
+fn is_in_table(record: u32) -> bool {
+    return record < HISTORY_BLOCK * table_blocks();
+}
+
+// Appends a spring after the step.
+fn put_spring(key: u32, spring: Spring, chain: ptr<function, Chain>) {
+    if is_full(*chain) {
+        (*chain).end = lengthen((*chain).end);
+    }
+    let record = (*chain).end;
+    if is_in_table(record) {
+        let at = first_vector(1u) + 2u * record;
+        histories[at] = bitcast<vec4u>(vec4f(spring.shift, spring.overlap));
+        histories[at + 1u] = vec4u(bitcast<vec3u>(spring.moment), key);
+    }
+    (*chain).end = record + 1u;
+}
+
+fn end_chain(chain: Chain) {
+    if !is_full(chain) & is_in_table(chain.end) {
+        histories[first_vector(1u) + 2u * chain.end + 1u] = vec4u(NO_KEY);
     }
 }

@@ -9,8 +9,8 @@
 @group(0) @binding(6) var<storage, read_write> wrenches: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
 
-// Adds a contact of a mover. Counts the springs that the mover owns.
-fn add_law_contact(mover: u32, entry: u32, sum: ptr<function, MoverLoad>, owned: ptr<function, u32>) {
+// Adds a contact of a mover. Appends its spring to the chain of the mover if the mover owns it.
+fn add_law_contact(mover: u32, entry: u32, sum: ptr<function, MoverLoad>, chain: ptr<function, Chain>) {
     let feature = entry_feature(entry);
     let pair = ordered(mover, entry_id(entry));
     var found = touch(pair.x, pair.y, feature);
@@ -30,10 +30,7 @@ fn add_law_contact(mover: u32, entry: u32, sum: ptr<function, MoverLoad>, owned:
     let law = law_force(a_side, b_side, found, pair.x, pair.y, spring_of(pair.x, pair.y, feature));
     let is_a = mover == pair.x;
     if (first_owns(pair.x, pair.y) == is_a) & advances_springs() {
-        if *owned < step.history_room {
-            put_spring(mover, *owned, entry_key(entry_id(entry), feature), law.spring);
-        }
-        *owned += 1u;
+        put_spring(entry_key(entry_id(entry), feature), law.spring, chain);
     }
     var at = 0.0;
     if RODS & (mover >= step.spheres) {
@@ -45,15 +42,16 @@ fn add_law_contact(mover: u32, entry: u32, sum: ptr<function, MoverLoad>, owned:
     }
 }
 
-fn load_on(mover: u32, owned: ptr<function, u32>) -> MoverLoad {
+fn load_on(mover: u32) -> MoverLoad {
     var sum = no_load();
+    var chain = new_chain(mover);
     let count = count_of(mover);
     let first = first_of(mover);
     for (var e = 0u; e < count; e++) {
-        add_law_contact(mover, entry_at(slot_at(first, e)), &sum, owned);
+        add_law_contact(mover, entry_at(slot_at(first, e)), &sum, &chain);
     }
     if advances_springs() {
-        end_row(mover, *owned);
+        end_chain(chain);
     }
     return sum;
 }
@@ -80,12 +78,8 @@ fn law_forces(
     let is_due = advances_springs() | (status.forces_due != 0u);
     var load = no_load();
     if alive & is_due & (mover < step.spheres + step.rods) {
-        var owned = 0u;
-        load = load_on(mover, &owned);
+        load = load_on(mover);
         put_load(mover, load);
-        if owned > step.history_room {
-            atomicOr(&status.rejected, REJECTED_HISTORY);
-        }
     }
     if evaluation() == COUNTED {
         count_contacts_of_workgroup(linear_group(group, groups), local, load.contacts, load.deepest);

@@ -56,8 +56,20 @@ fn note_bad_body() {
     }
 }
 
+// Returns the blocks of springs to the pool, also after a rejected step, which is repeated. Steps that follow a rejected one in the
+// same submission evaluate the same contacts again, so they need as many blocks.
+fn return_blocks() {
+    let blocks = atomicExchange(&status.history_blocks, 0u);
+    if blocks > step.history_pool {
+        status.history_needed = blocks;
+    }
+}
+
 fn close_step(local: u32) {
     sum_counters(local);
+    if local == 0u {
+        return_blocks();
+    }
     if (local != 0u) | (atomicLoad(&status.rejected) != 0u) {
         return;
     }

@@ -1,6 +1,6 @@
-//! Closes the step. Moves the counters to the `last_*` fields, adds them to the totals, clears `collided` and `lengths_due`, and
-//! makes the springs after the step those before the next one. If the state of a body stopped being finite, the steps after this one are rejected unless `FLAG_CONTINUE` is
-//! set. Does nothing in a rejected step.
+//! Closes the step. Moves the counters to the `last_*` fields, adds them to the totals, clears `collided` and `lengths_due`,
+//! and makes the springs after the step those before the next one. If the state of a body stopped being finite, the steps after
+//! this one are rejected unless `FLAG_CONTINUE` is set. In a rejected step, it only returns the blocks of springs to the pool.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -24,6 +24,10 @@ pub(crate) const STAGE: Stage = Stage {
 
 pub(crate) fn end_step(world: &mut World, _pass: u32) {
     let status = &mut world.status;
+    let blocks = std::mem::take(&mut status.history_blocks);
+    if blocks > world.step.history_pool {
+        status.history_needed = blocks;
+    }
     if status.rejected != 0 {
         return;
     }
