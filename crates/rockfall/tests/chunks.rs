@@ -9,7 +9,10 @@ use common::mixed::{Run, assert_bitwise_identical, mixed};
 use common::{floor_box, with};
 use rockfall::glam::Vec3;
 use rockfall::model::buffer::Buffer;
-use rockfall::{Backend, BroadPhase, Error, Integrator, Options, Rod, Scene, Simulation, Sphere, SphereId, Tether};
+use rockfall::{
+    Backend, BroadPhase, ContactLaw, Cuboid, Error, Integrator, Material, Options, Pair, Rod, Scene, Simulation, Sphere,
+    SphereId, Tether,
+};
 
 /// Balls side by side that fall on a floor, with so many tethers that the topology buffer needs more than one chunk. No
 /// two collisions share a body, because their records would need more chunks than a stage can bind. There are no rods,
@@ -94,6 +97,40 @@ fn chunks_of_every_array_give_bitwise_identical_results() {
         assert_split_except(&whole, &Buffer::ALL);
         assert_bitwise_identical(&Run::of(&mut chunked), &Run::of(&mut whole));
     }
+}
+
+/// Balls on plates, with a law whose springs need more chunks as the pool grows. Chains lead from chunk to chunk.
+#[test]
+fn springs_of_contacts_in_chunks_give_bitwise_identical_results() {
+    let mut scene = with(|settings| {
+        settings.gravity = 10.0;
+        settings.contact_law = ContactLaw::Linear;
+        settings.collisions = false;
+    });
+    let soft = scene.add_material(Material::new("soft").density(1.0).young(1e5).poisson(0.25)).expect("a valid material");
+    scene.set_pair(soft, soft, Pair::default().restitution(0.3).friction(0.5).stiffness(1e3)).expect("a valid pair");
+    for k in 0..60_u8 {
+        let [x, z] = [k % 10, k / 10].map(|k| 0.45 * f32::from(k));
+        let ball = Sphere::new([x, 0.199, z], 0.2).density(1.0).material(soft).velocity([0.5, 0.0, 0.1]);
+        scene.add_sphere(ball).expect("a valid sphere");
+    }
+    for k in 0..12_u8 {
+        // More and more plates along x.
+        let low = [0.3 * f32::from(k) - 1.0, -1.0, -5.0];
+        scene.add_box(Cuboid::between(low, [20.0, 0.0, 5.0]).material(soft)).expect("a valid box");
+    }
+    let options = Options::new().integrator(Integrator::VelocityVerlet).broad_phase(BroadPhase::BruteForce);
+    // 48 blocks.
+    let mut chunked = in_chunks(6144, scene.clone(), options.clone());
+    assert_eq!(chunks_of(&chunked, Buffer::Histories), 3);
+    let mut whole = whole(scene, options);
+    for simulation in [&mut chunked, &mut whole] {
+        simulation.run(120, 1e-3).expect("steps");
+        let springs = simulation.contacts().expect("contacts").iter().filter(|contact| contact.springs.is_some()).count();
+        assert!(springs > 200, "{springs} springs");
+    }
+    assert!(chunks_of(&chunked, Buffer::Histories) > 5, "{} chunks", chunks_of(&chunked, Buffer::Histories));
+    assert_bitwise_identical(&Run::of(&mut chunked), &Run::of(&mut whole));
 }
 
 /// Collisions are off, because their kernel takes a minute to compile. `tests/kernels.rs` checks that it is valid in

@@ -4,6 +4,8 @@
 #[macro_use]
 mod common;
 
+#[path = "laws/chains.rs"]
+mod chains;
 #[path = "laws/chung_ooi.rs"]
 mod chung_ooi;
 #[path = "laws/coarse.rs"]

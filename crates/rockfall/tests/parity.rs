@@ -16,6 +16,8 @@ mod bodies;
 mod broken;
 #[path = "parity/cells.rs"]
 mod cells;
+#[path = "parity/chains.rs"]
+mod chains;
 #[path = "parity/clusters.rs"]
 mod clusters;
 #[path = "parity/collide.rs"]
