@@ -143,10 +143,12 @@ fn broken(number: usize, Mistake(right, wrong): &Mistake) -> &'static Stage {
     let stage = OUTSIDE[0];
     let name: &'static str = format!("{}_{number}", stage.name).leak();
     let mut parts = stage.parts();
-    let part: &mut Part = parts.last_mut().expect("the file of the stage");
-    assert!(part.text.contains(right), "the kernel has no {right:?}");
-    let entry = format!("fn {}(", stage.name);
-    part.text = part.text.replacen(right, wrong, 1).replacen(&entry, &format!("fn {name}("), 1).leak();
+    let is_of_worlds = |part: &&mut Part| part.file.starts_with("step/fused/");
+    let found = parts.iter_mut().filter(is_of_worlds).find(|part| part.text.contains(right));
+    let part = found.unwrap_or_else(|| panic!("the kernel has no {right:?}"));
+    part.text = part.text.replacen(right, wrong, 1).leak();
+    let own = parts.last_mut().expect("the file of the stage");
+    own.text = own.text.replacen(&format!("fn {}(", stage.name), &format!("fn {name}("), 1).leak();
     Box::leak(Box::new(Stage { name, wgsl: Wgsl::Parts(parts.leak()), ..*stage }))
 }
 

@@ -165,7 +165,7 @@ mod tests {
             WorldSizes::of(simulation.packed(0.005).expect("arrays")).expect("there is room")
         });
         assert_eq!(sizes.map(|sizes| sizes.pairs), [true, false]);
-        let text = include_str!("../step/fused/run_worlds.wgsl");
+        let text = include_str!("../step/fused/world_contacts.wgsl");
         let constant = |sizes: WorldSizes| sizes.apply(text).contains("const SPHERE_PAIRS: bool = true;");
         assert_eq!(sizes.map(constant), [true, false]);
         assert!(sizes[0].max(sizes[1]).pairs && !sizes[0].without_pairs().pairs && sizes[1].holds(&sizes[1].without_pairs()));
