@@ -34,4 +34,5 @@ pub mod world;
     any(not(feature = "gpu"), target_family = "wasm"),
     allow(dead_code, reason = "only the native GPU backend runs worlds")
 )]
+pub(crate) mod world_batch;
 pub(crate) mod world_sizes;

@@ -51,6 +51,9 @@ static MISTAKES: &[Mistake] = &[
     Mistake("group, groups) * GROUP_WORLDS + own_world", "group, groups) * GROUP_WORLDS"),
     Mistake("& (local < WORLD_THREADS)", "& (local < WORLD_THREADS - 1u)"),
     Mistake("atomicLoad(&awake) == 0u", "atomicLoad(&awake) != 0u"),
+    Mistake("let stride = stride_of(step.boxes)", "let stride = stride_of(1u)"),
+    Mistake("let stride = stride_of(step.polygons)", "let stride = stride_of(1u)"),
+    Mistake("topology[muscle + 3u * stride]", "topology[muscle + 3u]"),
     Mistake("start[2].xyz, evaluated == 0u)", "start[2].xyz, evaluated == 1u)"),
 ];
 
@@ -79,12 +82,13 @@ fn balls() -> Scene {
         let low = Vec3::new(k as f32 - 10.0, -1.0, 0.0);
         scene.add_box(Cuboid::between(low - Vec3::Z, low + Vec3::new(1.0, 1.0, 10.0))).expect("a valid box");
     }
-    let corner = Vec3::new(19.0, 0.15, -2.0);
-    scene.add_polygon(Polygon::new(corner, Vec3::Z * 4.0, Vec3::X * 4.0)).expect("a valid polygon");
+    for corner in [Vec3::new(19.0, 0.15, -2.0), Vec3::new(6.0, 0.1, 6.0)] {
+        scene.add_polygon(Polygon::new(corner, Vec3::Z * 4.0, Vec3::X * 4.0)).expect("a valid polygon");
+    }
     scene
 }
 
-/// Worlds of one size each, so that a kernel is compiled once.
+/// Worlds of similar sizes, all of which run in one kernel.
 fn scenes() -> Vec<Scene> {
     let mut torn = balls();
     let id = torn.sphere_ids().next().expect("a sphere");
@@ -144,7 +148,10 @@ fn broken(number: usize, Mistake(right, wrong): &Mistake) -> &'static Stage {
     let name: &'static str = format!("{}_{number}", stage.name).leak();
     let mut parts = stage.parts();
     let is_of_worlds = |part: &&mut Part| part.file.starts_with("step/fused/");
-    let found = parts.iter_mut().filter(is_of_worlds).find(|part| part.text.contains(right));
+    let found = match parts.iter_mut().filter(is_of_worlds).find(|part| part.text.contains(right)) {
+        None => parts.iter_mut().find(|part| part.text.contains(right)),
+        found => found,
+    };
     let part = found.unwrap_or_else(|| panic!("the kernel has no {right:?}"));
     part.text = part.text.replacen(right, wrong, 1).leak();
     let own = parts.last_mut().expect("the file of the stage");

@@ -38,11 +38,20 @@ fn torn(spheres: u32) -> Scene {
     scene
 }
 
+fn without_muscles(scene: &Scene) -> Scene {
+    let text = scene.to_text();
+    let kept = text.lines().filter(|line| !line.starts_with("@muscle"));
+    let text = kept.collect::<Vec<_>>().join("\n");
+    Scene::parse(&text, std::path::Path::new("without muscles")).expect("a scene").scene
+}
+
 /// Worlds of up to so many spheres. Some of them are smaller, and one is torn.
 fn scenes(most: u32) -> Vec<Scene> {
     let of = |spheres: u32, seed: u64| creature(spheres, seed).expect("a creature");
     let mut scenes: Vec<Scene> = (0..9).map(|seed| of(most - (seed % 3) as u32, seed)).collect();
     scenes[4] = torn(most - 1);
+    // It has springs without muscles.
+    scenes[5] = without_muscles(&scenes[5]);
     scenes
 }
 
@@ -68,6 +77,25 @@ fn worlds_that_share_a_workgroup_advance_as_simulations() {
     check(&scenes(20), Integrator::SymplecticEuler);
     let apart: Vec<Scene> = (0..4).map(|seed| creature_without_pairs(18, seed).expect("a creature")).collect();
     check(&apart, Integrator::Rk4);
+}
+
+/// A world that takes the place of another one in a workgroup leaves its neighbours as they are.
+#[test]
+fn a_world_is_replaced_in_a_shared_workgroup() {
+    let _turn = turn();
+    let options = Options::new().backend(Backend::Gpu);
+    let mut scenes = scenes(20);
+    let mut worlds = Worlds::new(scenes.clone(), options.clone()).expect("worlds");
+    worlds.share_workgroups(true);
+    worlds.run(STEPS, DT).expect("steps");
+    let before: Vec<Seen> = (0..scenes.len()).map(|world| seen(&mut worlds, world)).collect();
+    scenes[1] = creature(7, 77).expect("a creature");
+    worlds.replace(1, scenes[1].clone()).expect("a world");
+    for world in [0, 2, 3, 4] {
+        assert_eq!(seen(&mut worlds, world), before[world], "world {world}");
+    }
+    worlds.run(STEPS, DT).expect("steps");
+    assert_eq!(seen(&mut worlds, 1), alone(&scenes[1], &options));
 }
 
 /// A world that sleeps stands still, while others in its workgroup go on.

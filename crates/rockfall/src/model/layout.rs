@@ -137,8 +137,8 @@ pub const HISTORY_WORDS: u32 = 8;
 pub const HISTORY_BLOCK: u32 = 4;
 /// Key of a record without a contact. It ends a chain of blocks.
 pub const NO_KEY: u32 = u32::MAX;
-/// Bit of the key of a record that holds no spring. The other bits are the number of the next block of the chain. Keys of springs
-/// have at most [`ENTRY_BITS`] bits.
+/// Bit of the key of a record that links to a block. The other bits are the number of that block. [`NO_KEY`] has this bit, too, so
+/// it is tested first. Keys of springs have at most [`ENTRY_BITS`] bits.
 pub const LINK_KEY: u32 = 1 << 31;
 /// Maximum number of blocks in a table of springs. The vectors of both tables are then numbered by 32 bits.
 pub const MAX_HISTORY_BLOCKS: u32 = 1 << 28;

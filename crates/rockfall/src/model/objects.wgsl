@@ -13,8 +13,8 @@ fn spin_of(sphere: u32) -> vec3f {
     return momentum.xyz * momentum.w;
 }
 
-// Boxes, polygons, springs and muscles are stored field by field: a word of each of them, then the next word of each. The host
-// replaces it. This is so where each workgroup has a world of its own, so that threads read words next to each other.
+// Whether boxes, polygons, springs and muscles are stored field by field: the first word of each of them, then the second word of
+// each. Only `run_worlds` has this layout, so that neighbouring threads read neighbouring words. The host replaces this constant.
 const BY_FIELD: bool = true;
 
 // First word of a record of such objects. `table` is the first word of them all, `words` the length of a record.
@@ -59,7 +59,7 @@ fn other_end(rod: u32, sphere: u32) -> u32 {
     return select(ends.x, ends.y, ends.x == sphere);
 }
 
-fn springs() -> u32 {
+fn spring_count() -> u32 {
     return (step.tethers_at - step.springs_at) / SPRING_WORDS;
 }
 

@@ -129,10 +129,10 @@ pub struct Status {
     /// Which of the two tables in [`Buffer::Histories`](crate::model::buffer::Buffer::Histories) has the springs before the step,
     /// 0 or 1. The end of a step exchanges the tables.
     pub history_table: u32,
-    /// Blocks of the pool that the springs after the current step take, with those for which there is no room. The end of a step
+    /// Blocks of the pool that the springs after the current step take, including those that it has no room for. The end of a step
     /// resets it, also that of a rejected one.
     pub history_blocks: u32,
-    /// Number of blocks that the pool must have for a step that was rejected with [`REJECTED_HISTORY`].
+    /// Number of blocks that the pool must have for a step that was rejected with [`REJECTED_HISTORY`]; 0 before that step ends.
     pub history_needed: u32,
 }
 

@@ -198,7 +198,7 @@ impl Step {
     }
 
     /// Number of blocks in either table of the springs of contacts: one per mover, and the pool.
-    pub const fn history_blocks(&self) -> u32 {
+    pub const fn history_table_blocks(&self) -> u32 {
         self.movers() + self.history_pool
     }
 

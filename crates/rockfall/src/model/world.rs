@@ -165,7 +165,7 @@ impl World {
         pass == self.step.counted_pass() || self.step.flags & FLAG_VERLET == 0 || self.status.forces_due != 0
     }
 
-    /// Gives either table of springs a pool of `blocks` blocks, and keeps the springs before the step if their chains fit. With the
+    /// Gives either table of springs a pool of `blocks` blocks, and keeps the springs before the step, whose chains must fit. With the
     /// law of the thesis there are no springs.
     pub fn set_history_pool(&mut self, blocks: u32) {
         let old = self.history_words();
@@ -182,7 +182,7 @@ impl World {
 
     /// Words of a table of springs: the blocks of the movers and those of the pool.
     pub(crate) fn history_words(&self) -> usize {
-        let blocks = if self.step.law == LAW_THESIS { 0 } else { self.step.history_blocks() };
+        let blocks = if self.step.law == LAW_THESIS { 0 } else { self.step.history_table_blocks() };
         blocks as usize * (HISTORY_BLOCK * HISTORY_WORDS) as usize
     }
 

@@ -1,10 +1,6 @@
 //! The room that a small world takes in workgroup memory.
 
-use glam::Vec4;
-
 use crate::model::layout::{BOX_WORDS, FLAG_COLLISIONS, FLAG_VERLET, GROUP_MASK, LAW_THESIS, MUSCLE_WORDS, SPRING_WORDS};
-use crate::model::status::{COUNTER_BLOCKS, Counters, Status};
-use crate::model::step::Step;
 use crate::model::world::World;
 
 /// Room for a world in the kernel `run_worlds`.
@@ -18,21 +14,14 @@ pub struct WorldSizes {
     pub(crate) topology: u32,
     /// Whether two spheres of a world may touch. Without such worlds the kernel has no code for pairs of spheres.
     pub(crate) pairs: bool,
-    /// Whether several worlds share a workgroup, if they are small. This pays when there are many: then most threads have a sphere.
-    /// Few worlds are faster when each has a workgroup, because it has more threads than spheres, for its springs.
-    pub(crate) shared: bool,
 }
-
-/// Bytes of workgroup memory for worlds that share a workgroup. With less, a device runs more workgroups at a time.
-const GROUP_BYTES: u32 = 8192;
 
 impl WorldSizes {
     /// The largest room, with which the kernel takes less than 5 KiB of workgroup memory. The topology is in device memory.
-    pub const MOST: Self = Self { spheres: 32, springs: 128, topology: 2304, pairs: true, shared: false };
+    pub const MOST: Self = Self { spheres: 32, springs: 128, topology: 2304, pairs: true };
 
-    /// Worlds of which three share a workgroup. For tests.
-    #[doc(hidden)]
-    pub const SHARED: Self = Self { spheres: 20, springs: 60, topology: 1024, pairs: true, shared: true };
+    /// Room for bodies of the greatest size.
+    pub const BODIES: Self = Self { spheres: Self::BODY_SPHERES as u32, springs: Self::BODY_MUSCLES as u32, ..Self::MOST };
 
     /// Most objects of a world: the kernel has a bit for each.
     const OBJECTS: u32 = 64;
@@ -54,7 +43,6 @@ impl WorldSizes {
             springs: ((step.tethers_at - step.springs_at) / SPRING_WORDS).next_multiple_of(4),
             topology: (world.topology.len() as u32).next_multiple_of(32),
             pairs: has_pairs(world),
-            shared: false,
         };
         let room = needed.min(Self::MOST);
         let fits = world.objects() <= Self::OBJECTS && room.holds(&needed);
@@ -84,7 +72,6 @@ impl WorldSizes {
             springs: self.springs.max(other.springs),
             topology: self.topology.max(other.topology),
             pairs: self.pairs || other.pairs,
-            shared: self.shared || other.shared,
         }
     }
 
@@ -94,23 +81,7 @@ impl WorldSizes {
             springs: self.springs.min(other.springs),
             topology: self.topology.min(other.topology),
             pairs: self.pairs && other.pairs,
-            shared: self.shared && other.shared,
         }
-    }
-
-    /// Worlds and threads of a workgroup. A world has 32 threads, or shares 32 or 64 with others and has one per sphere.
-    pub(crate) fn group(&self) -> (u32, u32) {
-        let rows = 3 * size_of::<Vec4>() as u32 * self.spheres;
-        let of_springs = (size_of::<Vec4>() + size_of::<f32>()) as u32 * self.springs;
-        // The status has one block of counters here.
-        let status = size_of::<Status>() - (COUNTER_BLOCKS as usize - 1) * size_of::<Counters>();
-        let world = rows + of_springs + (size_of::<Step>() + status) as u32;
-        let worlds = |threads: u32| (threads / self.spheres.max(1)).min(GROUP_BYTES / world);
-        let [in_32, in_64] = [32, 64].map(worlds);
-        if !self.shared || in_64 <= 1 {
-            return (1, 32);
-        }
-        if in_64 > 2 * in_32 { (in_64, 64) } else { (in_32.max(1), 32) }
     }
 
     /// The WGSL of the kernel with this room.
@@ -123,9 +94,6 @@ impl WorldSizes {
         // WGSL has no empty arrays.
         let text = with(text, "WORLD_SPRINGS", springs, self.springs.max(1));
         let text = with(text, "WORLD_TOPOLOGY", topology, self.topology);
-        let (worlds, threads) = self.group();
-        let text = with(text, "GROUP_WORLDS", 1, worlds);
-        let text = with(text, "GROUP_THREADS", 32, threads);
         text.replace("const SPHERE_PAIRS: bool = true;", &format!("const SPHERE_PAIRS: bool = {};", self.pairs))
     }
 }

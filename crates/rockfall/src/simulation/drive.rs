@@ -187,8 +187,10 @@ impl Simulation {
         }
         // Before the remedies: no cause may be removed without end.
         if attempts > MAX_ATTEMPTS {
-            let reason =
-                format!("{} rows of pairs needed, AABB margin {}", status.pair_rows_needed, self.world.step.margin_scale);
+            let reason = format!(
+                "{} rows of pairs needed, AABB margin {}, {} blocks of springs needed of {}",
+                status.pair_rows_needed, self.world.step.margin_scale, status.history_needed, self.world.step.history_pool
+            );
             return Err(Error::Stuck { step: self.report.steps + 1, attempts, reason });
         }
         self.report.replays += 1;

@@ -196,6 +196,8 @@ fn resumed(status: Status) -> Status {
         total_collisions_low: 0,
         total_collisions_high: 0,
         total_bad: 0,
+        history_blocks: 0,
+        history_needed: 0,
         ..status
     }
 }

@@ -47,7 +47,8 @@ pub(super) fn put_springs(world: &mut World, scene: &Scene, springs: &[KeptSprin
         let KeptSpring { shift, overlap, moment, .. } = *kept;
         chains[mover as usize].push(pack(key, &Spring { shift, overlap, moment }));
     }
-    world.set_history_pool(pool_for(chains.iter().map(|records| further_blocks(records.len())).sum()));
+    let needed = chains.iter().map(|records| further_blocks(records.len())).sum();
+    world.set_history_pool(pool_for(needed, world.movers()));
     let (first, table, movers) = (first_word(world), world.history_words(), world.movers());
     let mut written = Chains::new(&mut world.histories[first..][..table], movers);
     (0..).zip(&chains).for_each(|(mover, records)| written.put(mover, records));
@@ -72,7 +73,7 @@ impl Simulation {
             return Err(Error::DeviceLimit { what: Buffer::Histories.label(), needed: bytes(needed), limit: bytes(most) });
         }
         self.download_histories().await?;
-        self.world.set_history_pool(pool_for(needed).min(most));
+        self.world.set_history_pool(pool_for(needed, self.world.movers()));
         let grown = self.engine.resize_histories(&self.world);
         if grown.is_err() {
             // The simulation may go on with fewer objects, so the world must not keep the size that could not be allocated.

@@ -15,6 +15,7 @@ use crate::model::layout::{FLAG_COHESION, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_RES
 use crate::model::part::{Part, part};
 use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
+pub use crate::model::world_batch::WorldBatch;
 pub use crate::model::world_sizes::WorldSizes;
 use crate::physics::forces;
 
@@ -208,8 +209,8 @@ pub struct Variant {
     pub continuous: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
-    /// Each workgroup has worlds of its own: each world has its own block `step`, and one block of counters.
-    pub worlds: Option<WorldSizes>,
+    /// The kernel is `run_worlds`. Each world has a block `step` and one block of counters in workgroup memory.
+    pub worlds: Option<WorldBatch>,
 }
 
 impl Variant {
@@ -252,11 +253,11 @@ impl Variant {
         let replaced = constants.iter().fold(text, |text, (name, is_set)| {
             text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = {is_set};"))
         });
-        let Some(sizes) = self.worlds else { return replaced };
+        let Some(batch) = self.worlds else { return replaced };
         let block = format!("const COUNTER_BLOCKS: u32 = {COUNTER_BLOCKS}u;");
-        let replaced = sizes.apply(&replaced);
+        let replaced = batch.apply(&replaced);
         let replaced = replaced
-            .replace("@group(0) @binding(0) var<uniform> step: Step;\n", "")
+            .replace("@group(0) @binding(0) var<uniform> step: Step;", "")
             .replace("topology[", "topology[world_topology + ")
             .replace(&block, "const COUNTER_BLOCKS: u32 = 1u;");
         let replaced = replace_variable(&replaced, "step.", "world_steps[own_world].");

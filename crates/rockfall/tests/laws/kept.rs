@@ -132,8 +132,8 @@ fn edits_keep_springs(backend: Backend) {
     assert!(moved < allowed, "moved by {moved}");
 }
 
-/// A ball among twelve equal ones owns more springs than a row has room for at first.
-fn rows_grow_for_many_contacts(backend: Backend) {
+/// A ball among twelve equal ones owns more springs than a block holds.
+fn the_pool_grows_for_many_contacts(backend: Backend) {
     let law = ContactLaw::Linear;
     let mut scene = scene_with(law);
     let material = soft(&mut scene, "soft");
@@ -182,4 +182,4 @@ fn gravity_turns_while_contacts_last(backend: Backend) {
     assert!(found != turned(false, false), "gravity has an effect");
 }
 
-both!(springs_are_kept_bit_for_bit, edits_keep_springs, rows_grow_for_many_contacts, gravity_turns_while_contacts_last);
+both!(springs_are_kept_bit_for_bit, edits_keep_springs, the_pool_grows_for_many_contacts, gravity_turns_while_contacts_last);

@@ -115,7 +115,7 @@ fn invalid_links_are_refused() {
     let end = world.histories.chunks_exact(HISTORY_WORDS as usize).position(|record| record[7] == NO_KEY).expect("an end");
     let used = world.histories.iter().find(|word| **word & LINK_KEY != 0 && **word != NO_KEY).expect("a link");
     // Outside the table, a block of a mover, and a block that belongs to another chain.
-    for link in [LINK_KEY | world.step.history_blocks(), LINK_KEY | 2, *used] {
+    for link in [LINK_KEY | world.step.history_table_blocks(), LINK_KEY | 2, *used] {
         let mut wrong = world.clone();
         wrong.histories[end * HISTORY_WORDS as usize + 7] = link;
         let refused = GpuWorld::new(&GPU, &wrong).map(drop).expect_err("refused").to_string();

@@ -54,7 +54,7 @@ fn flat(vectors: &[Vec4]) -> Vec<f32> {
 
 /// Keys and springs of all movers before and after the step. The keys of a mover end with [`NO_KEY`].
 pub(crate) fn springs(world: &World) -> Vec<(u32, [f32; HISTORY_WORDS as usize - 1])> {
-    let (words, blocks) = (HISTORY_WORDS as usize, world.step.history_blocks() as usize);
+    let (words, blocks) = (HISTORY_WORDS as usize, world.step.history_table_blocks() as usize);
     let mut all = Vec::new();
     for table in world.histories.chunks_exact((blocks * HISTORY_BLOCK as usize * words).max(1)) {
         let records: Vec<&[u32]> = table.chunks_exact(words).collect();

@@ -11,9 +11,10 @@ use crate::model::layout::{
 use crate::model::status::REJECTED_PAIRS;
 use crate::model::world::World;
 
+/// Checks the contents of one buffer of a world.
+///
 /// # Errors
 /// [`Error::Device`], which names the first value that is out of range.
-/// Checks the contents of one buffer of a world.
 pub(crate) fn check_buffer(world: &World, buffer: Buffer) -> Result<()> {
     match buffer {
         Buffer::Topology => check_topology(world),
@@ -149,14 +150,13 @@ fn check_batches(world: &World) -> Result<()> {
 /// Every link of the springs before the step leads to a block of the pool, and no two lead to the same one, so chains end.
 /// Kernels do not read the other table before they have written it.
 fn check_histories(world: &World) -> Result<()> {
-    let (movers, blocks) = (world.movers() as usize, world.step.history_blocks() as usize);
+    let (movers, blocks) = (world.movers() as usize, world.step.history_table_blocks() as usize);
     let table = world.history_words();
-    let is_sized =
-        world.histories.len() == 2 * table && world.status.history_table < 2 && blocks <= MAX_HISTORY_BLOCKS as usize;
-    ensure(is_sized, "the size of the springs of contacts")?;
+    ensure(world.histories.len() == 2 * table && world.status.history_table < 2, "the size of the springs of contacts")?;
     if table == 0 {
         return Ok(());
     }
+    ensure(blocks <= MAX_HISTORY_BLOCKS as usize, "the number of blocks of springs of contacts")?;
     let words = table / blocks;
     let first = world.status.history_table as usize * table;
     let next = |block: usize| {
@@ -204,4 +204,22 @@ fn check_lists(world: &World) -> Result<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Scene, Sphere};
+
+    /// A world of one sphere that claims to have so many. It has no springs of contacts.
+    #[test]
+    fn hundreds_of_millions_of_spheres_need_no_springs_of_contacts() {
+        let mut scene = Scene::new();
+        scene.add_sphere(Sphere::new([0.0; 3], 1.0)).expect("a sphere");
+        let mut world = World::build(&scene).expect("arrays");
+        world.step.spheres = MAX_HISTORY_BLOCKS + 1;
+        check_buffer(&world, Buffer::Histories).expect("no springs are needed");
+        world.step.law = crate::model::layout::LAW_LINEAR;
+        assert!(check_buffer(&world, Buffer::Histories).is_err());
+    }
 }

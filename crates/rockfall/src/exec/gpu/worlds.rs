@@ -18,6 +18,7 @@ use crate::model::layout::{
 };
 use crate::model::step::{Pass, Step};
 use crate::model::world::World;
+use crate::model::world_batch::WorldBatch;
 use crate::model::world_sizes::WorldSizes;
 use crate::settings::Integrator;
 use crate::step::fused::run_worlds::{STAGE, WorldResult};
@@ -26,8 +27,6 @@ use crate::step::wgsl::Variant;
 
 /// Most steps of a dispatch. Systems stop dispatches that take seconds.
 const MOST_STEPS: u64 = 1000;
-/// From this number of worlds on, small ones share workgroups.
-const MANY_WORLDS: u32 = 2048;
 /// Places of the buffers that are read back: states, orientations, results.
 const READ: [usize; 3] = [1, 3, 4];
 
@@ -36,7 +35,7 @@ const READ: [usize; 3] = [1, 3, 4];
 pub(crate) struct DeviceWorlds {
     gpu: Gpu,
     count: u32,
-    sizes: WorldSizes,
+    batch: WorldBatch,
     buffers: [wgpu::Buffer; 5],
     /// The kernel, which tests replace.
     stage: &'static Stage,
@@ -87,17 +86,17 @@ impl DeviceWorlds {
             made.push(make_buffer(gpu.device(), label, bytes * u64::from(count.max(1)), usage)?);
         }
         let buffers = std::array::from_fn(|place| made[place].clone());
-        let sizes = WorldSizes { shared: count >= MANY_WORLDS, ..sizes };
-        Ok(Self { gpu: gpu.clone(), count, sizes, buffers, stage: &STAGE, staging: Vec::new() })
+        let batch = WorldBatch::new(sizes, count);
+        Ok(Self { gpu: gpu.clone(), count, batch, buffers, stage: &STAGE, staging: Vec::new() })
     }
 
     pub(crate) fn sizes(&self) -> WorldSizes {
-        self.sizes
+        self.batch.sizes
     }
 
     /// Sets whether small worlds share workgroups.
     pub(crate) fn share_workgroups(&mut self, shared: bool) {
-        self.sizes.shared = shared;
+        self.batch.shared = shared;
     }
 
     /// Replaces the kernel.
@@ -107,12 +106,12 @@ impl DeviceWorlds {
 
     /// What a world needs if there is room for it.
     pub(crate) fn fits(&self, world: &World) -> Option<WorldSizes> {
-        WorldSizes::of(world).filter(|sizes| self.sizes.holds(sizes))
+        WorldSizes::of(world).filter(|sizes| self.batch.sizes.holds(sizes))
     }
 
     /// From now on, the kernel has code for pairs of spheres.
     pub(crate) fn allow_pairs(&mut self) {
-        self.sizes.pairs = true;
+        self.batch.sizes.pairs = true;
     }
 
     /// Writes neighbouring worlds, for which there is room, to the slots from `first` on. `pack` returns the arrays of a world,
@@ -124,7 +123,7 @@ impl DeviceWorlds {
         pack: impl Fn(&mut W) -> Result<&World> + Sync,
         calm: impl Fn(&W) -> u32 + Sync,
     ) -> Result<()> {
-        let bytes = bytes_of_world(&self.sizes);
+        let bytes = bytes_of_world(&self.batch.sizes);
         let mut pieces = bytes.map(|bytes| vec![0; bytes as usize * worlds.len()]);
         let [steps, starts, topologies, turns, results] = &mut pieces;
         let places = (
@@ -177,12 +176,12 @@ impl DeviceWorlds {
             double: false,
             continuous: false,
             many: false,
-            worlds: Some(self.sizes),
+            worlds: Some(self.batch),
         };
         let kernel = self.gpu.kernel(self.stage, variant, vec![1; self.stage.bindings.len()], &std::sync::Arc::default())?;
         let device = self.gpu.device();
         let across = device.limits().max_compute_workgroups_per_dimension;
-        let [x, y, z] = rows(self.count.div_ceil(self.sizes.group().0), across);
+        let [x, y, z] = rows(self.count.div_ceil(self.batch.group().0), across);
         let euler = if integrator == Integrator::SymplecticEuler { SYMPLECTIC_EULER } else { 0 };
         let mut left = steps;
         while left > 0 {
@@ -225,7 +224,7 @@ impl DeviceWorlds {
     /// Starts to copy the states of all worlds, as they are after the steps that were submitted so far.
     pub(crate) fn start_download(&mut self) -> Result<Download> {
         let device = self.gpu.device();
-        let sizes = bytes_of_world(&self.sizes).map(|bytes| bytes * u64::from(self.count.max(1)));
+        let sizes = bytes_of_world(&self.batch.sizes).map(|bytes| bytes * u64::from(self.count.max(1)));
         let staging = match self.staging.pop() {
             Some(staging) => staging,
             None => {
@@ -252,7 +251,7 @@ impl DeviceWorlds {
             views.push(block_on(self.gpu.device(), mapped.bytes("the worlds"))?);
         }
         let [starts, turns, results] = &views[..] else { return Err(Error::Device("a state is missing".to_owned())) };
-        let spheres = self.sizes.spheres as usize;
+        let spheres = self.batch.sizes.spheres as usize;
         let states = States { spheres, starts: cast_slice(starts), turns: cast_slice(turns), results: cast_slice(results) };
         let taken = take(&states);
         drop(views);
@@ -266,6 +265,8 @@ impl DeviceWorlds {
 const END_B: u8 = 1 << 7;
 /// Names of springs in a word.
 const SPRING_NAMES: usize = 4;
+/// A name has 7 bits for the index, and a number of springs is stored beside an index of a word of topology with 16 bits.
+const _: () = assert!(WorldSizes::MOST.springs <= END_B as u32 && WorldSizes::MOST.topology <= 1 << 16);
 
 /// The topology of a world as the kernel reads it: names of springs in the adjacency, and records field by field.
 fn kernel_topology(world: &World) -> Vec<u32> {
@@ -282,12 +283,11 @@ fn kernel_topology(world: &World) -> Vec<u32> {
         (step.springs_at, springs, SPRING_WORDS),
         (step.muscles_at, muscles, MUSCLE_WORDS),
     ];
-    for (first, count, fields) in tables {
-        let records = first as usize..(first + count * fields) as usize;
-        let by_record = &world.topology[records.clone()];
-        for (at, word) in words[records].iter_mut().enumerate() {
-            let (field, record) = (at / count as usize, at % count as usize);
-            *word = by_record[record * fields as usize + field];
+    for (first, count, fields) in tables.map(|(first, count, fields)| (first as usize, count as usize, fields as usize)) {
+        for field in 0..fields {
+            for record in 0..count {
+                words[first + field * count + record] = world.topology[first + record * fields + field];
+            }
         }
     }
     words

@@ -20,7 +20,8 @@ fn spring_force_along(distance: vec3f, velocity: vec3f, other_velocity: vec3f, c
 
 // Force of a spring, a tether or an external force on sphere `i`.
 fn attached_force(i: u32, kind: u32, index: u32) -> vec3f {
-    if kind == KIND_SPRING {
+    // Where springs are stored field by field, `run_worlds` evaluates them itself.
+    if !BY_FIELD & (kind == KIND_SPRING) {
         let spring = step.springs_at + index * SPRING_WORDS;
         let other = select(topology[spring], topology[spring + 1u], topology[spring] == i);
         let constants = vector_at(spring + 2u);

@@ -42,7 +42,7 @@ fn sine_of_phase(phase: u32) -> f32 {
 // Rest length of a spring of constant length `length` at the present force evaluation. The amplitude is 0 if it has no muscle.
 fn muscle_length(spring: u32, length: f32) -> f32 {
     let muscle = word_of_record(step.muscles_at, spring, MUSCLE_WORDS);
-    let phase = muscle_phase(muscle, stride_of(springs()));
+    let phase = muscle_phase(muscle, stride_of(spring_count()));
     return length * fma(float_at(muscle), sine_of_phase(phase), 1.0);
 }
 

@@ -6,8 +6,8 @@
 //! Every mover has a block of [`HISTORY_BLOCK`] records, by insertion index, so blocks do not change when memory is sorted. A
 //! mover that owns more contacts has a chain of blocks. The further ones come from a pool, which follows the blocks of the
 //! movers. The last record of a block that does not end the chain is a link: its key is the number of the next block, with the
-//! bit [`LINK_KEY`]. Each block is filled from its start. The first record without a key ends the chain, and so does the end of
-//! a block. Which block of the pool a mover takes has no effect on results.
+//! bit [`LINK_KEY`]. Each block is filled from its start. A chain ends at the first record without a key, or after the last
+//! record of a block if that is no link. Which block of the pool a mover takes has no effect on results.
 //!
 //! There are two tables of blocks: the springs before the step, and those after it. `end_step` exchanges them, so a rejected step
 //! is repeated from the same springs. `history_table` of the status is the number, 0 or 1, of the table with the springs before
@@ -15,7 +15,7 @@
 
 use glam::Vec3;
 
-use crate::model::layout::{HISTORY_BLOCK, HISTORY_WORDS, LINK_KEY, NO_KEY};
+use crate::model::layout::{HISTORY_BLOCK, HISTORY_WORDS, LINK_KEY, MAX_HISTORY_BLOCKS, NO_KEY};
 use crate::model::step::Step;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
@@ -97,7 +97,7 @@ pub(crate) struct Chains<'a> {
     /// The words of a table.
     words: &'a mut [u32],
     movers: u32,
-    /// Blocks of the pool that are taken, with those for which there is no room.
+    /// Blocks of the pool that are taken, including those that it has no room for.
     taken: u32,
 }
 
@@ -139,9 +139,12 @@ pub(crate) fn further_blocks(records: usize) -> u32 {
     records.saturating_sub(BLOCK).div_ceil(BLOCK - 1) as u32
 }
 
-/// Number of blocks of the pool to allocate when `needed` blocks are needed.
-pub(crate) fn pool_for(needed: u32) -> u32 {
-    if needed == 0 { 0 } else { needed.saturating_add((needed / 4).max(LEAST_GROWTH)) }
+/// Number of blocks of the pool to allocate for so many movers when `needed` blocks are needed. Each growth repeats a step and
+/// copies all springs, so in large scenes the pool grows by at least 4 bytes per mover.
+pub(crate) fn pool_for(needed: u32, movers: u32) -> u32 {
+    let growth = (needed / 4).max(movers / 64).max(LEAST_GROWTH);
+    let most = MAX_HISTORY_BLOCKS.saturating_sub(movers);
+    if needed == 0 { 0 } else { needed.saturating_add(growth).min(most) }
 }
 
 /// First word of the springs before the step, in a world.

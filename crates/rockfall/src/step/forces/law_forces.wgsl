@@ -73,8 +73,9 @@ fn law_forces(
     @builtin(local_invocation_index) local: u32,
 ) {
     let mover = linear_thread(group, groups, local);
-    // Another thread of this dispatch may reject the step because of its springs. Then no result is used.
-    let alive = (atomicLoad(&status.rejected) & ~REJECTED_HISTORY) == 0u;
+    // Another thread of this dispatch may reject the step because of its springs. Then no result is used. The end of that step says
+    // how many blocks are needed.
+    let alive = ((atomicLoad(&status.rejected) & ~REJECTED_HISTORY) == 0u) & (status.history_needed == 0u);
     let is_due = advances_springs() | (status.forces_due != 0u);
     var load = no_load();
     if alive & is_due & (mover < step.spheres + step.rods) {

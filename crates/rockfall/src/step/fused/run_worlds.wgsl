@@ -231,11 +231,7 @@ fn store_world(world: u32, local: u32) {
 
 // Sets which world of the workgroup the thread has, and returns its number there.
 fn take_place(thread: u32) -> u32 {
-    if GROUP_WORLDS == 1u {
-        own_world = 0u;
-    } else {
-        own_world = min(thread / WORLD_SPHERES, GROUP_WORLDS - 1u);
-    }
+    own_world = min(thread / WORLD_SPHERES, GROUP_WORLDS - 1u);
     own_rows = own_world * 3u * WORLD_SPHERES;
     first_spring = own_world * WORLD_SPRINGS;
     return thread - own_world * WORLD_THREADS;
@@ -249,7 +245,7 @@ fn run_worlds(
 ) {
     let local = take_place(thread);
     let number = linear_group(group, groups) * GROUP_WORLDS + own_world;
-    // There may be more places than worlds, and more threads than spheres. These run no step and store nothing.
+    // There may be more places than worlds, and threads that belong to no place. These run no step and store nothing.
     let has_place = (number < arrayLength(&parameters)) & (local < WORLD_THREADS);
     let world = min(number, arrayLength(&parameters) - 1u);
     world_topology = world * WORLD_TOPOLOGY;

@@ -8,10 +8,10 @@
 const WORLD_SPHERES: u32 = 32u;
 const WORLD_SPRINGS: u32 = 128u;
 const WORLD_TOPOLOGY: u32 = 2304u;
-// Worlds of a workgroup, and its threads. The host replaces them (`WorldSizes::group`). Several worlds have a thread per sphere.
+// Worlds of a workgroup, and its threads. The host replaces them (`WorldSizes::group`).
 const GROUP_WORLDS: u32 = 1u;
 const GROUP_THREADS: u32 = 32u;
-// Threads of a world.
+// Threads of a world. Worlds that share a workgroup have one per sphere.
 const WORLD_THREADS: u32 = select(WORLD_SPHERES, GROUP_THREADS, GROUP_WORLDS == 1u);
 
 // Below, the worlds of the workgroup one after the other.

@@ -13,7 +13,7 @@ var<private> attached: vec2u;
 
 // Evaluates each spring. `has_new_time` tells whether the rest lengths of muscles change.
 fn evaluate_springs(local: u32, has_new_time: bool) {
-    let count = springs();
+    let count = spring_count();
     for (var first = 0u; first < count; first += WORLD_THREADS) {
         let spring = first + local;
         if spring < count {
@@ -45,8 +45,8 @@ fn add_spring(name: u32, force: vec4f, net: ptr<function, Net>) {
     (*net).force += select(force.xyz, -force.xyz, (name & END_B) != 0u);
 }
 
-// Adds the forces of springs in the order of the adjacency. It reads four at once, so that their memory requests overlap. The
-// names past the end are those of any springs, which are not added.
+// Adds the forces of springs in the order of the adjacency. It reads four at once, so that their memory requests overlap. Names past
+// the end are 0, so that the first spring of the world is read and not added.
 fn add_springs(net: ptr<function, Net>) {
     for (var k = 0u; k < own_springs.y; k += SPRING_NAMES) {
         let names = vec4u(topology[own_springs.x + k / SPRING_NAMES]) >> vec4u(0u, 8u, 16u, 24u);
