@@ -8,7 +8,7 @@
 const WORLD_SPHERES: u32 = 32u;
 const WORLD_SPRINGS: u32 = 128u;
 const WORLD_TOPOLOGY: u32 = 2304u;
-// Worlds of a workgroup, and its threads. The host replaces them (`WorldSizes::group`).
+// Worlds of a workgroup, and its threads. The host replaces them (`WorldBatch::group`).
 const GROUP_WORLDS: u32 = 1u;
 const GROUP_THREADS: u32 = 32u;
 // Threads of a world. Worlds that share a workgroup have one per sphere.
