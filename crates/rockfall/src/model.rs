@@ -35,4 +35,8 @@ pub mod world;
     allow(dead_code, reason = "only the native GPU backend runs worlds")
 )]
 pub(crate) mod world_batch;
+#[cfg_attr(
+    any(not(feature = "gpu"), target_family = "wasm"),
+    allow(dead_code, reason = "only the native GPU backend runs worlds")
+)]
 pub(crate) mod world_sizes;
