@@ -288,7 +288,7 @@ fn the_structs_equal_those_of_layout() {
     let counters = rust_fields!(Counters: contacts, max_overlap, collisions, pad);
     let counters = (split(counters.0, "pad"), counters.1);
     let status = rust_fields!(Status: counters, rejected, pair_rows_needed, escape_ratio, steps, collided, lengths_due, forces_due, collides, last_contacts, last_max_overlap, last_collisions, total_collisions_low, total_collisions_high,
-        bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits, listed, clustered, clustered_steps, many_steps, history_table, history_blocks, history_needed);
+        bad_body, bad_step, bad_count, total_bad, first_bad, rebuild, builds, order_entries, order_digits, listed, clustered, clustered_steps, many_steps, history_table, history_blocks, history_needed, repeats, repeated, repeat_escape);
     for stage in ALL {
         let module = module(stage);
         assert_eq!(wgsl_fields(&module, "Step"), step, "{}", stage.name);

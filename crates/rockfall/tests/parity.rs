@@ -40,6 +40,8 @@ mod narrow;
 mod order;
 #[path = "parity/random.rs"]
 mod random;
+#[path = "parity/repeat.rs"]
+mod repeat;
 #[path = "parity/rules.rs"]
 mod rules;
 #[path = "parity/sweeps.rs"]

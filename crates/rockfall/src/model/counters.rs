@@ -74,6 +74,8 @@ impl Tally {
         }
         if self.escape_ratio > 0.0 {
             status.rejected |= REJECTED_ESCAPED;
+            // New lists, with which the step can be repeated.
+            status.rebuild |= REBUILD_REQUESTED;
             status.escape_ratio = status.escape_ratio.max(self.escape_ratio.to_bits());
         }
     }

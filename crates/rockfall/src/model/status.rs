@@ -26,6 +26,8 @@ pub const REJECTED_HISTORY: u32 = 64;
 pub const REBUILD_REQUESTED: u32 = 1;
 /// Bit of [`Status::rebuild`]: the lists were rebuilt in this step.
 pub const REBUILD_DONE: u32 = 2;
+/// Both: new lists are requested, or some of the stages that build them are done.
+pub const REBUILD_UNDER_WAY: u32 = REBUILD_REQUESTED | REBUILD_DONE;
 
 /// Value of [`Status::bad_body`] when every body is finite.
 pub const NO_BODY: u32 = u32::MAX;
@@ -134,6 +136,13 @@ pub struct Status {
     pub history_blocks: u32,
     /// Number of blocks that the pool must have for a step that was rejected with [`REJECTED_HISTORY`]; 0 before that step ends.
     pub history_needed: u32,
+    /// Rejected steps that `end_step` let the next step repeat, since the status was last reset. They were rejected because a body
+    /// left its AABB.
+    pub repeats: u32,
+    /// 1 while the current step is repeated in this way. If it is rejected again, the host repeats it.
+    pub repeated: u32,
+    /// Value of `escape_ratio` in the last step that was repeated in this way.
+    pub repeat_escape: u32,
 }
 
 impl Default for Status {
@@ -150,6 +159,38 @@ impl Default for Status {
 }
 
 impl Status {
+    /// Returns whether a stage that rebuilds lists has work. It waits for these bits of `rebuild`. A step that was rejected because
+    /// a body left its AABB gets new lists, so that the next one can repeat it.
+    pub fn builds_lists(&self, bits: u32) -> bool {
+        self.rebuild & bits != 0 && self.rejected & !REJECTED_ESCAPED == 0
+    }
+
+    /// Returns whether the next step may repeat the current one: it was rejected only because a body left its AABB, and for the
+    /// first time. It must get new lists before.
+    pub fn may_repeat(&self) -> bool {
+        self.rejected == REJECTED_ESCAPED && self.repeated == 0
+    }
+
+    /// Returns the status with which a rejected step is repeated. Counters begin at zero, and the results of finished phases are
+    /// kept.
+    pub fn repeating(self) -> Self {
+        let is_done = self.collided != 0;
+        let counters =
+            |counters: Counters| Counters { collisions: if is_done { counters.collisions } else { 0 }, ..Counters::default() };
+        Self {
+            counters: self.counters.map(counters),
+            collides: if is_done { self.collides } else { 0 },
+            listed: 0,
+            clustered: if is_done { self.clustered } else { 0 },
+            rejected: 0,
+            escape_ratio: 0,
+            bad_count: 0,
+            bad_body: NO_BODY,
+            collided: self.collided.min(1),
+            ..self
+        }
+    }
+
     /// Returns the counts of all blocks together.
     pub fn total_counters(&self) -> Counters {
         self.counters.iter().copied().fold(Counters::default(), Counters::and)

@@ -59,6 +59,9 @@ struct Status {
     history_table: u32,
     history_blocks: u32,
     history_needed: u32,
+    repeats: u32,
+    repeated: u32,
+    repeat_escape: u32,
 }
 
 // `Counters` and `Status` for stages in which many threads of a dispatch write them.
@@ -104,6 +107,9 @@ struct StatusAtomic {
     history_table: u32,
     history_blocks: atomic<u32>,
     history_needed: u32,
+    repeats: u32,
+    repeated: u32,
+    repeat_escape: u32,
 }
 
 @group(0) @binding(0) var<uniform> step: Step;

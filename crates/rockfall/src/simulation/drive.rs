@@ -201,12 +201,8 @@ impl Simulation {
             }
         }
         let escape = f32::from_bits(status.escape_ratio);
-        let interval = self.world.step.list_interval as u32;
-        if status.rejected == REJECTED_ESCAPED && escape < NEAR && self.interval.forgives(interval) {
-            self.window.rejections += 1;
-            if interval == LONGEST {
-                self.world.step.margin_scale += escape + NEAR_STEP;
-            }
+        if status.rejected == REJECTED_ESCAPED {
+            self.judge_escape(escape, attempts);
             return Ok(());
         }
         self.window.restart();
@@ -226,6 +222,21 @@ impl Simulation {
         Ok(())
     }
 
+    /// Handles a step that was rejected only because a body left its AABB by `escape`, in units of 0.02 r. A short distance may be an
+    /// exception.
+    pub(super) fn judge_escape(&mut self, escape: f32, attempts: u32) {
+        let interval = self.world.step.list_interval as u32;
+        if escape >= NEAR || !self.interval.forgives(interval) {
+            self.window.restart();
+            self.handle_escape(escape, attempts);
+            return;
+        }
+        self.window.rejections += 1;
+        if interval == LONGEST {
+            self.world.step.margin_scale += escape + NEAR_STEP;
+        }
+    }
+
     /// Handles a step in which a body left its AABB by `escape`, in units of 0.02 r: shortens the interval or raises the
     /// margin.
     fn handle_escape(&mut self, escape: f32, attempts: u32) {
@@ -243,6 +254,9 @@ impl Simulation {
 
     /// Adds the results of a portion to the report. `before` is the status before the portion.
     pub(super) fn book(&mut self, done: u64, before: &Status) {
+        let status = &self.status;
+        self.report.list_builds += u64::from(status.builds.wrapping_sub(before.builds));
+        self.report.replays += u64::from(status.repeats.wrapping_sub(before.repeats));
         if done == 0 {
             return;
         }
@@ -259,7 +273,6 @@ impl Simulation {
         self.report.collisions = status.last_collisions;
         self.report.total_collisions += total(status) - total(before);
         self.report.non_finite += u64::from(status.total_bad.wrapping_sub(before.total_bad));
-        self.report.list_builds += u64::from(status.builds.wrapping_sub(before.builds));
         let step = &mut self.world.step;
         let decay = if step.has_long_lists() { MARGIN_DECAY_OF_LONG } else { MARGIN_DECAY };
         let decayed = step.margin_scale * decay.powf(done as f32);

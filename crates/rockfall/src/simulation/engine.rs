@@ -268,6 +268,7 @@ fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Op
     rayon::scope(|_| {
         let before_positions = stages_before(world, stages).filter(|_| !timed);
         for _ in steps {
+            let done = world.status.steps;
             if timed {
                 times.push(cpu::run_timed(world, stages));
             } else if let Some(count) = before_positions {
@@ -278,6 +279,10 @@ fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Op
             }
             if world.status.rejected != 0 {
                 break;
+            }
+            if world.status.steps == done {
+                // The lists were built with which the next step is repeated.
+                continue;
             }
             if let Some(rest) = &mut world.rest {
                 rest.note(&world.states[0]);

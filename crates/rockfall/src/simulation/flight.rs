@@ -1,13 +1,14 @@
 //! Submits steps to the engine in portions and reads the status after each without idling the device.
 //!
 //! A device works on one portion while the status after the previous one is transferred to the host. If that status reports a
-//! rejected step, the portions under way are rejected too. Their stages return at once, so only time is lost.
+//! rejected step, the portions under way are rejected too. Their stages return at once, so only time is lost. If a body left its AABB,
+//! the device itself builds new lists and repeats the step.
 
 use std::collections::VecDeque;
 
 use crate::error::Result;
 use crate::model::layout::FLAG_STAGES;
-use crate::model::status::{Counters, NO_BODY, REBUILD_REQUESTED, Status};
+use crate::model::status::{REBUILD_REQUESTED, Status};
 use crate::options::Optimization;
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
@@ -76,7 +77,7 @@ impl Simulation {
         loop {
             // With and without exact lists a step has other phases.
             let has_changed = self.world.step.has_exact_lists() != is_exact;
-            while self.status.rejected == 0 && !has_changed && submitted < most && in_flight.len() < depth {
+            while self.goes_on(&stretch) && !has_changed && submitted < most && in_flight.len() < depth {
                 let steps = self.portion().min(most - submitted);
                 in_flight.push_back(self.submit(&mut stretch, steps, recorder.as_deref_mut()).await?);
                 submitted += steps;
@@ -84,12 +85,22 @@ impl Simulation {
             let Some(portion) = in_flight.pop_front() else {
                 return Ok(done);
             };
-            done += self.finish(&stretch, portion).await?;
-            if self.status.rejected != 0 {
+            let steps = portion.steps;
+            let finished = self.finish(&stretch, portion).await?;
+            done += finished;
+            if self.goes_on(&stretch) {
+                // Steps of the portion in which a rejected step waited for new lists did nothing.
+                submitted -= steps - finished;
+            } else {
                 // The portions that follow do nothing, so their status is not waited for.
                 in_flight.clear();
             }
         }
+    }
+
+    /// Whether the portions that follow have work: no step was rejected, or only one that the device repeats once it has built lists.
+    fn goes_on(&self, stretch: &PhaseRun<'_>) -> bool {
+        self.status.rejected == 0 || (stretch.is_step && self.engine.dispatches() && self.status.may_repeat())
     }
 
     /// Gives the engine the initial status and the phases of the muscles.
@@ -144,8 +155,14 @@ impl Simulation {
         }
         let done = u64::from(status.steps.wrapping_sub(before.steps));
         self.book(done, &before);
-        if done == portion.steps && portion.settings == self.window.settings {
-            self.adapt(done, status.builds.wrapping_sub(before.builds));
+        // A portion that was submitted with other settings says nothing about the present ones.
+        if portion.settings == self.window.settings {
+            if status.repeats != before.repeats {
+                self.judge_escape(f32::from_bits(status.repeat_escape), 0);
+            }
+            if done > 0 && status.rejected == 0 {
+                self.adapt(done, status.builds.wrapping_sub(before.builds));
+            }
         }
         Ok(done)
     }
@@ -173,24 +190,11 @@ impl Simulation {
     }
 }
 
-/// The status with which steps begin or are repeated. Counters begin at zero, those of a rejected attempt are dropped, and the
-/// results of finished phases are kept.
+/// The status with which steps begin or are repeated. Counts since the status was last reset begin at zero.
 fn resumed(status: Status) -> Status {
-    let is_done = status.collided != 0;
     Status {
-        counters: status
-            .counters
-            .map(|counters| Counters { collisions: if is_done { counters.collisions } else { 0 }, ..Counters::default() }),
-        collides: if is_done { status.collides } else { 0 },
-        listed: 0,
-        clustered: if is_done { status.clustered } else { 0 },
         clustered_steps: 0,
         many_steps: 0,
-        rejected: 0,
-        escape_ratio: 0,
-        bad_count: 0,
-        bad_body: NO_BODY,
-        collided: status.collided.min(1),
         steps: 0,
         builds: 0,
         total_collisions_low: 0,
@@ -198,6 +202,56 @@ fn resumed(status: Status) -> Status {
         total_bad: 0,
         history_blocks: 0,
         history_needed: 0,
-        ..status
+        repeats: 0,
+        // A step that the host repeats begins anew. One that the device has begun to repeat goes on.
+        repeated: if status.rejected == 0 { status.repeated } else { 0 },
+        ..status.repeating()
+    }
+}
+
+#[cfg(all(test, feature = "gpu", not(target_family = "wasm")))]
+mod tests {
+    use super::*;
+    use crate::generate::Benchmark;
+    use crate::settings::{BroadPhase, Integrator};
+    use crate::{Backend, Options, Report, SphereState};
+
+    struct Fall {
+        spheres: Vec<SphereState>,
+        report: Report,
+        /// Steps that the device repeated by itself.
+        repeats: u32,
+    }
+
+    /// A pile that falls.
+    fn fall(integrator: Integrator, broad_phase: BroadPhase, (steps, depth): (u64, usize)) -> Fall {
+        let options = Options::new().backend(Backend::Gpu).integrator(integrator).broad_phase(broad_phase);
+        let mut simulation = Simulation::with_options(Benchmark::Pile.generate(1100, 4).unwrap(), options).unwrap();
+        simulation.set_portions(steps, depth);
+        let mut repeats = 0;
+        for _ in 0..5 {
+            simulation.run(24, 0.02).unwrap();
+            repeats += simulation.status.repeats;
+        }
+        let spheres = simulation.spheres().unwrap();
+        Fall { spheres, report: simulation.report, repeats }
+    }
+
+    /// Results are those of portions of one step. There the host repeats steps whose last phase was rejected.
+    #[test]
+    fn steps_that_the_device_repeats_have_the_same_results() {
+        let cases = [
+            (Integrator::Rk4, BroadPhase::Grid),
+            (Integrator::SymplecticEuler, BroadPhase::SortAndSkip),
+            (Integrator::VelocityVerlet, BroadPhase::BruteForce),
+        ];
+        for (integrator, broad_phase) in cases {
+            let [long, short] = [(8, 4), (1, 1)].map(|portions| fall(integrator, broad_phase, portions));
+            assert!(long.repeats > 0, "{integrator:?}: {:?}", long.report);
+            assert!(long.spheres == short.spheres, "{integrator:?}");
+            let counts = |fall: &Fall| (fall.report.steps, fall.report.contacts, fall.report.total_collisions);
+            assert_eq!(counts(&long), counts(&short), "{integrator:?}");
+            assert!(long.report.steps == 120 && long.report.total_collisions > 500, "{:?}", long.report);
+        }
     }
 }

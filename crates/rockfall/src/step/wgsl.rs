@@ -108,6 +108,7 @@ const SHARED: &[Part] = &[
     part!("step/broad_phase/grid/neighbours.wgsl"),
     part!("step/broad_phase/grid/scan.wgsl"),
     part!("step/broad_phase/grid/sort.wgsl"),
+    part!("step/broad_phase/due.wgsl"),
     part!("step/broad_phase/heap.wgsl"),
     part!("step/broad_phase/meet.wgsl"),
     part!("step/broad_phase/sort_and_skip/axis.wgsl"),

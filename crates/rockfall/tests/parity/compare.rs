@@ -97,7 +97,7 @@ fn floats(world: &World) -> Vec<Floats> {
     field(Buffer::Rates, "rates", world.rates.clone());
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
     let status = &world.status;
-    let measured = [status.escape_ratio, status.total_counters().max_overlap, status.last_max_overlap];
+    let measured = [status.escape_ratio, status.repeat_escape, status.total_counters().max_overlap, status.last_max_overlap];
     field(Buffer::Status, "overlaps and escapes", measured.map(f32::from_bits).to_vec());
     all
 }
@@ -109,7 +109,7 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     // The workgroup that counts an event may differ between devices, so only the sums are compared.
     let mut counters = [Counters::default(); COUNTER_BLOCKS as usize];
     counters[0] = Counters { max_overlap: 0, ..world.status.total_counters() };
-    let counters = Status { counters, escape_ratio: 0, last_max_overlap: 0, ..world.status };
+    let counters = Status { counters, escape_ratio: 0, repeat_escape: 0, last_max_overlap: 0, ..world.status };
     vec![
         (Buffer::Aabbs, "ids and tags", tags),
         (Buffer::Topology, "words", world.topology.clone()),

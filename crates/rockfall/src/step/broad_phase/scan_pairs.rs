@@ -8,7 +8,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::SLICE;
 use crate::model::part::part;
-use crate::model::status::{REBUILD_DONE, REJECTED_PAIRS};
+use crate::model::status::{REBUILD_DONE, REBUILD_UNDER_WAY, REJECTED_PAIRS};
 use crate::model::world::World;
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, write};
@@ -25,7 +25,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn scan_pairs(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.rejected != 0 {
+    if !world.status.builds_lists(REBUILD_UNDER_WAY) {
         return;
     }
     let (counts, offsets) = world.lists.split_at_mut(world.step.slices_at as usize);

@@ -1,4 +1,4 @@
-// requires model/put_head.wgsl model/step.wgsl
+// requires model/put_head.wgsl model/step.wgsl step/broad_phase/due.wgsl
 
 @group(0) @binding(2) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(3) var<storage, read_write> status: Status;
@@ -33,7 +33,7 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
     let slices = step.slices_at / SLICE;
     if local == 0u {
         carried = 0u;
-        due = select(0u, status.rebuild, status.rejected == 0u);
+        due = u32(builds_lists(status.rebuild, status.rejected));
     }
     if workgroupUniformLoad(&due) == 0u {
         return;

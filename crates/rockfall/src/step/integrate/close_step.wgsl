@@ -6,6 +6,39 @@ var<workgroup> contacts: atomic<u32>;
 var<workgroup> max_overlap: atomic<u32>;
 var<workgroup> collisions: atomic<u32>;
 
+// Whether the next step repeats this one: it was rejected only because a body left its AABB, for the first time, and has new lists.
+fn is_repeated() -> bool {
+    let has_new_lists = atomicLoad(&status.rebuild) == REBUILD_DONE;
+    return (atomicLoad(&status.rejected) == REJECTED_ESCAPED) & has_new_lists & (status.repeated == 0u);
+}
+
+// Drops what a rejected step has counted. Collisions that are done are not repeated.
+fn drop_counters(block: u32) {
+    atomicStore(&status.counters[block].contacts, 0u);
+    atomicStore(&status.counters[block].max_overlap, 0u);
+    if atomicLoad(&status.collided) == 0u {
+        atomicStore(&status.counters[block].collisions, 0u);
+    }
+}
+
+fn repeat_step() {
+    status.builds += 1u;
+    status.repeats += 1u;
+    status.repeated = 1u;
+    status.repeat_escape = atomicExchange(&status.escape_ratio, 0u);
+    atomicStore(&status.rebuild, 0u);
+    atomicStore(&status.listed, 0u);
+    atomicStore(&status.bad_count, 0u);
+    atomicStore(&status.bad_body, NO_BODY);
+    if atomicLoad(&status.collided) == 0u {
+        atomicStore(&status.collides, 0u);
+        atomicStore(&status.clustered, 0u);
+    } else {
+        atomicStore(&status.collided, 1u);
+    }
+    atomicStore(&status.rejected, 0u);
+}
+
 // Adds up the counters of the step and resets them.
 fn sum_counters(local: u32) {
     if local == 0u {
@@ -19,11 +52,15 @@ fn sum_counters(local: u32) {
         atomicMax(&max_overlap, atomicExchange(&status.counters[local].max_overlap, 0u));
         atomicAdd(&collisions, atomicExchange(&status.counters[local].collisions, 0u));
     }
+    if (local < COUNTER_BLOCKS) & is_repeated() {
+        drop_counters(local);
+    }
     workgroupBarrier();
 }
 
 fn count_step() {
     status.steps += 1u;
+    status.repeated = 0u;
     status.last_contacts = atomicLoad(&contacts);
     status.last_max_overlap = atomicLoad(&max_overlap);
     status.last_collisions = atomicLoad(&collisions);
@@ -67,10 +104,15 @@ fn return_blocks() {
 
 fn close_step(local: u32) {
     sum_counters(local);
-    if local == 0u {
-        return_blocks();
+    if local != 0u {
+        return;
     }
-    if (local != 0u) | (atomicLoad(&status.rejected) != 0u) {
+    return_blocks();
+    if is_repeated() {
+        repeat_step();
+        return;
+    }
+    if atomicLoad(&status.rejected) != 0u {
         return;
     }
     count_step();

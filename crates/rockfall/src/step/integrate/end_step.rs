@@ -1,12 +1,15 @@
 //! Closes the step. Moves the counters to the `last_*` fields, adds them to the totals, clears `collided` and `lengths_due`,
 //! and makes the springs after the step those before the next one. If the state of a body stopped being finite, the steps after
-//! this one are rejected unless `FLAG_CONTINUE` is set. In a rejected step, it only returns the blocks of springs to the pool.
+//! this one are rejected unless `FLAG_CONTINUE` is set.
+//!
+//! In a rejected step, it only returns the blocks of springs to the pool. If the step was rejected because a body left its AABB and
+//! lists were built after that, the next step repeats it.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::model::part::part;
-use crate::model::status::{Counters, NO_BODY, REJECTED_NON_FINITE};
+use crate::model::status::{Counters, NO_BODY, REBUILD_DONE, REJECTED_NON_FINITE, Status};
 use crate::model::world::World;
 use crate::step::moves::NONE;
 use crate::step::stage::{Stage, write};
@@ -28,10 +31,22 @@ pub(crate) fn end_step(world: &mut World, _pass: u32) {
     if blocks > world.step.history_pool {
         status.history_needed = blocks;
     }
+    if status.may_repeat() && status.rebuild == REBUILD_DONE {
+        *status = Status {
+            rebuild: 0,
+            builds: status.builds + 1,
+            repeats: status.repeats + 1,
+            repeated: 1,
+            repeat_escape: status.escape_ratio,
+            ..status.repeating()
+        };
+        return;
+    }
     if status.rejected != 0 {
         return;
     }
     status.steps += 1;
+    status.repeated = 0;
     let counters = status.total_counters();
     status.counters.fill(Counters::default());
     status.collides = 0;

@@ -1,4 +1,4 @@
-// requires model/put_head.wgsl model/step.wgsl step/broad_phase/brute_force/pair_tiles.wgsl
+// requires model/put_head.wgsl model/step.wgsl step/broad_phase/due.wgsl step/broad_phase/brute_force/pair_tiles.wgsl
 
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read_write> lists: array<array<u32, SLICE>>;
@@ -12,7 +12,7 @@ fn count_pairs(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if status.rebuild == 0u {
+    if !builds_lists(status.rebuild, status.rejected) {
         return;
     }
     let mover = linear_thread(group, groups, local);

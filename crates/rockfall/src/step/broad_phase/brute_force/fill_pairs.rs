@@ -4,6 +4,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::lists::fill_slices;
 use crate::model::part::part;
+use crate::model::status::REBUILD_UNDER_WAY;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_pair;
 use crate::step::moves::{Moves, NONE};
@@ -21,7 +22,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn fill_pairs(world: &mut World, _pass: u32) {
-    if world.status.rejected != 0 || world.status.rebuild == 0 {
+    if !world.status.builds_lists(REBUILD_UNDER_WAY) {
         return;
     }
     let (step, aabbs) = (&world.step, &world.aabbs);

@@ -21,7 +21,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn clear_cells(world: &mut World, _pass: u32) {
-    world.cells[1] = if world.status.rejected == 0 { world.status.rebuild & REBUILD_REQUESTED } else { 0 };
+    world.cells[1] = u32::from(world.status.builds_lists(REBUILD_REQUESTED));
     if world.cells[1] == 0 {
         return;
     }

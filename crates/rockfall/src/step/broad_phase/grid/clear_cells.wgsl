@@ -1,4 +1,4 @@
-// requires model/step.wgsl
+// requires model/step.wgsl step/broad_phase/due.wgsl
 
 @group(0) @binding(2) var<storage, read_write> cells: array<u32>;
 @group(0) @binding(3) var<storage, read_write> status: Status;
@@ -13,10 +13,11 @@ fn clear_cells(
     if block * CELL_BLOCK >= step.cells {
         return;
     }
+    let is_due = builds_lists(status.rebuild & REBUILD_REQUESTED, status.rejected);
     if (block == 0u) & (local == 0u) {
-        cells[1] = select(0u, status.rebuild & REBUILD_REQUESTED, status.rejected == 0u);
+        cells[1] = u32(is_due);
     }
-    if ((status.rebuild & REBUILD_REQUESTED) == 0u) | (status.rejected != 0u) {
+    if !is_due {
         return;
     }
     if (block == 0u) & (local < LEVELS) {

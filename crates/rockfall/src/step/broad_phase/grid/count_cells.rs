@@ -29,7 +29,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn count_cells(world: &mut World, _pass: u32) {
-    if world.status.rebuild & REBUILD_REQUESTED == 0 || world.status.rejected != 0 {
+    if !world.status.builds_lists(REBUILD_REQUESTED) {
         return;
     }
     let step = &world.step;

@@ -1,4 +1,4 @@
-// requires model/step.wgsl step/broad_phase/grid/cells.wgsl
+// requires model/step.wgsl step/broad_phase/due.wgsl step/broad_phase/grid/cells.wgsl
 
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read_write> cells: array<atomic<u32>>;
@@ -79,7 +79,7 @@ fn count_cells(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if ((status.rebuild & REBUILD_REQUESTED) == 0u) | (status.rejected != 0u) {
+    if !builds_lists(status.rebuild & REBUILD_REQUESTED, status.rejected) {
         return;
     }
     let object = wide_thread(group, groups, local);

@@ -24,7 +24,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn plan_lists(world: &mut World, _pass: u32) {
-    let is_due = world.status.rebuild & REBUILD_REQUESTED != 0 && world.status.rejected == 0;
+    let is_due = world.status.builds_lists(REBUILD_REQUESTED);
     let (present, all) = world.dispatch_sizes.split_at_mut(SIZE_WORDS as usize);
     if is_due {
         present.copy_from_slice(all);

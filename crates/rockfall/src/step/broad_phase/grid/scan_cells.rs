@@ -33,7 +33,7 @@ fn blocks(world: &mut World) -> impl Iterator<Item = (&mut [u32], &mut [u32])> {
 }
 
 fn sum_blocks(world: &mut World, _pass: u32) {
-    if world.status.rebuild & REBUILD_REQUESTED == 0 || world.status.rejected != 0 {
+    if !world.status.builds_lists(REBUILD_REQUESTED) {
         return;
     }
     for (cells, sum) in blocks(world) {
@@ -44,7 +44,7 @@ fn sum_blocks(world: &mut World, _pass: u32) {
 }
 
 fn place_cells(world: &mut World, _pass: u32) {
-    if world.status.rebuild & REBUILD_REQUESTED == 0 || world.status.rejected != 0 {
+    if !world.status.builds_lists(REBUILD_REQUESTED) {
         return;
     }
     let mut before = 0_u32;

@@ -1,4 +1,4 @@
-// requires model/step.wgsl step/broad_phase/grid/scan.wgsl
+// requires model/step.wgsl step/broad_phase/due.wgsl step/broad_phase/grid/scan.wgsl
 
 // Four cells per row. Neighbouring threads read and write neighbouring rows.
 @group(0) @binding(2) var<storage, read_write> cells: array<vec4u>;
@@ -29,7 +29,7 @@ fn sum_blocks(
 ) {
     let block = linear_group(group, groups);
     // This condition is uniform across the workgroup.
-    if ((status.rebuild & REBUILD_REQUESTED) == 0u) | (status.rejected != 0u) | (block * CELL_BLOCK >= step.cells) {
+    if !builds_lists(status.rebuild & REBUILD_REQUESTED, status.rejected) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
     var own = vec4u(0u);
@@ -64,7 +64,7 @@ fn place_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let block = linear_group(group, groups);
-    if ((status.rebuild & REBUILD_REQUESTED) == 0u) | (status.rejected != 0u) | (block * CELL_BLOCK >= step.cells) {
+    if !builds_lists(status.rebuild & REBUILD_REQUESTED, status.rejected) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
     var before = sum_before(block, local);

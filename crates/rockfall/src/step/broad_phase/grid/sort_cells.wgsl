@@ -1,4 +1,4 @@
-// requires model/step.wgsl
+// requires model/step.wgsl step/broad_phase/due.wgsl
 
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read_write> cells: array<atomic<u32>>;
@@ -13,7 +13,7 @@ fn sort_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let object = wide_thread(group, groups, local);
-    if ((status.rebuild & REBUILD_REQUESTED) == 0u) | (status.rejected != 0u) | (object >= objects()) {
+    if !builds_lists(status.rebuild & REBUILD_REQUESTED, status.rejected) | (object >= objects()) {
         return;
     }
     let key = atomicLoad(&cells[step.keys_at + object]);

@@ -6,6 +6,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::WORKGROUP;
 use crate::model::part::part;
+use crate::model::status::REBUILD_UNDER_WAY;
 use crate::model::world::World;
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
@@ -27,7 +28,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn bound_blocks(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.rejected != 0 {
+    if !world.status.builds_lists(REBUILD_UNDER_WAY) {
         return;
     }
     world.cells[2] = world.objects();

@@ -7,6 +7,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::part::part;
+use crate::model::status::REBUILD_UNDER_WAY;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_near;
 use crate::step::moves::{Moves, NONE};
@@ -30,7 +31,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn count_near(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.rejected != 0 {
+    if !world.status.builds_lists(REBUILD_UNDER_WAY) {
         return;
     }
     let World { step, cells, extents, aabbs, lists, .. } = world;

@@ -1,4 +1,4 @@
-// requires model/put_head.wgsl model/step.wgsl step/broad_phase/sort_and_skip/near_tiles.wgsl
+// requires model/put_head.wgsl model/step.wgsl step/broad_phase/due.wgsl step/broad_phase/sort_and_skip/near_tiles.wgsl
 
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
@@ -18,7 +18,7 @@ fn count_near(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if (status.rebuild == 0u) | (status.rejected != 0u) {
+    if !builds_lists(status.rebuild, status.rejected) {
         return;
     }
     let block = linear_group(group, groups);

@@ -4,6 +4,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::lists::{fill_slices, put_in_order};
 use crate::model::part::part;
+use crate::model::status::REBUILD_UNDER_WAY;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_near;
@@ -29,7 +30,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn fill_near(world: &mut World, _pass: u32) {
-    if world.status.rebuild == 0 || world.status.rejected != 0 {
+    if !world.status.builds_lists(REBUILD_UNDER_WAY) {
         return;
     }
     let World { step, cells, extents, aabbs, lists, topology, states, .. } = world;

@@ -1,4 +1,4 @@
-// requires model/lists.wgsl model/order.wgsl model/step.wgsl step/broad_phase/heap.wgsl
+// requires model/lists.wgsl model/order.wgsl model/step.wgsl step/broad_phase/due.wgsl step/broad_phase/heap.wgsl
 // requires step/broad_phase/sort_and_skip/near_tiles.wgsl
 
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
@@ -24,7 +24,7 @@ fn fill_near(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if (status.rebuild == 0u) | (status.rejected != 0u) {
+    if !builds_lists(status.rebuild, status.rejected) {
         return;
     }
     let block = linear_group(group, groups);

@@ -9,6 +9,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::WORKGROUP;
 use crate::model::part::part;
+use crate::model::status::REBUILD_UNDER_WAY;
 use crate::model::world::World;
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
@@ -25,7 +26,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn sort_axis(world: &mut World, pass: u32) {
-    if world.status.rebuild == 0 || world.status.rejected != 0 {
+    if !world.status.builds_lists(REBUILD_UNDER_WAY) {
         return;
     }
     let objects = world.objects();

@@ -1,4 +1,4 @@
-// requires model/step.wgsl
+// requires model/step.wgsl step/broad_phase/due.wgsl
 
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read_write> cells: array<u32>;
@@ -54,7 +54,7 @@ fn sort_axis(
     @builtin(local_invocation_index) local: u32,
 ) {
     let first = linear_group(group, groups) * BLOCK + pass_.index * WORKGROUP;
-    if (status.rebuild == 0u) | (status.rejected != 0u) {
+    if !builds_lists(status.rebuild, status.rejected) {
         return;
     }
     // In pass 1 the half block before the first block stays as pass 0 left it.

@@ -1,0 +1,182 @@
+//! A step that was rejected because a body left its AABB: the stages that build lists still do so, and `end_step` lets the next step
+//! repeat it.
+
+use rockfall::model::buffer::Buffer;
+use rockfall::model::status::{Counters, NO_BODY, REBUILD_DONE, REBUILD_REQUESTED, REJECTED_ESCAPED, REJECTED_PAIRS, Status};
+use rockfall::model::world::World;
+use rockfall::step::schedule::{Phase, Run};
+use rockfall::{BroadPhase, Integrator, Scene, Sphere};
+
+use crate::broken::{Mistake, with_mistake};
+use crate::decisions::entries;
+use crate::device::{GPU, on_gpu};
+use crate::trace::with_step_settings;
+
+/// Spheres of which each touches the next, with lists of nothing.
+fn row() -> World {
+    let mut scene = Scene::new();
+    for k in 0..70_u8 {
+        scene.add_sphere(Sphere::new([f32::from(k) * 0.875, 0.0, 0.0], 0.5)).expect("a valid sphere");
+    }
+    let mut world = with_step_settings(World::build(&scene).expect("a world"));
+    world.status.rejected = REJECTED_ESCAPED;
+    world
+}
+
+/// The world after the stages that build lists, and the end of the step, on both backends.
+fn after(before: &World, broad_phase: BroadPhase, mistake: Option<&Mistake>) -> [World; 2] {
+    let lists = [Phase::UpdateAabbs, Phase::BroadPhase].into_iter();
+    let lists = lists.flat_map(|phase| phase.stages(Integrator::Rk4, broad_phase));
+    both(before, &lists.copied().chain(end()).collect::<Vec<_>>(), mistake)
+}
+
+fn end() -> impl Iterator<Item = Run> {
+    let stages = Phase::UpdatePositions.stages(Integrator::Rk4, BroadPhase::Grid).iter();
+    stages.filter(|run| run.stage.name == "end_step").copied()
+}
+
+/// The world after the runs, on the CPU and on the device, there with a mistake.
+fn both(before: &World, runs: &[Run], mistake: Option<&Mistake>) -> [World; 2] {
+    let mut cpu = before.clone();
+    runs.iter().for_each(|run| run.on_cpu(&mut cpu));
+    let on_device = mistake.map_or_else(|| runs.to_vec(), |mistake| with_mistake(runs, mistake, &mut None));
+    [cpu, on_gpu(&GPU, before, &on_device)]
+}
+
+/// The words of all list entries. Where the lists are in memory is arbitrary.
+fn words(world: &World) -> Vec<u32> {
+    entries(world).iter().map(|entry| entry.word).collect()
+}
+
+#[test]
+fn lists_are_built_for_bodies_outside_their_aabbs() {
+    for broad_phase in [BroadPhase::Grid, BroadPhase::SortAndSkip, BroadPhase::BruteForce] {
+        let [cpu, gpu] = after(&row(), broad_phase, None);
+        assert_eq!(words(&cpu), words(&gpu), "{broad_phase:?}");
+        for world in [cpu, gpu] {
+            let status = &world.status;
+            assert!(world.lists[..70].iter().all(|count| *count > 0), "{broad_phase:?}: {:?}", &world.lists[..70]);
+            let found = (status.rejected, status.rebuild, status.builds, status.repeats, status.repeated, status.steps);
+            assert_eq!(found, (0, 0, 1, 1, 1, 0), "{broad_phase:?}");
+        }
+        // A step that lacks room for its lists waits for the host.
+        let mut full = row();
+        full.status.rejected |= REJECTED_PAIRS;
+        for world in after(&full, broad_phase, None) {
+            let status = &world.status;
+            let found = (status.rejected, status.rebuild, status.builds, status.repeats, status.repeated, status.steps);
+            assert_eq!(found, (REJECTED_ESCAPED | REJECTED_PAIRS, REBUILD_REQUESTED, 0, 0, 0, 0), "{broad_phase:?}");
+        }
+    }
+}
+
+/// A rejected step with new lists. Every word that its end may change has a value of its own.
+fn rejected(collided: u32) -> World {
+    let mut world = row();
+    let status = &mut world.status;
+    for (block, counters) in status.counters.iter_mut().enumerate() {
+        let block = block as u32;
+        *counters = Counters { contacts: 100 + block, max_overlap: 200 + block, collisions: 300 + block, ..*counters };
+    }
+    *status = Status {
+        rebuild: REBUILD_DONE,
+        escape_ratio: 1.5_f32.to_bits(),
+        collided,
+        steps: 5,
+        collides: 1,
+        lengths_due: 1,
+        forces_due: 1,
+        last_contacts: 6,
+        last_collisions: 7,
+        total_collisions_low: 8,
+        bad_body: 9,
+        bad_count: 10,
+        total_bad: 11,
+        builds: 12,
+        listed: 13,
+        clustered: 1,
+        clustered_steps: 14,
+        many_steps: 15,
+        history_table: 1,
+        repeats: 16,
+        repeat_escape: 17,
+        ..*status
+    };
+    world
+}
+
+/// What the end of the step leaves, from the specification of the status.
+fn expected(collided: u32) -> Status {
+    let before = rejected(collided).status;
+    let is_done = u32::from(collided != 0);
+    Status {
+        counters: before.counters.map(|counters| Counters { collisions: is_done * counters.collisions, ..Counters::default() }),
+        rejected: 0,
+        rebuild: 0,
+        escape_ratio: 0,
+        collided: is_done,
+        collides: is_done,
+        clustered: is_done,
+        listed: 0,
+        bad_body: NO_BODY,
+        bad_count: 0,
+        builds: 13,
+        repeats: 17,
+        repeated: 1,
+        repeat_escape: 1.5_f32.to_bits(),
+        ..before
+    }
+}
+
+#[test]
+fn the_end_of_a_rejected_step_lets_the_next_one_repeat_it() {
+    let end: Vec<Run> = end().collect();
+    for collided in 0..3 {
+        for world in both(&rejected(collided), &end, None) {
+            assert_eq!(world.status, expected(collided));
+        }
+    }
+    // Without new lists, after a first attempt, and for another reason, the host repeats the step.
+    let changes: [fn(&mut Status); 4] = [
+        |status| status.rebuild = REBUILD_DONE | REBUILD_REQUESTED,
+        |status| status.rebuild = 0,
+        |status| status.repeated = 1,
+        |status| status.rejected |= REJECTED_PAIRS,
+    ];
+    for change in changes {
+        let mut before = rejected(2);
+        change(&mut before.status);
+        for world in both(&before, &end, None) {
+            assert_eq!(world.status, before.status);
+        }
+    }
+}
+
+/// Mistakes in the end of a rejected step.
+static MISTAKES: [(&str, &str); 12] = [
+    ("status.builds += 1u", "status.builds += 0u"),
+    ("status.repeats += 1u", "status.repeats += 0u"),
+    ("status.repeated = 1u", "status.repeated = 0u"),
+    ("= atomicExchange(&status.escape_ratio, 0u)", "= atomicLoad(&status.escape_ratio)"),
+    ("atomicStore(&status.rebuild, 0u)", "atomicOr(&status.rebuild, 0u)"),
+    ("atomicStore(&status.listed, 0u)", "atomicOr(&status.listed, 0u)"),
+    ("atomicStore(&status.collided, 1u)", "atomicOr(&status.collided, 1u)"),
+    ("atomicStore(&status.rejected, 0u)", "atomicOr(&status.rejected, 0u)"),
+    ("atomicStore(&status.counters[block].contacts, 0u)", "atomicOr(&status.counters[block].contacts, 0u)"),
+    ("atomicStore(&status.counters[block].max_overlap, 0u)", "atomicOr(&status.counters[block].max_overlap, 0u)"),
+    ("if atomicLoad(&status.collided) == 0u", "if true"),
+    ("(local < COUNTER_BLOCKS) & is_repeated()", "(local == 0u) & is_repeated()"),
+];
+
+#[test]
+fn mistakes_in_the_end_of_a_rejected_step_are_rejected() {
+    let end: Vec<Run> = end().collect();
+    for (right, wrong) in MISTAKES {
+        let mistake = Mistake("end_step", 0, "close_step.wgsl", right, wrong, Buffer::Status);
+        let [_, gpu] = both(&rejected(2), &end, Some(&mistake));
+        assert_ne!(gpu.status, expected(2), "'{wrong}' is accepted");
+    }
+    let mistake = Mistake("count_pairs", 0, "due.wgsl", "~REJECTED_ESCAPED", "~REJECTED_PAIRS", Buffer::Status);
+    let [_, gpu] = after(&row(), BroadPhase::BruteForce, Some(&mistake));
+    assert!(gpu.lists[..70].iter().any(|count| *count == 0), "'{}' is accepted", mistake.4);
+}
