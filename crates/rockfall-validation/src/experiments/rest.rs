@@ -19,64 +19,56 @@ struct Kind {
     load: f64,
     /// mu_c of Coulomb's friction, for bodies that would slide without it.
     coulomb: f32,
-    /// Whether some cases are known not to come to rest. These are not part of the checks.
-    open: bool,
 }
 
 const KINDS: &[Kind] = &[
-    Kind { name: "sphere on a box", build: sphere_on_box, load: 1.0, coulomb: 0.0, open: false },
-    Kind { name: "sphere on a polygon", build: sphere_on_polygon, load: 1.0, coulomb: 0.0, open: false },
-    Kind { name: "sphere in the pocket of three fixed spheres", build: sphere_in_pocket, load: 1.0, coulomb: 0.0, open: false },
-    Kind { name: "sphere on a sphere on a box", build: sphere_on_sphere, load: 2.0, coulomb: 0.0, open: false },
-    Kind { name: "sphere in a groove of two boxes, 45 degrees", build: sphere_in_groove, load: 1.0, coulomb: 0.0, open: false },
+    Kind { name: "sphere on a box", build: sphere_on_box, load: 1.0, coulomb: 0.0 },
+    Kind { name: "sphere on a polygon", build: sphere_on_polygon, load: 1.0, coulomb: 0.0 },
+    Kind { name: "sphere in the pocket of three fixed spheres", build: sphere_in_pocket, load: 1.0, coulomb: 0.0 },
+    Kind { name: "sphere on a sphere on a box", build: sphere_on_sphere, load: 2.0, coulomb: 0.0 },
+    Kind { name: "sphere in a groove of two boxes, 45 degrees", build: sphere_in_groove, load: 1.0, coulomb: 0.0 },
     Kind {
         name: "sphere in a groove of two polygons, 30 degrees",
         build: sphere_in_valley,
         load: 1.0,
         coulomb: 0.0,
-        open: false,
     },
     Kind {
         name: "three spheres in a groove of two boxes, touching",
         build: spheres_in_groove,
         load: 1.0,
         coulomb: 0.0,
-        open: false,
     },
-    Kind { name: "capsule on a box, one end first", build: capsule_on_box, load: 1.0, coulomb: 0.0, open: false },
-    Kind { name: "capsule on a polygon, one end first", build: capsule_on_polygon, load: 1.0, coulomb: 0.0, open: false },
-    Kind { name: "capsule in a groove of two boxes", build: capsule_in_groove, load: 1.0, coulomb: 0.0, open: false },
-    Kind { name: "capsule across two fixed rods, mu_c = 0.5", build: capsule_on_rods, load: 1.0, coulomb: 0.5, open: false },
+    Kind { name: "capsule on a box, one end first", build: capsule_on_box, load: 1.0, coulomb: 0.0 },
+    Kind { name: "capsule on a polygon, one end first", build: capsule_on_polygon, load: 1.0, coulomb: 0.0 },
+    Kind { name: "capsule in a groove of two boxes", build: capsule_in_groove, load: 1.0, coulomb: 0.0 },
+    Kind { name: "capsule across two fixed rods, mu_c = 0.5", build: capsule_on_rods, load: 1.0, coulomb: 0.5 },
     Kind {
         name: "two capsules across two capsules on a box, mu_c = 0.5",
         build: capsules_crosswise,
         load: 2.0,
         coulomb: 0.5,
-        open: false,
     },
     Kind {
         name: "capsule along a slope of 10 degrees, mu_c = 0.5",
         build: capsule_on_slope,
         load: 1.0,
         coulomb: 0.5,
-        open: false,
     },
-    Kind { name: "rod across a narrow box, mu_c = 0.5", build: rod_on_box, load: 1.0, coulomb: 0.5, open: false },
+    Kind { name: "rod across a narrow box, mu_c = 0.5", build: rod_on_box, load: 1.0, coulomb: 0.5 },
     Kind {
         name: "tetrahedron of rods on a box, one vertex first, mu_c = 0.5",
         build: tetrahedron_on_box,
         load: 1.5,
         coulomb: 0.5,
-        open: false,
     },
     Kind {
         name: "tetrahedron of rods on a polygon, mu_c = 0.5",
         build: tetrahedron_on_polygon,
         load: 1.5,
         coulomb: 0.5,
-        open: false,
     },
-    Kind { name: "pyramid of rods over a narrow box, mu_c = 0.5", build: pyramid_on_box, load: 1.0, coulomb: 0.5, open: true },
+    Kind { name: "pyramid of rods over a narrow box, mu_c = 0.5", build: pyramid_on_box, load: 1.0, coulomb: 0.5 },
 ];
 
 fn floor(scene: &mut Scene, r: f32) -> Result<()> {
@@ -225,14 +217,14 @@ fn rod_on_box(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
     Ok(())
 }
 
-/// A frame of spheres of radius r, with rods of fixed length between all pairs.
-fn frame(scene: &mut Scene, r: f32, places: &[Vec3]) -> Result<()> {
+/// A frame of spheres of radius r, with rods of fixed length between all pairs but one.
+fn frame(scene: &mut Scene, r: f32, places: &[Vec3], without: Option<[usize; 2]>) -> Result<()> {
     let mut ids = Vec::new();
     for place in places {
         ids.push(scene.add_sphere(Sphere::new(*place, r))?);
     }
     for two in 1..places.len() {
-        for one in 0..two {
+        for one in (0..two).filter(|one| without != Some([*one, two])) {
             let length = places[one].distance(places[two]);
             scene.add_rod(Rod::new(ids[one], ids[two], 0.5 * r).length(length))?;
         }
@@ -248,7 +240,7 @@ fn tetrahedron(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
         Vec3::new(-1.5 * r, base + 0.5 * gap, -2.6 * r),
         Vec3::new(0.0, base + 4.2 * r, 0.0),
     ];
-    frame(scene, r, &places)
+    frame(scene, r, &places, None)
 }
 
 fn tetrahedron_on_box(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
@@ -268,7 +260,8 @@ const PYRAMID: [[f32; 3]; 5] = [[-3.0, 0.0, -3.0], [3.0, 0.0, -3.0], [3.0, 0.0, 
 fn pyramid_on_box(scene: &mut Scene, r: f32, gap: f32) -> Result<()> {
     scene.add_box(Cuboid::between([-1.5 * r, -10.0 * r, -10.0 * r], [1.5 * r, 0.0, 10.0 * r]))?;
     let places = PYRAMID.map(|[x, y, z]| Vec3::new(x * r, (0.5 + y) * r + gap, z * r));
-    frame(scene, r, &places)
+    // Rods along both diagonals of the base would pass through each other, and their contact would push them apart for ever.
+    frame(scene, r, &places, Some([0, 2]))
 }
 
 /// Conditions of one run.
@@ -391,7 +384,7 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
                     Fate::NotPossible => 4,
                 };
                 counts[place] += 1;
-                if (1..=3).contains(&place) && !kind.open {
+                if (1..=3).contains(&place) {
                     let Case { radius, gravity, dt, integrator } = case;
                     eprintln!("{}, r = {radius}, G = {gravity}, h = {dt}, {integrator}: {fate:?}", kind.name);
                 }
@@ -403,10 +396,8 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
                 kind.name,
                 counts.iter().sum::<u32>()
             );
-            if !kind.open {
-                for (sum, count) in sums.iter_mut().zip(counts) {
-                    *sum += count;
-                }
+            for (sum, count) in sums.iter_mut().zip(counts) {
+                *sum += count;
             }
         }
         outcome.facts.push(("table", table.trim_end().to_owned()));
