@@ -120,7 +120,7 @@ impl Summary<'_> {
         row("collisions", format!("{} in all, {} in the last step", report.total_collisions, report.collisions));
         if report.replays > 0 {
             let steps = if report.replays == 1 { "step" } else { "steps" };
-            row("replays", format!("{} {steps} repeated, with longer lists or larger AABBs", report.replays));
+            row("replays", format!("{} {steps} repeated, with new lists or more memory", report.replays));
         }
         if report.non_finite > 0 {
             row("not finite", format!("a body with non-finite values was stopped {} times", report.non_finite));

@@ -118,7 +118,8 @@ impl Recorder {
         self.phases = phases;
     }
 
-    /// Adds the times of a batch. Its first `done` steps were done, and the later ones were rejected.
+    /// Adds the times of a batch. Its first `done` steps were done, and the later ones were rejected. The batches of a step that may be
+    /// rejected have one step, because a step that is done may follow a rejected one.
     pub(crate) fn book(&mut self, runs: &[Run], times: &Times, done: u32, step: &Step, status: &Status) {
         let (done, rejected) = times.split_at(times.len().min(done as usize));
         self.rejected_seconds += rejected.iter().flatten().flatten().sum::<f64>();

@@ -20,10 +20,11 @@ pub struct Report {
     pub collisions: u32,
     /// Number of collisions handled in all steps.
     pub total_collisions: u64,
-    /// Number of times that a step was repeated, because a list had to grow or a body left its AABB.
+    /// Number of times that a step was repeated, because a body left its AABB, or there was no room for lists, collisions or springs
+    /// of contacts.
     pub replays: u64,
-    /// Number of times that AABBs and pair lists were rebuilt: at most twice in a step, in most scenes at most once. In the other
-    /// steps those of an earlier step still held every pair.
+    /// Number of times that AABBs and pair lists were rebuilt: in most scenes at most once in a step, and once more where it is repeated.
+    /// In the other steps those of an earlier step still held every pair.
     pub list_builds: u64,
     /// Number of times that a body was stopped because its state was no longer finite.
     pub non_finite: u64,

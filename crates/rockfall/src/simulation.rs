@@ -26,6 +26,7 @@ mod contact_springs;
 mod drive;
 mod edit;
 mod engine;
+mod escape;
 mod exact;
 #[cfg(feature = "gpu")]
 mod exchange;

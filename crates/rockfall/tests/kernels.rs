@@ -385,6 +385,7 @@ fn the_constants_equal_those_of_layout() {
         COUNTER_BLOCKS,
         REBUILD_REQUESTED,
         REBUILD_DONE,
+        REBUILD_UNDER_WAY,
         NO_BODY,
         BAD_STAGE_SHIFT,
     ];

@@ -70,7 +70,8 @@ impl Counters {
 pub struct Status {
     /// Counts of the workgroups. On the CPU, the first block holds all counts.
     pub counters: [Counters; COUNTER_BLOCKS as usize],
-    /// `REJECTED_*` bits. While it is not 0, later stages do not change the bodies, until the host has handled the reason.
+    /// `REJECTED_*` bits. While it is not 0, later stages do not change the bodies, until the host has handled the reason, or new
+    /// lists let the next step repeat this one ([`Status::may_repeat`]).
     pub rejected: u32,
     /// Number of rows that the entries of the pair lists need.
     pub pair_rows_needed: u32,
@@ -141,7 +142,7 @@ pub struct Status {
     pub repeats: u32,
     /// 1 while the current step is repeated in this way. If it is rejected again, the host repeats it.
     pub repeated: u32,
-    /// Value of `escape_ratio` in the last step that was repeated in this way.
+    /// Value of `escape_ratio` in the last step that was repeated in this way, stored in the same form.
     pub repeat_escape: u32,
 }
 
@@ -162,7 +163,7 @@ impl Status {
     /// Returns whether a stage that rebuilds lists has work. It waits for these bits of `rebuild`. A step that was rejected because
     /// a body left its AABB gets new lists, so that the next one can repeat it.
     pub fn builds_lists(&self, bits: u32) -> bool {
-        self.rebuild & bits != 0 && self.rejected & !REJECTED_ESCAPED == 0
+        self.rebuild & bits != 0 && (self.rejected == 0 || self.may_repeat())
     }
 
     /// Returns whether the next step may repeat the current one: it was rejected only because a body left its AABB, and for the

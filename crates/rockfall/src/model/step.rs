@@ -5,7 +5,7 @@ use std::mem::{offset_of, size_of};
 use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
 
 use crate::model::layout::{
-    ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_PAIR_FRICTION, FLAG_VERLET, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON,
+    ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_PAIR_FRICTION, FLAG_VERLET, SPRING_WORDS, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON,
 };
 use crate::settings::{Settings, constant_table};
 
@@ -249,6 +249,11 @@ impl Step {
     /// low part of the position where there is one. A region is one vec4 per sphere.
     pub const fn state_regions(&self) -> u32 {
         if self.is_double() { 4 } else { 3 }
+    }
+
+    /// Number of springs.
+    pub const fn spring_count(&self) -> u32 {
+        (self.tethers_at - self.springs_at) / SPRING_WORDS
     }
 
     /// Whether contacts get friction impulses.

@@ -228,6 +228,7 @@ const REJECTED_HISTORY: u32 = 64u;
 
 const REBUILD_REQUESTED: u32 = 1u;
 const REBUILD_DONE: u32 = 2u;
+const REBUILD_UNDER_WAY: u32 = 3u;
 
 const SWEEPS_OFF: u32 = 0u;
 const SWEEPS_LISTED: u32 = 1u;

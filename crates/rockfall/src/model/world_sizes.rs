@@ -40,7 +40,7 @@ impl WorldSizes {
         let step = &world.step;
         let needed = Self {
             spheres: step.spheres.next_multiple_of(4),
-            springs: ((step.tethers_at - step.springs_at) / SPRING_WORDS).next_multiple_of(4),
+            springs: step.spring_count().next_multiple_of(4),
             topology: (world.topology.len() as u32).next_multiple_of(32),
             pairs: has_pairs(world),
         };

@@ -6,6 +6,7 @@
 
 // Margin of AABBs for exact lists, in radii of a sphere. It covers rounding, and spheres that hardly move keep their lists.
 const EXACT_MARGIN: f32 = 0.02;
+const MOST_OF_REPEAT: f32 = 10.0;
 
 // Position of a sphere after `lead` steps at constant velocity. `velocity.w` is the inverse mass. The result is `position` for
 // a fixed sphere, and when the displacement is 1e30 or larger.

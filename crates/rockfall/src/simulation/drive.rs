@@ -12,7 +12,6 @@ use crate::options::Optimization;
 use crate::profile::Recorder;
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
-use crate::simulation::interval::LONGEST;
 use crate::simulation::lookahead::{Lists, Lookahead};
 use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::Phase;
@@ -32,16 +31,7 @@ const MARGIN_DECAY: f32 = 0.997;
 /// step.
 const MARGIN_DECAY_OF_LONG: f32 = 0.99;
 /// Smallest AABB margin, in units of 0.02 r.
-const MIN_MARGIN: f32 = 2.0;
-/// Least amount by which the margin is raised, in units of 0.02 r.
-const MARGIN_STEP: f32 = 1.0;
-/// If a body leaves its AABB by less than this, in units of 0.02 r, the rejected step is treated as an exception. A larger
-/// distance shows that the lists were built for too many steps.
-const NEAR: f32 = 1.0;
-/// Additional amount by which the margin is raised after such an exception at the longest interval, in units of 0.02 r. Among
-/// many millions of bodies at rest another exception would soon follow, and longer lists cost little if they are rarely
-/// rebuilt.
-const NEAR_STEP: f32 = 0.5;
+pub(super) const MIN_MARGIN: f32 = 2.0;
 
 /// The order of the phases in a whole step. Collisions come first and use the lists of the step before. Those lists hold every
 /// pair that overlaps now, which `find_collisions` checks. AABBs that are computed after the impulses need not be grown for the
@@ -68,14 +58,14 @@ pub(super) struct Window {
     steps: u64,
     builds: u32,
     /// Rejected steps in which a body left its AABB and the interval did not change.
-    rejections: u32,
+    pub(super) rejections: u32,
     /// Number of this window. A portion with another number was submitted in an earlier window.
     pub(super) settings: u32,
 }
 
 impl Window {
     /// Starts a new window. Portions that are still under way from the previous one do not count.
-    fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         *self = Self { settings: self.settings.wrapping_add(1), ..Self::default() };
     }
 }
@@ -222,36 +212,6 @@ impl Simulation {
         Ok(())
     }
 
-    /// Handles a step that was rejected only because a body left its AABB by `escape`, in units of 0.02 r. A short distance may be an
-    /// exception.
-    pub(super) fn judge_escape(&mut self, escape: f32, attempts: u32) {
-        let interval = self.world.step.list_interval as u32;
-        if escape >= NEAR || !self.interval.forgives(interval) {
-            self.window.restart();
-            self.handle_escape(escape, attempts);
-            return;
-        }
-        self.window.rejections += 1;
-        if interval == LONGEST {
-            self.world.step.margin_scale += escape + NEAR_STEP;
-        }
-    }
-
-    /// Handles a step in which a body left its AABB by `escape`, in units of 0.02 r: shortens the interval or raises the
-    /// margin.
-    fn handle_escape(&mut self, escape: f32, attempts: u32) {
-        let step = &mut self.world.step;
-        if step.has_exact_lists() {
-            // The step is repeated with new lists, which have the pairs of all present positions.
-            return;
-        }
-        if self.interval.failed(step.list_interval as u32) {
-            step.lookahead = self.lookahead.give_up().unwrap_or(step.lookahead);
-            return;
-        }
-        step.margin_scale = margin_after_escape(step.margin_scale, escape, attempts);
-    }
-
     /// Adds the results of a portion to the report. `before` is the status before the portion.
     pub(super) fn book(&mut self, done: u64, before: &Status) {
         let status = &self.status;
@@ -331,17 +291,6 @@ impl Simulation {
     }
 }
 
-/// The margin to try next when a body left its AABB by `escape` with the margin `margin`, all in units of 0.02 r. `attempts` is
-/// the number of attempts before. The first increase is small, because it enlarges all AABBs. After 16 attempts no finite margin
-/// is large enough, because some force or coordinate is beyond all bounds.
-pub(super) fn margin_after_escape(margin: f32, escape: f32, attempts: u32) -> f32 {
-    match attempts {
-        0 => margin + 1.25 * escape + MARGIN_STEP,
-        1..=16 => (margin + escape) * 1.25,
-        _ => f32::INFINITY,
-    }
-}
-
 /// Number of rows to allocate for entries when `needed` rows are needed.
 pub(super) fn room_for(needed: u32) -> Result<u32> {
     if needed > MAX_PAIR_ROWS {
@@ -368,24 +317,6 @@ mod tests {
         simulation.status.collided = 1;
         assert!(simulation.overdue(&COLLISIONS_FIRST).is_empty());
         assert_eq!(simulation.overdue(&[Phase::UpdatePositions]), [Phase::UpdateAabbs, Phase::BroadPhase]);
-    }
-
-    /// The margin after a step in which a body left its AABB by half the distance of an exception.
-    #[cfg(not(target_family = "wasm"))]
-    fn margin_after_exception(interval: u32) -> f32 {
-        let options = crate::Options::new().backend(crate::Backend::Cpu);
-        let mut simulation = Simulation::with_options(crate::Scene::new(), options).unwrap();
-        simulation.world.step.list_interval = interval as f32;
-        (simulation.status.rejected, simulation.status.escape_ratio) = (REJECTED_ESCAPED, (0.5 * NEAR).to_bits());
-        simulation.handle_rejection(0).unwrap();
-        simulation.world.step.margin_scale
-    }
-
-    #[test]
-    #[cfg(not(target_family = "wasm"))]
-    fn an_exception_raises_margins_where_lists_last_longest() {
-        assert_eq!(margin_after_exception(LONGEST / 2), MIN_MARGIN);
-        assert_eq!(margin_after_exception(LONGEST), MIN_MARGIN + 0.5 * NEAR + NEAR_STEP);
     }
 
     #[test]

@@ -156,7 +156,7 @@ impl Engine {
         on_gpu!(self, world, gpu => gpu.set_status(&world.status)?)
     }
 
-    /// Runs `stages` for `steps`, numbered as in [`Run::is_in`], or until a step is rejected. With a recorder every stage is
+    /// Runs `stages` for `steps`, numbered as in [`Run::is_in`], or until a step is rejected that only the host can repeat. With a recorder every stage is
     /// timed, and the call waits for the steps.
     pub(super) async fn submit(
         &mut self,
@@ -268,7 +268,7 @@ fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Op
     rayon::scope(|_| {
         let before_positions = stages_before(world, stages).filter(|_| !timed);
         for _ in steps {
-            let done = world.status.steps;
+            let repeats = world.status.repeats;
             if timed {
                 times.push(cpu::run_timed(world, stages));
             } else if let Some(count) = before_positions {
@@ -277,12 +277,9 @@ fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Op
             } else {
                 cpu::run(world, stages);
             }
-            if world.status.rejected != 0 {
+            // A rejected step, or one that only built the lists with which the next one repeats it. The host judges both.
+            if world.status.rejected != 0 || world.status.repeats != repeats {
                 break;
-            }
-            if world.status.steps == done {
-                // The lists were built with which the next step is repeated.
-                continue;
             }
             if let Some(rest) = &mut world.rest {
                 rest.note(&world.states[0]);

@@ -3,12 +3,11 @@
 use crate::checkpoint::KeptSpring;
 use crate::error::{Error, Result};
 use crate::model::buffer::Buffer;
-use crate::model::layout::MAX_HISTORY_BLOCKS;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::laws::contact::Spring;
 use crate::physics::laws::history::{
-    BLOCK_WORDS, Chains, Histories, Record, feature_bits, first_word, further_blocks, owner, pack, pool_for,
+    BLOCK_WORDS, Chains, Histories, Record, feature_bits, first_word, further_blocks, largest_pool, owner, pack, pool_for,
 };
 use crate::scene::{AnyId, Scene};
 use crate::simulation::Simulation;
@@ -67,7 +66,7 @@ impl Simulation {
     /// Makes the pool of blocks of springs a quarter larger than a rejected step needed.
     pub(super) async fn grow_histories(&mut self) -> Result<()> {
         let (needed, before) = (self.status.history_needed, self.world.step.history_pool);
-        let most = MAX_HISTORY_BLOCKS.saturating_sub(self.world.movers());
+        let most = largest_pool(self.world.movers());
         if needed > most {
             let bytes = |blocks: u32| 8 * BLOCK_WORDS as u64 * (u64::from(self.world.movers()) + u64::from(blocks));
             return Err(Error::DeviceLimit { what: Buffer::Histories.label(), needed: bytes(needed), limit: bytes(most) });

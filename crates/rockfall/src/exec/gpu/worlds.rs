@@ -275,7 +275,7 @@ fn kernel_topology(world: &World) -> Vec<u32> {
     if step.adjacency_at != 0 {
         (0..step.spheres).for_each(|sphere| name_springs(world, sphere, &mut words));
     }
-    let springs = (step.tethers_at - step.springs_at) / SPRING_WORDS;
+    let springs = step.spring_count();
     let muscles = if step.muscles_at == 0 { 0 } else { springs };
     let tables = [
         (step.boxes_at, step.boxes, BOX_WORDS),

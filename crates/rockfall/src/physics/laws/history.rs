@@ -143,8 +143,12 @@ pub(crate) fn further_blocks(records: usize) -> u32 {
 /// copies all springs, so in large scenes the pool grows by at least 4 bytes per mover.
 pub(crate) fn pool_for(needed: u32, movers: u32) -> u32 {
     let growth = (needed / 4).max(movers / 64).max(LEAST_GROWTH);
-    let most = MAX_HISTORY_BLOCKS.saturating_sub(movers);
-    if needed == 0 { 0 } else { needed.saturating_add(growth).min(most) }
+    if needed == 0 { 0 } else { needed.saturating_add(growth).min(largest_pool(movers)) }
+}
+
+/// Greatest number of blocks of the pool that links can name, beside a block per mover.
+pub(crate) fn largest_pool(movers: u32) -> u32 {
+    MAX_HISTORY_BLOCKS.saturating_sub(movers)
 }
 
 /// First word of the springs before the step, in a world.

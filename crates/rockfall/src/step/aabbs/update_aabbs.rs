@@ -14,8 +14,9 @@
 //! 1.001 (lead + 1) |v| dt + 0.02 r, so that the ball also holds the path of the last step.
 //!
 //! The centre of the sphere must stay within the margin of that place until its list is rebuilt. If it moves further,
-//! `find_collisions`, `advance` or `symplectic_euler` rejects the step. The host then raises `margin_scale`, and the step is
-//! repeated.
+//! `find_collisions`, `advance`, `symplectic_euler` or `drift` rejects the step. It is repeated with new lists. If lists may be rebuilt
+//! in every step, 0.02 r (1.25 d + 1) is added to the margin, where d is how far a body left its AABB, in units of 0.02 r, or 0.2 r
+//! if that is less. So one body far outside does not make all lists long. If that does not suffice, the host raises `margin_scale`.
 //!
 //! Where positions have a low part (docs/physics.md section 5.8), every AABB is larger by a part of its largest coordinate.
 //!
@@ -30,11 +31,11 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::layout::{FINE_MARGIN, FLAG_CONTINUOUS, FLAG_STAGES};
 use crate::model::part::part;
-use crate::model::status::REBUILD_REQUESTED;
+use crate::model::status::{REBUILD_REQUESTED, REJECTED_ESCAPED};
 use crate::model::step::{Aabb, Step};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
-use crate::physics::travel::{EXACT_MARGIN, acceleration_margin, position_ahead, trail, travel_bound};
+use crate::physics::travel::{EXACT_MARGIN, MOST_OF_REPEAT, acceleration_margin, position_ahead, trail, travel_bound};
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -65,6 +66,7 @@ fn update_aabbs(world: &mut World, _pass: u32) {
     let [start, _, third, fourth] = &world.states;
     let [view, third, fourth] = [start, third, fourth].map(|state| View::new(&world.step, &world.topology, state));
     let has_stage_states = world.step.flags & FLAG_STAGES != 0;
+    let repeat = repeat_margin(world);
     let gain = |sphere: u32| {
         if has_stage_states {
             acceleration_margin(&world.step, third.velocity(sphere), fourth.velocity(sphere), world.step.lookahead)
@@ -72,13 +74,16 @@ fn update_aabbs(world: &mut World, _pass: u32) {
             0.0
         }
     };
-    let aabbs = (0..objects).into_par_iter().with_min_len(GRAIN).map(|id| aabb(&view, &gain, id));
+    let aabbs = (0..objects).into_par_iter().with_min_len(GRAIN).map(|id| aabb(&view, &gain, repeat, id));
     aabbs.collect_into_vec(&mut world.aabbs);
 }
 
 /// Returns the AABB of an object. `gain` returns the distance that a sphere moves further because it accelerates.
-fn aabb(view: &View, gain: &impl Fn(u32) -> f32, id: u32) -> Aabb {
-    let bounds = |sphere: u32, radius: f32| ball_bounds(view, gain(sphere), sphere, radius);
+fn aabb(view: &View, gain: &impl Fn(u32) -> f32, repeat: f32, id: u32) -> Aabb {
+    let bounds = |sphere: u32, radius: f32| {
+        let margin = margin(view, gain(sphere), repeat, sphere);
+        ball_bounds(view, margin, sphere, radius)
+    };
     let (min, max) = match view.object(id) {
         Object::Sphere(sphere) => bounds(sphere, view.radius(sphere)),
         Object::Rod(rod) => {
@@ -99,8 +104,8 @@ fn aabb(view: &View, gain: &impl Fn(u32) -> f32, id: u32) -> Aabb {
 }
 
 /// Returns the bounds of all places that a ball of this radius about the centre of a sphere may reach before lists are rebuilt.
-fn ball_bounds(view: &View, gain: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
-    let reach = radius + view.step.neck * radius + margin(view, gain, sphere);
+fn ball_bounds(view: &View, margin: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
+    let reach = radius + view.step.neck * radius + margin;
     let middle = position_ahead(view.step, view.position(sphere), view.motion(sphere));
     grown(view.step, (middle - reach, middle + reach))
 }
@@ -114,7 +119,16 @@ fn grown(step: &Step, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
     (min - room, max + room)
 }
 
-fn margin(view: &View, gain: f32, sphere: u32) -> f32 {
+/// Part of the margin of a step that is repeated, in units of r.
+fn repeat_margin(world: &World) -> f32 {
+    let World { step, status, .. } = world;
+    if status.rejected != REJECTED_ESCAPED || step.list_interval != 1.0 || step.has_exact_lists() {
+        return 0.0;
+    }
+    0.02 * (1.25 * f32::from_bits(status.escape_ratio) + 1.0).min(MOST_OF_REPEAT)
+}
+
+fn margin(view: &View, gain: f32, repeat: f32, sphere: u32) -> f32 {
     if view.is_fixed(sphere) {
         return 0.0;
     }
@@ -124,7 +138,7 @@ fn margin(view: &View, gain: f32, sphere: u32) -> f32 {
     let travel = if is_continuous { travel.max(trail(view.step, view.velocity(sphere), radius)) } else { travel };
     let exact = view.step.has_exact_lists();
     let spare = if exact { EXACT_MARGIN } else { (view.step.margin_scale - 1.0) * 0.02 };
-    travel + gain + spare * radius
+    travel + gain + (spare + repeat) * radius
 }
 
 fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {

@@ -14,6 +14,12 @@ struct Hull {
     max: vec3f,
 }
 
+// Where lists may be rebuilt in every step, a step that a body left its AABB in is repeated with larger AABBs, in units of r.
+fn repeat_margin() -> f32 {
+    let is_repeated = (status.rejected == REJECTED_ESCAPED) & (step.list_interval == 1.0) & !has_exact_lists();
+    return select(0.0, 0.02 * min(1.25 * bitcast<f32>(status.escape_ratio) + 1.0, MOST_OF_REPEAT), is_repeated);
+}
+
 // Returns the distance that a sphere may move before its list is rebuilt.
 fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
     var gain = 0.0;
@@ -21,7 +27,7 @@ fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
         let at = velocity_at(sphere);
         gain = select(0.0, acceleration_margin(y3[at].xyz, y4[at].xyz, step.lookahead), (step.flags & FLAG_STAGES) != 0u);
     }
-    let spare = select((step.margin_scale - 1.0) * 0.02, EXACT_MARGIN, has_exact_lists()) * radius;
+    let spare = (select((step.margin_scale - 1.0) * 0.02, EXACT_MARGIN, has_exact_lists()) + repeat_margin()) * radius;
     var travel = travel_bound(velocity, radius, step.lookahead);
     if CONTINUOUS {
         travel = max(travel, trail(velocity, radius));

@@ -1,7 +1,8 @@
 // requires model/step.wgsl
 
-// Whether a stage that rebuilds lists has work. `rebuild` has the bits of `status.rebuild` that the stage waits for. A step that was
-// rejected because a body left its AABB gets new lists, so that the next one can repeat it (`close_step`).
-fn builds_lists(rebuild: u32, rejected: u32) -> bool {
-    return (rebuild != 0u) & ((rejected & ~REJECTED_ESCAPED) == 0u);
+// Whether a stage that rebuilds lists has work. It waits for these bits of `rebuild`. A step that was rejected because a body left its
+// AABB gets new lists, so that the next one can repeat it (`close_step`). The stage defines `status`, which it does not share.
+fn builds_lists(bits: u32) -> bool {
+    let may_repeat = (status.rejected == REJECTED_ESCAPED) & (status.repeated == 0u);
+    return ((status.rebuild & bits) != 0u) & ((status.rejected == 0u) | may_repeat);
 }

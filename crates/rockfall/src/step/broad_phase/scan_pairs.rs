@@ -5,6 +5,7 @@
 //! `REJECTED_PAIRS`. The total is written to `pair_rows_needed`.
 
 use crate::model::buffer::Buffer;
+use crate::model::counters::count_builds;
 use crate::model::dispatch::Threads;
 use crate::model::layout::SLICE;
 use crate::model::part::part;
@@ -36,6 +37,7 @@ fn scan_pairs(world: &mut World, _pass: u32) {
     }
     offsets[counts.len() / SLICE as usize] = total;
     world.status.pair_rows_needed = total;
+    count_builds(&mut world.status);
     world.status.rebuild = REBUILD_DONE;
     if total > world.step.pair_rows {
         world.status.rejected |= REJECTED_PAIRS;

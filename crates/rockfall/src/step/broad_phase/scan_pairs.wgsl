@@ -33,7 +33,7 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
     let slices = step.slices_at / SLICE;
     if local == 0u {
         carried = 0u;
-        due = u32(builds_lists(status.rebuild, status.rejected));
+        due = u32(builds_lists(REBUILD_UNDER_WAY));
     }
     if workgroupUniformLoad(&due) == 0u {
         return;
@@ -69,6 +69,8 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
     if local == 0u {
         put_head(step.slices_at + slices, carried);
         status.pair_rows_needed = carried;
+        // A rebuild that the rejected step before this one had no time to count.
+        status.builds += (status.rebuild & REBUILD_DONE) / REBUILD_DONE;
         status.rebuild = REBUILD_DONE;
         if carried > step.pair_rows {
             status.rejected |= REJECTED_PAIRS;

@@ -7,7 +7,7 @@ use glam::{Vec3, Vec4};
 
 use crate::model::counters::{Tally, count_builds};
 use crate::model::lanes::{LANES, Vec3x4};
-use crate::model::layout::{GRAIN, KIND_FORCE, KIND_TETHER, LAW_THESIS, MUSCLE_WORDS, SPRING_WORDS};
+use crate::model::layout::{GRAIN, KIND_FORCE, KIND_TETHER, LAW_THESIS, MUSCLE_WORDS};
 use crate::model::lists::Lists;
 use crate::model::muscles::MusclesOfFour;
 use crate::model::state::Motion;
@@ -36,6 +36,7 @@ pub(crate) fn stages_before(world: &World, stages: &[Run]) -> Option<usize> {
 /// Runs the phase.
 pub(crate) fn update_positions(world: &mut World) {
     if world.status.rejected != 0 {
+        end_step::end_step(world, 0);
         return;
     }
     count_builds(&mut world.status);
@@ -142,7 +143,7 @@ struct Springs {
 impl Springs {
     fn new(world: &World) -> Self {
         let step = &world.step;
-        let count = springs_of(world);
+        let count = world.step.spring_count();
         let view = View::new(step, &world.topology, &world.states[0]);
         let mut fours = vec![Four::default(); (count as usize).div_ceil(LANES)];
         for (four, first) in fours.iter_mut().zip((0..).step_by(LANES)) {
@@ -200,11 +201,6 @@ impl Springs {
             }
         }
     }
-}
-
-/// Number of springs of a world.
-fn springs_of(world: &World) -> u32 {
-    (world.step.tethers_at - world.step.springs_at) / SPRING_WORDS
 }
 
 impl Four {

@@ -5,6 +5,8 @@
 var<workgroup> contacts: atomic<u32>;
 var<workgroup> max_overlap: atomic<u32>;
 var<workgroup> collisions: atomic<u32>;
+// One thread decides, because it changes what the decision depends on.
+var<workgroup> repeats_step: bool;
 
 // Whether the next step repeats this one: it was rejected only because a body left its AABB, for the first time, and has new lists.
 fn is_repeated() -> bool {
@@ -42,6 +44,7 @@ fn repeat_step() {
 // Adds up the counters of the step and resets them.
 fn sum_counters(local: u32) {
     if local == 0u {
+        repeats_step = is_repeated();
         atomicStore(&contacts, 0u);
         atomicStore(&max_overlap, 0u);
         atomicStore(&collisions, 0u);
@@ -52,7 +55,7 @@ fn sum_counters(local: u32) {
         atomicMax(&max_overlap, atomicExchange(&status.counters[local].max_overlap, 0u));
         atomicAdd(&collisions, atomicExchange(&status.counters[local].collisions, 0u));
     }
-    if (local < COUNTER_BLOCKS) & is_repeated() {
+    if (local < COUNTER_BLOCKS) & repeats_step {
         drop_counters(local);
     }
     workgroupBarrier();
@@ -108,7 +111,7 @@ fn close_step(local: u32) {
         return;
     }
     return_blocks();
-    if is_repeated() {
+    if repeats_step {
         repeat_step();
         return;
     }

@@ -1,4 +1,4 @@
-//! Broad phase, 3 of 3: writes the entries, in ascending order of id, then feature. Does nothing in a rejected step.
+//! Broad phase, 3 of 3: writes the entries, in ascending order of id, then feature. Does nothing in a step that the host repeats.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;

@@ -13,7 +13,7 @@ fn clear_cells(
     if block * CELL_BLOCK >= step.cells {
         return;
     }
-    let is_due = builds_lists(status.rebuild & REBUILD_REQUESTED, status.rejected);
+    let is_due = builds_lists(REBUILD_REQUESTED);
     if (block == 0u) & (local == 0u) {
         cells[1] = u32(is_due);
     }

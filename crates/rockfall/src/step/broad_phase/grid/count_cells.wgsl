@@ -79,7 +79,7 @@ fn count_cells(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if !builds_lists(status.rebuild & REBUILD_REQUESTED, status.rejected) {
+    if !builds_lists(REBUILD_REQUESTED) {
         return;
     }
     let object = wide_thread(group, groups, local);

@@ -5,7 +5,7 @@
 
 @compute @workgroup_size(64)
 fn plan_lists(@builtin(local_invocation_index) local: u32) {
-    let is_due = builds_lists(status.rebuild & REBUILD_REQUESTED, status.rejected);
+    let is_due = builds_lists(REBUILD_REQUESTED);
     if local < SIZE_WORDS {
         dispatch_sizes[local] = select(0u, dispatch_sizes[SIZE_WORDS + local], is_due);
     }

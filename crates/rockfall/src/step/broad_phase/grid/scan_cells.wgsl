@@ -29,7 +29,7 @@ fn sum_blocks(
 ) {
     let block = linear_group(group, groups);
     // This condition is uniform across the workgroup.
-    if !builds_lists(status.rebuild & REBUILD_REQUESTED, status.rejected) | (block * CELL_BLOCK >= step.cells) {
+    if !builds_lists(REBUILD_REQUESTED) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
     var own = vec4u(0u);
@@ -64,7 +64,7 @@ fn place_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let block = linear_group(group, groups);
-    if !builds_lists(status.rebuild & REBUILD_REQUESTED, status.rejected) | (block * CELL_BLOCK >= step.cells) {
+    if !builds_lists(REBUILD_REQUESTED) | (block * CELL_BLOCK >= step.cells) {
         return;
     }
     var before = sum_before(block, local);

@@ -13,7 +13,7 @@ fn sort_cells(
     @builtin(local_invocation_index) local: u32,
 ) {
     let object = wide_thread(group, groups, local);
-    if !builds_lists(status.rebuild & REBUILD_REQUESTED, status.rejected) | (object >= objects()) {
+    if !builds_lists(REBUILD_REQUESTED) | (object >= objects()) {
         return;
     }
     let key = atomicLoad(&cells[step.keys_at + object]);

@@ -14,7 +14,7 @@ fn bound_blocks(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    if !builds_lists(status.rebuild, status.rejected) {
+    if !builds_lists(REBUILD_UNDER_WAY) {
         return;
     }
     let block = linear_group(group, groups);

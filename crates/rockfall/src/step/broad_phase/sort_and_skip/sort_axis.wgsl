@@ -54,7 +54,7 @@ fn sort_axis(
     @builtin(local_invocation_index) local: u32,
 ) {
     let first = linear_group(group, groups) * BLOCK + pass_.index * WORKGROUP;
-    if !builds_lists(status.rebuild, status.rejected) {
+    if !builds_lists(REBUILD_UNDER_WAY) {
         return;
     }
     // In pass 1 the half block before the first block stays as pass 0 left it.
