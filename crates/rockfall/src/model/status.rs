@@ -174,7 +174,7 @@ impl Status {
 
     /// Returns the status with which a rejected step is repeated. Counters begin at zero, and the results of finished phases are
     /// kept.
-    pub fn repeating(self) -> Self {
+    pub(crate) fn repeating(self) -> Self {
         let is_done = self.collided != 0;
         let counters =
             |counters: Counters| Counters { collisions: if is_done { counters.collisions } else { 0 }, ..Counters::default() };

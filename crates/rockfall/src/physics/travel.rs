@@ -11,8 +11,14 @@ use crate::model::view::View;
 
 /// Margin of AABBs for exact lists, in radii of a sphere. It covers rounding, and spheres that hardly move keep their lists.
 pub(crate) const EXACT_MARGIN: f32 = 0.02;
-/// Most that is added to the margin of AABBs where a step is repeated, in units of 0.02 r.
+/// Most that the device adds to the margin of AABBs where it repeats a step, in units of 0.02 r.
 pub(crate) const MOST_OF_REPEAT: f32 = 10.0;
+
+/// What is first added to the margin of AABBs when a body left its AABB by `escape`, both in units of 0.02 r. It is small, because it
+/// enlarges all AABBs.
+pub(crate) fn margin_for_escape(escape: f32) -> f32 {
+    1.25 * escape + 1.0
+}
 
 /// Returns the position of a sphere after `lead` steps at constant velocity. `motion` is its velocity and inverse mass. The
 /// result is `position` for a fixed sphere and for a displacement of 1e30 or more.

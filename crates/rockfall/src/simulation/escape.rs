@@ -1,5 +1,6 @@
 //! What follows when a body left its AABB: the interval of list rebuilds becomes shorter, or the margin of AABBs larger.
 
+use crate::physics::travel::margin_for_escape;
 use crate::simulation::Simulation;
 use crate::simulation::interval::LONGEST;
 
@@ -10,8 +11,6 @@ const NEAR: f32 = 1.0;
 /// many millions of bodies at rest another exception would soon follow, and longer lists cost little if they are rarely
 /// rebuilt.
 const NEAR_STEP: f32 = 0.5;
-/// Least amount by which the margin is raised, in units of 0.02 r.
-const MARGIN_STEP: f32 = 1.0;
 
 impl Simulation {
     /// Handles a step that was rejected only because a body left its AABB by `escape`, in units of 0.02 r. A short distance may be an
@@ -46,11 +45,11 @@ impl Simulation {
 }
 
 /// The margin to try next when a body left its AABB by `escape` with the margin `margin`, all in units of 0.02 r. `attempts` is
-/// the number of attempts before. The first increase is small, because it enlarges all AABBs. After 16 attempts no finite margin
+/// the number of attempts before. After 16 attempts no finite margin
 /// is large enough, because some force or coordinate is beyond all bounds.
 pub(super) fn margin_after_escape(margin: f32, escape: f32, attempts: u32) -> f32 {
     match attempts {
-        0 => margin + 1.25 * escape + MARGIN_STEP,
+        0 => margin + margin_for_escape(escape),
         1..=16 => (margin + escape) * 1.25,
         _ => f32::INFINITY,
     }

@@ -83,9 +83,9 @@ impl Simulation {
                 if submitted >= most {
                     break;
                 }
-                // The first of these steps may build the lists with which the second one repeats a rejected step.
+                // If a step was rejected, one more comes first. It builds the lists with which the next one repeats the rejected one.
                 let builds_lists = self.status.rejected != 0 && in_flight.is_empty();
-                // A recorder can only tell whole portions of rejected steps from others.
+                // A recorder needs to know whether the times of a portion are those of completed or of rejected steps.
                 let longest = if recorder.is_some() { 1 } else { self.portion() };
                 let steps = longest.min(most - submitted);
                 let portion = self.submit(&mut stretch, steps, builds_lists, recorder.as_deref_mut()).await?;
@@ -171,14 +171,13 @@ impl Simulation {
         let done = u64::from(status.steps.wrapping_sub(before.steps));
         self.book(done, &before);
         // A portion that was submitted with other settings says nothing about the present ones.
-        let mut is_present = portion.settings == self.window.settings;
+        let is_present = |simulation: &Self| portion.settings == simulation.window.settings;
         for _ in 0..status.repeats.wrapping_sub(before.repeats) {
-            if is_present {
+            if is_present(self) {
                 self.judge_escape(f32::from_bits(status.repeat_escape), 0);
-                is_present = portion.settings == self.window.settings;
             }
         }
-        if is_present && done > 0 && status.rejected == 0 {
+        if is_present(self) && done > 0 && status.rejected == 0 {
             self.adapt(done, status.builds.wrapping_sub(before.builds));
         }
         Ok(done)
@@ -236,7 +235,7 @@ mod tests {
     use crate::simulation::lookahead::Lookahead;
     use crate::{Backend, ContactLaw, Cuboid, Material, Options, Pair, Scene, Sphere};
 
-    /// A simulation whose order of memory and steps in one dispatch are as on a large device.
+    /// A simulation with the portions of a browser. Steps of small scenes are joined in one dispatch.
     fn simulation(scene: &Scene, integrator: Integrator, broad_phase: BroadPhase) -> Simulation {
         let options = Options::new().backend(Backend::Gpu).integrator(integrator).broad_phase(broad_phase).join_steps(true);
         let mut simulation = Simulation::with_options(scene.clone(), options).unwrap();

@@ -35,7 +35,9 @@ use crate::model::status::{REBUILD_REQUESTED, REJECTED_ESCAPED};
 use crate::model::step::{Aabb, Step};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
-use crate::physics::travel::{EXACT_MARGIN, MOST_OF_REPEAT, acceleration_margin, position_ahead, trail, travel_bound};
+use crate::physics::travel::{
+    EXACT_MARGIN, MOST_OF_REPEAT, acceleration_margin, margin_for_escape, position_ahead, trail, travel_bound,
+};
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -59,7 +61,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn update_aabbs(world: &mut World, _pass: u32) {
-    if world.status.rebuild & REBUILD_REQUESTED == 0 {
+    if !world.status.builds_lists(REBUILD_REQUESTED) {
         return;
     }
     let objects = world.objects();
@@ -125,7 +127,7 @@ fn repeat_margin(world: &World) -> f32 {
     if status.rejected != REJECTED_ESCAPED || step.list_interval != 1.0 || step.has_exact_lists() {
         return 0.0;
     }
-    0.02 * (1.25 * f32::from_bits(status.escape_ratio) + 1.0).min(MOST_OF_REPEAT)
+    0.02 * margin_for_escape(f32::from_bits(status.escape_ratio)).min(MOST_OF_REPEAT)
 }
 
 fn margin(view: &View, gain: f32, repeat: f32, sphere: u32) -> f32 {

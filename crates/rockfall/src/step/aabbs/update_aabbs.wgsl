@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/travel.wgsl
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/travel.wgsl step/broad_phase/due.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -90,7 +90,7 @@ fn update_aabbs(
     @builtin(local_invocation_index) local: u32,
 ) {
     let id = wide_thread(group, groups, local);
-    if ((status.rebuild & REBUILD_REQUESTED) == 0u) | (id >= objects()) {
+    if !builds_lists(REBUILD_REQUESTED) | (id >= objects()) {
         return;
     }
     let hull = grown(hull_of(id));

@@ -70,7 +70,9 @@ fn scan_pairs(@builtin(local_invocation_index) local: u32) {
         put_head(step.slices_at + slices, carried);
         status.pair_rows_needed = carried;
         // A rebuild that the rejected step before this one had no time to count.
-        status.builds += (status.rebuild & REBUILD_DONE) / REBUILD_DONE;
+        if (status.rebuild & REBUILD_DONE) != 0u {
+            status.builds += 1u;
+        }
         status.rebuild = REBUILD_DONE;
         if carried > step.pair_rows {
             status.rejected |= REJECTED_PAIRS;
