@@ -61,12 +61,24 @@ pub(super) struct Window {
     pub(super) rejections: u32,
     /// Number of this window. A portion with another number was submitted in an earlier window.
     pub(super) settings: u32,
+    /// Number of the window in which the step was submitted that is rejected now.
+    pub(super) rejected_in: u32,
 }
 
 impl Window {
     /// Starts a new window. Portions that are still under way from the previous one do not count.
     pub(super) fn restart(&mut self) {
-        *self = Self { settings: self.settings.wrapping_add(1), ..Self::default() };
+        *self = Self { settings: self.settings.wrapping_add(1), rejected_in: self.rejected_in, ..Self::default() };
+    }
+
+    /// Goes on with the counts under a new number, after a change of the margin, which changes the number of rebuilds little.
+    pub(super) fn renumber(&mut self) {
+        self.settings = self.settings.wrapping_add(1);
+    }
+
+    /// Whether a step that was submitted in the window `settings` says something about the present lookahead, interval and margin.
+    pub(super) fn is_present(&self, settings: u32) -> bool {
+        settings == self.settings
     }
 }
 
@@ -192,7 +204,10 @@ impl Simulation {
         }
         let escape = f32::from_bits(status.escape_ratio);
         if status.rejected == REJECTED_ESCAPED {
-            self.judge_escape(escape, attempts);
+            // Otherwise the cause may be gone already.
+            if attempts > 0 || self.window.is_present(self.window.rejected_in) {
+                self.judge_escape(escape, attempts);
+            }
             return Ok(());
         }
         self.window.restart();
@@ -317,6 +332,26 @@ mod tests {
         simulation.status.collided = 1;
         assert!(simulation.overdue(&COLLISIONS_FIRST).is_empty());
         assert_eq!(simulation.overdue(&[Phase::UpdatePositions]), [Phase::UpdateAabbs, Phase::BroadPhase]);
+    }
+
+    /// The steps that a window of 20 steps counts after a body left its AABB at this interval.
+    #[cfg(not(target_family = "wasm"))]
+    fn counted_after_escape(interval: u32) -> u64 {
+        let options = crate::Options::new().backend(crate::Backend::Cpu);
+        let mut simulation = Simulation::with_options(crate::Scene::new(), options).unwrap();
+        simulation.world.step.list_interval = interval as f32;
+        (simulation.window.steps, simulation.window.settings) = (20, 7);
+        simulation.handle_escape(3.0, 0);
+        assert!(!simulation.window.is_present(7), "portions under way have other settings");
+        simulation.window.steps
+    }
+
+    /// Otherwise a scene in which bodies often leave their AABBs would never try other lists.
+    #[test]
+    #[cfg(not(target_family = "wasm"))]
+    fn a_larger_margin_does_not_restart_the_window() {
+        assert_eq!(counted_after_escape(1), 20);
+        assert_eq!(counted_after_escape(2), 0, "the interval has changed");
     }
 
     #[test]

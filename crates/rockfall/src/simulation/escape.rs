@@ -18,7 +18,6 @@ impl Simulation {
     pub(super) fn judge_escape(&mut self, escape: f32, attempts: u32) {
         let interval = self.world.step.list_interval as u32;
         if escape >= NEAR || !self.interval.forgives(interval) {
-            self.window.restart();
             self.handle_escape(escape, attempts);
             return;
         }
@@ -34,12 +33,16 @@ impl Simulation {
         let step = &mut self.world.step;
         if step.has_exact_lists() {
             // The step is repeated with new lists, which have the pairs of all present positions.
+            self.window.rejections += 1;
             return;
         }
         if self.interval.failed(step.list_interval as u32) {
+            self.window.restart();
             step.lookahead = self.lookahead.give_up().unwrap_or(step.lookahead);
             return;
         }
+        self.window.rejections += 1;
+        self.window.renumber();
         step.margin_scale = margin_after_escape(step.margin_scale, escape, attempts);
     }
 }

@@ -170,17 +170,27 @@ impl Simulation {
         }
         let done = u64::from(status.steps.wrapping_sub(before.steps));
         self.book(done, &before);
-        // A portion that was submitted with other settings says nothing about the present ones.
-        let is_present = |simulation: &Self| portion.settings == simulation.window.settings;
-        for _ in 0..status.repeats.wrapping_sub(before.repeats) {
-            if is_present(self) {
-                self.judge_escape(f32::from_bits(status.repeat_escape), 0);
-            }
-        }
-        if is_present(self) && done > 0 && status.rejected == 0 {
+        self.judge_repeats(portion.settings, &before);
+        if self.window.is_present(portion.settings) && done > 0 && status.rejected == 0 {
             self.adapt(done, status.builds.wrapping_sub(before.builds));
         }
         Ok(done)
+    }
+
+    /// Judges the steps that the device repeated in a portion of the window `submitted_in`. If the portion began with a rejected
+    /// step, the first of them was submitted earlier, maybe with other settings.
+    fn judge_repeats(&mut self, submitted_in: u32, before: &Status) {
+        let repeats = self.status.repeats.wrapping_sub(before.repeats);
+        let mut settings = if before.rejected != 0 { self.window.rejected_in } else { submitted_in };
+        for _ in 0..repeats {
+            if self.window.is_present(settings) {
+                self.judge_escape(f32::from_bits(self.status.repeat_escape), 0);
+            }
+            settings = submitted_in;
+        }
+        if self.status.rejected != 0 {
+            self.window.rejected_in = settings;
+        }
     }
 
     /// Sets how many steps a portion has at most in scenes that are not small, and how many portions are under way at a time.
@@ -229,6 +239,7 @@ fn resumed(status: Status) -> Status {
 mod tests {
     use super::*;
     use crate::generate::Benchmark;
+    use crate::model::status::REJECTED_ESCAPED;
     use crate::settings::{BroadPhase, Integrator};
     use crate::simulation::drive::MIN_MARGIN;
     use crate::simulation::interval::Interval;
@@ -269,6 +280,28 @@ mod tests {
         assert_eq!(small.report.steps, 8 * runs as u64);
         assert!(small.report.contacts > 10, "{:?}", small.report);
         assert!(small.spheres().unwrap() == large.spheres().unwrap(), "{integrator:?}");
+    }
+
+    /// The margin after a portion that began with a step rejected for an escape of 3, in this window, was submitted in window 7 and
+    /// repeated `repeats` steps.
+    fn margin_after_repeats(rejected_in: u32, repeats: u32) -> f32 {
+        let options = Options::new().backend(Backend::Cpu);
+        let mut simulation = Simulation::with_options(Scene::new(), options).unwrap();
+        (simulation.window.settings, simulation.window.rejected_in) = (7, rejected_in);
+        let before = Status { rejected: REJECTED_ESCAPED, ..simulation.status };
+        simulation.status.repeats = before.repeats + repeats;
+        simulation.status.repeat_escape = 3.0_f32.to_bits();
+        simulation.judge_repeats(7, &before);
+        simulation.world.step.margin_scale
+    }
+
+    #[test]
+    fn a_step_is_judged_by_the_settings_that_it_was_submitted_with() {
+        assert_eq!(margin_after_repeats(6, 1), MIN_MARGIN, "the settings have changed since");
+        let raised = margin_after_repeats(7, 1);
+        assert!(raised > MIN_MARGIN);
+        assert_eq!(margin_after_repeats(6, 2), raised, "the second one has the present settings");
+        assert_eq!(margin_after_repeats(7, 2), raised, "the first one has changed them");
     }
 
     #[test]
