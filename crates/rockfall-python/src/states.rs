@@ -52,6 +52,11 @@ impl Field {
         }
     }
 
+    /// Whether a sphere's state has the field.
+    pub(crate) fn is_state(self) -> bool {
+        matches!(self, Self::Position | Self::Velocity | Self::Orientation | Self::AngularMomentum)
+    }
+
     /// Appends the field of a sphere to a table.
     pub(crate) fn append(self, sphere: &Sphere, to: &mut Vec<f32>) {
         match self {

@@ -38,6 +38,11 @@ fn places(numbers: &[i64]) -> impl Iterator<Item = usize> {
     numbers.iter().map(|number| *number as usize)
 }
 
+/// Whether these are all worlds, in order.
+fn are_all(numbers: &[i64], worlds: usize) -> bool {
+    numbers.len() == worlds && places(numbers).eq(0..worlds)
+}
+
 /// The numbers of each world in an array that has `room` of them per world.
 fn rows(values: &[f32], worlds: usize, room: usize) -> PyResult<impl Iterator<Item = &[f32]>> {
     if values.len() != worlds * room {
@@ -166,15 +171,25 @@ impl Worlds {
         let field: Field = field.parse()?;
         let columns = field.columns();
         let (numbers, shape) = self.locked(py, |worlds| {
-            // Reads the states back, which are then in the scenes.
+            let ([spheres, _], count) = (room(worlds)?, worlds.len());
+            let mut numbers = Vec::with_capacity(count * spheres * columns);
+            let shape = [count, spheres, columns];
+            if field.is_state() {
+                worlds.sample(|sample| {
+                    for world in 0..count {
+                        sample.states(world).iter().for_each(|state| field.append_state(state, &mut numbers));
+                        numbers.resize((world + 1) * spheres * columns, 0.0);
+                    }
+                })?;
+                return Ok((numbers, shape));
+            }
+            // Brings the states to the scenes.
             worlds.all_states()?;
-            let [spheres, _] = room(worlds)?;
-            let mut numbers = Vec::with_capacity(worlds.len() * spheres * columns);
-            for world in 0..worlds.len() {
+            for world in 0..count {
                 worlds.scene(world)?.spheres().iter().for_each(|sphere| field.append(sphere, &mut numbers));
                 numbers.resize((world + 1) * spheres * columns, 0.0);
             }
-            Ok((numbers, [worlds.len(), spheres, columns]))
+            Ok((numbers, shape))
         })?;
         PyArray1::from_vec(py, numbers).reshape(shape)
     }
@@ -200,6 +215,13 @@ impl Worlds {
         let [spheres, _] = self.locked(py, |worlds| room(worlds))?;
         let rows = rows(values, numbers.len(), spheres * field.columns())?.collect::<Vec<_>>();
         self.locked(py, |worlds| {
+            if field == Field::Force && are_all(numbers, worlds.len()) {
+                let mut forces = Vec::with_capacity(values.len() / 3);
+                for (world, row) in rows.into_iter().enumerate() {
+                    forces.extend((0..worlds.scene(world)?.spheres().len()).map(|sphere| vector(row, sphere)));
+                }
+                return worlds.set_all_forces(&forces);
+            }
             for (world, row) in places(numbers).zip(rows) {
                 let spheres = worlds.scene(world)?.spheres().len();
                 if field == Field::Force {
@@ -221,11 +243,13 @@ impl Worlds {
         let [_, springs] = self.locked(py, |worlds| room(worlds))?;
         let rows = rows(values, numbers.len(), springs)?.collect::<Vec<_>>();
         self.locked(py, |worlds| {
-            for (world, row) in places(numbers).zip(rows) {
-                let springs = worlds.scene(world)?.springs().len();
-                worlds.set_rest_lengths(world, &row[..springs])?;
+            let counts = (0..worlds.len()).map(|world| worlds.scene(world).map(|scene| scene.springs().len()));
+            let counts = counts.collect::<Result<Vec<_>>>()?;
+            if are_all(numbers, worlds.len()) {
+                let lengths: Vec<f32> = counts.iter().zip(rows).flat_map(|(springs, row)| &row[..*springs]).copied().collect();
+                return worlds.set_all_rest_lengths(&lengths);
             }
-            Ok(())
+            places(numbers).zip(rows).try_for_each(|(world, row)| worlds.set_rest_lengths(world, &row[..counts[world]]))
         })
     }
 

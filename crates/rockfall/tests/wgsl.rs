@@ -110,15 +110,15 @@ fn wgsl_below(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// A module of its own, which copies states to tables and is no part of a step. `tests/exchange.rs` runs it.
-const OWN_MODULE: &str = "exec/gpu/exchange.wgsl";
+/// Modules of their own, which are no part of a step. `tests/exchange.rs` and `tests/worlds.rs` run them.
+const OWN_MODULES: [&str; 2] = ["exec/gpu/exchange.wgsl", "exec/gpu/world_lengths.wgsl"];
 
 #[test]
 fn every_file_belongs_to_a_stage_or_is_shared() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut found = Vec::new();
     wgsl_below(&source, &mut found);
-    found.retain(|path| !path.ends_with(OWN_MODULE));
+    found.retain(|path| !OWN_MODULES.iter().any(|module| path.ends_with(module)));
     let known = files();
     for path in &found {
         let file = path.strip_prefix(&source).expect("below src").to_str().expect("UTF-8").replace('\\', "/");

@@ -266,6 +266,50 @@ fn time_steps_and_sizes_may_change(backend: Backend) {
     assert_eq!(snapshot.springs()[3].muscle, simulation.snapshot().expect("a scene").springs()[3].muscle);
 }
 
+/// Rest lengths that are set again and again, with and without reading states, act as in simulations, also in worlds that are added,
+/// reset or stand still.
+fn rest_lengths_can_be_set_at_any_time(backend: Backend) {
+    let scenes =
+        [creature(8, 1).expect("a creature"), creature(6, 2).expect("a creature"), creature(9, 3).expect("a creature")];
+    let options = Options::new().backend(backend);
+    let mut worlds = worlds(&scenes, &options);
+    let mut simulations: Vec<_> =
+        scenes.iter().map(|scene| Simulation::with_options(scene.clone(), options.clone()).expect("it opens")).collect();
+    let lengths_of =
+        |scene: &Scene, factor: f32| scene.springs().iter().map(|spring| spring.length * factor).collect::<Vec<_>>();
+    for round in 0..5_u8 {
+        let factor = 1.0 + 0.04 * f32::from(round);
+        if round == 3 {
+            worlds.reset(&[1]).expect("a world");
+            simulations[1] = Simulation::with_options(scenes[1].clone(), options.clone()).expect("it opens");
+        }
+        let lengths: Vec<f32> = scenes.iter().flat_map(|scene| lengths_of(scene, factor)).collect();
+        worlds.set_all_rest_lengths(&lengths).expect("lengths");
+        // Once more for a single world, before the device has got the first ones.
+        worlds.set_rest_lengths(2, &lengths_of(&scenes[2], factor + 0.1)).expect("lengths");
+        for (place, (simulation, scene)) in simulations.iter_mut().zip(&scenes).enumerate() {
+            let factor = if place == 2 { factor + 0.1 } else { factor };
+            let ids: Vec<_> = simulation.scene().spring_ids().collect();
+            for (id, length) in ids.into_iter().zip(lengths_of(scene, factor)) {
+                simulation.update_spring(id, |spring| spring.length = length).expect("a spring");
+            }
+            simulation.run(4, DT).expect("steps");
+        }
+        worlds.run(4, DT).expect("steps");
+        // A sample does not bring the states to the host.
+        if round % 2 == 0 {
+            for (world, simulation) in simulations.iter_mut().enumerate() {
+                let sampled = worlds.sample(|sample| sample.states(world)).expect("states");
+                assert_eq!(bits(&sampled), bits(&simulation.spheres().expect("states")), "round {round}, world {world}");
+            }
+        }
+    }
+    for (world, simulation) in simulations.iter_mut().enumerate() {
+        assert_eq!(bits(&worlds.states(world).expect("states")), bits(&simulation.spheres().expect("states")), "world {world}");
+        assert_eq!(worlds.scene(world).expect("a scene").springs()[0].length, simulation.scene().springs()[0].length);
+    }
+}
+
 both_in_turn!(
     time_steps_and_sizes_may_change,
     a_world_advances_as_a_simulation_of_its_own,
@@ -273,6 +317,7 @@ both_in_turn!(
     worlds_can_be_reset_and_replaced,
     all_worlds_can_be_replaced,
     a_world_is_controlled_as_a_simulation,
+    rest_lengths_can_be_set_at_any_time,
 );
 
 /// On the CPU, small scenes have one function for the phase of positions. It computes the same as the stages, also where bodies are

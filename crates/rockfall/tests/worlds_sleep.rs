@@ -2,7 +2,7 @@
 
 use rockfall::generate::creature;
 use rockfall::glam::Vec3;
-use rockfall::{Backend, Integrator, Options, Scene, Simulation, Sleep, Sphere, Tether, Worlds};
+use rockfall::{Backend, Integrator, Options, Scene, Simulation, Sleep, Sphere, Spring, Tether, Worlds};
 
 #[macro_use]
 mod common;
@@ -136,6 +136,43 @@ fn a_world_that_is_not_finite_does_not_sleep(backend: Backend) {
     assert!(worlds.report(1, None).expect("a report").stopped.is_none());
 }
 
+/// Two balls on a spring at its rest length.
+fn balanced() -> Scene {
+    let mut scene = weightless();
+    scene.settings.collisions = false;
+    let [a, b] = [0.0, 1.0].map(|x| scene.add_sphere(Sphere::new([x, 5.0, 0.0], 0.1)).expect("a sphere"));
+    scene.add_spring(Spring::new(a, b, 50.0, 1.0)).expect("a spring");
+    scene
+}
+
+/// New rest lengths alone wake a world up, whether its state was read back in between or not.
+fn new_rest_lengths_wake_a_world_up(backend: Backend) {
+    for (is_read, is_alone) in [(false, false), (true, false), (false, true), (true, true)] {
+        let mut worlds = worlds(&[balanced(), balanced()], backend, true);
+        worlds.run(30, DT).expect("steps");
+        if is_read {
+            let slept = (u64::from(CALM), true);
+            assert_eq!(reports(&mut worlds), [slept, slept]);
+        }
+        if is_alone {
+            worlds.set_rest_lengths(1, &[1.5]).expect("a length");
+        } else {
+            worlds.set_all_rest_lengths(&[1.0, 1.5]).expect("lengths");
+        }
+        let sleeping: Vec<bool> = reports(&mut worlds).iter().map(|report| report.1).collect();
+        assert_eq!(sleeping, [is_alone, false]);
+        worlds.run(5, DT).expect("steps");
+        let steps = u64::from(CALM) + if is_alone { 0 } else { 5 };
+        assert_eq!(reports(&mut worlds), [(steps, is_alone), (u64::from(CALM) + 5, false)], "{is_read} {is_alone}");
+        let options = Options::new().backend(backend).integrator(Integrator::SymplecticEuler);
+        let mut simulation = Simulation::with_options(balanced(), options).expect("it opens");
+        let id = simulation.scene().spring_ids().next().expect("a spring");
+        simulation.update_spring(id, |spring| spring.length = 1.5).expect("a spring");
+        simulation.run(5, DT).expect("steps");
+        assert_eq!(bits(&worlds.states(1).expect("states")), bits(&simulation.spheres().expect("states")));
+    }
+}
+
 /// States, forces and resets wake a world up. What it did before makes no difference.
 fn controls_wake_a_world_up(backend: Backend) {
     let mut worlds = worlds(&[ball(), ball(), ball()], backend, true);
@@ -181,6 +218,7 @@ both_in_turn!(
     sleeping_worlds_advance_by_default,
     a_world_that_is_not_finite_does_not_sleep,
     controls_wake_a_world_up,
+    new_rest_lengths_wake_a_world_up,
     files_keep_what_sleeps,
 );
 

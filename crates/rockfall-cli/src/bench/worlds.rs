@@ -40,6 +40,9 @@ pub(crate) struct Arguments {
     /// Integrator: rk4, symplectic-euler or velocity-verlet
     #[arg(long, default_value_t)]
     integrator: Integrator,
+    /// Read all states and set the rest lengths of all springs after every so many steps, as a program does that controls creatures
+    #[arg(long, value_name = "N", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
+    control_every: Option<u64>,
     /// Handle collisions as impulses, as in other scenes; creatures have contact forces alone
     #[arg(long)]
     collisions: bool,
@@ -89,9 +92,7 @@ impl Arguments {
         for run in 1..=self.runs {
             output::note(&format!("{count} worlds: run {run} of {}", self.runs));
             let start = Instant::now();
-            worlds.run(self.steps, self.dt)?;
-            // Reading a state waits for the device.
-            worlds.states(0)?;
+            self.run(&mut worlds)?;
             seconds.push(start.elapsed().as_secs_f64());
         }
         let reports = (0..worlds.len()).map(|world| worlds.report(world, None)).collect::<Result<Vec<_>, _>>()?;
@@ -117,11 +118,35 @@ impl Arguments {
         Ok((measured, worlds.backend().clone()))
     }
 
+    /// Runs the steps, and waits for the device.
+    fn run(&self, worlds: &mut Worlds) -> Result<(), rockfall::Error> {
+        let Some(every) = self.control_every else {
+            worlds.run(self.steps, self.dt)?;
+            // Reading a state waits for the device.
+            return worlds.states(0).map(drop);
+        };
+        let mut lengths = Vec::new();
+        for world in 0..worlds.len() {
+            lengths.extend(worlds.scene(world)?.springs().iter().map(|spring| spring.length));
+        }
+        let mut left = self.steps;
+        while left > 0 {
+            let portion = left.min(every);
+            worlds.run(portion, self.dt)?;
+            worlds.sample(|sample| (0..sample.len()).map(|world| sample.states(world).len()).sum::<usize>())?;
+            worlds.set_all_rest_lengths(&lengths)?;
+            left -= portion;
+        }
+        Ok(())
+    }
+
     fn title(&self, backend: &BackendInfo) -> String {
         let how = if self.collisions { "collisions and contact forces" } else { "contact forces" };
         let what = if self.contacts == Contacts::Ground { " with the ground alone" } else { "" };
+        let control =
+            self.control_every.map_or(String::new(), |every| format!(", states read and springs set every {every} steps"));
         format!(
-            "rockfall bench worlds, {} spheres and {} springs with muscles each, ground with friction, {how}{what}, {}: {}\n\
+            "rockfall bench worlds, {} spheres and {} springs with muscles each, ground with friction, {how}{what}, {}{control}: {}\n\
              {} steps of {} s, median (minimum to maximum) of {} runs\n",
             self.spheres,
             self.scene(0).map_or(0, |scene| scene.counts().springs),
@@ -169,6 +194,7 @@ impl Arguments {
             "contacts": if self.contacts == Contacts::Ground { "ground" } else { "all" },
             "dt": as_written(self.dt),
             "steps": self.steps,
+            "control_every": self.control_every,
             "runs": self.runs,
             "seed": self.seed,
             "sizes": sizes.iter().map(size).collect::<Vec<_>>(),

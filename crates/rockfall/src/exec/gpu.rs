@@ -22,6 +22,8 @@ mod transfer;
 mod wait;
 mod world;
 #[cfg(not(target_family = "wasm"))]
+mod world_lengths;
+#[cfg(not(target_family = "wasm"))]
 pub(crate) mod worlds;
 
 pub use device::{Gpu, adapters, instance};

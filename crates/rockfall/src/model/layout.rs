@@ -24,6 +24,9 @@ pub const fn words_of_rows(rows: u32) -> u64 {
 pub const ROD_WORDS: u32 = 4;
 /// Words of a spring: sphere A, sphere B, stiffness k, rest length l, damping c.
 pub const SPRING_WORDS: u32 = 5;
+/// Place of the rest length in the record of a spring.
+#[cfg(not(target_family = "wasm"))]
+pub(crate) const LENGTH_WORD: usize = 3;
 /// Words of a muscle: amplitude, phase, change of the phase in half a step. Phases have 64 bits, low word first.
 pub const MUSCLE_WORDS: u32 = 5;
 /// Words of a tether: sphere, the point's x, y, z, stiffness k, rest length l, damping c.

@@ -203,11 +203,17 @@ impl Simulation {
         Ok(())
     }
 
+    /// Whether [`Simulation::set_rest_lengths`] writes the lengths alone.
+    #[cfg(not(target_family = "wasm"))]
+    pub(crate) fn takes_rest_lengths(&self) -> bool {
+        self.dirty == Dirty::Clean && self.edits.is_empty() && self.cpu_view().is_some()
+    }
+
     /// Sets the rest lengths of all springs, in order of addition, which must be valid. Where nothing else waits to be packed and the
     /// arrays are on the host, only the lengths are written: packing all objects again takes several times as long.
     #[cfg(not(target_family = "wasm"))]
     pub(crate) fn set_rest_lengths(&mut self, lengths: &[f32]) -> Result<()> {
-        let is_packed = self.dirty == Dirty::Clean && self.edits.is_empty() && self.cpu_view().is_some();
+        let is_packed = self.takes_rest_lengths();
         let ids: Vec<_> = self.scene.spring_ids().collect();
         for (id, length) in ids.into_iter().zip(lengths) {
             self.scene.springs.get_mut(id)?.length = *length;

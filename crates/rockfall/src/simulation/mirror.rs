@@ -28,6 +28,11 @@ impl Simulation {
         Ok(&self.world)
     }
 
+    /// The arrays as they were packed last.
+    pub(crate) fn packed_world(&self) -> &World {
+        &self.world
+    }
+
     /// The `FLAG_*` bits of the arrays.
     pub(crate) fn packed_flags(&self) -> u32 {
         self.world.step.flags

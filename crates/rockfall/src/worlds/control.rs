@@ -52,11 +52,12 @@ impl Worlds {
     /// [`Error::Invalid`] for a world that does not exist, another number of lengths than springs, or a length that is negative or
     /// not finite. Nothing is changed then.
     pub fn set_rest_lengths(&mut self, world: usize, lengths: &[f32]) -> Result<()> {
-        let simulation = &mut self.current(world)?.simulation;
-        check_count("rest lengths", lengths.len(), simulation.scene().springs().len(), "one length per spring of the world")?;
+        let springs = self.scene(world)?.springs().len();
+        check_count("rest lengths", lengths.len(), springs, "one length per spring of the world")?;
         check_lengths(lengths)?;
-        simulation.set_rest_lengths(lengths)?;
-        self.changed(world);
+        let alone = self.take_lengths_alone(&[world])?;
+        self.worlds[world].simulation.set_rest_lengths(lengths)?;
+        self.lengths_changed(world, alone);
         Ok(())
     }
 
@@ -85,7 +86,11 @@ impl Worlds {
         let counts: Vec<usize> = self.worlds.iter().map(|world| world.simulation.scene().springs().len()).collect();
         check_count("rest lengths", lengths.len(), counts.iter().sum(), "one length per spring of all worlds")?;
         check_lengths(lengths)?;
-        self.set_in_all(&counts, lengths, Simulation::set_rest_lengths)
+        let everyone: Vec<usize> = (0..self.len()).collect();
+        let alone = self.take_lengths_alone(&everyone)?;
+        let done = self.for_all(&counts, lengths, Simulation::set_rest_lengths);
+        everyone.into_iter().for_each(|world| self.lengths_changed(world, alone));
+        done
     }
 
     /// Sets the external forces on all spheres of all worlds: those of world 0, then those of world 1, and so on. See
@@ -109,11 +114,44 @@ impl Worlds {
         set: impl Fn(&mut Simulation, &[T]) -> Result<()> + Sync,
     ) -> Result<()> {
         self.refresh()?;
-        let mut rest = values;
-        let parts: Vec<&[T]> = counts.iter().map(|count| rest.split_off(..*count).unwrap_or_default()).collect();
-        let done = self.worlds.par_iter_mut().zip(parts).try_for_each(|(world, part)| set(&mut world.simulation, part));
+        let done = self.for_all(counts, values, set);
         (0..self.len()).for_each(|world| self.changed(world));
         done
+    }
+
+    /// Calls `set` for the simulation of each world with its part of `values`.
+    fn for_all<T: Sync>(
+        &mut self,
+        counts: &[usize],
+        values: &[T],
+        set: impl Fn(&mut Simulation, &[T]) -> Result<()> + Sync,
+    ) -> Result<()> {
+        let mut rest = values;
+        let parts: Vec<&[T]> = counts.iter().map(|count| rest.split_off(..*count).unwrap_or_default()).collect();
+        self.worlds.par_iter_mut().zip(parts).try_for_each(|(world, part)| set(&mut world.simulation, part))
+    }
+
+    /// Whether rest lengths of these worlds are written without anything else, so that the states on the device need not be read back
+    /// first. Otherwise they are.
+    fn take_lengths_alone(&mut self, worlds: &[usize]) -> Result<bool> {
+        let alone = worlds.iter().all(|world| self.worlds[*world].simulation.takes_rest_lengths());
+        if !alone {
+            self.refresh()?;
+        }
+        Ok(alone)
+    }
+
+    /// Notes that rest lengths of a world were set, and `alone` if nothing else was packed with them.
+    fn lengths_changed(&mut self, world: usize, alone: bool) {
+        if !alone {
+            self.changed(world);
+            return;
+        }
+        self.worlds[world].calm = 0;
+        #[cfg(feature = "gpu")]
+        if let Some(batch) = &mut self.batch {
+            batch.lengths_changed(world);
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::checkpoint::Checkpoint;
 use crate::error::Result;
 use crate::exec::gpu::Gpu;
-use crate::exec::gpu::worlds::{DeviceWorlds, Download, States};
+use crate::exec::gpu::worlds::{DeviceWorlds, Download, Lengths, States};
 use crate::model::layout::FLAG_CONTINUE;
 use crate::model::muscles::BASE_STEPS;
 use crate::model::world_sizes::WorldSizes;
@@ -37,12 +37,14 @@ pub(super) struct Batch {
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     is_uploaded: bool,
+    /// The host has rest lengths that the device lacks.
+    lengths_due: bool,
     /// What the world reported when it was read back or uploaded.
     last: WorldResult,
 }
 
 impl Slot {
-    const CHANGED: Self = Self { is_uploaded: false, last: WorldResult::START };
+    const CHANGED: Self = Self { is_uploaded: false, lengths_due: false, last: WorldResult::START };
 }
 
 /// The simulation that holds a world on the host while a workgroup runs it; `None` for a world that needs a simulation of its own.
@@ -86,6 +88,18 @@ impl Batch {
         self.slots[world].is_uploaded = false;
     }
 
+    /// Notes that the rest lengths of a world, and nothing else, must be written before it runs.
+    pub(super) fn lengths_changed(&mut self, world: usize) {
+        self.slots[world].lengths_due = true;
+    }
+
+    /// Whether the device has the present states of all worlds that run.
+    pub(super) fn has_all(&self, worlds: &[World]) -> bool {
+        let has =
+            |(slot, world): (&Slot, &World)| world.path == WorldPath::Device && (slot.is_uploaded || world.stopped.is_some());
+        self.slots.iter().zip(worlds).all(has)
+    }
+
     /// Advances the worlds on the device. A world that has grown too large for it gets a simulation from `resume`.
     pub(super) fn run(
         &mut self,
@@ -105,6 +119,7 @@ impl Batch {
                 self.slots.fill(Slot::CHANGED);
             }
             self.upload(worlds, dt, &resume)?;
+            self.write_lengths(worlds)?;
             self.device.run(portion, options.integrator, (sleep.skipped_after(), sleep.speed))?;
             self.is_ahead = true;
             self.steps += portion;
@@ -151,9 +166,21 @@ impl Batch {
                         |world| world.calm,
                     )?;
                 }
-                self.slots[first..end].fill(Slot { is_uploaded: true, last: WorldResult::START });
+                self.slots[first..end].fill(Slot { is_uploaded: true, ..Slot::CHANGED });
             }
             first = end;
+        }
+        Ok(())
+    }
+
+    /// Writes the rest lengths that have changed since their worlds were uploaded.
+    fn write_lengths(&mut self, worlds: &[World]) -> Result<()> {
+        let due = |slot: &mut Slot| std::mem::take(&mut slot.lengths_due) && slot.is_uploaded;
+        let due: Vec<usize> = (0..worlds.len()).filter(|world| due(&mut self.slots[*world])).collect();
+        for some in due.chunks(UPLOADED_AT_ONCE) {
+            let mut lengths = Lengths::new(self.device.sizes().springs);
+            some.iter().for_each(|world| lengths.push(*world as u32, worlds[*world].simulation.packed_world()));
+            self.device.write_lengths(&lengths)?;
         }
         Ok(())
     }
@@ -186,7 +213,8 @@ fn take_states(slots: &mut [Slot], worlds: &mut [World], states: &States<'_>) {
         }
         let now = states.result(number);
         let before = std::mem::replace(&mut slot.last, now);
-        world.calm = now.calm;
+        // New rest lengths wake a world up.
+        world.calm = if slot.lengths_due { 0 } else { now.calm };
         let goes_on = world.simulation.packed_flags() & FLAG_CONTINUE != 0;
         let done = Elsewhere {
             steps: now.steps - before.steps,

@@ -7,11 +7,9 @@ use crate::error::{Error, Result};
 use crate::exec::gpu::worlds::{Download, States};
 use crate::report::SphereState;
 use crate::simulation::Simulation;
-#[cfg(feature = "gpu")]
-use crate::worlds::WorldPath;
 use crate::worlds::Worlds;
 
-/// The states of all worlds at one time ([`Worlds::run_sampled`]). Several threads may read it.
+/// The states of all worlds at one time ([`Worlds::sample`], [`Worlds::run_sampled`]). Several threads may read it.
 #[derive(Debug)]
 pub struct Sample<'a> {
     /// The simulations that hold the worlds on the host, and whether the world runs no more.
@@ -19,12 +17,12 @@ pub struct Sample<'a> {
     /// The states on the device, if the host's are older.
     #[cfg(feature = "gpu")]
     device: Option<&'a States<'a>>,
-    /// Steps of this call of [`Worlds::run_sampled`] that were done before this time.
+    /// Steps of this call of [`Worlds::run_sampled`] that were done before this time; 0 in [`Worlds::sample`].
     steps: u64,
 }
 
 impl Sample<'_> {
-    /// Number of steps that were done since [`Worlds::run_sampled`] was called.
+    /// Number of steps that were done since [`Worlds::run_sampled`] was called; 0 in [`Worlds::sample`].
     pub fn steps(&self) -> u64 {
         self.steps
     }
@@ -130,11 +128,21 @@ impl Worlds {
         Ok(done)
     }
 
+    /// Calls `see` with the present states of all worlds. On a GPU this is faster than [`Worlds::all_states`]: the states are not kept
+    /// on the host.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the GPU fails.
+    pub fn sample<T>(&mut self, see: impl FnOnce(&Sample<'_>) -> T) -> Result<T> {
+        let taken = self.take_sample(0)?;
+        self.show_sample(taken, see)
+    }
+
     /// Takes a sample of the present states after `steps` steps.
     fn take_sample(&mut self, steps: u64) -> Result<Taken> {
         #[cfg(feature = "gpu")]
         if let Some(batch) = &mut self.batch
-            && self.worlds.iter().all(|world| world.path == WorldPath::Device)
+            && batch.has_all(&self.worlds)
         {
             return Ok(Taken { steps, download: Some(batch.start_sample()?) });
         }
@@ -146,7 +154,7 @@ impl Worlds {
         })
     }
 
-    fn show_sample(&mut self, taken: Taken, see: &mut impl FnMut(&Sample<'_>) -> ControlFlow<()>) -> Result<ControlFlow<()>> {
+    fn show_sample<T>(&mut self, taken: Taken, see: impl FnOnce(&Sample<'_>) -> T) -> Result<T> {
         let worlds = self.worlds.iter().map(|world| (&world.simulation, world.stopped.is_some())).collect();
         #[cfg(feature = "gpu")]
         if let (Some(batch), Some(download)) = (&mut self.batch, taken.download) {

@@ -11,6 +11,8 @@ use crate::exec::gpu::fault::catch;
 use crate::exec::gpu::memory::{READ_BACK, make_buffer};
 use crate::exec::gpu::wait::{Mapped, block_on};
 use crate::exec::gpu::world::UNIFORM;
+use crate::exec::gpu::world_lengths::LengthWriter;
+pub(crate) use crate::exec::gpu::world_lengths::Lengths;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
 use crate::model::layout::{
@@ -39,6 +41,8 @@ pub(crate) struct DeviceWorlds {
     buffers: [wgpu::Buffer; 5],
     /// The kernel, which tests replace.
     stage: &'static Stage,
+    /// Writes rest lengths; compiled at its first use.
+    lengths: Option<LengthWriter>,
     /// Memory of the host for the buffers that are read back, and that no [`Download`] uses.
     staging: Vec<[wgpu::Buffer; 3]>,
 }
@@ -87,7 +91,7 @@ impl DeviceWorlds {
         }
         let buffers = std::array::from_fn(|place| made[place].clone());
         let batch = WorldBatch::new(sizes, count);
-        Ok(Self { gpu: gpu.clone(), count, batch, buffers, stage: &STAGE, staging: Vec::new() })
+        Ok(Self { gpu: gpu.clone(), count, batch, buffers, stage: &STAGE, lengths: None, staging: Vec::new() })
     }
 
     pub(crate) fn sizes(&self) -> WorldSizes {
@@ -157,6 +161,18 @@ impl DeviceWorlds {
                 self.gpu.queue().write_buffer(buffer, u64::from(first) * bytes, piece);
             }
         })
+    }
+
+    /// Writes rest lengths of worlds that were uploaded, and wakes these up.
+    pub(crate) fn write_lengths(&mut self, lengths: &Lengths) -> Result<()> {
+        let writer = match self.lengths.take() {
+            Some(writer) => writer,
+            None => LengthWriter::new(&self.gpu)?,
+        };
+        let [_, _, topologies, _, results] = &self.buffers;
+        let written = writer.write(&self.gpu, lengths, self.batch.sizes.topology, [topologies, results]);
+        self.lengths = Some(writer);
+        written
     }
 
     /// Advances all worlds. `rest` are the steps without motion after which a world stands still, or 0, and the greatest speed at rest.

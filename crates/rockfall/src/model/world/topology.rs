@@ -4,22 +4,18 @@
 use glam::Vec3;
 
 use crate::error::{Error, Result};
-#[cfg(not(target_family = "wasm"))]
-use crate::model::layout::SPRING_WORDS;
 use crate::model::layout::{
     FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_RESISTANCE, GROUP_MASK, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING,
     KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, max_objects,
 };
+#[cfg(not(target_family = "wasm"))]
+use crate::model::layout::{LENGTH_WORD, SPRING_WORDS};
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::model::world::build::in_order;
 use crate::model::world::frames::{batches, networks};
 use crate::model::world::order::inverse;
 use crate::scene::{Dampings, Pair, Scene, SphereId};
-
-/// Place of the rest length in the record of a spring: after the two ends and the stiffness.
-#[cfg(not(target_family = "wasm"))]
-const LENGTH_WORD: usize = 3;
 
 impl World {
     /// Packs everything but the state of the spheres: the topology buffer, and the counts and offsets of the uniform block.

@@ -1,0 +1,127 @@
+//! Writes rest lengths to many worlds on a device. Writing all that a world begins with takes 25 times as many bytes.
+
+use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
+
+use crate::error::Result;
+use crate::exec::gpu::device::Gpu;
+use crate::exec::gpu::fault::catch;
+use crate::exec::gpu::kernel::layout_entry;
+use crate::exec::gpu::memory::make_buffer;
+use crate::exec::gpu::world::UNIFORM;
+use crate::model::dispatch::rows;
+use crate::model::layout::{LENGTH_WORD, SPRING_WORDS};
+use crate::model::world::World;
+
+/// Threads per workgroup, and words of a row before the lengths, in `world_lengths.wgsl`.
+const THREADS: u32 = 256;
+const HEAD: usize = 3;
+
+/// The uniform block of `world_lengths.wgsl`.
+#[derive(Clone, Copy, Zeroable, Pod)]
+#[repr(C)]
+struct Sizes {
+    rows: u32,
+    width: u32,
+    topology: u32,
+    padding: u32,
+}
+
+/// The rest lengths of some worlds, in rows with room for `springs` of them.
+#[derive(Debug)]
+pub(crate) struct Lengths {
+    springs: usize,
+    words: Vec<u32>,
+}
+
+impl Lengths {
+    pub(crate) fn new(springs: u32) -> Self {
+        Self { springs: springs as usize, words: Vec::new() }
+    }
+
+    /// Appends the lengths that a world has on the host.
+    pub(crate) fn push(&mut self, slot: u32, world: &World) {
+        let (at, count) = (world.step.springs_at, world.step.spring_count());
+        let end = self.words.len() + HEAD + self.springs;
+        // The kernel has the records field by field.
+        self.words.extend([slot, at + LENGTH_WORD as u32 * count, count]);
+        let records = world.topology[at as usize..].chunks_exact(SPRING_WORDS as usize).take(count as usize);
+        self.words.extend(records.map(|spring| spring[LENGTH_WORD]));
+        self.words.resize(end, 0);
+    }
+}
+
+/// The compiled kernel.
+#[derive(Debug)]
+pub(crate) struct LengthWriter {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::ComputePipeline,
+}
+
+impl LengthWriter {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self> {
+        catch(gpu.device(), || Self::build(gpu.device()))
+    }
+
+    fn build(device: &wgpu::Device) -> Self {
+        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+        let kinds = [wgpu::BufferBindingType::Uniform, storage(true), storage(false), storage(false)];
+        let entries: Vec<_> = (0..).zip(kinds).map(|(binding, kind)| layout_entry(binding, kind)).collect();
+        let label = Some("rest lengths of worlds");
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label,
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let module = device.create_shader_module(wgpu::include_wgsl!("world_lengths.wgsl"));
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label,
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: Some("write_lengths"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        Self { layout, pipeline }
+    }
+
+    /// Writes lengths to `topologies`, which has `words` words per world, and wakes the worlds up in `results`. Does not wait.
+    pub(crate) fn write(
+        &self,
+        gpu: &Gpu,
+        lengths: &Lengths,
+        words: u32,
+        [topologies, results]: [&wgpu::Buffer; 2],
+    ) -> Result<()> {
+        let width = HEAD + lengths.springs;
+        let count = (lengths.words.len() / width) as u32;
+        if count == 0 || lengths.springs == 0 {
+            return Ok(());
+        }
+        let (device, queue) = (gpu.device(), gpu.queue());
+        let sizes = Sizes { rows: count, width: width as u32, topology: words, padding: 0 };
+        let uniform = make_buffer(device, "rest lengths", size_of::<Sizes>() as u64, UNIFORM)?;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let table = make_buffer(device, "rest lengths", 4 * lengths.words.len() as u64, usage)?;
+        let across = device.limits().max_compute_workgroups_per_dimension;
+        catch(device, || {
+            queue.write_buffer(&uniform, 0, bytes_of(&sizes));
+            queue.write_buffer(&table, 0, cast_slice(&lengths.words));
+            let entries: Vec<_> = (0..)
+                .zip([&uniform, &table, topologies, results])
+                .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+                .collect();
+            let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &self.layout, entries: &entries };
+            let group = device.create_bind_group(&descriptor);
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                pass.set_pipeline(&self.pipeline);
+                pass.set_bind_group(0, &group, &[]);
+                let [x, y, z] = rows((count * lengths.springs as u32).div_ceil(THREADS), across);
+                pass.dispatch_workgroups(x, y, z);
+            }
+            queue.submit([encoder.finish()]);
+        })
+    }
+}
