@@ -8,6 +8,7 @@ use std::time::Instant;
 use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rayon::prelude::*;
 use rockfall::glam::Vec3;
 use rockfall::{Result, SphereState};
 
@@ -172,17 +173,20 @@ impl Worlds {
         let columns = field.columns();
         let (numbers, shape) = self.locked(py, |worlds| {
             let ([spheres, _], count) = (room(worlds)?, worlds.len());
-            let mut numbers = Vec::with_capacity(count * spheres * columns);
             let shape = [count, spheres, columns];
             if field.is_state() {
-                worlds.sample(|sample| {
-                    for world in 0..count {
-                        sample.states(world).iter().for_each(|state| field.append_state(state, &mut numbers));
-                        numbers.resize((world + 1) * spheres * columns, 0.0);
-                    }
+                let row = |states: Vec<SphereState>| {
+                    let mut row = Vec::with_capacity(spheres * columns);
+                    states.iter().for_each(|state| field.append_state(state, &mut row));
+                    row.resize(spheres * columns, 0.0);
+                    row
+                };
+                let numbers = worlds.sample(|sample| {
+                    (0..count).into_par_iter().flat_map_iter(|world| row(sample.states(world))).collect::<Vec<f32>>()
                 })?;
                 return Ok((numbers, shape));
             }
+            let mut numbers = Vec::with_capacity(count * spheres * columns);
             // Brings the states to the scenes.
             worlds.all_states()?;
             for world in 0..count {

@@ -133,7 +133,7 @@ impl Arguments {
         while left > 0 {
             let portion = left.min(every);
             worlds.run(portion, self.dt)?;
-            worlds.sample(|sample| (0..sample.len()).map(|world| sample.states(world).len()).sum::<usize>())?;
+            worlds.sample(|sample| sample.all_states())?;
             worlds.set_all_rest_lengths(&lengths)?;
             left -= portion;
         }

@@ -178,8 +178,7 @@ impl Batch {
         let due = |slot: &mut Slot| std::mem::take(&mut slot.lengths_due) && slot.is_uploaded;
         let due: Vec<usize> = (0..worlds.len()).filter(|world| due(&mut self.slots[*world])).collect();
         for some in due.chunks(UPLOADED_AT_ONCE) {
-            let mut lengths = Lengths::new(self.device.sizes().springs);
-            some.iter().for_each(|world| lengths.push(*world as u32, worlds[*world].simulation.packed_world()));
+            let lengths = Lengths::of(self.device.sizes().springs, some, |world| worlds[world].simulation.packed_world());
             self.device.write_lengths(&lengths)?;
         }
         Ok(())

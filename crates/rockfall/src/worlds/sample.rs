@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use rayon::prelude::*;
+
 use crate::error::{Error, Result};
 #[cfg(feature = "gpu")]
 use crate::exec::gpu::worlds::{Download, States};
@@ -35,6 +37,11 @@ impl Sample<'_> {
     /// Whether there are no worlds.
     pub fn is_empty(&self) -> bool {
         self.worlds.is_empty()
+    }
+
+    /// The states of all spheres of all worlds: one list per world. Uses the threads of rayon's pool.
+    pub fn all_states(&self) -> Vec<Vec<SphereState>> {
+        (0..self.len()).into_par_iter().map(|world| self.states(world)).collect()
     }
 
     /// The states of all spheres of a world, in order of addition. A world that is stopped keeps its last state.

@@ -1,6 +1,7 @@
-//! Writes rest lengths to many worlds on a device. Writing all that a world begins with takes 25 times as many bytes.
+//! Writes rest lengths to many worlds on a device. All that a world begins with has many times as many bytes.
 
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
+use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::exec::gpu::device::Gpu;
@@ -34,20 +35,21 @@ pub(crate) struct Lengths {
 }
 
 impl Lengths {
-    pub(crate) fn new(springs: u32) -> Self {
-        Self { springs: springs as usize, words: Vec::new() }
+    /// The lengths that these worlds have on the host, given by slot.
+    pub(crate) fn of<'a>(springs: u32, slots: &[usize], world: impl Fn(usize) -> &'a World + Sync) -> Self {
+        let width = HEAD + springs as usize;
+        let mut words = vec![0; width * slots.len()];
+        words.par_chunks_exact_mut(width).zip(slots).for_each(|(row, slot)| put_row(row, *slot as u32, world(*slot)));
+        Self { springs: springs as usize, words }
     }
+}
 
-    /// Appends the lengths that a world has on the host.
-    pub(crate) fn push(&mut self, slot: u32, world: &World) {
-        let (at, count) = (world.step.springs_at, world.step.spring_count());
-        let end = self.words.len() + HEAD + self.springs;
-        // The kernel has the records field by field.
-        self.words.extend([slot, at + LENGTH_WORD as u32 * count, count]);
-        let records = world.topology[at as usize..].chunks_exact(SPRING_WORDS as usize).take(count as usize);
-        self.words.extend(records.map(|spring| spring[LENGTH_WORD]));
-        self.words.resize(end, 0);
-    }
+fn put_row(row: &mut [u32], slot: u32, world: &World) {
+    let (at, count) = (world.step.springs_at, world.step.spring_count());
+    // The kernel has the records field by field.
+    row[..HEAD].copy_from_slice(&[slot, at + LENGTH_WORD as u32 * count, count]);
+    let records = world.topology[at as usize..].chunks_exact(SPRING_WORDS as usize).take(count as usize);
+    row[HEAD..].iter_mut().zip(records).for_each(|(word, spring)| *word = spring[LENGTH_WORD]);
 }
 
 /// The compiled kernel.
