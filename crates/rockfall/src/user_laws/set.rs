@@ -73,7 +73,6 @@ pub(crate) struct KernelLaws {
 #[cfg(feature = "gpu")]
 mod kernels {
     use super::{KernelLaws, Result, UserLaws};
-    use crate::step::stage::Stage;
     use crate::user_laws::forces;
 
     /// The function of contacts that has to be replaced in kernels (`physics/laws/user.wgsl`).
@@ -111,18 +110,18 @@ mod kernels {
             if self.contact.is_empty() { kernel } else { kernel.replace(PLACE, &self.contact) }
         }
 
-        /// The laws that the kernel of a stage evaluates.
-        pub(crate) fn used_by(&self, stage: &Stage) -> Self {
+        /// The laws that a kernel evaluates. `files` gives the texts of its files.
+        pub(crate) fn used_by<'a>(&self, files: impl FnOnce() -> Vec<&'a str>) -> Self {
             let mut used = Self::default();
             if *self == used {
                 // Reading all files takes half a millisecond in a browser.
                 return used;
             }
-            for part in stage.parts() {
-                if forces::takes_laws(part.text) {
+            for file in files() {
+                if forces::takes_laws(file) {
                     used.forces.clone_from(&self.forces);
                 }
-                if part.text.contains(PLACE) {
+                if file.contains(PLACE) {
                     used.contact.clone_from(&self.contact);
                 }
             }

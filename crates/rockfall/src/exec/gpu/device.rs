@@ -256,7 +256,7 @@ impl Gpu {
         laws: &KernelLaws,
     ) -> Result<Arc<Kernel>> {
         let mut kernels = self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        let laws = laws.used_by(stage);
+        let laws = laws.used_by(|| stage.parts().iter().map(|part| part.text).collect());
         let key = (stage.name, variant, chunks, laws);
         if let Some(kernel) = kernels.get(&key) {
             return Ok(Arc::clone(kernel));
