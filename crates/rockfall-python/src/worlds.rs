@@ -253,7 +253,8 @@ impl Worlds {
                 let lengths: Vec<f32> = counts.iter().zip(rows).flat_map(|(springs, row)| &row[..*springs]).copied().collect();
                 return worlds.set_all_rest_lengths(&lengths);
             }
-            places(numbers).zip(rows).try_for_each(|(world, row)| worlds.set_rest_lengths(world, &row[..counts[world]]))
+            let springs = |world: usize| counts.get(world).copied().unwrap_or_default();
+            places(numbers).zip(rows).try_for_each(|(world, row)| worlds.set_rest_lengths(world, &row[..springs(world)]))
         })
     }
 

@@ -53,6 +53,36 @@ fn creatures() -> Vec<Scene> {
     scenes
 }
 
+/// A sample shows the same as `all_states`, also of a world that a report has found to be stopped, before and after more steps.
+fn a_sample_shows_the_present_states(backend: Backend) {
+    let seen = |worlds: &mut Worlds| {
+        let sampled = worlds.sample(|sample| sample.all_states()).expect("a sample");
+        sampled.iter().map(|states| bits(states)).collect::<Vec<_>>()
+    };
+    let [mut worlds, mut others] = [0, 1].map(|_| Worlds::new(creatures(), Options::new().backend(backend)).expect("worlds"));
+    let expected =
+        |others: &mut Worlds| others.all_states().expect("states").iter().map(|states| bits(states)).collect::<Vec<_>>();
+    assert_eq!(seen(&mut worlds), expected(&mut others), "before any step");
+    for steps in [12, 5, 3] {
+        worlds.run(steps, DT).expect("steps");
+        others.run(steps, DT).expect("steps");
+        if steps == 12 {
+            assert!(worlds.report(1, None).expect("a report").stopped.is_some());
+            worlds.run(2, DT).expect("steps");
+            others.run(2, DT).expect("steps");
+        }
+        assert_eq!(seen(&mut worlds), expected(&mut others), "{steps}");
+        // A state that is set is seen before the next step.
+        let states = others.states(2).expect("states");
+        worlds.set_states(0, &others.states(0).expect("states")).expect("states");
+        worlds.set_states(2, &states).expect("states");
+        assert_eq!(seen(&mut worlds), expected(&mut others), "{steps}");
+    }
+    let mut none = Worlds::new([], Options::new().backend(backend)).expect("no worlds");
+    none.run(3, DT).expect("steps");
+    assert!(none.sample(|sample| sample.is_empty()).expect("a sample"));
+}
+
 fn samples_are_those_of_single_calls(backend: Backend) {
     // On a GPU, samples of creatures are on their way while the next steps run. With a chain, whose rods need a simulation of its own,
     // they are not.
@@ -97,6 +127,7 @@ fn a_run_can_be_stopped(backend: Backend) {
 
 both! {
     samples_are_those_of_single_calls,
+    a_sample_shows_the_present_states,
     a_run_can_be_stopped,
 }
 

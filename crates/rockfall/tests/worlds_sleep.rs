@@ -145,6 +145,18 @@ fn balanced() -> Scene {
     scene
 }
 
+/// Without springs there are no lengths to write, and the worlds wake up all the same.
+fn no_rest_lengths_wake_worlds_up(backend: Backend) {
+    let mut scene = balanced();
+    let id = scene.spring_ids().next().expect("a spring");
+    scene.remove_spring(id).expect("a spring");
+    let mut worlds = worlds(&[scene.clone(), scene], backend, true);
+    worlds.run(30, DT).expect("steps");
+    worlds.set_all_rest_lengths(&[]).expect("no lengths");
+    worlds.run(5, DT).expect("steps");
+    assert_eq!(reports(&mut worlds), [(u64::from(CALM) + 5, false); 2]);
+}
+
 /// New rest lengths alone wake a world up, whether its state was read back in between or not.
 fn new_rest_lengths_wake_a_world_up(backend: Backend) {
     for (is_read, is_alone) in [(false, false), (true, false), (false, true), (true, true)] {
@@ -219,6 +231,7 @@ both_in_turn!(
     a_world_that_is_not_finite_does_not_sleep,
     controls_wake_a_world_up,
     new_rest_lengths_wake_a_world_up,
+    no_rest_lengths_wake_worlds_up,
     files_keep_what_sleeps,
 );
 

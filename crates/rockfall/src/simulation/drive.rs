@@ -59,26 +59,22 @@ pub(super) struct Window {
     builds: u32,
     /// Rejected steps in which a body left its AABB and the interval did not change.
     pub(super) rejections: u32,
-    /// Number of this window. A portion with another number was submitted in an earlier window.
+    /// Number of the present settings: lookahead, interval and margin. Only the margin may change within a window.
     pub(super) settings: u32,
-    /// Number of the window in which the step was submitted that is rejected now.
-    pub(super) rejected_in: u32,
+    /// Number of the settings with which the step was submitted that is rejected now.
+    pub(super) rejected_with: u32,
 }
 
 impl Window {
     /// Starts a new window. Portions that are still under way from the previous one do not count.
     pub(super) fn restart(&mut self) {
-        *self = Self { settings: self.settings.wrapping_add(1), rejected_in: self.rejected_in, ..Self::default() };
+        *self = Self { settings: self.settings.wrapping_add(1), rejected_with: self.rejected_with, ..Self::default() };
     }
 
-    /// Goes on with the counts under a new number, after a change of the margin, which changes the number of rebuilds little.
-    pub(super) fn renumber(&mut self) {
+    /// Notes a larger margin. The counts go on, because it changes the number of rebuilds little. Portions that are still under way do
+    /// not count.
+    pub(super) fn change_margin(&mut self) {
         self.settings = self.settings.wrapping_add(1);
-    }
-
-    /// Whether a step that was submitted in the window `settings` says something about the present lookahead, interval and margin.
-    pub(super) fn is_present(&self, settings: u32) -> bool {
-        settings == self.settings
     }
 }
 
@@ -204,8 +200,8 @@ impl Simulation {
         }
         let escape = f32::from_bits(status.escape_ratio);
         if status.rejected == REJECTED_ESCAPED {
-            // Otherwise the cause may be gone already.
-            if attempts > 0 || self.window.is_present(self.window.rejected_in) {
+            // Otherwise the cause may be gone already. The first attempt may have been repeated by the device.
+            if attempts > 1 || self.window.rejected_with == self.window.settings {
                 self.judge_escape(escape, attempts);
             }
             return Ok(());
@@ -342,7 +338,7 @@ mod tests {
         simulation.world.step.list_interval = interval as f32;
         (simulation.window.steps, simulation.window.settings) = (20, 7);
         simulation.handle_escape(3.0, 0);
-        assert!(!simulation.window.is_present(7), "portions under way have other settings");
+        assert_ne!(simulation.window.settings, 7, "portions under way have other settings");
         simulation.window.steps
     }
 

@@ -42,7 +42,7 @@ impl Simulation {
             return;
         }
         self.window.rejections += 1;
-        self.window.renumber();
+        self.window.change_margin();
         step.margin_scale = margin_after_escape(step.margin_scale, escape, attempts);
     }
 }

@@ -48,7 +48,7 @@ struct Portion {
     look: PendingStatus,
     /// Greatest number of steps that it can complete.
     steps: u64,
-    /// Number of the window in which the portion was submitted.
+    /// Number of the settings with which the portion was submitted, as in `Window`.
     settings: u32,
 }
 
@@ -171,25 +171,25 @@ impl Simulation {
         let done = u64::from(status.steps.wrapping_sub(before.steps));
         self.book(done, &before);
         self.judge_repeats(portion.settings, &before);
-        if self.window.is_present(portion.settings) && done > 0 && status.rejected == 0 {
+        if portion.settings == self.window.settings && done > 0 && status.rejected == 0 {
             self.adapt(done, status.builds.wrapping_sub(before.builds));
         }
         Ok(done)
     }
 
-    /// Judges the steps that the device repeated in a portion of the window `submitted_in`. If the portion began with a rejected
+    /// Judges the steps that the device repeated in a portion with the settings `submitted_with`. If the portion began with a rejected
     /// step, the first of them was submitted earlier, maybe with other settings.
-    fn judge_repeats(&mut self, submitted_in: u32, before: &Status) {
+    fn judge_repeats(&mut self, submitted_with: u32, before: &Status) {
         let repeats = self.status.repeats.wrapping_sub(before.repeats);
-        let mut settings = if before.rejected != 0 { self.window.rejected_in } else { submitted_in };
+        let mut settings = if before.rejected != 0 { self.window.rejected_with } else { submitted_with };
         for _ in 0..repeats {
-            if self.window.is_present(settings) {
+            if settings == self.window.settings {
                 self.judge_escape(f32::from_bits(self.status.repeat_escape), 0);
             }
-            settings = submitted_in;
+            settings = submitted_with;
         }
         if self.status.rejected != 0 {
-            self.window.rejected_in = settings;
+            self.window.rejected_with = settings;
         }
     }
 
@@ -282,12 +282,12 @@ mod tests {
         assert!(small.spheres().unwrap() == large.spheres().unwrap(), "{integrator:?}");
     }
 
-    /// The margin after a portion that began with a step rejected for an escape of 3, in this window, was submitted in window 7 and
-    /// repeated `repeats` steps.
-    fn margin_after_repeats(rejected_in: u32, repeats: u32) -> f32 {
+    /// The margin after a portion that was submitted with settings 7, began with a step that was rejected for an escape of 3 and
+    /// submitted with the settings `rejected_with`, and repeated `repeats` steps.
+    fn margin_after_repeats(rejected_with: u32, repeats: u32) -> f32 {
         let options = Options::new().backend(Backend::Cpu);
         let mut simulation = Simulation::with_options(Scene::new(), options).unwrap();
-        (simulation.window.settings, simulation.window.rejected_in) = (7, rejected_in);
+        (simulation.window.settings, simulation.window.rejected_with) = (7, rejected_with);
         let before = Status { rejected: REJECTED_ESCAPED, ..simulation.status };
         simulation.status.repeats = before.repeats + repeats;
         simulation.status.repeat_escape = 3.0_f32.to_bits();

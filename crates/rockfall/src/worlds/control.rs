@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::report::SphereState;
 use crate::scene::finite;
 use crate::simulation::Simulation;
-use crate::worlds::Worlds;
+use crate::worlds::{WorldPath, Worlds};
 
 impl Worlds {
     /// Sets position, velocity, angular momentum and orientation of all spheres of a world, one state per sphere in order of
@@ -50,14 +50,14 @@ impl Worlds {
     ///
     /// # Errors
     /// [`Error::Invalid`] for a world that does not exist, another number of lengths than springs, or a length that is negative or
-    /// not finite. Nothing is changed then.
+    /// not finite. Nothing is changed then. [`Error::Device`] when the GPU fails.
     pub fn set_rest_lengths(&mut self, world: usize, lengths: &[f32]) -> Result<()> {
         let springs = self.scene(world)?.springs().len();
         check_count("rest lengths", lengths.len(), springs, "one length per spring of the world")?;
         check_lengths(lengths)?;
-        let alone = self.take_lengths_alone(&[world])?;
+        let alone = self.are_lengths_alone(&[world])?;
         self.worlds[world].simulation.set_rest_lengths(lengths)?;
-        self.lengths_changed(world, alone);
+        self.lengths_changed(world, alone[0]);
         Ok(())
     }
 
@@ -87,9 +87,9 @@ impl Worlds {
         check_count("rest lengths", lengths.len(), counts.iter().sum(), "one length per spring of all worlds")?;
         check_lengths(lengths)?;
         let everyone: Vec<usize> = (0..self.len()).collect();
-        let alone = self.take_lengths_alone(&everyone)?;
+        let alone = self.are_lengths_alone(&everyone)?;
         let done = self.for_all(&counts, lengths, Simulation::set_rest_lengths);
-        everyone.into_iter().for_each(|world| self.lengths_changed(world, alone));
+        everyone.into_iter().zip(alone).for_each(|(world, alone)| self.lengths_changed(world, alone));
         done
     }
 
@@ -131,11 +131,12 @@ impl Worlds {
         self.worlds.par_iter_mut().zip(parts).try_for_each(|(world, part)| set(&mut world.simulation, part))
     }
 
-    /// Whether rest lengths of these worlds are written without anything else, so that the states on the device need not be read back
-    /// first. Otherwise they are.
-    fn take_lengths_alone(&mut self, worlds: &[usize]) -> Result<bool> {
-        let alone = worlds.iter().all(|world| self.worlds[*world].simulation.takes_rest_lengths());
-        if !alone {
+    /// Whether rest lengths of each of these worlds are written without anything else. If a world on the device needs more, all states
+    /// are read back first.
+    fn are_lengths_alone(&mut self, worlds: &[usize]) -> Result<Vec<bool>> {
+        let alone: Vec<bool> = worlds.iter().map(|world| self.worlds[*world].simulation.takes_rest_lengths()).collect();
+        let needs_more = |(world, alone): (&usize, &bool)| !alone && self.worlds[*world].path == WorldPath::Device;
+        if worlds.iter().zip(&alone).any(needs_more) {
             self.refresh()?;
         }
         Ok(alone)

@@ -93,6 +93,11 @@ impl Batch {
         self.slots[world].lengths_due = true;
     }
 
+    /// Whether the device has advanced worlds since they were read back.
+    pub(super) fn is_ahead(&self) -> bool {
+        self.is_ahead
+    }
+
     /// Whether the device has the present states of all worlds that run.
     pub(super) fn has_all(&self, worlds: &[World]) -> bool {
         let has =
@@ -175,11 +180,12 @@ impl Batch {
 
     /// Writes the rest lengths that have changed since their worlds were uploaded.
     fn write_lengths(&mut self, worlds: &[World]) -> Result<()> {
-        let due = |slot: &mut Slot| std::mem::take(&mut slot.lengths_due) && slot.is_uploaded;
-        let due: Vec<usize> = (0..worlds.len()).filter(|world| due(&mut self.slots[*world])).collect();
+        let due = |slot: &Slot| slot.lengths_due && slot.is_uploaded;
+        let due: Vec<usize> = (0..worlds.len()).filter(|world| due(&self.slots[*world])).collect();
         for some in due.chunks(UPLOADED_AT_ONCE) {
             let lengths = Lengths::of(self.device.sizes().springs, some, |world| worlds[world].simulation.packed_world());
             self.device.write_lengths(&lengths)?;
+            some.iter().for_each(|world| self.slots[*world].lengths_due = false);
         }
         Ok(())
     }

@@ -135,8 +135,9 @@ impl Worlds {
         Ok(done)
     }
 
-    /// Calls `see` with the present states of all worlds. On a GPU this is faster than [`Worlds::all_states`]: the states are not kept
-    /// on the host.
+    /// Calls `see` with the present states of all worlds. After steps on a GPU this is faster than [`Worlds::all_states`], because the
+    /// states are not kept on the host. It is not faster if a world has a simulation of its own
+    /// ([`WorldPath::Simulation`](crate::WorldPath::Simulation)).
     ///
     /// # Errors
     /// [`Error::Device`] when the GPU fails.
@@ -149,8 +150,12 @@ impl Worlds {
     fn take_sample(&mut self, steps: u64) -> Result<Taken> {
         #[cfg(feature = "gpu")]
         if let Some(batch) = &mut self.batch
+            && batch.is_ahead()
             && batch.has_all(&self.worlds)
         {
+            // Their states are those on the host.
+            let mut stopped = self.worlds.iter_mut().filter(|world| world.stopped.is_some());
+            stopped.try_for_each(|world| world.simulation.sync().map(drop))?;
             return Ok(Taken { steps, download: Some(batch.start_sample()?) });
         }
         self.bring_to_host()?;

@@ -1,9 +1,11 @@
 //! Writes rest lengths to many worlds on a device. All that a world begins with has many times as many bytes.
 
+use std::mem::offset_of;
+
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use rayon::prelude::*;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::exec::gpu::device::Gpu;
 use crate::exec::gpu::fault::catch;
 use crate::exec::gpu::kernel::layout_entry;
@@ -12,10 +14,13 @@ use crate::exec::gpu::world::UNIFORM;
 use crate::model::dispatch::rows;
 use crate::model::layout::{LENGTH_WORD, SPRING_WORDS};
 use crate::model::world::World;
+use crate::step::fused::run_worlds::WorldResult;
 
 /// Threads per workgroup, and words of a row before the lengths, in `world_lengths.wgsl`.
 const THREADS: u32 = 256;
 const HEAD: usize = 3;
+/// `RESULT` and `CALM` in `world_lengths.wgsl`, in words.
+const _: () = assert!(size_of::<WorldResult>() == 4 * 8 && offset_of!(WorldResult, calm) == 4 * 7);
 
 /// The uniform block of `world_lengths.wgsl`.
 #[derive(Clone, Copy, Zeroable, Pod)]
@@ -37,10 +42,12 @@ pub(crate) struct Lengths {
 impl Lengths {
     /// The lengths that these worlds have on the host, given by slot.
     pub(crate) fn of<'a>(springs: u32, slots: &[usize], world: impl Fn(usize) -> &'a World + Sync) -> Self {
-        let width = HEAD + springs as usize;
+        // A row without a length, too, has a thread that wakes its world up.
+        let springs = springs.max(1) as usize;
+        let width = HEAD + springs;
         let mut words = vec![0; width * slots.len()];
         words.par_chunks_exact_mut(width).zip(slots).for_each(|(row, slot)| put_row(row, *slot as u32, world(*slot)));
-        Self { springs: springs as usize, words }
+        Self { springs, words }
     }
 }
 
@@ -57,6 +64,8 @@ fn put_row(row: &mut [u32], slot: u32, world: &World) {
 pub(crate) struct LengthWriter {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
+    /// The last write.
+    previous: Option<wgpu::SubmissionIndex>,
 }
 
 impl LengthWriter {
@@ -84,29 +93,31 @@ impl LengthWriter {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
-        Self { layout, pipeline }
+        Self { layout, pipeline, previous: None }
     }
 
-    /// Writes lengths to `topologies`, which has `words` words per world, and wakes the worlds up in `results`. Does not wait.
+    /// Writes lengths to `topologies`, which has `words` words per world, and wakes the worlds up in `results`. Waits for the previous
+    /// write, so that a program that never reads a state is at most two runs ahead of the device.
     pub(crate) fn write(
-        &self,
+        &mut self,
         gpu: &Gpu,
         lengths: &Lengths,
         words: u32,
         [topologies, results]: [&wgpu::Buffer; 2],
     ) -> Result<()> {
+        if let Some(previous) = self.previous.take() {
+            let until = wgpu::PollType::Wait { submission_index: Some(previous), timeout: None };
+            gpu.device().poll(until).map_err(|error| Error::Device(format!("waiting for the device failed: {error}")))?;
+        }
         let width = HEAD + lengths.springs;
         let count = (lengths.words.len() / width) as u32;
-        if count == 0 || lengths.springs == 0 {
-            return Ok(());
-        }
         let (device, queue) = (gpu.device(), gpu.queue());
         let sizes = Sizes { rows: count, width: width as u32, topology: words, padding: 0 };
         let uniform = make_buffer(device, "rest lengths", size_of::<Sizes>() as u64, UNIFORM)?;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let table = make_buffer(device, "rest lengths", 4 * lengths.words.len() as u64, usage)?;
         let across = device.limits().max_compute_workgroups_per_dimension;
-        catch(device, || {
+        let written = catch(device, || {
             queue.write_buffer(&uniform, 0, bytes_of(&sizes));
             queue.write_buffer(&table, 0, cast_slice(&lengths.words));
             let entries: Vec<_> = (0..)
@@ -123,7 +134,9 @@ impl LengthWriter {
                 let [x, y, z] = rows((count * lengths.springs as u32).div_ceil(THREADS), across);
                 pass.dispatch_workgroups(x, y, z);
             }
-            queue.submit([encoder.finish()]);
-        })
+            queue.submit([encoder.finish()])
+        })?;
+        self.previous = Some(written);
+        Ok(())
     }
 }

@@ -165,7 +165,7 @@ impl DeviceWorlds {
 
     /// Writes rest lengths of worlds that were uploaded, and wakes these up.
     pub(crate) fn write_lengths(&mut self, lengths: &Lengths) -> Result<()> {
-        let writer = match self.lengths.take() {
+        let mut writer = match self.lengths.take() {
             Some(writer) => writer,
             None => LengthWriter::new(&self.gpu)?,
         };
