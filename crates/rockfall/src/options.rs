@@ -53,7 +53,7 @@ names!(Backend, "backend", Auto = "auto", Gpu = "gpu", Cpu = "cpu");
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Optimization {
-    /// Whole steps of small scenes in one dispatch of a GPU.
+    /// The phase of positions of small scenes in one function on the CPU.
     JoinedSteps,
     /// Pair lists that are rebuilt in only every 2nd, 4th or 8th step on a GPU.
     ListInterval,
@@ -125,9 +125,6 @@ pub struct Options {
     /// Whether the simulation continues when the state of a body stops being finite. The body is then stopped at its last
     /// position and counted in [`Report::non_finite`](crate::Report::non_finite).
     pub keep_going: bool,
-    /// Whether small scenes without rods run whole steps in one dispatch on a GPU. This does not change results. `None` chooses
-    /// the faster way: one dispatch, except on software adapters.
-    pub join_steps: Option<bool>,
     /// Optimizations that the simulation leaves out. This does not change results.
     pub without: Vec<Optimization>,
     /// Forces that the program defines, in the order in which they act.
@@ -163,12 +160,6 @@ impl Options {
     /// Sets the initial capacity of the pair lists, in 32-bit words of entries.
     pub fn pair_capacity(mut self, words: u32) -> Self {
         self.pair_capacity = Some(words);
-        self
-    }
-
-    /// Sets whether small scenes run whole steps in one dispatch.
-    pub fn join_steps(mut self, join: bool) -> Self {
-        self.join_steps = Some(join);
         self
     }
 

@@ -171,7 +171,7 @@ impl Simulation {
         let mut world = prepare(&scene, &options)?;
         springs::put_springs(&mut world, &scene, springs);
         rates::put_rates(&mut world, rates);
-        let (engine, info) = Engine::on_device(&options, device, queue, &world)?;
+        let (engine, info) = Engine::on_device(device, queue, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info))
     }
 
@@ -180,7 +180,7 @@ impl Simulation {
     pub(crate) fn on_gpu(scene: Scene, options: Options, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
         let scene = resolve(scene, &options)?;
         let world = prepare(&scene, &options)?;
-        let engine = Engine::on(gpu, &options, &world)?;
+        let engine = Engine::on(gpu, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info.clone()))
     }
 
@@ -458,7 +458,7 @@ fn pack(scene: &Scene, options: &Options) -> Result<World> {
         world.leave_out_long_movers();
     }
     world.set_verlet(options.integrator == Integrator::VelocityVerlet);
-    world.joins_steps = options.uses(Optimization::JoinedSteps) && options.join_steps != Some(false);
+    world.joins_steps = options.uses(Optimization::JoinedSteps);
     if !options.uses(Optimization::PlannedDispatches) {
         world.step.planned = 0;
     }

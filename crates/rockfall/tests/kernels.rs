@@ -369,10 +369,7 @@ fn the_constants_equal_those_of_layout() {
         ROW_Y,
         ROW_Z,
         ROW_LEVEL,
-        PHASES_SHIFT,
-        POSITIONS_FIRST,
-        POSITIONS_ALONE,
-        ORDER_MASK,
+        STEPS_SHIFT,
         SYMPLECTIC_EULER,
     ];
     let codes = constants![

@@ -64,12 +64,6 @@ fn step(simulation: &Simulation) -> Step {
 }
 
 #[test]
-fn joined_steps_save_dispatches() {
-    let [with, without] = with_and_without(Optimization::JoinedSteps, lattice, &options().join_steps(true), dispatches);
-    assert!(with < without, "{with} and {without} dispatches");
-}
-
-#[test]
 fn a_list_interval_saves_dispatches() {
     let [with, without] = with_and_without(Optimization::ListInterval, lattice, &options(), dispatches);
     assert!(with < without, "{with} and {without} dispatches");
@@ -151,7 +145,7 @@ fn lists_may_keep_room_for_motion() {
 
 #[test]
 fn sweeps_may_take_a_dispatch_each() {
-    let [with, without] = with_and_without(Optimization::SweepsAtOnce, pile, &options().join_steps(false), dispatches);
+    let [with, without] = with_and_without(Optimization::SweepsAtOnce, pile, &options(), dispatches);
     assert!(with < without, "{with} and {without} dispatches");
 }
 

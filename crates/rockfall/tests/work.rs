@@ -64,7 +64,7 @@ fn a_step_has_few_dispatches() {
 #[cfg(feature = "gpu")]
 fn count_joined_dispatches(benchmark: Benchmark, before: u64, steps: u64) -> u64 {
     let scene = benchmark.generate(500, 5).unwrap();
-    let options = Options::new().backend(Backend::Gpu).broad_phase(BroadPhase::Grid).join_steps(true);
+    let options = Options::new().backend(Backend::Gpu).broad_phase(BroadPhase::Grid);
     let mut simulation = Simulation::with_options(scene, options).unwrap();
     simulation.run(before, DT).unwrap();
     let count = |simulation: &Simulation| simulation.gpu_view().unwrap().dispatches();

@@ -12,7 +12,6 @@ mod device;
 mod exchange;
 mod exchangers;
 mod fault;
-mod fuse;
 mod kernel;
 mod memory;
 mod split;

@@ -12,8 +12,6 @@ pub enum Buffer {
     Y3,
     /// Stage state 4. Velocity Verlet keeps the new positions and the velocities of the middle of the step here.
     Y4,
-    /// `Start`, `Y2`, `Y3` and `Y4` side by side in one buffer, for `run_steps`; only in small scenes without rods.
-    States,
     /// AABBs of all objects.
     Aabbs,
     /// Rods, springs, tethers, external forces, boxes, polygons, tags, pairs of materials, insertion indices, slots, batches,
@@ -52,12 +50,11 @@ pub enum Buffer {
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 17] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
         Self::Y4,
-        Self::States,
         Self::Aabbs,
         Self::Topology,
         Self::Cells,
@@ -80,7 +77,6 @@ impl Buffer {
             Self::Y2 => "stage state 2",
             Self::Y3 => "stage state 3",
             Self::Y4 => "stage state 4",
-            Self::States => "the stage states of a small scene",
             Self::Aabbs => "the AABBs",
             Self::Topology => "topology and static objects",
             Self::Cells => "the grid",

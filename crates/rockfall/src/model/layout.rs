@@ -168,18 +168,10 @@ pub const SWEEP_SIZES: [f32; 4] = [1.250_98, 2.668_52, 1.816_11, 1.0];
 /// Words of a collision in the buffer `collisions`.
 pub const COLLISION_WORDS: u32 = 48;
 
-/// The pass index of `run_steps` is `phases << PHASES_SHIFT | SYMPLECTIC_EULER | order`, without the bit `SYMPLECTIC_EULER` for
-/// RK4. `phases` is the number of phases to run. Collision phases and position phases alternate. `order` 0 starts with
-/// collisions.
-pub const PHASES_SHIFT: u32 = 3;
-/// Order of `run_steps`: positions come first.
-pub const POSITIONS_FIRST: u32 = 1;
-/// Order of `run_steps`: there are no collisions.
-pub const POSITIONS_ALONE: u32 = 2;
-/// Mask of the order in the pass index of `run_steps`.
-pub const ORDER_MASK: u32 = 3;
-/// Bit of the pass index of `run_steps`: symplectic Euler instead of RK4.
-pub const SYMPLECTIC_EULER: u32 = 4;
+/// The pass index of `run_worlds` is `steps << STEPS_SHIFT`, with the bit [`SYMPLECTIC_EULER`] for symplectic Euler.
+pub const STEPS_SHIFT: u32 = 1;
+/// Bit of the pass index of `run_worlds`: symplectic Euler instead of RK4.
+pub const SYMPLECTIC_EULER: u32 = 1;
 
 /// Words of the dispatch sizes of the stages that rebuild the lists: x, y and z for each of
 /// [`Threads::PLANNED`](crate::model::dispatch::Threads::PLANNED).

@@ -284,7 +284,7 @@ impl Step {
 pub struct Pass {
     /// 0 to 3 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0 to 7 for the digits of a sort. For
     /// `sweep_collisions`, the number of sweeps before it. For `project_networks` and `gather_impulses`, the number of sweeps
-    /// done. For `run_steps`, see [`PHASES_SHIFT`](crate::model::layout::PHASES_SHIFT). 0 for symplectic Euler and all other
+    /// done. For `run_worlds`, see [`STEPS_SHIFT`](crate::model::layout::STEPS_SHIFT). 0 for symplectic Euler and all other
     /// stages.
     pub index: u32,
     /// Number of steps without motion after which `run_worlds` leaves a world as it is; 0 for never.

@@ -239,11 +239,8 @@ const SWEEPS: u32 = 8u;
 const SWEEP_SIZES: vec4f = vec4f(1.25098, 2.66852, 1.81611, 1.0);
 const COLLISION_WORDS: u32 = 48u;
 
-const PHASES_SHIFT: u32 = 3u;
-const POSITIONS_FIRST: u32 = 1u;
-const POSITIONS_ALONE: u32 = 2u;
-const ORDER_MASK: u32 = 3u;
-const SYMPLECTIC_EULER: u32 = 4u;
+const STEPS_SHIFT: u32 = 1u;
+const SYMPLECTIC_EULER: u32 = 1u;
 
 const NO_BODY: u32 = 0xffffffffu;
 const BAD_STAGE_SHIFT: u32 = 29u;

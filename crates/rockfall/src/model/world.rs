@@ -105,7 +105,7 @@ impl World {
             Buffer::Y3 => cast_slice(&self.states[2]),
             Buffer::Y4 => cast_slice(&self.states[3]),
             // These exist on the device only.
-            Buffer::States | Buffer::CollisionIndices | Buffer::Collisions => &[],
+            Buffer::CollisionIndices | Buffer::Collisions => &[],
             Buffer::Aabbs => cast_slice(&self.aabbs),
             Buffer::Topology => cast_slice(&self.topology),
             Buffer::Cells => cast_slice(&self.cells),
@@ -127,7 +127,7 @@ impl World {
             Buffer::Y2 => cast_slice_mut(&mut self.states[1]),
             Buffer::Y3 => cast_slice_mut(&mut self.states[2]),
             Buffer::Y4 => cast_slice_mut(&mut self.states[3]),
-            Buffer::States | Buffer::CollisionIndices | Buffer::Collisions => &mut [],
+            Buffer::CollisionIndices | Buffer::Collisions => &mut [],
             Buffer::Aabbs => cast_slice_mut(&mut self.aabbs),
             Buffer::Topology => cast_slice_mut(&mut self.topology),
             Buffer::Cells => cast_slice_mut(&mut self.cells),

@@ -13,16 +13,12 @@ use crate::profile::Recorder;
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
 use crate::simulation::lookahead::{Lists, Lookahead};
-use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::Phase;
 
 /// Number of steps after which lookahead and interval are adapted.
 const BATCH: u64 = 32;
 /// The same in a trial of exact lists.
 const BATCH_OF_EXACT: u64 = 8;
-/// In small scenes, where a change of the interval has a large effect: the least number of list intervals after which lookahead
-/// and interval are adapted.
-const BATCH_OF_SMALL: u64 = 16;
 /// Maximum number of times in a row that a step may be rejected.
 pub(super) const MAX_ATTEMPTS: u32 = 64;
 /// Factor per step by which a raised AABB margin decays. A margin that has decayed too far causes a rejected step.
@@ -280,10 +276,7 @@ impl Simulation {
 
     /// Number of steps of a window.
     fn batch(&self) -> u64 {
-        if !is_small(&self.world.step) {
-            return if self.lookahead.changes_exactness() { BATCH_OF_EXACT } else { BATCH };
-        }
-        BATCH.max(BATCH_OF_SMALL * u64::from(self.list_interval(true)))
+        if self.lookahead.changes_exactness() { BATCH_OF_EXACT } else { BATCH }
     }
 
     /// Makes the pair lists a quarter larger than needed.

@@ -8,7 +8,6 @@ use crate::exec::cpu;
 use crate::model::status::Status;
 use crate::model::world::World;
 #[cfg(feature = "gpu")]
-use crate::options::Optimization;
 use crate::options::{Backend, BackendInfo, Options};
 use crate::profile::Recorder;
 use crate::step::fused::small_positions::{stages_before, update_positions};
@@ -76,7 +75,7 @@ impl Engine {
     #[cfg(feature = "gpu")]
     pub(super) async fn open(options: &Options, world: &World) -> Result<(Self, BackendInfo)> {
         match open_device(options).await? {
-            (Some(gpu), info) => Ok((Self::on(&gpu, options, world)?, info)),
+            (Some(gpu), info) => Ok((Self::on(&gpu, world)?, info)),
             (None, info) => Ok((Self::Cpu, info)),
         }
     }
@@ -92,24 +91,14 @@ impl Engine {
     }
 
     #[cfg(feature = "gpu")]
-    pub(super) fn on_device(
-        options: &Options,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        world: &World,
-    ) -> Result<(Self, BackendInfo)> {
+    pub(super) fn on_device(device: &wgpu::Device, queue: &wgpu::Queue, world: &World) -> Result<(Self, BackendInfo)> {
         let gpu = Gpu::on_device(device.clone(), queue.clone());
-        Ok((Self::on(&gpu, options, world)?, gpu_info(&gpu, "the caller's device")))
+        Ok((Self::on(&gpu, world)?, gpu_info(&gpu, "the caller's device")))
     }
 
     #[cfg(feature = "gpu")]
-    pub(super) fn on(gpu: &Gpu, options: &Options, world: &World) -> Result<Self> {
-        let mut gpu_world = GpuWorld::new(gpu, world)?;
-        let join_steps = if options.uses(Optimization::JoinedSteps) { options.join_steps } else { Some(false) };
-        if let Some(join) = join_steps {
-            gpu_world.join_steps(join);
-        }
-        Ok(Self::Gpu(Box::new(gpu_world)))
+    pub(super) fn on(gpu: &Gpu, world: &World) -> Result<Self> {
+        Ok(Self::Gpu(Box::new(GpuWorld::new(gpu, world)?)))
     }
 
     pub(super) fn waiter(&self) -> Waiter {

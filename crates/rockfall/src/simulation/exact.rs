@@ -15,7 +15,6 @@ use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::Simulation;
 use crate::simulation::drive::{COLLISIONS_FIRST, WITH_EXACT_LISTS};
 use crate::simulation::lookahead::Lookahead;
-use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::Phase;
 
 impl Simulation {
@@ -32,7 +31,6 @@ impl Simulation {
             && step.long_at == 0
             && step.law == LAW_THESIS
             && !step.has_friction_impulses()
-            && !is_small(step)
             && self.options.uses(Optimization::ExactLists)
     }
 

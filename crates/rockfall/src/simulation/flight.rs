@@ -14,7 +14,6 @@ use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::simulation::drive::{COLLISIONS_FIRST, WITH_EXACT_LISTS, WITHOUT_COLLISIONS};
 use crate::simulation::engine::PendingStatus;
-use crate::step::fused::run_steps::is_small;
 use crate::step::schedule::{Phase, Run};
 
 /// Steps per portion in small scenes and on the CPU, where a rejected step costs little.
@@ -203,7 +202,7 @@ impl Simulation {
     /// Number of steps of the next portion.
     fn portion(&self) -> u64 {
         let step = &self.world.step;
-        if !self.engine.dispatches() || is_small(step) {
+        if !self.engine.dispatches() {
             return LARGE_PORTION;
         }
         u64::from(MOVED / (step.spheres + step.rods).max(1)).clamp(1, self.portioning.steps)
@@ -248,7 +247,7 @@ mod tests {
 
     /// A simulation with the portions of a browser. Steps of small scenes are joined in one dispatch.
     fn simulation(scene: &Scene, integrator: Integrator, broad_phase: BroadPhase) -> Simulation {
-        let options = Options::new().backend(Backend::Gpu).integrator(integrator).broad_phase(broad_phase).join_steps(true);
+        let options = Options::new().backend(Backend::Gpu).integrator(integrator).broad_phase(broad_phase);
         let mut simulation = Simulation::with_options(scene.clone(), options).unwrap();
         simulation.set_portions(8, 4);
         simulation

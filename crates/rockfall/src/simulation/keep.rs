@@ -127,7 +127,7 @@ impl Simulation {
         let mut world = prepare(&checkpoint.scene, &options)?;
         put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
         put_rates(&mut world, &checkpoint.rates);
-        let engine = Engine::on(gpu, &options, &world)?;
+        let engine = Engine::on(gpu, &world)?;
         let simulation = Self::assemble(checkpoint.scene, options, world, engine, info.clone());
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
     }

@@ -13,7 +13,7 @@ use crate::step::collisions::{
     weigh_networks,
 };
 use crate::step::forces::{law_forces, rod_forces};
-use crate::step::fused::{run_steps, run_worlds};
+use crate::step::fused::run_worlds;
 use crate::step::integrate::{
     advance, check_drift, commit_and_turn, commit_symplectic_euler, constrain, drift, end_step, finish, finish_and_turn, kick,
     kick_and_turn, restore_lengths, starting_forces, symplectic_euler, turn,
@@ -22,7 +22,7 @@ use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_sph
 use crate::step::stage::Stage;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 55] = [
+pub const ALL: [&Stage; 54] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -71,7 +71,6 @@ pub const ALL: [&Stage; 55] = [
     &constrain::STAGE,
     &turn::STAGE,
     &end_step::STAGE,
-    &run_steps::STAGE,
     &key_spheres::STAGE,
     &count_digits::STAGE,
     &scatter_digits::STAGE,

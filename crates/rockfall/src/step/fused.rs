@@ -1,6 +1,5 @@
-//! Many steps of a small scene in one dispatch.
+//! Small scenes: many steps of many worlds in one dispatch, and steps on one thread of the CPU.
 
-pub(crate) mod run_steps;
 #[cfg_attr(
     any(not(feature = "gpu"), target_family = "wasm"),
     allow(dead_code, reason = "only the native GPU backend runs worlds")

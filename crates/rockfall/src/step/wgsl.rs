@@ -51,7 +51,6 @@ pub const HOOKS: &[(&str, &str)] = &[
 const SHARED: &[Part] = &[
     part!("model/counters.wgsl"),
     part!("model/entries.wgsl"),
-    part!("model/four_states.wgsl"),
     part!("model/lists.wgsl"),
     part!("model/objects.wgsl"),
     part!("model/one_state.wgsl"),

@@ -155,7 +155,7 @@ fn backends_agree_with_joined_steps() {
         let mut scene = weightless();
         let ball = |x: f32| Sphere::new([x, 0.0, 0.0], 0.2).velocity([0.0, 1.0, 0.3 * x]).angular_momentum([0.1, 0.2, 0.3]);
         spheres(&mut scene, [-1.0, 0.0, 1.5].map(ball));
-        let options = Options::new().backend(backend).join_steps(true);
+        let options = Options::new().backend(backend);
         let options = [drag(), trap(), magnet()].into_iter().fold(options, Options::force_law);
         Simulation::with_options(scene, options).expect("the simulation opens")
     };

@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use rockfall::gpu::Gpu;
 use rockfall::model::buffer::Buffer;
 use rockfall::model::dispatch::Threads;
-use rockfall::model::layout::{SWEEPS_OFF, SYMPLECTIC_EULER};
+use rockfall::model::layout::SWEEPS_OFF;
 use rockfall::model::part::Part;
 use rockfall::model::world::World;
 use rockfall::step::schedule::Run;
@@ -19,7 +19,7 @@ use crate::compare::{MEASURED, differences};
 use crate::crossings;
 use crate::decisions::entries;
 use crate::device::{GPU, on_gpu, open};
-use crate::trace::{COLLISIONS, Only, POSITIONS, Plan, Scenario, Trace, trace};
+use crate::trace::{Only, Plan, Scenario, Trace, trace};
 use crate::{assert_scenario_matches, plan, with_law};
 
 /// A mistake in a kernel: the stage and its pass, the WGSL file, the correct text, the wrong text, and the buffer that must
@@ -219,18 +219,6 @@ static MISTAKES: &[Mistake] = &[
     ),
     Mistake("measure_order", 0, "measure_order.wgsl", "32u - count", "31u - count", Buffer::Status),
     Mistake("end_step", 0, "close_step.wgsl", "atomicLoad(&max_overlap)", "atomicLoad(&contacts)", Buffer::Status),
-    Mistake("run_steps", COLLISIONS, "run_steps.wgsl", "(k + order) % 2u", "(k + order + 1u) % 2u", Buffer::Status),
-    Mistake("run_steps", COLLISIONS, "four_states.wgsl", "(0u, region, i)] = row", "(1u, region, i)] = row", Buffer::Start),
-    Mistake("run_steps", POSITIONS, "run_steps.wgsl", "evaluated = evaluation", "evaluated = evaluation / 2u", Buffer::Start),
-    Mistake(
-        "run_steps",
-        POSITIONS | SYMPLECTIC_EULER,
-        "run_steps.wgsl",
-        "next_row(2u, i)",
-        "next_row(1u, i)",
-        Buffer::Orientations,
-    ),
-    Mistake("run_steps", POSITIONS, "four_states.wgsl", "(2u, region", "(1u, region", Buffer::Start),
     Mistake("find_collisions", 0, "contact.wgsl", "2.0 * step.gravity_size * step.dt", "0.0", Buffer::Lists),
     Mistake("find_collisions", 0, "collision.wgsl", "(at - capsule.centre) * cross", "at * cross", Buffer::Lists),
     Mistake("list_collisions", 0, "list_collisions.wgsl", "low = middle + 1u", "high = middle", Buffer::Start),
@@ -467,7 +455,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("end_step", 0, "close_step.wgsl", "status.history_table ^= 1u", "status.history_table = 1u", Buffer::Status),
     Mistake("commit_friction_impulses", 0, "commit_next_state.wgsl", "region < STATE_REGIONS", "region < 1u", Buffer::Start),
     Mistake("advance", 1, "contact.wgsl", "fresh | (approach < -threshold)", "fresh", Buffer::Y3),
-    Mistake("run_steps", COLLISIONS, "changes.wgsl", "impulse * plainly.solved.tau", "plainly.solved.tau", Buffer::Start),
+    Mistake("apply_collisions", 0, "changes.wgsl", "impulse * plainly.solved.tau", "plainly.solved.tau", Buffer::Start),
 ];
 
 /// Whether a part is the given file, which may be the end of a path. `changes.wgsl` does not match `has_changes.wgsl`.

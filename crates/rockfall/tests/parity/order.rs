@@ -20,8 +20,6 @@ pub(crate) fn canonical(world: &World, stage: &str) -> World {
             world.wrenches.fill(glam::Vec4::ZERO);
             (world.status.listed, world.status.clustered) = (0, 0);
         }
-        // The fused kernel uses the stage states as scratch memory.
-        "run_steps" => world.states[1..].iter_mut().for_each(|state| state.fill(glam::Vec4::ZERO)),
         _ => {}
     }
     world

@@ -1,8 +1,8 @@
 //! Traces of random steps: the world before every stage. No decision of the step is near the value at which it changes.
 
 use rockfall::model::layout::{
-    CELL_BLOCK, CELLS_AT, FLAG_STAGES, HISTORY_WORDS, LAW_THESIS, LINK_KEY, PHASES_SHIFT, POSITIONS_FIRST, ROD_WORDS, SLICE,
-    SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON, SYMPLECTIC_EULER,
+    CELL_BLOCK, CELLS_AT, FLAG_STAGES, HISTORY_WORDS, LAW_THESIS, LINK_KEY, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED,
+    SWEEPS_OFF, SWEEPS_ON,
 };
 use rockfall::model::status::REBUILD_REQUESTED;
 use rockfall::model::world::World;
@@ -23,11 +23,6 @@ const MARGIN: f32 = 12.0;
 /// A cluster that still has an ambiguous decision after this number of attempts has it by design, not by chance.
 const MAX_ATTEMPTS: u64 = 200;
 
-/// Pass of `run_steps` that handles the collisions of a step.
-pub(crate) const COLLISIONS: u32 = 1 << PHASES_SHIFT;
-/// Pass of `run_steps` that does the rest of the step.
-pub(crate) const POSITIONS: u32 = 1 << PHASES_SHIFT | POSITIONS_FIRST;
-
 /// A stage, or a group of stages that can only be compared after the last one, with the world before it.
 pub(crate) struct Scenario {
     pub(crate) runs: Vec<Run>,
@@ -46,7 +41,7 @@ impl Scenario {
 
     /// Whether the scenario depends on how collisions are solved.
     pub(crate) fn solves_collisions(&self) -> bool {
-        SOLVING.contains(&self.runs[0].stage.name) || self.is("run_steps")
+        SOLVING.contains(&self.runs[0].stage.name)
     }
 
     pub(crate) fn name(&self) -> String {
@@ -276,7 +271,6 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
             if run.stage.name == "constrain" {
                 reverse_some_rods(&mut world);
             }
-            scenarios.extend(fused_scenario(&world, run, plan));
             if run.applies(&world.step) {
                 decide(&world, run, &mut findings);
             }
@@ -341,30 +335,6 @@ fn scenario_without_forces(world: &World, run: &Run, plan: &Plan) -> Option<Scen
         let mut before = world.clone();
         before.status.forces_due = 0;
         Scenario::one(run, &before)
-    })
-}
-
-/// Scenario of the fused kernel `run_steps`, which does a whole phase of a small scene in one dispatch. Returns `None` unless
-/// `first` is the first run of a phase that the kernel can do.
-fn fused_scenario(world: &World, first: &Run, plan: &Plan) -> Option<Scenario> {
-    let pass = match (first.stage.name, first.pass) {
-        // `run_steps` does not solve collisions that share a body, and does not compute friction impulses.
-        ("find_collisions", 0) if plan.only == Only::Lone && !world.step.has_friction_impulses() => COLLISIONS,
-        ("advance", 0) => POSITIONS,
-        ("symplectic_euler", 0) => POSITIONS | SYMPLECTIC_EULER,
-        _ => return None,
-    };
-    let stage = ALL.into_iter().find(|stage| stage.name == "run_steps").expect("the fused stage of small scenes");
-    let run = Run { stage, pass, when: When::NoRods, every: 1, planned: false };
-    if world.step.law != LAW_THESIS {
-        return None;
-    }
-    run.applies(&world.step).then(|| {
-        // `run_steps` is used only in scenes without large spheres.
-        let mut before = world.clone();
-        before.step.large = 0;
-        before.step.sweeps = SWEEPS_OFF;
-        Scenario::one(&run, &before)
     })
 }
 

@@ -6,7 +6,6 @@ use crate::model::buffer::Buffer;
 use crate::model::layout::COLLISION_WORDS;
 use crate::model::world::World;
 use crate::step::catalog::ALL;
-use crate::step::fused::run_steps::{STAGE as RUN_STEPS, is_small};
 use crate::step::stage::Stage;
 
 /// Smallest size of a buffer, in bytes: WebGPU refuses to bind a buffer that holds no element.
@@ -23,10 +22,9 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Start | Buffer::Y2 | Buffer::Y3 | Buffer::Y4 => {
             vectors(u64::from(step.state_regions()) * u64::from(step.spheres))
         }
-        Buffer::States if is_small(step) => vectors(12 * u64::from(step.spheres)),
         Buffer::Aabbs => 32 * u64::from(world.objects()),
         // The host's arrays of these are complete.
-        Buffer::States | Buffer::Topology | Buffer::DispatchSizes | Buffer::Histories | Buffer::Rates | Buffer::Status => 0,
+        Buffer::Topology | Buffer::DispatchSizes | Buffer::Histories | Buffer::Rates | Buffer::Status => 0,
         Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * world.list_words(),
         Buffer::CollisionIndices => 4 * world.collision_index_words(),
@@ -56,9 +54,7 @@ pub(crate) fn check_sizes(limits: &wgpu::Limits, needed: impl Fn(Buffer) -> u64)
     let most = u64::from(limits.max_storage_buffers_per_shader_stage);
     let excess =
         |stage: &Stage| stage_buffers(stage).map(|buffer| needed(buffer).div_ceil(chunk)).sum::<u64>().saturating_sub(most);
-    // `run_steps` only replaces other stages, and is not used if its arrays do not fit one binding each.
-    let needed_stages = ALL.into_iter().filter(|stage| !stage.is(&RUN_STEPS));
-    let Some(worst) = needed_stages.max_by_key(|stage| excess(stage)) else { return Ok(()) };
+    let Some(worst) = ALL.into_iter().max_by_key(|stage| excess(stage)) else { return Ok(()) };
     let excess = excess(worst);
     let largest = stage_buffers(worst).max_by_key(|buffer| needed(*buffer));
     match largest {

@@ -6,7 +6,6 @@ use bytemuck::bytes_of;
 
 use crate::error::{Error, Result};
 use crate::exec::gpu::fault::catch;
-use crate::exec::gpu::fuse::fused;
 use crate::exec::gpu::memory::{READ_BACK, make_buffer};
 use crate::exec::gpu::split::binding_numbers;
 use crate::exec::gpu::timer::Timer;
@@ -14,10 +13,9 @@ use crate::exec::gpu::wait::Mapped;
 use crate::exec::gpu::world::{GpuWorld, UNIFORM};
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
-use crate::model::layout::{FLAG_VERLET, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
+use crate::model::layout::{SWEEPS_FEW, SWEEPS_ON};
 use crate::model::status::Status;
 use crate::model::step::{Pass, Step};
-use crate::step::fused::run_steps::{STAGE as RUN_STEPS, can_fuse};
 use crate::step::schedule::Run;
 use crate::step::wgsl::Variant;
 
@@ -138,11 +136,7 @@ impl GpuWorld {
         staging: Option<&wgpu::Buffer>,
     ) -> Result<wgpu::SubmissionIndex> {
         self.write_uniforms(step)?;
-        if !self.fuses() {
-            return self.submit(runs, step, steps, staging, None);
-        }
-        let dispatches = fused(runs, self.step(), steps);
-        self.submit(&dispatches, step, 0..1, staging, None)
+        self.submit(runs, step, steps, staging, None)
     }
 
     /// Like [`GpuWorld::prepare`], for the dispatches of runs without timestamps, also of those that run only once several
@@ -157,23 +151,7 @@ impl GpuWorld {
                 prepared?;
             }
         }
-        if !self.fuses() {
-            return self.prepare(runs);
-        }
-        // Two steps, because a step that follows another one may be joined with it in a different way.
-        let dispatches = fused(runs, self.step(), 0..2);
-        self.prepare(&dispatches)
-    }
-
-    /// Whether `run_steps` replaces other stages. It does so in small scenes without rods whose arrays each fit one binding,
-    /// where that is faster. It does not solve collisions that share bodies, it applies no friction impulses, and it
-    /// does not know velocity Verlet.
-    fn fuses(&self) -> bool {
-        let is_whole = |buffer: Buffer| self.chunks(buffer).len() == 1;
-        let step = self.step();
-        let is_plain =
-            step.flags & FLAG_VERLET == 0 && step.sweeps == SWEEPS_OFF && !step.has_friction_impulses() && can_fuse(step);
-        self.joins_steps && is_plain && RUN_STEPS.bindings.iter().all(|binding| is_whole(binding.slot.buffer(0)))
+        self.prepare(runs)
     }
 
     /// Like [`GpuWorld::run`], for steps numbered as in [`Run::is_in`], with every dispatch timed.

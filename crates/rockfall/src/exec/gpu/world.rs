@@ -51,8 +51,6 @@ pub struct GpuWorld {
     pub(super) ready: HashMap<(&'static str, u32), (Arc<Kernel>, wgpu::BindGroup)>,
     /// Those that were submitted so far.
     pub(super) dispatches: u64,
-    /// Whether steps that may be joined into one dispatch are.
-    pub(super) joins_steps: bool,
 }
 
 impl GpuWorld {
@@ -82,8 +80,6 @@ impl GpuWorld {
             laws: world.user_laws.kernel_text()?,
             ready: HashMap::new(),
             dispatches: 0,
-            // There a dispatch costs little, and one workgroup runs on one thread of a CPU.
-            joins_steps: !gpu.is_software(),
         };
         made.upload(world)?;
         Ok(made)
@@ -125,11 +121,6 @@ impl GpuWorld {
         let uniforms = self.uniform.size() + self.passes.values().map(wgpu::Buffer::size).sum::<u64>();
         let storage = Buffer::ALL.map(|buffer| BufferSize::new(buffer.label(), self.array(buffer).size()));
         storage.into_iter().chain([BufferSize::new("the uniform blocks", uniforms)]).collect()
-    }
-
-    /// Sets whether whole steps of small scenes are joined into one dispatch; by default they are on all but software.
-    pub(crate) fn join_steps(&mut self, join: bool) {
-        self.joins_steps = join;
     }
 
     /// Dispatches that were submitted so far: what a small scene's step costs.

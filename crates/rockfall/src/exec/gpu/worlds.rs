@@ -16,7 +16,7 @@ pub(crate) use crate::exec::gpu::world_lengths::Lengths;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
 use crate::model::layout::{
-    BOX_WORDS, KIND_SHIFT, KIND_SPRING, LAW_THESIS, MUSCLE_WORDS, PHASES_SHIFT, POLYGON_WORDS, SPRING_WORDS, SYMPLECTIC_EULER,
+    BOX_WORDS, KIND_SHIFT, KIND_SPRING, LAW_THESIS, MUSCLE_WORDS, POLYGON_WORDS, SPRING_WORDS, STEPS_SHIFT, SYMPLECTIC_EULER,
 };
 use crate::model::step::{Pass, Step};
 use crate::model::world::World;
@@ -203,7 +203,7 @@ impl DeviceWorlds {
         while left > 0 {
             let portion = left.min(MOST_STEPS);
             let block = make_buffer(device, "pass", size_of::<Pass>() as u64, UNIFORM)?;
-            let index = (portion as u32) << PHASES_SHIFT | euler;
+            let index = (portion as u32) << STEPS_SHIFT | euler;
             let pass = Pass { index, rest_steps: rest.0, rest_speed: rest.1, ..Pass::zeroed() };
             catch(device, || {
                 self.gpu.queue().write_buffer(&block, 0, bytes_of(&pass));

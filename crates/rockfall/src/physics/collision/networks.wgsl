@@ -9,7 +9,7 @@
 // `next`: the position row for the impulse or the sum of the rods' pulls, the velocity row for the resulting change of
 // velocity.
 //
-// Loops that are followed by a barrier have the same number of rounds for all threads (see run_steps.wgsl).
+// Loops that are followed by a barrier have the same number of rounds for all threads (see sweep_at_once.wgsl).
 
 // The iteration ends when the squared residual is at most this fraction of the first one, or after the largest number of
 // rounds.

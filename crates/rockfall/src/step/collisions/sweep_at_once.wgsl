@@ -11,7 +11,8 @@ var<workgroup> records: u32;
 var<workgroup> most: atomic<u32>;
 var<workgroup> rounds: u32;
 
-// All threads run the same number of rounds, because a barrier follows (see run_steps.wgsl).
+// All threads run the same number of rounds in a loop before a barrier. One driver was seen to let threads that leave such a loop early
+// run through the barrier while their neighbours were still in the loop.
 @compute @workgroup_size(GROUP_SIZE)
 fn sweep_at_once(@builtin(local_invocation_index) local: u32) {
     if local == 0u {

@@ -269,7 +269,7 @@ fn run_worlds(
     }
     workgroupBarrier();
     // All threads of a workgroup agree on this.
-    let count = select(pass_.index >> PHASES_SHIFT, 0u, atomicLoad(&awake) == 0u);
+    let count = select(pass_.index >> STEPS_SHIFT, 0u, atomicLoad(&awake) == 0u);
     for (var k = 0u; k < count; k++) {
         run_step(k, local, (pass_.index & SYMPLECTIC_EULER) != 0u);
     }

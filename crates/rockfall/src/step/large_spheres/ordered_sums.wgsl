@@ -19,7 +19,7 @@ fn begin_sums(local: u32) {
 
 // Adds the terms of the first `count` threads: `times_one * one` to the first sum and `times_other * other` to the second.
 // Each of the first six threads adds up one component. The other threads run the same loop, because all threads should make
-// the same number of rounds before a barrier (see run_steps.wgsl).
+// the same number of rounds before a barrier (see sweep_at_once.wgsl).
 fn add_in_order(local: u32, count: u32, one: vec3f, times_one: f32, other: vec3f, times_other: f32) {
     terms[local] = one.x;
     terms[WORKGROUP + local] = one.y;
