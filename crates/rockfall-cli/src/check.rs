@@ -47,6 +47,7 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(chosen) = chosen_contact(&scene.resolved_settings()) {
         let _ = writeln!(text, "{chosen}");
     }
+    let _ = writeln!(text, "precision {}", scene.chosen_precision());
     let refused = scene.check_contact_law(integrator).err();
     warnings(&mut text, refused.iter().map(|error| format!("{name}: {error}")));
     let is_of_program = scene.settings.contact_law == ContactLaw::User;

@@ -114,6 +114,8 @@ struct Run {
     simulation: Simulation,
     outputs: Outputs,
     past: Past,
+    /// The precision of contacts, and why it was chosen.
+    precision: String,
 }
 
 pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Interrupt) -> Result<(), Failure> {
@@ -126,7 +128,7 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
     };
     let result = steps(&mut run, interrupt);
     interrupt.finishes();
-    let Run { mut simulation, outputs, past } = run;
+    let Run { mut simulation, outputs, past, precision } = run;
 
     let step = past.step(simulation.report().steps);
     let checkpoint = outputs.checkpoint().map(|path| path.display().to_string());
@@ -140,6 +142,7 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
     let summary = Summary {
         name: &past.scene,
         comments: past.comments,
+        precision: &precision,
         steps: step,
         time: past.time(step),
         dt: past.dt,
@@ -177,10 +180,11 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let mut outputs = Outputs::open(wanted, None)?;
     let mut options = arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going);
     options.pair_capacity = arguments.capacity;
+    let precision = scene.chosen_precision().to_string();
     let mut simulation = Simulation::with_options(scene, options)?;
     past.set_before(&simulation.energy()?);
     outputs.begin(&mut simulation, &past)?;
-    Ok(Run { simulation, outputs, past })
+    Ok(Run { simulation, outputs, past, precision })
 }
 
 impl Arguments {

@@ -15,6 +15,8 @@ pub(crate) struct Summary<'a> {
     pub(crate) name: &'a str,
     /// Number of lines of the scene that are comments.
     pub(crate) comments: usize,
+    /// The precision of contacts, and why it was chosen.
+    pub(crate) precision: &'a str,
     /// Number of whole steps done.
     pub(crate) steps: u64,
     /// Time simulated, in s.
@@ -62,6 +64,7 @@ impl Summary<'_> {
             "device": backend.device,
             "integrator": simulation.integrator().to_string(),
             "broad_phase": simulation.broad_phase_method().to_string(),
+            "precision": self.precision,
             "settings": options::settings_json(simulation.settings()),
             "steps": self.steps,
             "dt": options::as_written(self.dt),
@@ -95,6 +98,7 @@ impl Summary<'_> {
         row("pairs", format!("found by {}", simulation.broad_phase_method()));
         row("integrator", simulation.integrator().to_string());
         row("settings", changed(simulation.settings()));
+        row("precision", self.precision.to_owned());
         row("comments", options::counted(self.comments, "line of the scene", "lines of the scene"));
         row("objects", InWords(simulation.scene().counts()).to_string());
         if let Some(chosen) = check::chosen_contact(simulation.settings()) {
@@ -139,7 +143,9 @@ impl Summary<'_> {
 fn changed(settings: &Settings) -> String {
     let defaults = Settings::default();
     let changed = |name: &str| settings.get(name).filter(|value| defaults.get(name).as_ref() != Some(value));
-    let list: Vec<String> = Settings::NAMES.iter().filter_map(|name| Some(format!("{name} {}", changed(name)?))).collect();
+    // The precision has a line of its own.
+    let names = Settings::NAMES.iter().filter(|name| **name != "precision");
+    let list: Vec<String> = names.filter_map(|name| Some(format!("{name} {}", changed(name)?))).collect();
     if list.is_empty() { "the default values".to_owned() } else { format!("{}; else the default values", list.join(", ")) }
 }
 

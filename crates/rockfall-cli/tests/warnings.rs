@@ -161,20 +161,22 @@ fn check_warns_where_positions_are_coarse() {
 fn check_warns_where_positions_are_coarser_than_overlaps_at_rest() {
     let check = |x: f64, more: &str| {
         let text = format!(
-            "set contact_law hertz-mindlin\nset collisions off\nset gravity 9.81\n{more}@material m density=2500 young=1e9 poisson=0.25\n\
+            "set contact_law hertz-mindlin\nset gravity 9.81\n{more}@material m density=2500 young=1e9 poisson=0.25\n\
              @use m\nB {} -1 -1 2 0 0 0 1 0 0 0 2\nS 1 {x} 0.001 0 0 0 0 0 0 0 - 0.001\n",
             x - 1.0
         );
         Rockfall::with(&text).run("check scene.txt --integrator symplectic-euler --dt 1e-7", 0).0
     };
-    let out = check(10.0, "");
+    let out = check(10.0, "set precision single\n");
     let expected = "positions are too coarse: 10 units from the origin, f32 resolves 0.000000954 units, too much for the overlap of \
                     0.0000000347 units of sphere number 0 at rest on one like it, under its own weight alone (contact law hertz-mindlin)";
     assert!(out.contains(expected) && out.contains(", or set precision double"), "{out}");
     assert!(!check(10.0, "set precision double\n").contains("coarse"));
-    assert!(!check(0.2, "").contains("coarse"));
-    let with_impulses = check(10.0, "set collision_friction 0.1\n");
-    assert!(with_impulses.contains("too coarse") && !with_impulses.contains("or set precision double"), "{with_impulses}");
+    assert!(!check(0.2, "set precision single\n").contains("coarse"));
+    // By default it is chosen.
+    let chosen = "precision double, because f32 resolves 0.000000954 units at 10 units from the origin, and an overlap at rest is";
+    let out = check(10.0, "");
+    assert!(out.contains(chosen) && !out.contains("coarse"), "{out}");
 }
 
 #[test]

@@ -152,8 +152,6 @@ def test_settings_are_attributes_with_units() -> None:
 def test_every_setting_is_set_and_documented() -> None:
     for scene in (rf.Scene(), rf.Simulation(rf.Scene(), backend="cpu", integrator="symplectic-euler")):
         for name, value in scene.settings.items():
-            if name == "precision":
-                scene.settings.collision_friction = 0.0  # Double precision is refused where there are impulses.
             words = {"contact_law": "hertz-mindlin", "precision": "double"}
             values = {tuple: (1.0, 0.0, 0.0), bool: not value, str: words.get(name), float: 0.25}
             new = values[type(value)]

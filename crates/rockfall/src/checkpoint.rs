@@ -28,7 +28,6 @@ use crate::options::Options;
 use crate::output::AtomicFile;
 use crate::report::Report;
 use crate::scene::{AnyId, Scene};
-use crate::settings::Precision;
 
 mod head;
 mod laws;
@@ -222,10 +221,11 @@ fn read_rates(words: &mut Words, spheres: usize) -> Result<Vec<[f32; 6]>, Damage
     Ok(rates)
 }
 
-/// The low parts of positions: the number of spheres that have them, which is 0 with single precision, then 3 numbers each.
+/// The low parts of positions: the number of spheres that have them, which is 0 where all of them are 0, then 3 numbers each.
 fn lows(scene: &Scene) -> Vec<u8> {
     let mut head = words::Head::default();
-    let spheres = if scene.settings.precision == Precision::Double { scene.spheres() } else { &[] };
+    let has_lows = scene.spheres().iter().any(|sphere| sphere.position_low != Vec3::ZERO);
+    let spheres = if has_lows { scene.spheres() } else { &[] };
     head.u64(spheres.len() as u64);
     spheres.iter().flat_map(|sphere| sphere.position_low.to_array()).for_each(|number| head.f32(number));
     head.bytes

@@ -158,9 +158,9 @@ macro_rules! constant_table {
                 /// gravity, sizes and depth of the scene, so that bodies at rest overlap by less than F of the smaller radius.
                 /// 0: they stay as they are.
                 resting_overlap: fraction = 0.0, "", None;
-                /// Precision of positions: `single` or `double`. `double` needs a contact law with history and no collisions.
-                /// Scenes with small bodies far from the origin need it.
-                precision: precision = Precision::Single, "", None;
+                /// Precision of the geometry of contacts: `single`, `double`, or `auto`, which chooses what the scene needs. Small or
+                /// stiff bodies far from the origin need `double`.
+                precision: precision = Precision::Auto, "", None;
             }
         }
     };
@@ -294,27 +294,30 @@ fn law(field: &'static str, value: &str) -> Result<ContactLaw> {
 
 fn precision(field: &'static str, value: &str) -> Result<Precision> {
     let precision = Precision::ALL.into_iter().find(|precision| precision.name() == value.trim());
-    precision.ok_or_else(|| invalid(field, value, "single or double"))
+    precision.ok_or_else(|| invalid(field, value, "auto, single or double"))
 }
 
-/// How precise the positions of spheres are (docs/physics.md section 5.8).
+/// How precise the geometry of contacts is (docs/physics.md section 5.8).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Precision {
-    /// A coordinate is an `f32`.
+    /// What the scene needs: [`Scene::chosen_precision`](crate::Scene::chosen_precision).
     #[default]
+    Auto,
+    /// Contacts see coordinates as `f32`.
     Single,
-    /// A coordinate is the sum of two `f32`, with 48 bits.
+    /// Contacts see coordinates as sums of two `f32`, with 48 bits.
     Double,
 }
 
 impl Precision {
     /// All precisions.
-    pub const ALL: [Self; 2] = [Self::Single, Self::Double];
+    pub const ALL: [Self; 3] = [Self::Auto, Self::Single, Self::Double];
 
     /// Name in scene files.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::Single => "single",
             Self::Double => "double",
         }

@@ -16,7 +16,7 @@ use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
 use crate::scene::{AnyId, Scene, SphereId};
-use crate::settings::{BroadPhase, ContactLaw, DEFAULT_TIME_STEP, Integrator, Settings};
+use crate::settings::{BroadPhase, ContactLaw, DEFAULT_TIME_STEP, Integrator, Precision, Settings};
 use crate::step::schedule::Phase;
 use crate::user_laws::ContactForceLaw;
 use crate::user_laws::set::UserLaws;
@@ -254,13 +254,13 @@ impl Simulation {
     pub fn set_settings(&mut self, settings: Settings) -> Result<()> {
         settings.validate()?;
         let decides = |s: &Settings| (s.resting_overlap, s.gravity, s.gravity_direction, s.contact_force, s.contact_damping);
-        let same = decides(&settings) == decides(&self.scene.settings);
+        let same = decides(&settings) == decides(&self.scene.settings) && settings.precision != Precision::Auto;
         let before = std::mem::replace(&mut self.scene.settings, settings);
         if let Err(error) = self.check_contact_law() {
             self.scene.settings = before;
             return Err(error);
         }
-        if (before.contact_law, before.precision) != (settings.contact_law, settings.precision) {
+        if before.contact_law != settings.contact_law || before.precision != settings.precision {
             self.dirty = Dirty::Everything;
         } else if settings.contact_law.has_history() && !only_gravity_differs(&before, &settings) {
             // The table of pairs has constants that follow from the settings.
@@ -420,7 +420,6 @@ fn resolve(mut scene: Scene, options: &Options) -> Result<Scene> {
 /// Checks that the contact law of a scene has all that it needs.
 fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&ContactForceLaw>) -> Result<()> {
     scene.check_contact_law(integrator)?;
-    scene.check_precision()?;
     if scene.settings.contact_law == ContactLaw::User && law.is_none() {
         return Err(Error::Invalid {
             field: "contact_law",

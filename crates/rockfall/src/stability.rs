@@ -51,7 +51,7 @@ use bounds::{Steps, crowd_steps, few_steps, spring_steps};
 pub use depth::{Remedy, Sinking};
 pub use laws::LawTime;
 pub use muscles::FastMuscle;
-pub use resolution::Coarse;
+pub use resolution::{ChosenPrecision, Coarse, PrecisionReason};
 pub use rods::OddRod;
 pub use softness::SoftMaterial;
 pub use speed::{Thin, Tunnelling};

@@ -63,10 +63,7 @@ fn states(simulation: &mut Simulation) -> Vec<[u32; 9]> {
 
 /// The same bits come of a constant that is changed between two steps and of a simulation that begins there with the other value.
 fn every_constant_takes_effect_while_running(backend: Backend) {
-    // Double precision needs a law with history.
-    let (precision, others) = Settings::NAMES.iter().partition(|name| **name == "precision");
-    take_effect(backend, "thesis", others);
-    take_effect(backend, "linear", precision);
+    take_effect(backend, "thesis", Settings::NAMES.to_vec());
 }
 
 fn take_effect(backend: Backend, law: &str, names: Vec<&str>) {

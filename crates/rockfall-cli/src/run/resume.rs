@@ -68,7 +68,8 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
         past.set_before(&simulation.energy()?);
     }
     outputs.begin(&mut simulation, &past)?;
-    Ok(Run { simulation, outputs, past })
+    let precision = simulation.settings().precision.to_string();
+    Ok(Run { simulation, outputs, past, precision })
 }
 
 /// Applies the options on the command line, which override those of the checkpoint, and reports what changes the motion.

@@ -15,9 +15,14 @@ fn momentum_at(sphere: u32) -> u32 {
     return 2u * step.spheres + sphere;
 }
 
-// With double precision, the fourth region holds the low parts of the positions.
+// The fourth region holds the low parts of the positions.
 fn low_at(sphere: u32) -> u32 {
     return 3u * step.spheres + sphere;
+}
+
+// The low part of the position of a sphere.
+fn low_row(sphere: u32) -> vec3f {
+    return state[low_at(sphere)].xyz;
 }
 
 // Index of the force evaluation within the step.

@@ -16,7 +16,7 @@ use crate::model::view::View;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
     pub(crate) position: Vec3,
-    /// Low part of the position, 0 in single precision.
+    /// Low part of the position.
     pub(crate) low: Vec3,
     pub(crate) velocity: Vec3,
     pub(crate) angular_momentum: Vec3,
@@ -37,10 +37,7 @@ impl Motion {
     }
 
     /// Position and low part after a displacement.
-    pub(crate) fn moved(&self, view: &View, by: Vec3) -> (Vec3, Vec3) {
-        if !view.step.is_double() {
-            return (self.position + by, Vec3::ZERO);
-        }
+    pub(crate) fn moved(&self, by: Vec3) -> (Vec3, Vec3) {
         let Fine { high, low } = Fine { high: self.position, low: self.low }.moved(by);
         (high, low)
     }
@@ -61,7 +58,7 @@ pub(crate) struct Rows<'a> {
     positions: &'a mut [Vec4],
     velocities: &'a mut [Vec4],
     spins: &'a mut [Vec4],
-    /// Empty in single precision.
+    /// Empty in a state without low parts.
     lows: &'a mut [Vec4],
 }
 

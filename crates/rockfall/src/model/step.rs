@@ -240,15 +240,16 @@ impl Step {
         if self.flags & FLAG_VERLET == 0 { 0 } else { 3 }
     }
 
-    /// Whether positions have a low part (docs/physics.md section 5.8).
+    /// Whether geometry uses the low parts of positions (docs/physics.md section 5.8).
     pub const fn is_double(&self) -> bool {
         self.flags & FLAG_DOUBLE != 0
     }
 
     /// Number of regions of a state: position and radius, velocity and inverse mass, angular momentum and inverse inertia, and the
-    /// low part of the position where there is one. A region is one vec4 per sphere.
-    pub const fn state_regions(&self) -> u32 {
-        if self.is_double() { 4 } else { 3 }
+    /// low part of the position. A region is one vec4 per sphere. `Y4` has low parts only where they are read: with velocity Verlet
+    /// and with double precision.
+    pub const fn state_regions(&self, state: usize) -> u32 {
+        if state == 3 && !self.is_double() && self.flags & FLAG_VERLET == 0 { 3 } else { 4 }
     }
 
     /// Number of springs.

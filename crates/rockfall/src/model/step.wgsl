@@ -117,7 +117,7 @@ struct StatusAtomic {
 
 // Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), springs with muscles
 // (MUSCLES), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
-// cohesion (COHESION). Whether the integrator is velocity Verlet (VERLET). Whether positions have a low part (DOUBLE).
+// cohesion (COHESION). Whether the integrator is velocity Verlet (VERLET). Whether geometry uses the low parts of positions (DOUBLE).
 // Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
 const LARGE: bool = true;
@@ -130,7 +130,7 @@ const ESCAPES: bool = true;
 const VERLET: bool = true;
 const DOUBLE: bool = true;
 // Regions of a state. Each is a vec4f per sphere.
-const STATE_REGIONS: u32 = 3u + u32(DOUBLE);
+const STATE_REGIONS: u32 = 4u;
 // Whether contacts that begin and end within a step are handled.
 const CONTINUOUS: bool = true;
 // The contact law. Kernels are compiled for one law.

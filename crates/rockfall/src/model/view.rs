@@ -79,7 +79,7 @@ pub(crate) struct View<'a> {
     insertion_indices: &'a [u32],
     /// Position and radius, velocity and inverse mass, angular momentum and inverse inertia of every sphere.
     rows: [&'a [Vec4]; 3],
-    /// Low parts of the positions; empty in single precision.
+    /// Low parts of the positions; empty in a state without them.
     lows: &'a [Vec4],
     /// Half steps since the base of the muscles' clock.
     half_steps: u32,
@@ -180,7 +180,7 @@ impl<'a> View<'a> {
         self.row(0, sphere).truncate()
     }
 
-    /// The low part of a position, 0 in single precision.
+    /// The low part of a position, 0 in a state without them.
     pub(crate) fn position_low(&self, sphere: u32) -> Vec3 {
         self.lows.get(sphere as usize).map_or(Vec3::ZERO, |low| low.truncate())
     }

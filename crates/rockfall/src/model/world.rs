@@ -148,6 +148,11 @@ impl World {
         (4 * self.step.rods + loads) as usize
     }
 
+    /// Number of vectors in a state.
+    pub(crate) fn rows_of_state(&self, state: usize) -> usize {
+        (self.step.state_regions(state) * self.step.spheres) as usize
+    }
+
     /// Sets whether the integrator is velocity Verlet, which keeps the rates of the last force evaluation.
     pub fn set_verlet(&mut self, is_verlet: bool) {
         self.step.flags &= !FLAG_VERLET;
@@ -155,6 +160,9 @@ impl World {
         if is_verlet {
             self.step.flags |= FLAG_VERLET;
             self.rates = vec![0.0; (self.step.spheres * RATE_WORDS) as usize];
+        }
+        if !self.states[3].is_empty() {
+            self.states[3].resize(self.rows_of_state(3), Vec4::ZERO);
         }
         self.status.forces_due = 1;
     }

@@ -52,6 +52,7 @@ impl WorldSizes {
             && step.materials == 0
             && step.flags & FLAG_VERLET == 0
             && step.law == LAW_THESIS
+            && !step.is_double()
             && step.insertion_indices_at == 0;
         (fits && step.spheres > 0 && is_plain && !has_impulses).then_some(room)
     }

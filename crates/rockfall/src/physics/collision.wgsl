@@ -46,20 +46,31 @@ fn contact_side(id: u32, at: f32) -> ContactSide {
     return ContactSide(STATIC, id, vec2u(0u), 0.0);
 }
 
-// The velocity of a fixed end of a rod counts as 0, because the motion of its surface does not move the rod.
+// The motion of a side, with positions as seen from its first sphere.
 fn side_motion(half: ContactSide) -> SideMotion {
+    return side_motion_from(half, half.spheres.x);
+}
+
+// The sphere from which the positions of a pair are seen: the first one of A.
+fn origin_of(a: ContactSide) -> u32 {
+    return a.spheres.x;
+}
+
+// The motion of a side, with positions as seen from a sphere (`place_from`). The velocity of a fixed end of a rod counts as 0, because
+// the motion of its surface does not move the rod.
+fn side_motion_from(half: ContactSide, origin: u32) -> SideMotion {
     var poise = SideMotion(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
     if half.kind == STATIC {
         return poise;
     }
     let v1 = state[velocity_at(half.spheres.x)];
-    poise.x1 = state[position_at(half.spheres.x)].xyz;
+    poise.x1 = place_from(origin, half.spheres.x);
     poise.v1 = v1.xyz;
     if !RODS | (half.kind == SPHERE) {
         return poise;
     }
     let v2 = state[velocity_at(half.spheres.y)];
-    poise.x2 = state[position_at(half.spheres.y)].xyz;
+    poise.x2 = place_from(origin, half.spheres.y);
     poise.v1 = select(vec3f(0.0), v1.xyz, v1.w > 0.0);
     poise.v2 = select(vec3f(0.0), v2.xyz, v2.w > 0.0);
     return poise;

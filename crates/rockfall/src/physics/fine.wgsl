@@ -70,6 +70,14 @@ fn fine_between(a: u32, b: u32) -> Fine {
     return fine_moved(sum_of(to.high, -from_.high), to.low - from_.low);
 }
 
+// The vector from the centre of sphere a to that of sphere b.
+fn between(a: u32, b: u32) -> vec3f {
+    if DOUBLE {
+        return fine_between(a, b).high;
+    }
+    return state[position_at(b)].xyz - state[position_at(a)].xyz;
+}
+
 // What is left of the length of a vector beyond the digits of `length`, from the difference of the squares.
 fn length_beyond(v: Fine, length: f32) -> f32 {
     let squares = product_of(v.high, v.high);

@@ -33,7 +33,7 @@ fn time_of_first_contact(view: &View, a: u32, b: u32) -> Option<f32> {
             let radii = [view.radius(a), view.radius(b)];
             let path = view.own_velocity(b) - view.own_velocity(a);
             let balls = view.is_ball(a) && view.is_ball(b);
-            balls.then(|| sphere_sphere(view.position(b) - view.position(a), path, radii, dt)).flatten()
+            balls.then(|| sphere_sphere(view.between(a, b), path, radii, dt)).flatten()
         }
         (Object::Sphere(a), Object::Cuboid(cuboid)) if view.is_ball(a) => {
             sphere_box(&view.cuboid(cuboid), view.position(a), view.own_velocity(a), view.radius(a), dt)

@@ -135,8 +135,8 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
     let pair = ordered(row, entry_id(entry));
     var a = contact_side(pair.x, 0.0);
     var b = contact_side(pair.y, 0.0);
-    let a_poise = side_motion(a);
-    let b_poise = side_motion(b);
+    let a_poise = side_motion_from(a, origin_of(a));
+    let b_poise = side_motion_from(b, origin_of(a));
     let by_vertex = meets_by_vertex(a, b, a_poise, entry_feature(entry));
     let found = signed_touch(a, b, a_poise, b_poise, entry_feature(entry), by_vertex);
     var friction = FrictionImpulse(vec3f(0.0), found.n, vec2f(0.0), vec2f(found.a, found.b), pair.x);

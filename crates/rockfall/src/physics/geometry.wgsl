@@ -55,7 +55,7 @@ struct Axis {
     radius: f32,
 }
 
-// A rod: the ids of its end spheres, and its axis.
+// A rod: the ids of its end spheres, and its axis as seen from a sphere (see `place_from`): end 1 unless another one is named.
 struct Bar {
     ends: vec2u,
     axis: Axis,
@@ -63,8 +63,37 @@ struct Bar {
 
 fn bar_of(rod: u32) -> Bar {
     let ends = rod_ends(rod);
-    let start = state[position_at(ends.x)].xyz;
-    return Bar(ends, Axis(start, state[position_at(ends.y)].xyz - start, rod_radius(rod)));
+    return bar_from(rod, ends.x);
+}
+
+// A rod as seen from a sphere.
+fn bar_from(rod: u32, origin: u32) -> Bar {
+    let ends = rod_ends(rod);
+    return Bar(ends, Axis(place_from(origin, ends.x), between(ends.x, ends.y), rod_radius(rod)));
+}
+
+// With double precision, places are seen from a sphere of the pair of objects, because differences of positions keep their digits.
+// Otherwise the origin is that of the scene. Two functions that compare the same objects must choose the same sphere.
+
+fn place_from(origin: u32, sphere: u32) -> vec3f {
+    if DOUBLE {
+        return fine_between(origin, sphere).high;
+    }
+    return state[position_at(sphere)].xyz;
+}
+
+fn box_from(origin: u32, box: Cuboid) -> Cuboid {
+    if DOUBLE {
+        return Cuboid(-fine_from(box.corner, origin).high, box.i, box.j, box.k);
+    }
+    return box;
+}
+
+fn polygon_from(origin: u32, face: Polygon) -> Polygon {
+    if DOUBLE {
+        return Polygon(-fine_from(face.corner, origin).high, face.left, face.right);
+    }
+    return face;
 }
 
 struct Closest {
@@ -416,26 +445,29 @@ fn inverse_mass_at(id: u32, at: f32) -> f32 {
 fn touch_bar(id: u32, own: Bar, other: u32, feature: u32) -> Touch {
     let boxes = step.spheres + step.rods;
     if other < step.spheres {
-        return touch_sphere_rod(other, state[position_at(other)], own);
+        return touch_sphere_rod(other, ball_from(own.ends.x, other), own);
     }
     if other >= boxes {
-        return touch_rod_box(own.axis, cuboid(other - boxes), feature);
+        return touch_rod_box(own.axis, box_from(own.ends.x, cuboid(other - boxes)), feature);
     }
-    let bar = bar_of(other - step.spheres);
-    var a = own;
-    var b = bar;
     if other < id {
-        a = bar;
-        b = own;
+        let a = bar_of(other - step.spheres);
+        return touch_rods(a, bar_from(id - step.spheres, a.ends.x));
     }
-    return touch_rods(a, b);
+    return touch_rods(own, bar_from(other - step.spheres, own.ends.x));
+}
+
+// Position and radius of a sphere as seen from another one.
+fn ball_from(origin: u32, sphere: u32) -> vec4f {
+    return vec4f(place_from(origin, sphere), state[position_at(sphere)].w);
 }
 
 // Contact of a sphere with an object that is not a sphere. `i` is the id of the sphere, `own` its position and radius.
 fn touch_static_or_rod(i: u32, id: u32, own: vec4f) -> Touch {
     if id < step.spheres + step.rods {
         if RODS {
-            return touch_sphere_rod(i, own, bar_of(id - step.spheres));
+            let bar = bar_of(id - step.spheres);
+            return touch_sphere_rod(i, vec4f(place_from(bar.ends.x, i), own.w), bar);
         }
         return no_touch();
     }

@@ -2,6 +2,7 @@
 
 use glam::{Vec3, Vec4};
 
+use crate::fine::Fine;
 use crate::model::layout::ROD_WORDS;
 use crate::model::step::Step;
 use crate::model::view::{RodRecord, TINY};
@@ -96,6 +97,20 @@ fn add(row: &mut Vec4, change: Vec3) {
     }
 }
 
+/// Moves a sphere and keeps the low part of its position, unless the result is not finite.
+fn displace(state: &mut [Vec4], spheres: usize, sphere: usize, by: Vec3) {
+    let Fine { high, low } = place(state, spheres, sphere).moved(by);
+    if high.is_finite() {
+        state[sphere] = high.extend(state[sphere].w);
+        state[3 * spheres + sphere] = low.extend(0.0);
+    }
+}
+
+/// The position of a sphere, with its low part.
+fn place(state: &[Vec4], spheres: usize, sphere: usize) -> Fine {
+    Fine { high: state[sphere].truncate(), low: state[3 * spheres + sphere].truncate() }
+}
+
 /// One batch of rods, which are corrected colour by colour. Rods of one colour share no moving sphere.
 pub(crate) struct Batch<'a> {
     topology: &'a [u32],
@@ -141,7 +156,11 @@ impl<'a> Batch<'a> {
         let (v1, v2) = (own_velocity(state[n + one]), own_velocity(state[n + two]));
         let size = |one: Vec3, two: Vec3| one.abs().max_element() + two.abs().max_element();
         let ends = Ends {
-            d: (state[two] - state[one]).truncate(),
+            d: if step.is_double() {
+                place(state, n, two).minus(place(state, n, one))
+            } else {
+                (state[two] - state[one]).truncate()
+            },
             velocity: v2 - v1,
             inverse_mass: w1 + w2,
             length: rod.length,
@@ -149,8 +168,8 @@ impl<'a> Batch<'a> {
             velocity_size: size(v1, v2),
         };
         let Correction { position, velocity, error } = correct(&ends, rod.ends);
-        add(&mut state[one], w1 * position);
-        add(&mut state[two], -w2 * position);
+        displace(state, n, one, w1 * position);
+        displace(state, n, two, -w2 * position);
         add(&mut state[n + one], w1 * velocity);
         add(&mut state[n + two], -w2 * velocity);
         error

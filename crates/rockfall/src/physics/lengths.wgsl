@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/fine.wgsl
 
 // Corrections of batches of fixed-length rods (docs/physics.md section 5.4). A workgroup sweeps one batch, colour by colour.
 // The rods of one colour share no moving sphere, so no two threads write to the same sphere.
@@ -65,7 +65,7 @@ fn restore_length(rod: u32) -> f32 {
     let target_length = rod_length(rod);
     let one = state[position_at(ends.x)].xyz;
     let two = state[position_at(ends.y)].xyz;
-    let d = two - one;
+    let d = between(ends.x, ends.y);
     let squared = dot(d, d);
     var n = vec3f(0.0, 1.0, 0.0);
     var distance = 0.0;
@@ -82,10 +82,11 @@ fn restore_length(rod: u32) -> f32 {
 // Displaces an end of a rod, unless the result is not finite. A fixed sphere is not written at all, because rods of one colour
 // may share it.
 fn move_end(sphere: u32, weight: f32, displacement: vec3f) {
-    let before = state[position_at(sphere)];
-    let after = before.xyz + weight * displacement;
-    if (weight != 0.0) & finite(after) {
-        state[position_at(sphere)] = vec4f(after, before.w);
+    let before = fine_position(sphere);
+    let after = fine_moved(before, weight * displacement);
+    if (weight != 0.0) & finite(after.high) {
+        state[position_at(sphere)] = vec4f(after.high, state[position_at(sphere)].w);
+        state[low_at(sphere)] = vec4f(after.low, 0.0);
     }
 }
 

@@ -25,6 +25,19 @@ pub(crate) trait Motions {
         None
     }
 
+    /// The vector from the centre of one sphere to that of another.
+    fn between(&self, from: u32, to: u32) -> Vec3 {
+        match (self.fine_position(from), self.fine_position(to)) {
+            (Some(from), Some(to)) => to.minus(from),
+            _ => self.position(to) - self.position(from),
+        }
+    }
+
+    /// The position of a sphere as seen from an origin. With double precision the difference keeps its digits.
+    fn seen_from(&self, origin: Fine, sphere: u32) -> Vec3 {
+        self.fine_position(sphere).map_or_else(|| self.position(sphere), |place| place.minus(origin))
+    }
+
     /// The contact of two spheres with these radii.
     fn spheres(&self, [a, b]: [u32; 2], radii: [f32; 2]) -> Touch {
         if let (Some(a), Some(b)) = (self.fine_position(a), self.fine_position(b)) {
@@ -198,8 +211,19 @@ pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature
     }
 }
 
-fn ends(at: &impl Motions, rod: RodRecord) -> [Vec3; 2] {
-    rod.ends.map(|end| at.position(end))
+/// The origin of the coordinates in which a rod is compared with other objects: its end 1 with double precision, where differences
+/// of positions keep their digits, and otherwise the origin of the scene.
+fn origin_of(at: &impl Motions, rod: RodRecord) -> Fine {
+    at.fine_position(rod.ends[0]).unwrap_or_default()
+}
+
+fn ends(at: &impl Motions, rod: RodRecord, origin: Fine) -> [Vec3; 2] {
+    rod.ends.map(|end| at.seen_from(origin, end))
+}
+
+/// A box as seen from an origin.
+fn box_from(cuboid: &BoxRecord, origin: Fine) -> BoxRecord {
+    BoxRecord { corner: Fine { high: cuboid.corner, low: Vec3::ZERO }.minus(origin), ..*cuboid }
 }
 
 /// Returns the contact of two round objects. `d` is the vector between their closest points, `reach` the sum of their radii,
@@ -212,13 +236,15 @@ fn round(d: Vec3, reach: f32, zero_normal: Vec3, a: f32, b: f32) -> Touch {
 
 fn sphere_rod(view: &View, at: &impl Motions, sphere: u32, rod: RodRecord) -> Option<Touch> {
     let reach = view.radius(sphere) + rod.radius;
-    let (parameter, d) = point_segment(at.position(sphere), ends(at, rod), reach)?;
+    let origin = origin_of(at, rod);
+    let (parameter, d) = point_segment(at.seen_from(origin, sphere), ends(at, rod, origin), reach)?;
     Some(round(d, reach, Vec3::Y, 0.0, parameter))
 }
 
 fn rod_rod(at: &impl Motions, a: RodRecord, b: RodRecord) -> Option<Touch> {
     let reach = a.radius + b.radius;
-    let pair = segment_segment(ends(at, a), ends(at, b), reach)?;
+    let origin = origin_of(at, a);
+    let pair = segment_segment(ends(at, a, origin), ends(at, b, origin), reach)?;
     Some(round(pair.d, reach, pair.normal.unwrap_or(Vec3::Y), pair.a, pair.b))
 }
 
@@ -236,7 +262,8 @@ fn sphere_polygon(view: &View, sphere: u32, polygon: u32) -> Option<Touch> {
 
 /// Returns the contact of a rod with feature f of a box: edge f, or, when no edge is hit, vertex f.
 fn rod_box(view: &View, rod: RodRecord, cuboid: &BoxRecord, feature: u32) -> Option<Touch> {
-    if is_beside(cuboid, ends(view, rod), rod.radius) {
+    let origin = origin_of(view, rod);
+    if is_beside(&box_from(cuboid, origin), ends(view, rod, origin), rod.radius) {
         return None;
     }
     let edge = |edge: u32| rod_edge(view, rod, cuboid, edge, true);
@@ -259,7 +286,8 @@ fn is_beside(cuboid: &BoxRecord, ends: [Vec3; 2], radius: f32) -> bool {
 
 /// Returns the contact of a rod with an edge of a box. With `must_touch`, the distance must be less than the rod's radius.
 fn rod_edge(at: &impl Motions, rod: RodRecord, cuboid: &BoxRecord, edge: u32, must_touch: bool) -> Option<Touch> {
-    let [end1, end2] = ends(at, rod);
+    let origin = origin_of(at, rod);
+    let (cuboid, [end1, end2]) = (&box_from(cuboid, origin), ends(at, rod, origin));
     let edge = box_edge(cuboid, edge);
     let pair = segment_segment([end1, end2], [edge.start, edge.end], rod.radius)?;
     let on_axis = end1 + pair.a * (end2 - end1);
@@ -268,7 +296,8 @@ fn rod_edge(at: &impl Motions, rod: RodRecord, cuboid: &BoxRecord, edge: u32, mu
 
 /// Returns the contact of a rod with a vertex of a box. With `must_touch`, the distance must be less than the rod's radius.
 fn rod_vertex(at: &impl Motions, rod: RodRecord, cuboid: &BoxRecord, vertex: u32, must_touch: bool) -> Option<Touch> {
-    let [end1, end2] = ends(at, rod);
+    let origin = origin_of(at, rod);
+    let (cuboid, [end1, end2]) = (&box_from(cuboid, origin), ends(at, rod, origin));
     let (vertex, outward) = box_vertex(cuboid, vertex);
     let (a, to_rod) = point_segment(vertex, [end1, end2], rod.radius)?;
     near_feature(cuboid, rod.radius, end1 + a * (end2 - end1), a, -to_rod, outward, must_touch)

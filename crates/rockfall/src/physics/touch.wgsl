@@ -8,9 +8,9 @@ fn centre_of(half: ContactSide, poise: SideMotion) -> vec4f {
     return vec4f(select(poise.x1, poise.x2, is_second), state[position_at(half.id)].w);
 }
 
-// The rod of a side, at the positions in `poise`. Its end ids are placeholders that match no sphere, and no other rod with
+// The rod of a side, at the positions in `poise`, which are those seen from the first sphere of A. Its end ids are placeholders that match no sphere, and no other rod with
 // another `placeholder`. Pairs that share a sphere never get here, so the contact functions need no real ids.
-fn bar_from(half: ContactSide, poise: SideMotion, placeholder: u32) -> Bar {
+fn bar_at(half: ContactSide, poise: SideMotion, placeholder: u32) -> Bar {
     return Bar(vec2u(NONE - placeholder), Axis(poise.x1, poise.x2 - poise.x1, rod_radius(half.id - step.spheres)));
 }
 
@@ -30,24 +30,24 @@ fn signed_touch(a: ContactSide, b: ContactSide, a_poise: SideMotion, b_poise: Si
             return touch_spheres(centre, centre_of(b, b_poise));
         }
         if RODS & (b.id < boxes) {
-            return touch_sphere_rod(0u, centre, bar_from(b, b_poise, 1u));
+            return touch_sphere_rod(0u, centre, bar_at(b, b_poise, 1u));
         }
         if b.id < boxes + step.boxes {
-            return touch_sphere_box(centre, cuboid(b.id - boxes));
+            return touch_sphere_box(centre, box_from(origin_of(a), cuboid(b.id - boxes)));
         }
-        return touch_plane(centre, polygon(b.id - boxes - step.boxes));
+        return touch_plane(centre, polygon_from(origin_of(a), polygon(b.id - boxes - step.boxes)));
     }
     if !RODS {
         return no_touch();
     }
-    let bar = bar_from(a, a_poise, 1u);
+    let bar = bar_at(a, a_poise, 1u);
     if b.id < boxes {
-        return touch_rods(bar, bar_from(b, b_poise, 2u));
+        return touch_rods(bar, bar_at(b, b_poise, 2u));
     }
     if by_vertex {
-        return touch_rod_vertex(bar.axis, cuboid(b.id - boxes), feature);
+        return touch_rod_vertex(bar.axis, box_from(origin_of(a), cuboid(b.id - boxes)), feature);
     }
-    return touch_rod_edge(bar.axis, cuboid(b.id - boxes), feature);
+    return touch_rod_edge(bar.axis, box_from(origin_of(a), cuboid(b.id - boxes)), feature);
 }
 
 // Whether a rod meets vertex `feature` of a box instead of edge `feature`. If it does not overlap the edge, the nearer of the
@@ -57,11 +57,11 @@ fn meets_by_vertex(a: ContactSide, b: ContactSide, poise: SideMotion, feature: u
     if !RODS | (a.id < step.spheres) | (b.id < boxes) | (feature >= 8u) {
         return false;
     }
-    let bar = bar_from(a, poise, 1u);
-    let edge = touch_rod_edge(bar.axis, cuboid(b.id - boxes), feature);
+    let bar = bar_at(a, poise, 1u);
+    let edge = touch_rod_edge(bar.axis, box_from(origin_of(a), cuboid(b.id - boxes)), feature);
     if edge.overlap > 0.0 {
         return false;
     }
-    let vertex = touch_rod_vertex(bar.axis, cuboid(b.id - boxes), feature);
+    let vertex = touch_rod_vertex(bar.axis, box_from(origin_of(a), cuboid(b.id - boxes)), feature);
     return vertex.overlap >= edge.overlap;
 }

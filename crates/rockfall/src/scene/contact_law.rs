@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::scene::restitution::damping_for;
 use crate::scene::{CohesionModel, Material, RollingModel, Scene};
-use crate::settings::{ContactLaw, Integrator, Precision, Settings};
+use crate::settings::{ContactLaw, Integrator, Settings};
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
 pub(crate) const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
@@ -98,38 +98,6 @@ impl Scene {
             }
         }
         Ok(())
-    }
-
-    /// Checks that the scene may have the precision of its settings: positions have a low part only in scenes of spheres and static
-    /// objects with a contact law with history, without impulses. A [`Simulation`](crate::Simulation) makes the same check.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`], which names what does not allow it.
-    pub fn check_precision(&self) -> Result<()> {
-        match self.obstacle_to_double() {
-            Some((what, expected)) if self.settings.precision == Precision::Double => {
-                Err(Error::Invalid { field: "precision", value: format!("double with {what}"), expected })
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// What does not allow double precision, and what does.
-    pub(crate) fn obstacle_to_double(&self) -> Option<(String, &'static str)> {
-        let Settings { contact_law: law, collisions, collision_friction, .. } = self.settings;
-        if !law.has_history() {
-            return Some((
-                format!("the contact law {law}"),
-                "the contact law linear, hertz-mindlin or user, or the precision single",
-            ));
-        }
-        if collisions || collision_friction > 0.0 {
-            let what = if collisions { "collisions on" } else { "collision_friction" };
-            let expected =
-                "collisions off and a collision_friction of 0, because impulses leave out the low parts of positions";
-            return Some((what.to_owned(), expected));
-        }
-        (!self.rods().is_empty()).then(|| ("rods or capsules".to_owned(), "a scene of spheres, springs, boxes and polygons"))
     }
 
     /// Checks that the scene may have the model of cohesion of two materials.

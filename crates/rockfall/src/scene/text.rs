@@ -275,7 +275,7 @@ impl<'a> Reader<'a> {
 
     /// Rounds positions to `f32`, unless the scene has double precision.
     fn round_positions(&mut self) {
-        if self.scene.settings.precision == Precision::Double {
+        if self.scene.chosen_precision().precision == Precision::Double {
             return;
         }
         for index in 0..self.scene.spheres.len() {

@@ -26,6 +26,7 @@ impl Scene {
             material: None,
             rods_written: 0,
             capsules_written: 0,
+            has_low_parts: self.chosen_precision().precision == Precision::Double,
         };
         writer.settings();
         writer.materials();
@@ -70,6 +71,8 @@ struct Writer<'a> {
     /// Rods and capsules are written in insertion order, so these counts show which ones are still missing.
     rods_written: usize,
     capsules_written: usize,
+    /// Whether positions are written with their low parts.
+    has_low_parts: bool,
 }
 
 impl Writer<'_> {
@@ -211,7 +214,7 @@ impl Writer<'_> {
         let [p, v, l] = [sphere.position, sphere.velocity, sphere.angular_momentum];
         let fixed = if sphere.fixed { 1.0 } else { 0.0 };
         let rest = [v.x, v.y, v.z, l.x, l.y, l.z, sphere.mass, sphere.radius, fixed];
-        if self.scene.settings.precision == Precision::Double {
+        if self.has_low_parts {
             let [x, y, z] = sphere.centre();
             let name = self.names[index];
             let _ = write!(self.text, "S {name} {x} {y} {z}");

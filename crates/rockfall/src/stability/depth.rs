@@ -109,6 +109,7 @@ impl Scene {
     /// friction becomes weaker in proportion to the contact force.
     pub fn resolved_settings(&self) -> Settings {
         let mut settings = self.settings;
+        settings.precision = self.chosen_precision().precision;
         let share = f64::from(settings.resting_overlap);
         let load = if share > 0.0 { self.heaviest_load() } else { 0.0 };
         if load <= 0.0 {

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use glam::Vec3;
+
 use crate::scene::{Scene, Sphere};
 use crate::settings::{ContactLaw, Precision, Settings};
 use crate::stability::{Crowd, nearest};
@@ -13,6 +15,9 @@ const COARSE: f64 = 0.01;
 /// to 0.3 of that overlap below this bound. At twice the bound they were wrong by 0.3 to 1.3 of it, and from 14 times the bound
 /// on the balls did not stay in contact.
 const COARSE_OVERLAP: f64 = 0.5;
+
+/// Part of the bounds above at which `precision auto` chooses double precision.
+const FINE: f64 = 0.1;
 
 /// A warning that positions cannot be represented finely enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +34,6 @@ pub struct Coarse {
     /// The contact law, and the overlap at rest that the resolution exceeds, in units: that of this sphere on one like it, under its
     /// own weight. `None` if the resolution exceeds 1 % of the radius.
     pub overlap: Option<(ContactLaw, f64)>,
-    /// Whether the scene may have [`Precision::Double`].
-    pub suits_double: bool,
 }
 
 impl Coarse {
@@ -60,27 +63,111 @@ impl fmt::Display for Coarse {
         // The distance at which the resolution is the largest that causes no warning.
         let within = nearest(self.resolution / self.excess() / f64::from(f32::EPSILON));
         write!(f, "move the scene nearer to the origin, to within {within} units")?;
-        f.write_str(if self.suits_double { ", or set precision double" } else { "" })
+        f.write_str(", or set precision double")
+    }
+}
+
+/// The precision of a scene, and why.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ChosenPrecision {
+    /// The precision, never [`Precision::Auto`].
+    pub precision: Precision,
+    /// What decides, if the setting is [`Precision::Auto`] and something needs [`Precision::Double`].
+    pub reason: Option<PrecisionReason>,
+}
+
+/// Why a scene needs [`Precision::Double`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum PrecisionReason {
+    /// Neighbouring f32 coordinates are too far apart.
+    Coarse {
+        /// The largest coordinate of the scene, in units.
+        distance: f64,
+        /// Distance between two neighbouring f32 numbers of this size, in units.
+        resolution: f64,
+        /// The length that it is compared with, in units: an overlap at rest, or a radius.
+        length: f64,
+        /// Whether that length is an overlap at rest.
+        is_overlap: bool,
+    },
+    /// Without gravity, the overlaps of a contact law with history are as small as impacts are slow.
+    NoGravity,
+}
+
+impl fmt::Display for ChosenPrecision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.precision)?;
+        match self.reason {
+            None => Ok(()),
+            Some(PrecisionReason::NoGravity) => {
+                f.write_str(", because without gravity the overlaps of this contact law are as small as impacts are slow")
+            }
+            Some(PrecisionReason::Coarse { distance, resolution, length, is_overlap }) => {
+                let [distance, resolution, length] = [distance, resolution, length].map(nearest);
+                let of = if is_overlap { "an overlap at rest" } else { "a radius" };
+                write!(
+                    f,
+                    ", because f32 resolves {resolution} units at {distance} units from the origin, and {of} is {length} units"
+                )
+            }
+        }
     }
 }
 
 impl Scene {
+    /// The precision of the settings. For [`Precision::Auto`] it is chosen: [`Precision::Double`] where the distance between neighbouring
+    /// f32 numbers at the largest coordinate of the scene exceeds 0.1 % of the radius or 5 % of the overlap at rest of a moving sphere
+    /// (as in [`Scene::coarse`], a tenth of the bounds there), and for contact laws with history without gravity.
+    pub fn chosen_precision(&self) -> ChosenPrecision {
+        if self.settings.precision != Precision::Auto {
+            return ChosenPrecision { precision: self.settings.precision, reason: None };
+        }
+        let reason = self.needs_double();
+        let precision = if reason.is_some() { Precision::Double } else { Precision::Single };
+        ChosenPrecision { precision, reason }
+    }
+
+    fn needs_double(&self) -> Option<PrecisionReason> {
+        let corners =
+            self.boxes().iter().flat_map(|cuboid| [cuboid.corner, cuboid.corner + cuboid.edges.into_iter().sum::<Vec3>()]);
+        let faces = self.polygons().iter().flat_map(|face| [face.corner, face.corner + face.left + face.right]);
+        let centres = self.spheres().iter().map(|sphere| sphere.position);
+        let distance = corners.chain(faces).chain(centres).map(|place| place.abs().max_element()).fold(0.0, f32::max);
+        let resolution = f64::from(distance.next_up()) - f64::from(distance);
+        let too_coarse = |length: f64, is_overlap: bool| {
+            let bound = FINE * length * if is_overlap { COARSE_OVERLAP } else { COARSE };
+            let reason = PrecisionReason::Coarse { distance: distance.into(), resolution, length, is_overlap };
+            (resolution > bound).then_some(reason)
+        };
+        let movers = || self.spheres().iter().filter(|sphere| !sphere.fixed);
+        let smallest = movers().map(|sphere| sphere.radius).min_by(f32::total_cmp)?;
+        if let Some(reason) = too_coarse(smallest.into(), false) {
+            return Some(reason);
+        }
+        if self.settings.gravity == 0.0 {
+            return self.settings.contact_law.has_history().then_some(PrecisionReason::NoGravity);
+        }
+        let overlaps = movers().filter_map(|sphere| self.overlap_alone(sphere, &self.settings));
+        too_coarse(overlaps.min_by(f64::total_cmp)?, true)
+    }
+
     /// Returns a warning if the positions of a moving sphere are multiples of more than 1 % of its radius, or of more than half of
-    /// its overlap at rest, for the sphere for which they are coarsest. With [`Precision::Double`] there is none.
+    /// its overlap at rest, for the sphere for which they are coarsest. With [`Precision::Double`], given or chosen, there is none.
     ///
     /// The overlap at rest is that of the sphere on one of its size, mass and material under its own weight: G / Cc with the law of the
     /// thesis, and as in [`Scene::soft_material`] with laws with history. Spheres that carry others overlap more. Spheres that springs,
     /// tethers or forces hold have none.
     pub fn coarse(&self) -> Option<Coarse> {
-        if self.settings.precision == Precision::Double {
+        if self.chosen_precision().precision == Precision::Double {
             return None;
         }
-        let suits_double = self.obstacle_to_double().is_none();
         let of_radius = |(index, sphere): (usize, &Sphere)| {
             let distance = sphere.position.abs().max_element();
             let resolution = f64::from(distance.next_up()) - f64::from(distance);
             let (distance, radius) = (distance.into(), sphere.radius.into());
-            Coarse { sphere: index, distance, resolution, radius, overlap: None, suits_double }
+            Coarse { sphere: index, distance, resolution, radius, overlap: None }
         };
         let movers = || self.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed);
         let worst = movers().map(of_radius).max_by(|a, b| a.excess().total_cmp(&b.excess()))?;

@@ -218,8 +218,8 @@ fn low_parts_are_kept_bit_for_bit(backend: Backend) {
     }
 }
 
-/// Positions that are set have no low part from before, those that are set in f64 have theirs, and another precision takes effect in
-/// the middle of a run.
+/// Positions that are set have no low part from before, those that are set in f64 have theirs, and another precision in the
+/// middle of a run keeps them.
 fn edits_set_all_digits(backend: Backend) {
     let (mut scene, material) = scene_of(1e5, 1.0, 0.3, 0.6);
     let id = add(&mut scene, material, [1_000.000_01, 0.0, 0.0], 0.5, [1e-3, 0.0, 0.0]);
@@ -237,11 +237,11 @@ fn edits_set_all_digits(backend: Backend) {
     settings.precision = Precision::Single;
     simulation.set_settings(settings).expect("single precision");
     simulation.run(10, 1e-3).expect("steps");
-    assert_eq!(x(&mut simulation), 1000.0, "single precision loses such steps");
+    assert_close(x(&mut simulation) - 1000.0, 2.3e-5, 1e-5, "single precision keeps them");
     settings.precision = Precision::Double;
     simulation.set_settings(settings).expect("double precision");
     simulation.run(10, 1e-3).expect("steps");
-    assert_close(x(&mut simulation) - 1000.0, 1e-5, 1e-5, "double precision again");
+    assert_close(x(&mut simulation) - 1000.0, 3.3e-5, 1e-5, "double precision again");
 }
 
 both_in_turn! {
@@ -250,36 +250,6 @@ both_in_turn! {
     a_pile_far_away_comes_to_rest_as_at_the_origin,
     low_parts_are_kept_bit_for_bit,
     edits_set_all_digits,
-}
-
-#[test]
-fn scenes_that_cannot_have_double_precision_are_refused() {
-    let refused = |change: &dyn Fn(&mut Scene)| {
-        let mut scene = heap();
-        change(&mut scene);
-        let error = Simulation::with_options(scene, options(Backend::Cpu)).expect_err("an error").to_string();
-        assert!(error.contains("precision"), "{error}");
-        error
-    };
-    assert!(refused(&|scene| scene.settings.contact_law = ContactLaw::Thesis).contains("the contact law thesis"));
-    assert!(refused(&|scene| scene.settings.collisions = true).contains("collisions on"));
-    assert!(refused(&|scene| scene.settings.collision_friction = 0.1).contains("collision_friction"));
-    let with_rod = |scene: &mut Scene| {
-        let mut capsule = Capsule::new([0.0; 3], [1.0, 0.0, 0.0], 0.3).density(1.0);
-        capsule.material = scene.spheres()[0].material;
-        scene.add_capsule(capsule).expect("a valid capsule");
-    };
-    assert!(refused(&with_rod).contains("rods or capsules"));
-    // Also when a setting or an object changes later. Nothing is changed then.
-    let mut simulation = opened(heap(), Backend::Cpu, Integrator::SymplecticEuler);
-    let mut settings = *simulation.settings();
-    settings.collisions = true;
-    assert!(simulation.set_settings(settings).is_err());
-    simulation.run(1, 1e-3).expect("a step");
-    let mut capsule = Capsule::new([0.0; 3], [1.0, 0.0, 0.0], 0.3).density(1.0);
-    capsule.material = simulation.scene().spheres()[0].material;
-    simulation.add_capsule(capsule).expect("a valid capsule");
-    assert!(simulation.run(1, 1e-3).is_err());
 }
 
 #[test]

@@ -82,7 +82,7 @@ fn floats(world: &World) -> Vec<Floats> {
     let n = world.step.spheres as usize;
     let states = [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4];
     for (buffer, state) in states.into_iter().zip(&world.states) {
-        for (what, region) in ["position", "velocity", "angular momentum", "low part"].into_iter().zip(state.chunks(n)) {
+        for (what, region) in ["position", "velocity", "angular momentum"].into_iter().zip(state.chunks(n)) {
             field(buffer, what, flat(region));
         }
     }

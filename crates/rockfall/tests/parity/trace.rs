@@ -6,8 +6,7 @@ use rockfall::model::layout::{
 };
 use rockfall::model::status::REBUILD_REQUESTED;
 use rockfall::model::world::World;
-use rockfall::step::catalog::ALL;
-use rockfall::step::schedule::{MEASURE_ORDER, Phase, Run, SORT_MEMORY, When};
+use rockfall::step::schedule::{MEASURE_ORDER, Phase, Run, SORT_MEMORY};
 use rockfall::{BroadPhase, ContactForceLaw, ContactInput, ContactLaw, ContactResponse, Integrator, Settings};
 
 use crate::cells;

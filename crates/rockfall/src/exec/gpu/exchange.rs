@@ -162,7 +162,7 @@ impl GpuWorld {
             slots_at: step.slots_at,
             // Rows hold x, y, z, w.
             component: if table == Table::Orientations { 3 } else { 0 },
-            lows: if table == Table::Positions && step.is_double() { 3 * step.spheres } else { 0 },
+            lows: if table == Table::Positions { 3 * step.spheres } else { 0 },
             padding: [0; 2],
         };
         let (device, queue) = (self.gpu().device(), self.gpu().queue());

@@ -19,9 +19,10 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
     let step = &world.step;
     let vectors = |count: u64| 16 * count;
     let addressed = match buffer {
-        Buffer::Start | Buffer::Y2 | Buffer::Y3 | Buffer::Y4 => {
-            vectors(u64::from(step.state_regions()) * u64::from(step.spheres))
-        }
+        Buffer::Start => vectors(world.rows_of_state(0) as u64),
+        Buffer::Y2 => vectors(world.rows_of_state(1) as u64),
+        Buffer::Y3 => vectors(world.rows_of_state(2) as u64),
+        Buffer::Y4 => vectors(world.rows_of_state(3) as u64),
         Buffer::Aabbs => 32 * u64::from(world.objects()),
         // The host's arrays of these are complete.
         Buffer::Topology | Buffer::DispatchSizes | Buffer::Histories | Buffer::Rates | Buffer::Status => 0,

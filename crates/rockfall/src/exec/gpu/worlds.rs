@@ -59,7 +59,7 @@ fn bytes_of_world(sizes: &WorldSizes) -> [u64; 5] {
     let spheres = u64::from(sizes.spheres);
     // WGSL aligns the block of parameters to 16 bytes.
     let parameters = (size_of::<Step>() as u64).next_multiple_of(16);
-    [parameters, 48 * spheres, 4 * u64::from(sizes.topology), 16 * spheres, size_of::<WorldResult>() as u64]
+    [parameters, 64 * spheres, 4 * u64::from(sizes.topology), 16 * spheres, size_of::<WorldResult>() as u64]
 }
 
 /// The states of all worlds, as they are on the device.
@@ -145,8 +145,8 @@ impl DeviceWorlds {
                     check_buffer(world, buffer)?;
                 }
                 let rows = world.step.spheres as usize;
-                let room = starts.len() / 3;
-                for region in 0..3 {
+                let room = starts.len() / 4;
+                for region in 0..4 {
                     put(&mut starts[region * room..], cast_slice(&world.states[0][region * rows..][..rows]));
                 }
                 put(step, bytes_of(&world.step));
@@ -340,7 +340,7 @@ impl States<'_> {
 
     /// Position, velocity, angular momentum and orientation of a sphere of a world.
     pub(crate) fn sphere(&self, slot: usize, sphere: usize) -> [Vec4; 4] {
-        let row = |region: usize| Vec4::from_array(self.starts[(3 * slot + region) * self.spheres + sphere]);
+        let row = |region: usize| Vec4::from_array(self.starts[(4 * slot + region) * self.spheres + sphere]);
         [row(0), row(1), row(2), Vec4::from_array(self.turns[slot * self.spheres + sphere])]
     }
 
@@ -350,8 +350,8 @@ impl States<'_> {
         let copy = |to: &mut [Vec4], from: &[[f32; 4]]| {
             to.iter_mut().zip(from).for_each(|(to, from)| *to = Vec4::from_array(*from));
         };
-        for region in 0..3 {
-            let rows = &self.starts[(3 * slot + region) * self.spheres..];
+        for region in 0..4 {
+            let rows = &self.starts[(4 * slot + region) * self.spheres..];
             copy(&mut world.states[0][region * spheres..][..spheres], rows);
         }
         copy(&mut world.orientations[..spheres], &self.turns[slot * self.spheres..]);

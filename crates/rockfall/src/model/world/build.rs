@@ -133,15 +133,10 @@ impl World {
         let spheres = || in_order(scene, &self.order);
         let inverse = |mass: f32, fixed: bool| if fixed { 0.0 } else { 1.0 / mass };
         let centres: Vec<Fine> = spheres().map(|sphere| Fine::at(sphere.centre())).collect();
-        let is_double = self.step.is_double();
-        let place = |(sphere, centre): (&Sphere, &Fine)| {
-            let position = if is_double { centre.high } else { sphere.position };
-            position.extend(sphere.radius)
-        };
-        let positions = spheres().zip(&centres).map(place);
+        let positions = spheres().zip(&centres).map(|(sphere, centre)| centre.high.extend(sphere.radius));
         let velocities = spheres().map(|sphere| sphere.velocity.extend(inverse(sphere.mass, sphere.fixed)));
         let spins = spheres().map(|sphere| sphere.angular_momentum.extend(1.0 / sphere.inertia()));
-        let lows = centres.iter().filter(|_| is_double).map(|centre| centre.low.extend(0.0));
+        let lows = centres.iter().map(|centre| centre.low.extend(0.0));
         self.states[0] = positions.chain(velocities).chain(spins).chain(lows).collect();
         self.orientations = spheres().map(|sphere| sphere.orientation.into()).collect();
     }
@@ -211,9 +206,8 @@ impl World {
 
     /// Resizes the scratch arrays to the object counts. See [`World::with_scratch`].
     pub(crate) fn add_scratch(&mut self) {
-        let rows = (self.step.state_regions() * self.step.spheres) as usize;
-        for state in &mut self.states[1..] {
-            state.resize(rows, Vec4::ZERO);
+        for number in 1..self.states.len() {
+            self.states[number].resize(self.rows_of_state(number), Vec4::ZERO);
         }
         self.aabbs.resize(self.objects() as usize, Default::default());
         self.resize_cells();
@@ -246,7 +240,7 @@ impl World {
             sphere.orientation = glam::Quat::from_vec4(self.orientations[place]);
             if !sphere.fixed {
                 sphere.position = self.states[0][place].truncate();
-                sphere.position_low = if self.step.is_double() { self.states[0][3 * n + place].truncate() } else { Vec3::ZERO };
+                sphere.position_low = self.states[0][3 * n + place].truncate();
                 sphere.velocity = self.states[0][n + place].truncate();
                 sphere.angular_momentum = self.states[0][2 * n + place].truncate();
             }
@@ -335,6 +329,6 @@ mod tests {
         let whole = world.with_scratch();
         assert_eq!(whole.lists.len(), (whole.step.entries_at + 64) as usize);
         assert_eq!(whole.aabbs.len(), whole.objects() as usize);
-        assert_eq!(whole.states[3].len(), whole.states[0].len());
+        assert_eq!(whole.states[2].len(), whole.states[0].len());
     }
 }

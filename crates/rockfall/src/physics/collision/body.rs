@@ -122,7 +122,7 @@ impl Capsule {
         let centre = w1 / (w1 + w2);
         // mu = m1 m2 / M.
         let reduced_mass = 1.0 / (w1 + w2);
-        let d = at.position(ends[1]) - at.position(ends[0]);
+        let d = at.between(ends[0], ends[1]);
         let inertia_across = reduced_mass * d.length_squared() + inertia[0] + inertia[1];
         let q = v2 - v1;
         let whole = reduced_mass * d.cross(q) + ends.map(|end| view.angular_momentum(end)).into_iter().sum::<Vec3>();

@@ -1,6 +1,7 @@
 // requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision.wgsl
 // requires physics/collision/changes.wgsl physics/collision/impulses.wgsl physics/collision/lone.wgsl
 // requires physics/contact.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
+// requires physics/motion.wgsl
 
 // The state of an end of a rigid capsule after the collisions of the capsule (docs/physics.md sections 3.3, 3.6 and 3.7).
 
@@ -32,6 +33,7 @@ fn kicked(i: u32, capsule: Capsule, is_second: bool, kick: CapsuleChange) -> Mot
     let momentum = state[momentum_at(i)];
     return Motion(
         state[position_at(i)].xyz,
+        low_row(i),
         state[velocity_at(i)].xyz + kick.velocity + cross(kick.spin, offset),
         momentum.xyz + kick.spin / momentum.w,
     );
@@ -56,10 +58,11 @@ fn hit_at_contact(i: u32, half: ContactSide, row: u32, r: u32) -> Motion {
     let velocity = capsule.inverse_mass * push;
     let spin = capsule_then.inverse_inertia * torque_at(capsule_then, at, push);
     let forward = turned(back.d, back.q + cross(spin, back.d), impulse.tau);
-    let place = (1.0 - capsule.centre) * now.x1 + capsule.centre * now.x2 + impulse.tau * velocity;
     let share = select(-capsule.centre, 1.0 - capsule.centre, half.spheres.y == i);
     let momentum = state[momentum_at(i)];
-    return Motion(place + share * forward.d, capsule.velocity + velocity + share * forward.q, momentum.xyz + spin / momentum.w);
+    let pushed = capsule.velocity + velocity + share * forward.q;
+    let before = Motion(state[position_at(i)].xyz, low_row(i), pushed, momentum.xyz + spin / momentum.w);
+    return displaced(before, impulse.tau * velocity + share * (forward.d - capsule.d));
 }
 
 // Writes the state of an end after the collisions of its capsule.

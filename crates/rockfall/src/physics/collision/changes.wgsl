@@ -1,6 +1,7 @@
 // requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/collision/other_collisions.wgsl physics/contact.wgsl physics/escape.wgsl step/collisions/rows.wgsl
 // requires step/collisions/report_clusters.wgsl
+// requires physics/motion.wgsl
 
 // The state of a single sphere after its collisions.
 
@@ -70,10 +71,10 @@ fn write_changed(i: u32, change: Change) {
     let old_position = state[position_at(i)];
     let old_velocity = state[velocity_at(i)];
     let old_momentum = state[momentum_at(i)];
-    var after = Motion(old_position.xyz, old_velocity.xyz, old_momentum.xyz);
+    var after = Motion(old_position.xyz, low_row(i), old_velocity.xyz, old_momentum.xyz);
     if old_velocity.w > 0.0 {
         after.velocity += old_velocity.w * change.velocity;
-        after.position += old_velocity.w * change.position;
+        after = displaced(after, old_velocity.w * change.position);
     }
     write_motion(i, after);
 }
@@ -84,7 +85,7 @@ fn write_motion(i: u32, wanted: Motion) {
     let old_momentum = state[momentum_at(i)];
     var after = wanted;
     if (old_velocity.w > 0.0) & !is_finite(after) {
-        after = stopped(old_position.xyz, 0u, i);
+        after = stopped(old_position.xyz, low_row(i), 0u, i);
     }
     let position = vec4f(after.position, old_position.w);
     let velocity = vec4f(after.velocity, old_velocity.w);
@@ -92,4 +93,5 @@ fn write_motion(i: u32, wanted: Motion) {
     put_next(0u, i, position);
     put_next(1u, i, velocity);
     put_next(2u, i, vec4f(after.momentum, old_momentum.w));
+    put_next(3u, i, vec4f(after.low, 0.0));
 }

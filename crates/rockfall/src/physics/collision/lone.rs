@@ -7,6 +7,7 @@
 
 use glam::Vec3;
 
+use crate::fine::Fine;
 use crate::model::impulse::Impulse;
 use crate::model::layout::FLAG_CONTINUOUS;
 use crate::model::view::{Object, View};
@@ -70,7 +71,8 @@ impl MovingBody {
 /// An earlier state. Fixed spheres are not moved.
 struct EarlierState<'a> {
     view: &'a View<'a>,
-    spheres: [(u32, Vec3, Vec3); 4],
+    /// Spheres with their positions and velocities.
+    spheres: [(u32, Fine, Vec3); 4],
     len: usize,
 }
 
@@ -78,21 +80,20 @@ impl<'a> EarlierState<'a> {
     /// Moves the bodies back by a time, along parabolas or along straight lines. On straight lines angular momentum is
     /// conserved whatever the time is.
     fn of(view: &'a View<'a>, movers: &[(MovingBody, Vec3)], time: f32, along_parabolas: bool) -> Self {
-        let mut before = Self { view, spheres: [(0, Vec3::ZERO, Vec3::ZERO); 4], len: 0 };
+        let mut before = Self { view, spheres: [(0, Fine::default(), Vec3::ZERO); 4], len: 0 };
         for (mover, acceleration) in movers {
             let fallen = if along_parabolas { 0.5 * time * time * *acceleration } else { Vec3::ZERO };
             match mover {
                 MovingBody::Sphere(sphere) => {
                     let velocity = view.velocity(*sphere);
-                    before.add(*sphere, view.position(*sphere) - time * velocity + fallen, velocity - time * *acceleration);
+                    before.add(*sphere, fallen - time * velocity, velocity - time * *acceleration);
                 }
                 MovingBody::Capsule(capsule) => {
-                    let centre = view.position(capsule.ends[0]).lerp(view.position(capsule.ends[1]), capsule.centre);
-                    let centre = centre - time * capsule.velocity + fallen;
+                    let moved = fallen - time * capsule.velocity;
                     let velocity = capsule.velocity - time * *acceleration;
                     let (d, q) = turned(capsule.d, capsule.q, -time);
                     for (end, lever) in capsule.ends.into_iter().zip([0.0, 1.0].map(|place| capsule.lever(place))) {
-                        before.add(end, centre + lever * d, velocity + lever * q);
+                        before.add(end, moved + lever * (d - capsule.d), velocity + lever * q);
                     }
                 }
             }
@@ -100,23 +101,33 @@ impl<'a> EarlierState<'a> {
         before
     }
 
-    fn add(&mut self, sphere: u32, position: Vec3, velocity: Vec3) {
-        self.spheres[self.len] = (sphere, position, velocity);
+    fn add(&mut self, sphere: u32, displacement: Vec3, velocity: Vec3) {
+        let place = if self.view.step.is_double() {
+            self.view.fine(sphere).moved(displacement)
+        } else {
+            Fine { high: self.view.position(sphere) + displacement, low: Vec3::ZERO }
+        };
+        self.spheres[self.len] = (sphere, place, velocity);
         self.len += 1;
     }
 
-    fn find(&self, sphere: u32) -> Option<&(u32, Vec3, Vec3)> {
+    fn find(&self, sphere: u32) -> Option<&(u32, Fine, Vec3)> {
         self.spheres[..self.len].iter().find(|known| known.0 == sphere)
     }
 }
 
 impl Motions for EarlierState<'_> {
     fn position(&self, sphere: u32) -> Vec3 {
-        self.find(sphere).map_or_else(|| self.view.position(sphere), |known| known.1)
+        self.find(sphere).map_or_else(|| self.view.position(sphere), |known| known.1.high)
     }
 
     fn velocity(&self, sphere: u32) -> Vec3 {
         self.find(sphere).map_or_else(|| self.view.velocity(sphere), |known| known.2)
+    }
+
+    fn fine_position(&self, sphere: u32) -> Option<Fine> {
+        let place = || self.find(sphere).map_or_else(|| self.view.fine(sphere), |known| known.1);
+        self.view.step.is_double().then(place)
     }
 }
 

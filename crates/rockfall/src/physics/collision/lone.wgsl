@@ -143,8 +143,8 @@ fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
 fn solve_from(a_id: u32, b_id: u32, feature: u32, found: Touch, start: f32, is_crossing: bool) -> Solved {
     var a = contact_side(a_id, found.a);
     var b = contact_side(b_id, found.b);
-    let a_now = side_motion(a);
-    let b_now = side_motion(b);
+    let a_now = side_motion_from(a, origin_of(a));
+    let b_now = side_motion_from(b, origin_of(a));
     let a_pull = pull_on(a);
     let b_pull = pull_on(b);
     let by_vertex = meets_by_vertex(a, b, a_now, feature);

@@ -45,7 +45,7 @@ impl Network {
             .iter()
             .map(|rod| {
                 let ends = view.rod(*rod).ends;
-                let d = view.position(ends[1]) - view.position(ends[0]);
+                let d = view.between(ends[0], ends[1]);
                 let direction = if d.length_squared() <= TINY { Vec3::ZERO } else { d };
                 Line { ends: ends.map(|end| network.place(end)), direction: direction.as_dvec3().normalize_or_zero() }
             })

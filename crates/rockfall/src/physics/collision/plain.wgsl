@@ -46,12 +46,7 @@ fn plain_with(sphere: u32, own: vec4f, velocity: vec4f, other_met: LoadedEntry) 
         approach -= other_met.velocity.xyz;
         inverse_mass += other_met.velocity.w;
     } else {
-        let boxes = step.spheres + step.rods;
-        if other < boxes + step.boxes {
-            found = touch_sphere_box(own, cuboid(other - boxes));
-        } else {
-            found = touch_sphere_polygon(own, polygon(other - boxes - step.boxes));
-        }
+        found = touch_static(sphere, other, own);
     }
     return Plain(found.n, found.overlap, dot(approach, found.n), inverse_mass);
 }

@@ -86,12 +86,14 @@ fn touch_apart(a: u32, b: u32, feature: u32, found: Touch) -> Touch {
         return found;
     }
     // A rod and the feature of a box: the nearer of edge and vertex.
-    let axis = bar_of(a - step.spheres).axis;
-    let edge = touch_rod_edge(axis, cuboid(b - boxes), feature);
+    let bar = bar_of(a - step.spheres);
+    let axis = bar.axis;
+    let box = box_from(bar.ends.x, cuboid(b - boxes));
+    let edge = touch_rod_edge(axis, box, feature);
     if feature >= 8u {
         return edge;
     }
-    let vertex = touch_rod_vertex(axis, cuboid(b - boxes), feature);
+    let vertex = touch_rod_vertex(axis, box, feature);
     if vertex.overlap >= edge.overlap {
         return vertex;
     }

@@ -76,9 +76,10 @@ fn apply_collisions(world: &mut World, _pass: u32) {
 fn collided(view: &View, outcome: &Outcome, aabbs: &[Aabb], sphere: u32, tally: &mut Tally) -> Motion {
     let before = Motion::of(view, sphere);
     let change = outcome.change(sphere);
+    let (position, low) = before.moved(change.position);
     let after = Motion {
-        position: before.position + change.position,
-        low: before.low,
+        position,
+        low,
         velocity: before.velocity + change.velocity,
         angular_momentum: before.angular_momentum + change.angular_momentum,
     };

@@ -3,6 +3,7 @@
 // requires physics/collision/impulses.wgsl step/collisions/has_changes.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl
 // requires step/large_spheres/workgroup_per_sphere.wgsl
+// requires physics/motion.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
@@ -55,7 +56,7 @@ fn write_change(i: u32) {
         if network_of(i) != NO_NETWORK {
             let change = next[velocity_at(i)].xyz;
             let old = state[velocity_at(i)].xyz;
-            write_motion(i, Motion(state[position_at(i)].xyz, old + change, state[momentum_at(i)].xyz));
+            write_motion(i, Motion(state[position_at(i)].xyz, low_row(i), old + change, state[momentum_at(i)].xyz));
             return;
         }
         let rod = capsule_with(i);

@@ -1,5 +1,6 @@
 // requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl
 // requires physics/collision.wgsl physics/contact.wgsl physics/friction_impulses.wgsl step/collisions/rows.wgsl
+// requires physics/motion.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
@@ -91,6 +92,7 @@ fn sphere_after_friction(i: u32, rubbed: FrictionSums) -> Motion {
     let velocity = state[velocity_at(i)];
     return Motion(
         state[position_at(i)].xyz,
+        low_row(i),
         velocity.xyz + velocity.w * rubbed.velocity,
         state[momentum_at(i)].xyz + rubbed.turning,
     );
@@ -103,12 +105,12 @@ fn end_after_friction(i: u32, rod: u32, capsule: Capsule, rubbed: FrictionSums) 
     let velocity = state[velocity_at(i)].xyz + capsule.inverse_mass * rubbed.velocity + cross(turning, offset);
     let momentum = state[momentum_at(i)];
     let angular_momentum = momentum.xyz + (turning + inverse_roll(ends) * rubbed.rolling) / momentum.w;
-    return Motion(state[position_at(i)].xyz, velocity, angular_momentum);
+    return Motion(state[position_at(i)].xyz, low_row(i), velocity, angular_momentum);
 }
 
 fn motion_after_friction(i: u32) -> Motion {
     if inverse_mass(i) <= 0.0 {
-        return Motion(state[position_at(i)].xyz, state[velocity_at(i)].xyz, state[momentum_at(i)].xyz);
+        return Motion(state[position_at(i)].xyz, low_row(i), state[velocity_at(i)].xyz, state[momentum_at(i)].xyz);
     }
     var rod = NONE;
     var capsule = Capsule(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0, 0.0);
@@ -137,9 +139,10 @@ fn apply_friction_impulses(
     }
     var after = motion_after_friction(i);
     if (inverse_mass(i) > 0.0) & !is_finite(after) {
-        after = stopped(state[position_at(i)].xyz, 0u, i);
+        after = stopped(state[position_at(i)].xyz, low_row(i), 0u, i);
     }
     next[position_at(i)] = vec4f(after.position, state[position_at(i)].w);
     next[velocity_at(i)] = vec4f(after.velocity, inverse_mass(i));
     next[momentum_at(i)] = vec4f(after.momentum, state[momentum_at(i)].w);
+    next[low_at(i)] = vec4f(after.low, 0.0);
 }

@@ -49,7 +49,7 @@ fn commit_collisions(world: &mut World, _pass: u32) {
     let n = step.spheres as usize;
     let spheres = (0..n).into_par_iter().with_min_len(GRAIN);
     let changed: Vec<usize> = spheres.filter(|sphere| taking_part.has(*sphere as u32)).collect();
-    for place in changed.into_iter().flat_map(|sphere| [sphere, n + sphere, 2 * n + sphere]) {
+    for place in changed.into_iter().flat_map(|sphere| [sphere, n + sphere, 2 * n + sphere, 3 * n + sphere]) {
         start[place] = y2[place];
     }
 }

@@ -52,11 +52,8 @@ fn commit_crossings(world: &mut World, _pass: u32) {
         .into_iter()
         .map(|(sphere, crossing)| {
             let before = Motion::of(&view, sphere);
-            let after = Motion {
-                position: before.position + crossing.change.position,
-                velocity: before.velocity + crossing.change.velocity,
-                ..before
-            };
+            let (position, low) = before.moved(crossing.change.position);
+            let after = Motion { position, low, velocity: before.velocity + crossing.change.velocity, ..before };
             let after = after.or_stopped(&before, BadStage::Collisions, view.insertion_index(sphere), &mut tally);
             tally.rebuild |= needs_rebuild(&view, aabbs, sphere, after.position, after.velocity);
             // A pair of moving spheres is counted once, at the sphere that was added first.
@@ -71,6 +68,7 @@ fn commit_crossings(world: &mut World, _pass: u32) {
         start[place] = after.position.extend(start[place].w);
         start[n + place] = after.velocity.extend(start[n + place].w);
         start[2 * n + place] = after.angular_momentum.extend(start[2 * n + place].w);
+        start[3 * n + place] = after.low.extend(0.0);
     }
     // The later stages of the phase need no collision in a list for these.
     let collides = status.collides;

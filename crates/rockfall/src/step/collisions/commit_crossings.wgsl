@@ -1,5 +1,6 @@
 // requires model/counters.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
 // requires step/collisions/crossing_rows.wgsl
+// requires physics/motion.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -12,11 +13,11 @@ fn apply_crossing(i: u32) {
     let position = state[position_at(i)];
     let velocity = state[velocity_at(i)];
     let momentum = state[momentum_at(i)];
-    let moved = position.xyz + crossings[i].xyz;
+    let low = low_row(i);
     let pushed = velocity.xyz + crossings[2u * step.spheres + i].xyz;
-    var after = Motion(moved, pushed, momentum.xyz);
+    var after = displaced(Motion(position.xyz, low, pushed, momentum.xyz), crossings[i].xyz);
     if !is_finite(after) {
-        after = stopped(position.xyz, 0u, i);
+        after = stopped(position.xyz, low, 0u, i);
     }
     let new_position = vec4f(after.position, position.w);
     let new_velocity = vec4f(after.velocity, velocity.w);
@@ -24,6 +25,7 @@ fn apply_crossing(i: u32) {
     state[position_at(i)] = new_position;
     state[velocity_at(i)] = new_velocity;
     state[momentum_at(i)] = vec4f(after.momentum, momentum.w);
+    state[low_at(i)] = vec4f(after.low, 0.0);
 }
 
 @compute @workgroup_size(256)

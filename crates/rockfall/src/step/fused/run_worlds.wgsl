@@ -62,8 +62,8 @@ fn load_sphere(world: u32, i: u32) {
     if i >= step.spheres {
         return;
     }
-    for (var region = 0u; region < 3u; region++) {
-        start[region] = starts[(3u * world + region) * WORLD_SPHERES + i];
+    for (var region = 0u; region < 4u; region++) {
+        start[region] = starts[(4u * world + region) * WORLD_SPHERES + i];
     }
     orientation = turns[world * WORLD_SPHERES + i];
     attached = adjacency(i);
@@ -112,7 +112,7 @@ fn is_asleep() -> bool {
 // Adds stage state 2 or 3 to the sums. They are those of step/integrate/early_stages.wgsl, in the same order. Twice a number is
 // exact.
 fn add_stage_state() {
-    for (var region = 0u; region < 3u; region++) {
+    for (var region = 1u; region < 3u; region++) {
         let change = next[region].xyz - start[region].xyz;
         if evaluated == 0u {
             changes[region] = change;
@@ -210,8 +210,8 @@ fn run_step(k: u32, local: u32, is_symplectic_euler: bool) {
 
 fn store_world(world: u32, local: u32) {
     if local < step.spheres {
-        for (var region = 0u; region < 3u; region++) {
-            starts[(3u * world + region) * WORLD_SPHERES + local] = start[region];
+        for (var region = 0u; region < 4u; region++) {
+            starts[(4u * world + region) * WORLD_SPHERES + local] = start[region];
         }
         turns[world * WORLD_SPHERES + local] = orientation;
     }

@@ -101,8 +101,8 @@ fn finish(world: &mut World, springs: &mut Springs) {
     let n = world.step.spheres as usize;
     for sphere in 0..world.step.spheres {
         let place = sphere as usize;
-        let [position, velocity, angular_momentum] = [0, n, 2 * n].map(|region| start[region + place].truncate());
-        let before = Motion { position, low: Vec3::ZERO, velocity, angular_momentum };
+        let [position, velocity, angular_momentum, low] = [0, n, 2 * n, 3 * n].map(|region| start[region + place].truncate());
+        let before = Motion { position, low, velocity, angular_momentum };
         let rates = || rates_of(last, sphere, &springs.loads[place]);
         let (motion, spin) = finished(before, &views, sphere, rates, &mut tally);
         set(start, last, sphere, motion);
@@ -117,6 +117,9 @@ fn set(state: &mut [Vec4], view: &View, sphere: u32, motion: Motion) {
     state[place] = motion.position.extend(view.radius(sphere));
     state[n + place] = motion.velocity.extend(view.inverse_mass(sphere));
     state[2 * n + place] = motion.angular_momentum.extend(view.inverse_inertia(sphere));
+    if let Some(low) = state.get_mut(3 * n + place) {
+        *low = motion.low.extend(0.0);
+    }
 }
 
 /// Four springs. The last ones may be unused: they have equal ends.

@@ -44,8 +44,8 @@ var<private> world_topology: u32;
 // Number of the force evaluation in the step.
 var<private> evaluated: u32;
 // The rows of the sphere of this thread: at the start of the step, and in the next stage state.
-var<private> start: array<vec4f, 3>;
-var<private> next: array<vec4f, 3>;
+var<private> start: array<vec4f, 4>;
+var<private> next: array<vec4f, 4>;
 // What stage states 2 and 3 contribute to the state at the end of the step, and to the mean spin. They need no other rows.
 var<private> changes: array<vec3f, 3>;
 var<private> momenta: vec3f;
@@ -58,9 +58,14 @@ fn velocity_at(sphere: u32) -> u32 {
     return own_rows + WORLD_SPHERES + sphere;
 }
 
-// Not used: worlds with low parts of positions do not run here.
+// Not used: the low parts of positions are with the thread of the sphere.
 fn low_at(sphere: u32) -> u32 {
     return sphere;
+}
+
+// Asked for by the thread of the sphere, in the state at the start of the step.
+fn low_row(sphere: u32) -> vec3f {
+    return start[3].xyz;
 }
 
 fn momentum_at(sphere: u32) -> u32 {

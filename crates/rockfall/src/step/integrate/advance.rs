@@ -76,7 +76,10 @@ fn advance(world: &mut World, pass: u32) {
         let rates = sphere_rates(&view, &lists, &world.wrenches, sphere, (pass == 0).then_some(&mut *tally));
         next_state(&start, &view, &world.aabbs, pass, sphere, &rates, tally)
     };
-    let tally = Rows::of(&mut todo[0], world.step.spheres)
+    // Stage states have low parts of positions only where geometry uses them.
+    let regions = if world.step.is_double() { 4 } else { 3 };
+    let stage = &mut todo[0][..(regions * world.step.spheres) as usize];
+    let tally = Rows::of(stage, world.step.spheres)
         .map(|mut rows| {
             let mut tally = Tally::default();
             for sphere in rows.spheres() {
@@ -101,9 +104,11 @@ pub(crate) fn next_state(
 ) -> Motion {
     let (origin, dt) = (Motion::of(start, sphere), view.step.dt);
     let h = dt * [0.5, 0.5, 1.0][pass as usize];
+    let by = h * view.velocity(sphere);
+    let (position, low) = if view.step.is_double() { origin.moved(by) } else { (origin.position + by, Vec3::ZERO) };
     let next = Motion {
-        position: origin.position + h * view.velocity(sphere),
-        low: Vec3::ZERO,
+        position,
+        low,
         velocity: origin.velocity + h * rates.acceleration,
         angular_momentum: origin.angular_momentum + h * rates.torque,
     };

@@ -20,7 +20,7 @@ fn shake(rod: u32) -> f32 {
     let old = y3[position_at(ends.y)].xyz - y3[position_at(ends.x)].xyz;
     let one = state[position_at(ends.x)].xyz;
     let two = state[position_at(ends.y)].xyz;
-    let d = two - one;
+    let d = between(ends.x, ends.y);
     let a = sum * sum * dot(old, old);
     let b = sum * dot(d, old);
     let c = dot(d, d) - target_length * target_length;
@@ -48,7 +48,7 @@ fn rattle(rod: u32) -> f32 {
     if sum <= 0.0 {
         return 0.0;
     }
-    let d = state[position_at(ends.y)].xyz - state[position_at(ends.x)].xyz;
+    let d = between(ends.x, ends.y);
     let squared = dot(d, d);
     var n = vec3f(0.0, 1.0, 0.0);
     if squared > TINY {

@@ -61,7 +61,7 @@ fn drift(world: &mut World, _pass: u32) {
         let [acceleration, torque] = [at, at + 3].map(|at| Vec3::from_slice(&world.rates[at..]));
         let velocity = y.velocity + 0.5 * dt * acceleration;
         let angular_momentum = y.angular_momentum + 0.5 * dt * torque;
-        let (position, low) = y.moved(&view, dt * velocity);
+        let (position, low) = y.moved(dt * velocity);
         let next = Motion { position, low, velocity, angular_momentum };
         let next = next.or_stopped(&y, BadStage::Forces1, view.insertion_index(sphere), tally);
         if view.step.rods == 0 {

@@ -1,5 +1,5 @@
 // requires model/counters.wgsl model/one_state.wgsl model/put_next.wgsl model/rates.wgsl model/step.wgsl physics/escape.wgsl
-// requires physics/fine.wgsl
+// requires physics/motion.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
@@ -26,35 +26,22 @@ fn drift_sphere(i: u32) {
     let position = state[position_at(i)];
     let velocity = state[velocity_at(i)];
     let momentum = state[momentum_at(i)];
-    var after = Motion(position.xyz, velocity.xyz, momentum.xyz);
-    var old_low = vec3f(0.0);
-    if DOUBLE {
-        old_low = state[low_at(i)].xyz;
-    }
-    var low = old_low;
+    let low = low_row(i);
+    var after = Motion(position.xyz, low, velocity.xyz, momentum.xyz);
     if velocity.w > 0.0 {
         let rates = kept_rates_of(i);
         after.velocity += 0.5 * step.dt * rates.acceleration;
         after.momentum += 0.5 * step.dt * rates.torque;
-        if DOUBLE {
-            let place = fine_moved(fine_position(i), step.dt * after.velocity);
-            after.position = place.high;
-            low = place.low;
-        } else {
-            after.position += step.dt * after.velocity;
-        }
+        after = displaced(after, step.dt * after.velocity);
         if !is_finite(after) {
-            after = stopped(position.xyz, 1u, i);
-            low = old_low;
+            after = stopped(position.xyz, low, 1u, i);
         }
         check_places(i, position, after, vec4f(after.velocity, velocity.w));
     }
     put_next(0u, i, vec4f(after.position, position.w));
     put_next(1u, i, vec4f(after.velocity, velocity.w));
     put_next(2u, i, vec4f(after.momentum, momentum.w));
-    if DOUBLE {
-        put_next(3u, i, vec4f(low, 0.0));
-    }
+    put_next(3u, i, vec4f(after.low, 0.0));
     if RODS {
         y3[position_at(i)] = vec4f(position.xyz, 0.0);
         y3[momentum_at(i)] = vec4f(after.momentum * momentum.w, 0.0);

@@ -1,6 +1,6 @@
 // What stage states 2 and 3 contribute to the state of a sphere at the end of the step, in the stages that read them from memory.
 
-// Their part of the sum for a vector: position, velocity or angular momentum, by region. `y` is its value at the start.
+// Their part of the sum for a vector: velocity or angular momentum, by region. `y` is its value at the start.
 fn early_changes(region: u32, i: u32, y: vec3f) -> vec3f {
     return (y2_row(region, i).xyz - y) + 2.0 * (y3_row(region, i).xyz - y);
 }

@@ -1,7 +1,7 @@
 //! RK4, pass 3: the last force evaluation and the new state (docs/physics.md section 5.1).
 //!
 //! `y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 f(Y4)`. The stage states contain the earlier rates, so no running
-//! sum of them is needed.
+//! sum of them is needed. Positions get the same mean of the velocities of the stage states, so that their low parts are kept.
 //!
 //! The stage leaves the old position in region 0 of `Y3` and the mean spin (w1 + 2 w2 + 2 w3 + w4) / 6 in region 2, for
 //! `constrain` and `turn`. In scenes without rods these two stages do not run, and `finish_and_turn` replaces this one.
@@ -110,13 +110,15 @@ pub(crate) fn finished(
     }
     let spin = (w1 + 2.0 * w2 + 2.0 * w3 + w4) / 6.0;
     let Rates { acceleration, torque } = rates();
-    let sixth_step = last.step.dt / 6.0;
+    let dt = last.step.dt;
+    let changes = |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3| (y2 - y) + 2.0 * (y3 - y) + (y4 - y);
     // y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 k4. The stage states hold k1, k2 and k3.
-    let mean =
-        |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3, k4: Vec3| y + ((y2 - y) + 2.0 * (y3 - y) + (y4 - y)) / 3.0 + sixth_step * k4;
+    let mean = |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3, k4: Vec3| y + changes(y, y2, y3, y4) / 3.0 + (dt / 6.0) * k4;
+    // The same for positions, whose rates are the velocities of the stage states.
+    let (position, low) = y.moved(dt * (y.velocity + changes(y.velocity, y2.velocity, y3.velocity, y4.velocity) / 6.0));
     let motion = Motion {
-        position: mean(y.position, y2.position, y3.position, y4.position, y4.velocity),
-        low: Vec3::ZERO,
+        position,
+        low,
         velocity: mean(y.velocity, y2.velocity, y3.velocity, y4.velocity, acceleration),
         angular_momentum: mean(y.angular_momentum, y2.angular_momentum, y3.angular_momentum, y4.angular_momentum, torque),
     };

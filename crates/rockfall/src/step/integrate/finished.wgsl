@@ -1,11 +1,16 @@
 // requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/sphere_rates.wgsl
+// requires physics/motion.wgsl
 
-// The new value of a vector of a sphere: position, velocity or angular momentum, by region. `slope` is its rate of change
-// at Y4.
-fn finished(region: u32, i: u32, slope: vec3f) -> vec3f {
+// What stage states 2 to 4 add to a vector of a sphere, velocity or angular momentum, by region: three times the change without the
+// slope at Y4.
+fn stage_changes(region: u32, i: u32) -> vec3f {
     let y = start_row(region, i).xyz;
-    let sum = early_changes(region, i, y) + (y4_row(region, i).xyz - y);
-    return y + sum / 3.0 + (step.dt / 6.0) * slope;
+    return early_changes(region, i, y) + (y4_row(region, i).xyz - y);
+}
+
+// The new value of a vector of a sphere, velocity or angular momentum, by region. `slope` is its rate of change at Y4.
+fn finished(region: u32, i: u32, slope: vec3f) -> vec3f {
+    return start_row(region, i).xyz + stage_changes(region, i) / 3.0 + (step.dt / 6.0) * slope;
 }
 
 // Data of a sphere for the later stages of the step.
@@ -23,20 +28,22 @@ fn finish_sphere(i: u32, net: Net) -> Finished {
     var spin = old_momentum.xyz * old_momentum.w;
     if old_velocity.w > 0.0 {
         let rates = sphere_rates(i, old_velocity.w, net);
-        var after = Motion(
-            finished(0u, i, y4_row(1u, i).xyz),
-            finished(1u, i, rates.acceleration),
-            finished(2u, i, rates.torque),
-        );
+        let low = start_row(3u, i).xyz;
+        let velocity = finished(1u, i, rates.acceleration);
+        let momentum = finished(2u, i, rates.torque);
+        var after = Motion(old_position.xyz, low, velocity, momentum);
+        // The rates of positions are the velocities of the stage states.
+        after = displaced(after, step.dt * (old_velocity.xyz + stage_changes(1u, i) / 6.0));
         let sum = early_momenta(i, old_momentum.xyz) + y4_row(2u, i).xyz;
         spin = sum * (old_momentum.w / 6.0);
         if !is_finite(after) {
-            after = stopped(old_position.xyz, 4u, i);
+            after = stopped(old_position.xyz, low, 4u, i);
             spin = vec3f(0.0);
         }
         put_start(0u, i, vec4f(after.position, old_position.w));
         put_start(1u, i, vec4f(after.velocity, old_velocity.w));
         put_start(2u, i, vec4f(after.momentum, old_momentum.w));
+        put_start(3u, i, vec4f(after.low, 0.0));
     }
     return Finished(old_position.xyz, spin);
 }

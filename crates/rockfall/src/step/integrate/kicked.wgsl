@@ -1,5 +1,6 @@
 // requires model/counters.wgsl model/put_rates.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/rates.wgsl
 // requires physics/forces/sphere_rates.wgsl
+// requires physics/motion.wgsl
 
 // The second half of the kick of velocity Verlet. `state` is the state after the drift. Writes the new state and the rates, and
 // returns the spin in the middle of the step.
@@ -13,14 +14,13 @@ fn kick_sphere(i: u32, net: Net) -> vec3f {
     var rates = sphere_rates(i, velocity.w, net);
     var after = Motion(
         position.xyz,
+        low_row(i),
         velocity.xyz + 0.5 * step.dt * rates.acceleration,
         momentum.xyz + 0.5 * step.dt * rates.torque,
     );
     var spin = momentum.xyz * momentum.w;
-    var is_stopped = false;
     if !is_finite(after) {
-        after = stopped(start[i].xyz, 2u, i);
-        is_stopped = true;
+        after = stopped(start[i].xyz, start[low_at(i)].xyz, 2u, i);
         rates = Rates(vec3f(0.0), vec3f(0.0));
         spin = vec3f(0.0);
     }
@@ -28,9 +28,7 @@ fn kick_sphere(i: u32, net: Net) -> vec3f {
     start[i] = vec4f(after.position, position.w);
     start[step.spheres + i] = vec4f(after.velocity, velocity.w);
     start[2u * step.spheres + i] = vec4f(after.momentum, momentum.w);
-    if DOUBLE & !is_stopped {
-        start[low_at(i)] = state[low_at(i)];
-    }
+    start[low_at(i)] = vec4f(after.low, 0.0);
     return spin;
 }
 

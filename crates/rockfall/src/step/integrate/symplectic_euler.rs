@@ -63,7 +63,7 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
         tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, &world.aabbs, sphere));
         let Rates { acceleration, torque } = sphere_rates(&view, &lists, &world.wrenches, sphere, Some(&mut *tally));
         let velocity = y.velocity + dt * acceleration;
-        let (position, low) = y.moved(&view, dt * velocity);
+        let (position, low) = y.moved(dt * velocity);
         let next = Motion { position, low, velocity, angular_momentum: y.angular_momentum + dt * torque };
         next.or_stopped(&y, BadStage::Forces1, view.insertion_index(sphere), tally)
     };

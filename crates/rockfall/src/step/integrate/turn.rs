@@ -22,6 +22,7 @@
 
 use glam::{Quat, Vec3, Vec4};
 
+use crate::fine::Fine;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::part::part;
@@ -63,7 +64,9 @@ fn turn(world: &mut World, _pass: u32) {
                 let capsule = turned_capsule(&view, ends, old);
                 for (place, end) in ends.map(|end| end as usize).into_iter().enumerate() {
                     if capsule.is_finite() {
-                        state[end] = capsule.positions[place].extend(state[end].w);
+                        let Fine { high, low } = capsule.positions[place];
+                        state[end] = high.extend(state[end].w);
+                        state[3 * n + end] = low.extend(0.0);
                         state[n + end] = capsule.velocities[place].extend(state[n + end].w);
                         state[2 * n + end] = capsule.angular_momenta[place].extend(state[2 * n + end].w);
                     }
@@ -96,7 +99,7 @@ fn turn_by(orientation: &mut Vec4, rotation: Quat) {
 
 /// The new state of a capsule. Arrays hold one value per end.
 struct Capsule {
-    positions: [Vec3; 2],
+    positions: [Fine; 2],
     velocities: [Vec3; 2],
     angular_momenta: [Vec3; 2],
     rotation: Quat,
@@ -106,13 +109,14 @@ impl Capsule {
     /// Whether the new state is finite. If it is not, each end keeps its own spin.
     fn is_finite(&self) -> bool {
         let Self { positions, velocities, angular_momenta, .. } = self;
-        [positions, velocities, angular_momenta].into_iter().flatten().all(|vector| vector.is_finite())
+        let places = positions.map(|place| place.high);
+        [&places, velocities, angular_momenta].into_iter().flatten().all(|vector| vector.is_finite())
     }
 }
 
 fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
     let [one, two] = ends;
-    let d = view.position(two) - view.position(one);
+    let d = view.between(one, two);
     let axis = d.normalize();
     let velocity = view.velocity(two) - view.velocity(one);
     let inertia = ends.map(|end| 1.0 / view.inverse_inertia(end));
@@ -144,7 +148,7 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
     let share = |end: u32| reduced_mass * view.inverse_mass(end) * (moved - d);
     let pushed = |end: u32, momentum: Vec3| view.velocity(end) + view.inverse_mass(end) * momentum;
     Capsule {
-        positions: [view.position(one) - share(one), view.position(two) + share(two)],
+        positions: [view.fine(one).moved(-share(one)), view.fine(two).moved(share(two))],
         velocities: [pushed(one, -momentum), pushed(two, momentum)],
         angular_momenta: inertia.map(|inertia| inertia * (roll + turn)),
         rotation,

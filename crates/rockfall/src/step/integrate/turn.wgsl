@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/rotation.wgsl
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/fine.wgsl physics/rotation.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> y3: array<vec4f>;
@@ -30,7 +30,7 @@ fn free_capsule(sphere: u32) -> u32 {
     if (inverse_mass(ends.x) <= 0.0) | (inverse_mass(ends.y) <= 0.0) {
         return NONE;
     }
-    let d = state[position_at(ends.y)].xyz - state[position_at(ends.x)].xyz;
+    let d = between(ends.x, ends.y);
     return select(NONE, rod, dot(d, d) > TINY);
 }
 
@@ -45,7 +45,7 @@ fn turn_capsule(ends: vec2u) {
     let v2 = state[velocity_at(ends.y)];
     let l1 = state[momentum_at(ends.x)];
     let l2 = state[momentum_at(ends.y)];
-    let d = x2.xyz - x1.xyz;
+    let d = between(ends.x, ends.y);
     let dd = dot(d, d);
     let v = v2.xyz - v1.xyz;
     let inertia = vec2f(1.0 / l1.w, 1.0 / l2.w);
@@ -69,15 +69,17 @@ fn turn_capsule(ends: vec2u) {
     let spin_across = (spins + orbit - (dot(spins + orbit, new_d) / square) * new_d) / across;
     let spin = roll * new_d + spin_across;
     let new_v = cross(spin_across, new_d) + opening * new_d;
-    let new_x1 = x1.xyz - (v1.w * mass) * (new_d - d);
-    let new_x2 = x2.xyz + (v2.w * mass) * (new_d - d);
+    let new_x1 = fine_moved(fine_position(ends.x), -(v1.w * mass) * (new_d - d));
+    let new_x2 = fine_moved(fine_position(ends.y), (v2.w * mass) * (new_d - d));
     let new_v1 = v1.xyz - (v1.w * mass) * (new_v - v);
     let new_v2 = v2.xyz + (v2.w * mass) * (new_v - v);
     // If a result is not finite, each end keeps its own spin.
-    let places = finite(new_x1) & finite(new_x2) & finite(new_v1) & finite(new_v2);
+    let places = finite(new_x1.high) & finite(new_x2.high) & finite(new_v1) & finite(new_v2);
     if places & finite(inertia.x * spin) & finite(inertia.y * spin) {
-        state[position_at(ends.x)] = vec4f(new_x1, x1.w);
-        state[position_at(ends.y)] = vec4f(new_x2, x2.w);
+        state[position_at(ends.x)] = vec4f(new_x1.high, x1.w);
+        state[position_at(ends.y)] = vec4f(new_x2.high, x2.w);
+        state[low_at(ends.x)] = vec4f(new_x1.low, 0.0);
+        state[low_at(ends.y)] = vec4f(new_x2.low, 0.0);
         state[velocity_at(ends.x)] = vec4f(new_v1, v1.w);
         state[velocity_at(ends.y)] = vec4f(new_v2, v2.w);
         state[momentum_at(ends.x)] = vec4f(inertia.x * spin, l1.w);

@@ -46,7 +46,7 @@ fn permute_spheres(world: &mut World, _pass: u32) {
     let word = |at: u32, place: usize| topology[at as usize + place];
     for (slot, [_, old]) in pairs[..n].iter().enumerate() {
         let old = *old as usize;
-        for region in 0..step.state_regions() as usize {
+        for region in 0..step.state_regions(2) as usize {
             y3[region * n + slot] = start[region * n + old];
         }
         let attached = match step.adjacency_at {
