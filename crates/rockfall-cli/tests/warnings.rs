@@ -174,7 +174,8 @@ fn check_warns_where_positions_are_coarser_than_overlaps_at_rest() {
     assert!(!check(10.0, "set precision double\n").contains("coarse"));
     assert!(!check(0.2, "set precision single\n").contains("coarse"));
     // By default it is chosen.
-    let chosen = "precision double, because f32 resolves 0.000000954 units at 10 units from the origin, and an overlap at rest is";
+    let chosen =
+        "precision double, because f32 resolves 0.000000954 units at 10 units from the origin, and an overlap at rest is";
     let out = check(10.0, "");
     assert!(out.contains(chosen) && !out.contains("coarse"), "{out}");
 }

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::model::muscles::MuscleClock;
 use crate::physics::touch::touch;
 use crate::scene::{Scene, SphereId};
-use crate::settings::BroadPhase;
+use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::Body;
 use crate::simulation::observe::{body, observe, smaller_radius, view_and_lists};
 use crate::user_laws::set::UserLaws;
@@ -68,7 +68,14 @@ impl Scene {
         }
         let objects = self.spheres().len() + self.rods().len() + self.boxes().len() + self.polygons().len();
         // The AABBs of a time step of almost 0 are the smallest, so they give the fewest pairs.
-        let world = observe(self, 1e-9, BroadPhase::Auto.resolve(objects), 0, &MuscleClock::default(), &UserLaws::default())?;
+        let world = observe(
+            self,
+            1e-9,
+            (Integrator::default(), BroadPhase::Auto.resolve(objects)),
+            0,
+            &MuscleClock::default(),
+            &UserLaws::default(),
+        )?;
         let (view, lists) = view_and_lists(&world);
         let of_mover = |mover: u32| {
             let own = lists.row(mover).filter(move |entry| entry.id() > mover);

@@ -456,7 +456,7 @@ fn pack(scene: &Scene, options: &Options) -> Result<World> {
     if !options.uses(Optimization::LongMovers) {
         world.leave_out_long_movers();
     }
-    world.set_verlet(options.integrator == Integrator::VelocityVerlet);
+    world.set_integrator(options.integrator);
     world.joins_steps = options.uses(Optimization::JoinedSteps);
     if !options.uses(Optimization::PlannedDispatches) {
         world.step.planned = 0;

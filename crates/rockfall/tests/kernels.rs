@@ -39,6 +39,8 @@ fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
         resistance: rods,
         cohesion: rods,
         verlet: muscles,
+        half_step: large,
+        free_table: rods,
         double: rods != muscles,
         continuous: large,
         law,
@@ -75,9 +77,24 @@ fn bytes_of_worlds(worlds: WorldBatch) -> u32 {
     let [stage] = OUTSIDE;
     let worlds = Some(worlds);
     let (rods, large, muscles, materials, resistance, many) = (false, false, false, false, false, false);
-    let (cohesion, verlet, double, continuous) = (false, false, false, false);
-    let variant =
-        Variant { rods, large, muscles, law: 0, materials, resistance, cohesion, verlet, double, continuous, many, worlds };
+    let (cohesion, verlet, half_step, free_table, double, continuous) = (false, false, false, false, false, false);
+    let kinds = Variant {
+        rods,
+        large,
+        muscles,
+        law: 0,
+        materials,
+        resistance,
+        cohesion,
+        verlet,
+        half_step,
+        free_table,
+        double,
+        continuous,
+        many,
+        worlds,
+    };
+    let variant = kinds;
     let text = variant.apply(&source(stage));
     assert!(text.contains("world_steps[own_world].dt") && !text.contains("var<uniform> step"));
     // Compile errors name line numbers.

@@ -111,6 +111,10 @@ pub const FINE_SLACK: f32 = 2.5e-7;
 /// Bit of [`Step::flags`](crate::model::step::Step::flags): contacts that begin and end within a step are handled.
 pub const FLAG_CONTINUOUS: u32 = 1024;
 
+/// Bit of [`Step::flags`](crate::model::step::Step::flags): the integrator is symplectic Euler, so that velocities are half a step
+/// behind positions. `synchronise` keeps those at the time of the positions in a fifth region of `Start`.
+pub const FLAG_HALF_STEP: u32 = 2048;
+
 /// Words of the rates of a sphere: acceleration x, y, z, torque x, y, z.
 pub const RATE_WORDS: u32 = 6;
 

@@ -60,6 +60,8 @@ pub(crate) struct Rows<'a> {
     spins: &'a mut [Vec4],
     /// Empty in a state without low parts.
     lows: &'a mut [Vec4],
+    /// Velocities at the time of the positions; empty in a state without them.
+    synchronised: &'a mut [Vec4],
 }
 
 impl<'a> Rows<'a> {
@@ -68,17 +70,25 @@ impl<'a> Rows<'a> {
         const LENGTH: usize = SLICE as usize;
         let (positions, rest) = state.split_at_mut(spheres as usize);
         let (velocities, rest) = rest.split_at_mut(spheres as usize);
-        let (spins, lows) = rest.split_at_mut(spheres as usize);
-        let mut lows: Vec<&mut [Vec4]> = lows.chunks_mut(LENGTH).collect();
-        lows.resize_with(positions.len().div_ceil(LENGTH), Default::default);
-        let slices = positions.par_chunks_mut(LENGTH).zip(velocities.par_chunks_mut(LENGTH)).zip(spins.par_chunks_mut(LENGTH));
-        let rows = slices.zip(lows).enumerate().map(|(slice, (((positions, velocities), spins), lows))| Self {
-            first: slice as u32 * SLICE,
-            positions,
-            velocities,
-            spins,
-            lows,
+        let (spins, rest) = rest.split_at_mut(spheres as usize);
+        let (lows, synchronised) = rest.split_at_mut(rest.len().min(spheres as usize));
+        let slices = positions.len().div_ceil(LENGTH);
+        let [lows, synchronised] = [lows, synchronised].map(|rows| {
+            let mut chunks: Vec<&mut [Vec4]> = rows.chunks_mut(LENGTH).collect();
+            chunks.resize_with(slices, Default::default);
+            chunks
         });
+        let slices = positions.par_chunks_mut(LENGTH).zip(velocities.par_chunks_mut(LENGTH)).zip(spins.par_chunks_mut(LENGTH));
+        let rows = slices.zip(lows).zip(synchronised).enumerate().map(
+            |(slice, ((((positions, velocities), spins), lows), synchronised))| Self {
+                first: slice as u32 * SLICE,
+                positions,
+                velocities,
+                spins,
+                lows,
+                synchronised,
+            },
+        );
         rows.with_min_len(GRAIN / LENGTH)
     }
 
@@ -104,6 +114,14 @@ impl<'a> Rows<'a> {
         self.spins[place] = motion.angular_momentum.extend(view.inverse_inertia(sphere));
         if let Some(low) = self.lows.get_mut(place) {
             *low = motion.low.extend(0.0);
+        }
+    }
+
+    /// [`Rows::set`] for the phase of collisions, whose velocities are those at the time of the positions.
+    pub(crate) fn set_after_collisions(&mut self, view: &View, sphere: u32, motion: Motion) {
+        self.set(view, sphere, Motion { velocity: view.own_velocity_after(sphere, motion.velocity), ..motion });
+        if let Some(row) = self.synchronised.get_mut((sphere - self.first) as usize) {
+            *row = motion.velocity.extend(view.inverse_mass(sphere));
         }
     }
 

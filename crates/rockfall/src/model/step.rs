@@ -5,7 +5,8 @@ use std::mem::{offset_of, size_of};
 use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
 
 use crate::model::layout::{
-    ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_PAIR_FRICTION, FLAG_VERLET, SPRING_WORDS, SWEEPS_LISTED, SWEEPS_OFF, SWEEPS_ON,
+    ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_VERLET, SPRING_WORDS, SWEEPS_LISTED,
+    SWEEPS_OFF, SWEEPS_ON,
 };
 use crate::settings::{Settings, constant_table};
 
@@ -167,6 +168,9 @@ uniform! {
         /// JKR cohesion: distance up to which contacts persist when their objects are apart, as a fraction of the radius of any
         /// of them. AABBs of spheres and rods grow by as much. 0 in scenes without it.
         pub neck: f32,
+        /// First word of the sizes of the accelerations of spheres by everything but contacts, one f32 per sphere; 0 where it is that
+        /// of gravity for all of them.
+        pub free_at: u32,
         /// First word of the table of pairs, which has [`PAIR_WORDS`](crate::model::layout::PAIR_WORDS) words per pair.
         pub pairs_at: u32,
     }
@@ -248,8 +252,23 @@ impl Step {
     /// Number of regions of a state: position and radius, velocity and inverse mass, angular momentum and inverse inertia, and the
     /// low part of the position. A region is one vec4 per sphere. `Y4` has low parts only where they are read: with velocity Verlet
     /// and with double precision.
+    /// With symplectic Euler, `Start` and `Y2` have a fifth region: the velocity at the time of the positions and inverse mass.
     pub const fn state_regions(&self, state: usize) -> u32 {
-        if state == 3 && !self.is_double() && self.flags & FLAG_VERLET == 0 { 3 } else { 4 }
+        match state {
+            0 | 1 if self.is_half_step() => 5,
+            3 if !self.is_double() && self.flags & FLAG_VERLET == 0 => 3,
+            _ => 4,
+        }
+    }
+
+    /// Whether velocities are half a step behind positions (docs/physics.md section 5.2).
+    pub const fn is_half_step(&self) -> bool {
+        self.flags & FLAG_HALF_STEP != 0
+    }
+
+    /// Whether `synchronise` has something to do.
+    pub const fn needs_synchronising(&self) -> bool {
+        self.is_half_step() || self.free_at != 0
     }
 
     /// Number of springs.

@@ -128,9 +128,15 @@ const COHESION: bool = true;
 // Whether a sphere may leave the ball in which its list holds all pairs. `run_worlds` has no lists.
 const ESCAPES: bool = true;
 const VERLET: bool = true;
+// Whether the integrator is symplectic Euler, with velocities half a step behind positions.
+const HALF_STEP: bool = true;
+// Whether springs, tethers, external forces or forces of a program act, so that there is a table `free_at`.
+const FREE_TABLE: bool = true;
 const DOUBLE: bool = true;
 // Regions of a state. Each is a vec4f per sphere.
 const STATE_REGIONS: u32 = 4u;
+// The same in the phase of collisions.
+const COLLISION_REGIONS: u32 = STATE_REGIONS + u32(HALF_STEP);
 // Whether contacts that begin and end within a step are handled.
 const CONTINUOUS: bool = true;
 // The contact law. Kernels are compiled for one law.
@@ -213,6 +219,7 @@ const FLAG_RESISTANCE: u32 = 64u;
 const FLAG_COHESION: u32 = 128u;
 const FLAG_VERLET: u32 = 256u;
 const FLAG_DOUBLE: u32 = 512u;
+const FLAG_HALF_STEP: u32 = 2048u;
 const FLAG_CONTINUOUS: u32 = 1024u;
 const RATE_WORDS: u32 = 6u;
 const FINE_MARGIN: f32 = 8e-7;

@@ -81,6 +81,10 @@ pub(crate) struct View<'a> {
     rows: [&'a [Vec4]; 3],
     /// Low parts of the positions; empty in a state without them.
     lows: &'a [Vec4],
+    /// Velocities and inverse masses as the integrators have them.
+    velocities: &'a [Vec4],
+    /// Velocities at the time of the positions; empty in a state without them.
+    synchronised: &'a [Vec4],
     /// Half steps since the base of the muscles' clock.
     half_steps: u32,
     /// The laws that the program gave.
@@ -96,9 +100,42 @@ impl<'a> View<'a> {
             if step.insertion_indices_at == 0 { &[] } else { &topology[step.insertion_indices_at as usize..][..spheres] };
         let (positions, rest) = state.split_at(spheres);
         let (velocities, rest) = rest.split_at(spheres);
-        let (spins, lows) = rest.split_at(spheres);
+        let (spins, rest) = rest.split_at(spheres);
+        let (lows, synchronised) = rest.split_at(rest.len().min(spheres));
         let rows = [positions, velocities, spins];
-        Self { step, topology, insertion_indices, rows, lows, half_steps: 0, evaluation: 0, user_laws: None }
+        Self {
+            step,
+            topology,
+            insertion_indices,
+            rows,
+            lows,
+            velocities,
+            synchronised,
+            half_steps: 0,
+            evaluation: 0,
+            user_laws: None,
+        }
+    }
+
+    /// The view of the phase of collisions, with velocities at the time of the positions (docs/physics.md section 5.2).
+    pub(crate) fn in_collisions(self) -> Self {
+        let [positions, velocities, spins] = self.rows;
+        let velocities = if self.synchronised.is_empty() { velocities } else { self.synchronised };
+        Self { rows: [positions, velocities, spins], ..self }
+    }
+
+    /// Size of the acceleration of an object by everything but contacts, in units/s², as `synchronise` found it. For a rod, the greater
+    /// one of its ends. 0 for boxes and polygons, unless nothing but gravity acts in the scene.
+    pub(crate) fn free_acceleration(&self, object: Object) -> f32 {
+        if self.step.free_at == 0 {
+            return self.step.gravity_size;
+        }
+        let of = |sphere: u32| f32::from_bits(self.topology[(self.step.free_at + sphere) as usize]);
+        match object {
+            Object::Sphere(sphere) => of(sphere),
+            Object::Rod(rod) => self.rod(rod).ends.map(of).into_iter().fold(0.0, f32::max),
+            Object::Cuboid(_) | Object::Polygon(_) => 0.0,
+        }
     }
 
     /// The view at the time of a force evaluation of the step, which the rest lengths of muscles depend on.
@@ -244,6 +281,14 @@ impl<'a> View<'a> {
     /// Velocity of the sphere's centre: 0 for a fixed sphere, whose `velocity` is that of its surface.
     pub(crate) fn own_velocity(&self, sphere: u32) -> Vec3 {
         if self.is_fixed(sphere) { Vec3::ZERO } else { self.velocity(sphere) }
+    }
+
+    /// The velocity that integrators have after the phase of collisions has changed that at the time of the positions.
+    pub(crate) fn own_velocity_after(&self, sphere: u32, after: Vec3) -> Vec3 {
+        if self.synchronised.is_empty() {
+            return after;
+        }
+        self.velocities[sphere as usize].truncate() + (after - self.velocity(sphere))
     }
 
     /// Angular velocity of the sphere itself: 0 for a fixed sphere, whose `spin` is that of its surface.

@@ -14,12 +14,13 @@ use glam::Vec4;
 use crate::model::buffer::Buffer;
 use crate::model::impulse::Impulse;
 use crate::model::layout::{
-    FLAG_VERLET, HISTORY_BLOCK, HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, RATE_WORDS, SLICE, words_of_rows,
+    FLAG_HALF_STEP, FLAG_VERLET, HISTORY_BLOCK, HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, RATE_WORDS, SLICE, words_of_rows,
 };
 use crate::model::muscles::MuscleClock;
 use crate::model::rest::Rest;
 use crate::model::status::Status;
 use crate::model::step::{Aabb, Step};
+use crate::settings::Integrator;
 use crate::user_laws::set::UserLaws;
 
 /// The host arrays of the buffers in [`Buffer`], and the uniform block.
@@ -153,16 +154,22 @@ impl World {
         (self.step.state_regions(state) * self.step.spheres) as usize
     }
 
-    /// Sets whether the integrator is velocity Verlet, which keeps the rates of the last force evaluation.
-    pub fn set_verlet(&mut self, is_verlet: bool) {
-        self.step.flags &= !FLAG_VERLET;
+    /// Sets the integrator. Velocity Verlet keeps the rates of the last force evaluation.
+    pub fn set_integrator(&mut self, integrator: Integrator) {
+        self.step.flags &= !(FLAG_VERLET | FLAG_HALF_STEP);
         self.rates = Vec::new();
-        if is_verlet {
+        if integrator == Integrator::SymplecticEuler {
+            self.step.flags |= FLAG_HALF_STEP;
+        }
+        if integrator == Integrator::VelocityVerlet {
             self.step.flags |= FLAG_VERLET;
             self.rates = vec![0.0; (self.step.spheres * RATE_WORDS) as usize];
         }
-        if !self.states[3].is_empty() {
-            self.states[3].resize(self.rows_of_state(3), Vec4::ZERO);
+        // States are empty where the device has them.
+        for number in 0..self.states.len() {
+            if !self.states[number].is_empty() {
+                self.states[number].resize(self.rows_of_state(number), Vec4::ZERO);
+            }
         }
         self.status.forces_due = 1;
     }

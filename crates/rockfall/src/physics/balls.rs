@@ -47,8 +47,8 @@ impl<'a, 'b> Ball<'a, 'b> {
     pub(crate) fn have_lasted(&self, others: &[Entry]) -> BVec4A {
         let mut lasted = [0.0; LANES];
         for (lane, other) in lasted.iter_mut().zip(others) {
-            let smaller = self.view.radius(self.sphere).min(self.view.radius(other.id()));
-            let began = time_of_beginning(self.view, self.sphere, other.id(), collision_velocity(self.view.step, smaller));
+            let [a, b] = [self.sphere, other.id()].map(|sphere| side(self.view, Object::Sphere(sphere), 0.0));
+            let began = time_of_beginning(self.view, self.sphere, other.id(), collision_velocity(self.view.step, &a, &b));
             *lane = if began.is_some() { 0.0 } else { 1.0 };
         }
         Vec4::from_array(lasted).cmpgt(Vec4::ZERO)
@@ -128,6 +128,7 @@ impl<'a, 'b> Ball<'a, 'b> {
                 velocity,
                 spin: momentum * inverse_inertia,
                 radius: Some(radius),
+                free_acceleration: Vec4::from_array(others.map(|other| view.free_acceleration(Object::Sphere(other)))),
             },
             touches: Touches { normal, overlap: Vec4::splat(self.place.w) + radius - distance },
         }

@@ -16,7 +16,7 @@ use glam::Vec3;
 use crate::model::impulse::Key;
 use crate::model::view::{Object, View};
 use crate::physics::contact::{collision_velocity, smaller_radius};
-use crate::physics::side::side;
+use crate::physics::side::{Side, side};
 use crate::physics::touch::ROUNDING;
 use crate::physics::touch::{Motions, Touch, touch};
 use body::{Body, Capsule, Part};
@@ -120,8 +120,7 @@ impl Collision {
 
     /// The smaller radius of the pair, which the thresholds refer to.
     fn smaller_radius(&self, view: &View) -> f32 {
-        let a = side(view, view.object(self.a), self.touch.a);
-        let b = side(view, view.object(self.b), self.touch.b);
+        let [a, b] = self.sides(view);
         smaller_radius(&a, &b)
     }
 
@@ -132,7 +131,17 @@ impl Collision {
 
     /// Whether a pressed contact collides: its approach velocity exceeds the threshold.
     pub(crate) fn collides(&self, view: &View) -> bool {
-        self.approach > collision_velocity(view.step, self.smaller_radius(view))
+        self.approach > self.threshold(view)
+    }
+
+    /// The approach velocity above which the contact collides.
+    fn threshold(&self, view: &View) -> f32 {
+        let [a, b] = self.sides(view);
+        collision_velocity(view.step, &a, &b)
+    }
+
+    fn sides(&self, view: &View) -> [Side; 2] {
+        [(self.a, self.touch.a), (self.b, self.touch.b)].map(|(id, parameter)| side(view, view.object(id), parameter))
     }
 
     /// The key by which collisions are sorted and found. It does not depend on the order in memory.

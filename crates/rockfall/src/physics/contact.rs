@@ -13,10 +13,11 @@ use crate::physics::pairs::{Surface, Surfaces};
 use crate::physics::side::{Side, side};
 use crate::physics::touch::Touch;
 
-/// Approach velocity, in units/s, above which a contact collides (erratum E19). Gravity gives a body at rest a velocity of
-/// up to `|gravity| dt` within a step.
-pub(crate) fn collision_velocity(step: &Step, smaller_radius: f32) -> f32 {
-    (step.activation_threshold * smaller_radius).max(2.0 * step.gravity_size * step.dt)
+/// Approach velocity, in units/s, above which the contact of two sides collides (erratum E19). The acceleration by everything but
+/// contacts gives a body at rest a velocity of up to `|a| dt` within a step.
+pub(crate) fn collision_velocity(step: &Step, a: &Side, b: &Side) -> f32 {
+    let free = a.free_acceleration.max(b.free_acceleration);
+    (step.activation_threshold * smaller_radius(a, b)).max(2.0 * free * step.dt)
 }
 
 /// Returns the smaller radius of a contact, which the activation threshold refers to.
@@ -38,6 +39,8 @@ pub(crate) struct Sides {
     pub(crate) spin: Vec3x4,
     /// `None` for boxes and polygons, in all four contacts.
     pub(crate) radius: Option<Vec4>,
+    /// Sizes of the accelerations by everything but contacts, in units/s².
+    pub(crate) free_acceleration: Vec4,
 }
 
 impl Sides {
@@ -49,6 +52,7 @@ impl Sides {
             velocity: Vec3x4::splat(side.velocity),
             spin: Vec3x4::splat(side.spin),
             radius: side.radius.map(Vec4::splat),
+            free_acceleration: Vec4::splat(side.free_acceleration),
         }
     }
 }
@@ -74,7 +78,7 @@ pub(crate) struct ContactForce<V> {
 pub(crate) fn contact_force(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> ContactForce<Vec3> {
     let sides = [(id_a, touch.a), (id_b, touch.b)].map(|(id, parameter)| side(view, view.object(id), parameter));
     if view.step.flags & FLAG_CONTINUOUS != 0 {
-        let threshold = collision_velocity(view.step, smaller_radius(&sides[0], &sides[1]));
+        let threshold = collision_velocity(view.step, &sides[0], &sides[1]);
         // A contact that began within the step exerts no force (docs/physics.md section 3.10).
         if time_of_beginning(view, id_a, id_b, threshold).is_some() {
             return ContactForce::default();
@@ -108,7 +112,7 @@ impl Approach {
     pub(crate) fn of(step: &Step, a: &Sides, b: &Sides, normal: Vec3x4) -> Self {
         let radius_a = a.radius.unwrap_or(Vec4::ZERO);
         let smaller = b.radius.map_or(radius_a, |radius_b| radius_a.min(radius_b));
-        let least = Vec4::splat(collision_velocity(step, 0.0));
+        let least = 2.0 * a.free_acceleration.max(b.free_acceleration) * step.dt;
         Self { velocity: (a.velocity - b.velocity).dot(normal), threshold: (step.activation_threshold * smaller).max(least) }
     }
 }

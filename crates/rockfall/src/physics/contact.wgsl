@@ -216,9 +216,25 @@ fn smaller_radius(a: f32, b: f32, b_moves: bool) -> f32 {
     return select(a, min(a, b), b_moves);
 }
 
-// Approach velocity above which a contact collides, for the smaller radius of the pair: erratum E19.
-fn collision_velocity(radius: f32) -> f32 {
-    return max(step.activation_threshold * radius, 2.0 * step.gravity_size * step.dt);
+// Size of the acceleration of an object by everything but contacts, as `synchronise` found it.
+fn free_acceleration_of(id: u32) -> f32 {
+    if id < step.spheres {
+        return float_at(step.free_at + id);
+    }
+    if RODS & (id - step.spheres < step.rods) {
+        let ends = rod_ends(id - step.spheres);
+        return max(float_at(step.free_at + ends.x), float_at(step.free_at + ends.y));
+    }
+    return 0.0;
+}
+
+// Approach velocity above which the contact of objects a and b collides, for the smaller radius of the pair: erratum E19.
+fn collision_velocity(radius: f32, a: u32, b: u32) -> f32 {
+    var free = step.gravity_size;
+    if FREE_TABLE {
+        free = max(free_acceleration_of(a), free_acceleration_of(b));
+    }
+    return max(step.activation_threshold * radius, 2.0 * free * step.dt);
 }
 
 // Arms of a contact. Both end in one common point, so the angular momentum of the pair is conserved.
@@ -241,8 +257,8 @@ fn slip_of(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32) -> 
 // Whether a pair has a contact force (docs/physics.md section 4.4). While collisions are switched on, there is none when the
 // pair separates fast, which is its rebound, or when the overlap began within this step, because the next collision phase will
 // handle it.
-fn has_force(overlap: f32, approach: f32, radius: f32) -> bool {
-    let threshold = collision_velocity(radius);
+fn has_force(overlap: f32, approach: f32, radius: f32, a: u32, b: u32) -> bool {
+    let threshold = collision_velocity(radius, a, b);
     let fresh = (approach > threshold) & (overlap < 2.0 * approach * step.dt);
     return ((step.flags & FLAG_COLLISIONS) == 0u) | !(fresh | (approach < -threshold));
 }
@@ -262,13 +278,13 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
     let reduced_mass = 1.0 / inverse_mass;
     let approach = dot(a_side.velocity - b_side.velocity, n);
     let radius = smaller_radius(a_side.radius, b_side.radius, b_moves);
-    if !has_force(overlap, approach, radius) {
+    if !has_force(overlap, approach, radius, a, b) {
         return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
     }
     if CONTINUOUS {
         // A contact that began within the step is handled by the next collision phase (docs/physics.md section 3.10).
         let pair = ordered(a, b);
-        if time_of_beginning(pair.x, pair.y, collision_velocity(radius)) >= 0.0 {
+        if time_of_beginning(pair.x, pair.y, collision_velocity(radius, a, b)) >= 0.0 {
             return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
         }
     }

@@ -10,13 +10,13 @@
 pub(crate) mod net_force;
 pub(crate) mod rates;
 
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 use crate::model::counters::Tally;
 use crate::model::lists::Lists;
 use crate::model::part::Part;
 use crate::model::view::View;
-use net_force::{Load, sphere_load};
+use net_force::{Load, attached_force, sphere_load};
 use rates::Rates;
 
 /// Declares the modules of the body forces, the function that adds all of them on the CPU, and their WGSL files.
@@ -69,4 +69,13 @@ pub(crate) fn rates_of(view: &View, sphere: u32, load: &Load) -> Rates {
     let mut rates = Rates { acceleration: view.inverse_mass(sphere) * load.force, torque: load.torque };
     add_body_forces(view, sphere, &mut rates);
     rates
+}
+
+/// Acceleration of a moving sphere by everything but contacts and damping: gravity, springs, tethers, external forces and forces of
+/// the program.
+pub(crate) fn free_acceleration(view: &View, sphere: u32) -> Vec3 {
+    let pulled = view.inverse_mass(sphere) * attached_force(view, sphere);
+    let mut rates = Rates { acceleration: Vec3::from_array(view.step.gravity) + pulled, torque: Vec3::ZERO };
+    user::add(view, sphere, &mut rates);
+    rates.acceleration
 }

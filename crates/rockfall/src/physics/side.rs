@@ -15,11 +15,14 @@ pub(crate) struct Side {
     pub(crate) spin: Vec3,
     /// `None` for a box or polygon.
     pub(crate) radius: Option<f32>,
+    /// Size of the acceleration by everything but contacts, in units/s².
+    pub(crate) free_acceleration: f32,
 }
 
 /// Returns the side of `object`. For a rod, the contact is at `parameter`. A fixed end of a rod is at rest: the surface
 /// velocity of a fixed sphere counts only in contacts of the sphere itself (E26).
 pub(crate) fn side(view: &View, object: Object, parameter: f32) -> Side {
+    let free_acceleration = view.free_acceleration(object);
     match object {
         Object::Sphere(sphere) => Side {
             inverse_mass: view.inverse_mass(sphere),
@@ -27,6 +30,7 @@ pub(crate) fn side(view: &View, object: Object, parameter: f32) -> Side {
             velocity: view.velocity(sphere),
             spin: view.spin(sphere),
             radius: Some(view.radius(sphere)),
+            free_acceleration,
         },
         Object::Rod(rod) => {
             let rod = view.rod(rod);
@@ -38,10 +42,12 @@ pub(crate) fn side(view: &View, object: Object, parameter: f32) -> Side {
                 velocity: s * view.own_velocity(one) + t * view.own_velocity(two),
                 spin: s * view.own_spin(one) + t * view.own_spin(two),
                 radius: Some(rod.radius),
+                free_acceleration,
             }
         }
         Object::Cuboid(_) | Object::Polygon(_) => {
-            Side { inverse_mass: 0.0, inverse_inertia: 0.0, velocity: Vec3::ZERO, spin: Vec3::ZERO, radius: None }
+            let (velocity, spin) = (Vec3::ZERO, Vec3::ZERO);
+            Side { inverse_mass: 0.0, inverse_inertia: 0.0, velocity, spin, radius: None, free_acceleration }
         }
     }
 }

@@ -60,8 +60,7 @@ impl Simulation {
     pub(super) fn blamed_contact_law(&self, sphere: usize, step: u64) -> Option<Error> {
         let laws = &self.world.user_laws;
         laws.contact.as_ref().filter(|_| self.settings().contact_law == ContactLaw::User)?;
-        let method = self.options.broad_phase;
-        let world = observe(&self.scene, self.time_step, method, step, &self.muscle_clock, laws).ok()?;
+        let world = observe(&self.scene, self.time_step, self.methods(), step, &self.muscle_clock, laws).ok()?;
         let (view, lists) = view_and_lists(&world);
         lists.row(sphere as u32).find_map(|entry| {
             let (a, b) = view.ordered(sphere as u32, entry.id());

@@ -31,9 +31,9 @@ use crate::simulation::drive::{MAX_ATTEMPTS, room_for};
 use crate::simulation::escape::margin_after_escape;
 use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine};
-use crate::step::collisions::find_collisions;
+use crate::step::collisions::{find_collisions, synchronise};
 use crate::step::forces::law_forces;
-use crate::step::schedule::Phase;
+use crate::step::schedule::{Phase, Run};
 use crate::user_laws::set::UserLaws;
 
 /// One of the two bodies of a contact.
@@ -156,11 +156,9 @@ impl Simulation {
         let world = self.observed()?;
         Ok(deepest(&self.scene, &world, |view, mover, entry, touch| {
             let [a, b] = [mover, entry.id()];
-            let threshold = collision_velocity(view.step, smaller_radius(view, mover, entry.id()));
-            let rests = [(a, touch.a), (b, touch.b)].into_iter().all(|(id, parameter)| {
-                let side = side(view, view.object(id), parameter);
-                side.inverse_mass == 0.0 || side.velocity.length() <= threshold
-            });
+            let sides = [(a, touch.a), (b, touch.b)].map(|(id, parameter)| side(view, view.object(id), parameter));
+            let threshold = collision_velocity(view.step, &sides[0], &sides[1]);
+            let rests = sides.iter().all(|side| side.inverse_mass == 0.0 || side.velocity.length() <= threshold);
             let has_force = || view.step.law != LAW_THESIS || contact_force(view, a, b, touch).force != Vec3::ZERO;
             rests && entry.word & ENTRY_COLLIDES == 0 && has_force()
         }))
@@ -262,11 +260,9 @@ impl Simulation {
         let device = self.engine.waiter();
         let springs = engine::block_on(device, self.springs())?;
         let step = self.report.steps;
-        let mut world =
-            observe(&self.scene, self.time_step, self.broad_phase_method(), step, &self.muscle_clock, &self.world.user_laws)?;
+        let mut world = observe(&self.scene, self.time_step, self.methods(), step, &self.muscle_clock, &self.world.user_laws)?;
         put_springs(&mut world, &self.scene, &springs);
-        // Springs that a step has advanced are shown as they are.
-        world.set_verlet(self.options.integrator == Integrator::VelocityVerlet);
+        world.status.forces_due = 1;
         while world.step.law != LAW_THESIS {
             (law_forces::STAGE.cpu)(&mut world, 0);
             if world.status.rejected & REJECTED_HISTORY == 0 {
@@ -276,6 +272,11 @@ impl Simulation {
             world.set_history_pool(world.status.history_blocks);
         }
         Ok(world)
+    }
+
+    /// The integrator and the method that finds pairs.
+    pub(super) fn methods(&self) -> (Integrator, BroadPhase) {
+        (self.options.integrator, self.broad_phase_method())
     }
 
     fn body(&self, view: &View, id: u32) -> Body {
@@ -296,12 +297,14 @@ pub(crate) fn body(scene: &Scene, view: &View, id: u32) -> Body {
 pub(crate) fn observe(
     scene: &Scene,
     dt: f32,
-    method: BroadPhase,
+    (integrator, method): (Integrator, BroadPhase),
     step: u64,
     clock: &MuscleClock,
     laws: &UserLaws,
 ) -> Result<World> {
     let mut world = World::build_with(scene, laws.clone())?;
+    // With velocity Verlet, springs of contacts that a step has advanced are shown as they are.
+    world.set_integrator(integrator);
     world.set_muscles(scene, clock);
     world.step.dt = dt;
     // The contacts of the present state, and not those within the last step.
@@ -309,8 +312,8 @@ pub(crate) fn observe(
     for attempts in 0..=MAX_ATTEMPTS {
         world.status = Status::default();
         let phases = [Phase::UpdateAabbs, Phase::BroadPhase].iter().flat_map(|phase| phase.stages(Integrator::Rk4, method));
-        let mut collisions = Phase::HandleCollisions.stages(Integrator::Rk4, method).iter();
-        let finding = collisions.find(|run| run.stage.is(&find_collisions::STAGE));
+        let is_needed = |run: &&Run| run.stage.is(&synchronise::STAGE) || run.stage.is(&find_collisions::STAGE);
+        let finding = Phase::HandleCollisions.stages(integrator, method).iter().filter(is_needed);
         let stages: Vec<_> = phases.chain(finding).copied().collect();
         cpu::run(&mut world, &stages);
         let status = &world.status;

@@ -9,8 +9,8 @@ use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
 use crate::step::collisions::{
     apply_collisions, apply_friction_impulses, commit_collisions, commit_crossings, commit_friction_impulses, find_collisions,
-    find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions,
-    weigh_networks,
+    find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, synchronise,
+    weigh_collisions, weigh_networks,
 };
 use crate::step::forces::{law_forces, rod_forces};
 use crate::step::fused::run_worlds;
@@ -22,7 +22,7 @@ use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_sph
 use crate::step::stage::Stage;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 54] = [
+pub const ALL: [&Stage; 55] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -52,6 +52,7 @@ pub const ALL: [&Stage; 54] = [
     &apply_collisions::STAGE,
     &commit_collisions::STAGE,
     &commit_crossings::STAGE,
+    &synchronise::STAGE,
     &apply_friction_impulses::STAGE,
     &commit_friction_impulses::STAGE,
     &restore_lengths::STAGE,

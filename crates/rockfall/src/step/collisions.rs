@@ -12,5 +12,6 @@ pub(crate) mod list_collisions;
 pub(crate) mod project_networks;
 pub(crate) mod sweep_at_once;
 pub(crate) mod sweep_collisions;
+pub(crate) mod synchronise;
 pub(crate) mod weigh_collisions;
 pub(crate) mod weigh_networks;

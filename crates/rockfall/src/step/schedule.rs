@@ -13,8 +13,8 @@ use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
 use crate::step::collisions::{
     apply_collisions, apply_friction_impulses, commit_collisions, commit_crossings, commit_friction_impulses, find_collisions,
-    find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, weigh_collisions,
-    weigh_networks,
+    find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, synchronise,
+    weigh_collisions, weigh_networks,
 };
 use crate::step::forces::{law_forces, rod_forces};
 use crate::step::integrate::{
@@ -47,6 +47,8 @@ pub enum When {
     FrictionImpulses,
     /// Scenes in which contacts that begin and end within a step are handled.
     Continuous,
+    /// Scenes whose phase of collisions needs the accelerations by everything but contacts.
+    Accelerated,
     /// Scenes with bodies much larger than most.
     LongMovers,
     /// Scenes with the contact law of the thesis.
@@ -87,6 +89,7 @@ impl Run {
             When::LargeSwept => step.large > 0 && step.sweeps == SWEEPS_ON,
             When::FrictionImpulses => step.has_friction_impulses(),
             When::Continuous => step.flags & FLAG_CONTINUOUS != 0,
+            When::Accelerated => step.needs_synchronising(),
             When::LongMovers => step.long_at != 0,
             When::ThesisLaw => step.law == LAW_THESIS,
             When::Histories => step.law != LAW_THESIS,
@@ -248,14 +251,15 @@ impl Phase {
 /// computes the changes of velocity in networks, and `gather_impulses` those of large spheres. Crossings are found first, because
 /// the other contacts of their spheres do not collide, and applied last, to spheres that no other collision changes.
 const HANDLE_COLLISIONS: &[Run] = &{
-    const FIRST: usize = 6;
+    const FIRST: usize = 7;
     const LAST: usize = FIRST + 3 * SWEEPS as usize;
-    let mut runs = [run(&find_crossings::STAGE).when(When::Continuous); LAST + 5];
-    runs[1] = run(&find_collisions::STAGE);
-    runs[2] = run(&list_collisions::STAGE).when(When::Listed);
-    runs[3] = run(&weigh_networks::STAGE).when(When::Networks);
-    runs[4] = run(&weigh_collisions::STAGE).when(When::Listed);
-    runs[5] = run(&sweep_at_once::STAGE).when(When::SweptAtOnce);
+    let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 5];
+    runs[1] = run(&find_crossings::STAGE).when(When::Continuous);
+    runs[2] = run(&find_collisions::STAGE);
+    runs[3] = run(&list_collisions::STAGE).when(When::Listed);
+    runs[4] = run(&weigh_networks::STAGE).when(When::Networks);
+    runs[5] = run(&weigh_collisions::STAGE).when(When::Listed);
+    runs[6] = run(&sweep_at_once::STAGE).when(When::SweptAtOnce);
     let mut sweep = 0;
     while sweep < SWEEPS as usize {
         let at = FIRST + 3 * sweep;

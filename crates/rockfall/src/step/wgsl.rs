@@ -11,7 +11,9 @@
 //! bindings, and the [`HOOKS`]. A [`Variant`] adapts the text to the kinds of objects in a scene. `tests/wgsl.rs` checks that
 //! no file uses a name without requiring its file, requires a file that it does not use, or declares a name twice.
 
-use crate::model::layout::{FLAG_COHESION, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_RESISTANCE, FLAG_VERLET, MANY_OBJECTS};
+use crate::model::layout::{
+    FLAG_COHESION, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_RESISTANCE, FLAG_VERLET, MANY_OBJECTS,
+};
 use crate::model::part::{Part, part};
 use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
@@ -50,6 +52,7 @@ pub const HOOKS: &[(&str, &str)] = &[
 
 /// The files that stages share.
 const SHARED: &[Part] = &[
+    part!("model/collision_state.wgsl"),
     part!("model/counters.wgsl"),
     part!("model/entries.wgsl"),
     part!("model/lists.wgsl"),
@@ -79,6 +82,7 @@ const SHARED: &[Part] = &[
     part!("physics/escape.wgsl"),
     part!("physics/fine.wgsl"),
     part!("physics/forces/attached.wgsl"),
+    part!("physics/forces/free.wgsl"),
     part!("physics/forces/mover_load.wgsl"),
     part!("physics/forces/muscle.wgsl"),
     part!("physics/forces/net_force.wgsl"),
@@ -205,7 +209,11 @@ pub struct Variant {
     pub cohesion: bool,
     /// The integrator is velocity Verlet.
     pub verlet: bool,
-    /// Positions have a low part.
+    /// The integrator is symplectic Euler.
+    pub half_step: bool,
+    /// Springs, tethers or forces act.
+    pub free_table: bool,
+    /// Geometry uses the low parts of positions.
     pub double: bool,
     /// Contacts that begin and end within a step are handled.
     pub continuous: bool,
@@ -228,6 +236,8 @@ impl Variant {
             resistance: flags & FLAG_RESISTANCE != 0,
             cohesion: flags & FLAG_COHESION != 0,
             verlet: flags & FLAG_VERLET != 0,
+            half_step: flags & FLAG_HALF_STEP != 0,
+            free_table: step.free_at != 0,
             double: flags & FLAG_DOUBLE != 0,
             continuous: flags & FLAG_CONTINUOUS != 0,
             many: step.objects() >= MANY_OBJECTS,
@@ -248,6 +258,8 @@ impl Variant {
             ("ESCAPES", self.worlds.is_none()),
             ("BY_FIELD", self.worlds.is_some()),
             ("VERLET", self.verlet),
+            ("HALF_STEP", self.half_step),
+            ("FREE_TABLE", self.free_table),
             ("DOUBLE", self.double),
             ("CONTINUOUS", self.continuous),
         ];

@@ -1,8 +1,8 @@
 //! Double precision of positions (docs/physics.md section 5.8): small bodies far from the origin move as at the origin.
 
 use rockfall::{
-    Backend, BroadPhase, Capsule, Checkpoint, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Polygon, Precision,
-    Scene, Simulation, Sphere, SphereId, Spring, Tether,
+    Backend, BroadPhase, Checkpoint, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Polygon, Precision, Scene,
+    Simulation, Sphere, SphereId, Spring, Tether,
 };
 
 use crate::common::bits_of;

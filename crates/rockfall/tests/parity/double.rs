@@ -88,7 +88,7 @@ type Stages = (Vec<Run>, World);
 /// All stages of two steps. Those of collisions are compared together, because the backends divide the work in other ways.
 fn stages(kind: Kind, precision: Precision, integrator: Integrator) -> Vec<Stages> {
     let mut world = World::build(&scene(kind, precision, 5)).unwrap();
-    world.set_verlet(integrator == Integrator::VelocityVerlet);
+    world.set_integrator(integrator);
     world.step.dt = 2e-3;
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
     world.step.collision_room = 1024;

@@ -175,7 +175,7 @@ fn build(drawn: &Clusters, plan: &Plan) -> World {
     give_contact_law(&mut world, drawn);
     // One block of cells, the number for so few objects, or two: the stages of a grid of several blocks are different.
     world.set_cells(CELL_BLOCK * (1 + plan.seed % 2) as u32);
-    world.set_verlet(plan.integrator == Integrator::VelocityVerlet);
+    world.set_integrator(plan.integrator);
     // Not 0, so that rates that a stage fails to write are noticed.
     world.rates.fill(3.0);
     with_step_settings(world)
@@ -211,7 +211,7 @@ pub(crate) fn with_step_settings(mut world: World) -> World {
 fn add_springs(world: &mut World, plan: &Plan) {
     let mut early = world.clone();
     // One evaluation of the present state advances the springs.
-    early.set_verlet(false);
+    early.set_integrator(Integrator::Rk4);
     if early.step.neck > 0.0 {
         // Some pairs that are apart have touched before, so that necks connect them. Others have not.
         let spheres = early.step.spheres as usize;

@@ -189,6 +189,8 @@ impl DeviceWorlds {
             resistance: false,
             cohesion: false,
             verlet: false,
+            half_step: false,
+            free_table: false,
             double: false,
             continuous: false,
             many: false,

@@ -7,8 +7,8 @@ use crate::fine::Fine;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
     CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_GROUPS,
-    FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE, MIN_PLANNED_OBJECTS, SLICE,
-    SUM_WORDS,
+    FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE,
+    MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -122,7 +122,8 @@ impl World {
         step.gravity_size = gravity.abs() * gravity_direction.length();
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
         // These flags follow from the table of pairs and the options.
-        let kept = FLAG_CONTINUE | FLAG_GROUPS | FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION | FLAG_VERLET;
+        let kept =
+            FLAG_CONTINUE | FLAG_GROUPS | FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION | FLAG_VERLET | FLAG_HALF_STEP;
         let chosen = bit(collisions, FLAG_COLLISIONS) | bit(is_continuous, FLAG_CONTINUOUS) | bit(contact_pull, FLAG_PULL);
         step.flags = step.flags & kept | chosen | bit(precision == Precision::Double, FLAG_DOUBLE);
         step.sweeps = step.sweeps.max(step.calm_sweeps());
@@ -138,6 +139,8 @@ impl World {
         let spins = spheres().map(|sphere| sphere.angular_momentum.extend(1.0 / sphere.inertia()));
         let lows = centres.iter().map(|centre| centre.low.extend(0.0));
         self.states[0] = positions.chain(velocities).chain(spins).chain(lows).collect();
+        let rows = self.rows_of_state(0);
+        self.states[0].resize(rows, Vec4::ZERO);
         self.orientations = spheres().map(|sphere| sphere.orientation.into()).collect();
     }
 

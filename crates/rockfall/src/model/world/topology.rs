@@ -53,6 +53,9 @@ impl World {
         pack_attachments(scene, &slots, step, &mut topology, &mut adjacency)?;
         pack_forces(scene, &slots, self.has_force_on_each, step, &mut topology, &mut adjacency);
         pack_muscles(scene, step, &mut topology);
+        let has_forces = topology.len() as u32 > step.springs_at || !self.user_laws.forces.is_empty();
+        step.free_at = if has_forces { topology.len() as u32 } else { 0 };
+        topology.resize(topology.len() + if has_forces { counts.spheres } else { 0 }, 0);
         step.laws_at = topology.len() as u32;
         topology.extend(self.user_laws.values(&scene.material_names())?.iter().map(|value| value.to_bits()));
         pack_static(scene, &self.order, step, &mut topology)?;

@@ -91,7 +91,10 @@ fn write_motion(i: u32, wanted: Motion) {
     let velocity = vec4f(after.velocity, old_velocity.w);
     request_rebuild(i, position, velocity);
     put_next(0u, i, position);
-    put_next(1u, i, velocity);
+    put_next(1u, i, own_velocity_after(i, velocity));
+    if HALF_STEP {
+        put_next(4u, i, velocity);
+    }
     put_next(2u, i, vec4f(after.momentum, old_momentum.w));
     put_next(3u, i, vec4f(after.low, 0.0));
 }

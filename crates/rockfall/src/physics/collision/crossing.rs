@@ -9,7 +9,7 @@ use crate::model::lists::Lists;
 use crate::model::step::Step;
 use crate::model::view::{Object, View};
 use crate::physics::collision::{Change, Collision, lone};
-use crate::physics::contact::{collision_velocity, smaller_radius};
+use crate::physics::contact::collision_velocity;
 use crate::physics::first_contact::{Earlier, time_of_beginning};
 use crate::physics::side::side;
 use crate::physics::touch::line;
@@ -66,7 +66,7 @@ impl Crossing {
 fn colliding(view: &View, one: u32, other: u32) -> Option<(f32, Collision)> {
     let (a, b) = view.ordered(one, other);
     let [side_a, side_b] = [a, b].map(|id| side(view, view.object(id), 0.0));
-    let threshold = collision_velocity(view.step, smaller_radius(&side_a, &side_b));
+    let threshold = collision_velocity(view.step, &side_a, &side_b);
     let time = time_of_beginning(view, a, b, threshold)?;
     let found = (time, contact_before(view, a, b, time)?);
     // A crossing of a polygon is known to be over. Its plane goes on beside and behind it.

@@ -13,7 +13,6 @@ use crate::model::layout::FLAG_CONTINUOUS;
 use crate::model::view::{Object, View};
 use crate::physics::collision::body::{Body, Capsule, Part};
 use crate::physics::collision::{Change, Collision};
-use crate::physics::contact::collision_velocity;
 use crate::physics::first_contact::time_of_beginning;
 use crate::physics::forces::net_force::{attached_curvature, attached_force};
 use crate::physics::pairs::Surface;
@@ -163,7 +162,7 @@ pub(super) fn solve_crossing(view: &View, k: &Collision, tau: f32) -> Option<Out
 /// paths, if it is within the step (docs/physics.md section 3.10).
 fn start_of(view: &View, k: &Collision) -> f32 {
     let is_continuous = view.step.flags & FLAG_CONTINUOUS != 0;
-    let began = || time_of_beginning(view, k.a, k.b, collision_velocity(view.step, k.smaller_radius(view)));
+    let began = || time_of_beginning(view, k.a, k.b, k.threshold(view));
     is_continuous.then(began).flatten().unwrap_or(0.0)
 }
 

@@ -1,5 +1,5 @@
 // requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/contact.wgsl
-// requires physics/forces/attached.wgsl physics/geometry.wgsl physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
+// requires physics/forces/attached.wgsl physics/forces/free.wgsl physics/geometry.wgsl physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
 
 // Solves lone collisions at their time of contact (docs/physics.md section 3.6). The pair is moved back to the time at
 // which it first touched.
@@ -15,19 +15,6 @@ struct Solved {
     impulse: f32,
     // Time since the overlap began, in s.
     tau: f32,
-}
-
-// Acceleration of a moving sphere by everything but contacts.
-fn free_acceleration(sphere: u32) -> vec3f {
-    var force = vec3f(0.0);
-    let range = adjacency(sphere);
-    for (var at = range.x; at < range.y; at++) {
-        let kind = kind_of(topology[at]);
-        if !RODS | (kind != KIND_ROD) {
-            force += attached_force(sphere, kind, index_of(topology[at]));
-        }
-    }
-    return step.gravity + inverse_mass(sphere) * force;
 }
 
 // Accelerations of the spheres of a side. For a capsule, both are that of its centre of mass.
@@ -132,7 +119,7 @@ fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
             if b_id < step.spheres {
                 smaller = min(radius, state[position_at(b_id)].w);
             }
-            start = max(0.0, time_of_beginning(a_id, b_id, collision_velocity(smaller)));
+            start = max(0.0, time_of_beginning(a_id, b_id, collision_velocity(smaller, a_id, b_id)));
         }
     }
     return solve_from(a_id, b_id, feature, found, start, false);

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE};
 use crate::model::view::View;
-use crate::physics::contact::{ContactForce, collision_velocity, smaller_radius};
+use crate::physics::contact::{ContactForce, collision_velocity};
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
 use crate::physics::laws::{Constants, answer, energy};
@@ -42,7 +42,7 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     let approach = (a.velocity - b.velocity).dot(n);
     if step.flags & FLAG_COLLISIONS != 0 {
         // As in docs/physics.md section 4.4.
-        let threshold = collision_velocity(step, smaller_radius(&a, &b));
+        let threshold = collision_velocity(step, &a, &b);
         if approach < -threshold || (approach > threshold && overlap < 2.0 * approach * step.dt) {
             return LawForce { spring: Spring { overlap, ..Spring::default() }, ..LawForce::default() };
         }

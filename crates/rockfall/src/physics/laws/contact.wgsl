@@ -59,7 +59,7 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: S
     let approach = dot(relative, n);
     let no_force = ContactForce(vec3f(0.0), vec3f(0.0), arms.x, arms.y);
     var result = LawForce(no_force, vec3f(0.0), Spring(vec3f(0.0), overlap, vec3f(0.0)));
-    if !has_force(overlap, approach, smaller_radius(a_side.radius, b_side.radius, b_moves)) {
+    if !has_force(overlap, approach, smaller_radius(a_side.radius, b_side.radius, b_moves), a, b) {
         return result;
     }
     let mass = 1.0 / (a_side.inverse_mass + b_side.inverse_mass);

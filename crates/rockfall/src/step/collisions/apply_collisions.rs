@@ -54,7 +54,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
         return;
     }
     let [start, y2, ..] = &mut world.states;
-    let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, 0);
+    let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, 0).in_collisions();
     let lists = Lists::new(&world.step, &world.lists);
     let outcome = solve(&view, &lists);
     let taking_part = TakingPart::new(&view, &lists);
@@ -63,7 +63,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
             let mut tally = Tally::default();
             for sphere in rows.spheres().filter(|sphere| taking_part.has(*sphere)) {
                 let after = collided(&view, &outcome, &world.aabbs, sphere, &mut tally);
-                rows.set(&view, sphere, after);
+                rows.set_after_collisions(&view, sphere, after);
             }
             tally
         })

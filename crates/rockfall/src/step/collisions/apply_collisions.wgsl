@@ -1,4 +1,4 @@
-// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl
+// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/collision_state.wgsl
 // requires model/put_next.wgsl model/step.wgsl physics/collision/capsule_changes.wgsl physics/collision/changes.wgsl
 // requires physics/collision/impulses.wgsl step/collisions/has_changes.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl

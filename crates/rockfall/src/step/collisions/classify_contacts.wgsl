@@ -28,28 +28,27 @@ fn pair_radius(a: u32, b: u32) -> f32 {
 
 // The ENTRY_OVERLAPS and ENTRY_COLLIDES bits of a contact with this overlap, approach velocity, inverse mass and smaller
 // radius.
-fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32) -> u32 {
+fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32, a: u32, b: u32) -> u32 {
     if overlap <= ROUNDING * radius {
         return 0u;
     }
     let is_on = (step.flags & FLAG_COLLISIONS) != 0u;
-    let collides = is_on & (inverse_mass > 0.0) & (approach > collision_velocity(radius));
+    let collides = is_on & (inverse_mass > 0.0) & (approach > collision_velocity(radius, a, b));
     return ENTRY_OVERLAPS | select(0u, ENTRY_COLLIDES, collides);
 }
 
 // The bits of an entry of a mover. `velocity` is the velocity row of the mover, used only if the mover is a sphere.
 fn classify(own: Own, velocity: vec4f, other: LoadedEntry) -> u32 {
     let id = entry_id(other.entry);
-    // The code for plain contacts leaves out the low parts of positions.
-    if !DOUBLE & are_plain(own.id, id) {
+    if are_plain(own.id, id) {
         let contact = plain_with(own.id, own.place, velocity, other);
         if contact.inverse_mass <= 0.0 {
             return 0u;
         }
         let radius = select(own.place.w, min(own.place.w, other.place.w), id < step.spheres);
-        return bits_of(contact.overlap, contact.approach, contact.inverse_mass, radius);
+        return bits_of(contact.overlap, contact.approach, contact.inverse_mass, radius, own.id, id);
     }
-    if !RODS & !DOUBLE {
+    if !RODS {
         return 0u;
     }
     let pair = ordered(own.id, id);
@@ -61,7 +60,7 @@ fn classify(own: Own, velocity: vec4f, other: LoadedEntry) -> u32 {
         return 0u;
     }
     let contact = approach_at(pair.x, pair.y, found);
-    return bits_of(found.overlap, contact.approach, contact.inverse_mass, pair_radius(pair.x, pair.y));
+    return bits_of(found.overlap, contact.approach, contact.inverse_mass, pair_radius(pair.x, pair.y), pair.x, pair.y);
 }
 
 // Selects, from ENTRIES_PER_MASK entries, those that must be classified. Entries without bits whose objects are too far away

@@ -25,6 +25,6 @@ fn commit_change(i: u32) {
         status.lengths_due = 1u;
     }
     if takes_part {
-        commit_next_state(i);
+        commit_next_state(i, COLLISION_REGIONS);
     }
 }

@@ -44,12 +44,13 @@ fn commit_collisions(world: &mut World, _pass: u32) {
     }
     status.lengths_due = 1;
     let lists = Lists::new(step, lists);
-    let view = View::new(step, topology, start);
+    let view = View::new(step, topology, start).in_collisions();
     let taking_part = TakingPart::new(&view, &lists);
     let n = step.spheres as usize;
     let spheres = (0..n).into_par_iter().with_min_len(GRAIN);
     let changed: Vec<usize> = spheres.filter(|sphere| taking_part.has(*sphere as u32)).collect();
-    for place in changed.into_iter().flat_map(|sphere| [sphere, n + sphere, 2 * n + sphere, 3 * n + sphere]) {
+    let regions = step.state_regions(0) as usize;
+    for place in changed.into_iter().flat_map(|sphere| (0..regions).map(move |region| region * n + sphere)) {
         start[place] = y2[place];
     }
 }

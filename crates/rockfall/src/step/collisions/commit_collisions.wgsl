@@ -1,4 +1,4 @@
-// requires model/one_state.wgsl model/step.wgsl model/two_states.wgsl step/collisions/collided.wgsl
+// requires model/collision_state.wgsl model/step.wgsl model/two_states.wgsl step/collisions/collided.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> next: array<vec4f>;

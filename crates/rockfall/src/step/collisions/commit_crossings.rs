@@ -3,6 +3,7 @@
 //!
 //! Does nothing in a rejected step, or when an earlier attempt at the step has done its collisions.
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::error::BadStage;
@@ -43,12 +44,12 @@ fn commit_crossings(world: &mut World, _pass: u32) {
     if status.rejected != 0 || status.collided != 2 {
         return;
     }
-    let view = View::new(step, topology, start);
+    let view = View::new(step, topology, start).in_collisions();
     let crossings = Crossings::new(step, y3);
     let spheres = (0..step.spheres).into_par_iter().with_min_len(GRAIN);
     let handled: Vec<(u32, Crossing)> = spheres.filter_map(|sphere| Some((sphere, crossings.handled(sphere)?))).collect();
     let mut tally = Tally::default();
-    let after: Vec<(u32, Motion)> = handled
+    let after: Vec<(u32, Motion, Vec3)> = handled
         .into_iter()
         .map(|(sphere, crossing)| {
             let before = Motion::of(&view, sphere);
@@ -59,14 +60,17 @@ fn commit_crossings(world: &mut World, _pass: u32) {
             // A pair of moving spheres is counted once, at the sphere that was added first.
             let is_second = !crossing.is_alone && view.ordered(sphere, crossing.other).1 == sphere;
             tally.collisions += u32::from(!is_second);
-            (sphere, after)
+            (sphere, after, view.own_velocity_after(sphere, after.velocity))
         })
         .collect();
     let n = step.spheres as usize;
-    for (sphere, after) in after {
+    for (sphere, after, own_velocity) in after {
         let place = sphere as usize;
         start[place] = after.position.extend(start[place].w);
-        start[n + place] = after.velocity.extend(start[n + place].w);
+        start[n + place] = own_velocity.extend(start[n + place].w);
+        if step.is_half_step() {
+            start[4 * n + place] = after.velocity.extend(start[n + place].w);
+        }
         start[2 * n + place] = after.angular_momentum.extend(start[2 * n + place].w);
         start[3 * n + place] = after.low.extend(0.0);
     }

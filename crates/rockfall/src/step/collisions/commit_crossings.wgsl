@@ -1,4 +1,4 @@
-// requires model/counters.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
+// requires model/counters.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
 // requires step/collisions/crossing_rows.wgsl
 // requires physics/motion.wgsl
 
@@ -23,7 +23,11 @@ fn apply_crossing(i: u32) {
     let new_velocity = vec4f(after.velocity, velocity.w);
     request_rebuild(i, new_position, new_velocity);
     state[position_at(i)] = new_position;
+    let own_velocity = own_velocity_after(i, new_velocity);
     state[velocity_at(i)] = new_velocity;
+    if HALF_STEP {
+        state[step.spheres + i] = own_velocity;
+    }
     state[momentum_at(i)] = vec4f(after.momentum, momentum.w);
     state[low_at(i)] = vec4f(after.low, 0.0);
 }

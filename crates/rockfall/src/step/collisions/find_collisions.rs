@@ -59,7 +59,7 @@ fn find_collisions(world: &mut World, _pass: u32) {
         return;
     }
     let World { step, topology, states: [state, _, y3, _], lists, aabbs, status, .. } = world;
-    let view = View::new(step, topology, state);
+    let view = View::new(step, topology, state).in_collisions();
     let crossings = (step.flags & FLAG_CONTINUOUS != 0).then_some(Crossings::new(step, y3));
     let tally = slices(step, lists)
         .into_par_iter()

@@ -1,4 +1,4 @@
-// requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
+// requires model/entries.wgsl model/lists.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/geometry.wgsl step/collisions/classify_contacts.wgsl step/collisions/crossing_rows.wgsl
 // requires step/large_spheres/workgroup_per_sphere.wgsl
 

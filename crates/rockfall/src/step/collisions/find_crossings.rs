@@ -47,7 +47,7 @@ fn find_crossings(world: &mut World, _pass: u32) {
         return;
     }
     let World { step, topology, states: [start, _, y3, _], lists, aabbs, status, .. } = world;
-    let view = View::new(step, topology, start).at_evaluation(status, 0);
+    let view = View::new(step, topology, start).at_evaluation(status, 0).in_collisions();
     let lists = Lists::new(step, lists);
     let has_moved = status.lengths_due == 0;
     let n = step.spheres as usize;

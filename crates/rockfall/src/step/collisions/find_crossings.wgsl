@@ -1,4 +1,4 @@
-// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/order.wgsl
+// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/collision_state.wgsl model/order.wgsl
 // requires model/step.wgsl physics/collision/crossings.wgsl physics/collision/lone.wgsl physics/contact.wgsl
 // requires physics/escape.wgsl physics/geometry.wgsl step/collisions/crossing_rows.wgsl
 
@@ -45,7 +45,7 @@ fn earliest_of(i: u32, radius: f32) -> Earliest {
             least = min(radius, state[position_at(other)].w);
         }
         let pair = ordered(i, other);
-        let time = time_of_colliding_crossing(pair.x, pair.y, least, collision_velocity(least));
+        let time = time_of_colliding_crossing(pair.x, pair.y, least, collision_velocity(least, i, other));
         // Entries are in insertion order, so that of equal times the first one stays.
         if (time >= 0.0) & (time > earliest.time) {
             earliest = Earliest(other, time);

@@ -1,4 +1,4 @@
-// requires model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision/impulses.wgsl
+// requires model/lists.wgsl model/objects.wgsl model/collision_state.wgsl model/step.wgsl physics/collision/impulses.wgsl
 // requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 

@@ -1,4 +1,4 @@
-// requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
+// requires model/entries.wgsl model/lists.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
 // requires physics/contact.wgsl physics/geometry.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/collisions/report_clusters.wgsl
 

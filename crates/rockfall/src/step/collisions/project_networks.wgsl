@@ -1,4 +1,4 @@
-// requires model/one_state.wgsl model/step.wgsl physics/collision/impulses.wgsl physics/collision/networks.wgsl
+// requires model/collision_state.wgsl model/step.wgsl physics/collision/impulses.wgsl physics/collision/networks.wgsl
 // requires step/collisions/has_changes.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;

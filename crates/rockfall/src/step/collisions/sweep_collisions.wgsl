@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision.wgsl physics/collision/impulses.wgsl
+// requires model/objects.wgsl model/collision_state.wgsl model/step.wgsl physics/collision.wgsl physics/collision/impulses.wgsl
 // requires physics/collision/cluster.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 

@@ -1,4 +1,4 @@
-// requires model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision/networks.wgsl
+// requires model/lists.wgsl model/objects.wgsl model/collision_state.wgsl model/step.wgsl physics/collision/networks.wgsl
 // requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl
 

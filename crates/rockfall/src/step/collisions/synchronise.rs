@@ -1,0 +1,51 @@
+//! Acceleration of every sphere by everything but contacts and damping, a, before the collisions (docs/physics.md sections 3.1 and
+//! 5.2). The size of a goes to the table [`Step::free_at`](crate::model::step::Step::free_at), which thresholds use. With symplectic
+//! Euler, v + dt/2 a goes to the fifth region of `Start`: it is the velocity at the time of the positions.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::Threads;
+use crate::model::layout::GRAIN;
+use crate::model::part::part;
+use crate::model::view::View;
+use crate::model::world::World;
+use crate::physics::forces::free_acceleration;
+use crate::step::moves::{Moves, NONE};
+use crate::step::stage::{Stage, read, write};
+use crate::step::wgsl::Wgsl;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "synchronise",
+    wgsl: Wgsl::File(part!("step/collisions/synchronise.wgsl")),
+    bindings: &[write("state", Buffer::Start), write("topology", Buffer::Topology), read("status", Buffer::Status)],
+    threads: Threads::WideSpheres,
+    // Reads the velocity, and writes one.
+    moves: |_| Moves { rows: 2, ..NONE },
+    cpu: synchronise,
+};
+
+fn synchronise(world: &mut World, _pass: u32) {
+    if world.status.rejected != 0 {
+        return;
+    }
+    let view =
+        View::new(&world.step, &world.topology, &world.states[0]).at_evaluation(&world.status, 0).with_laws(&world.user_laws);
+    let (n, dt) = (world.step.spheres as usize, world.step.dt);
+    let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
+    let of = |sphere: u32| if view.is_fixed(sphere) { Vec3::ZERO } else { free_acceleration(&view, sphere) };
+    let accelerations: Vec<Vec3> = spheres.map(of).collect();
+    if world.step.free_at != 0 {
+        let table = &mut world.topology[world.step.free_at as usize..][..n];
+        table.iter_mut().zip(&accelerations).for_each(|(word, acceleration)| *word = acceleration.length().to_bits());
+    }
+    if world.step.is_half_step() {
+        let state = &mut world.states[0];
+        for (sphere, acceleration) in accelerations.iter().enumerate() {
+            let velocity = state[n + sphere];
+            state[4 * n + sphere] = (velocity.truncate() + 0.5 * dt * *acceleration).extend(velocity.w);
+        }
+    }
+}
