@@ -29,6 +29,7 @@ pub const HOOKS: &[(&str, &str)] = &[
     ("add_wrench", "adds the force and torque on the rod end that a sphere forms"),
     ("count", "number of entries of the list to sort"),
     ("early_changes", "part of stage states 2 and 3 in the sum for a vector of a sphere"),
+    ("early_velocities", "part of stage states 2 and 3 in the sum for the mean velocity of a sphere"),
     ("early_momenta", "part of the start and of stage states 2 and 3 in the sum for the mean angular momentum of a sphere"),
     ("emit", "handles a pair that the broad phase finds"),
     ("evaluation", "number of the force evaluation of RK4, from 0; velocity Verlet: 0 for the state, 3 for stage state 4"),

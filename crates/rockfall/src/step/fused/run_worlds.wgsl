@@ -121,6 +121,7 @@ fn add_stage_state() {
         }
     }
     momenta = select(momenta, start[2].xyz, evaluated == 0u) + 2.0 * next[2].xyz;
+    velocities = select(velocities, vec3f(0.0), evaluated == 0u) + 2.0 * (next[1].xyz - start[1].xyz);
 }
 
 // Shows the state whose forces are evaluated next.

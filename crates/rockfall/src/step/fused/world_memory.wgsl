@@ -46,9 +46,11 @@ var<private> evaluated: u32;
 // The rows of the sphere of this thread: at the start of the step, and in the next stage state.
 var<private> start: array<vec4f, 4>;
 var<private> next: array<vec4f, 4>;
-// What stage states 2 and 3 contribute to the state at the end of the step, and to the mean spin. They need no other rows.
+// What stage states 2 and 3 contribute to the state at the end of the step, to the mean spin,
+// and to the mean velocity. They need no other rows.
 var<private> changes: array<vec3f, 3>;
 var<private> momenta: vec3f;
+var<private> velocities: vec3f;
 
 fn position_at(sphere: u32) -> u32 {
     return own_rows + sphere;
@@ -95,6 +97,10 @@ fn put_next(region: u32, i: u32, row: vec4f) {
 
 fn early_changes(region: u32, i: u32, y: vec3f) -> vec3f {
     return changes[region];
+}
+
+fn early_velocities(i: u32, start_velocity: vec3f) -> vec3f {
+    return velocities;
 }
 
 fn early_momenta(i: u32, start_momentum: vec3f) -> vec3f {

@@ -114,8 +114,9 @@ pub(crate) fn finished(
     let changes = |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3| (y2 - y) + 2.0 * (y3 - y) + (y4 - y);
     // y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 k4. The stage states hold k1, k2 and k3.
     let mean = |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3, k4: Vec3| y + changes(y, y2, y3, y4) / 3.0 + (dt / 6.0) * k4;
-    // The same for positions, whose rates are the velocities of the stage states.
-    let (position, low) = y.moved(dt * (y.velocity + changes(y.velocity, y2.velocity, y3.velocity, y4.velocity) / 6.0));
+    // The rates of positions are the velocities of the stage states: x' = x + dt/6 (v + 2 v2 + 2 v3 + v4).
+    let later = [y2, y3, y4].map(|motion| motion.velocity - y.velocity);
+    let (position, low) = y.moved(dt * (y.velocity + (2.0 * (later[0] + later[1]) + later[2]) / 6.0));
     let motion = Motion {
         position,
         low,

@@ -33,7 +33,7 @@ fn finish_sphere(i: u32, net: Net) -> Finished {
         let momentum = finished(2u, i, rates.torque);
         var after = Motion(old_position.xyz, low, velocity, momentum);
         // The rates of positions are the velocities of the stage states.
-        after = displaced(after, step.dt * (old_velocity.xyz + stage_changes(1u, i) / 6.0));
+        after = displaced(after, step.dt * (old_velocity.xyz + (early_velocities(i, old_velocity.xyz) + (y4_row(1u, i).xyz - old_velocity.xyz)) / 6.0));
         let sum = early_momenta(i, old_momentum.xyz) + y4_row(2u, i).xyz;
         spin = sum * (old_momentum.w / 6.0);
         if !is_finite(after) {

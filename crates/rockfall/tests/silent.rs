@@ -1,0 +1,121 @@
+//! Scenes that once gave wrong results without a message: slow motion, stiff grains, and collisions of symplectic Euler.
+
+#[macro_use]
+mod common;
+
+use rockfall::glam::DVec3;
+use rockfall::{Backend, Integrator, Options, Precision, Scene, Simulation};
+
+const INTEGRATORS: [Integrator; 3] = [Integrator::Rk4, Integrator::SymplecticEuler, Integrator::VelocityVerlet];
+
+fn scene(name: &str) -> Scene {
+    let path = format!("{}/tests/silent/{name}.txt", env!("CARGO_MANIFEST_DIR"));
+    Scene::load(path).expect("a scene").scene
+}
+
+fn opened(scene: Scene, backend: Backend, integrator: Integrator) -> Simulation {
+    let options = Options::new().backend(backend).integrator(integrator);
+    Simulation::with_options(scene, options).expect("a simulation")
+}
+
+/// Software Vulkan takes fewer steps.
+fn fewer(backend: Backend, steps: u64) -> u64 {
+    common::on(backend, steps, steps / 20)
+}
+
+/// Runs a scene without forces and asserts that every body moves by v t.
+fn moves_freely(mut simulation: Simulation, steps: u64, dt: f32) {
+    let before = simulation.spheres().expect("states").to_vec();
+    simulation.run(steps, dt).expect("steps");
+    let time = steps as f64 * f64::from(dt);
+    for (after, before) in simulation.spheres().expect("states").iter().zip(before) {
+        let moved = DVec3::from_array(after.centre()) - DVec3::from_array(before.centre());
+        let expected = before.velocity.as_dvec3() * time;
+        assert!(moved.distance(expected) < 1e-3 * expected.length(), "moved by {moved}, expected {expected}");
+    }
+}
+
+/// A step of 20 nm, 0.6 units from the origin, and one of 40 nm, 5 units from it, are less than half the distance of neighbouring f32
+/// numbers.
+fn slow_bodies_move(backend: Backend) {
+    for integrator in [Integrator::SymplecticEuler, Integrator::VelocityVerlet] {
+        for precision in [Precision::Auto, Precision::Single] {
+            let mut grain = scene("slow-grain");
+            grain.settings.precision = precision;
+            moves_freely(opened(grain, backend, integrator), fewer(backend, 100_000), 1e-6);
+        }
+    }
+    for integrator in INTEGRATORS {
+        moves_freely(opened(scene("slow-capsule"), backend, integrator), fewer(backend, 20_000), 1e-5);
+    }
+}
+
+/// A wave in a chain of 60 steel beads keeps the energy of the first bead. With positions rounded to f32 it grew nineteenfold.
+fn a_chain_of_steel_beads_keeps_its_energy(backend: Backend) {
+    for precision in [Precision::Auto, Precision::Single] {
+        let mut chain = scene("steel-chain");
+        chain.settings.precision = precision;
+        let mut simulation = opened(chain, backend, Integrator::VelocityVerlet);
+        let energy = |simulation: &mut Simulation| {
+            let energy = simulation.energy().expect("energies");
+            energy.kinetic + energy.contact
+        };
+        simulation.run(100, 4e-7).expect("steps");
+        let before = energy(&mut simulation);
+        simulation.run(fewer(backend, 6_400), 4e-7).expect("steps");
+        let change = energy(&mut simulation) / before - 1.0;
+        assert!(change.abs() < 0.01, "{precision}: {change}");
+    }
+}
+
+/// The height of an elastic ball above a floor, and its energy, stay the same for ever.
+fn an_elastic_ball_keeps_its_energy_with_symplectic_euler(backend: Backend) {
+    let mut simulation = opened(scene("bouncing-ball"), backend, Integrator::SymplecticEuler);
+    let before = simulation.energy().expect("energies").total();
+    for _ in 0..10 {
+        simulation.run(fewer(backend, 2_000), 0.02).expect("steps");
+        let change = simulation.energy().expect("energies").total() / before - 1.0;
+        assert!(change.abs() < 0.01, "{change}");
+    }
+    assert!(simulation.report().total_collisions > 10);
+}
+
+/// Four triangles of springs in an elastic cube. Energies from 27.7 rose to 4,576 in 5,000 steps of 20 ms.
+fn springs_with_elastic_collisions_keep_their_energy(backend: Backend) {
+    for (integrator, dt, bound) in [(Integrator::SymplecticEuler, 0.01, 0.3), (Integrator::SymplecticEuler, 0.02, 0.5)] {
+        let mut simulation = opened(scene("spring-triangles"), backend, integrator);
+        let before = simulation.energy().expect("energies").total();
+        simulation.run(fewer(backend, 4_000), dt).expect("steps");
+        let change = simulation.energy().expect("energies").total() / before - 1.0;
+        assert!(change.abs() < bound, "{integrator}, {dt}: {change}");
+    }
+}
+
+/// A ball that a force of 50 presses on a floor rests on it, as under gravity of 50.
+fn a_pressed_ball_rests_on_its_floor(backend: Backend) {
+    for integrator in INTEGRATORS {
+        let mut simulation = opened(scene("pressed-ball"), backend, integrator);
+        simulation.run(common::on(backend, 1_000, 200), 0.02).expect("steps");
+        let ball = &simulation.spheres().expect("states")[0];
+        assert!(ball.position.y > 0.0 && ball.velocity.length() < 0.05, "{integrator}: {ball:?}");
+    }
+}
+
+fn a_heavy_ball_rests_on_a_light_one(backend: Backend) {
+    for integrator in INTEGRATORS {
+        let mut simulation = opened(scene("heavy-on-light"), backend, integrator);
+        simulation.run(common::on(backend, 2_000, 400), 0.005).expect("steps");
+        let balls = simulation.spheres().expect("states");
+        let fastest = balls.iter().map(|ball| ball.velocity.length()).fold(0.0, f32::max);
+        assert!(fastest < 0.02 && balls[1].position.y > 0.27, "{integrator}: {balls:?}");
+    }
+}
+
+both_in_turn! {
+    slow_bodies_move,
+    a_chain_of_steel_beads_keeps_its_energy,
+    an_elastic_ball_keeps_its_energy_with_symplectic_euler,
+    springs_with_elastic_collisions_keep_their_energy,
+    a_pressed_ball_rests_on_its_floor,
+    a_heavy_ball_rests_on_a_light_one,
+}
