@@ -48,6 +48,7 @@ experiments! {
     brazil: "A large grain that rises",
     drum: "A rotating drum",
     rest: "Rest",
+    silent: "Slow motion, stiff chains, and symplectic Euler",
     #[cfg(feature = "gpu")]
     pile: "A pile on the CPU and on the GPU",
 }

@@ -54,6 +54,7 @@ experiments!(
     brazil,
     drum,
     rest,
+    silent,
     #[cfg(feature = "gpu")]
     pile
 );

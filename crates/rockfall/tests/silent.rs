@@ -52,30 +52,28 @@ fn slow_bodies_move(backend: Backend) {
 
 /// A wave in a chain of 60 steel beads keeps the energy of the first bead. With positions rounded to f32 it grew nineteenfold.
 fn a_chain_of_steel_beads_keeps_its_energy(backend: Backend) {
-    for precision in [Precision::Auto, Precision::Single] {
-        let mut chain = scene("steel-chain");
-        chain.settings.precision = precision;
-        let mut simulation = opened(chain, backend, Integrator::VelocityVerlet);
-        let energy = |simulation: &mut Simulation| {
-            let energy = simulation.energy().expect("energies");
-            energy.kinetic + energy.contact
-        };
-        simulation.run(100, 4e-7).expect("steps");
-        let before = energy(&mut simulation);
-        simulation.run(fewer(backend, 6_400), 4e-7).expect("steps");
-        let change = energy(&mut simulation) / before - 1.0;
-        assert!(change.abs() < 0.01, "{precision}: {change}");
+    let mut simulation = opened(scene("steel-chain"), backend, Integrator::VelocityVerlet);
+    let before = simulation.energy().expect("energies").total();
+    for _ in 0..5 {
+        simulation.run(fewer(backend, 1_300), 4e-7).expect("steps");
+        let change = simulation.energy().expect("energies").total() / before - 1.0;
+        assert!(change.abs() < 0.01, "{change}");
     }
 }
 
 /// The height of an elastic ball above a floor, and its energy, stay the same for ever.
 fn an_elastic_ball_keeps_its_energy_with_symplectic_euler(backend: Backend) {
     let mut simulation = opened(scene("bouncing-ball"), backend, Integrator::SymplecticEuler);
-    let before = simulation.energy().expect("energies").total();
+    // Without the energy of the contact, while the ball is in the floor.
+    let energy = |simulation: &mut Simulation| {
+        let energy = simulation.energy().expect("energies");
+        energy.kinetic + energy.potential
+    };
+    let before = energy(&mut simulation);
     for _ in 0..10 {
         simulation.run(fewer(backend, 2_000), 0.02).expect("steps");
-        let change = simulation.energy().expect("energies").total() / before - 1.0;
-        assert!(change.abs() < 0.01, "{change}");
+        let change = energy(&mut simulation) / before - 1.0;
+        assert!(change.abs() < 0.002, "{change}");
     }
     assert!(simulation.report().total_collisions > 10);
 }

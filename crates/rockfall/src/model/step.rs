@@ -266,6 +266,12 @@ impl Step {
         self.flags & FLAG_HALF_STEP != 0
     }
 
+    /// Time in s, in which the free acceleration gives a body the approach velocity above which it may collide (docs/physics.md
+    /// section 3.1).
+    pub const fn free_time(&self) -> f32 {
+        if self.is_half_step() { 4.0 * self.dt } else { 2.0 * self.dt }
+    }
+
     /// Whether `synchronise` has something to do.
     pub const fn needs_synchronising(&self) -> bool {
         self.is_half_step() || self.free_at != 0

@@ -17,7 +17,7 @@ use crate::physics::touch::Touch;
 /// contacts gives a body at rest a velocity of up to `|a| dt` within a step.
 pub(crate) fn collision_velocity(step: &Step, a: &Side, b: &Side) -> f32 {
     let free = a.free_acceleration.max(b.free_acceleration);
-    (step.activation_threshold * smaller_radius(a, b)).max(2.0 * free * step.dt)
+    (step.activation_threshold * smaller_radius(a, b)).max(step.free_time() * free)
 }
 
 /// Returns the smaller radius of a contact, which the activation threshold refers to.
@@ -112,8 +112,9 @@ impl Approach {
     pub(crate) fn of(step: &Step, a: &Sides, b: &Sides, normal: Vec3x4) -> Self {
         let radius_a = a.radius.unwrap_or(Vec4::ZERO);
         let smaller = b.radius.map_or(radius_a, |radius_b| radius_a.min(radius_b));
-        let least = 2.0 * a.free_acceleration.max(b.free_acceleration) * step.dt;
-        Self { velocity: (a.velocity - b.velocity).dot(normal), threshold: (step.activation_threshold * smaller).max(least) }
+        let free = a.free_acceleration.max(b.free_acceleration);
+        let threshold = (step.activation_threshold * smaller).max(step.free_time() * free);
+        Self { velocity: (a.velocity - b.velocity).dot(normal), threshold }
     }
 }
 

@@ -234,7 +234,7 @@ fn collision_velocity(radius: f32, a: u32, b: u32) -> f32 {
     if FREE_TABLE {
         free = max(free_acceleration_of(a), free_acceleration_of(b));
     }
-    return max(step.activation_threshold * radius, 2.0 * free * step.dt);
+    return max(step.activation_threshold * radius, select(2.0, 4.0, HALF_STEP) * free * step.dt);
 }
 
 // Arms of a contact. Both end in one common point, so the angular momentum of the pair is conserved.
