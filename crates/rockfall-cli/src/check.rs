@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use rockfall::stability::Suggestion;
-use rockfall::{Body, ContactLaw, Integrator, Loaded, Scene, Settings};
+use rockfall::{Body, ContactLaw, Integrator, Loaded, Scene, Settings, short_number};
 
 use crate::failure::Failure;
 use crate::options::{InWords, Physics, SceneArgument, Substeps, counted};
@@ -57,7 +57,7 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     }
     let (slow, in_time): (Vec<_>, Vec<_>) = scene.law_times().into_iter().partition(|time| time.is_exceeded_by(dt));
     for time in in_time {
-        let _ = writeln!(text, "{}", time.describe(dt));
+        let _ = writeln!(text, "{}", time.describe(&scene, dt));
     }
     let stiff = scene.stability(dt, integrator);
     if stiff.is_empty() && slow.is_empty() && refused.is_none() && !is_of_program {
@@ -104,7 +104,7 @@ pub(crate) fn concerns(name: &str, scene: &Scene, dt: f32, integrator: Integrato
     let mut text = String::new();
     // Springs and tethers may cause thousands of warnings of one kind.
     let (stiff, others) = (scene.stability(dt, integrator), scene.concerns(dt, integrator));
-    warnings(&mut text, stiff.iter().map(|warning| format!("{name}: {warning}")));
+    warnings(&mut text, stiff.iter().map(|warning| format!("{name}: {}", warning.describe(scene))));
     // Rods come last, and there may be thousands of them, too.
     let rods = scene.odd_rods().len();
     let (others, rods) = others[stiff.len()..].split_at(others.len() - stiff.len() - rods);
@@ -126,7 +126,8 @@ fn suggestion(scene: &Scene, dt: f32, integrator: Integrator) -> String {
         return String::new();
     };
     let contact = resting_overlap.map_or_else(String::new, |share| {
-        format!(" --set resting_overlap={share} (contact_force {contact_force} /s², contact_damping {contact_damping} /s)")
+        let [force, damping] = [contact_force, contact_damping].map(|number| short_number(number.into(), 4));
+        format!(" --set resting_overlap={share} (contact_force {force} /s², contact_damping {damping} /s)")
     });
     format!("suggestion: --dt {time_step} (s){contact}\n")
 }
@@ -136,7 +137,7 @@ fn placement(name: &str, scene: &Scene) -> Result<String, Failure> {
     let found = scene.placement()?;
     let mut text = match found.deepest {
         0.0 => "no overlaps at the start\n".to_owned(),
-        deepest => format!("deepest overlap at the start: {deepest:.4} radii of the smaller body\n"),
+        deepest => format!("deepest overlap at the start: {} radii of the smaller body\n", short_number(deepest.into(), 3)),
     };
     warnings(&mut text, found.overlaps.iter().map(|overlap| format!("{name}: {} at the start", overlap.describe(scene))));
     // A note, because some scenes want it: the example of the thesis does.

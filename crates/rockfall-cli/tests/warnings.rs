@@ -112,9 +112,9 @@ fn check_finds_bodies_inside_others_and_names_them() {
     let (out, _) = Rockfall::with(text).run("check scene.txt", 0);
     for line in [
         "warning: scene.txt: sphere 7 and sphere 8 have the same centre at the start",
-        "warning: scene.txt: sphere 9 has its centre or axis inside box number 0, 4.000 radii (4.000e-1 units) at the start",
-        "warning: scene.txt: sphere 10 and box number 0 overlap by 0.500 radii (5.000e-2 units) at the start",
-        "warning: scene.txt: capsule number 0 and sphere 12 overlap by 0.500 radii (1.000e-1 units) at the start",
+        "warning: scene.txt: sphere 9 has its centre or axis inside box number 0, 4 radii (0.4 units) at the start",
+        "warning: scene.txt: sphere 10 and box number 0 overlap by 0.5 radii (0.05 units) at the start",
+        "warning: scene.txt: capsule number 0 and sphere 12 overlap by 0.5 radii (0.1 units) at the start",
         "deepest overlap at the start: 4.0000 radii of the smaller body",
     ] {
         assert!(out.lines().any(|printed| printed == line), "{line}\n{out}");
@@ -206,17 +206,17 @@ fn contact_laws_report_their_time_and_what_they_lack() {
                 B -1 -1 -1 2 0 0 0 1 0 0 0 2\nS 1 0 0.0101 0 0 -0.5 0 0 0 0 - 0.01\n";
     let rockfall = Rockfall::with(text);
     let (out, _) = rockfall.run("check scene.txt --integrator symplectic-euler --dt 1e-6", 0);
-    assert!(out.contains("the shortest Rayleigh time is 1.197e-5 s, that of sphere 0"), "{out}");
-    assert!(out.contains("8.355 % of it") && out.contains("stable at a time step"), "{out}");
+    assert!(out.contains("the shortest Rayleigh time is 1.2e-5 s, that of sphere 1"), "{out}");
+    assert!(out.contains("8.35 % of it") && out.contains("stable at a time step"), "{out}");
     // 2.87 (m*² / (R* E*² u))^(1/5) of two such spheres, at sqrt(0.5² + 2 G h) with the fall through h = 1e-4.
-    assert!(out.contains("the shortest time of an impact at 0.500 units/s is 7.936e-5 s, that of sphere 0"), "{out}");
-    assert!(out.contains("(79.4 steps per impact), at most 3.968e-6 s is advised"), "{out}");
+    assert!(out.contains("the shortest time of an impact at 0.5 units/s is 7.94e-5 s, that of sphere 1"), "{out}");
+    assert!(out.contains("(79.4 steps per impact), at most 3.96e-6 s is advised"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --integrator symplectic-euler --dt 1e-4", 0);
     assert!(
-        out.contains("warning: ") && out.contains("the time step is 1.3 times as long, at most 3.968e-6 s is advised"),
+        out.contains("warning: ") && out.contains("the time step is 1.26 times as long, at most 3.96e-6 s is advised"),
         "{out}"
     );
-    assert!(out.contains("at most 2.394e-6 s is advised") && !out.contains("stable at"), "{out}");
+    assert!(out.contains("at most 2.39e-6 s is advised") && !out.contains("stable at"), "{out}");
     let suggested = out.lines().find_map(|line| line.strip_prefix("suggestion: --dt ")).unwrap();
     let (time_step, _) = suggested.split_once(' ').unwrap();
     let (out, _) = rockfall.run(&format!("check scene.txt --integrator symplectic-euler --dt {time_step}"), 0);

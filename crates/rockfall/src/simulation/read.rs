@@ -106,7 +106,8 @@ impl Simulation {
     }
 
     /// Reads the state back, and returns a scene from which another simulation goes on where this one is: the phases of its
-    /// muscles are the present ones.
+    /// muscles are the present ones. A scene has no springs of contacts (docs/physics.md section 4.11), so with a contact law that keeps
+    /// them the contacts begin anew; a [`Checkpoint`](crate::Checkpoint) keeps them.
     ///
     /// # Errors
     /// As for [`Simulation::sync`].
