@@ -6,7 +6,7 @@ use rockfall::stability::Suggestion;
 use rockfall::{Body, ContactLaw, Integrator, Loaded, Scene, Settings, short_number};
 
 use crate::failure::Failure;
-use crate::options::{InWords, Physics, SceneArgument, Substeps, counted};
+use crate::options::{InWords, MAX_SUBSTEPS, Physics, SceneArgument, Substeps, as_text, counted};
 use crate::output;
 use crate::source::Source;
 
@@ -61,11 +61,11 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     }
     let stiff = scene.stability(dt, integrator);
     if stiff.is_empty() && slow.is_empty() && refused.is_none() && !is_of_program {
-        let _ = writeln!(text, "stable at a time step of {dt} s ({integrator})");
+        let _ = writeln!(text, "stable at a time step of {} s ({integrator})", as_text(dt));
     }
     text.push_str(&concerns(&name, &scene, dt, integrator));
-    if !stiff.is_empty() {
-        let parts = scene.substeps_for(dt, integrator);
+    let parts = scene.substeps_for(dt, integrator);
+    if (2..=MAX_SUBSTEPS).contains(&parts) {
         let _ = writeln!(text, "rockfall run --substeps {parts} makes the time step short enough for springs and contacts");
     }
     text.push_str(&suggestion(&scene, dt, integrator));
@@ -95,7 +95,9 @@ pub(crate) fn prepare(name: &str, loaded: Loaded, physics: &Physics, substeps: S
 /// Describes the contact constants that `resting_overlap` sets, if it is in use.
 pub(crate) fn chosen_contact(settings: &Settings) -> Option<String> {
     let [force, damping, share] = [settings.contact_force, settings.contact_damping, settings.resting_overlap];
-    (share > 0.0).then(|| format!("contact_force {force}, contact_damping {damping}, chosen for resting_overlap {share}"))
+    (share > 0.0).then(|| {
+        format!("contact_force {}, contact_damping {}, chosen for resting_overlap {share}", as_text(force), as_text(damping))
+    })
 }
 
 /// Warnings, one per line: parts of the scene for which the time step is too long, bodies that sink into each other, and rods
@@ -126,10 +128,10 @@ fn suggestion(scene: &Scene, dt: f32, integrator: Integrator) -> String {
         return String::new();
     };
     let contact = resting_overlap.map_or_else(String::new, |share| {
-        let [force, damping] = [contact_force, contact_damping].map(|number| short_number(number.into(), 4));
+        let [force, damping] = [contact_force, contact_damping].map(as_text);
         format!(" --set resting_overlap={share} (contact_force {force} /s², contact_damping {damping} /s)")
     });
-    format!("suggestion: --dt {time_step} (s){contact}\n")
+    format!("suggestion: --dt {} (s){contact}\n", as_text(time_step))
 }
 
 /// Reports bodies that overlap at the start and bodies that fall for ever.

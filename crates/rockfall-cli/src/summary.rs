@@ -38,8 +38,7 @@ impl Summary<'_> {
     /// Describes the number and the length of the steps. Steps before a checkpoint may have had another length.
     fn length(&self, steps: u64, time: f64) -> String {
         let equal_steps = steps as f64 * options::as_written(self.dt);
-        // Nine digits are all that an f32 has.
-        let (step, all) = (short_number(options::as_written(self.dt), 9), short_number(time, 7));
+        let (step, all) = (options::as_text(self.dt), short_number(time, 7));
         if (time - equal_steps).abs() <= 1e-5 * equal_steps {
             format!("{steps} of {step} s = {all} s{}", self.parts())
         } else {

@@ -8,9 +8,9 @@ use serde_json::Value;
 
 mod common;
 
-use common::{Rockfall, mixed};
 #[cfg(feature = "gpu")]
 use common::finish;
+use common::{Rockfall, mixed};
 
 /// Two balls that fall on a box.
 const SCENE: &str = "Two balls over a box.\nS 1 0 1 0 0 0 0 0 0 0 1 0.5 0\nS 2 0.25 2.5 -0 1e-40 0 1.2345679e-30 0 0 0 1 0.5\n\

@@ -7,7 +7,7 @@ use crate::{assert_close, options, scene_with};
 /// A column of two beads of 1 mm in equilibrium on a floor of the same glass. The contact under k beads carries k m g, with the overlap
 /// (3 k m g / (4 E* sqrt R*))^(2/3) of `hertz-mindlin`, about 1e-6 of the radius, or k m g / k_n of `linear`.
 fn column(law: ContactLaw) -> (Scene, f64) {
-    const RADIUS: f64 = 5e-4;
+    let radius = f64::from(5e-4_f32);
     let (young, stiffness, gravity) = (6.3e10_f32, 3e5_f32, 9.81_f32);
     let mut scene = scene_with(law);
     scene.settings.precision = Precision::Double;
@@ -16,7 +16,7 @@ fn column(law: ContactLaw) -> (Scene, f64) {
     let pair = Pair::default().restitution(0.6).friction(0.3).stiffness(stiffness);
     scene.set_pair(glass, glass, pair).expect("a valid pair");
     scene.add_box(Cuboid::between([-0.01; 3], [0.01, 0.0, 0.01]).material(glass)).expect("a valid box");
-    let bead = Sphere::new([0.0; 3], RADIUS as f32).density(2500.0).material(glass);
+    let bead = Sphere::new([0.0; 3], 5e-4).density(2500.0).material(glass);
     let weight = f64::from(bead.mass) * f64::from(gravity);
     let overlap = |force: f64, radius: f64| match law {
         ContactLaw::HertzMindlin => {
@@ -25,8 +25,8 @@ fn column(law: ContactLaw) -> (Scene, f64) {
         }
         _ => force / f64::from(stiffness),
     };
-    let low = RADIUS - overlap(2.0 * weight, RADIUS);
-    let high = low + 2.0 * RADIUS - overlap(weight, 0.5 * RADIUS);
+    let low = radius - overlap(2.0 * weight, radius);
+    let high = low + 2.0 * radius - overlap(weight, 0.5 * radius);
     for y in [low, high] {
         scene.add_sphere(bead.centred_at([0.0, y, 0.0])).expect("a valid sphere");
     }
