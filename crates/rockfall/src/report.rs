@@ -150,7 +150,11 @@ impl From<&Sphere> for SphereState {
 pub fn short_number(number: f64, digits: usize) -> String {
     // The text of a number in scientific notation is a number.
     let rounded = format!("{number:.*e}", digits.saturating_sub(1)).parse().unwrap_or(number);
-    if rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) || !rounded.is_finite() {
+    if rounded == 0.0 {
+        // Also for -0, the value of an empty sum.
+        return "0".to_owned();
+    }
+    if (1e-4..1e6).contains(&rounded.abs()) || !rounded.is_finite() {
         return rounded.to_string();
     }
     format!("{rounded:e}")
@@ -206,6 +210,7 @@ mod tests {
             (-0.5, "-0.5"),
             (999_999.0, "1e6"),
             (0.0, "0"),
+            (-0.0, "0"),
             (f64::INFINITY, "inf"),
         ];
         for (number, expected) in cases {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::model::impulse::Impulse;
-use crate::model::layout::{ENTRY_COLLIDES, FLAG_COLLISIONS, LAW_THESIS};
+use crate::model::layout::{ENTRY_COLLIDES, FLAG_COLLISIONS, GRAIN, LAW_THESIS};
 use crate::model::lists::Entry;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
@@ -132,7 +132,7 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn max_overlap(&mut self) -> Result<MaxOverlap> {
-        let (scene, world) = self.observed(Detail::State)?;
+        let (scene, world) = self.observed(Detail::Pairs)?;
         Ok(deepest(scene, world, |_, _, _, _| true))
     }
 
@@ -143,7 +143,7 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn resting_overlap(&mut self) -> Result<MaxOverlap> {
-        let (scene, world) = self.observed(Detail::State)?;
+        let (scene, world) = self.observed(Detail::Collisions)?;
         Ok(deepest(scene, world, |view, mover, entry, touch| {
             let [a, b] = [mover, entry.id()];
             let threshold = collision_velocity(view.step, smaller_radius(view, mover, entry.id()));
@@ -221,7 +221,7 @@ impl Simulation {
 
     /// Elastic energy of all contacts: sum of Cc m* o² / 2, or that of the normal forces of a law with history.
     pub(super) fn contact_energy(&mut self) -> Result<f64> {
-        let (_, world) = self.observed(Detail::State)?;
+        let (_, world) = self.observed(Detail::Pairs)?;
         let (view, lists) = view_and_lists(world);
         let stiffness = f64::from(world.step.contact_force);
         let histories = Histories::of(world);
@@ -239,7 +239,7 @@ impl Simulation {
             .sum()
         };
         // The parts are collected before summing, so that the sum does not depend on the number of threads.
-        let parts: Vec<f64> = (0..world.movers()).into_par_iter().map(of_mover).collect();
+        let parts: Vec<f64> = (0..world.movers()).into_par_iter().with_min_len(GRAIN).map(of_mover).collect();
         Ok(parts.iter().sum())
     }
 }
@@ -267,7 +267,7 @@ fn deepest(scene: &Scene, world: &World, counts: impl Fn(&View, u32, Entry, &Tou
         })
     };
     // The first of equal overlaps counts, so the result does not depend on the number of threads.
-    let all: Vec<_> = (0..world.movers()).into_par_iter().map(of_mover).collect();
+    let all: Vec<_> = (0..world.movers()).into_par_iter().with_min_len(GRAIN).map(of_mover).collect();
     let mut most = MaxOverlap::default();
     for (units, radii, ids) in all {
         most.units = most.units.max(units);

@@ -4,14 +4,17 @@
 //! A simulation keeps its copy. What follows from the objects and the settings alone is packed again only after they change. AABBs
 //! and lists are built again only when a sphere has left its AABB, as in a step.
 
+use rayon::prelude::*;
+
 use crate::error::{Error, Result};
 use crate::exec::cpu;
-use crate::model::layout::{FLAG_CONTINUOUS, LAW_THESIS};
+use crate::model::layout::{FLAG_CONTINUOUS, GRAIN, LAW_THESIS};
 use crate::model::lists::Lists;
 use crate::model::muscles::MuscleClock;
 use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_PAIRS, Status};
 use crate::model::view::View;
 use crate::model::world::World;
+use crate::physics::travel::escape_ratio;
 use crate::scene::Scene;
 use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::drive::{MAX_ATTEMPTS, room_for};
@@ -23,28 +26,31 @@ use crate::step::forces::law_forces;
 use crate::step::schedule::{Phase, Run};
 use crate::user_laws::set::UserLaws;
 
-/// What an observation needs beside AABBs, lists and collision flags.
+/// What an observation needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Detail {
-    /// Positions and velocities only.
-    State,
-    /// The springs of contacts before the next step.
+    /// Lists that hold every pair in contact.
+    Pairs,
+    /// The collision flags of these pairs too.
+    Collisions,
+    /// The springs of contacts before the next step too.
     Springs,
     /// The contact forces of a law with history too.
     Forces,
 }
 
 impl Simulation {
-    /// The scene in its current state, and a copy with AABBs, lists and collision flags of its own.
+    /// The scene in its current state, and a copy with AABBs and lists of its own.
     pub(super) fn observed(&mut self, detail: Detail) -> Result<(&Scene, &World)> {
         self.sync()?;
         let (step, method) = (self.report.steps, self.broad_phase_method());
         let mut world = match self.observation.take() {
             Some(mut world) => {
                 self.move_on(&mut world);
-                cpu::run(&mut world, &finding(method));
-                if world.status.rejected != 0 {
+                if !holds_pairs(&world) {
                     find(&mut world, method, step)?;
+                } else if detail >= Detail::Collisions {
+                    cpu::run(&mut world, &finding(method));
                 }
                 world
             }
@@ -102,7 +108,14 @@ pub(crate) fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
     (view, Lists::new(&world.step, &world.lists))
 }
 
-/// The stage that checks the AABBs and sets collision flags.
+/// Whether lists that were built for an earlier state hold every pair in contact: no sphere has left its AABB.
+fn holds_pairs(world: &World) -> bool {
+    let view = View::new(&world.step, &world.topology, &world.states[0]);
+    let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
+    spheres.all(|sphere| escape_ratio(&view, &world.aabbs, sphere) <= 0.0)
+}
+
+/// The stage that sets collision flags.
 fn finding(method: BroadPhase) -> Vec<Run> {
     let collisions = Phase::HandleCollisions.stages(Integrator::Rk4, method).iter();
     collisions.filter(|run| run.stage.is(&find_collisions::STAGE)).copied().collect()
