@@ -1,7 +1,7 @@
 //! Warnings at the end of a run: bodies that sink into each other, and energy that grew without cause.
 
 use rockfall::placement::DEEP;
-use rockfall::{Energy, Scene, Simulation};
+use rockfall::{Energy, Scene, Simulation, short_number};
 
 use crate::failure::Failure;
 use crate::output;
@@ -18,20 +18,17 @@ pub(crate) fn warn(name: &str, simulation: &mut Simulation, before: Option<&Ener
     if let Some(bodies) = deepest.bodies.filter(|_| deepest.radii > DEEP) {
         let scene = simulation.scene();
         let [a, b] = bodies.map(|body| scene.name_of(body));
-        let radii = deepest.radii;
+        let radii = short_number(deepest.radii.into(), 3);
         let remedy = scene.remedy(integrator).map_or_else(String::new, |remedy| format!(": {remedy}"));
-        output::note(&format!(
-            "warning: {name}: at the end {a} and {b} overlap by {radii:.3} radii of the smaller one{remedy}"
-        ));
+        output::note(&format!("warning: {name}: at the end {a} and {b} overlap by {radii} radii of the smaller one{remedy}"));
     }
     let Some(before) = before else { return Ok(()) };
     let after = simulation.energy()?;
     if let Some(growth) = growth(simulation.scene(), before, &after) {
+        let [growth, start, end] = [growth, before.total(), after.total()].map(|energy| short_number(energy, 5));
         output::note(&format!(
-            "warning: {name}: the energy grew by {growth:.4e} (mass units x units²/s²), from {:.4e} to {:.4e}, without a cause in \
-             the scene: the time step is too long, see `rockfall check`",
-            before.total(),
-            after.total()
+            "warning: {name}: the energy grew by {growth} (mass units x units²/s²), from {start} to {end}, without a cause in the \
+             scene: the time step is too long, see `rockfall check`"
         ));
     }
     Ok(())

@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 
 use rockfall::stability::Suggestion;
-use rockfall::{Body, ContactLaw, Integrator, Loaded, Scene, Settings};
+use rockfall::{Body, ContactLaw, Integrator, Loaded, Scene, Settings, short_number};
 
 use crate::failure::Failure;
-use crate::options::{InWords, Physics, SceneArgument, Substeps, counted};
+use crate::options::{InWords, MAX_SUBSTEPS, Physics, SceneArgument, Substeps, as_text, counted};
 use crate::output;
 use crate::source::Source;
 
@@ -58,15 +58,15 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     }
     let (slow, in_time): (Vec<_>, Vec<_>) = scene.law_times().into_iter().partition(|time| time.is_exceeded_by(dt));
     for time in in_time {
-        let _ = writeln!(text, "{}", time.describe(dt));
+        let _ = writeln!(text, "{}", time.describe(&scene, dt));
     }
     let stiff = scene.stability(dt, integrator);
     if stiff.is_empty() && slow.is_empty() && refused.is_none() && !is_of_program {
-        let _ = writeln!(text, "stable at a time step of {dt} s ({integrator})");
+        let _ = writeln!(text, "stable at a time step of {} s ({integrator})", as_text(dt));
     }
     text.push_str(&concerns(&name, &scene, dt, integrator));
-    if !stiff.is_empty() {
-        let parts = scene.substeps_for(dt, integrator);
+    let parts = scene.substeps_for(dt, integrator);
+    if (2..=MAX_SUBSTEPS).contains(&parts) {
         let _ = writeln!(text, "rockfall run --substeps {parts} makes the time step short enough for springs and contacts");
     }
     text.push_str(&suggestion(&scene, dt, integrator));
@@ -96,7 +96,9 @@ pub(crate) fn prepare(name: &str, loaded: Loaded, physics: &Physics, substeps: S
 /// Describes the contact constants that `resting_overlap` sets, if it is in use.
 pub(crate) fn chosen_contact(settings: &Settings) -> Option<String> {
     let [force, damping, share] = [settings.contact_force, settings.contact_damping, settings.resting_overlap];
-    (share > 0.0).then(|| format!("contact_force {force}, contact_damping {damping}, chosen for resting_overlap {share}"))
+    (share > 0.0).then(|| {
+        format!("contact_force {}, contact_damping {}, chosen for resting_overlap {share}", as_text(force), as_text(damping))
+    })
 }
 
 /// Warnings, one per line: parts of the scene for which the time step is too long, bodies that sink into each other, and rods
@@ -105,7 +107,7 @@ pub(crate) fn concerns(name: &str, scene: &Scene, dt: f32, integrator: Integrato
     let mut text = String::new();
     // Springs and tethers may cause thousands of warnings of one kind.
     let (stiff, others) = (scene.stability(dt, integrator), scene.concerns(dt, integrator));
-    warnings(&mut text, stiff.iter().map(|warning| format!("{name}: {warning}")));
+    warnings(&mut text, stiff.iter().map(|warning| format!("{name}: {}", warning.describe(scene))));
     // Rods come last, and there may be thousands of them, too.
     let rods = scene.odd_rods().len();
     let (others, rods) = others[stiff.len()..].split_at(others.len() - stiff.len() - rods);
@@ -127,9 +129,10 @@ fn suggestion(scene: &Scene, dt: f32, integrator: Integrator) -> String {
         return String::new();
     };
     let contact = resting_overlap.map_or_else(String::new, |share| {
-        format!(" --set resting_overlap={share} (contact_force {contact_force} /s², contact_damping {contact_damping} /s)")
+        let [force, damping] = [contact_force, contact_damping].map(as_text);
+        format!(" --set resting_overlap={share} (contact_force {force} /s², contact_damping {damping} /s)")
     });
-    format!("suggestion: --dt {time_step} (s){contact}\n")
+    format!("suggestion: --dt {} (s){contact}\n", as_text(time_step))
 }
 
 /// Reports bodies that overlap at the start and bodies that fall for ever.
@@ -137,7 +140,7 @@ fn placement(name: &str, scene: &Scene) -> Result<String, Failure> {
     let found = scene.placement()?;
     let mut text = match found.deepest {
         0.0 => "no overlaps at the start\n".to_owned(),
-        deepest => format!("deepest overlap at the start: {deepest:.4} radii of the smaller body\n"),
+        deepest => format!("deepest overlap at the start: {} radii of the smaller body\n", short_number(deepest.into(), 3)),
     };
     warnings(&mut text, found.overlaps.iter().map(|overlap| format!("{name}: {} at the start", overlap.describe(scene))));
     // A note, because some scenes want it: the example of the thesis does.

@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::io;
 use std::path::Path;
 
-use rockfall::Error;
+use rockfall::{Error, Scene};
 
 /// Exit code of a command that is ended by a signal, as in shells for Ctrl-C.
 pub(crate) const INTERRUPTED: u8 = 130;
@@ -31,6 +31,16 @@ impl Failure {
     /// Creates a failure for a file that could not be written.
     pub(crate) fn file(path: &Path, error: &io::Error) -> Self {
         Self::Run(format!("{}: cannot be written: {error}", path.display()))
+    }
+}
+
+impl Failure {
+    /// A failure that names a sphere as the scene file does.
+    pub(crate) fn of(error: Error, scene: &Scene) -> Self {
+        match error {
+            Error::NonFinite { .. } => Self::Run(error.describe(scene)),
+            error => error.into(),
+        }
     }
 }
 

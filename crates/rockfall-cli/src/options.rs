@@ -37,7 +37,10 @@ impl Substeps {
         match self {
             Self::Auto => {
                 let parts = scene.substeps_for(dt, integrator);
-                let message = format!("--substeps auto: a step of {dt} s needs {parts} parts, expected at most {MAX_SUBSTEPS}");
+                let message = format!(
+                    "--substeps auto: a step of {} s needs {parts} parts, expected at most {MAX_SUBSTEPS}",
+                    as_text(dt)
+                );
                 if parts > MAX_SUBSTEPS { Err(Failure::usage(message)) } else { Ok(parts) }
             }
             Self::Parts(parts) => Ok(parts),
@@ -57,7 +60,7 @@ impl std::str::FromStr for Substeps {
 }
 
 /// Limit on the parts of a step, so that a part stays well above the f32 rounding error of the whole step.
-const MAX_SUBSTEPS: u32 = 1_000_000;
+pub(crate) const MAX_SUBSTEPS: u32 = 1_000_000;
 
 /// Options that select the device and the algorithms.
 #[derive(Debug, clap::Args)]
@@ -147,6 +150,11 @@ pub(crate) fn time_step(text: &str) -> Result<f32, String> {
 /// Converts to the f64 with the same shortest decimal form: 0.02 does not become 0.019999999552965164.
 pub(crate) fn as_written(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
+}
+
+/// A number as it is written, with a power of ten where it would be long. An f32 has at most nine digits.
+pub(crate) fn as_text(number: f32) -> String {
+    rockfall::short_number(as_written(number), 9)
 }
 
 /// All constants, as JSON: numbers as they are written, switches as true or false, directions as arrays.

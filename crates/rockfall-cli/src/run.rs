@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use rockfall::{Error, Scene, Simulation};
+use rockfall::Simulation;
 use rockfall_trajectory::Format;
 
 use crate::aftermath;
@@ -36,16 +36,18 @@ stay as they are. A second Ctrl-C ends the run at once. If a step fails, --out a
 device can still be read, and the last checkpoint is left unchanged.
 
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
-everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --contacts, --save and \
---checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
+everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --trace-every, --contacts, \
+--save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
 reported. With the same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
 those of a run that was never stopped. A checkpoint of a program that uses the library or of Python has no number of steps, so \
 it needs --steps. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
 A run that is killed leaves these files; --resume continues them, and a new run that writes to the same path replaces them.
 
 --substeps N divides every step into N equal parts; auto chooses the smallest N for which the springs and the contact force \
-are stable (rockfall check reports it). Everywhere else, steps and the time step are whole steps. A line of the trace counts \
-the collisions of all parts of its step; its contacts and overlap are those of the last part.
+are stable (rockfall check reports it). Everywhere else, steps and the time step are whole steps.
+
+--trace writes a line for step 0 and then for every step, with --trace-every K for every K-th step. A line counts the collisions \
+since the line before it; its contacts and overlap are those at its step, with --substeps those of the last part.
 
 The extension of a file chooses its format, in upper or lower case; an unknown one is an error. Devices such as /dev/stdout get \
 CSV. Without --every, --out writes the final state: .csv, .npz for NumPy, .vtp for ParaView. With --every K, it writes the state \
@@ -57,7 +59,8 @@ second body. Friction impulses (--set coulomb_friction=...) are not included: on
 
 --save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
 beginning of the scene, up to the first empty line, but no other comments. `rockfall run FILE.txt` with the \
-same --dt and --integrator goes on from there.";
+same --dt and --integrator goes on from there, except that a text leaves out the springs of contacts (contact laws linear, \
+hertz-mindlin and user): their friction and cohesion begin anew, and bodies at rest move. --checkpoint keeps the springs.";
 
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
@@ -83,6 +86,9 @@ pub(crate) struct Arguments {
     /// Write the energies and momenta of every step: .csv
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
+    /// Write a line of --trace every K steps instead
+    #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
+    trace_every: Option<u64>,
     /// Write every contact of the final state, with both bodies, point, normal, overlap and force: .csv, .npz or .vtp
     #[arg(long, value_name = "FILE")]
     contacts: Option<PathBuf>,
@@ -208,6 +214,7 @@ impl Arguments {
             out: self.out.clone(),
             every: self.every,
             trace: self.trace.clone(),
+            trace_every: self.trace_every,
             contacts: self.contacts.clone(),
             save: self.save.clone(),
             checkpoint: self.checkpoint.clone(),
@@ -217,18 +224,6 @@ impl Arguments {
             wanted.check()?;
         }
         Ok(wanted)
-    }
-}
-
-/// Adds the number by which the scene file refers to a sphere to an error that names one.
-fn named(error: Error, scene: &Scene) -> Failure {
-    let id = match &error {
-        Error::NonFinite { sphere, .. } => scene.sphere_ids().nth(*sphere),
-        _ => None,
-    };
-    match id.and_then(|id| scene.reference(id)) {
-        Some(reference) => Failure::Run(format!("{error}; the scene refers to this sphere as {reference}")),
-        None => error.into(),
     }
 }
 
@@ -243,7 +238,7 @@ fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
     while result.is_ok() && !interrupt.is_requested() && done(run) < run.past.steps {
         let chunk = run.outputs.steps_from(done(run), progress.chunk());
         let moved = run.simulation.run(chunk.saturating_mul(parts), run.past.part());
-        result = moved.map(drop).map_err(|error| named(run.past.in_steps(error), run.simulation.scene()));
+        result = moved.map(drop).map_err(|error| Failure::of(run.past.in_steps(error), run.simulation.scene()));
         run.past.seconds = seconds + start.elapsed().as_secs_f64();
         result = result.and_then(|()| run.outputs.after_step(&mut run.simulation, &mut run.past));
         interrupt.leaves(run.outputs.left());

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use rockfall::{Energy, MaxOverlap, Scene, Settings, Simulation};
+use rockfall::{Energy, MaxOverlap, Scene, Settings, Simulation, short_number};
 use serde_json::json;
 
 use crate::check;
@@ -40,10 +40,11 @@ impl Summary<'_> {
     /// Describes the number and the length of the steps. Steps before a checkpoint may have had another length.
     fn length(&self, steps: u64, time: f64) -> String {
         let equal_steps = steps as f64 * options::as_written(self.dt);
+        let (step, all) = (options::as_text(self.dt), short_number(time, 7));
         if (time - equal_steps).abs() <= 1e-5 * equal_steps {
-            format!("{steps} of {} s = {time:.3} s{}", self.dt, self.parts())
+            format!("{steps} of {step} s = {all} s{}", self.parts())
         } else {
-            format!("{steps}, the last of {} s{}, {time:.3} s in all", self.dt, self.parts())
+            format!("{steps}, the last of {step} s{}, {all} s in all", self.parts())
         }
     }
 
@@ -107,7 +108,8 @@ impl Summary<'_> {
         let speed = self.steps_per_second(self.steps);
         let real_time = if self.seconds > 0.0 { self.time / self.seconds } else { 0.0 };
         let length = self.length(self.steps, self.time);
-        row("steps", format!("{length}, done in {:.3} s: {speed:.0} steps/s, {real_time:.1} times real time", self.seconds));
+        let [wall, speed, real_time] = [self.seconds, speed, real_time].map(short);
+        row("steps", format!("{length}, done in {wall} s: {speed} steps/s, {real_time} times real time"));
         let energies = |energy: &Energy| {
             let [kinetic, potential, spring, contact] =
                 [energy.kinetic, energy.potential, energy.spring, energy.contact].map(short);
@@ -151,13 +153,5 @@ fn changed(settings: &Settings) -> String {
 
 /// Formats a number with four significant digits.
 fn short(number: f64) -> String {
-    let size = number.abs();
-    if size == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e5).contains(&size) {
-        let digits = (3 - size.log10().floor() as i32).max(0) as usize;
-        format!("{number:.digits$}")
-    } else {
-        format!("{number:.3e}")
-    }
+    short_number(number, 4)
 }

@@ -8,9 +8,9 @@ use serde_json::Value;
 
 mod common;
 
-use common::Rockfall;
 #[cfg(feature = "gpu")]
 use common::finish;
+use common::{Rockfall, mixed};
 
 /// Two balls that fall on a box.
 const SCENE: &str = "Two balls over a box.\nS 1 0 1 0 0 0 0 0 0 0 1 0.5 0\nS 2 0.25 2.5 -0 1e-40 0 1.2345679e-30 0 0 0 1 0.5\n\
@@ -118,6 +118,34 @@ fn the_trace_has_a_line_for_the_start_and_one_for_every_step() {
     // Both balls fall freely until the first one hits the box.
     let tenth = fields(lines[11]);
     assert!((tenth[7] + 2.0 * 0.1).abs() < 1e-5, "{tenth:?}");
+}
+
+#[test]
+fn trace_every_writes_each_kth_line_with_the_collisions_in_between() {
+    let rockfall = Rockfall::with(&mixed(16));
+    let run = |arguments: &str| rockfall.run(&format!("run scene.txt --backend cpu --steps 203 --dt 0.01 {arguments}"), 0);
+    run("--trace fine.csv --out fine-state.csv");
+    run("--trace coarse.csv --trace-every 20 --out coarse-state.csv");
+    assert_eq!(rockfall.read("fine-state.csv"), rockfall.read("coarse-state.csv"));
+    let lines = |name: &str| -> Vec<String> { rockfall.read(name).lines().map(str::to_owned).collect() };
+    let (fine, coarse) = (lines("fine.csv"), lines("coarse.csv"));
+    assert_eq!((fine.len(), coarse.len()), (205, 12));
+    assert_eq!(coarse[0], fine[0]);
+    let split =
+        |line: &str| line.rsplit_once(',').map(|(rest, count)| (rest.to_owned(), count.parse::<u64>().unwrap())).unwrap();
+    let mut all = 0;
+    for (place, line) in coarse[1..].iter().enumerate() {
+        let (rest, collisions) = split(line);
+        assert_eq!(rest, split(&fine[1 + 20 * place]).0);
+        let between = &fine[1 + (20 * place).saturating_sub(19)..=1 + 20 * place];
+        assert_eq!(collisions, between.iter().map(|line| split(line).1).sum::<u64>(), "{line}");
+        all += collisions;
+    }
+    assert!(all > 0, "there are collisions");
+    for wrong in ["--trace t.csv --trace-every 0", "--trace-every 5"] {
+        let (_, err) = rockfall.run(&format!("run scene.txt {wrong}"), 2);
+        assert!(err.contains("--trace-every"), "{err}");
+    }
 }
 
 #[test]
@@ -264,8 +292,7 @@ fn a_run_that_fails_writes_its_results_so_far() {
     assert_eq!(out, "");
     let (_, step) = err.split_once("written up to step ").unwrap();
     let (step, files) = step.split_once(": ").unwrap();
-    assert!(files.starts_with("trace.csv, state.csv\nerror: sphere 0 stopped being finite in step "), "{err}");
-    assert!(files.ends_with("; the scene refers to this sphere as 1\n"), "{err}");
+    assert!(files.starts_with("trace.csv, state.csv\nerror: sphere 1 stopped being finite in step "), "{err}");
     assert!(files.contains(&format!("in step {step} ")), "{err}");
     // The state file holds the failed state. The trace ends with the step before it.
     assert_eq!(rockfall.read("state.csv").lines().count(), 3);
@@ -292,7 +319,7 @@ fn check_warns_of_suspicious_lines_and_of_stiff_springs_and_contacts() {
     assert!(lines[2].starts_with("warning: scene.txt:4: taken for a comment"), "{out}");
     // dt² (12000 + 12000) <= 8.
     assert!(
-        lines[3].contains("spring 0, with all others at its ends, is too stiff")
+        lines[3].contains("the spring from sphere 1 to sphere 2, with all others at its ends, is too stiff")
             && lines[3].contains("it is unstable")
             && lines[3].ends_with("0.0182 s"),
         "{out}"
@@ -313,7 +340,10 @@ fn check_warns_of_suspicious_lines_and_of_stiff_springs_and_contacts() {
     assert!(out.contains("the contact force is too stiff"), "{out}");
     // `run` prints the same warnings.
     let (_, err) = rockfall.run("run scene.txt --backend cpu --steps 1 --json", 0);
-    assert!(err.starts_with("warning: scene.txt:4: ") && err.contains("spring 0, with all others"), "{err}");
+    assert!(
+        err.starts_with("warning: scene.txt:4: ") && err.contains("the spring from sphere 1 to sphere 2, with all others"),
+        "{err}"
+    );
 }
 
 /// Eight marbles in SI units over a plate that is thinner than the distance that they move in a step.
@@ -334,7 +364,7 @@ fn check_and_run_warn_of_sinking_and_of_tunnelling() {
         let sinks = "warning: scene.txt: bodies at rest overlap by 0.00981 (gravity / contact_force), 196 % of the smallest radius 0.005";
         assert!(text.contains(sinks) && text.contains("`set resting_overlap 0.02`"), "{text}");
         // A fall of 0.145 m gives 1.687 m/s. The plate and a marble stop a body that moves at most 0.0055 per step.
-        let passes = "bodies may reach 1.69 units/s, 0.0337 units a step, and pass through box 0";
+        let passes = "bodies may reach 1.69 units/s, 0.0337 units a step, and pass through box number 0";
         assert!(text.contains(passes) && text.contains("the largest time step that works is 0.00326 s"), "{text}");
     }
     let (out, _) = rockfall.run("check scene.txt --set resting_overlap=0.02 --dt 0.0001", 0);
@@ -346,7 +376,7 @@ fn substeps_equal_a_shorter_time_step() {
     let rockfall = Rockfall::with(SCENE);
     let run = |arguments: &str| rockfall.run(&format!("run scene.txt --backend cpu {arguments}"), 0).0;
     let divided = run("--steps 100 --substeps 4 --out a.csv --trace t.csv");
-    assert!(divided.contains("100 of 0.02 s = 2.000 s in 4 parts each,"), "{divided}");
+    assert!(divided.contains("100 of 0.02 s = 2 s in 4 parts each,"), "{divided}");
     run("--steps 400 --dt 0.005 --out b.csv --trace u.csv");
     assert_eq!(rockfall.read("a.csv"), rockfall.read("b.csv"), "the same steps");
     // The trace has every fourth line of the finer trace, with the collisions of all four parts.

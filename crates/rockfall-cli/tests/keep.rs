@@ -50,8 +50,9 @@ fn check_killed_runs_are_bitwise_identical(engine: &str, steps: u32, balls: usiz
         for broad_phase in ["brute-force", "grid"] {
             let rockfall = Rockfall::with(&mixed(balls));
             let physics = format!("{engine} --integrator {integrator} --broad-phase {broad_phase} --steps {steps} --dt 0.01");
-            rockfall.run(&format!("run scene.txt {physics} --out whole.csv --every 20 --trace whole-trace.csv"), 0);
-            let files = "--out parts.csv --every 20 --trace parts-trace.csv --checkpoint-every 7";
+            rockfall
+                .run(&format!("run scene.txt {physics} --out whole.csv --every 20 --trace whole-trace.csv --trace-every 5"), 0);
+            let files = "--out parts.csv --every 20 --trace parts-trace.csv --trace-every 5 --checkpoint-every 7";
             let kills = kill_and_resume(&rockfall, &format!("{physics} {files}"), delays);
             assert!(kills > delays.len() / 2, "{kills} kills: the run is too short");
             assert!(rockfall.read("whole.csv") == rockfall.read("parts.csv"), "{physics}: states differ");
@@ -209,7 +210,7 @@ fn a_second_ctrl_c_ends_a_run_at_once() {
 fn options_override_the_checkpoint_and_changes_are_reported() {
     let rockfall = Rockfall::with(&mixed(16));
     let (out, _) = rockfall.run("run scene.txt --backend cpu --dt 0.01 --steps 20 --checkpoint run.ckpt --trace a.csv", 0);
-    assert!(out.contains("20 of 0.01 s = 0.200 s,"), "{out}");
+    assert!(out.contains("20 of 0.01 s = 0.2 s,"), "{out}");
     let keep = fs::read(rockfall.path("run.ckpt")).unwrap();
     let (out, err) = rockfall.run(
         "run --resume run.ckpt --steps 30 --dt 0.005 --integrator symplectic-euler --set gravity=2 --set friction=50 --trace b.csv",
@@ -221,7 +222,7 @@ fn options_override_the_checkpoint_and_changes_are_reported() {
          note: --integrator symplectic-euler instead of rk4 from step 20 on\n\
          note: --set gravity 2 instead of 9 from step 20 on\n"
     );
-    assert!(out.contains("30, the last of 0.005 s, 0.250 s in all,"), "{out}");
+    assert!(out.contains("30, the last of 0.005 s, 0.25 s in all,"), "{out}");
     // A new trace begins at the checkpoint. The old one is left unchanged.
     let trace = rockfall.read("b.csv");
     assert!(trace.lines().nth(1).unwrap().starts_with("20,"), "{trace}");
@@ -230,8 +231,10 @@ fn options_override_the_checkpoint_and_changes_are_reported() {
     let time: f64 = trace.lines().nth(11).unwrap().split(',').nth(1).unwrap().parse().unwrap();
     assert!((time - 0.25).abs() < 1e-6, "{time}");
 
-    // A trace that was removed or changed is not continued.
+    // A trace that was removed or changed is not continued, nor one with other intervals.
     fs::write(rockfall.path("run.ckpt"), &keep).unwrap();
+    let (_, err) = rockfall.run("run --resume run.ckpt --steps 30 --trace a.csv --trace-every 2", 2);
+    assert!(err.contains("the existing lines were written with --trace-every 1; omit --trace-every"), "{err}");
     fs::write(rockfall.path("a.csv"), "step\n").unwrap();
     let (_, err) = rockfall.run("run --resume run.ckpt --steps 30", 2);
     assert!(

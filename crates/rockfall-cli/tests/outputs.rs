@@ -170,7 +170,7 @@ fn json_has_energies_overlap_settings_and_integrator() {
         "integrator  symplectic-euler\n",
         "settings    restitution 0.25, linear_damping 0.1, gravity 9; else the default values\n",
         "comments    2 lines of the scene\n",
-        " at the end, 0.01800 radii",
+        " at the end, 0.018 radii",
     ] {
         assert!(out.contains(text), "{text}: {out}");
     }

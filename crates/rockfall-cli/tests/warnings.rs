@@ -112,9 +112,9 @@ fn check_finds_bodies_inside_others_and_names_them() {
     let (out, _) = Rockfall::with(text).run("check scene.txt", 0);
     for line in [
         "warning: scene.txt: sphere 7 and sphere 8 have the same centre at the start",
-        "warning: scene.txt: sphere 9 has its centre or axis inside box number 0, 4.000 radii (4.000e-1 units) at the start",
-        "warning: scene.txt: sphere 10 and box number 0 overlap by 0.500 radii (5.000e-2 units) at the start",
-        "warning: scene.txt: capsule number 0 and sphere 12 overlap by 0.500 radii (1.000e-1 units) at the start",
+        "warning: scene.txt: sphere 9 has its centre or axis inside box number 0, 4 radii (0.4 units) at the start",
+        "warning: scene.txt: sphere 10 and box number 0 overlap by 0.5 radii (0.05 units) at the start",
+        "warning: scene.txt: capsule number 0 and sphere 12 overlap by 0.5 radii (0.1 units) at the start",
         "deepest overlap at the start: 4.0000 radii of the smaller body",
     ] {
         assert!(out.lines().any(|printed| printed == line), "{line}\n{out}");
@@ -209,17 +209,17 @@ fn contact_laws_report_their_time_and_what_they_lack() {
                 B -1 -1 -1 2 0 0 0 1 0 0 0 2\nS 1 0 0.0101 0 0 -0.5 0 0 0 0 - 0.01\n";
     let rockfall = Rockfall::with(text);
     let (out, _) = rockfall.run("check scene.txt --integrator symplectic-euler --dt 1e-6", 0);
-    assert!(out.contains("the shortest Rayleigh time is 1.197e-5 s, that of sphere 0"), "{out}");
-    assert!(out.contains("8.355 % of it") && out.contains("stable at a time step"), "{out}");
+    assert!(out.contains("the shortest Rayleigh time is 1.2e-5 s, that of sphere 1"), "{out}");
+    assert!(out.contains("8.35 % of it") && out.contains("stable at a time step"), "{out}");
     // 2.87 (m*² / (R* E*² u))^(1/5) of two such spheres, at sqrt(0.5² + 2 G h) with the fall through h = 1e-4.
-    assert!(out.contains("the shortest time of an impact at 0.500 units/s is 7.936e-5 s, that of sphere 0"), "{out}");
-    assert!(out.contains("(79.4 steps per impact), at most 3.968e-6 s is advised"), "{out}");
+    assert!(out.contains("the shortest time of an impact at 0.5 units/s is 7.94e-5 s, that of sphere 1"), "{out}");
+    assert!(out.contains("(79.4 steps per impact), at most 3.96e-6 s is advised"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --integrator symplectic-euler --dt 1e-4", 0);
     assert!(
-        out.contains("warning: ") && out.contains("the time step is 1.3 times as long, at most 3.968e-6 s is advised"),
+        out.contains("warning: ") && out.contains("the time step is 1.26 times as long, at most 3.96e-6 s is advised"),
         "{out}"
     );
-    assert!(out.contains("at most 2.394e-6 s is advised") && !out.contains("stable at"), "{out}");
+    assert!(out.contains("at most 2.39e-6 s is advised") && !out.contains("stable at"), "{out}");
     let suggested = out.lines().find_map(|line| line.strip_prefix("suggestion: --dt ")).unwrap();
     let (time_step, _) = suggested.split_once(' ').unwrap();
     let (out, _) = rockfall.run(&format!("check scene.txt --integrator symplectic-euler --dt {time_step}"), 0);
@@ -236,4 +236,59 @@ fn contact_laws_report_their_time_and_what_they_lack() {
         "run scene.txt --backend cpu --integrator symplectic-euler --dt 1e-6 --steps 300 --contacts contacts.csv --every 300";
     let (_, err) = rockfall.run(run, 0);
     assert!(!err.contains("warning"), "{err}");
+}
+
+/// `--substeps auto` divides the step until no warning about the time of the contact law is left. Messages name spheres by the numbers
+/// of the scene file, and print powers of ten.
+#[test]
+fn substeps_auto_obeys_the_time_of_the_contact_law() {
+    let text = "set contact_law hertz-mindlin\nset gravity 9.81\n@material g density=2500 young=1e8 poisson=0.25\n\
+                @pair g g restitution=0.5 friction=0.3\n@use g\nB -1 -1 -1 2 0 0 0 1 0 0 0 2\n\
+                S 7 0 0.02 0 0 0 0 0 0 0 - 0.01\n";
+    let rockfall = Rockfall::with(text);
+    let run = "run scene.txt --backend cpu --integrator velocity-verlet --steps 20 --json";
+    let (_, err) = rockfall.run(run, 0);
+    assert!(err.contains("that of sphere 7; the time step is 74") && !err.contains("sphere 0"), "{err}");
+    let (out, err) = rockfall.run(&format!("{run} --substeps auto"), 0);
+    assert!(!err.contains("warning"), "{err}");
+    let object: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let [start, end] = ["energy_start", "energy_end"].map(|key| object[key]["total"].as_f64().unwrap());
+    assert!(end < 1.001 * start && end > 0.3 * start, "{start} {end}");
+    let parts = object["substeps"].as_u64().unwrap();
+    let (out, _) = rockfall.run("check scene.txt --integrator velocity-verlet", 0);
+    assert!(out.contains(&format!("rockfall run --substeps {parts} makes the time step short enough")), "{parts}: {out}");
+    // One part less is too few.
+    let fewer = 0.02 / (parts - 1) as f64;
+    let (out, _) = rockfall.run(&format!("check scene.txt --integrator velocity-verlet --dt {fewer}"), 0);
+    assert!(out.contains("advised") && out.contains("warning"), "{out}");
+}
+
+/// Numbers in messages and summaries have few digits, with a power of ten where they are small or large.
+#[test]
+fn numbers_are_short() {
+    let text = "set contact_law hertz-mindlin\nset gravity 9.81\nset precision double\n\
+                @material glass density=2500 young=6.3e10 poisson=0.24\n@use glass\n\
+                B -1 -1 -1 2 0 0 0 1 0 0 0 2\nS 5 0 0.0005 0 0 0 0 0 0 0 - 0.0005\n";
+    let rockfall = Rockfall::with(text);
+    let (out, _) = rockfall.run("run scene.txt --backend cpu --integrator velocity-verlet --steps 5 --dt 2e-8", 0);
+    assert!(out.contains("5 of 2e-8 s = 1e-7 s, done in ") && !out.contains(" 0.0 times"), "{out}");
+    let (out, _) = rockfall.run("check scene.txt --integrator velocity-verlet --set gravity=1e30", 0);
+    let longest = |text: &str| text.split(|c: char| !c.is_ascii_digit() && c != '.').map(str::len).max();
+    assert!(out.lines().skip(2).all(|line| longest(line) <= Some(8)), "{out}");
+}
+
+/// A text leaves out the springs of contacts, which is said only where there are some.
+#[test]
+fn saving_a_text_says_that_it_leaves_out_springs() {
+    let text = "set contact_law linear\nset gravity 9.81\n@material m density=2500\n@pair m m stiffness=1e5\n@use m\n\
+                B -1 -1 -1 2 0 0 0 1 0 0 0 2\nS 1 0 0.00999 0 0 0 0 0 0 0 - 0.01\nS 2 0 0.05 0 0 0 0 0 0 0 - 0.01\n";
+    let rockfall = Rockfall::with(text);
+    let run = "run scene.txt --backend cpu --integrator velocity-verlet --dt 1e-5 --steps 10";
+    let (_, err) = rockfall.run(&format!("{run} --save saved.txt"), 0);
+    assert!(err.contains("note: saved.txt: a scene text leaves out the springs of 1 contact, "), "{err}");
+    assert_eq!(err.lines().count(), 1, "{err}");
+    let (_, err) = rockfall.run(&format!("{run} --checkpoint saved.ckpt"), 0);
+    assert_eq!(err, "");
+    let (_, err) = rockfall.run(&format!("{run} --save saved.txt --set gravity=-9.81 --steps 1000"), 0);
+    assert!(!err.contains("springs"), "{err}");
 }

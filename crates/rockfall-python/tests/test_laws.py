@@ -83,7 +83,7 @@ def test_errors_show_the_place(scene: rf.Scene) -> None:
     with pytest.raises(TypeError, match=r"force_laws: expected rockfall.ForceLaw, got str"):
         rf.Simulation(scene, force_laws=["trap"])  # type: ignore[list-item]
     sim.add_force_law("sun", "-position / (length(position) - 1.0)")
-    with pytest.raises(rf.SimulationError, match="law 'sun', line 1: the force on sphere 0 in step 1 is .* not finite"):
+    with pytest.raises(rf.SimulationError, match="law 'sun', line 1: the force on sphere number 0 in step 1 is .* not finite"):
         sim.run(1)
 
 

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use crate::scene::Scene;
+
 /// `Result` with the library's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -101,9 +103,7 @@ pub enum Error {
         limit: u64,
     },
     /// The state of a body stopped being finite.
-    #[error(
-        "sphere {sphere} stopped being finite in step {step} ({stage}); a spring or the contact force may be too stiff for the time step, see `rockfall check`"
-    )]
+    #[error("{}", non_finite(&format!("sphere number {sphere}"), *step, *stage))]
     NonFinite {
         /// Index of the sphere, in order of addition.
         sphere: usize,
@@ -136,6 +136,25 @@ pub enum Error {
         /// The reason why the step was rejected.
         reason: String,
     },
+}
+
+impl Error {
+    /// The message, with the name that the scene text has for the sphere of [`Error::NonFinite`].
+    pub fn describe(&self, scene: &Scene) -> String {
+        match self {
+            Self::NonFinite { sphere, step, stage } if *sphere < scene.spheres().len() => {
+                non_finite(&scene.name_of_sphere(*sphere), *step, *stage)
+            }
+            error => error.to_string(),
+        }
+    }
+}
+
+fn non_finite(sphere: &str, step: u64, stage: BadStage) -> String {
+    format!(
+        "{sphere} stopped being finite in step {step} ({stage}); a spring or the contact force may be too stiff for the time step, \
+         see `rockfall check`"
+    )
 }
 
 /// Maximum number of characters of a quoted text.

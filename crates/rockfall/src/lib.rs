@@ -105,7 +105,7 @@ pub use exec::gpu;
 pub use glam;
 pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
-pub use report::{Energy, Report, SphereState, decimal_time};
+pub use report::{Energy, Report, SphereState, decimal_time, short_number};
 pub use scene::{
     BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId, Muscle,
     Pair, Polygon, PolygonId, Rod, RodId, RollingModel, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,

@@ -7,10 +7,12 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::model::muscles::MuscleClock;
 use crate::physics::touch::touch;
+use crate::report::short_number;
 use crate::scene::{Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::Body;
-use crate::simulation::observe::{body, observe, smaller_radius, view_and_lists};
+use crate::simulation::observe::{body, smaller_radius};
+use crate::simulation::observed::{observe, view_and_lists};
 use crate::user_laws::set::UserLaws;
 
 /// Largest overlap of two bodies, in radii of the smaller one, that causes no warning.
@@ -108,6 +110,22 @@ impl Scene {
         }
     }
 
+    /// The name of the sphere with an index.
+    pub(crate) fn name_of_sphere(&self, index: usize) -> String {
+        self.name_of(Body::Sphere(self.spheres.handle_at(index)))
+    }
+
+    /// The name of the spring with an index: the scene text has no other.
+    pub(crate) fn name_of_spring(&self, index: usize) -> String {
+        let [a, b] = [self.springs()[index].a, self.springs()[index].b].map(|id| self.name_of(Body::Sphere(id)));
+        format!("the spring from {a} to {b}")
+    }
+
+    /// The name of the tether with an index.
+    pub(crate) fn name_of_tether(&self, index: usize) -> String {
+        format!("the tether of {}", self.name_of(Body::Sphere(self.tethers()[index].sphere)))
+    }
+
     /// The name of a body for a message: `sphere 7` for the sphere that the scene text calls 7; otherwise its index in order of
     /// addition, such as `sphere number 3`, `box number 0`.
     pub fn name_of(&self, body: Body) -> String {
@@ -146,6 +164,7 @@ struct Depth(f32, f32);
 
 impl fmt::Display for Depth {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:.3} radii ({:.3e} units)", self.0, self.1)
+        let [radii, units] = [self.0, self.1].map(|depth| short_number(depth.into(), 3));
+        write!(f, "{radii} radii ({units} units)")
     }
 }

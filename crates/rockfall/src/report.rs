@@ -145,6 +145,21 @@ impl From<&Sphere> for SphereState {
     }
 }
 
+/// A number for a message, with at most `digits` significant digits and with a power of ten where it would be long: 0.02, 12300,
+/// 6.92e-10.
+pub fn short_number(number: f64, digits: usize) -> String {
+    // The text of a number in scientific notation is a number.
+    let rounded = format!("{number:.*e}", digits.saturating_sub(1)).parse().unwrap_or(number);
+    if rounded == 0.0 {
+        // Also for -0, the value of an empty sum.
+        return "0".to_owned();
+    }
+    if (1e-4..1e6).contains(&rounded.abs()) || !rounded.is_finite() {
+        return rounded.to_string();
+    }
+    format!("{rounded:e}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,5 +197,25 @@ mod tests {
         many = Report { steps: 3, time: 0.3, ..Report::default() };
         clock.add(2, 0.05, &mut many);
         assert_eq!((many.steps, many.time), (5, 0.4));
+    }
+
+    #[test]
+    fn numbers_in_messages_are_short() {
+        let cases = [
+            (6.92123e-10, "6.92e-10"),
+            (15_099_999_999_999_998_000_000_000.0, "1.51e25"),
+            (0.02, "0.02"),
+            (0.000_123_4, "0.000123"),
+            (12_345.0, "12300"),
+            (-0.5, "-0.5"),
+            (999_999.0, "1e6"),
+            (0.0, "0"),
+            (-0.0, "0"),
+            (f64::INFINITY, "inf"),
+        ];
+        for (number, expected) in cases {
+            assert_eq!(short_number(number, 3), expected);
+        }
+        assert_eq!(short_number(445.84, 4), "445.8");
     }
 }

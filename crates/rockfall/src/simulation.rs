@@ -38,6 +38,7 @@ mod lookahead;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(crate) mod mirror;
 pub(crate) mod observe;
+pub(crate) mod observed;
 mod order;
 mod prepare;
 mod profile;
@@ -107,6 +108,8 @@ pub struct Simulation {
     lists_due: bool,
     /// The stage states belong to an RK4 step of the same spheres, so they show how the spheres accelerate.
     has_stages: bool,
+    /// The copy of an earlier state that observations reuse; `None` after anything but states has changed.
+    observation: Option<Box<World>>,
     /// `scene` holds the current state.
     synced: bool,
     /// `scene` holds the current external forces.
@@ -216,6 +219,7 @@ impl Simulation {
             aabbs_due: true,
             lists_due: true,
             has_stages: false,
+            observation: None,
             synced: true,
             forces_synced: true,
             calm_steps: 0,
@@ -268,6 +272,7 @@ impl Simulation {
         }
         if before != settings {
             self.status.forces_due = 1;
+            self.observation = None;
         }
         if !same {
             self.scene.settings = self.scene.resolved_settings();

@@ -30,8 +30,7 @@
 //!
 //! Fixed-length rods only add mass to a sphere. External forces have no effect on stability.
 
-use std::fmt;
-
+use crate::report::short_number;
 use crate::scene::{Scene, Sphere};
 use crate::settings::{Integrator, Settings};
 
@@ -101,23 +100,26 @@ pub struct Warning {
     pub largest_dt: f64,
 }
 
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.what {
-            Stiff::Spring(index) => write!(f, "spring {index}, with all others at its ends,")?,
-            Stiff::Tether(index) => write!(f, "tether {index}, with all others at its sphere,")?,
-            Stiff::Contact => write!(f, "the contact force")?,
-            Stiff::LinearDamping => write!(f, "`linear_damping`")?,
-            Stiff::AngularDamping => write!(f, "`angular_damping`")?,
-        }
-        let [k, c] = [self.stiffness, self.damping].map(rounded_down);
-        write!(f, " is too stiff for the time step (stiffness per mass {k} /s², damping per mass {c} /s): ")?;
-        f.write_str(match (self.effect, self.what) {
+impl Warning {
+    /// A message that names the force as the scene text does.
+    pub fn describe(&self, scene: &Scene) -> String {
+        let what = match self.what {
+            Stiff::Spring(index) => format!("{}, with all others at its ends,", scene.name_of_spring(index)),
+            Stiff::Tether(index) => format!("{}, with all others at its sphere,", scene.name_of_tether(index)),
+            Stiff::Contact => "the contact force".to_owned(),
+            Stiff::LinearDamping => "`linear_damping`".to_owned(),
+            Stiff::AngularDamping => "`angular_damping`".to_owned(),
+        };
+        let [k, c, largest] = [self.stiffness, self.damping, self.largest_dt].map(at_most);
+        let effect = match (self.effect, self.what) {
             (Effect::Unstable, _) => "it is unstable, energy grows without bound",
             (Effect::Restless, Stiff::Contact) => "bodies do not come to rest",
             (Effect::Restless, _) => "it gains energy when it is far from its rest length",
-        })?;
-        write!(f, "; the largest time step that works is {} s", rounded_down(self.largest_dt))
+        };
+        format!(
+            "{what} is too stiff for the time step (stiffness per mass {k} /s², damping per mass {c} /s): {effect}; the largest \
+             time step that works is {largest} s"
+        )
     }
 }
 
@@ -146,9 +148,14 @@ fn rounded_up(number: f64) -> f64 {
     rounded(number, |scaled| (scaled * (1.0 - 1e-12)).ceil())
 }
 
-/// Rounds to the nearest number with three significant digits.
-fn nearest(number: f64) -> f64 {
-    rounded(number, f64::round)
+/// A number for a message, with three significant digits.
+fn nearest(number: f64) -> String {
+    short_number(number, 3)
+}
+
+/// The same, never above the number itself.
+fn at_most(number: f64) -> String {
+    short_number(rounded_down(number), 3)
 }
 
 fn rounded(number: f64, to_whole: impl Fn(f64) -> f64) -> f64 {
@@ -194,11 +201,10 @@ impl Scene {
     }
 
     /// The least number of equal parts into which a time step of `dt` seconds must be divided for [`Scene::stability`] to
-    /// return no warnings.
+    /// return no warnings, and for no time of [`Scene::law_times`] to be exceeded.
     pub fn substeps_for(&self, dt: f32, integrator: Integrator) -> u32 {
-        let warnings = self.stability(dt, integrator);
-        let largest = warnings.iter().map(|warning| warning.largest_dt).fold(f64::INFINITY, f64::min);
-        // Every warning has a bound below dt. The least one is the bound of the scene.
+        let largest = self.force_bounds(dt, integrator).fold(f64::INFINITY, f64::min);
+        // Every bound is below dt. The least one is the bound of the scene.
         let mut parts = (f64::from(dt) / largest).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
         // The part is an f32, which may be rounded up.
         while f64::from(dt / parts as f32) > largest && parts < u32::MAX {
@@ -207,16 +213,23 @@ impl Scene {
         parts
     }
 
+    /// The largest time steps of the springs, tethers, contacts and dampings for which a time step of `dt` seconds is too long.
+    fn force_bounds(&self, dt: f32, integrator: Integrator) -> impl Iterator<Item = f64> {
+        let stiff = self.stability(dt, integrator).into_iter().map(|warning| warning.largest_dt);
+        let slow = self.law_times().into_iter().filter(move |time| time.is_exceeded_by(dt));
+        stiff.chain(slow.map(|time| time.largest_dt()))
+    }
+
     /// Everything that a run of this scene with a time step of `dt` seconds should be warned of, one message each: an unstable
     /// time step, one that is too long for a contact law with history, muscles that are too fast for it, bodies that sink into each
     /// other, bodies that pass through thin things, positions that are too coarse, and rods that are likely mistakes.
     pub fn concerns(&self, dt: f32, integrator: Integrator) -> Vec<String> {
-        let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(Warning::to_string).collect();
+        let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(|warning| warning.describe(self)).collect();
         let slow = self.law_times().into_iter().filter(|time| time.is_exceeded_by(dt));
-        concerns.extend(slow.map(|time| time.describe(dt)));
+        concerns.extend(slow.map(|time| time.describe(self, dt)));
         concerns.extend(self.unused_properties());
         concerns.extend(self.neck_concerns(dt));
-        concerns.extend(self.fast_muscle(dt).map(|muscle| muscle.to_string()));
+        concerns.extend(self.fast_muscle(dt).map(|muscle| muscle.describe(self)));
         concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
         concerns.extend(self.soft_material().map(|soft| soft.to_string()));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));
@@ -235,10 +248,8 @@ impl Scene {
             settings.resting_overlap = 0.02;
         }
         let mended = Self { settings, ..self.clone() };
-        let stiff = mended.stability(dt, integrator).into_iter().map(|warning| warning.largest_dt);
-        let slow = mended.law_times().into_iter().filter(|time| time.is_exceeded_by(dt));
-        let bounds = stiff
-            .chain(slow.map(|time| time.largest_dt()))
+        let bounds = mended
+            .force_bounds(dt, integrator)
             .chain(mended.tunnelling(dt).map(|tunnelling| tunnelling.largest_dt))
             .chain(mended.fast_muscle(dt).map(|muscle| muscle.largest_dt));
         let largest = bounds.fold(f64::INFINITY, f64::min);

@@ -16,6 +16,8 @@ mod cohesion;
 mod jkr;
 #[path = "laws/kept.rs"]
 mod kept;
+#[path = "laws/listed.rs"]
+mod listed;
 #[path = "laws/precision.rs"]
 mod precision;
 #[path = "laws/rest.rs"]
@@ -80,7 +82,7 @@ fn laws_that_lack_something_are_refused() {
     let mut scene = scene_with(ContactLaw::HertzMindlin);
     scene.add_sphere(Sphere::new([0.0; 3], 0.5)).expect("a valid sphere");
     assert!(refusal(&scene, Integrator::Rk4).contains("symplectic-euler"), "{}", refusal(&scene, Integrator::Rk4));
-    assert!(refusal(&scene, euler).contains("without a material for sphere 0"), "{}", refusal(&scene, euler));
+    assert!(refusal(&scene, euler).contains("without a material for sphere number 0"), "{}", refusal(&scene, euler));
 
     let mut scene = scene_with(ContactLaw::HertzMindlin);
     let hard = scene.add_material(Material::new("hard").young(1e9)).expect("a valid material");

@@ -132,7 +132,8 @@ impl Live {
 
     fn run(&mut self, steps: u64) -> Result<(), Failure> {
         let parts = self.parts;
-        Ok(self.simulation.run(steps.saturating_mul(u64::from(parts)), self.dt / parts as f32).map(drop)?)
+        let moved = self.simulation.run(steps.saturating_mul(u64::from(parts)), self.dt / parts as f32);
+        moved.map(drop).map_err(|error| Failure::of(error, self.simulation.scene()))
     }
 
     fn advance(&mut self, steps: u64) -> Result<(), Failure> {

@@ -24,6 +24,7 @@ pub(crate) struct Wanted {
     pub(crate) out: Option<PathBuf>,
     pub(crate) every: Option<u64>,
     pub(crate) trace: Option<PathBuf>,
+    pub(crate) trace_every: Option<u64>,
     pub(crate) contacts: Option<PathBuf>,
     pub(crate) save: Option<PathBuf>,
     pub(crate) checkpoint: Option<PathBuf>,
@@ -54,6 +55,9 @@ impl Wanted {
         if self.every.is_some() && self.out.is_none() && self.contacts.is_none() {
             return Err(Failure::usage("--every needs a file to write to: expected --out FILE or --contacts FILE"));
         }
+        if self.trace_every.is_some() && self.trace.is_none() {
+            return Err(Failure::usage("--trace-every needs a file to write to: expected --trace FILE"));
+        }
         if self.checkpoint_every.is_some() && self.checkpoint.is_none() {
             return Err(Failure::usage("--checkpoint-every needs a file to write to: expected --checkpoint FILE"));
         }
@@ -81,6 +85,8 @@ enum Out {
 pub(crate) struct Outputs {
     out: Option<Out>,
     trace: Option<(PathBuf, AtomicFile)>,
+    /// Steps between two lines of the trace; every step if it is not given.
+    trace_every: Option<u64>,
     contacts: Option<ContactsFile>,
     save: Option<(PathBuf, AtomicFile)>,
     checkpoint: Option<PathBuf>,
@@ -89,14 +95,14 @@ pub(crate) struct Outputs {
     is_new: [bool; 3],
     /// The step of the last checkpoint.
     saved_at: Option<u64>,
-    /// Total number of collisions up to the last line of the trace.
-    collisions: u64,
+    /// Total number of collisions up to the last line of the trace, once it is known.
+    collisions: Option<u64>,
 }
 
 impl Outputs {
     /// Opens the files. A file that the earlier run `past` had begun is continued.
     pub(crate) fn open(wanted: Wanted, past: Option<&Past>) -> Result<Self, Failure> {
-        let Wanted { out, every, trace, contacts, save, checkpoint, checkpoint_every } = wanted;
+        let Wanted { out, every, trace, trace_every, contacts, save, checkpoint, checkpoint_every } = wanted;
         let marked = |path: &Path, past: Option<&PastFile>| -> Option<Mark> {
             past.filter(|past| past.path == whole(path)).and_then(PastFile::mark)
         };
@@ -107,7 +113,15 @@ impl Outputs {
             let message = "omit --every, or give another --out";
             return Err(Failure::usage(format!("--every: the existing frames were written with --every {begun}; {message}")));
         }
+        let begun = past.and_then(|past| past.trace_every).unwrap_or(1);
         let trace_mark = trace.as_deref().and_then(|path| marked(path, past.and_then(|past| past.trace.as_ref())));
+        if trace_mark.is_some() && trace_every.unwrap_or(1) != begun {
+            let message = "omit --trace-every, or give another --trace";
+            return Err(Failure::usage(format!(
+                "--trace-every: the existing lines were written with --trace-every {begun}; {message}"
+            )));
+        }
+        let collisions = past.and_then(|past| past.traced_collisions).filter(|_| trace_mark.is_some());
         let trace = trace.map(|path| open_trace(&path, trace_mark).map(|file| (path, file))).transpose()?;
         if let Some(path) = &checkpoint {
             // Only tests that the path is writable: every checkpoint is written as a new file.
@@ -116,19 +130,20 @@ impl Outputs {
         Ok(Self {
             out: out.map(|path| Out::open(path, every, out_mark)).transpose()?,
             trace,
+            trace_every,
             contacts: contacts.map(|path| ContactsFile::open(path, every, contacts_mark)).transpose()?,
             save: save.map(|path| save::open(&path).map(|file| (path, file))).transpose()?,
             checkpoint,
             checkpoint_every,
             is_new: [trace_mark.is_none(), out_mark.is_none(), contacts_mark.is_none()],
             saved_at: None,
-            collisions: 0,
+            collisions,
         })
     }
 
     /// Writes the header of a new trace, and the state before the first step to a new trace and trajectory.
     pub(crate) fn begin(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
-        self.collisions = simulation.report().total_collisions;
+        self.collisions.get_or_insert(simulation.report().total_collisions);
         let [trace, frames, contacts] = self.is_new;
         if let Some((path, file)) = self.trace.as_mut().filter(|_| trace) {
             writeln!(file, "{TRACE_HEADER}").map_err(|error| Failure::file(path, &error))?;
@@ -150,7 +165,7 @@ impl Outputs {
             Some(Out::Frames(_, _, every)) => Some(*every),
             _ => None,
         };
-        let trace = self.trace.as_ref().map(|_| 1);
+        let trace = self.trace.as_ref().map(|_| self.trace_every.unwrap_or(1));
         let until = |every: u64| every - step % every;
         let contacts = self.contacts.as_ref().and_then(ContactsFile::every);
         [every, trace, contacts, self.checkpoint_every].into_iter().flatten().map(until).fold(most, u64::min)
@@ -158,8 +173,10 @@ impl Outputs {
 
     /// Writes the outputs that are due after a step.
     pub(crate) fn after_step(&mut self, simulation: &mut Simulation, past: &mut Past) -> Result<(), Failure> {
-        self.trace(simulation, past)?;
         let step = past.step(simulation.report().steps);
+        if step.is_multiple_of(self.trace_every.unwrap_or(1)) {
+            self.trace(simulation, past)?;
+        }
         if let Some(Out::Frames(_, writer, every)) = &mut self.out
             && step.is_multiple_of(*every)
         {
@@ -179,10 +196,8 @@ impl Outputs {
         let Some((path, file)) = &mut self.trace else { return Ok(()) };
         let energy = simulation.energy()?;
         let report: Report = simulation.report();
-        // The simulation reports the collisions of its own last step, which is only the last part of a divided step.
-        let of_parts = report.total_collisions.saturating_sub(self.collisions);
-        let collisions = if past.parts() > 1 { of_parts } else { report.collisions.into() };
-        self.collisions = report.total_collisions;
+        let before = self.collisions.replace(report.total_collisions).unwrap_or_default();
+        let collisions = report.total_collisions.saturating_sub(before);
         let mut write = || {
             let step = past.step(report.steps);
             write!(file, "{step}")?;
@@ -214,6 +229,7 @@ impl Outputs {
             }
             None => None,
         };
+        (past.trace_every, past.traced_collisions) = (self.trace_every, self.collisions);
         if let Some(file) = &mut self.contacts {
             past.contacts = Some(file.as_past()?);
             past.every = past.every.or(file.every());

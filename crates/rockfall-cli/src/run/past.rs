@@ -29,6 +29,10 @@ pub(crate) struct Past {
     /// Steps between two frames of `out`.
     pub(crate) every: Option<u64>,
     pub(crate) trace: Option<PastFile>,
+    /// Steps between two lines of `trace`; every step if missing.
+    pub(crate) trace_every: Option<u64>,
+    /// Total number of collisions up to the last line of `trace`. Checkpoints of older versions do not contain it.
+    pub(crate) traced_collisions: Option<u64>,
     pub(crate) contacts: Option<PastFile>,
     /// Scene file that is written at the end, as an absolute path.
     pub(crate) save: Option<PathBuf>,

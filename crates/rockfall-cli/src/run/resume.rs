@@ -135,7 +135,11 @@ fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Fai
         wanted.every = wanted.every.or(past.every);
     }
     wanted.save = wanted.save.or(past.save.clone());
-    wanted.trace = wanted.trace.or(past.trace.as_ref().map(|file| file.path.clone()));
+    let before = past.trace.as_ref().map(|file| &file.path);
+    if wanted.trace.as_deref().is_none_or(|trace| Some(&whole(trace)) == before) {
+        wanted.trace = wanted.trace.or(before.cloned());
+        wanted.trace_every = wanted.trace_every.or(past.trace_every);
+    }
     wanted.checkpoint = wanted.checkpoint.or(Some(path.to_owned()));
     wanted.checkpoint_every = wanted.checkpoint_every.or(past.checkpoint_every);
     wanted.check()?;

@@ -8,13 +8,15 @@ use rockfall::output::AtomicFile;
 
 use super::past::Past;
 use crate::failure::Failure;
+use crate::options::counted;
+use crate::output;
 
 pub(super) fn open(path: &Path) -> Result<AtomicFile, Failure> {
     AtomicFile::create(path).map_err(|error| Failure::file(path, &error))
 }
 
 /// Writes the present state, with the present phases of muscles. The title of the scene comes first. After it, comments name where
-/// the state comes from and how to go on.
+/// the state comes from and how to go on. A note says what the text leaves out.
 pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
     let step = past.step(simulation.report().steps);
     let integrator = simulation.integrator();
@@ -37,7 +39,22 @@ pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulati
     }
     text += "\n";
     text += &scene.to_text();
-    file.write_all(text.as_bytes()).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
+    file.write_all(text.as_bytes()).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))?;
+    note_springs(path, simulation)
+}
+
+/// Notes that a text leaves out the springs of contacts (docs/physics.md section 4.11), if there are any.
+fn note_springs(path: &Path, simulation: &mut Simulation) -> Result<(), Failure> {
+    let kept = simulation.contacts()?.iter().filter(|contact| contact.springs.is_some()).count();
+    if kept > 0 {
+        let contacts = counted(kept, "contact", "contacts");
+        output::note(&format!(
+            "note: {}: a scene text leaves out the springs of {contacts}, so bodies at rest move when it is run; --checkpoint \
+             FILE.ckpt keeps them",
+            path.display()
+        ));
+    }
+    Ok(())
 }
 
 /// Replaces control characters, so that the name of a file or a line of a title cannot end a comment.

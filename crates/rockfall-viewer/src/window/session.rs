@@ -188,7 +188,7 @@ impl Session {
     /// Adds an error message, and records whether the error is a failure of the device.
     pub fn fail(&mut self, error: &Error) {
         self.device_failed |= matches!(error, Error::Device(_));
-        self.tell(Level::Error, error.to_string());
+        self.tell(Level::Error, error.describe(self.simulation.scene()));
     }
 
     /// Returns the value, or adds an error message.

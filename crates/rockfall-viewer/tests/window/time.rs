@@ -52,7 +52,7 @@ fn a_position_that_is_not_finite_stops_the_session_with_a_message() {
     session.set_running(true);
     (0..5).for_each(|frame| session.frame(f64::from(frame), 0.02, |_| ()));
     assert!(!session.running() && !session.device_failed());
-    assert!(messages(&session)[0].starts_with("sphere 0 stopped being finite in step 1"), "{:?}", messages(&session));
+    assert!(messages(&session)[0].starts_with("sphere 1 stopped being finite in step 1"), "{:?}", messages(&session));
     assert_eq!(steps(&mut session), 1);
     session.reset();
     assert_eq!((steps(&mut session), heights(&mut session)), (0, vec![0.0, 0.0]));

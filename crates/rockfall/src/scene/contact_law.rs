@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::scene::restitution::damping_for;
 use crate::scene::{CohesionModel, Material, RollingModel, Scene};
 use crate::settings::{ContactLaw, Integrator, Settings};
+use crate::simulation::Body;
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
 pub(crate) const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
@@ -62,11 +63,22 @@ impl Scene {
             self.polygons().iter().map(|polygon| (polygon.material, false)).collect(),
         ];
         let (mut used, mut moving) = (vec![0_usize; self.materials().len() + 1], vec![false; self.materials().len() + 1]);
-        for (kind, objects) in ["sphere", "rod", "box", "polygon"].into_iter().zip(&kinds) {
+        let name_of = |kind: usize, index: usize| {
+            self.name_of(match kind {
+                0 => Body::Sphere(self.spheres.handle_at(index)),
+                1 => Body::Rod(self.rods.handle_at(index)),
+                2 => Body::Box(self.boxes.handle_at(index)),
+                _ => Body::Polygon(self.polygons.handle_at(index)),
+            })
+        };
+        for (kind, objects) in kinds.iter().enumerate() {
             for (index, (material, moves)) in objects.iter().enumerate() {
                 let number = usize::from(self.material_number(*material)?);
                 if number == 0 {
-                    return refused(format!("{law} without a material for {kind} {index}"), "a material for every object");
+                    return refused(
+                        format!("{law} without a material for {}", name_of(kind, index)),
+                        "a material for every object",
+                    );
                 }
                 used[number] += 1;
                 moving[number] |= moves;

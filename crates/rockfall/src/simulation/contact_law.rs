@@ -5,7 +5,7 @@ use crate::physics::laws::user::not_finite;
 use crate::physics::touch::touch;
 use crate::settings::ContactLaw;
 use crate::simulation::Simulation;
-use crate::simulation::observe::{observe, view_and_lists};
+use crate::simulation::observed::{observe, view_and_lists};
 use crate::user_laws::ContactForceLaw;
 
 impl Simulation {
@@ -65,7 +65,7 @@ impl Simulation {
         lists.row(sphere as u32).find_map(|entry| {
             let (a, b) = view.ordered(sphere as u32, entry.id());
             let touch = touch(&view, a, b, entry.feature())?;
-            not_finite(&view, [a, b], &touch, &format!("a contact of sphere {sphere} in step {step}"))
+            not_finite(&view, [a, b], &touch, &format!("a contact of {} in step {step}", self.scene.name_of_sphere(sphere)))
         })
     }
 

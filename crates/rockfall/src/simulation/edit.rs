@@ -220,6 +220,7 @@ impl Simulation {
         }
         if is_packed {
             self.world.set_rest_lengths(lengths);
+            self.observation = None;
             self.status.forces_due = 1;
         } else {
             self.dirty = self.dirty.max(Dirty::Topology);
@@ -253,6 +254,7 @@ impl Simulation {
         }
         if self.dirty != Dirty::Clean {
             self.check_contact_law()?;
+            self.observation = None;
         }
         if self.dirty == Dirty::Everything || !self.edits.is_empty() {
             self.pull().await?;
@@ -311,6 +313,7 @@ impl Simulation {
         self.engine.complete(&mut self.world);
         self.packed_ids = ids_of(&self.scene);
         self.packed = self.scene.sphere_ids().collect();
+        self.observation = None;
         self.packings += 1;
         self.engine.replace(&self.world)?;
         self.disorder = Disorder::sorted_at(self.report.steps);

@@ -65,6 +65,7 @@ impl Simulation {
         if !self.forces_synced {
             self.engine.download_topology(&mut self.world).await?;
             self.world.read_forces(&mut self.scene, &self.packed);
+            self.observation = None;
             self.forces_synced = true;
         }
         Ok(())

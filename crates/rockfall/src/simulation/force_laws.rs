@@ -84,7 +84,7 @@ impl Simulation {
         // The sphere was stopped at its last position. The velocity that it had is known if it was read before the step.
         let known = self.scene.spheres().get(index).cloned();
         let stopped = if self.pull().await.is_ok() { self.scene.spheres().get(index) } else { None };
-        let what = format!("sphere {index} in step {step}");
+        let what = format!("{} in step {step}", self.scene.name_of_sphere(index));
         let blamed = stopped.into_iter().chain(&known).find_map(|sphere| {
             let input = ForceInput {
                 position: sphere.position,

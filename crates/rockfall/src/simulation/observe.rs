@@ -1,17 +1,14 @@
 //! Contacts and diagnostics of the current state, for finding out why a body behaves as it does.
 //!
-//! They are computed on the host by the stages of the CPU backend, on a copy of the state.
+//! They are computed on a copy of the state ([`Simulation::observed`]).
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
-use crate::exec::cpu;
+use crate::error::Result;
 use crate::model::impulse::Impulse;
-use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS, FLAG_COLLISIONS, FLAG_CONTINUOUS, LAW_THESIS};
-use crate::model::lists::{Entry, Lists};
-use crate::model::muscles::MuscleClock;
-use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_PAIRS, Status};
+use crate::model::layout::{ENTRY_COLLIDES, FLAG_COLLISIONS, GRAIN, LAW_THESIS};
+use crate::model::lists::Entry;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::collision::Collision;
@@ -25,16 +22,9 @@ use crate::physics::laws::neck::contact;
 use crate::physics::side::side;
 use crate::physics::touch::{Touch, touch};
 use crate::scene::{BoxId, PolygonId, RodId, Scene, SphereId};
-use crate::settings::{BroadPhase, Integrator};
+use crate::simulation::Simulation;
 use crate::simulation::contact_springs::ContactSprings;
-use crate::simulation::drive::{MAX_ATTEMPTS, room_for};
-use crate::simulation::escape::margin_after_escape;
-use crate::simulation::springs::put_springs;
-use crate::simulation::{Simulation, engine};
-use crate::step::collisions::{find_collisions, synchronise};
-use crate::step::forces::law_forces;
-use crate::step::schedule::{Phase, Run};
-use crate::user_laws::set::UserLaws;
+use crate::simulation::observed::{Detail, view_and_lists};
 
 /// One of the two bodies of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -142,8 +132,8 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn max_overlap(&mut self) -> Result<MaxOverlap> {
-        let world = self.observed()?;
-        Ok(deepest(&self.scene, &world, |_, _, _, _| true))
+        let (scene, world) = self.observed(Detail::Pairs)?;
+        Ok(deepest(scene, world, |_, _, _, _| true))
     }
 
     /// Like [`Simulation::max_overlap`], over the contacts of bodies at rest: both are slower than the velocity above which they
@@ -153,8 +143,8 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn resting_overlap(&mut self) -> Result<MaxOverlap> {
-        let world = self.observed()?;
-        Ok(deepest(&self.scene, &world, |view, mover, entry, touch| {
+        let (scene, world) = self.observed(Detail::Collisions)?;
+        Ok(deepest(scene, world, |view, mover, entry, touch| {
             let [a, b] = [mover, entry.id()];
             let sides = [(a, touch.a), (b, touch.b)].map(|(id, parameter)| side(view, view.object(id), parameter));
             let threshold = collision_velocity(view.step, &sides[0], &sides[1]);
@@ -169,27 +159,24 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn contacts(&mut self) -> Result<Vec<Contact>> {
-        let world = self.observed()?;
-        let (view, lists) = view_and_lists(&world);
+        let (scene, world) = self.observed(Detail::Springs)?;
+        let (view, lists) = view_and_lists(world);
         let impulses = solve(&view, &lists).impulses;
         let impulses = impulses.as_slice();
-        let histories = Histories::of(&world);
+        let histories = Histories::of(world);
         let movers = 0..world.movers();
         let found: Vec<(Collision, ContactAction, Option<ContactSprings>)> = movers
             .into_par_iter()
             .flat_map_iter(|mover| {
-                // A neck connects bodies that are apart, so that all entries count.
-                let has_necks = view.step.neck > 0.0;
-                let is_pressed = move |entry: &Entry| entry.word & ENTRY_OVERLAPS != 0 || has_necks;
-                let own = lists.row(mover).filter(move |entry| entry.id() > mover && is_pressed(entry));
+                let own = lists.row(mover).filter(move |entry| entry.id() > mover);
                 own.filter_map(move |entry| action(&view, histories, impulses, mover, entry))
             })
             .collect();
         Ok(found
             .into_iter()
             .map(|(collision, action, springs)| Contact {
-                a: self.body(&view, collision.a),
-                b: self.body(&view, collision.b),
+                a: body(scene, &view, collision.a),
+                b: body(scene, &view, collision.b),
                 point: contact_point(&view, &collision),
                 normal: collision.touch.normal,
                 overlap: collision.touch.overlap,
@@ -204,14 +191,14 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn diagnostics(&mut self) -> Result<Vec<SphereDiagnostics>> {
-        let world = self.observed()?;
-        let (view, lists) = view_and_lists(&world);
+        let (_, world) = self.observed(Detail::Forces)?;
+        let (view, lists) = view_and_lists(world);
         let of_rod = |rod| rod_loads(&view, &lists, rod, None).map(|load| [load.force, load.torque]);
         let wrenches = match world.step.law {
             LAW_THESIS => (0..world.step.rods).flat_map(of_rod).flatten().map(|load| load.extend(0.0)).collect(),
             _ => world.wrenches.clone(),
         };
-        let histories = Histories::of(&world);
+        let histories = Histories::of(world);
         let of_sphere = |sphere: u32| {
             let mut values = SphereDiagnostics::default();
             for entry in lists.row(sphere) {
@@ -232,10 +219,10 @@ impl Simulation {
 
     /// Elastic energy of all contacts: sum of Cc m* o² / 2, or that of the normal forces of a law with history.
     pub(super) fn contact_energy(&mut self) -> Result<f64> {
-        let world = self.observed()?;
-        let (view, lists) = view_and_lists(&world);
+        let (_, world) = self.observed(Detail::Pairs)?;
+        let (view, lists) = view_and_lists(world);
         let stiffness = f64::from(world.step.contact_force);
-        let histories = Histories::of(&world);
+        let histories = Histories::of(world);
         let of_mover = |mover: u32| -> f64 {
             let own = lists.row(mover).filter(|entry| entry.id() > mover);
             own.filter_map(|entry| {
@@ -250,37 +237,8 @@ impl Simulation {
             .sum()
         };
         // The parts are collected before summing, so that the sum does not depend on the number of threads.
-        let parts: Vec<f64> = (0..world.movers()).into_par_iter().map(of_mover).collect();
+        let parts: Vec<f64> = (0..world.movers()).into_par_iter().with_min_len(GRAIN).map(of_mover).collect();
         Ok(parts.iter().sum())
-    }
-
-    /// A copy of the current state with AABBs, lists and collision flags of its own.
-    fn observed(&mut self) -> Result<World> {
-        self.sync()?;
-        let device = self.engine.waiter();
-        let springs = engine::block_on(device, self.springs())?;
-        let step = self.report.steps;
-        let mut world = observe(&self.scene, self.time_step, self.methods(), step, &self.muscle_clock, &self.world.user_laws)?;
-        put_springs(&mut world, &self.scene, &springs);
-        world.status.forces_due = 1;
-        while world.step.law != LAW_THESIS {
-            (law_forces::STAGE.cpu)(&mut world, 0);
-            if world.status.rejected & REJECTED_HISTORY == 0 {
-                break;
-            }
-            world.status.rejected = 0;
-            world.set_history_pool(world.status.history_blocks);
-        }
-        Ok(world)
-    }
-
-    /// The integrator and the method that finds pairs.
-    pub(super) fn methods(&self) -> (Integrator, BroadPhase) {
-        (self.options.integrator, self.broad_phase_method())
-    }
-
-    fn body(&self, view: &View, id: u32) -> Body {
-        body(&self.scene, view, id)
     }
 }
 
@@ -291,48 +249,6 @@ pub(crate) fn body(scene: &Scene, view: &View, id: u32) -> Body {
         Object::Cuboid(cuboid) => Body::Box(scene.boxes.handle_at(cuboid as usize)),
         Object::Polygon(polygon) => Body::Polygon(scene.polygons.handle_at(polygon as usize)),
     }
-}
-
-/// The state of a scene after `step` steps of `dt` seconds, with AABBs, lists and collision flags.
-pub(crate) fn observe(
-    scene: &Scene,
-    dt: f32,
-    (integrator, method): (Integrator, BroadPhase),
-    step: u64,
-    clock: &MuscleClock,
-    laws: &UserLaws,
-) -> Result<World> {
-    let mut world = World::build_with(scene, laws.clone())?;
-    // With velocity Verlet, springs of contacts that a step has advanced are shown as they are.
-    world.set_integrator(integrator);
-    world.set_muscles(scene, clock);
-    world.step.dt = dt;
-    // The contacts of the present state, and not those within the last step.
-    world.step.flags &= !FLAG_CONTINUOUS;
-    for attempts in 0..=MAX_ATTEMPTS {
-        world.status = Status::default();
-        let phases = [Phase::UpdateAabbs, Phase::BroadPhase].iter().flat_map(|phase| phase.stages(Integrator::Rk4, method));
-        let is_needed = |run: &&Run| run.stage.is(&synchronise::STAGE) || run.stage.is(&find_collisions::STAGE);
-        let finding = Phase::HandleCollisions.stages(integrator, method).iter().filter(is_needed);
-        let stages: Vec<_> = phases.chain(finding).copied().collect();
-        cpu::run(&mut world, &stages);
-        let status = &world.status;
-        if status.rejected == 0 {
-            return Ok(world);
-        }
-        // As in a step (`handle_rejection`): longer lists, or larger AABBs where coordinates or velocities are so large that
-        // rounding takes a body out of its own AABB.
-        if status.rejected & REJECTED_ESCAPED != 0 {
-            let escape = f32::from_bits(status.escape_ratio);
-            world.step.margin_scale = margin_after_escape(world.step.margin_scale, escape, attempts);
-        }
-        if status.rejected & (REJECTED_PAIRS | REJECTED_COUNT) != 0 {
-            let too_many = status.rejected & REJECTED_COUNT != 0;
-            world.set_pair_rows(room_for(if too_many { u32::MAX } else { status.pair_rows_needed })?);
-        }
-    }
-    let reason = format!("the contacts cannot be found, AABB margin {}", world.step.margin_scale);
-    Err(Error::Stuck { step, attempts: MAX_ATTEMPTS, reason })
 }
 
 /// The deepest overlaps of the contacts for which `counts` is true.
@@ -349,7 +265,7 @@ fn deepest(scene: &Scene, world: &World, counts: impl Fn(&View, u32, Entry, &Tou
         })
     };
     // The first of equal overlaps counts, so the result does not depend on the number of threads.
-    let all: Vec<_> = (0..world.movers()).into_par_iter().map(of_mover).collect();
+    let all: Vec<_> = (0..world.movers()).into_par_iter().with_min_len(GRAIN).map(of_mover).collect();
     let mut most = MaxOverlap::default();
     for (units, radii, ids) in all {
         most.units = most.units.max(units);
@@ -358,12 +274,6 @@ fn deepest(scene: &Scene, world: &World, counts: impl Fn(&View, u32, Entry, &Tou
         }
     }
     most
-}
-
-pub(crate) fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
-    let view =
-        View::new(&world.step, &world.topology, &world.states[0]).at_evaluation(&world.status, 0).with_laws(&world.user_laws);
-    (view, Lists::new(&world.step, &world.lists))
 }
 
 /// The smaller radius of two objects of which at least one is a sphere or a rod.

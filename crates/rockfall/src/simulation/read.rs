@@ -6,7 +6,8 @@ use crate::error::Result;
 use crate::model::muscles::MuscleClock;
 use crate::model::world::World;
 use crate::report::{Energy, SphereState};
-use crate::scene::{Scene, SphereId, Spring, SpringId};
+use crate::scene::{Scene, Sphere, SphereId, Spring, SpringId};
+use crate::simulation::observed::{Detail, view_and_lists};
 use crate::simulation::{Simulation, engine};
 
 impl Simulation {
@@ -106,7 +107,8 @@ impl Simulation {
     }
 
     /// Reads the state back, and returns a scene from which another simulation goes on where this one is: the phases of its
-    /// muscles are the present ones.
+    /// muscles are the present ones. A scene has no springs of contacts (docs/physics.md section 4.11), so with a contact law that keeps
+    /// them the contacts begin anew; a [`Checkpoint`](crate::Checkpoint) keeps them.
     ///
     /// # Errors
     /// As for [`Simulation::sync`].
@@ -117,7 +119,8 @@ impl Simulation {
         Ok(scene)
     }
 
-    /// Energies and momenta of the current state. The energy of a spring is that at its present rest length.
+    /// Energies and momenta of the current state. The energy of a spring is that at its present rest length. With symplectic Euler, the
+    /// kinetic energy is that of the velocities at the time of the positions (docs/physics.md section 5.2).
     ///
     /// # Errors
     /// As for [`Simulation::sync`].
@@ -125,19 +128,36 @@ impl Simulation {
         let gravity = self.gravity().as_dvec3();
         let contact = self.contact_energy()?;
         let mut energy = spheres_energy(&self.scene, gravity);
+        if self.world.step.is_half_step() {
+            energy.kinetic = self.synchronised_kinetic_energy()?;
+        }
         energy.spring = spring_energy(&self.scene, &self.muscle_clock)?;
         energy.contact = contact;
         Ok(energy)
     }
+
+    /// Kinetic energy at the time of the positions.
+    fn synchronised_kinetic_energy(&mut self) -> Result<f64> {
+        let (scene, world) = self.observed(Detail::Pairs)?;
+        let view = view_and_lists(world).0.in_collisions();
+        let movers = (0..).zip(scene.spheres()).filter(|(_, sphere)| !sphere.fixed);
+        Ok(movers.map(|(index, sphere)| kinetic_energy(sphere, view.velocity(index).as_dvec3())).sum())
+    }
+}
+
+/// Kinetic energy of a sphere with this velocity.
+fn kinetic_energy(sphere: &Sphere, velocity: DVec3) -> f64 {
+    let mass = f64::from(sphere.mass);
+    let inertia = 0.4 * mass * f64::from(sphere.radius).powi(2);
+    0.5 * (mass * velocity.length_squared() + sphere.angular_momentum.as_dvec3().length_squared() / inertia)
 }
 
 fn spheres_energy(scene: &Scene, gravity: DVec3) -> Energy {
     let mut energy = Energy::default();
     for sphere in scene.spheres().iter().filter(|sphere| !sphere.fixed) {
         let mass = f64::from(sphere.mass);
-        let inertia = 0.4 * mass * f64::from(sphere.radius).powi(2);
         let (x, v, spin) = (DVec3::from_array(sphere.centre()), sphere.velocity.as_dvec3(), sphere.angular_momentum.as_dvec3());
-        energy.kinetic += 0.5 * (mass * v.length_squared() + spin.length_squared() / inertia);
+        energy.kinetic += kinetic_energy(sphere, v);
         energy.potential -= mass * gravity.dot(x);
         energy.momentum += mass * v;
         energy.angular_momentum += mass * x.cross(v) + spin;

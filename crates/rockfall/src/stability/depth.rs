@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 
 use crate::scene::{BondedSets, Scene, Sphere};
 use crate::settings::{Integrator, Settings};
-use crate::stability::{Crowd, nearest, rounded_down, rounded_up};
+use crate::stability::{Crowd, at_most, nearest, rounded_down, rounded_up};
 
 /// Largest overlap of one resting body, as a share of the smallest radius, that causes no warning. Under the weight of others
 /// the overlap is several times as large, and bodies sink through each other.
@@ -60,9 +60,9 @@ impl fmt::Display for Sinking {
             f,
             ": `set resting_overlap 0.02` chooses a contact force; or use a contact_force of {} or more, with a \
              contact_damping of {} and a time step of at most {} s",
-            self.contact_force,
-            self.contact_damping,
-            rounded_down(self.largest_dt),
+            nearest(self.contact_force),
+            nearest(self.contact_damping),
+            at_most(self.largest_dt),
         )
     }
 }
@@ -88,7 +88,7 @@ impl fmt::Display for Remedy {
             f,
             "`set resting_overlap {resting_overlap}` chooses a contact_force of {force} /s² and a contact_damping of {damping} \
              /s, which need a time step of at most {} s",
-            rounded_down(largest_dt)
+            at_most(largest_dt)
         )
     }
 }

@@ -1,10 +1,10 @@
 //! The time within which the contact laws with history react, which bounds the time step (docs/physics.md section 4.11).
 
 use std::f64::consts::PI;
-use std::fmt;
 
 use crate::scene::Scene;
 use crate::settings::ContactLaw;
+use crate::stability::{at_most, nearest};
 
 /// The shortest time of the contacts of a scene, and the sphere that it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,23 +38,26 @@ impl LawTime {
     }
 
     /// Describes the time and a time step of `dt` seconds.
-    pub fn describe(&self, dt: f32) -> String {
-        let (part, steps) = (f64::from(dt) / self.seconds, self.seconds / f64::from(dt));
-        let step = if part < 1.0 { format!("{:.3} % of it", 100.0 * part) } else { format!("{part:.1} times as long") };
-        let steps = if self.is_rayleigh() || part >= 1.0 { String::new() } else { format!(" ({steps:.1} steps per impact)") };
-        format!("{self}; the time step is {step}{steps}, at most {:.3e} s is advised", self.largest_dt())
-    }
-}
-
-impl fmt::Display for LawTime {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { law, seconds, sphere, speed } = self;
+    pub fn describe(&self, scene: &Scene, dt: f32) -> String {
+        let Self { law, seconds, sphere, speed } = *self;
         let what = match speed {
-            Some(speed) => format!("time of an impact at {speed:.3} units/s"),
+            Some(speed) => format!("time of an impact at {} units/s", nearest(speed)),
             None if self.is_rayleigh() => "Rayleigh time".to_owned(),
             None => "time of an impact".to_owned(),
         };
-        write!(f, "contact law {law}: the shortest {what} is {seconds:.3e} s, that of sphere {sphere}")
+        let part = f64::from(dt) / seconds;
+        let step = match nearest(if part < 1.0 { 100.0 * part } else { part }) {
+            percent if part < 1.0 => format!("{percent} % of it"),
+            times => format!("{times} times as long"),
+        };
+        let has_steps = !self.is_rayleigh() && part < 1.0;
+        let steps = if has_steps { format!(" ({} steps per impact)", nearest(1.0 / part)) } else { String::new() };
+        format!(
+            "contact law {law}: the shortest {what} is {} s, that of {}; the time step is {step}{steps}, at most {} s is advised",
+            nearest(seconds),
+            scene.name_of_sphere(sphere),
+            at_most(self.largest_dt())
+        )
     }
 }
 

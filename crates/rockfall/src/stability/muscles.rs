@@ -1,8 +1,7 @@
 //! Muscles that a time step is too long for.
 
-use std::fmt;
-
 use crate::scene::Scene;
+use crate::stability::{at_most, nearest};
 
 /// The least number of time steps in a period of a muscle.
 const STEPS_PER_PERIOD: f64 = 10.0;
@@ -21,13 +20,17 @@ pub struct FastMuscle {
     pub largest_dt: f64,
 }
 
-impl fmt::Display for FastMuscle {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { spring, frequency, steps, largest_dt } = self;
-        write!(
-            f,
-            "the muscle of spring {spring} has a frequency of {frequency} /s and so only {steps:.1} time steps in a period; \
-             its motion is wrong with less than {STEPS_PER_PERIOD}, so use --dt {largest_dt:.2e} or less"
+impl FastMuscle {
+    /// A message that names the spring as the scene text does.
+    pub fn describe(&self, scene: &Scene) -> String {
+        let Self { spring, frequency, steps, largest_dt } = *self;
+        format!(
+            "the muscle of {} has a frequency of {} /s and so only {} time steps in a period; its motion is wrong with less than \
+             {STEPS_PER_PERIOD}, so use --dt {} or less",
+            scene.name_of_spring(spring),
+            nearest(frequency.into()),
+            nearest(steps),
+            at_most(largest_dt)
         )
     }
 }

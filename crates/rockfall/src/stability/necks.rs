@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use crate::scene::Scene;
 use crate::settings::ContactLaw;
+use crate::stability::{at_most, nearest};
 
 /// Part of the smallest radius above which the distance at which contacts tear is not small.
 const LONG: f64 = 0.1;
@@ -19,18 +20,20 @@ impl Scene {
         }
         let mut found = Vec::new();
         if neck > LONG {
-            let percent = 100.0 * neck;
+            let percent = nearest(100.0 * neck);
             found.push(format!(
-                "cohesion=jkr: contacts tear at a distance of up to {percent:.0} % of the smallest radius; the theory holds for distances \
+                "cohesion=jkr: contacts tear at a distance of up to {percent} % of the smallest radius; the theory holds for distances \
                  much shorter than the radius, so use a larger young or a smaller surface_energy"
             ));
         }
         if let Some((seconds, sphere)) = self.neck_time().filter(|(seconds, _)| STEPS * f64::from(dt) > seconds * (1.0 + 1e-6))
         {
-            let advised = seconds / STEPS;
             found.push(format!(
-                "cohesion=jkr: a neck of sphere {sphere} oscillates with half a period of {seconds:.3e} s, for which the time step is \
-                 too long: its energy is not kept; at most {advised:.3e} s is advised"
+                "cohesion=jkr: a neck of {} oscillates with half a period of {} s, for which the time step is too long: its energy \
+                 is not kept; at most {} s is advised",
+                self.name_of_sphere(sphere),
+                nearest(seconds),
+                at_most(seconds / STEPS)
             ));
         }
         found

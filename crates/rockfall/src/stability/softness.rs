@@ -28,14 +28,15 @@ pub struct SoftMaterial {
 impl fmt::Display for SoftMaterial {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { law, overlap, radius, load, factor } = *self;
-        let [percent, overlap, radius, load] = [100.0 * overlap / radius, overlap, radius, load].map(nearest);
+        let [percent, overlap, radius] = [100.0 * overlap / radius, overlap, radius].map(nearest);
         write!(f, "contact law {law}: ")?;
         if load > 1.0 {
+            let load = nearest(load);
             write!(f, "bodies below others carry about {load} times their weight and overlap by up to {overlap} units, ")?;
         } else {
             write!(f, "bodies at rest overlap by about {overlap} units, ")?;
         }
-        write!(f, "{percent} % of their radius {radius}: make the material {} times as stiff", rounded_up(factor))
+        write!(f, "{percent} % of their radius {radius}: make the material {} times as stiff", nearest(rounded_up(factor)))
     }
 }
 

@@ -5,7 +5,7 @@ use std::fmt;
 use glam::DVec3;
 
 use crate::scene::{Cuboid, Scene};
-use crate::stability::{nearest, rounded_down};
+use crate::stability::{at_most, nearest};
 
 /// The object that bodies may pass through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,12 +38,14 @@ pub struct Tunnelling {
 impl fmt::Display for Tunnelling {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [speed, way, depth] = [self.speed, self.way, self.depth].map(nearest);
-        let dt = rounded_down(self.largest_dt);
+        let dt = at_most(self.largest_dt);
         write!(f, "bodies may reach {speed} units/s, {way} units a step, and pass through ")?;
         match self.what {
             Thin::Sphere => write!(f, "other spheres: the limit is the sum of the two smallest radii, {depth}")?,
             Thin::Rod => write!(f, "rods: the limit is the thinnest rod's radius plus the smallest sphere's, {depth}")?,
-            Thin::Box(index) => write!(f, "box {index}: the limit is half its thickness plus the smallest radius, {depth}")?,
+            Thin::Box(index) => {
+                write!(f, "box number {index}: the limit is half its thickness plus the smallest radius, {depth}")?
+            }
             Thin::Polygon => write!(f, "polygons: the limit is the smallest radius, {depth}")?,
         }
         write!(f, "; the largest time step that works is {dt} s")

@@ -13,7 +13,12 @@ fn a_muscle_needs_ten_steps_in_a_period() {
     let fast = scene.fast_muscle(0.04).unwrap();
     assert_eq!((fast.spring, fast.frequency, fast.largest_dt), (2, 5.0, 0.02));
     assert!((fast.steps - 5.0).abs() < 1e-6);
-    assert!(scene.concerns(0.04, Integrator::Rk4).iter().any(|concern| concern.contains("the muscle of spring 2")));
+    assert!(
+        scene
+            .concerns(0.04, Integrator::Rk4)
+            .iter()
+            .any(|concern| concern.contains("the muscle of the spring from sphere number 0 to sphere number 1"))
+    );
     assert!(f64::from(scene.suggestion(0.04, Integrator::Rk4).unwrap().time_step) <= 0.02);
 }
 
@@ -43,7 +48,7 @@ fn the_contact_force_has_its_own_bound() {
     let warnings = scene.stability(0.02, Integrator::Rk4);
     assert_eq!(warnings.len(), 1);
     assert_eq!(warnings[0].what, Stiff::Contact);
-    let text = warnings[0].to_string();
+    let text = warnings[0].describe(&scene);
     assert!(text.contains("the largest time step that works is 0.0163 s"), "{text}");
     scene.settings.contact_force = 19000.0;
     assert!(scene.stability(0.02, Integrator::Rk4).is_empty());
@@ -119,7 +124,7 @@ fn a_crowd_is_restless_before_it_is_unstable() {
     assert_eq!(effect(&scene, 0.0223), None);
     assert_eq!(effect(&scene, 0.0225), Some(Effect::Restless));
     assert_eq!(effect(&scene, 0.064), Some(Effect::Unstable));
-    let text = scene.stability(0.03, Integrator::Rk4)[0].to_string();
+    let text = scene.stability(0.03, Integrator::Rk4)[0].describe(&scene);
     assert!(text.contains("do not come to rest") && text.ends_with("the largest time step that works is 0.0223 s"), "{text}");
     // Elastic spheres without damping never come to rest.
     (scene.settings.restitution, scene.settings.contact_damping) = (1.0, 0.0);

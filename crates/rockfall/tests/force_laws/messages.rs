@@ -235,7 +235,7 @@ fn result_that_is_not_finite_names_its_line(backend: Backend) {
     let mut simulation = with_laws(scene, backend, [drag(), law]);
     let error = simulation.run(3, DT).expect_err("0 / 0");
     let message = error.to_string();
-    assert!(message.starts_with("law 'sun', line 2: the force on sphere 1 in step 1 is "), "{message}");
+    assert!(message.starts_with("law 'sun', line 2: the force on sphere number 1 in step 1 is "), "{message}");
     assert!(message.contains("which is not finite\n    force = -g * position"), "{message}");
     assert!(matches!(error, Error::Law { line: 2, .. }));
 }
