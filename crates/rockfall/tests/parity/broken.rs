@@ -148,6 +148,9 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Y3,
     ),
     Mistake("advance", 2, "next_state.wgsl", "() == 2u", "() == 1u", Buffer::Y4),
+    Mistake("constrain_rates", 0, "constrain_rates.wgsl", "+ time * dot(q, q)", "- time * dot(q, q)", Buffer::Y2),
+    Mistake("constrain_rates", 1, "constrain_rates.wgsl", "- before) + time", ") + time", Buffer::Y3),
+    Mistake("constrain_rates", 2, "constrain_rates.wgsl", "select(0.5, 1.0, pass_.index == 2u)", "0.5", Buffer::Y4),
     Mistake("finish", 3, "finished.wgsl", "step.dt / 6.0", "step.dt / 3.0", Buffer::Start),
     Mistake("finish_and_turn", 3, "finished.wgsl", "step.dt / 6.0", "step.dt / 3.0", Buffer::Start),
     Mistake("finish_and_turn", 3, "rotation.wgsl", "0.5 * rate", "rate", Buffer::Orientations),
@@ -236,7 +239,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("list_collisions", 0, "list_collisions.wgsl", "low = middle + 1u", "high = middle", Buffer::Start),
     Mistake("list_collisions", 0, "list_collisions.wgsl", "pair.y | (feature << ENTRY_ID_BITS)", "pair.y", Buffer::Start),
     Mistake("list_collisions", 0, "collision.wgsl", "select(vec3f(0.0), v1.xyz, v1.w > 0.0)", "v1.xyz", Buffer::Start),
-    Mistake("weigh_networks", 0, "weigh_networks.wgsl", "times * inverse_mass", "inverse_mass", Buffer::Start),
+    Mistake("weigh_networks", 0, "weigh_networks.wgsl", "vec4f(weight, ", "vec4f(2.0 * weight, ", Buffer::Start),
     Mistake(
         "weigh_networks",
         0,

@@ -415,6 +415,7 @@ fn decide(world: &World, run: &Run, findings: &mut Findings) {
         }
         "restore_lengths" => sweeps::restore(world, findings),
         "constrain" => sweeps::constrain(world, findings),
+        "constrain_rates" => sweeps::hold(world, state, findings),
         _ => {}
     }
 }

@@ -16,11 +16,10 @@ pub(crate) struct Course {
 }
 
 impl World {
-    /// Computes a whole step. `lengths_due` requests the restoration of lengths even without collisions.
+    /// Computes a whole step. `lengths_due` requests the restoration of lengths.
     pub(crate) fn step(&mut self, lengths_due: bool) -> Vec<Pressed> {
         let pressed = self.handle_collisions(self.set.collisions);
-        let collided = pressed.iter().any(|contact| contact.collides);
-        self.update_positions(lengths_due || collided);
+        self.update_positions(lengths_due);
         pressed
     }
 
@@ -99,8 +98,11 @@ impl World {
                 spin[at] += part * turn;
             }
             sum.add(&rates, part);
-            stage = start.clone();
+            let evaluated = std::mem::replace(&mut stage, start.clone());
             stage.advance(&velocities, &rates, next * self.dt);
+            if next > 0.0 {
+                stage.hold_lengths(&evaluated, &start, next * self.dt);
+            }
         }
         self.advance(&mean_velocity, &sum, self.dt);
         Course { old: start.positions(), spin }
