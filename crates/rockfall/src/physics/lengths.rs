@@ -88,26 +88,6 @@ pub(crate) fn rattle(ends: &Ends, dt: f32) -> Correction {
     Correction { position: Vec3::ZERO, velocity: n * (opening / ends.inverse_mass), error }
 }
 
-/// The difference of the positions and of the velocities of two ends, end 2 minus end 1.
-pub(crate) fn relative_motion(step: &Step, state: &[Vec4], [one, two]: [u32; 2]) -> (Vec3, Vec3) {
-    let velocity = |end: u32| own_velocity(state[(step.spheres + end) as usize]);
-    ((state[two as usize] - state[one as usize]).truncate(), velocity(two) - velocity(one))
-}
-
-/// Removes the part of a velocity change that does not keep the length: d.(a2 - a1) + q.q = 0, with `evaluated` the d and q of the
-/// state whose rates were multiplied by `time`. `before` is the relative velocity without the change.
-pub(crate) fn hold(ends: &Ends, evaluated: (Vec3, Vec3), before: Vec3, time: f32, dt: f32) -> Correction {
-    let (d, q) = evaluated;
-    let squared = d.length_squared();
-    if squared <= TINY {
-        return Correction::default();
-    }
-    let excess = d.dot(ends.velocity - before) + time * q.length_squared();
-    let velocity = excess / (ends.inverse_mass * squared) * d;
-    let error = unrounded(excess / squared.sqrt(), ends.velocity_size, ends.length) * dt;
-    Correction { position: Vec3::ZERO, velocity, error }
-}
-
 /// Adds a change to a row, unless the result is not finite.
 fn add(row: &mut Vec4, change: Vec3) {
     let sum = row.truncate() + change;

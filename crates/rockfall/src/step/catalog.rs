@@ -15,14 +15,14 @@ use crate::step::collisions::{
 use crate::step::forces::{law_forces, rod_forces};
 use crate::step::fused::{run_steps, run_worlds};
 use crate::step::integrate::{
-    advance, check_drift, commit_and_turn, commit_symplectic_euler, constrain, constrain_rates, drift, end_step, finish,
-    finish_and_turn, kick, kick_and_turn, restore_lengths, starting_forces, symplectic_euler, turn,
+    advance, check_drift, commit_and_turn, commit_symplectic_euler, constrain, drift, end_step, finish, finish_and_turn, kick,
+    kick_and_turn, restore_lengths, starting_forces, symplectic_euler, turn,
 };
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 56] = [
+pub const ALL: [&Stage; 55] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -58,7 +58,6 @@ pub const ALL: [&Stage; 56] = [
     &rod_forces::STAGE,
     &law_forces::STAGE,
     &advance::STAGE,
-    &constrain_rates::STAGE,
     &finish::STAGE,
     &finish_and_turn::STAGE,
     &symplectic_euler::STAGE,

@@ -5,7 +5,6 @@ pub(crate) mod check_drift;
 pub(crate) mod commit_and_turn;
 pub(crate) mod commit_symplectic_euler;
 pub(crate) mod constrain;
-pub(crate) mod constrain_rates;
 pub(crate) mod drift;
 pub(crate) mod end_step;
 pub(crate) mod finish;

@@ -18,8 +18,8 @@ use crate::step::collisions::{
 };
 use crate::step::forces::{law_forces, rod_forces};
 use crate::step::integrate::{
-    advance, check_drift, commit_and_turn, commit_symplectic_euler, constrain, constrain_rates, drift, end_step, finish,
-    finish_and_turn, kick, kick_and_turn, restore_lengths, starting_forces, symplectic_euler, turn,
+    advance, check_drift, commit_and_turn, commit_symplectic_euler, constrain, drift, end_step, finish, finish_and_turn, kick,
+    kick_and_turn, restore_lengths, starting_forces, symplectic_euler, turn,
 };
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
@@ -192,13 +192,10 @@ impl Phase {
                         run(&restore_lengths::STAGE),
                         pass(&rod_forces::STAGE, 0),
                         pass(&advance::STAGE, 0),
-                        pass(&constrain_rates::STAGE, 0),
                         pass(&rod_forces::STAGE, 1),
                         pass(&advance::STAGE, 1),
-                        pass(&constrain_rates::STAGE, 1),
                         pass(&rod_forces::STAGE, 2),
                         pass(&advance::STAGE, 2),
-                        pass(&constrain_rates::STAGE, 2),
                         pass(&rod_forces::STAGE, 3),
                         pass(&finish::STAGE, 3).when(When::Rods),
                         run(&constrain::STAGE),

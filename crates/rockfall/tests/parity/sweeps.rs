@@ -13,13 +13,11 @@ const MAX_SWEEPS: usize = 400;
 const ROUNDED: f64 = 4.0 / 8_388_608.0;
 
 /// Rule by which a sweep corrects rods.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Rule {
     Lengths,
     Shake,
     Rattle,
-    /// Corrects the velocities of a stage state after this time.
-    Hold(f64),
 }
 
 /// Evaluates the decisions of `restore_lengths`, which corrects the lengths of the state before the integration.
@@ -38,30 +36,8 @@ pub(crate) fn constrain(world: &World, findings: &mut Findings) {
     }
 }
 
-/// Evaluates the decisions of `constrain_rates`, which corrects the stage state that follows `evaluated`.
-pub(crate) fn hold(world: &World, evaluated: usize, findings: &mut Findings) {
-    for batch in 0..world.step.batches {
-        let mut sweeps = Sweeps { bodies: centres(world, evaluated + 1), ..Sweeps::new(world, batch) };
-        sweeps.evaluated = centres(world, evaluated);
-        let time = sweeps.bodies.dt * [0.5, 0.5, 1.0][evaluated];
-        sweeps.run(Rule::Hold(time), findings);
-    }
-}
-
-/// The bodies in a state. The velocity of a fixed sphere is that of its surface. Its centre is at rest.
-fn centres(world: &World, state: usize) -> Bodies {
-    let mut bodies = Bodies::new(world, state);
-    for ball in bodies.balls.iter_mut().filter(|ball| ball.w == 0.0) {
-        ball.v = DVec3::ZERO;
-    }
-    bodies
-}
-
 struct Sweeps {
     bodies: Bodies,
-    /// The state before the step, and that in which the forces of a stage were evaluated.
-    start: Bodies,
-    evaluated: Bodies,
     old: Vec<DVec3>,
     colours: Vec<Vec<usize>>,
 }
@@ -74,14 +50,12 @@ impl Sweeps {
             let range = word(first + 1 + colour)..word(first + 2 + colour);
             range.map(word).collect()
         });
-        let [bodies, start, evaluated] = [0; 3].map(|state| centres(world, state));
-        Self {
-            bodies,
-            start,
-            evaluated,
-            old: world.states[2].iter().map(|row| row.truncate().as_dvec3()).collect(),
-            colours: colours.collect(),
+        let mut bodies = Bodies::new(world, 0);
+        // The velocity of a fixed sphere is that of its surface. Its centre is at rest.
+        for ball in bodies.balls.iter_mut().filter(|ball| ball.w == 0.0) {
+            ball.v = DVec3::ZERO;
         }
+        Self { bodies, old: world.states[2].iter().map(|row| row.truncate().as_dvec3()).collect(), colours: colours.collect() }
     }
 
     fn run(&mut self, rule: Rule, findings: &mut Findings) {
@@ -141,15 +115,6 @@ impl Sweeps {
                 along = DVec3::ZERO;
                 kick = n * (opening / w);
                 error = without_rounding(opening, size(balls[one].v, balls[two].v)) * dt / length;
-            }
-            Rule::Hold(time) => {
-                let (before, at) = (&self.start.balls, &self.evaluated.balls);
-                let (d, q) = (at[two].x - at[one].x, at[two].v - at[one].v);
-                let gained = balls[two].v - balls[one].v - (before[two].v - before[one].v);
-                let wrong = (d.dot(gained) + time * q.length_squared()) / d.length();
-                along = DVec3::ZERO;
-                kick = d.normalize() * (wrong / w);
-                error = without_rounding(wrong, size(balls[one].v, balls[two].v)) * dt / length;
             }
         }
         balls[one].x += w1 * along;

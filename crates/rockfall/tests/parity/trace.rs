@@ -415,7 +415,6 @@ fn decide(world: &World, run: &Run, findings: &mut Findings) {
         }
         "restore_lengths" => sweeps::restore(world, findings),
         "constrain" => sweeps::constrain(world, findings),
-        "constrain_rates" => sweeps::hold(world, state, findings),
         _ => {}
     }
 }

@@ -98,11 +98,8 @@ impl World {
                 spin[at] += part * turn;
             }
             sum.add(&rates, part);
-            let evaluated = std::mem::replace(&mut stage, start.clone());
+            stage = start.clone();
             stage.advance(&velocities, &rates, next * self.dt);
-            if next > 0.0 {
-                stage.hold_lengths(&evaluated, &start, next * self.dt);
-            }
         }
         self.advance(&mean_velocity, &sum, self.dt);
         Course { old: start.positions(), spin }

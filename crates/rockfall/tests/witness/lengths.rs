@@ -100,24 +100,6 @@ impl World {
         });
     }
 
-    /// Changes the velocities of a stage state so that the acceleration, over a time from `start`, keeps the lengths of the state in
-    /// which the forces were evaluated: d.(a2 - a1) + q.q = 0.
-    pub(crate) fn hold_lengths(&mut self, evaluated: &Self, start: &Self, time: f64) {
-        let own = |world: &Self, end: usize| if world.balls[end].fixed { DVec3::ZERO } else { world.balls[end].v };
-        let dt = self.dt;
-        self.sweep(|world, (_, [one, two], length)| {
-            let d = evaluated.balls[two].x - evaluated.balls[one].x;
-            let q = own(evaluated, two) - own(evaluated, one);
-            let a = (own(world, two) - own(world, one) - own(start, two) + own(start, one)) / time;
-            let w = [one, two].map(|end| world.balls[end].w());
-            let wrong = d.dot(a) + q.length_squared();
-            let pull = time * wrong / ((w[0] + w[1]) * d.length_squared()) * d;
-            world.balls[one].v += w[0] * pull;
-            world.balls[two].v -= w[1] * pull;
-            (time * wrong / d.length()).abs() * dt / length
-        });
-    }
-
     /// Updates orientations and the spins of capsules. A fixed sphere turns with its surface velocity.
     pub(crate) fn turn(&mut self, course: &Course) {
         for at in 0..self.balls.len() {

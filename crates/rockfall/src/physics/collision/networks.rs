@@ -129,3 +129,42 @@ impl Network {
         tensions
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A nearly flat net of balls whose meshes are braced in both diagonals. The masses range over `decades` powers of ten.
+    fn net(side: usize, decades: f64) -> Network {
+        let random = |k: usize| (k as f64 * 0.618_033_988_749_895).fract() - 0.5;
+        let place = |row: usize, column: usize| DVec3::new(row as f64, 0.02 * random(7 * (row * side + column)), column as f64);
+        let all = || (0..side).flat_map(|row| (0..side).map(move |column| (row, column)));
+        let inverse_masses: Vec<f64> = (0..side * side).map(|k| 10_f64.powf(decades * random(k))).collect();
+        let line = |(one, other): ((usize, usize), (usize, usize))| {
+            let ends = [one, other].map(|(row, column)| row * side + column);
+            let w = inverse_masses[ends[0]] + inverse_masses[ends[1]];
+            let direction = (place(other.0, other.1) - place(one.0, one.1)).normalize() / w.sqrt();
+            Line { ends: ends.map(Some), direction }
+        };
+        let around = |(r, c): (usize, usize)| {
+            [((r, c), (r, c + 1)), ((r, c), (r + 1, c)), ((r, c), (r + 1, c + 1)), ((r, c + 1), (r + 1, c))]
+        };
+        let inside = |((r1, c1), (r2, c2)): &((usize, usize), (usize, usize))| [r1, c1, r2, c2].into_iter().all(|k| *k < side);
+        let lines = all().flat_map(around).filter(inside).map(line).collect();
+        Network { spheres: (0..(side * side) as u32).collect(), places: Vec::new(), inverse_masses, lines, is_unsolved: false }
+    }
+
+    #[test]
+    fn a_network_that_cannot_be_solved_is_reported() {
+        for (side, decades, is_unsolved) in [(2, 0.0, false), (6, 2.0, false), (15, 10.0, true)] {
+            let mut net = net(side, decades);
+            let mut impulses = vec![DVec3::ZERO; net.spheres.len()];
+            impulses[0] = DVec3::X;
+            let changes = net.project(&impulses);
+            let lengthening = |line: &Line| line.direction.dot(changes[line.ends[1].unwrap()] - changes[line.ends[0].unwrap()]);
+            let squared: f64 = net.lines.iter().map(|line| lengthening(line).powi(2)).sum();
+            assert_eq!(net.is_unsolved, is_unsolved, "side {side}");
+            assert_eq!(squared > UNSOLVED * net.squared_velocities(&impulses), is_unsolved, "side {side}: {squared}");
+        }
+    }
+}
