@@ -187,7 +187,7 @@ pub(crate) fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str>
     let word = word.to_lowercase().replace('-', "_");
     let distances = candidates.iter().map(|candidate| (strsim::damerau_levenshtein(&word, candidate), *candidate));
     let (distance, candidate) = distances.min_by_key(|(distance, _)| *distance)?;
-    (3 * distance <= candidate.len()).then_some(candidate)
+    (3 * distance <= candidate.chars().count()).then_some(candidate)
 }
 
 /// A remark on the candidate nearest to a word, from a list with commas; empty if none is near.
