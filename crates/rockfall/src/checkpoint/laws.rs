@@ -2,7 +2,7 @@
 //! the laws again.
 
 use super::Checkpoint;
-use crate::error::Result;
+use crate::error::{Result, shortened};
 use crate::user_laws::{ContactForceLaw, ForceLaw, PairParameter};
 
 /// A law of the simulation that took a checkpoint.
@@ -37,7 +37,7 @@ impl KeptLaw {
         let names = |parameters: &[(String, f32)]| -> Vec<String> { parameters.iter().map(|(name, _)| name.clone()).collect() };
         let (own, kept) = (names(parameters), names(&self.parameters));
         if own != kept {
-            let (own, kept) = (own.join(", "), kept.join(", "));
+            let [own, kept] = [own, kept].map(|names| shortened(&names.join(", "), 100));
             return Err(format!("its parameters are '{own}', those of the law in the checkpoint '{kept}'"));
         }
         Ok(())
