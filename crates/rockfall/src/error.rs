@@ -113,7 +113,7 @@ pub enum Error {
         stage: BadStage,
     },
     /// A law that the program gave is not valid, or gave a result that is not finite.
-    #[error("law {}{}: {message}{}", quoted(law), place(*line, *column), excerpt(text, *column))]
+    #[error("law {}{}: {}{}", quoted(law), place(*line, *column), shortened(message, LONGEST), excerpt(text, *column))]
     Law {
         /// Name of the law.
         law: String,
@@ -140,6 +140,8 @@ pub enum Error {
 
 /// Maximum number of characters of a quoted text.
 const SHOWN: usize = 40;
+/// Maximum number of characters of a message about a law, which may list names or quote the text.
+const LONGEST: usize = 300;
 /// Maximum number of characters of a line of a law in a message.
 const WIDE: usize = 100;
 
@@ -150,7 +152,7 @@ pub(crate) fn quoted(text: &str) -> String {
 }
 
 /// The first `most` characters of a text that may hold words of the user, with control characters escaped.
-pub(crate) fn shortened(text: &str, most: usize) -> String {
+fn shortened(text: &str, most: usize) -> String {
     let mut shown = String::new();
     for (count, character) in text.chars().enumerate() {
         if count == most {

@@ -1,6 +1,6 @@
 //! Forces that the program defines: adding, changing and removing them between steps.
 
-use crate::error::{Error, Result, shortened};
+use crate::error::{Error, Result};
 use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
 use crate::user_laws::set::UserLaws;
@@ -48,7 +48,7 @@ impl Simulation {
     fn place_of_law(&self, law: &str) -> Result<usize> {
         let names: Vec<&str> = self.options.force_laws.iter().map(ForceLaw::name).collect();
         names.iter().position(|name| *name == law).ok_or_else(|| {
-            let known = if names.is_empty() { "none".to_owned() } else { shortened(&names.join(", "), 100) };
+            let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
             ForceLaw::new(law).error(format!("there is no force law of this name, there are {known}"))
         })
     }

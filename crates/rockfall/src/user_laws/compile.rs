@@ -8,16 +8,13 @@ use std::collections::HashMap;
 use naga::valid::{Capabilities, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator};
 use naga::{Block, Expression, Function, Handle, Literal, LocalVariable, Module, ScalarKind, Statement, TypeInner};
 
-use crate::error::{Result, shortened};
+use crate::error::Result;
 use crate::user_laws::operators::Kind;
 use crate::user_laws::program::{Op, Program, Register, Slot};
 use crate::user_laws::source::{Signature, Source, bounded, check, wrapped};
 
 const ONLY: &str =
     "; a law may use scalars and vectors of f32, i32, u32 and bool, operators, built-in functions, if, and loops";
-
-/// Maximum number of characters of the compiler's messages, which quote the text.
-const LONGEST: usize = 200;
 
 /// Checks the text of a law and compiles it. Returns the function of WGSL, with a limit to its loops, and the program.
 pub(super) fn compile(source: Source<'_>, signature: &Signature, parameters: &[&str]) -> Result<(String, Program)> {
@@ -34,7 +31,7 @@ pub(super) fn compile(source: Source<'_>, signature: &Signature, parameters: &[&
 fn parse(source: Source<'_>, function: &str) -> Result<(Module, ModuleInfo)> {
     let failed = |byte: Option<usize>, message: String| {
         let end = function.len();
-        source.error(source.place_in(function, byte.unwrap_or(end)), shortened(&message, LONGEST))
+        source.error(source.place_in(function, byte.unwrap_or(end)), message)
     };
     let module = naga::front::wgsl::parse_str(function).map_err(|error| {
         let label = error.labels().next().and_then(|(span, _)| span.to_range());

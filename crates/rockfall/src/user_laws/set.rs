@@ -1,6 +1,6 @@
 //! All laws of a simulation, in the form in which the two backends use them.
 
-use crate::error::{Result, quoted, shortened};
+use crate::error::{Result, quoted};
 use crate::user_laws::forces::ForceLaws;
 use crate::user_laws::{ContactForceLaw, ForceLaw};
 
@@ -40,7 +40,7 @@ impl UserLaws {
             for (number, name) in found.iter_mut().zip(&pair.materials) {
                 let place = materials.iter().position(|material| material == name);
                 *number = 1 + place.ok_or_else(|| {
-                    let names = if materials.is_empty() { "none".to_owned() } else { shortened(&materials.join(", "), 100) };
+                    let names = if materials.is_empty() { "none".to_owned() } else { materials.join(", ") };
                     let (parameter, name) = (quoted(&pair.parameter), quoted(name));
                     law.error(format!("parameter {parameter} is given for the material {name}; the scene has {names}"))
                 })?;

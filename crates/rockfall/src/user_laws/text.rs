@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::error::{Error, Result, quoted, shortened};
+use crate::error::{Error, Result, quoted};
 use crate::user_laws::program::Program;
 use crate::user_laws::source::{MOST_ROUNDS, Place, Signature, Source};
 
@@ -73,7 +73,7 @@ impl LawText {
     pub(super) fn place_of(&self, name: &str) -> Result<usize> {
         let names: Vec<&str> = self.parameters.iter().map(|(name, _)| name.as_str()).collect();
         names.iter().position(|known| *known == name).ok_or_else(|| {
-            let known = if names.is_empty() { "none".to_owned() } else { shortened(&names.join(", "), 100) };
+            let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
             self.error(format!("it has no parameter {}: it has {known}", quoted(name)))
         })
     }
