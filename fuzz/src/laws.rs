@@ -89,6 +89,6 @@ fn contact(which: u8) -> Option<ContactForceLaw> {
             tangential_damping: 1.0,
         })),
         3 => Some(law().wgsl("normal_force = k * pow(overlap, 1.5) * sqrt(radius);\ntangential_stiffness = shear + k;")),
-        _ => Some(law().wgsl("loop { if overlap > 0.01 { break; } tangential_damping += k; }\nnormal_force = k / speed;")),
+        _ => Some(law().wgsl("for (var i = 0; i < 2; i++) { tangential_damping += k; }\nnormal_force = k / speed;")),
     }
 }

@@ -132,7 +132,7 @@ impl World {
     pub fn set_spheres(&mut self, scene: &Scene) {
         let spheres = || in_order(scene, &self.order);
         let inverse = |mass: f32, fixed: bool| if fixed { 0.0 } else { 1.0 / mass };
-        let centres: Vec<Fine> = spheres().map(|sphere| Fine::at(sphere.centre())).collect();
+        let centres: Vec<Fine> = spheres().map(|sphere| Fine::sum(sphere.position, sphere.position_low)).collect();
         let is_double = self.step.is_double();
         let place = |(sphere, centre): (&Sphere, &Fine)| {
             let position = if is_double { centre.high } else { sphere.position };
