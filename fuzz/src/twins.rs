@@ -96,7 +96,8 @@ impl Twins {
 
     /// Checks that the states of both are bitwise identical and finite.
     pub(crate) fn compare(&mut self) {
-        let states = self.both(Simulation::spheres).expect("a scene can be read");
+        // Edits may have made a scene that its contact law or its precision does not allow. Both simulations say so.
+        let Some(states) = self.both(Simulation::spheres) else { return };
         for (index, state) in states.iter().enumerate() {
             let finite = state.position.is_finite() && state.velocity.is_finite() && state.angular_momentum.is_finite();
             assert!(finite && state.orientation.is_finite(), "sphere {index}: {state:?}");
