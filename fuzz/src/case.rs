@@ -48,27 +48,49 @@ pub(crate) struct Case {
     pub(crate) keep_going: bool,
     /// Initial size of the pair lists, in units of 32 words.
     pub(crate) capacity: Option<u8>,
-    pub(crate) actions: Vec<Action>,
+    /// Materials and laws. Cases without them have no later actions than [`Later::First`].
+    pub(crate) laws: Option<Laws>,
+    pub(crate) actions: Vec<Later>,
 }
 
 impl Case {
     /// Decodes as many actions as the bytes hold.
     pub(crate) fn decode(bytes: &[u8]) -> Result<Self> {
         let mut source = Unstructured::new(bytes);
-        Ok(Self {
-            integrator: match u8::arbitrary(&mut source)? & 3 {
-                1 => Integrator::SymplecticEuler,
-                3 => Integrator::VelocityVerlet,
-                _ => Integrator::Rk4,
-            },
-            keep_going: bool::arbitrary(&mut source)?,
-            capacity: Option::arbitrary(&mut source)?,
-            actions: Vec::arbitrary_take_rest(source)?,
-        })
+        let first = u8::arbitrary(&mut source)?;
+        let integrator = match first & 3 {
+            1 => Integrator::SymplecticEuler,
+            3 => Integrator::VelocityVerlet,
+            _ => Integrator::Rk4,
+        };
+        let (keep_going, capacity) = (bool::arbitrary(&mut source)?, Option::arbitrary(&mut source)?);
+        if first & 4 != 0 {
+            let laws = Some(Laws::arbitrary(&mut source)?);
+            return Ok(Self { integrator, keep_going, capacity, laws, actions: Vec::arbitrary_take_rest(source)? });
+        }
+        let actions = Vec::<Action>::arbitrary_take_rest(source)?.into_iter().map(Later::First).collect();
+        Ok(Self { integrator, keep_going, capacity, laws: None, actions })
     }
 }
 
 decoded! {
+    /// An action in a scene with materials and laws.
+    enum Later {
+        First(Action),
+        /// Chooses the material of the objects that are added.
+        Use(u8),
+        Material(u8, Solid),
+        Pair([u8; 2], Properties),
+        /// Adds or removes a force law.
+        Force(u8),
+        /// Changes the parameter of the laws.
+        Parameter(Number),
+        /// Continues from a checkpoint, and runs the one from a file for some steps.
+        Resume { steps: u8, dt: Size },
+        Save,
+        Restore,
+    }
+
     enum Action {
         Add(Add),
         /// A kind, and the number of the object to remove, modulo the number of objects of the kind.
@@ -118,6 +140,38 @@ decoded! {
 }
 
 decoded! {
+    /// Materials, the contact law of the scene, and the laws of the program.
+    struct Laws {
+        contact: u8,
+        collisions: Flag,
+        double: Flag,
+        solids: [Solid; 2],
+        /// Of the first material, of both, and of the second.
+        pairs: [Properties; 3],
+        force: u8,
+        response: u8,
+    }
+
+    struct Solid {
+        density: Option<Size>,
+        young: Size,
+        /// In units of 1/510.
+        poisson: u8,
+    }
+
+    /// Properties of a pair of materials. Bytes are in units of 1/255.
+    struct Properties {
+        restitution: Option<u8>,
+        friction: Option<u8>,
+        stiffness: Option<Size>,
+        speed: Option<Size>,
+        /// Friction, whether the torque is constant, and damping.
+        rolling: Option<(u8, bool, Size)>,
+        twisting: Option<u8>,
+        /// Surface energy, and whether there are necks.
+        cohesion: Option<(Size, bool)>,
+    }
+
     struct Ball {
         position: Vector,
         velocity: Vector,

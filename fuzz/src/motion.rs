@@ -2,9 +2,12 @@
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::step::schedule::Phase;
-use rockfall::{Capsule, Cuboid, Muscle, Options, Polygon, Rod, Settings, Simulation, Sphere, SphereId, Spring, Tether};
+use rockfall::{
+    Capsule, Cuboid, MaterialId, Muscle, Options, Polygon, Rod, Scene, Settings, Simulation, Sphere, SphereId, Spring, Tether,
+};
 
-use super::case::{Action, Add, Ball, Case, Change, Kind};
+use super::case::{Action, Add, Ball, Case, Change, Kind, Later};
+use super::laws;
 use super::number::{Size, vector};
 use super::twins::Twins;
 
@@ -24,17 +27,57 @@ pub fn motion(bytes: &[u8]) {
     if let Some(slices) = case.capacity {
         options = options.pair_capacity(32 * u32::from(slices));
     }
-    let mut twins = Twins::new(&options);
-    let mut left = STEPS;
+    let prepared = match &case.laws {
+        Some(laws) => laws::prepare(laws, options),
+        None => Ok((Scene::new(), options, Vec::new())),
+    };
+    let Ok((scene, options, materials)) = prepared else { return };
+    let Ok(mut twins) = Twins::new(&scene, &options) else { return };
+    let (mut left, mut used) = (STEPS, materials.first().copied());
     for action in &case.actions {
-        act(&mut twins, action, &mut left);
+        match action {
+            Later::First(action) => act(&mut twins, action, used, &mut left),
+            Later::Use(which) => used = materials.get(usize::from(*which) % (materials.len() + 1)).copied(),
+            later => act_on_laws(&mut twins, later, &materials, &mut left),
+        }
     }
     twins.compare();
 }
 
-fn act(twins: &mut Twins, action: &Action, left: &mut u64) {
+/// An action on materials, laws and checkpoints.
+fn act_on_laws(twins: &mut Twins, action: &Later, materials: &[MaterialId], left: &mut u64) {
+    let material = |which: u8| materials[usize::from(which) % materials.len()];
     match *action {
-        Action::Add(ref what) => add(twins, what),
+        Later::First(_) | Later::Use(_) => {}
+        Later::Material(which, ref solid) => {
+            twins.both(|simulation| simulation.update_material(material(which), |material| laws::put_solid(material, solid)));
+        }
+        Later::Pair([one, other], ref properties) => {
+            twins.both(|simulation| simulation.set_pair(material(one), material(other), laws::pair(properties)));
+        }
+        Later::Force(which) => {
+            twins.both(|simulation| match laws::force(which) {
+                Some(law) => simulation.add_force_law(law),
+                None => simulation.remove_force_law("pull"),
+            });
+        }
+        Later::Parameter(number) => {
+            twins.both(|simulation| simulation.set_force_law_parameter("pull", "k", number.0));
+            twins.both(|simulation| simulation.set_contact_law_parameter("k", number.0));
+        }
+        Later::Resume { steps, dt } => {
+            let steps = u64::from(steps % 8).min(*left);
+            *left -= steps;
+            twins.resume(steps, dt.0);
+        }
+        Later::Save => twins.save(),
+        Later::Restore => twins.restore(),
+    }
+}
+
+fn act(twins: &mut Twins, action: &Action, used: Option<MaterialId>, left: &mut u64) {
+    match *action {
+        Action::Add(ref what) => add(twins, what, used),
         Action::Remove(kind, which) => remove(twins, kind, which),
         Action::Change(which, ref how) => change(twins, which, how),
         Action::Attachment(kind, which, numbers) => attachment(twins, kind, which, numbers),
@@ -80,9 +123,9 @@ macro_rules! pick {
     }};
 }
 
-fn ball(of: &Ball) -> Sphere {
+fn ball(of: &Ball, used: Option<MaterialId>) -> Sphere {
     let mut sphere = Sphere::new(vector(of.position), of.radius.0).velocity(vector(of.velocity)).group(of.group.into());
-    sphere.fixed = of.fixed.is_set();
+    (sphere.fixed, sphere.material) = (of.fixed.is_set(), used);
     match of.more {
         Some((mass, spin, force)) => sphere.mass(mass.0).angular_momentum(vector(spin)).force(vector(force)),
         None => sphere,
@@ -90,8 +133,8 @@ fn ball(of: &Ball) -> Sphere {
 }
 
 /// Returns the spheres of a block of 4 x 4 columns.
-fn block(of: &Ball, count: u8, apart: Size) -> impl Iterator<Item = Sphere> {
-    let first = ball(of);
+fn block(of: &Ball, used: Option<MaterialId>, count: u8, apart: Size) -> impl Iterator<Item = Sphere> {
+    let first = ball(of, used);
     (0..u16::from(count % 32)).map(move |k| {
         let place = Vec3::new(f32::from(k % 4), f32::from(k / 16), f32::from(k / 4 % 4));
         let mut next = first;
@@ -105,45 +148,49 @@ fn ends(twins: &Twins, ends: [u8; 2]) -> Option<[SphereId; 2]> {
     Some([one?, two?])
 }
 
-fn add(twins: &mut Twins, what: &Add) {
+fn add(twins: &mut Twins, what: &Add, used: Option<MaterialId>) {
     let counts = twins.scene().counts();
     if counts.spheres + counts.rods + counts.boxes + counts.polygons + counts.springs + counts.tethers > OBJECTS {
         return;
     }
     match *what {
-        Add::Sphere(ref of) => drop(twins.both(|simulation| simulation.add_sphere(ball(of)))),
+        Add::Sphere(ref of) => drop(twins.both(|simulation| simulation.add_sphere(ball(of, used)))),
         Add::Block(ref of, count, apart) => {
-            for sphere in block(of, count, apart) {
+            for sphere in block(of, used, count, apart) {
                 twins.both(|simulation| simulation.add_sphere(sphere));
             }
         }
         Add::Capsule { ends: [one, two], velocity, mass, radius, group } => {
-            let capsule = Capsule::new(vector(one), vector(two), radius.0).mass(mass.0).velocity(vector(velocity));
+            let mut capsule = Capsule::new(vector(one), vector(two), radius.0).mass(mass.0).velocity(vector(velocity));
+            capsule.material = used;
             twins.both(|simulation| simulation.add_capsule(capsule.group(group.into())));
         }
         Add::Box { corners: [one, two], group } => {
-            let cuboid = Cuboid::between(vector(one), vector(two)).group(group.into());
+            let mut cuboid = Cuboid::between(vector(one), vector(two)).group(group.into());
+            cuboid.material = used;
             twins.both(|simulation| simulation.add_box(cuboid));
         }
         Add::Cuboid { corner, edges: [i, j, k], group } => {
-            let cuboid = Cuboid::new(vector(corner), vector(i), vector(j), vector(k)).group(group.into());
+            let mut cuboid = Cuboid::new(vector(corner), vector(i), vector(j), vector(k)).group(group.into());
+            cuboid.material = used;
             twins.both(|simulation| simulation.add_box(cuboid));
         }
         Add::Polygon { corner, edges: [left, right], group } => {
-            let polygon = Polygon::new(vector(corner), vector(left), vector(right)).group(group.into());
+            let mut polygon = Polygon::new(vector(corner), vector(left), vector(right)).group(group.into());
+            polygon.material = used;
             twins.both(|simulation| simulation.add_polygon(polygon));
         }
-        Add::Rod { .. } | Add::Spring { .. } | Add::Tether { .. } => attach(twins, what),
+        Add::Rod { .. } | Add::Spring { .. } | Add::Tether { .. } => attach(twins, what, used),
     }
 }
 
 /// Adds a rod, a spring or a tether to spheres that exist.
-fn attach(twins: &mut Twins, what: &Add) {
+fn attach(twins: &mut Twins, what: &Add, used: Option<MaterialId>) {
     match *what {
         Add::Rod { ends: which, radius, length, group } => {
             let Some([one, two]) = ends(twins, which) else { return };
             let mut rod = Rod::new(one, two, radius.0).group(group.into());
-            rod.length = length.map(|length| length.0);
+            (rod.length, rod.material) = (length.map(|length| length.0), used);
             twins.both(|simulation| simulation.add_rod(rod));
         }
         Add::Spring { ends: which, numbers: [stiffness, length, damping] } => {

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use rockfall::{Integrator, Scene};
+use rockfall::{Error, Integrator, Scene};
 
-/// Upper bound of the length of an error message, in bytes. Messages quote words of the text.
-const LONGEST_MESSAGE: usize = 600;
+use super::message::{LONGEST_MESSAGE, assert_short};
 
 /// Reads any bytes as a scene. The error for a rejected text must name its line. An accepted text is written and read again,
 /// and the objects must be bitwise identical.
@@ -14,10 +13,17 @@ const LONGEST_MESSAGE: usize = 600;
 /// When the reader breaks one of these promises.
 pub fn scene_text(bytes: &[u8]) {
     let read = match Scene::parse_bytes(bytes, Path::new("fuzz.txt")) {
-        Ok(loaded) => loaded.scene,
-        Err(error) => return is_told(&error.to_string(), bytes),
+        Ok(loaded) => {
+            for warning in &loaded.warnings {
+                assert!(warning.text.len() < LONGEST_MESSAGE && !warning.text.contains(char::is_control), "{warning:?}");
+            }
+            loaded.scene
+        }
+        Err(error) => return is_told(&error, bytes),
     };
+    let _ = read.check_precision().inspect_err(assert_short);
     for integrator in Integrator::ALL {
+        let _ = read.check_contact_law(integrator).inspect_err(assert_short);
         for warning in read.stability(0.02, integrator) {
             assert!(!warning.largest_dt.is_nan() && warning.largest_dt < 0.02, "{warning:?}");
         }
@@ -33,13 +39,13 @@ pub fn scene_text(bytes: &[u8]) {
 }
 
 /// Checks that a message has the form `fuzz.txt:LINE: FIELD: ...`, is short, and has no control characters.
-fn is_told(message: &str, bytes: &[u8]) {
+fn is_told(error: &Error, bytes: &[u8]) {
+    assert_short(error);
+    let message = error.to_string();
     let line = message.strip_prefix("fuzz.txt:").and_then(|rest| rest.split(':').next()?.parse::<usize>().ok());
     // A text without lines cannot be wrong, so an error always has a line.
     let lines = bytes.split(|byte| *byte == b'\n').count();
     assert!(line.is_some_and(|line| (1..=lines).contains(&line)), "{message}");
-    assert!(message.len() < LONGEST_MESSAGE, "{} bytes: {message}", message.len());
-    assert!(!message.contains(char::is_control), "{message:?}");
 }
 
 /// Returns all data of a scene as text. Numbers are printed so that they can be read back exactly. Handles are printed as
@@ -47,8 +53,9 @@ fn is_told(message: &str, bytes: &[u8]) {
 fn all(scene: &Scene) -> String {
     let spheres = (scene.spheres(), scene.rods(), scene.capsules());
     format!(
-        "{:?} {spheres:?} {:?} {:?} {:?} {:?}",
+        "{:?} {:?} {spheres:?} {:?} {:?} {:?} {:?}",
         scene.settings,
+        scene.materials(),
         scene.springs(),
         scene.tethers(),
         scene.boxes(),

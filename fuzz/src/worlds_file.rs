@@ -1,17 +1,17 @@
 //! The target `worlds_file`: files of worlds with changed bytes, whose lengths and checksums are made right again.
 
+use std::path::Path;
 use std::sync::OnceLock;
 
 use arbitrary::{Arbitrary, Unstructured};
 use rockfall::generate::{Kind, creature};
-use rockfall::{Backend, Error, Integrator, Options, Scene, Sleep, Worlds};
+use rockfall::{Backend, Integrator, Options, Scene, Sleep, Worlds};
 
-/// Upper bound of the length of an error message, in bytes.
-const LONGEST_MESSAGE: usize = 600;
-/// Bytes before the content of a file: the magic number, the version and the length.
-const PREFIX: usize = 20;
-/// Most changes of a file.
-const CHANGES: usize = 32;
+use super::damage::{PREFIX, changed, close};
+use super::message::assert_short;
+
+/// Number of files that are chosen by most bytes.
+const FIRST: usize = 4;
 
 /// Changes a file of worlds, and reads it. A refused file gets a short error. Worlds from an accepted one advance, and are written and
 /// read again with the same bytes.
@@ -23,7 +23,7 @@ pub fn worlds_file(bytes: &[u8]) {
     let Ok(file) = changed_file(&mut source) else { return };
     let mut worlds = match Worlds::from_bytes(&file, "fuzz.ckpt", Some(Backend::Cpu)) {
         Ok(worlds) => worlds,
-        Err(error) => return is_short(&error),
+        Err(error) => return assert_short(&error),
     };
     goes_on(&mut worlds);
     let written = worlds.to_bytes().expect("the CPU backend does not fail");
@@ -32,12 +32,6 @@ pub fn worlds_file(bytes: &[u8]) {
     assert!(again.to_bytes().expect("the CPU backend does not fail") == written, "the bytes differ");
     // The counts of list builds may differ.
     assert_eq!(goes_on(&mut worlds), goes_on(&mut again), "they go on differently");
-}
-
-fn is_short(error: &Error) {
-    let message = error.to_string();
-    assert!(message.len() < LONGEST_MESSAGE, "{} bytes: {message}", message.len());
-    assert!(!message.contains(char::is_control), "{message:?}");
 }
 
 /// Advances worlds, and resets the first. Returns what they did as text. A world whose state is not finite is stopped.
@@ -53,10 +47,42 @@ fn goes_on(worlds: &mut Worlds) -> Vec<String> {
         let report = (report.report.steps, report.report.contacts, report.sleeping, report.stopped);
         seen.push(format!("{report:?} {states:?}"));
     }
+    let sampled = worlds.sample(|sample| sample.all_states()).expect("the CPU backend does not fail");
+    assert_eq!(format!("{sampled:?}"), format!("{states:?}"));
     if !worlds.is_empty() {
         worlds.reset(&[0]).expect("the world exists");
     }
     seen
+}
+
+/// Constants of two materials with cohesion and resistance to rolling, for the contact law of Hertz and Mindlin.
+pub(crate) const HERTZ: &str = "set contact_law hertz-mindlin
+@material one density=2 young=1e4 poisson=0.3
+@material other young=1e5 poisson=0.2
+@pair one other rolling_friction=0.1 rolling_model=c twisting_friction=0.2
+@pair one one friction=0.5 surface_energy=3 cohesion=jkr
+";
+/// Constants for the linear contact law, with double precision.
+pub(crate) const LINEAR: &str = "set contact_law linear
+set precision double
+@material one density=2
+@material other
+@pair one one stiffness=1e3 restitution=0.5 rolling_friction=0.1
+@pair other other stiffness=1e4 friction=0.3
+";
+
+/// Grains on a plate.
+pub(crate) fn grains(law: &str) -> Scene {
+    let objects = "@use one
+B -5 -1 -5  10 0 0  0 1 0  0 0 10
+S 1  0 0.495 0  1 0 0  0 0 0.1  - 0.5
+S 1  0.99 0.49 0  0 0 0  0 0 0  - 0.5
+@use other
+S 1  0.5 0.5 0.8  0 -1 0  0 0 0  1 0.5
+P -5 0 -4  10 0 0  0 1 9
+";
+    let loaded = Scene::parse(&format!("{law}{objects}"), Path::new("grains.txt"));
+    loaded.unwrap_or_else(|error| panic!("{error}")).scene
 }
 
 /// Files of different worlds.
@@ -77,34 +103,20 @@ fn files() -> &'static [Vec<u8>] {
             file(vec![scene(Kind::Mixed), small(3)], Integrator::SymplecticEuler, Sleep::new().steps(2).speed(9.0).skip(true)),
             file(vec![scene(Kind::Chain), Scene::new()], Integrator::VelocityVerlet, Sleep::new()),
             file(Vec::new(), Integrator::Rk4, Sleep::new()),
+            file(vec![grains(HERTZ), grains(LINEAR)], Integrator::VelocityVerlet, Sleep::new()),
+            file(vec![grains(LINEAR)], Integrator::SymplecticEuler, Sleep::new().steps(2).speed(0.5)),
         ]
     })
 }
 
 fn changed_file(source: &mut Unstructured<'_>) -> arbitrary::Result<Vec<u8>> {
     let files = files();
-    let mut file = files[usize::from(u8::arbitrary(source)?) % files.len()].clone();
-    for _ in 0..CHANGES {
-        if source.is_empty() || file.is_empty() {
-            break;
-        }
-        let (kind, at, value) = (u8::arbitrary(source)?, u32::arbitrary(source)? as usize, u32::arbitrary(source)?);
-        let place = at % file.len();
-        let end = (place + 4).min(file.len());
-        match kind % 6 {
-            0 => file[place] ^= value as u8,
-            1 => file[place..end].copy_from_slice(&value.to_le_bytes()[..end - place]),
-            2 => file[place / 4 * 4..end].fill(0),
-            3 => drop(file.drain(place..(place + value as usize % 64).min(file.len()))),
-            4 => drop(file.splice(place..place, value.to_le_bytes())),
-            _ => file.truncate(place),
-        }
-    }
-    // The last bit decides whether a reader sees the changes or wrong checksums.
-    if source.is_empty() || bool::arbitrary(source)? {
-        repair(&mut file);
-    }
-    Ok(file)
+    // Files that were added later have the highest bytes.
+    let file = match u8::arbitrary(source)? {
+        which @ 0..192 => &files[usize::from(which) % FIRST],
+        which => &files[FIRST + usize::from(which) % (files.len() - FIRST)],
+    };
+    changed(file.clone(), source, repair)
 }
 
 /// Makes the lengths and checksums of a file and of the checkpoints in it right, as far as its parts can be found.
@@ -139,23 +151,4 @@ fn repair_part(file: &mut [u8], at: usize) -> Option<usize> {
 fn number(file: &[u8], at: usize) -> Option<usize> {
     let bytes = file.get(at..at.checked_add(8)?)?;
     usize::try_from(u64::from_le_bytes(bytes.try_into().ok()?)).ok().filter(|number| *number <= file.len())
-}
-
-/// Writes the length and the checksum of a file into it.
-fn close(file: &mut [u8]) {
-    let length = file.len();
-    if length < PREFIX + 4 {
-        return;
-    }
-    file[PREFIX - 8..PREFIX].copy_from_slice(&(length as u64).to_le_bytes());
-    let (content, sum) = file.split_at_mut(length - 4);
-    sum.copy_from_slice(&crc32(content).to_le_bytes());
-}
-
-/// The CRC-32 of zip files, bit by bit: files are short.
-fn crc32(bytes: &[u8]) -> u32 {
-    let step = |crc: u32, byte: &u8| {
-        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ (0xedb8_8320 & 0_u32.wrapping_sub(crc & 1)))
-    };
-    !bytes.iter().fold(!0, step)
 }

@@ -122,7 +122,7 @@ pub enum Error {
         step: u64,
     },
     /// A law that the program gave is not valid, or gave a result that is not finite.
-    #[error("law {}{}: {message}{}", quoted(law), place(*line, *column), excerpt(text, *column))]
+    #[error("law {}{}: {}{}", quoted(law), place(*line, *column), shortened(message, LONGEST), excerpt(text, *column))]
     Law {
         /// Name of the law.
         law: String,
@@ -168,13 +168,22 @@ fn non_finite(sphere: &str, step: u64, stage: BadStage) -> String {
 
 /// Maximum number of characters of a quoted text.
 const SHOWN: usize = 40;
+/// Maximum number of characters of a message about a law, which may list names or quote the text.
+const LONGEST: usize = 300;
+/// Maximum number of characters of a line of a law in a message.
+const WIDE: usize = 100;
 
 /// Quotes the user's text for a message: shortened if it is long, and with control characters escaped, because a terminal would
 /// obey them.
 pub(crate) fn quoted(text: &str) -> String {
-    let mut shown = String::from("'");
+    format!("'{}'", shortened(text, SHOWN))
+}
+
+/// The first `most` characters of a text that may hold words of the user, with control characters escaped.
+fn shortened(text: &str, most: usize) -> String {
+    let mut shown = String::new();
     for (count, character) in text.chars().enumerate() {
-        if count == SHOWN {
+        if count == most {
             shown.push_str("...");
             break;
         }
@@ -184,7 +193,6 @@ pub(crate) fn quoted(text: &str) -> String {
             shown.push(character);
         }
     }
-    shown.push('\'');
     shown
 }
 
@@ -197,14 +205,21 @@ fn place(line: usize, column: usize) -> String {
     }
 }
 
-/// A line of the text of a law on a line of its own, with a mark below the column.
+/// A line of the text of a law on a line of its own, with a mark below the column. Of a long line, only the characters about the
+/// column are shown.
 fn excerpt(text: &str, column: usize) -> String {
     if text.is_empty() {
         return String::new();
     }
-    let shown: String = text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
-    let mark = if column == 0 { String::new() } else { format!("\n    {}^", " ".repeat(column - 1)) };
-    format!("\n    {shown}{mark}")
+    let left_out = column.saturating_sub(WIDE / 2);
+    let (before, rest) = (if left_out > 0 { "..." } else { "" }, text.chars().skip(left_out));
+    let after = if rest.clone().count() > WIDE { "..." } else { "" };
+    let shown: String = rest.take(WIDE).map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
+    let mark = match column {
+        0 => String::new(),
+        _ => format!("\n    {}^", " ".repeat(before.len() + column - left_out - 1)),
+    };
+    format!("\n    {before}{shown}{after}{mark}")
 }
 
 /// Returns the candidate that a mistyped word most likely means, or `None` if no candidate is near.
@@ -215,7 +230,7 @@ pub(crate) fn nearest<'a>(word: &str, candidates: &[&'a str]) -> Option<&'a str>
     let word = word.to_lowercase().replace('-', "_");
     let distances = candidates.iter().map(|candidate| (strsim::damerau_levenshtein(&word, candidate), *candidate));
     let (distance, candidate) = distances.min_by_key(|(distance, _)| *distance)?;
-    (3 * distance <= candidate.len()).then_some(candidate)
+    (3 * distance <= candidate.chars().count()).then_some(candidate)
 }
 
 /// A remark on the candidate nearest to a word, from a list with commas; empty if none is near.
@@ -247,6 +262,9 @@ mod tests {
         assert_eq!(quoted("\u{1b}[2J\u{9b}\r"), "'\\u{1b}[2J\\u{9b}\\r'");
         assert_eq!(quoted(&"\u{fffd}".repeat(40)).chars().count(), 42);
         assert_eq!(quoted(&"x".repeat(1000)), format!("'{}...'", "x".repeat(40)));
+        let message = |column| excerpt(&format!("{}y{}", "x".repeat(500), "z".repeat(500)), column);
+        assert_eq!(message(0), format!("\n    {}...", "x".repeat(100)));
+        assert_eq!(message(501), format!("\n    ...{}y{}...\n    {}^", "x".repeat(49), "z".repeat(50), " ".repeat(52)));
     }
 }
 

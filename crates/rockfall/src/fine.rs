@@ -20,7 +20,14 @@ impl Fine {
         Self { high, low: if high.is_finite() { Vec3::from_array(low) } else { Vec3::ZERO } }
     }
 
-    /// The position in `f64`.
+    /// The sum of two vectors, without rounding: it may have more digits than an `f64`.
+    pub(crate) fn sum(one: Vec3, other: Vec3) -> Self {
+        let (high, low) = two_sum(one, other);
+        // A position that is not finite has no low part.
+        Self { high, low: if high.is_finite() { low } else { Vec3::ZERO } }
+    }
+
+    /// The position in `f64`, rounded.
     pub(crate) fn wide(self) -> DVec3 {
         self.high.as_dvec3() + self.low.as_dvec3()
     }
@@ -67,6 +74,15 @@ mod tests {
             assert!(error < 1e-3, "{axis}: {error}");
         }
         assert_eq!(place, Fine::at(place.wide().to_array()), "the high part is the rounded sum");
+    }
+
+    #[test]
+    fn sums_keep_more_digits_than_f64() {
+        let (high, low) = (Vec3::new(17_179_870_000.0, 1.0, 0.0), Vec3::new(0.016505968, 3e-20, 0.0));
+        assert_eq!(Fine::sum(high, low), Fine { high, low });
+        assert_ne!(Fine::at(Fine { high, low }.wide().to_array()).low.x, low.x);
+        assert_eq!(Fine::sum(Vec3::splat(1.0), Vec3::splat(3.0)), Fine { high: Vec3::splat(4.0), low: Vec3::ZERO });
+        assert_eq!(Fine::sum(Vec3::MAX, Vec3::MAX).low, Vec3::ZERO);
     }
 
     #[test]

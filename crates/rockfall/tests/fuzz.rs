@@ -34,6 +34,16 @@ fn replay(target: &str, least: usize, entry: fn(&[u8])) {
 }
 
 #[test]
+fn the_corpus_of_checkpoints_passes() {
+    replay("checkpoint_file", 10, targets::checkpoint_file);
+}
+
+#[test]
+fn the_corpus_of_laws_passes() {
+    replay("law_text", 10, targets::law_text);
+}
+
+#[test]
 fn the_corpus_of_scene_texts_passes() {
     replay("scene_text", 50, targets::scene_text);
 }

@@ -87,11 +87,11 @@ fn laws_that_lack_something_are_refused() {
     let mut scene = scene_with(ContactLaw::HertzMindlin);
     let hard = scene.add_material(Material::new("hard").young(1e9)).expect("a valid material");
     scene.add_sphere(Sphere::new([0.0; 3], 0.5).material(hard)).expect("a valid sphere");
-    assert!(refusal(&scene, euler).contains("the material hard"), "{}", refusal(&scene, euler));
+    assert!(refusal(&scene, euler).contains("the material 'hard'"), "{}", refusal(&scene, euler));
     scene.settings.contact_law = ContactLaw::Linear;
     let static_only = scene.add_material(Material::new("static")).expect("a valid material");
     scene.add_box(rockfall::Cuboid::between([9.0; 3], [10.0; 3]).material(static_only)).expect("a valid box");
-    assert!(refusal(&scene, euler).contains("the pair hard static"), "{}", refusal(&scene, euler));
+    assert!(refusal(&scene, euler).contains("the pair 'hard' 'static'"), "{}", refusal(&scene, euler));
     // Neither a pair of which there is one object, nor a pair of static objects is needed.
     scene.set_pair(hard, static_only, Pair::default().stiffness(1e3)).expect("a valid pair");
     let mut running = simulation(scene, Backend::Cpu);

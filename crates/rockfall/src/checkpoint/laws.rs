@@ -2,7 +2,7 @@
 //! the laws again.
 
 use super::Checkpoint;
-use crate::error::Result;
+use crate::error::{Result, quoted};
 use crate::user_laws::{ContactForceLaw, ForceLaw, PairParameter};
 
 /// A law of the simulation that took a checkpoint.
@@ -37,8 +37,8 @@ impl KeptLaw {
         let names = |parameters: &[(String, f32)]| -> Vec<String> { parameters.iter().map(|(name, _)| name.clone()).collect() };
         let (own, kept) = (names(parameters), names(&self.parameters));
         if own != kept {
-            let (own, kept) = (own.join(", "), kept.join(", "));
-            return Err(format!("its parameters are '{own}', those of the law in the checkpoint '{kept}'"));
+            let [own, kept] = [own, kept].map(|names| quoted(&names.join(", ")));
+            return Err(format!("its parameters are {own}, those of the law in the checkpoint {kept}"));
         }
         Ok(())
     }
@@ -64,7 +64,7 @@ impl KeptContactLaw {
     /// [`Error::Law`](crate::Error::Law) when its name, its text or the names of its parameters differ.
     fn restored(&self, law: &ContactForceLaw) -> Result<ContactForceLaw> {
         if law.name() != self.law.name {
-            return Err(law.error(format!("the simulation of the checkpoint had the contact law '{}'", self.law.name)));
+            return Err(law.error(format!("the simulation of the checkpoint had the contact law {}", quoted(&self.law.name))));
         }
         self.law.compare(law.text_hash(), law.parameters()).map_err(|message| law.error(message))?;
         let mut law = law.clone();

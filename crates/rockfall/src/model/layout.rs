@@ -102,11 +102,12 @@ pub const FLAG_VERLET: u32 = 256;
 /// Bit of [`Step::flags`](crate::model::step::Step::flags): positions have a low part, in a fourth region of each state.
 pub const FLAG_DOUBLE: u32 = 512;
 
-/// Part of the largest coordinate of an object by which its AABB is larger when positions have a low part. It covers the low part,
-/// which AABBs leave out, and the rounding of AABBs.
-pub const FINE_MARGIN: f32 = 8e-7;
-/// Part of the largest coordinate by which a sphere must be inside its AABB when positions have a low part.
-pub const FINE_SLACK: f32 = 2.5e-7;
+/// Part of the largest coordinate of an AABB by which a sphere must be inside it. It covers the rounding of this test (4 units of
+/// 2^-24), the low part of a position, which the test leaves out (1 unit), and the rounding of overlaps.
+pub const ROUNDING_SLACK: f32 = 4e-7;
+/// Part of its largest coordinate by which an AABB is larger. It exceeds the slack by more than the rounding of AABBs and of the test
+/// (9 units), so that a sphere at rest is inside.
+pub const ROUNDING_MARGIN: f32 = 1e-6;
 
 /// Bit of [`Step::flags`](crate::model::step::Step::flags): contacts that begin and end within a step are handled.
 pub const FLAG_CONTINUOUS: u32 = 1024;

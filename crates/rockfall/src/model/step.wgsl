@@ -222,8 +222,8 @@ const FLAG_DOUBLE: u32 = 512u;
 const FLAG_HALF_STEP: u32 = 2048u;
 const FLAG_CONTINUOUS: u32 = 1024u;
 const RATE_WORDS: u32 = 6u;
-const FINE_MARGIN: f32 = 8e-7;
-const FINE_SLACK: f32 = 2.5e-7;
+const ROUNDING_SLACK: f32 = 4e-7;
+const ROUNDING_MARGIN: f32 = 1e-6;
 
 const REJECTED_PAIRS: u32 = 1u;
 const REJECTED_ESCAPED: u32 = 2u;

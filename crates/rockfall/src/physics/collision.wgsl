@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl step/collisions/rows.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/scale.wgsl step/collisions/rows.wgsl
 
 // The two sides of a contact in the collision phase: their kind, velocity along the normal and inverse mass
 // (docs/physics.md sections 3.2 and 3.3).
@@ -91,6 +91,15 @@ struct Capsule {
     centre: f32,
 }
 
+// The part of a vector across the axis d of a capsule.
+fn across_axis(v: vec3f, d: vec3f) -> vec3f {
+    if dot(d, d) <= TINY {
+        return v;
+    }
+    let scaled = scale_of(d) * d;
+    return across(v, scaled, dot(scaled, scaled));
+}
+
 fn capsule_of(ends: vec2u, poise: SideMotion) -> Capsule {
     let w1 = inverse_mass(ends.x);
     let w2 = inverse_mass(ends.y);
@@ -101,10 +110,7 @@ fn capsule_of(ends: vec2u, poise: SideMotion) -> Capsule {
     let d = poise.x2 - poise.x1;
     let squared = dot(d, d);
     let inverse_inertia = 1.0 / (reduced_mass * squared + 1.0 / l1.w + 1.0 / l2.w);
-    var whole = reduced_mass * cross(d, poise.v2 - poise.v1) + l1.xyz + l2.xyz;
-    if squared > TINY {
-        whole = across(whole, d, squared);
-    }
+    let whole = across_axis(reduced_mass * cross(d, poise.v2 - poise.v1) + l1.xyz + l2.xyz, d);
     let velocity = (1.0 - centre) * poise.v1 + centre * poise.v2;
     return Capsule(d, velocity, whole * inverse_inertia, w1 * w2 * reduced_mass, inverse_inertia, centre);
 }

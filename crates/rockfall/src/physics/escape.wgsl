@@ -2,9 +2,8 @@
 
 // Tests whether a sphere is still inside the ball for which its pair list is valid.
 
-// How far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. A tolerance covers rounding
-// errors far from the origin. Lists are built with more slack than that. Where positions have a low part, rounding must not take the
-// ball out of the AABB.
+// How far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. The ball must be
+// inside by more than the rounding errors far from the origin.
 fn distance_outside(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     if !ESCAPES {
         return -1.0;
@@ -16,9 +15,8 @@ fn distance_outside(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
         return -1.0;
     }
     let middle = 0.5 * aabb.min + 0.5 * aabb.max;
-    let far = abs(middle);
-    let slack = select(-2.5e-7, FINE_SLACK, DOUBLE);
-    return length(position - middle) + radius - room + slack * max(max(far.x, far.y), far.z);
+    let far = max(abs(aabb.min), abs(aabb.max));
+    return length(position - middle) + radius - room + ROUNDING_SLACK * max(max(far.x, far.y), far.z);
 }
 
 // How far a sphere is outside the ball that its AABB encloses, in units of 0.02 r; 0 when it is inside.

@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use crate::model::view::{BoxRecord, Object, PolygonRecord, View};
-use crate::physics::geometry::{AT_END, point_box};
+use crate::physics::geometry::{AT_END, Face, point_box};
 use crate::physics::touch::{Motions, ROUNDING, line};
 
 /// Most iterations for the first contact with a box.
@@ -78,11 +78,10 @@ fn sphere_box(cuboid: &BoxRecord, position: Vec3, velocity: Vec3, radius: f32, d
 }
 
 fn sphere_polygon(polygon: &PolygonRecord, position: Vec3, velocity: Vec3, radius: f32, dt: f32) -> Option<f32> {
-    let normal = polygon.left.cross(polygon.right);
-    let (squared, length) = (normal.length_squared(), normal.length());
+    let face = Face::of(polygon);
     let coordinates = |v: Vec3| {
-        let (l, k) = (v.cross(polygon.right).dot(normal) / squared, polygon.left.cross(v).dot(normal) / squared);
-        Vec3::new(l, k, v.dot(normal) / length)
+        let [l, k] = face.along_edges(v);
+        Vec3::new(l, k, v.dot(face.normal))
     };
     let (place, rate) = (coordinates(position - polygon.corner), coordinates(velocity));
     if rate.z >= 0.0 {

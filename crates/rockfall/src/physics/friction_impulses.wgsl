@@ -66,11 +66,7 @@ struct CapsuleLoad {
 // The load on a capsule by the impulse `push` and the torque `own_torque` at parameter `at` of its axis.
 fn capsule_load(capsule: Capsule, at: f32, push: vec3f, own_torque: vec3f) -> CapsuleLoad {
     let torque = torque_at(capsule, at, push) + own_torque;
-    let squared = dot(capsule.d, capsule.d);
-    var turning = torque;
-    if squared > TINY {
-        turning = across(torque, capsule.d, squared);
-    }
+    let turning = across_axis(torque, capsule.d);
     return CapsuleLoad(push, turning, torque - turning);
 }
 

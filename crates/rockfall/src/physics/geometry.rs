@@ -54,13 +54,15 @@ pub(crate) fn segment_segment([a1, a2]: [Vec3; 2], [b1, b2]: [Vec3; 2], reach: f
     if aa <= TINY || bb <= TINY {
         return None;
     }
-    let normal = a_axis.cross(b_axis);
+    let [a_scale, b_scale] = [a_axis, b_axis].map(scale);
+    let (a_scaled, b_scaled) = (a_scale * a_axis, b_scale * b_axis);
+    let normal = a_scaled.cross(b_scaled);
     let nn = normal.length_squared();
-    if nn <= 1e-8 * aa * bb {
+    if nn <= 1e-8 * a_scaled.length_squared() * b_scaled.length_squared() {
         return parallel_segments(a_axis, b_axis, c, reach);
     }
-    let a = c.dot(b_axis.cross(normal)) / nn;
-    let b = c.dot(a_axis.cross(normal)) / nn;
+    let a = a_scale * (c.dot(b_scaled.cross(normal)) / nn);
+    let b = b_scale * (c.dot(a_scaled.cross(normal)) / nn);
     let normal = normal / nn.sqrt();
     // The distance is along the common normal. Its other components are rounding errors of a and b.
     let d = (c + b * b_axis - a * a_axis).dot(normal) * normal;
@@ -150,16 +152,45 @@ pub(super) fn nearest_face(cuboid: &BoxRecord, t: Vec3) -> (Vec3, f32) {
     (nearest.0, -nearest.1)
 }
 
+/// Returns a power of two near 1 / |v| (docs/physics.md section 2.3). Products of vectors that are multiplied by it neither overflow nor underflow, and are
+/// rounded as without it.
+pub(crate) fn scale(v: Vec3) -> f32 {
+    f32::from_bits((254 - (v.abs().max_element().to_bits() >> 23)) << 23)
+}
+
+/// The face of a polygon.
+pub(super) struct Face {
+    /// L and R, scaled.
+    edges: [Vec3; 2],
+    scales: [f32; 2],
+    /// L x R of the scaled edges.
+    across: Vec3,
+    /// Unit normal.
+    pub(super) normal: Vec3,
+}
+
+impl Face {
+    pub(super) fn of(polygon: &PolygonRecord) -> Self {
+        let scales = [polygon.left, polygon.right].map(scale);
+        let edges = [scales[0] * polygon.left, scales[1] * polygon.right];
+        let across = edges[0].cross(edges[1]);
+        Self { edges, scales, across, normal: across / across.length_squared().sqrt() }
+    }
+
+    /// Returns the parameters along L and R of a vector from the corner, or of a velocity.
+    pub(super) fn along_edges(&self, v: Vec3) -> [f32; 2] {
+        let Self { edges: [left, right], scales, across, .. } = self;
+        let squared = across.length_squared();
+        [scales[0] * (v.cross(*right).dot(*across) / squared), scales[1] * (left.cross(v).dot(*across) / squared)]
+    }
+}
+
 /// Returns the unit normal of a polygon's face, the height of a point above its plane, and whether the point is over the
 /// polygon and not beside it.
 pub(crate) fn point_polygon(polygon: &PolygonRecord, p: Vec3) -> (Vec3, f32, bool) {
-    let normal = polygon.left.cross(polygon.right);
-    let nn = normal.length_squared();
+    let face = Face::of(polygon);
     let t = p - polygon.corner;
-    let l = t.cross(polygon.right).dot(normal) / nn;
-    let k = polygon.left.cross(t).dot(normal) / nn;
-    let face = normal / nn.sqrt();
-    (face, t.dot(face), on_segment(l) && on_segment(k))
+    (face.normal, t.dot(face.normal), face.along_edges(t).into_iter().all(on_segment))
 }
 
 /// An edge of a box, and its outward direction.

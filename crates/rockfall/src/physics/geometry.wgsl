@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/scale.wgsl
 
 // Where two objects touch (docs/physics.md section 2). A is the object that was added first. n points from A to B.
 
@@ -123,9 +123,13 @@ fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f
         return closest;
     }
     let between = b_start - a_start;
-    let normal = cross(a_along, b_along);
+    let a_scale = scale_of(a_along);
+    let b_scale = scale_of(b_along);
+    let a_scaled = a_scale * a_along;
+    let b_scaled = b_scale * b_along;
+    let normal = cross(a_scaled, b_scaled);
     let nn = dot(normal, normal);
-    let is_crossing = !(nn <= 1e-8 * aa * bb);
+    let is_crossing = !(nn <= 1e-8 * dot(a_scaled, a_scaled) * dot(b_scaled, b_scaled));
     if !is_crossing {
         let t0 = dot(between, a_along) / aa;
         let t1 = dot(between + b_along, a_along) / aa;
@@ -135,8 +139,8 @@ fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f
         closest.a = 0.5 * (low + high);
         closest.b = clamp(dot(closest.a * a_along - between, b_along) / bb, 0.0, 1.0);
     } else {
-        closest.a = dot(between, cross(b_along, normal)) / nn;
-        closest.b = dot(between, cross(a_along, normal)) / nn;
+        closest.a = a_scale * (dot(between, cross(b_scaled, normal)) / nn);
+        closest.b = b_scale * (dot(between, cross(a_scaled, normal)) / nn);
         closest.hit = unit_interval(closest.a) & unit_interval(closest.b);
         if !closest.hit {
             return closest;
@@ -313,17 +317,45 @@ fn touch_box_at(radius: f32, box: Cuboid, t: vec3f, to_box: vec3f) -> Touch {
     return Touch(n, radius + depth, 0.0, 0.0);
 }
 
+// The face of a polygon, with scaled edges.
+struct Face {
+    left: vec3f,
+    right: vec3f,
+    scales: vec2f,
+    // L x R of the scaled edges, and its square.
+    across: vec3f,
+    squared: f32,
+    // Unit normal.
+    n: vec3f,
+}
+
+fn face_of(polygon: Polygon) -> Face {
+    let scales = vec2f(scale_of(polygon.left), scale_of(polygon.right));
+    let left = scales.x * polygon.left;
+    let right = scales.y * polygon.right;
+    let normal = cross(left, right);
+    let squared = dot(normal, normal);
+    return Face(left, right, scales, normal, squared, normal / sqrt(squared));
+}
+
+// Parameters along L and R of a vector from the corner of a polygon, or of a velocity.
+fn along_edges(face: Face, v: vec3f) -> vec2f {
+    let l = dot(cross(v, face.right), face.across) / face.squared;
+    let k = dot(cross(face.left, v), face.across) / face.squared;
+    return face.scales * vec2f(l, k);
+}
+
+fn on_face(place: vec2f) -> bool {
+    return unit_interval(place.x) & unit_interval(place.y);
+}
+
 // A polygon is only hit on the side of N = L x R, and not at its edges.
-fn touch_sphere_polygon(centre: vec4f, face: Polygon) -> Touch {
-    let normal = cross(face.left, face.right);
-    let nn = dot(normal, normal);
-    let from_corner = centre.xyz - face.corner;
-    let l = dot(cross(from_corner, face.right), normal) / nn;
-    let k = dot(cross(face.left, from_corner), normal) / nn;
-    let n_face = normal / sqrt(nn);
-    let d = dot(from_corner, n_face);
-    if unit_interval(l) & unit_interval(k) & (d >= 0.0) & (d < centre.w) {
-        return Touch(-n_face, centre.w - d, 0.0, 0.0);
+fn touch_sphere_polygon(centre: vec4f, polygon: Polygon) -> Touch {
+    let face = face_of(polygon);
+    let from_corner = centre.xyz - polygon.corner;
+    let d = dot(from_corner, face.n);
+    if on_face(along_edges(face, from_corner)) & (d >= 0.0) & (d < centre.w) {
+        return Touch(-face.n, centre.w - d, 0.0, 0.0);
     }
     return no_touch();
 }
@@ -338,17 +370,14 @@ struct Over {
 }
 
 // The centre of a sphere over a polygon, for a position with a low part.
-fn over_finely(i: u32, face: Polygon) -> Over {
-    let normal = cross(face.left, face.right);
-    let nn = dot(normal, normal);
-    var rest = fine_from(face.corner, i);
-    let l = dot(cross(rest.high, face.right), normal) / nn;
-    let k = dot(cross(face.left, rest.high), normal) / nn;
+fn over_finely(i: u32, polygon: Polygon) -> Over {
+    let face = face_of(polygon);
+    var rest = fine_from(polygon.corner, i);
+    let place = along_edges(face, rest.high);
     // The parts along the edges do not change the height. Without them the rest is small, so the rounding of the normal matters little.
-    rest = fine_sum(rest, product_of(vec3f(-l), face.left));
-    rest = fine_sum(rest, product_of(vec3f(-k), face.right));
-    let n_face = normal / sqrt(nn);
-    return Over(unit_interval(l) & unit_interval(k), n_face, dot(rest.high, n_face), dot(rest.low, n_face));
+    rest = fine_sum(rest, product_of(vec3f(-place.x), polygon.left));
+    rest = fine_sum(rest, product_of(vec3f(-place.y), polygon.right));
+    return Over(on_face(place), face.n, dot(rest.high, face.n), dot(rest.low, face.n));
 }
 
 fn touch_over(over: Over, radius: f32) -> Touch {

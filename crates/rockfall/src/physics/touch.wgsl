@@ -15,9 +15,9 @@ fn bar_at(half: ContactSide, poise: SideMotion, placeholder: u32) -> Bar {
 }
 
 // Contact of a sphere with the plane of a polygon, also beside the polygon.
-fn touch_plane(centre: vec4f, face: Polygon) -> Touch {
-    let n = normalize(cross(face.left, face.right));
-    return Touch(-n, centre.w - dot(centre.xyz - face.corner, n), 0.0, 0.0);
+fn touch_plane(centre: vec4f, polygon: Polygon) -> Touch {
+    let n = face_of(polygon).n;
+    return Touch(-n, centre.w - dot(centre.xyz - polygon.corner, n), 0.0, 0.0);
 }
 
 // Contact of a pair at the positions in `a_poise` and `b_poise`. The overlap is negative when they are apart, and

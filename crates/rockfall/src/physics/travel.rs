@@ -5,7 +5,7 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::model::layout::FINE_SLACK;
+use crate::model::layout::ROUNDING_SLACK;
 use crate::model::step::{Aabb, Step};
 use crate::model::view::View;
 
@@ -63,7 +63,7 @@ pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
 
 /// Like [`escape_ratio`], for a sphere with this centre and radius.
 pub(crate) fn outside(step: &Step, aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
-    let out = distance_outside(step, aabb, centre, radius + step.neck * radius);
+    let out = distance_outside(aabb, centre, radius + step.neck * radius);
     if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
@@ -73,19 +73,17 @@ pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Ve
     let (step, radius) = (view.step, view.radius(sphere));
     let middle = position_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
     let reach = radius + step.neck * radius + travel_bound(step, velocity, radius, step.list_interval);
-    !view.is_fixed(sphere) && distance_outside(step, &aabbs[sphere as usize], middle, reach) > 0.0
+    !view.is_fixed(sphere) && distance_outside(&aabbs[sphere as usize], middle, reach) > 0.0
 }
 
-/// Returns how far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. A tolerance covers
-/// rounding errors far from the origin. Lists are built with more slack than that. Where positions have a low part, rounding must
-/// not take the ball out of the AABB.
-fn distance_outside(step: &Step, aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
-    let (min, max) = (Vec3::from_array(aabb.min) * 0.5, Vec3::from_array(aabb.max) * 0.5);
-    let (middle, room) = (min + max, (max - min).min_element());
+/// Returns how far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. The ball must be
+/// inside by more than the rounding errors far from the origin.
+fn distance_outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
+    let (min, max) = (Vec3::from_array(aabb.min), Vec3::from_array(aabb.max));
+    let (middle, room) = (0.5 * min + 0.5 * max, (0.5 * max - 0.5 * min).min_element());
     // The AABB is unbounded and has no centre.
     if room > 1e37 {
         return -1.0;
     }
-    let slack = if step.is_double() { FINE_SLACK } else { -2.5e-7 };
-    centre.distance(middle) + radius - room + slack * middle.abs().max_element()
+    centre.distance(middle) + radius - room + ROUNDING_SLACK * min.abs().max(max.abs()).max_element()
 }

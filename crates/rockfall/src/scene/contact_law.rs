@@ -1,6 +1,6 @@
 //! Constants of the contact laws with history, from materials and pairs (docs/physics.md section 4.11).
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, quoted};
 use crate::scene::restitution::damping_for;
 use crate::scene::{CohesionModel, Material, RollingModel, Scene};
 use crate::settings::{ContactLaw, Integrator, Settings};
@@ -93,7 +93,7 @@ impl Scene {
         for (place, one) in used.iter().enumerate() {
             let Material { name: one_name, young, poisson, .. } = name(*one);
             if law == ContactLaw::HertzMindlin && (young.is_none() || poisson.is_none()) {
-                return refused(format!("{law} with the material {one_name}"), "a material with young and poisson");
+                return refused(format!("{law} with the material {}", quoted(one_name)), "a material with young and poisson");
             }
             for other in &used[place..] {
                 if may_touch(*one, *other) {
@@ -102,7 +102,7 @@ impl Scene {
                 let lacks = may_touch(*one, *other) && self.normal_stiffness(*one, *other, 1.0, 1.0).is_none();
                 if law == ContactLaw::Linear && lacks {
                     return refused(
-                        format!("{law} with the pair {one_name} {}", name(*other).name),
+                        format!("{law} with the pair {} {}", quoted(one_name), quoted(&name(*other).name)),
                         "a pair with stiffness, or its materials with a stiffness with themselves; or characteristic_velocity, and \
                          materials with young and poisson",
                     );
@@ -118,7 +118,7 @@ impl Scene {
         if !self.sticks_by_necks(one, other) || law == ContactLaw::HertzMindlin && !collisions {
             return Ok(());
         }
-        let [one, other] = [one, other].map(|number| &self.materials()[usize::from(number) - 1].name);
+        let [one, other] = [one, other].map(|number| quoted(&self.materials()[usize::from(number) - 1].name));
         let with = if law == ContactLaw::HertzMindlin {
             " and collisions on".to_owned()
         } else {

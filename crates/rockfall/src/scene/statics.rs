@@ -109,9 +109,7 @@ impl Polygon {
         usable_edge("polygon.left", self.left)?;
         usable_edge("polygon.right", self.right)?;
         let (left, right) = (self.left.as_dvec3(), self.right.as_dvec3());
-        let normal = left.cross(right).length();
-        let in_range = (1e-30..1e30).contains(&(normal * normal));
-        if normal < 1e-4 * left.length() * right.length() || !in_range {
+        if left.cross(right).length() < 1e-4 * left.length() * right.length() {
             return Err(invalid("polygon.right", self.right.to_array(), "an edge that is not parallel to the first"));
         }
         Ok(())

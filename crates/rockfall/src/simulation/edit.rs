@@ -4,6 +4,7 @@ use glam::{Quat, Vec3};
 
 use crate::checkpoint::KeptSpring;
 use crate::error::{Error, Result};
+use crate::fine::Fine;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
     BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, Pair, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId,
@@ -28,7 +29,7 @@ pub(super) enum Dirty {
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Edit {
     Position(Vec3),
-    Centre([f64; 3]),
+    Centre(Fine),
     Velocity(Vec3),
     AngularMomentum(Vec3),
     Orientation(Quat),
@@ -43,7 +44,7 @@ impl Edit {
     fn apply(self, sphere: &mut Sphere) {
         match self {
             Self::Position(position) => (sphere.position, sphere.position_low) = (position, Vec3::ZERO),
-            Self::Centre(centre) => sphere.set_centre(centre),
+            Self::Centre(centre) => (sphere.position, sphere.position_low) = (centre.high, centre.low),
             Self::Velocity(velocity) => sphere.velocity = velocity,
             Self::AngularMomentum(angular_momentum) => sphere.angular_momentum = angular_momentum,
             Self::Orientation(orientation) => sphere.orientation = orientation,
@@ -135,8 +136,12 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::set_position`].
     pub fn set_centre(&mut self, id: SphereId, centre: [f64; 3]) -> Result<()> {
-        finite("position", glam::DVec3::from_array(centre).as_vec3())?;
-        self.edit(id, Edit::Centre(centre))
+        self.set_place(id, Fine::at(centre))
+    }
+
+    pub(crate) fn set_place(&mut self, id: SphereId, place: Fine) -> Result<()> {
+        finite("position", place.high)?;
+        self.edit(id, Edit::Centre(place))
     }
 
     /// Sets a sphere's velocity, in units/s.

@@ -48,8 +48,8 @@ impl Simulation {
     fn place_of_law(&self, law: &str) -> Result<usize> {
         let names: Vec<&str> = self.options.force_laws.iter().map(ForceLaw::name).collect();
         names.iter().position(|name| *name == law).ok_or_else(|| {
-            let known = if names.is_empty() { "there are none".to_owned() } else { format!("there are {}", names.join(", ")) };
-            ForceLaw::new(law).error(format!("there is no force law of this name, {known}"))
+            let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+            ForceLaw::new(law).error(format!("there is no force law of this name, there are {known}"))
         })
     }
 

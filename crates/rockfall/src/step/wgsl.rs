@@ -92,6 +92,7 @@ const SHARED: &[Part] = &[
     part!("physics/forces/wrenches.wgsl"),
     part!("physics/friction_impulses.wgsl"),
     part!("physics/geometry.wgsl"),
+    part!("physics/scale.wgsl"),
     part!("physics/laws/contact.wgsl"),
     part!("physics/laws/hertz_mindlin.wgsl"),
     part!("physics/laws/history.wgsl"),

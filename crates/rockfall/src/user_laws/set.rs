@@ -1,6 +1,6 @@
 //! All laws of a simulation, in the form in which the two backends use them.
 
-use crate::error::Result;
+use crate::error::{Result, quoted};
 use crate::user_laws::forces::ForceLaws;
 use crate::user_laws::{ContactForceLaw, ForceLaw};
 
@@ -41,10 +41,8 @@ impl UserLaws {
                 let place = materials.iter().position(|material| material == name);
                 *number = 1 + place.ok_or_else(|| {
                     let names = if materials.is_empty() { "none".to_owned() } else { materials.join(", ") };
-                    law.error(format!(
-                        "parameter '{}' is given for the material '{name}'; the scene has {names}",
-                        pair.parameter
-                    ))
+                    let (parameter, name) = (quoted(&pair.parameter), quoted(name));
+                    law.error(format!("parameter {parameter} is given for the material {name}; the scene has {names}"))
                 })?;
             }
             let place = law.parameters().iter().position(|(name, _)| *name == pair.parameter).unwrap_or_default();

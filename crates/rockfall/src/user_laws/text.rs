@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, quoted};
 use crate::user_laws::program::Program;
 use crate::user_laws::source::{MOST_ROUNDS, Place, Signature, Source};
 
@@ -56,10 +56,10 @@ impl LawText {
             let is_taken = signature.inputs.iter().chain(signature.outputs).any(|(taken, _)| taken == name);
             if !is_word || !starts || name.starts_with("rockfall_") {
                 let expected = "expected a letter, then letters, digits and '_'";
-                return Err(self.error(format!("'{name}' is no name for a parameter, {expected}")));
+                return Err(self.error(format!("{} is no name for a parameter, {expected}", quoted(name))));
             }
             if is_taken || self.parameters[..place].iter().any(|(other, _)| other == name) {
-                return Err(self.error(format!("the name '{name}' of a parameter is taken")));
+                return Err(self.error(format!("the name {} of a parameter is taken", quoted(name))));
             }
             self.check_value(name, *value)?;
         }
@@ -73,8 +73,8 @@ impl LawText {
     pub(super) fn place_of(&self, name: &str) -> Result<usize> {
         let names: Vec<&str> = self.parameters.iter().map(|(name, _)| name.as_str()).collect();
         names.iter().position(|known| *known == name).ok_or_else(|| {
-            let known = if names.is_empty() { "it has none".to_owned() } else { format!("it has {}", names.join(", ")) };
-            self.error(format!("it has no parameter '{name}': {known}"))
+            let known = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+            self.error(format!("it has no parameter {}: it has {known}", quoted(name)))
         })
     }
 
@@ -89,7 +89,7 @@ impl LawText {
         if value.is_finite() {
             Ok(())
         } else {
-            Err(self.error(format!("parameter '{name}' is {value}, expected a finite number")))
+            Err(self.error(format!("parameter {} is {value}, expected a finite number", quoted(name))))
         }
     }
 

@@ -91,7 +91,10 @@ impl Worlds {
         head.u64(self.len() as u64);
         for world in &mut self.worlds {
             put(&mut head, &world.start.to_bytes());
-            put(&mut head, &world.simulation.checkpoint()?.to_bytes());
+            let mut now = world.simulation.checkpoint()?;
+            // How far lists have grown does not change results, and is not restored.
+            now.options.pair_capacity = self.options.pair_capacity;
+            put(&mut head, &now.to_bytes());
             head.u32(u32::from(world.stopped.is_some()));
             head.text(world.stopped.as_deref().unwrap_or_default());
             head.u32(world.calm);

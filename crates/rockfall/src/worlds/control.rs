@@ -4,6 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
+use crate::fine::Fine;
 use crate::report::SphereState;
 use crate::scene::finite;
 use crate::simulation::Simulation;
@@ -35,7 +36,7 @@ impl Worlds {
             }
         }
         for (id, state) in ids.into_iter().zip(states) {
-            simulation.set_centre(id, state.centre())?;
+            simulation.set_place(id, Fine::sum(state.position, state.position_low))?;
             simulation.set_velocity(id, state.velocity)?;
             simulation.set_angular_momentum(id, state.angular_momentum)?;
             simulation.set_orientation(id, state.orientation)?;

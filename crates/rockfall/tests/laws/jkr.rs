@@ -295,9 +295,9 @@ fn necks_need_hertz_mindlin_without_impulses() {
     };
     let jkr = "surface_energy=2 cohesion=jkr";
     let error = opened(text("linear", "off", jkr)).map(drop).expect_err("refused");
-    assert!(error.contains("jkr for the pair a b and the contact law linear"), "{error}");
+    assert!(error.contains("jkr for the pair 'a' 'b' and the contact law linear"), "{error}");
     let error = opened(text("hertz-mindlin", "on", jkr)).map(drop).expect_err("refused");
-    assert!(error.contains("pair a b and collisions on") && error.contains("cohesion=dmt"), "{error}");
+    assert!(error.contains("pair 'a' 'b' and collisions on") && error.contains("cohesion=dmt"), "{error}");
     opened(text("linear", "off", "surface_energy=2 cohesion=dmt")).expect("DMT");
     opened(text("linear", "off", "surface_energy=0 cohesion=jkr")).expect("no cohesion");
     let mut simulation = opened(text("hertz-mindlin", "off", jkr)).expect("JKR");

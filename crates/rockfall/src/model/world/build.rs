@@ -133,7 +133,7 @@ impl World {
     pub fn set_spheres(&mut self, scene: &Scene) {
         let spheres = || in_order(scene, &self.order);
         let inverse = |mass: f32, fixed: bool| if fixed { 0.0 } else { 1.0 / mass };
-        let centres: Vec<Fine> = spheres().map(|sphere| Fine::at(sphere.centre())).collect();
+        let centres: Vec<Fine> = spheres().map(|sphere| Fine::sum(sphere.position, sphere.position_low)).collect();
         let positions = spheres().zip(&centres).map(|(sphere, centre)| centre.high.extend(sphere.radius));
         let velocities = spheres().map(|sphere| sphere.velocity.extend(inverse(sphere.mass, sphere.fixed)));
         let spins = spheres().map(|sphere| sphere.angular_momentum.extend(1.0 / sphere.inertia()));

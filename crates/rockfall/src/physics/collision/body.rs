@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::model::lists::Lists;
 use crate::model::view::View;
+use crate::physics::geometry::scale;
 use crate::physics::touch::Motions;
 
 /// A unit that an impulse moves as a whole. Fixed spheres, boxes and polygons are not bodies.
@@ -144,7 +145,8 @@ impl Capsule {
 
     /// The part of a vector across the axis.
     pub(crate) fn across(&self, v: Vec3) -> Vec3 {
-        v - v.dot(self.d) / self.d.length_squared() * self.d
+        let d = scale(self.d) * self.d;
+        v - v.dot(d) / d.length_squared() * d
     }
 
     /// The lever arm of a place on the axis about the centre of mass, in units of the length of the axis. The place is 0 at

@@ -76,25 +76,21 @@ fn times_within(place: f32, rate: f32, low: f32, high: f32) -> vec2f {
     return vec2f(min(one, two), max(one, two));
 }
 
-fn crossing_of_polygon(sphere: u32, face: Polygon) -> f32 {
+fn crossing_of_polygon(sphere: u32, polygon: Polygon) -> f32 {
+    let face = face_of(polygon);
     let centre = state[position_at(sphere)];
     let velocity = path_of(sphere);
-    let normal = cross(face.left, face.right);
-    let nn = dot(normal, normal);
-    let n_face = normal / sqrt(nn);
-    let from_corner = centre.xyz - face.corner;
-    let height = dot(from_corner, n_face);
-    let rise = dot(velocity, n_face);
+    let from_corner = centre.xyz - polygon.corner;
+    let height = dot(from_corner, face.n);
+    let rise = dot(velocity, face.n);
     if !(rise < 0.0) {
         return NO_CROSSING;
     }
-    let l_place = dot(cross(from_corner, face.right), normal) / nn;
-    let l_rate = dot(cross(velocity, face.right), normal) / nn;
-    let k_place = dot(cross(face.left, from_corner), normal) / nn;
-    let k_rate = dot(cross(face.left, velocity), normal) / nn;
+    let place = along_edges(face, from_corner);
+    let rate = along_edges(face, velocity);
     let near = times_within(height, rise, 0.0, (1.0 - CROSSING_ROUNDING) * centre.w);
-    let across_l = times_within(l_place, l_rate, -AT_END, 1.0 + AT_END);
-    let across_k = times_within(k_place, k_rate, -AT_END, 1.0 + AT_END);
+    let across_l = times_within(place.x, rate.x, -AT_END, 1.0 + AT_END);
+    let across_k = times_within(place.y, rate.y, -AT_END, 1.0 + AT_END);
     let last = max(near.x, max(across_l.x, across_k.x));
     let first = min(near.y, min(across_l.y, across_k.y));
     if (last <= 0.0) | (first >= step.dt) | (last >= first) {
@@ -136,9 +132,9 @@ fn contact_before(a: u32, b: u32, time: f32) -> ContactBefore {
         found = touch_sphere_box(centre, cuboid(b - boxes));
     } else {
         // The plane of a polygon, also beside and behind it.
-        let face = polygon(b - boxes - step.boxes);
-        let n = normalize(cross(face.left, face.right));
-        found = Touch(-n, centre.w - dot(centre.xyz - face.corner, n), 0.0, 0.0);
+        let wall = polygon(b - boxes - step.boxes);
+        let n = face_of(wall).n;
+        found = Touch(-n, centre.w - dot(centre.xyz - wall.corner, n), 0.0, 0.0);
     }
     return ContactBefore(found.n, found.overlap, dot(approach, found.n));
 }

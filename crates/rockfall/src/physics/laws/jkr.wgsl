@@ -61,24 +61,20 @@ fn touch_apart(a: u32, b: u32, feature: u32, found: Touch) -> Touch {
             return found;
         }
         // A sphere whose centre is over the face of a polygon.
-        let face = polygon(b - boxes - step.boxes);
+        let wall = polygon(b - boxes - step.boxes);
         let centre = state[position_at(a)];
         if DOUBLE {
-            let over = over_finely(a, face);
+            let over = over_finely(a, wall);
             if over.is_inside & (over.height >= centre.w) {
                 return Touch(-over.n_face, centre.w - over.height - over.height_low, 0.0, 0.0);
             }
             return no_touch();
         }
-        let normal = cross(face.left, face.right);
-        let nn = dot(normal, normal);
-        let from_corner = centre.xyz - face.corner;
-        let l = dot(cross(from_corner, face.right), normal) / nn;
-        let k = dot(cross(face.left, from_corner), normal) / nn;
-        let n_face = normal / sqrt(nn);
-        let d = dot(from_corner, n_face);
-        if unit_interval(l) & unit_interval(k) & (d >= centre.w) {
-            return Touch(-n_face, centre.w - d, 0.0, 0.0);
+        let face = face_of(wall);
+        let from_corner = centre.xyz - wall.corner;
+        let d = dot(from_corner, face.n);
+        if on_face(along_edges(face, from_corner)) & (d >= centre.w) {
+            return Touch(-face.n, centre.w - d, 0.0, 0.0);
         }
         return no_touch();
     }

@@ -27,7 +27,8 @@ impl Reader<'_> {
         models.into_iter().try_for_each(|word| model(word, &mut pair))?;
         let before = self.scene.given_pair(ids[0], ids[1]).map_err(|error| PAIR.refused(&error))?;
         if before.is_some() {
-            let text = format!("the pair {one} {other} is given again; this replaces all of its properties");
+            let text =
+                format!("the pair {} {} is given again; this replaces all of its properties", quoted(one), quoted(other));
             self.warnings.push(LineWarning { line: number, text });
         }
         self.scene.set_pair(ids[0], ids[1], pair).map_err(|error| PAIR.refused(&error))
@@ -51,7 +52,10 @@ impl Reader<'_> {
         let missing = || wrong("`-` needs a material with a density, expected a line `@use NAME` above".to_owned());
         let material = self.scene.material(self.material.ok_or_else(missing)?).map_err(|error| kind.refused(&error))?;
         let density = material.density.ok_or_else(|| {
-            wrong(format!("`-` needs a density, which the material {} does not have; expected a number", material.name))
+            wrong(format!(
+                "`-` needs a density, which the material {} does not have; expected a number",
+                quoted(&material.name)
+            ))
         })?;
         Ok(from_density(density))
     }
@@ -71,7 +75,7 @@ fn find(kind: &Kind, scene: &Scene, name: &str) -> Line<MaterialId> {
     scene.find_material(name).ok_or_else(|| {
         let known: Vec<&str> = scene.materials().iter().map(|material| material.name.as_str()).collect();
         let hint = match nearest(name, &known) {
-            Some(near) => format!("did you mean {near}?"),
+            Some(near) => format!("did you mean {}?", quoted(near)),
             None => "expected the name of an @material line above".to_owned(),
         };
         kind.wrong(&quoted(name), format!("an unknown material, {hint}"))

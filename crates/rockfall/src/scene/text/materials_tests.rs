@@ -95,7 +95,7 @@ fn wrong_lines_about_materials_are_errors() {
         ("@material m young=-1", "greater than 0"),
         ("@material m poisson=0.5", "less than 0.5"),
         ("@pair glass", "missing"),
-        ("@pair glass glas", "did you mean glass?"),
+        ("@pair glass glas", "did you mean 'glass'?"),
         ("@pair glass glass restitution=1.5", "from 0 to 1"),
         ("@pair glass glass rolling_friction=-1", "not negative"),
         ("@pair glass glass rolling_model=b", "a or c"),
@@ -119,6 +119,25 @@ fn wrong_lines_about_materials_are_errors() {
         let number = 1 + line.lines().count();
         assert!(error.contains(expected) && error.contains(&format!("a.txt:{number}")), "{line}: {error}");
     }
+}
+
+#[test]
+fn long_names_of_materials_are_shortened_in_messages() {
+    // Three bytes per character, of which a mistyped name of 40 characters changes a third.
+    let name = "\u{fffd}".repeat(500);
+    let near = "\u{fffd}".repeat(30);
+    let cases = [
+        format!("@material {name}\n@pair {near} {near}\n"),
+        format!("@material {name}\n@material {name}\n"),
+        format!("@material {name}\n@use {name}\nS 1 0 0 0 0 0 0 0 0 0 - 0.5\n"),
+    ];
+    for text in cases {
+        let error = parse(&text).map(drop).expect_err(&text).to_string();
+        assert!(error.chars().count() < 250, "{error}");
+    }
+    let pair = format!("@pair {name} {name} friction=1\n");
+    let warnings = parse(&format!("@material {name}\n{pair}{pair}")).unwrap().warnings;
+    assert!(warnings.len() == 1 && warnings[0].text.chars().count() < 250, "{warnings:?}");
 }
 
 #[test]

@@ -18,7 +18,7 @@
 //! in every step, 0.02 r (1.25 d + 1) is added to the margin, where d is how far a body left its AABB, in units of 0.02 r, or 0.2 r
 //! if that is less. So one body far outside does not make all lists long. If that does not suffice, the host raises `margin_scale`.
 //!
-//! Where positions have a low part (docs/physics.md section 5.8), every AABB is larger by a part of its largest coordinate.
+//! Every AABB is larger by a part of its largest coordinate, so that rounding far from the origin does not lose a pair.
 //!
 //! The AABB of a rod is the hull of two such balls, one for each end. A ball has the radius of the rod and the margin of its
 //! end.
@@ -29,10 +29,10 @@ use rayon::prelude::*;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
-use crate::model::layout::{FINE_MARGIN, FLAG_CONTINUOUS, FLAG_STAGES};
+use crate::model::layout::{FLAG_CONTINUOUS, FLAG_STAGES, ROUNDING_MARGIN};
 use crate::model::part::part;
 use crate::model::status::{REBUILD_REQUESTED, REJECTED_ESCAPED};
-use crate::model::step::{Aabb, Step};
+use crate::model::step::Aabb;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::travel::{
@@ -95,11 +95,11 @@ fn aabb(view: &View, gain: &impl Fn(u32) -> f32, repeat: f32, id: u32) -> Aabb {
         }
         Object::Cuboid(cuboid) => {
             let cuboid = view.cuboid(cuboid);
-            grown(view.step, hull(cuboid.corner, &cuboid.edges))
+            grown(hull(cuboid.corner, &cuboid.edges))
         }
         Object::Polygon(polygon) => {
             let polygon = view.polygon(polygon);
-            grown(view.step, hull(polygon.corner, &[polygon.left, polygon.right]))
+            grown(hull(polygon.corner, &[polygon.left, polygon.right]))
         }
     };
     Aabb { min: min.to_array(), id, max: max.to_array(), tag: view.tag(id) }
@@ -109,15 +109,12 @@ fn aabb(view: &View, gain: &impl Fn(u32) -> f32, repeat: f32, id: u32) -> Aabb {
 fn ball_bounds(view: &View, margin: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
     let reach = radius + view.step.neck * radius + margin;
     let middle = position_ahead(view.step, view.position(sphere), view.motion(sphere));
-    grown(view.step, (middle - reach, middle + reach))
+    grown((middle - reach, middle + reach))
 }
 
-/// Bounds with room for the low parts of positions and for rounding, where positions have a low part.
-fn grown(step: &Step, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
-    if !step.is_double() {
-        return (min, max);
-    }
-    let room = FINE_MARGIN * min.abs().max(max.abs()).max_element();
+/// Bounds with room for rounding.
+fn grown((min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    let room = ROUNDING_MARGIN * min.abs().max(max.abs()).max_element();
     (min - room, max + room)
 }
 

@@ -73,13 +73,10 @@ fn hull_of(id: u32) -> Hull {
     );
 }
 
-// With double precision, there is room for the low parts of positions and for rounding.
+// There is room for rounding.
 fn grown(hull: Hull) -> Hull {
-    if !DOUBLE {
-        return hull;
-    }
     let far = max(abs(hull.min), abs(hull.max));
-    let room = vec3f(FINE_MARGIN * max(max(far.x, far.y), far.z));
+    let room = vec3f(ROUNDING_MARGIN * max(max(far.x, far.y), far.z));
     return Hull(hull.min - room, hull.max + room);
 }
 

@@ -65,7 +65,7 @@ fn is_static_near(own: vec3f, reach: f32, number: u32) -> bool {
         return !(touch_sphere_box(vec4f(own, reach + rounding(own, size)), box).overlap <= 0.0);
     }
     let face = polygon(number - step.boxes);
-    let distance = dot(own - face.corner, normalize(cross(face.left, face.right)));
+    let distance = dot(own - face.corner, face_of(face).n);
     return !(abs(distance) > reach + rounding(own, abs(face.corner) + abs(face.left) + abs(face.right)));
 }
 

@@ -28,6 +28,7 @@ use crate::model::dispatch::Threads;
 use crate::model::part::part;
 use crate::model::view::View;
 use crate::model::world::World;
+use crate::physics::geometry::scale;
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -117,6 +118,7 @@ impl Capsule {
 fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
     let [one, two] = ends;
     let d = view.between(one, two);
+    let size = scale(d);
     let axis = d.normalize();
     let velocity = view.velocity(two) - view.velocity(one);
     let inertia = ends.map(|end| 1.0 / view.inverse_inertia(end));
@@ -129,18 +131,19 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
 
     // Across the axis both ends get the angular velocity of the rigid body about its centre of mass (E18). The rest of their
     // angular momentum across the axis becomes momentum of the ends.
-    let excess = spins.reject_from_normalized(axis) - own_inertia * whole.reject_from_normalized(axis) / whole_inertia;
-    let shift = 0.5 * view.step.dt * excess.cross(d) / (reduced_mass * d.length_squared());
+    let excess = spins.reject_from_normalized(axis) - own_inertia / whole_inertia * whole.reject_from_normalized(axis);
+    let shift = 0.5 * view.step.dt * excess.cross(axis) / (reduced_mass * d.length());
     let moved = (d + shift) * (d.length() / (d + shift).length());
     let moved_axis = moved / d.length();
 
     // Roll and turn are computed from the moved vector and its square, not from a unit vector, so that rounding errors of
     // its length do not add up over the steps. The orbital angular momentum has no part along d, and may be much larger
     // than the spins, so it is multiplied by the change of d only.
-    let square = moved.length_squared();
-    let axial = (spins.dot(moved) + orbital.dot(moved - d)) / square * moved;
+    let scaled = size * moved;
+    let square = scaled.length_squared();
+    let axial = (spins.dot(scaled) + orbital.dot(scaled - size * d)) / square * scaled;
     let roll = axial / own_inertia;
-    let turn = (whole - whole.dot(moved) / square * moved) / whole_inertia;
+    let turn = (whole - whole.dot(scaled) / square * scaled) / whole_inertia;
     let momentum = reduced_mass * (turn.cross(moved) + velocity.dot(axis) * moved_axis - velocity);
 
     let old_axis = d_old.try_normalize().unwrap_or(axis);

@@ -1,4 +1,5 @@
 // requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/fine.wgsl physics/rotation.wgsl
+// requires physics/scale.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> y3: array<vec4f>;
@@ -58,16 +59,19 @@ fn turn_capsule(ends: vec2u) {
     // v is the velocity of end 2 relative to end 1. Its part along the axis, `opening` times d, stays. `change` leads from
     // v to the velocity that the rigid body requires.
     let opening = dot(v, d) / dd;
-    let change = cross(spins + orbit, d) / across + opening * d - v;
+    let change = cross((spins + orbit) / across, d) + opening * d - v;
     let there = d + 0.5 * step.dt * (change - (dot(change, d) / dd) * d);
     let new_d = there * sqrt(dd / dot(there, there));
-    let square = dot(new_d, new_d);
+    // Scaled, because angular momentum times a length may overflow.
+    let size = scale_of(d);
+    let scaled = size * new_d;
+    let square = dot(scaled, scaled);
 
     // The orbital angular momentum is perpendicular to d, so only the difference between the new direction and d counts for
     // it. Division by the square keeps rounding errors of a unit vector's length out of the spin.
-    let roll = (dot(spins, new_d) + dot(orbit, new_d - d)) / (along * square);
-    let spin_across = (spins + orbit - (dot(spins + orbit, new_d) / square) * new_d) / across;
-    let spin = roll * new_d + spin_across;
+    let roll = (dot(spins, scaled) + dot(orbit, scaled - size * d)) / along / square;
+    let spin_across = (spins + orbit - (dot(spins + orbit, scaled) / square) * scaled) / across;
+    let spin = roll * scaled + spin_across;
     let new_v = cross(spin_across, new_d) + opening * new_d;
     let new_x1 = fine_moved(fine_position(ends.x), -(v1.w * mass) * (new_d - d));
     let new_x2 = fine_moved(fine_position(ends.y), (v2.w * mass) * (new_d - d));
@@ -91,7 +95,7 @@ fn turn_capsule(ends: vec2u) {
     if dot(old, old) > TINY {
         old_axis = normalize(old);
     }
-    let by = multiply(shortest_rotation(old_axis, new_d / sqrt(square)), rotation(roll * sqrt(square) * old_axis));
+    let by = multiply(shortest_rotation(old_axis, scaled / sqrt(square)), rotation(roll * sqrt(square) * old_axis));
     turn_by(ends.x, by);
     turn_by(ends.y, by);
 }
