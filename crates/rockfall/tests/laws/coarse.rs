@@ -107,6 +107,7 @@ fn check_compares_the_resolution_with_the_overlap_at_rest() {
 #[test]
 fn overlaps_at_rest_are_wrong_where_check_warns() {
     for law in LAWS {
+        println!("{law} {:?}", [0.125, 0.25, 0.5, 1.0, 2.0, 4.0].map(|height| worst_error(law, height)));
         let [fine, coarse, worse] = [0.125, 0.25, 4.0].map(|height| worst_error(law, height));
         println!("{law}: {fine} {coarse} {worse}");
         // Just below the bound, just above it, and 28 times above it.
