@@ -21,7 +21,6 @@ pub fn scene_text(bytes: &[u8]) {
         }
         Err(error) => return is_told(&error, bytes),
     };
-    let _ = read.check_precision().inspect_err(assert_short);
     for integrator in Integrator::ALL {
         let _ = read.check_contact_law(integrator).inspect_err(assert_short);
         for warning in read.stability(0.02, integrator) {
