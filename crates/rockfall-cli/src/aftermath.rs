@@ -1,7 +1,7 @@
 //! Warnings at the end of a run: bodies that sink into each other, and energy that grew without cause.
 
 use rockfall::placement::DEEP;
-use rockfall::{Energy, Scene, Simulation, short_number};
+use rockfall::{Energy, Integrator, Precision, Scene, Simulation, short_number};
 
 use crate::failure::Failure;
 use crate::output;
@@ -11,9 +11,73 @@ const GROWTH: f64 = 0.05;
 /// Largest error of the potential energy by the rounding of positions, as a share of the energy.
 const ROUNDING: f64 = 1e-4;
 
-/// Warns of overlaps and of growing energy. `before` is the energy at the start, unless it cannot be compared with that at the
-/// end.
+/// Energy that grew without a cause in the scene.
+pub(crate) struct Growth {
+    /// By how much, in mass units x units²/s².
+    pub(crate) size: f64,
+    /// A message that names likely causes.
+    pub(crate) message: String,
+}
+
+/// The growth of the energy, if it is too large and nothing in the scene explains it. `before` is the energy
+/// at the start, unless it cannot be compared with that at the end.
+pub(crate) fn grown(name: &str, simulation: &mut Simulation, before: Option<&Energy>) -> Result<Option<Growth>, Failure> {
+    let Some(before) = before else { return Ok(None) };
+    let after = simulation.energy()?;
+    let Some(size) = growth(simulation.scene(), before, &after) else { return Ok(None) };
+    let causes = causes(simulation, before);
+    let message = format!(
+        "{name}: the energy grew by {size:.4e} (mass units x units²/s²), from {:.4e} to {:.4e}, without a cause in the scene; {causes}",
+        before.total(),
+        after.total()
+    );
+    Ok(Some(Growth { size, message }))
+}
+
+/// Likely causes of a growing energy, with a remedy for each.
+fn causes(simulation: &Simulation, before: &Energy) -> String {
+    let (scene, dt, integrator) = (simulation.scene(), simulation.time_step(), simulation.integrator());
+    let mut causes = Vec::new();
+    if !scene.stability(dt, integrator).is_empty() || scene.law_times().iter().any(|time| time.is_exceeded_by(dt)) {
+        causes.push("the time step is too long (see rockfall check)");
+    }
+    if scene.settings.precision == Precision::Single && needs_double(scene) {
+        causes.push("positions are too coarse for the overlaps (set precision auto)");
+    }
+    if before.contact > 0.0 {
+        causes.push("bodies overlap at the start (see rockfall check)");
+    }
+    if integrator == Integrator::SymplecticEuler && scene.settings.collisions && !scene.springs().is_empty() {
+        causes.push("symplectic-euler keeps the energy of springs in collisions roughly (use rk4 or velocity-verlet)");
+    }
+    if scene.polygons().len() + scene.boxes().len() > 1 {
+        causes.push("bodies rolled or slid over the seam of two boxes or polygons, which pushes them twice (use one of them)");
+    }
+    match causes.as_slice() {
+        [] => "try a shorter time step".to_owned(),
+        [one] => format!("likely cause: {one}"),
+        several => format!("likely causes: {}", several.join("; ")),
+    }
+}
+
+/// Warns of overlaps and of growing energy.
 pub(crate) fn warn(name: &str, simulation: &mut Simulation, before: Option<&Energy>) -> Result<(), Failure> {
+    warn_of_overlaps(name, simulation)?;
+    if let Some(Growth { message, .. }) = grown(name, simulation, before)? {
+        output::note(&format!("warning: {message}"));
+    }
+    Ok(())
+}
+
+/// Whether `precision auto` would choose double precision.
+fn needs_double(scene: &Scene) -> bool {
+    let mut chosen = scene.clone();
+    chosen.settings.precision = Precision::Auto;
+    chosen.chosen_precision().precision == Precision::Double
+}
+
+/// Warns of overlaps.
+pub(crate) fn warn_of_overlaps(name: &str, simulation: &mut Simulation) -> Result<(), Failure> {
     let (deepest, integrator) = (simulation.resting_overlap()?, simulation.integrator());
     if let Some(bodies) = deepest.bodies.filter(|_| deepest.radii > DEEP) {
         let scene = simulation.scene();
@@ -21,15 +85,6 @@ pub(crate) fn warn(name: &str, simulation: &mut Simulation, before: Option<&Ener
         let radii = short_number(deepest.radii.into(), 3);
         let remedy = scene.remedy(integrator).map_or_else(String::new, |remedy| format!(": {remedy}"));
         output::note(&format!("warning: {name}: at the end {a} and {b} overlap by {radii} radii of the smaller one{remedy}"));
-    }
-    let Some(before) = before else { return Ok(()) };
-    let after = simulation.energy()?;
-    if let Some(growth) = growth(simulation.scene(), before, &after) {
-        let [growth, start, end] = [growth, before.total(), after.total()].map(|energy| short_number(energy, 5));
-        output::note(&format!(
-            "warning: {name}: the energy grew by {growth} (mass units x units²/s²), from {start} to {end}, without a cause in the \
-             scene: the time step is too long, see `rockfall check`"
-        ));
     }
     Ok(())
 }

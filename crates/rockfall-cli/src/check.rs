@@ -49,13 +49,7 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     }
     let _ = writeln!(text, "precision {}", scene.chosen_precision());
     let refused = scene.check_contact_law(integrator).err();
-    warnings(&mut text, refused.iter().map(|error| format!("{name}: {error}")));
     let is_of_program = scene.settings.contact_law == ContactLaw::User;
-    if is_of_program {
-        let message =
-            "contact law user: a program defines this law, so rockfall run refuses the scene; its time step is not known";
-        warnings(&mut text, [format!("{name}: {message}")].into_iter());
-    }
     let (slow, in_time): (Vec<_>, Vec<_>) = scene.law_times().into_iter().partition(|time| time.is_exceeded_by(dt));
     for time in in_time {
         let _ = writeln!(text, "{}", time.describe(&scene, dt));
@@ -74,7 +68,17 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     if scene.counts().spheres == 0 {
         warnings(&mut text, [format!("{name}: no spheres, so nothing will move")].into_iter());
     }
-    output::print(&text)
+    output::print(&text)?;
+    // `run` refuses these scenes with the same exit code.
+    if let Some(error) = refused {
+        return Err(Failure::usage(format!("{name}: {error}")));
+    }
+    if is_of_program {
+        let message =
+            "contact law user: a program defines this law, so rockfall run refuses the scene; its time step is not known";
+        return Err(Failure::usage(format!("{name}: {message}")));
+    }
+    Ok(())
 }
 
 /// Prints the warnings about a scene that is to be run, and applies the settings of the command line. Returns the scene and the

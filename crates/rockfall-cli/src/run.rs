@@ -107,6 +107,9 @@ pub(crate) struct Arguments {
     /// Print one JSON object instead of the summary
     #[arg(long)]
     json: bool,
+    /// Fail with exit code 1 when the energy grows without a cause in the scene, as after an explosion
+    #[arg(long)]
+    strict: bool,
     /// Continue when the state of a body is no longer finite: the body is stopped and counted
     #[arg(long)]
     keep_going: bool,
@@ -157,10 +160,17 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
         energies: [past.before(), simulation.energy()?],
         overlap: simulation.max_overlap()?,
     };
-    output::print(&if arguments.json { summary.json(&simulation) } else { summary.table(&mut simulation)? })?;
+    let before = (!past.changed).then(|| past.before());
+    let grown = if stopped { None } else { aftermath::grown(&past.scene, &mut simulation, before.as_ref())? };
+    let growth = grown.as_ref().map(|grown| grown.size);
+    output::print(&if arguments.json { summary.json(&simulation, growth) } else { summary.table(&mut simulation)? })?;
     if !stopped {
-        let before = (!past.changed).then(|| past.before());
-        aftermath::warn(&past.scene, &mut simulation, before.as_ref())?;
+        aftermath::warn_of_overlaps(&past.scene, &mut simulation)?;
+    }
+    match grown {
+        Some(grown) if arguments.strict => return Err(Failure::Run(grown.message)),
+        Some(grown) => output::note(&format!("warning: {}", grown.message)),
+        None => {}
     }
     if stopped {
         let how = checkpoint.map_or(String::new(), |path| format!("; continue with: rockfall run --resume {path}"));

@@ -52,8 +52,8 @@ impl Summary<'_> {
         if self.substeps > 1 { format!(" in {} parts each", self.substeps) } else { String::new() }
     }
 
-    /// The summary as one JSON object, for programs.
-    pub(crate) fn json(&self, simulation: &Simulation) -> String {
+    /// The summary as one JSON object, for programs. `energy_growth` is by how much the energy grew without a cause in the scene.
+    pub(crate) fn json(&self, simulation: &Simulation, energy_growth: Option<f64>) -> String {
         let report = simulation.report();
         let backend = simulation.backend();
         let counts = simulation.scene().counts();
@@ -76,6 +76,7 @@ impl Summary<'_> {
             "objects": options::counts_json(&counts),
             "energy_start": options::energy_json(start),
             "energy_end": options::energy_json(end),
+            "energy_growth_without_cause": energy_growth,
             "max_overlap": options::as_written(self.overlap.units),
             "max_overlap_radii": options::as_written(self.overlap.radii),
             "contacts": report.contacts,

@@ -195,8 +195,8 @@ fn check_of_a_hundred_thousand_spheres_is_fast() {
 #[test]
 fn scene_with_the_law_of_a_program_is_not_run() {
     let rockfall = Rockfall::with("set contact_law user\nS 1 0 9 0 0 0 0 0 0 0 1 0.5\n");
-    let (out, _) = rockfall.run("check scene.txt --integrator symplectic-euler", 0);
-    assert!(out.contains("contact law user: a program defines this law") && !out.contains("stable at"), "{out}");
+    let (out, err) = rockfall.run("check scene.txt --integrator symplectic-euler", 2);
+    assert!(err.contains("contact law user: a program defines this law") && !out.contains("stable at"), "{out} {err}");
     let (_, err) = rockfall.run("run scene.txt --integrator symplectic-euler --backend cpu --steps 1", 2);
     assert!(err.contains("a law of the program: Options::contact_force_law, in Python Simulation(contact_law=...)"), "{err}");
 }

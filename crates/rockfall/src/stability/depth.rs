@@ -204,14 +204,14 @@ impl Scene {
 
     /// What a body of a pile of these spheres carries, as in `carried`; `None` if they are too few for a pile.
     pub(super) fn pile_load(&self, loose: &[&Sphere]) -> Option<impl Fn(f64, f64) -> f64 + use<>> {
-        (loose.len() >= PILE).then(|| self.carried(loose))
+        (loose.len() >= PILE).then(|| self.carried(loose, true))
     }
 
     /// The largest l G / r of all moving spheres and rods, where l is the mass that the body carries divided by its own mass.
     fn heaviest_load(&self) -> f64 {
         let gravity = f64::from(self.settings.gravity.abs());
         let movers: Vec<&Sphere> = self.spheres().iter().filter(|sphere| !sphere.fixed).collect();
-        let carried = self.carried(&movers);
+        let carried = self.carried(&movers, false);
         let of_body = |own: f64, radius: f64| carried(own, radius) / (own * radius);
         let spheres = movers.iter().map(|sphere| of_body(sphere.mass.into(), sphere.radius.into()));
         let rods = self.rods().iter().filter_map(|rod| {
@@ -223,15 +223,15 @@ impl Scene {
     }
 
     /// The mass that a body of a pile of moving spheres carries, by its own mass and its radius: what lies on the square of its
-    /// diameter, and at least itself.
-    fn carried(&self, movers: &[&Sphere]) -> impl Fn(f64, f64) -> f64 + use<> {
+    /// diameter, and at least itself. `spreads`: a narrow column on a floor, without walls, falls and becomes a heap.
+    fn carried(&self, movers: &[&Sphere], spreads: bool) -> impl Fn(f64, f64) -> f64 + use<> {
         let mass: f64 = movers.iter().map(|sphere| f64::from(sphere.mass)).sum();
-        let area = self.covered_area(movers);
+        let area = self.covered_area(movers, spreads);
         move |own, radius| (mass / area * 4.0 * radius * radius).clamp(own, mass.max(own))
     }
 
     /// The horizontal area that movers cover after they have fallen down, in units².
-    fn covered_area(&self, movers: &[&Sphere]) -> f64 {
+    fn covered_area(&self, movers: &[&Sphere], spreads: bool) -> f64 {
         let (east, north) = self.settings.gravity_direction.as_dvec3().normalize().any_orthonormal_pair();
         let flat = |point: DVec3| DVec2::new(point.dot(east), point.dot(north));
         let mut own = Span::default();
@@ -256,7 +256,13 @@ impl Scene {
             }
         }
         let within = own.within(&walls);
-        within.x.max(widest) * within.y.max(widest)
+        let mut least = widest;
+        if spreads && self.boxes().len() + self.polygons().len() == 1 {
+            // A heap twice as wide as it is high.
+            let volume: f64 = movers.iter().map(|sphere| (2.0 * f64::from(sphere.radius)).powi(3)).sum();
+            least = least.max((2.0 * volume).cbrt());
+        }
+        within.x.max(least) * within.y.max(least)
     }
 }
 
