@@ -86,8 +86,8 @@ impl Scene {
         };
         let strains = self.rods().iter().filter_map(|rod| strain([rod.end1, rod.end2], rod.length?));
         let (strain, ends) = strains.reduce(|most, next| if next.0 > most.0 { next } else { most })?;
-        let lost = |dt: f64| strain.powi(2) * dt.powi(3) / 8.0;
-        let largest_dt = (8.0 * LOST / strain.powi(2)).cbrt();
+        let lost = |dt: f64| strain.powi(2) * dt.powi(3) / 6.0;
+        let largest_dt = (6.0 * LOST / strain.powi(2)).cbrt();
         let [a, b] = ends.map(|id| self.name_of(Body::Sphere(id)));
         (f64::from(dt) > largest_dt).then(|| {
             format!(
