@@ -1,7 +1,5 @@
 //! Finds bodies that are too small or too stiff for their distance from the origin, because positions are f32.
 
-use std::fmt;
-
 use crate::scene::{Scene, Sphere};
 use crate::settings::{ContactLaw, Precision, Settings};
 use crate::stability::{Crowd, nearest};
@@ -40,27 +38,28 @@ impl Coarse {
     }
 }
 
-impl fmt::Display for Coarse {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Coarse {
+    /// A message that names the sphere as the scene text does.
+    pub fn describe(&self, scene: &Scene) -> String {
         let [distance, resolution, radius] = [self.distance, self.resolution, self.radius].map(nearest);
-        write!(f, "positions are too coarse: {distance} units from the origin, f32 resolves {resolution} units, ")?;
-        match self.overlap {
+        let sphere = scene.name_of_sphere(self.sphere);
+        let share = match self.overlap {
             None => {
                 let percent = nearest(100.0 * self.resolution / self.radius);
-                write!(f, "{percent} % of the radius {radius} units of sphere number {}: ", self.sphere)?;
+                format!("{percent} % of the radius {radius} units of {sphere}")
             }
-            Some((law, overlap)) => write!(
-                f,
-                "too much for the overlap of {} units of sphere number {} at rest on one like it, under its own weight alone \
-                 (contact law {law}): ",
+            Some((law, overlap)) => format!(
+                "too much for the overlap of {} units of {sphere} at rest on one like it, under its own weight alone (contact law {law})",
                 nearest(overlap),
-                self.sphere,
-            )?,
-        }
+            ),
+        };
         // The distance at which the resolution is the largest that causes no warning.
         let within = nearest(self.resolution / self.excess() / f64::from(f32::EPSILON));
-        write!(f, "move the scene nearer to the origin, to within {within} units")?;
-        f.write_str(if self.suits_double { ", or set precision double" } else { "" })
+        let remedy = if self.suits_double { ", or set precision double" } else { "" };
+        format!(
+            "positions are too coarse: {distance} units from the origin, f32 resolves {resolution} units, {share}: move the scene \
+             nearer to the origin, to within {within} units{remedy}"
+        )
     }
 }
 

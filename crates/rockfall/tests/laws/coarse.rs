@@ -89,7 +89,7 @@ fn check_compares_the_resolution_with_the_overlap_at_rest() {
         assert_close(warning.overlap.expect("an overlap").1, alone, 1e-6, "overlap at rest");
         // The overlap is 0.03 µm of about 1 mm, so the criterion of the radius does not matter.
         assert!(warning.resolution < 1e-4 * warning.radius);
-        let text = warning.to_string();
+        let text = warning.describe(&coarse);
         let advised = text.ends_with("or set precision double");
         assert_eq!(advised, law != ContactLaw::Thesis, "{text}");
         assert!(text.contains("move the scene nearer to the origin"), "{text}");
@@ -99,7 +99,7 @@ fn check_compares_the_resolution_with_the_overlap_at_rest() {
             change(&mut scene);
             scene.coarse()
         };
-        let colliding = with(&|scene| scene.settings.collisions = true).expect("a warning").to_string();
+        let colliding = with(&|scene| scene.settings.collisions = true).expect("a warning").describe(&coarse);
         assert!(!colliding.contains("double"), "{colliding}");
         // Nothing presses the balls without gravity. Double precision resolves their overlaps.
         assert_eq!(with(&|scene| scene.settings.gravity = 0.0), None);

@@ -305,10 +305,10 @@ fn check_suggests_double_precision_where_positions_are_too_coarse() {
     add(&mut scene, material, [1e6, 0.0, 0.0], 0.5, [0.0; 3]);
     assert!(scene.coarse().is_none());
     scene.settings.precision = Precision::Single;
-    let warning = scene.coarse().expect("a warning").to_string();
+    let warning = scene.coarse().expect("a warning").describe(&scene);
     assert!(warning.ends_with("or set precision double"), "{warning}");
     scene.settings.collisions = true;
-    let warning = scene.coarse().expect("a warning").to_string();
+    let warning = scene.coarse().expect("a warning").describe(&scene);
     assert!(!warning.contains("double"), "{warning}");
 }
 
