@@ -115,7 +115,7 @@ fn check_finds_bodies_inside_others_and_names_them() {
         "warning: scene.txt: sphere 9 has its centre or axis inside box number 0, 4 radii (0.4 units) at the start",
         "warning: scene.txt: sphere 10 and box number 0 overlap by 0.5 radii (0.05 units) at the start",
         "warning: scene.txt: capsule number 0 and sphere 12 overlap by 0.5 radii (0.1 units) at the start",
-        "deepest overlap at the start: 4.0000 radii of the smaller body",
+        "deepest overlap at the start: 4 radii of the smaller body",
     ] {
         assert!(out.lines().any(|printed| printed == line), "{line}\n{out}");
     }
@@ -152,7 +152,7 @@ fn check_warns_where_positions_are_coarse() {
     let (out, _) = scene(5000.0).run("check scene.txt", 0);
     assert!(!out.contains("warning"), "{out}");
     let (out, _) = scene(100_000.0).run("check scene.txt", 0);
-    assert!(out.contains("f32 resolves 0.00781 units, 7.81 % of the radius 0.1 units of sphere number 0"), "{out}");
+    assert!(out.contains("f32 resolves 0.00781 units, 7.81 % of the radius 0.1 units of sphere 1"), "{out}");
 }
 
 /// Grains of 1 mm and 1 GPa at 10 m from the origin overlap at rest by 0.035 µm under their own weight. f32 numbers are 0.95 µm apart
@@ -168,14 +168,13 @@ fn check_warns_where_positions_are_coarser_than_overlaps_at_rest() {
         Rockfall::with(&text).run("check scene.txt --integrator symplectic-euler --dt 1e-7", 0).0
     };
     let out = check(10.0, "set precision single\n");
-    let expected = "positions are too coarse: 10 units from the origin, f32 resolves 0.000000954 units, too much for the overlap of \
-                    0.0000000347 units of sphere number 0 at rest on one like it, under its own weight alone (contact law hertz-mindlin)";
+    let expected = "positions are too coarse: 10 units from the origin, f32 resolves 9.54e-7 units, too much for the overlap of \
+                    3.47e-8 units of sphere 1 at rest on one like it, under its own weight alone (contact law hertz-mindlin)";
     assert!(out.contains(expected) && out.contains(", or set precision double"), "{out}");
     assert!(!check(10.0, "set precision double\n").contains("coarse"));
     assert!(!check(0.2, "set precision single\n").contains("coarse"));
     // By default it is chosen.
-    let chosen =
-        "precision double, because f32 resolves 0.000000954 units at 10 units from the origin, and an overlap at rest is";
+    let chosen = "precision double, because f32 resolves 9.54e-7 units at 10 units from the origin, and an overlap at rest is";
     let out = check(10.0, "");
     assert!(out.contains(chosen) && !out.contains("coarse"), "{out}");
 }
@@ -248,7 +247,7 @@ fn substeps_auto_obeys_the_time_of_the_contact_law() {
     let rockfall = Rockfall::with(text);
     let run = "run scene.txt --backend cpu --integrator velocity-verlet --steps 20 --json";
     let (_, err) = rockfall.run(run, 0);
-    assert!(err.contains("that of sphere 7; the time step is 74") && !err.contains("sphere 0"), "{err}");
+    assert!(err.contains("that of sphere 7; the time step is 73.9 times") && !err.contains("sphere 0"), "{err}");
     let (out, err) = rockfall.run(&format!("{run} --substeps auto"), 0);
     assert!(!err.contains("warning"), "{err}");
     let object: serde_json::Value = serde_json::from_str(&out).unwrap();
@@ -274,7 +273,9 @@ fn numbers_are_short() {
     assert!(out.contains("5 of 2e-8 s = 1e-7 s, done in ") && !out.contains(" 0.0 times"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --integrator velocity-verlet --set gravity=1e30", 0);
     let longest = |text: &str| text.split(|c: char| !c.is_ascii_digit() && c != '.').map(str::len).max();
-    assert!(out.lines().skip(2).all(|line| longest(line) <= Some(8)), "{out}");
+    // Settings are shown as they are written.
+    let mut messages = out.lines().filter(|line| line.starts_with("warning") || line.starts_with("suggestion"));
+    assert!(messages.all(|line| longest(line) <= Some(6)), "{out}");
 }
 
 /// A text leaves out the springs of contacts, which is said only where there are some.
@@ -283,12 +284,12 @@ fn saving_a_text_says_that_it_leaves_out_springs() {
     let text = "set contact_law linear\nset gravity 9.81\n@material m density=2500\n@pair m m stiffness=1e5\n@use m\n\
                 B -1 -1 -1 2 0 0 0 1 0 0 0 2\nS 1 0 0.00999 0 0 0 0 0 0 0 - 0.01\nS 2 0 0.05 0 0 0 0 0 0 0 - 0.01\n";
     let rockfall = Rockfall::with(text);
-    let run = "run scene.txt --backend cpu --integrator velocity-verlet --dt 1e-5 --steps 10";
+    let run = "run scene.txt --backend cpu --integrator velocity-verlet --dt 1e-5 --steps 100";
     let (_, err) = rockfall.run(&format!("{run} --save saved.txt"), 0);
     assert!(err.contains("note: saved.txt: a scene text leaves out the springs of 1 contact, "), "{err}");
     assert_eq!(err.lines().count(), 1, "{err}");
     let (_, err) = rockfall.run(&format!("{run} --checkpoint saved.ckpt"), 0);
     assert_eq!(err, "");
-    let (_, err) = rockfall.run(&format!("{run} --save saved.txt --set gravity=-9.81 --steps 1000"), 0);
+    let (_, err) = rockfall.run(&format!("{run} --save saved.txt --set gravity=-1e4"), 0);
     assert!(!err.contains("springs"), "{err}");
 }

@@ -235,7 +235,7 @@ impl Scene {
         concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
         concerns.extend(self.soft_material().map(|soft| soft.to_string()));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));
-        concerns.extend(self.coarse().map(|coarse| coarse.to_string()));
+        concerns.extend(self.coarse().map(|coarse| coarse.describe(self)));
         concerns.extend(self.strained_rod(dt, integrator));
         concerns.extend(self.intent());
         concerns.extend(self.odd_rods().iter().map(|rod| rod.describe(self)));

@@ -119,8 +119,8 @@ impl Simulation {
         Ok(scene)
     }
 
-    /// Energies and momenta of the current state. The energy of a spring is that at its present rest length. With symplectic Euler, the
-    /// kinetic energy is that of the velocities at the time of the positions (docs/physics.md section 5.2).
+    /// Energies and momenta of the current state. The energy of a spring is that at its present rest length. With symplectic Euler
+    /// and collisions, the kinetic energy is that of the velocities at the time of the positions (docs/physics.md section 5.2).
     ///
     /// # Errors
     /// As for [`Simulation::sync`].
@@ -128,7 +128,7 @@ impl Simulation {
         let gravity = self.gravity().as_dvec3();
         let contact = self.contact_energy()?;
         let mut energy = spheres_energy(&self.scene, gravity);
-        if self.world.step.is_half_step() {
+        if self.world.step.is_half_step() && self.scene.settings.collisions {
             energy.kinetic = self.synchronised_kinetic_energy()?;
         }
         energy.spring = spring_energy(&self.scene, &self.muscle_clock)?;

@@ -12,12 +12,12 @@ use crate::stability::{Crowd, nearest};
 const COARSE: f64 = 0.01;
 
 /// The same in overlaps at rest of a body that carries its own weight alone. In columns of five balls, all overlaps at rest were correct
-/// to 0.3 of that overlap below this bound. At twice the bound they were wrong by 0.3 to 1.3 of it, and from 14 times the bound
-/// on the balls did not stay in contact.
-const COARSE_OVERLAP: f64 = 0.5;
+/// to 0.3 of that overlap below this bound. At twice the bound they were wrong by more.
+const COARSE_OVERLAP: f64 = 4.0;
 
-/// Part of the bounds above at which `precision auto` chooses double precision.
-const FINE: f64 = 0.1;
+/// Bounds of `precision auto` for single precision: the same distance in radii, and in overlaps at rest.
+const FINE: f64 = 0.001;
+const FINE_OVERLAP: f64 = 0.05;
 
 /// A warning that positions cannot be represented finely enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,27 +43,27 @@ impl Coarse {
     }
 }
 
-impl fmt::Display for Coarse {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Coarse {
+    /// A message that names the sphere as the scene text does.
+    pub fn describe(&self, scene: &Scene) -> String {
         let [distance, resolution, radius] = [self.distance, self.resolution, self.radius].map(nearest);
-        write!(f, "positions are too coarse: {distance} units from the origin, f32 resolves {resolution} units, ")?;
-        match self.overlap {
+        let sphere = scene.name_of_sphere(self.sphere);
+        let share = match self.overlap {
             None => {
                 let percent = nearest(100.0 * self.resolution / self.radius);
-                write!(f, "{percent} % of the radius {radius} units of sphere number {}: ", self.sphere)?;
+                format!("{percent} % of the radius {radius} units of {sphere}")
             }
-            Some((law, overlap)) => write!(
-                f,
-                "too much for the overlap of {} units of sphere number {} at rest on one like it, under its own weight alone \
-                 (contact law {law}): ",
+            Some((law, overlap)) => format!(
+                "too much for the overlap of {} units of {sphere} at rest on one like it, under its own weight alone (contact law {law})",
                 nearest(overlap),
-                self.sphere,
-            )?,
-        }
+            ),
+        };
         // The distance at which the resolution is the largest that causes no warning.
         let within = nearest(self.resolution / self.excess() / f64::from(f32::EPSILON));
-        write!(f, "move the scene nearer to the origin, to within {within} units")?;
-        f.write_str(", or set precision double")
+        format!(
+            "positions are too coarse: {distance} units from the origin, f32 resolves {resolution} units, {share}: move the scene \
+             nearer to the origin, to within {within} units, or set precision double"
+        )
     }
 }
 
@@ -119,7 +119,7 @@ impl fmt::Display for ChosenPrecision {
 impl Scene {
     /// The precision of the settings. For [`Precision::Auto`] it is chosen: [`Precision::Double`] where the distance between neighbouring
     /// f32 numbers at the largest coordinate of the scene exceeds 0.1 % of the radius or 5 % of the overlap at rest of a moving sphere
-    /// (as in [`Scene::coarse`], a tenth of the bounds there), and for contact laws with history without gravity.
+    /// (as in [`Scene::coarse`], with smaller bounds), and for contact laws with history without gravity.
     pub fn chosen_precision(&self) -> ChosenPrecision {
         if self.settings.precision != Precision::Auto {
             return ChosenPrecision { precision: self.settings.precision, reason: None };
@@ -137,7 +137,7 @@ impl Scene {
         let distance = corners.chain(faces).chain(centres).map(|place| place.abs().max_element()).fold(0.0, f32::max);
         let resolution = f64::from(distance.next_up()) - f64::from(distance);
         let too_coarse = |length: f64, is_overlap: bool| {
-            let bound = FINE * length * if is_overlap { COARSE_OVERLAP } else { COARSE };
+            let bound = length * if is_overlap { FINE_OVERLAP } else { FINE };
             let reason = PrecisionReason::Coarse { distance: distance.into(), resolution, length, is_overlap };
             (resolution > bound).then_some(reason)
         };

@@ -121,6 +121,7 @@ fn chains_are_kept_bit_for_bit(backend: Backend) {
 /// those whose records are not in its own block.
 fn the_pool_grows_once_to_a_quarter_more(backend: Backend) {
     let mut scene = scene_with(ContactLaw::Linear);
+    scene.settings.precision = rockfall::Precision::Single;
     let material = soft(&mut scene, "soft");
     pair(&mut scene, material, material, 0.3, 0.5);
     for k in 0..40_u8 {

@@ -275,7 +275,7 @@ fn check_suggests_double_precision_where_positions_are_too_coarse() {
     add(&mut scene, material, [1e6, 0.0, 0.0], 0.5, [0.0; 3]);
     assert!(scene.coarse().is_none());
     scene.settings.precision = Precision::Single;
-    let warning = scene.coarse().expect("a warning").to_string();
+    let warning = scene.coarse().expect("a warning").describe(&scene);
     assert!(warning.ends_with("or set precision double"), "{warning}");
     scene.settings.precision = Precision::Auto;
     assert_eq!((scene.coarse(), scene.chosen_precision().precision), (None, Precision::Double));

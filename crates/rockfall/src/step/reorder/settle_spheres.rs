@@ -38,7 +38,8 @@ fn settle_spheres(world: &mut World, _pass: u32) {
     let World { step, topology, states: [start, _, y3, y4], orientations, .. } = world;
     let n = step.spheres as usize;
     let memory: &[[u32; 4]] = cast_slice(y4);
-    start.copy_from_slice(y3);
+    // What follows is computed anew in the next phase of collisions.
+    start[..y3.len()].copy_from_slice(y3);
     let records = memory[..n].iter().zip(&memory[n..2 * n]);
     for (slot, (orientation, [tag, insertion_index, begin, end])) in records.enumerate() {
         orientations[slot] = Vec4::from_array(orientation.map(f32::from_bits));
