@@ -212,6 +212,8 @@ static MISTAKES: &[Mistake] = &[
     ),
     Mistake("measure_order", 0, "measure_order.wgsl", "32u - count", "31u - count", Buffer::Status),
     Mistake("end_step", 0, "close_step.wgsl", "atomicLoad(&max_overlap)", "atomicLoad(&contacts)", Buffer::Status),
+    Mistake("synchronise", 0, "synchronise.wgsl", "0.5 * step.dt", "step.dt", Buffer::Start),
+    Mistake("synchronise", 0, "synchronise.wgsl", "length(rates.acceleration)", "rates.acceleration.x", Buffer::Topology),
     Mistake("find_collisions", 0, "contact.wgsl", "select(2.0, 4.0, HALF_STEP) * free", "0.0 * free", Buffer::Lists),
     Mistake("find_collisions", 0, "collision.wgsl", "(at - capsule.centre) * cross", "at * cross", Buffer::Lists),
     Mistake("list_collisions", 0, "list_collisions.wgsl", "low = middle + 1u", "high = middle", Buffer::Start),

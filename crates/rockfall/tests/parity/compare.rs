@@ -14,6 +14,7 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::model::buffer::Buffer;
 use rockfall::model::layout::{HISTORY_BLOCK, HISTORY_WORDS, LINK_KEY, NO_KEY};
 use rockfall::model::status::{COUNTER_BLOCKS, Counters, Status};
+use rockfall::model::step::Step;
 use rockfall::model::world::World;
 use rockfall::step::schedule::Run;
 
@@ -82,10 +83,13 @@ fn floats(world: &World) -> Vec<Floats> {
     let n = world.step.spheres as usize;
     let states = [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4];
     for (buffer, state) in states.into_iter().zip(&world.states) {
+        // Low parts are compared in double.rs.
         for (what, region) in ["position", "velocity", "angular momentum"].into_iter().zip(state.chunks(n)) {
             field(buffer, what, flat(region));
         }
     }
+    let synchronised = flat(world.states[0].get(4 * n..).unwrap_or_default());
+    field(Buffer::Start, "velocity at the time of the positions", synchronised);
     let bounds = world.aabbs.iter().flat_map(|aabb| [aabb.min, aabb.max].concat()).collect();
     field(Buffer::Aabbs, "bounds", bounds);
     field(Buffer::Extents, "extents", flat(&world.extents));
@@ -95,11 +99,26 @@ fn floats(world: &World) -> Vec<Floats> {
     }
     field(Buffer::Histories, "springs", springs(world).into_iter().flat_map(|(_, spring)| spring).collect());
     field(Buffer::Rates, "rates", world.rates.clone());
+    field(Buffer::Topology, "free accelerations", free(world));
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
     let status = &world.status;
     let measured = [status.escape_ratio, status.repeat_escape, status.total_counters().max_overlap, status.last_max_overlap];
     field(Buffer::Status, "overlaps and escapes", measured.map(f32::from_bits).to_vec());
     all
+}
+
+/// The sizes of free accelerations, which are floats in the topology buffer.
+fn free(world: &World) -> Vec<f32> {
+    let Step { free_at, spheres, .. } = world.step;
+    let count = if free_at == 0 { 0 } else { spheres as usize };
+    world.topology[free_at as usize..][..count].iter().copied().map(f32::from_bits).collect()
+}
+
+/// The topology buffer with zeros in place of them.
+fn without_free(world: &World) -> Vec<u32> {
+    let mut words = world.topology.clone();
+    words[world.step.free_at as usize..][..free(world).len()].fill(0);
+    words
 }
 
 fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
@@ -112,7 +131,7 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     let counters = Status { counters, escape_ratio: 0, repeat_escape: 0, last_max_overlap: 0, ..world.status };
     vec![
         (Buffer::Aabbs, "ids and tags", tags),
-        (Buffer::Topology, "words", world.topology.clone()),
+        (Buffer::Topology, "words", without_free(world)),
         (Buffer::DispatchSizes, "sizes", world.dispatch_sizes.clone()),
         (Buffer::Cells, "cells", world.cells.clone()),
         (Buffer::Lists, "counts and offsets", head),

@@ -195,7 +195,7 @@ fn backends_agree_on_every_stage_with_double_precision() {
     assert!(all.is_empty(), "{}", all.join("\n"));
 }
 
-static MISTAKES: [Mistake; 15] = [
+static MISTAKES: [Mistake; 16] = [
     Mistake("law_forces", 0, "fine.wgsl", "to.low - from_.low", "from_.low - to.low", Buffer::Wrenches),
     Mistake("law_forces", 0, "fine.wgsl", "return fine_moved(high, place.low);", "return high;", Buffer::Wrenches),
     Mistake(
@@ -221,6 +221,7 @@ static MISTAKES: [Mistake; 15] = [
     Mistake("finish", 3, "finished.wgsl", "vec4f(after.low, 0.0)", "vec4f(0.0)", Buffer::Start),
     Mistake("advance", 1, "next_state.wgsl", "low = start_row(3u, i).xyz", "low = vec3f(0.0)", Buffer::Y3),
     Mistake("apply_collisions", 0, "changes.wgsl", "vec4f(after.low, 0.0)", "vec4f(0.0)", Buffer::Start),
+    Mistake("apply_collisions", 0, "collision_state.wgsl", "own.xyz + (", "(", Buffer::Start),
     Mistake("constrain", 3, "lengths.wgsl", "vec4f(after.low, 0.0)", "vec4f(0.0)", Buffer::Y4),
     Mistake("turn", 0, "turn.wgsl", "vec4f(new_x1.low, 0.0)", "vec4f(0.0)", Buffer::Start),
     Mistake(
