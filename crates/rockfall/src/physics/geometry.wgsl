@@ -139,8 +139,9 @@ fn closest_points(a_start: vec3f, a_along: vec3f, b_start: vec3f, b_along: vec3f
         closest.a = 0.5 * (low + high);
         closest.b = clamp(dot(closest.a * a_along - between, b_along) / bb, 0.0, 1.0);
     } else {
-        closest.a = a_scale * (dot(between, cross(b_scaled, normal)) / nn);
-        closest.b = b_scale * (dot(between, cross(a_scaled, normal)) / nn);
+        let places = vec2f(dot(between, cross(b_scaled, normal)), dot(between, cross(a_scaled, normal))) / nn;
+        closest.a = a_scale * places.x;
+        closest.b = b_scale * places.y;
         closest.hit = unit_interval(closest.a) & unit_interval(closest.b);
         if !closest.hit {
             return closest;

@@ -156,7 +156,7 @@ fn both_backends_follow_the_same_rules_for_exact_values() {
 /// Returns a run whose stage has the divisors in `geometry.wgsl` multiplied by a factor.
 fn with_scaled_divisors(factor: &str, run: Run) -> Run {
     rewritten(run, "geometry.wgsl", |text| {
-        ["nn", "aa", "squared", "squared_edges(box)"].iter().fold(text.to_owned(), |text, divisor| {
+        ["nn", "aa", "squared", "face.squared", "squared_edges(box)"].iter().fold(text.to_owned(), |text, divisor| {
             let exact = format!(" / {divisor};");
             assert!(text.contains(&exact), "geometry.wgsl has no division by {divisor}");
             text.replace(&exact, &format!(" / ({factor} * {divisor});"))
