@@ -112,6 +112,15 @@ pub enum Error {
         /// The place in the step.
         stage: BadStage,
     },
+    /// The impulses on a network of fixed-length rods could not be solved.
+    #[error(
+        "step {step}: a collision of a network of fixed-length rods could not be solved: rods and masses that differ less, smaller \
+         networks or `--backend cpu`, which solves in double precision, may help"
+    )]
+    Networks {
+        /// The step, from 1.
+        step: u64,
+    },
     /// A law that the program gave is not valid, or gave a result that is not finite.
     #[error("law {}{}: {message}{}", quoted(law), place(*line, *column), excerpt(text, *column))]
     Law {

@@ -209,7 +209,8 @@ impl Scene {
 
     /// Everything that a run of this scene with a time step of `dt` seconds should be warned of, one message each: an unstable
     /// time step, one that is too long for a contact law with history, muscles that are too fast for it, bodies that sink into each
-    /// other, bodies that pass through thin things, positions that are too coarse, and rods that are likely mistakes.
+    /// other, bodies that pass through thin things, positions that are too coarse, rods that lose angular momentum, and rods that are
+    /// likely mistakes.
     pub fn concerns(&self, dt: f32, integrator: Integrator) -> Vec<String> {
         let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(Warning::to_string).collect();
         let slow = self.law_times().into_iter().filter(|time| time.is_exceeded_by(dt));
@@ -221,6 +222,7 @@ impl Scene {
         concerns.extend(self.soft_material().map(|soft| soft.to_string()));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));
         concerns.extend(self.coarse().map(|coarse| coarse.to_string()));
+        concerns.extend(self.strained_rod(dt, integrator));
         concerns.extend(self.odd_rods().iter().map(|rod| rod.describe(self)));
         concerns
     }

@@ -16,6 +16,8 @@ use scenes::{Random, after, angular, in_gravity, kinetic, open, opened, scene, w
 mod forces;
 #[path = "faults/lengths.rs"]
 mod lengths;
+#[path = "faults/networks.rs"]
+mod networks;
 #[path = "faults/scenes.rs"]
 mod scenes;
 

@@ -382,6 +382,8 @@ fn the_constants_equal_those_of_layout() {
         REJECTED_COUNT,
         REJECTED_COLLISIONS,
         REJECTED_MANY,
+        REJECTED_HISTORY,
+        REJECTED_NETWORKS,
         COUNTER_BLOCKS,
         REBUILD_REQUESTED,
         REBUILD_DONE,

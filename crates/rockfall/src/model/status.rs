@@ -21,6 +21,8 @@ pub const REJECTED_MANY: u32 = 32;
 /// Bit of [`Status::rejected`]: the contacts need more blocks than the pool of
 /// [`Buffer::Histories`](crate::model::buffer::Buffer::Histories) has. They need [`Status::history_needed`].
 pub const REJECTED_HISTORY: u32 = 64;
+/// Bit of [`Status::rejected`]: the impulses on a network of fixed-length rods could not be solved.
+pub const REJECTED_NETWORKS: u32 = 128;
 
 /// Bit of [`Status::rebuild`]: some body requests new lists.
 pub const REBUILD_REQUESTED: u32 = 1;
@@ -83,7 +85,7 @@ pub struct Status {
     /// 2 when the collisions of the current step are done. 1 when they were done in a previous attempt at this step, so that
     /// they are not repeated.
     pub collided: u32,
-    /// 1 when rod lengths must be restored before the integration: in the first step, after edits and in a step with collisions.
+    /// 1 when rod lengths must be restored before the integration: in the first step and after edits.
     /// The end of a step clears it, so at the start of the collisions it is 0 when a step has led to the present state.
     pub lengths_due: u32,
     /// Velocity Verlet: 1 when the rates of the last force evaluation do not belong to the present state. They are then evaluated

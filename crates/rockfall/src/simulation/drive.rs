@@ -6,7 +6,7 @@ use crate::model::layout::{LAW_THESIS, MAX_PAIR_ROWS, words_of_rows};
 use crate::model::muscles::BASE_STEPS;
 use crate::model::status::{
     BAD_STAGE_SHIFT, NO_BODY, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_MANY,
-    REJECTED_NON_FINITE, REJECTED_PAIRS, Status,
+    REJECTED_NETWORKS, REJECTED_NON_FINITE, REJECTED_PAIRS, Status,
 };
 use crate::options::Optimization;
 use crate::profile::Recorder;
@@ -179,6 +179,10 @@ impl Simulation {
                 step: self.report.steps,
                 stage: BadStage::from_number(bad >> BAD_STAGE_SHIFT),
             });
+        }
+        if status.rejected & REJECTED_NETWORKS != 0 {
+            self.status.rejected = 0;
+            return Err(Error::Networks { step: self.report.steps + 1 });
         }
         if status.rejected == 0 {
             return Ok(());

@@ -427,22 +427,27 @@ fn weight(bodies: &Bodies, k: &Contact, all: &[&Contact], findings: &mut Finding
             .iter()
             .map(|s| bodies.balls[s.ball].w * s.g.length_squared() + bodies.balls[s.ball].i * s.h.length_squared())
             .sum();
-        let (inverse_mass, times) = match body {
+        let (inverse_mass, sum) = match body {
             Body::Ball(_) => {
                 let along = |l: &&Contact| on_body(l) * k.touch.n.dot(l.touch.n).abs();
-                (loose, all.iter().map(along).sum::<f64>())
+                (loose, loose * all.iter().map(along).sum::<f64>())
             }
-            Body::Capsule(_) => (loose, count),
+            Body::Capsule(_) => (loose, loose * count),
             Body::Network(_) => {
                 findings.count("on a network".to_owned());
                 let mut impulses = BTreeMap::new();
                 own.iter().for_each(|share| *impulses.entry(share.ball).or_insert(DVec3::ZERO) += share.g);
                 let moved = project(bodies, &impulses);
-                (own.iter().map(|share| share.g.dot(moved[&share.ball])).sum::<f64>(), count)
+                let along = |l: &Contact, side: usize| -> f64 {
+                    let own = l.shares.iter().filter(|share| (share.side, share.body) == (side, body));
+                    own.map(|share| share.g.dot(moved.get(&share.ball).copied().unwrap_or_default())).sum()
+                };
+                let couplings = all.iter().flat_map(|l| [along(l, 0), along(l, 1)]);
+                (along(k, side), couplings.map(f64::abs).sum())
             }
         };
         projected += inverse_mass;
-        weight += times * inverse_mass;
+        weight += sum;
     }
     let part = projected / k.w;
     if part < RIGID {

@@ -16,11 +16,10 @@ pub(crate) struct Course {
 }
 
 impl World {
-    /// Computes a whole step. `lengths_due` requests the restoration of lengths even without collisions.
+    /// Computes a whole step. `lengths_due` requests the restoration of lengths.
     pub(crate) fn step(&mut self, lengths_due: bool) -> Vec<Pressed> {
         let pressed = self.handle_collisions(self.set.collisions);
-        let collided = pressed.iter().any(|contact| contact.collides);
-        self.update_positions(lengths_due || collided);
+        self.update_positions(lengths_due);
         pressed
     }
 

@@ -205,7 +205,7 @@ fn a_gas_keeps_its_energy() {
 /// momentum is constant. If all collisions are lone, so is the angular momentum.
 #[test]
 fn impulses_obey_the_conservation_laws() {
-    let (mut lone, mut clusters, mut with_friction) = (0, 0, 0);
+    let (mut lone, mut clusters, mut with_friction, mut gained) = (0, 0, 0, 0);
     for seed in 0..12_000 {
         let plan = scenes::plan(seed, 1, 1);
         let mut scene = plan.clusters[0].clone();
@@ -236,9 +236,9 @@ fn impulses_obey_the_conservation_laws() {
         let what = format!("seed {seed} kind {}", seed as usize % scenes::KINDS);
         let rigid = before.balls.iter().enumerate().all(|(at, _)| is_rigid(&before, at));
         if rigid {
-            // Truncated sweeps may leave a small excess where an impulse was reset to 0: 1e-5 in one of some thousands
-            // of clusters.
-            assert!(k <= k0 * (1.0 + 1e-4) + 10.0 * slack, "{what}: {k0} -> {k}\n{}", describe(&before, &pressed));
+            // Truncated sweeps may leave a small excess where an impulse was reset to 0 (docs/physics.md section 8).
+            gained += usize::from(k > k0 * (1.0 + 1e-5) + 10.0 * slack);
+            assert!(k <= k0 * (1.0 + 3e-4) + 10.0 * slack, "{what}: {k0} -> {k}\n{}", describe(&before, &pressed));
         }
         let free = before.balls.iter().all(|ball| !ball.fixed) && before.blocks.is_empty() && before.faces.is_empty();
         if free {
@@ -255,7 +255,8 @@ fn impulses_obey_the_conservation_laws() {
         with_friction += usize::from(kinetic(&world) != k);
         assert!(kinetic(&world) <= k * (1.0 + 1e-9), "{what}: friction {k} -> {}", kinetic(&world));
     }
-    println!("{lone} lone, {clusters} clusters, {with_friction} with friction");
+    println!("{lone} lone, {clusters} clusters, {with_friction} with friction, {gained} gained energy");
+    assert!(gained < 10, "{gained} of {clusters} clusters gained energy");
     assert!(lone > 100 && clusters > 100 && with_friction > 300);
 }
 

@@ -3,7 +3,7 @@
 use rockfall::glam::DVec3;
 
 use crate::geometry::{Line, Pair, Thing};
-use crate::sides::{Motion, Rigid, sides};
+use crate::sides::{Motion, Rigid, Side, sides};
 use crate::world::{Body, Mistake, World};
 
 /// A contact is pressed if its overlap exceeds this factor times the smaller radius.
@@ -264,18 +264,28 @@ impl World {
         for side in sides(pair, line) {
             free += self.unprojected(side, line.n);
             for (body, mass) in self.bodies(side, line.n) {
-                scale += mass * self.count(body, line, colliding);
+                scale += match body {
+                    Body::Network(_) => self.couplings(body, side, line, colliding),
+                    _ => mass * self.count(body, line, colliding),
+                };
             }
         }
         let gives = -self.approach(pair, line, &self.unit(pair, line));
         if gives < RIGID * free { 0.0 } else { scale }
     }
 
+    /// The sum of the absolute couplings of a side on a network with all sides on it.
+    fn couplings(&self, body: Body, side: Side, line: &Line, colliding: &[(Pair, Line)]) -> f64 {
+        let change = self.pushed(body, side, line.n);
+        let all = colliding.iter().flat_map(|(pair, other)| sides(pair, other).map(|side| (side, other.n)));
+        all.map(|(side, n)| self.along(body, side, n, &change).abs()).sum()
+    }
+
     /// N of a contact on one of its bodies.
     fn count(&self, body: Body, line: &Line, colliding: &[(Pair, Line)]) -> f64 {
         let weight = |other: &Line| match body {
             Body::Single(_) => line.n.dot(other.n).abs(),
-            Body::Capsule(_) | Body::Network(_) => 1.0,
+            _ => 1.0,
         };
         let all = colliding.iter().map(|(pair, other)| {
             let times = self.touched(pair, other).into_iter().filter(|&touched| touched == body).count();

@@ -250,8 +250,7 @@ impl Trial<'_> {
                     return;
                 }
                 let (states, report) = (simulation.spheres().expect("spheres are read back"), simulation.report());
-                let lengths_due = due || part != Part::Collisions && report.collisions > 0;
-                self.judge(&worlds, &Made { step, part, lengths_due, states: &states, report }, tally);
+                self.judge(&worlds, &Made { step, part, lengths_due: due, states: &states, report }, tally);
                 due = always_due || due && part == Part::Collisions;
             }
         }

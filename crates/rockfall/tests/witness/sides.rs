@@ -191,16 +191,24 @@ impl World {
         let shares = self.shares(side);
         let mut bodies: Vec<Body> = shares.iter().filter_map(|&(ball, _)| self.body[ball]).collect();
         bodies.dedup();
-        let through = |body: Body| {
-            let of_body = || shares.iter().filter(|&&(ball, _)| self.body[ball] == Some(body));
-            let mut change = Motion::none(self);
-            for &(ball, share) in of_body() {
-                change.v[ball] += share * self.balls[ball].w() * n;
-            }
-            self.project(&mut change);
-            of_body().map(|&(ball, share)| share * change.v[ball].dot(n)).sum()
-        };
+        let through = |body: Body| self.along(body, side, n, &self.pushed(body, side, n));
         bodies.into_iter().map(|body| (body, through(body))).collect()
+    }
+
+    /// Changes of a body that is not a capsule by a unit impulse along n on a side.
+    pub(crate) fn pushed(&self, body: Body, side: Side, n: DVec3) -> Motion {
+        let mut change = Motion::none(self);
+        for (ball, share) in self.shares(side).into_iter().filter(|&(ball, _)| self.body[ball] == Some(body)) {
+            change.v[ball] += share * self.balls[ball].w() * n;
+        }
+        self.project(&mut change);
+        change
+    }
+
+    /// The velocity along n that a side gets through a body that is not a capsule.
+    pub(crate) fn along(&self, body: Body, side: Side, n: DVec3, change: &Motion) -> f64 {
+        let own = self.shares(side).into_iter().filter(|&(ball, _)| self.body[ball] == Some(body));
+        own.map(|(ball, share)| share * change.v[ball].dot(n)).sum()
     }
 
     /// The bodies of both sides. A body on both sides appears twice.

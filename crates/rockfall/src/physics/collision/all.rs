@@ -30,6 +30,8 @@ pub(crate) struct Outcome {
     pub(crate) impulses: Vec<Impulse>,
     /// Sorted by sphere. Changes of one sphere are in the order in which they are summed.
     changes: Vec<Change>,
+    /// Whether the rods of a network could not be solved.
+    pub(crate) is_unsolved: bool,
 }
 
 impl Outcome {
@@ -60,6 +62,7 @@ pub(crate) fn solve(view: &View, lists: &Lists) -> Outcome {
     let mut outcome = Outcome {
         impulses: lone.iter().map(|lone| lone.impulse).collect(),
         changes: lone.iter().flat_map(|lone| lone.changes()).copied().collect(),
+        is_unsolved: false,
     };
     if lone.len() < collisions.len() {
         let touching = touching(&collisions);
@@ -69,6 +72,7 @@ pub(crate) fn solve(view: &View, lists: &Lists) -> Outcome {
         for cluster in solved {
             outcome.impulses.extend(cluster.impulses);
             outcome.changes.extend(cluster.changes);
+            outcome.is_unsolved |= cluster.is_unsolved;
         }
     }
     outcome.impulses.par_sort_unstable_by_key(|impulse| impulse.key);

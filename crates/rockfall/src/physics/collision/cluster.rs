@@ -4,9 +4,8 @@
 //! `j <- max(0, j + s ((1 + e) u - du) / Gt)`. Here u is the approach velocity before all impulses, and du is what all impulses
 //! together have taken from it.
 //!
-//! The scale Gt is so large that the matrix G of the effects of all impulses is at most diag(Gt). For this, the inverse
-//! mass through each body is multiplied by a number N. It counts the collisions on that body, each by how strongly it is
-//! coupled with this one (Gershgorin). The factors s of the sweeps follow from Chebyshev polynomials.
+//! The scale Gt is so large that the matrix G of the effects of all impulses is at most diag(Gt). For this, the couplings with
+//! the collisions on each body are added up (Gershgorin), or a bound of this sum. The factors s of the sweeps follow from Chebyshev polynomials.
 
 use glam::{DVec3, Vec3};
 
@@ -34,6 +33,8 @@ pub(super) struct Touching {
 pub(super) struct Outcome {
     pub(super) impulses: Vec<Impulse>,
     pub(super) changes: Vec<Change>,
+    /// Whether the rods of a network could not be solved.
+    pub(super) is_unsolved: bool,
 }
 
 /// A body, and its changes by the impulses.
@@ -110,6 +111,23 @@ impl Moved {
         self.push(part, n, 1.0);
         self.update();
         self.velocity(part, n)
+    }
+
+    /// A bound of the sum, over all collisions that touch the body, of their couplings with a collision of normal n. The collision
+    /// itself is included. The body has just computed the effect of its unit impulse, `inverse_mass`.
+    fn sum_of_couplings(&self, body: Body, n: Vec3, inverse_mass: f32, all: &[Collision], touching: &[Touching]) -> f32 {
+        let here = of_body(body, touching);
+        match self {
+            Self::Sphere { .. } => inverse_mass * here.map(|other| n.dot(all[other.collision].touch.normal).abs()).sum::<f32>(),
+            Self::Capsule { .. } => inverse_mass * here.count() as f32,
+            Self::Network { .. } => {
+                let mut others: Vec<usize> = here.map(|other| other.collision).collect();
+                others.dedup();
+                let sides =
+                    others.iter().flat_map(|other| all[*other].parts().iter().map(|part| (part, all[*other].touch.normal)));
+                sides.filter(|(part, _)| part.body == body).map(|(part, n)| self.velocity(part, n).abs()).sum()
+            }
+        }
     }
 
     fn changes(&self, changes: &mut Vec<Change>) {
@@ -198,8 +216,11 @@ pub(super) fn solve(view: &View, all: &[Collision], touching: &[Touching], membe
         update_bodies(&rows, &mut moved);
     }
     let of = |row: &Row| Impulse { key: row.collision.key(view), size: row.impulse, direction: row.collision.touch.normal };
-    let mut outcome = Outcome { impulses: rows.iter().map(of).collect(), changes: Vec::new() };
-    moved.iter().for_each(|body| body.changes(&mut outcome.changes));
+    let mut outcome = Outcome { impulses: rows.iter().map(of).collect(), changes: Vec::new(), is_unsolved: false };
+    for body in &moved {
+        body.changes(&mut outcome.changes);
+        outcome.is_unsolved |= matches!(body, Moved::Network { network, .. } if network.is_unsolved);
+    }
     outcome
 }
 
@@ -209,20 +230,10 @@ fn scale_of(row: &Row, moved: &mut [Moved], all: &[Collision], touching: &[Touch
     let (mut scale, mut total_inverse_mass) = (0.0, 0.0);
     for (part, place) in row.parts() {
         let inverse_mass = moved[place].inverse_mass(part, n);
-        scale += coupling_count(part.body, n, all, touching) * inverse_mass;
+        scale += moved[place].sum_of_couplings(part.body, n, inverse_mass, all, touching);
         total_inverse_mass += inverse_mass;
     }
     if total_inverse_mass < BLOCKED * row.collision.inverse_mass() { 0.0 } else { scale }
-}
-
-/// N of a body, for a collision of normal n: the sum of |n . n'| over the collisions on a sphere, or the number of
-/// collisions on another body. The collision itself is included.
-fn coupling_count(body: Body, n: Vec3, all: &[Collision], touching: &[Touching]) -> f32 {
-    let here = of_body(body, touching);
-    match body {
-        Body::Sphere(_) => here.map(|touching| n.dot(all[touching.collision].touch.normal).abs()).sum(),
-        Body::Capsule(_) | Body::Network(_) => here.count() as f32,
-    }
 }
 
 /// The collisions that touch a body.

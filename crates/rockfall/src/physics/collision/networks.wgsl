@@ -4,17 +4,19 @@
 // section 3.4). A workgroup solves (J W J^T) lambda = J W p by conjugate gradients. J holds the directions of the rods, W
 // the inverse masses, p the impulses, lambda the tensions of the rods.
 //
-// Each rod has four rows in `wrenches`. The first holds the direction, the second lambda, the residual, the search
+// Each direction is divided by the square root of the inverse masses of both ends, so that all diagonal elements of the matrix
+// are 1. Each rod has four rows in `wrenches`. The first holds the divided direction, the second lambda, the residual, the search
 // direction and the product of the matrix with the search direction. The other two are unused. Each sphere uses two rows in
 // `next`: the position row for the impulse or the sum of the rods' pulls, the velocity row for the resulting change of
 // velocity.
 //
 // Loops that are followed by a barrier have the same number of rounds for all threads (see run_steps.wgsl).
 
-// The iteration ends when the squared residual is at most this fraction of the first one, or after the largest number of
-// rounds.
+// The iteration ends when the squared residual is at most this fraction of the squared velocities of the rods' ends, or after
+// this number of rounds per rod. The step is rejected if the squared residual then exceeds the second fraction.
 const SOLVED: f32 = 1e-12;
-const MOST_ROUNDS: u32 = 64u;
+const UNSOLVED: f32 = 1e-6;
+const ROUNDS_PER_ROD: u32 = 16u;
 
 struct Network {
     spheres: u32,
@@ -55,7 +57,7 @@ fn total_of(local: u32, value: f32) -> f32 {
     return workgroupUniformLoad(&partial[0]);
 }
 
-// Stores the present directions of the rods.
+// Stores the present directions of the rods, divided as above.
 fn put_directions(network: Network, local: u32) {
     for (var first_place = 0u; first_place < network.rods; first_place += WORKGROUP) {
         let place = first_place + local;
@@ -64,7 +66,7 @@ fn put_directions(network: Network, local: u32) {
             let ends = rod_ends(rod);
             let d = state[position_at(ends.y)].xyz - state[position_at(ends.x)].xyz;
             let squared = dot(d, d);
-            let n = select(vec3f(0.0, 1.0, 0.0), d / sqrt(squared), squared > TINY);
+            let n = select(vec3f(0.0), d / sqrt(squared * (inverse_mass(ends.x) + inverse_mass(ends.y))), squared > TINY);
             wrenches[4u * rod] = vec4f(n, 0.0);
         }
     }
@@ -85,14 +87,25 @@ fn pull_of_rods(sphere: u32, of_lambda: bool) -> vec3f {
     return sum;
 }
 
-// The rate at which a rod would lengthen under the impulses or pulls in the position rows.
+// The change of velocity of a rod's end by the impulse or pull in its position row.
+fn pushed(end: u32) -> vec3f {
+    let w = inverse_mass(end);
+    return select(vec3f(0.0), w * next[position_at(end)].xyz, w > 0.0);
+}
+
+// The rate at which a rod would lengthen under the impulses or pulls in the position rows, divided like its direction.
 fn lengthening(rod: u32) -> f32 {
     let ends = rod_ends(rod);
-    let w1 = inverse_mass(ends.x);
-    let w2 = inverse_mass(ends.y);
-    let one = select(vec3f(0.0), w1 * next[position_at(ends.x)].xyz, w1 > 0.0);
-    let two = select(vec3f(0.0), w2 * next[position_at(ends.y)].xyz, w2 > 0.0);
-    return dot(two - one, wrenches[4u * rod].xyz);
+    return dot(pushed(ends.y) - pushed(ends.x), wrenches[4u * rod].xyz);
+}
+
+// The squared velocities of both ends of a rod, divided like the squared rate of lengthening.
+fn squared_velocities(rod: u32) -> f32 {
+    let ends = rod_ends(rod);
+    let n = wrenches[4u * rod].xyz;
+    let v1 = pushed(ends.x);
+    let v2 = pushed(ends.y);
+    return dot(n, n) * (dot(v1, v1) + dot(v2, v2));
 }
 
 // Reads the impulses on the spheres from the position rows, and writes the changes of velocity to the velocity rows. All
@@ -100,6 +113,7 @@ fn lengthening(rod: u32) -> f32 {
 fn project(network: Network, local: u32) {
     storageBarrier();
     var squares = 0.0;
+    var velocities = 0.0;
     for (var first_place = 0u; first_place < network.rods; first_place += WORKGROUP) {
         let place = first_place + local;
         if place < network.rods {
@@ -107,6 +121,7 @@ fn project(network: Network, local: u32) {
             let residual = lengthening(rod);
             wrenches[4u * rod + 1u] = vec4f(0.0, residual, residual, 0.0);
             squares += residual * residual;
+            velocities += squared_velocities(rod);
         }
     }
     // Moves the impulses to the velocity rows, because the search uses the position rows for its pulls.
@@ -118,10 +133,13 @@ fn project(network: Network, local: u32) {
             next[velocity_at(sphere)] = next[position_at(sphere)];
         }
     }
-    let first = total_of(local, squares);
-    var rest = first;
-    for (var round = 0u; (round < MOST_ROUNDS) & (rest > SOLVED * first); round++) {
+    let whole = total_of(local, velocities);
+    var rest = total_of(local, squares);
+    for (var round = 0u; (round < ROUNDS_PER_ROD * network.rods) & (rest > SOLVED * whole); round++) {
         rest = search(network, local, rest);
+    }
+    if (local == 0u) & (rest > UNSOLVED * whole) {
+        atomicOr(&status.rejected, REJECTED_NETWORKS);
     }
     storageBarrier();
     for (var first_place = 0u; first_place < network.spheres; first_place += WORKGROUP) {
@@ -181,6 +199,5 @@ fn search(network: Network, local: u32, squares: f32) -> f32 {
             wrenches[4u * rod + 1u] = row;
         }
     }
-    // 0 ends the iteration. It is returned when rounding errors prevent further progress.
-    return select(0.0, after, (whole > 0.0) & (after < 4.0 * squares));
+    return after;
 }

@@ -4,7 +4,8 @@
 //! On the CPU, this stage also computes the impulses. On a GPU it does so only where collisions are not listed.
 //!
 //! The new state of the spheres of all bodies that collide goes to `Y2`, because other spheres still read the old state. A
-//! sphere whose new state is not finite keeps its position, loses velocity and spin, and is reported.
+//! sphere whose new state is not finite keeps its position, loses velocity and spin, and is reported. The step is rejected if the
+//! impulses on a network of rods could not be solved.
 
 use rayon::prelude::*;
 
@@ -15,6 +16,7 @@ use crate::model::dispatch::Threads;
 use crate::model::lists::Lists;
 use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
+use crate::model::status::REJECTED_NETWORKS;
 use crate::model::step::Aabb;
 use crate::model::view::View;
 use crate::model::world::World;
@@ -57,6 +59,10 @@ fn apply_collisions(world: &mut World, _pass: u32) {
     let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, 0);
     let lists = Lists::new(&world.step, &world.lists);
     let outcome = solve(&view, &lists);
+    if outcome.is_unsolved {
+        world.status.rejected |= REJECTED_NETWORKS;
+        return;
+    }
     let taking_part = TakingPart::new(&view, &lists);
     let tally = Rows::of(y2, world.step.spheres)
         .map(|mut rows| {

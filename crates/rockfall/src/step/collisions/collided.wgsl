@@ -21,9 +21,6 @@ fn commit_change(i: u32) {
     if atomicLoad(&status.collides) == 0u {
         return;
     }
-    if i == 0u {
-        status.lengths_due = 1u;
-    }
     if takes_part {
         commit_next_state(i);
     }

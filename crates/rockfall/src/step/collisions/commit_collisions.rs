@@ -1,5 +1,5 @@
-//! Copies `Y2` to the state of the spheres whose bodies collided. Sets `collided` and `forces_due`, and
-//! also `lengths_due` if there were collisions. Does nothing in a rejected step, or when an earlier attempt at the step has done its collisions.
+//! Copies `Y2` to the state of the spheres whose bodies collided. Sets `collided` and `forces_due`. Does nothing in a rejected
+//! step, or when an earlier attempt at the step has done its collisions.
 
 use rayon::prelude::*;
 
@@ -42,7 +42,6 @@ fn commit_collisions(world: &mut World, _pass: u32) {
     if status.collides == 0 {
         return;
     }
-    status.lengths_due = 1;
     let lists = Lists::new(step, lists);
     let view = View::new(step, topology, start);
     let taking_part = TakingPart::new(&view, &lists);

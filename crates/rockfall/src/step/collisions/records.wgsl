@@ -13,7 +13,8 @@
 //     3      impulse after an even number of sweeps; impulse after an odd number of sweeps; 1 / weight;
 //            state: SHARED, SINGLE, or the time of contact of a lone collision, which is not negative
 //     4..8   until `weigh_collisions`: a row each for end 1 of A, end 2 of A, end 1 of B, end 2 of B, which holds what a
-//            network adds to the weight, and how many collisions touch that network. Only rods of free length use end 2.
+//            network adds to the weight, how many collisions touch that network, and the projected inverse mass. Only rods
+//            of free length use end 2.
 //     4..12  from then on: up to NEIGHBOURS neighbours, two per row: record number; coupling
 
 const ROWS: u32 = COLLISION_WORDS / 4u;
@@ -45,10 +46,10 @@ struct Record {
     b: f32,
 }
 
-// Returns, for this end of a record and the next one, what a network adds to the weight, and how many collisions touch that
-// network.
-fn network_weights(r: u32, end: u32) -> vec4f {
-    return bitcast<vec4f>(vec4u(collisions[row_at(r, 4u + end)].xy, collisions[row_at(r, 5u + end)].xy));
+// Returns what a network adds to the weight of a record at this end, how many collisions touch that network, and the projected
+// inverse mass.
+fn network_weight(r: u32, end: u32) -> vec3f {
+    return bitcast<vec4f>(collisions[row_at(r, 4u + end)]).xyz;
 }
 
 // Row 3 of a record.

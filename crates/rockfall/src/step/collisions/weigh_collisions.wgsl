@@ -64,8 +64,10 @@ fn add_row(k: Record, sphere: u32, row: u32, is_plain: bool, company: ptr<functi
 // What the bodies of a collision add to its weight. `weigh_bodies` calls `weight_of_end` in one place, for both ends of both sides:
 // software drivers compile a copy of a function for each call, and the contacts of a sphere take long to compile.
 struct Weight {
-    // The sum of N times the inverse mass over the bodies (docs/physics.md section 3.7).
+    // The scale of the impulse in the sweeps (docs/physics.md section 3.7).
     weight: f32,
+    // Projected, on networks.
+    inverse_mass: f32,
     is_undisturbed: bool,
     others: u32,
     // Whether a body is a network. The sweeps compute its changes of velocity.
@@ -73,15 +75,15 @@ struct Weight {
 }
 
 fn weigh_bodies(k: Record, r: u32) -> Weight {
-    var sum = Weight(0.0, true, 0u, false);
+    var sum = Weight(0.0, 0.0, true, 0u, false);
     for (var side = 0u; side < 2u; side++) {
         let half = side_of_record(k, side);
         // A sphere has one end, and both ends of a capsule have the same rows.
         let ends = select(u32(half.kind != STATIC), 2u, (half.kind == ROD) && !is_of_network(half));
-        let of_network = network_weights(r, 2u * side);
         for (var end = 0u; end < ends; end++) {
-            let one = weight_of_end(k, half, end, select(of_network.xy, of_network.zw, end == 1u));
+            let one = weight_of_end(k, half, end, network_weight(r, 2u * side + end));
             sum.weight += one.weight;
+            sum.inverse_mass += one.inverse_mass;
             sum.is_undisturbed &= one.is_undisturbed;
             sum.others += one.others;
             sum.is_swept |= one.is_swept;
@@ -94,8 +96,8 @@ fn is_of_network(rod: ContactSide) -> bool {
     return network_of_rod(rod.id - step.spheres) != NO_NETWORK;
 }
 
-// What one end of a side adds. `of_network` holds what its network adds to the weight, and how many collisions touch it.
-fn weight_of_end(k: Record, half: ContactSide, end: u32, of_network: vec2f) -> Weight {
+// What one end of a side adds. `of_network` is the `network_weight` of the end.
+fn weight_of_end(k: Record, half: ContactSide, end: u32, of_network: vec3f) -> Weight {
     let sphere = select(half.spheres.x, half.spheres.y, end == 1u);
     let w = inverse_mass(sphere);
     // The share of the impulse that the end gets.
@@ -108,22 +110,24 @@ fn weight_of_end(k: Record, half: ContactSide, end: u32, of_network: vec2f) -> W
     }
     if half.kind != CAPSULE {
         if w <= 0.0 {
-            return Weight(0.0, true, 0u, false);
+            return Weight(0.0, 0.0, true, 0u, false);
         }
         if network_of(sphere) != NO_NETWORK {
             return weight_of_network(of_network);
         }
     }
     let company = company_of(k, sphere);
-    var weight = company.weight * part * part * w;
+    var inverse_mass = part * part * w;
+    var weight = company.weight * inverse_mass;
     if half.kind == CAPSULE {
-        weight = f32(1u + company.others) * response(half, side_motion(half), k.n).y;
+        inverse_mass = response(half, side_motion(half), k.n).y;
+        weight = f32(1u + company.others) * inverse_mass;
     }
-    return Weight(weight, company.is_undisturbed, company.others, false);
+    return Weight(weight, inverse_mass, company.is_undisturbed, company.others, false);
 }
 
-fn weight_of_network(of_network: vec2f) -> Weight {
-    return Weight(of_network.x, false, u32(max(of_network.y, 1.0)) - 1u, true);
+fn weight_of_network(of_network: vec3f) -> Weight {
+    return Weight(of_network.x, of_network.z, false, u32(max(of_network.y, 1.0)) - 1u, true);
 }
 
 // Stores a collision whose impulse is known.
@@ -213,7 +217,7 @@ fn weigh(r: u32) {
     let a = side_of_record(k, 0u);
     let b = side_of_record(k, 1u);
     let unprojected = approach_of(a, b, side_motion(a), side_motion(b), k.n).inverse_mass;
-    let inverse = select(0.0, 1.0 / sum.weight, sum.weight > RIGID * unprojected);
+    let inverse = select(0.0, 1.0 / sum.weight, sum.inverse_mass > RIGID * unprojected);
     let is_only = sum.others == 0u;
     if !is_only | sum.is_swept {
         put_swept(r, inverse);

@@ -85,9 +85,8 @@ fn part_of(row: Row, at: f32, sphere: u32) -> f32 {
     return select(0.0, 1.0 - at, ends.x == sphere) + select(0.0, at, ends.y == sphere);
 }
 
-// Returns the projected inverse mass of the network for a collision of a row. The unit impulse of the collision goes to the
-// position rows of `next`, and `project` computes the changes of velocity.
-fn inverse_mass_of(network: Network, row: Row, r: u32, local: u32) -> f32 {
+// Computes the changes of velocity by a unit impulse of a collision of a row. The impulse goes to the position rows of `next`.
+fn push_unit(network: Network, row: Row, r: u32, local: u32) {
     let k = record_at(r);
     let at = select(k.b, k.a, k.a_id == row.id);
     for (var first_place = 0u; first_place < network.spheres; first_place += WORKGROUP) {
@@ -98,12 +97,43 @@ fn inverse_mass_of(network: Network, row: Row, r: u32, local: u32) -> f32 {
         }
     }
     project(network, local);
+}
+
+// The change of velocity, by the last unit impulse, of a collision of a row along its normal.
+fn coupling_with(row: Row, r: u32) -> f32 {
+    let k = record_at(r);
+    let at = select(k.b, k.a, k.a_id == row.id);
+    if row.id < step.spheres {
+        return dot(k.n, next[velocity_at(row.id)].xyz);
+    }
+    let ends = rod_ends(row.id - step.spheres);
     var sum = 0.0;
-    for (var first_place = 0u; first_place < network.spheres; first_place += WORKGROUP) {
-        let place = first_place + local;
-        if place < network.spheres {
-            let sphere = network_sphere(network, place);
-            sum += part_of(row, at, sphere) * dot(k.n, next[velocity_at(sphere)].xyz);
+    for (var end = 0u; end < 2u; end++) {
+        let sphere = select(ends.x, ends.y, end == 1u);
+        if inverse_mass(sphere) > 0.0 {
+            let part = part_of(row, at, sphere);
+            if part != 0.0 {
+                sum += part * dot(k.n, next[velocity_at(sphere)].xyz);
+            }
+        }
+    }
+    return sum;
+}
+
+// The sum of the absolute couplings with all collisions on the network, by the last unit impulse. Each thread takes every 64th
+// row, so the order of the sum is always the same.
+fn sum_of_couplings(network: Network, rows: u32, local: u32) -> f32 {
+    var sum = 0.0;
+    for (var at = local; at < rows; at += WORKGROUP) {
+        let row = network_row(network, at);
+        if has_collisions(row.id) {
+            let first = first_of(row.id);
+            for (var e = 0u; e < count_of(row.id); e++) {
+                let slot = slot_at(first, e);
+                if (entry_at(slot) & ENTRY_COLLIDES) != 0u {
+                    sum += abs(coupling_with(row, record_of(slot)));
+                }
+            }
         }
     }
     return total_of(local, sum);
@@ -138,6 +168,7 @@ fn weigh_networks(
         count += broadcast_first(local, collisions_in(row));
         rows += 1u;
     }
+    var weighed = 0u;
     for (var at = 0u; at < rows; at++) {
         let row = network_row(network, at);
         if broadcast_first(local, u32(has_collisions(row.id))) == 0u {
@@ -151,12 +182,17 @@ fn weigh_networks(
                 continue;
             }
             let r = broadcast_first(local, record_of(slot));
-            let inverse_mass = inverse_mass_of(network, row, r, local);
+            push_unit(network, row, r, local);
+            let weight = sum_of_couplings(network, rows, local);
             if local == 0u {
-                let times = f32(count);
-                let added = vec4f(times * inverse_mass, times, 0.0, 0.0);
+                let added = vec4f(weight, f32(count), coupling_with(row, r), 0.0);
                 collisions[row_at(r, 4u + end_of_record(row, r))] = bitcast<vec4u>(added);
+                weighed += 1u;
             }
         }
+    }
+    // Software Vulkan ends loops after 65,535 rounds of a shader.
+    if (local == 0u) & (weighed != count) {
+        atomicOr(&status.rejected, REJECTED_NETWORKS);
     }
 }

@@ -1,4 +1,4 @@
-//! Removes errors of rod lengths from before the integration, in positions only (docs/physics.md section 5.4).
+//! Removes errors of rod lengths from the scene or from an edit, in positions only (docs/physics.md section 5.4).
 //!
 //! Runs when `lengths_due` is set. The first pass of `rod_forces` clears it, so the correction is not made again when the
 //! step is repeated.
