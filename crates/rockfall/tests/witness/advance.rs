@@ -25,6 +25,19 @@ impl World {
 
     /// Phase 3: impulses of collisions, if `impulses` is set, and friction impulses.
     pub(crate) fn handle_collisions(&mut self, impulses: bool) -> Vec<Pressed> {
+        let accelerations = self.pulled_accelerations();
+        self.pulled = Some(accelerations.iter().map(|a| a.length()).collect());
+        // With symplectic Euler, velocities are half a step behind positions (docs/physics.md section 5.2).
+        let late = if self.set.integrator == Integrator::SymplecticEuler { 0.5 * self.dt } else { 0.0 };
+        let mut kick =
+            |world: &mut Self, time: f64| world.balls.iter_mut().zip(&accelerations).for_each(|(ball, a)| ball.v += time * *a);
+        kick(self, late);
+        let pressed = self.change_velocities(impulses);
+        kick(self, -late);
+        pressed
+    }
+
+    fn change_velocities(&mut self, impulses: bool) -> Vec<Pressed> {
         let mut pressed = if impulses { self.collide() } else { self.find() };
         if !impulses {
             for contact in &mut pressed {

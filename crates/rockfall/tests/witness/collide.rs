@@ -1,5 +1,6 @@
 //! Collisions: which contacts collide, lone collisions, and clusters (docs/physics.md section 3).
 
+use rockfall::Integrator;
 use rockfall::glam::DVec3;
 
 use crate::geometry::{Line, Pair, Thing};
@@ -42,7 +43,15 @@ impl World {
 
     /// The approach velocity above which a pair collides.
     pub(crate) fn threshold(&self, pair: &Pair) -> f64 {
-        (self.set.threshold * self.least_radius(pair)).max(2.0 * self.set.gravity.length() * self.dt)
+        let now = || self.pulled_accelerations().iter().map(|a| a.length()).collect();
+        let sizes: Vec<f64> = self.pulled.clone().unwrap_or_else(now);
+        let of = |thing: Thing| match thing {
+            Thing::Ball(ball) => sizes[ball],
+            Thing::Bar(bar) => self.bars[bar].ends.map(|end| sizes[end]).into_iter().fold(0.0, f64::max),
+            Thing::Block(_) | Thing::Face(_) => 0.0,
+        };
+        let steps = if self.set.integrator == Integrator::SymplecticEuler { 4.0 } else { 2.0 };
+        (self.set.threshold * self.least_radius(pair)).max(steps * of(pair.a).max(of(pair.b)) * self.dt)
     }
 
     /// Finds the pressed contacts, and which of them collide (docs/physics.md section 3.1) and are lone (section 3.5).

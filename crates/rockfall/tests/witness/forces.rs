@@ -4,7 +4,7 @@ use rockfall::glam::DVec3;
 
 use crate::geometry::{Line, Pair, Thing};
 use crate::sides::{Motion, Side, sides};
-use crate::world::{Anchor, Body, Mistake, Pull, World};
+use crate::world::{Anchor, Ball, Body, Mistake, Pull, World};
 
 /// A slip of at most this fraction of its operands is a rounding error.
 const ROUNDED: f64 = 5e-7;
@@ -133,6 +133,13 @@ impl World {
             pull.stiffness * ((1.0 - tight) * s.length_squared() + tight * s.dot(d).powi(2) / d.length_squared())
         };
         self.pulls.iter().map(of_pull).sum()
+    }
+
+    /// Acceleration of every sphere by everything except contacts and damping.
+    pub(crate) fn pulled_accelerations(&self) -> Vec<DVec3> {
+        let forces = self.pull_forces();
+        let of = |(ball, force): (&Ball, DVec3)| if ball.fixed { DVec3::ZERO } else { self.set.gravity + force / ball.mass };
+        self.balls.iter().zip(forces).map(of).collect()
     }
 
     /// Accelerations by everything except contacts. Both ends of a capsule have that of its centre (docs/physics.md

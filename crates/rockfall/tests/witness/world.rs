@@ -217,6 +217,8 @@ pub(crate) struct World {
     pub(crate) slack: f64,
     /// Whether something occurred that the specification does not define.
     pub(crate) lost: bool,
+    /// Sizes of the accelerations of spheres by everything but contacts and damping, at the start of the last phase 3.
+    pub(crate) pulled: Option<Vec<f64>>,
 }
 
 fn wide(v: Vec3) -> DVec3 {
@@ -273,6 +275,7 @@ impl World {
             mistake: None,
             slack: 0.0,
             lost: false,
+            pulled: None,
         };
         world.find_bodies();
         world
