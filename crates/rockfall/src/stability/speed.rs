@@ -44,7 +44,7 @@ impl fmt::Display for Tunnelling {
             Thin::Sphere => write!(f, "other spheres: the limit is the sum of the two smallest radii, {depth}")?,
             Thin::Rod => write!(f, "rods: the limit is the thinnest rod's radius plus the smallest sphere's, {depth}")?,
             Thin::Box(index) => {
-                write!(f, "box number {index}: the limit is half its thickness plus the smallest radius, {depth}")?
+                write!(f, "box number {index}: the limit is half its thickness plus the smallest radius, {depth}")?;
             }
             Thin::Polygon => write!(f, "polygons: the limit is the smallest radius, {depth}")?,
         }
