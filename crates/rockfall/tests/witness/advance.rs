@@ -29,7 +29,7 @@ impl World {
         self.pulled = Some(accelerations.iter().map(|a| a.length()).collect());
         // With symplectic Euler, velocities are half a step behind positions (docs/physics.md section 5.2).
         let late = if self.set.integrator == Integrator::SymplecticEuler { 0.5 * self.dt } else { 0.0 };
-        let mut kick =
+        let kick =
             |world: &mut Self, time: f64| world.balls.iter_mut().zip(&accelerations).for_each(|(ball, a)| ball.v += time * *a);
         kick(self, late);
         let pressed = self.change_velocities(impulses);
