@@ -91,6 +91,9 @@ fn stages(kind: Kind, precision: Precision, integrator: Integrator) -> Vec<Stage
     world.set_integrator(integrator);
     world.step.dt = 2e-3;
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
+    if kind != Kind::Collisions {
+        world.set_history_pool(256);
+    }
     world.step.collision_room = 1024;
     world.step.sweeps = SWEEPS_ON;
     let step = world.step;

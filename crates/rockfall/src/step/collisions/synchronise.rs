@@ -35,7 +35,9 @@ fn synchronise(world: &mut World, _pass: u32) {
         View::new(&world.step, &world.topology, &world.states[0]).at_evaluation(&world.status, 0).with_laws(&world.user_laws);
     let (n, dt) = (world.step.spheres as usize, world.step.dt);
     let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
-    let of = |sphere: u32| if view.is_fixed(sphere) { Vec3::ZERO } else { free_acceleration(&view, sphere) };
+    // A body whose forces are not finite is stopped by the integration.
+    let finite = |a: Vec3| if a.is_finite() { a } else { Vec3::ZERO };
+    let of = |sphere: u32| if view.is_fixed(sphere) { Vec3::ZERO } else { finite(free_acceleration(&view, sphere)) };
     let accelerations: Vec<Vec3> = spheres.map(of).collect();
     if world.step.free_at != 0 {
         let table = &mut world.topology[world.step.free_at as usize..][..n];

@@ -20,6 +20,10 @@ fn synchronise(
     if velocity.w > 0.0 {
         rates.acceleration = free_acceleration(i);
         add_user(i, &rates);
+        // A body whose forces are not finite is stopped by the integration.
+        if !finite(rates.acceleration) {
+            rates.acceleration = vec3f(0.0);
+        }
     }
     if FREE_TABLE {
         topology[step.free_at + i] = bitcast<u32>(length(rates.acceleration));
