@@ -65,6 +65,9 @@ fn check_topology(world: &World) -> Result<()> {
     }
     let contact_laws = world.user_laws.contact_values_at(step.materials * step.materials);
     slice(world, step.laws_at, contact_laws.into(), "the parameters of laws")?;
+    if step.free_at != 0 {
+        slice(world, step.free_at, u64::from(step.spheres), "free accelerations")?;
+    }
     if step.adjacency_at != 0 {
         check_adjacency(world)?;
     }
