@@ -56,8 +56,8 @@ fn json_is_one_object_with_all_keys() {
     let object: Value = serde_json::from_str(&out).unwrap();
     let mut keys: Vec<&str> = object.as_object().unwrap().keys().map(String::as_str).collect();
     keys.sort_unstable();
-    let expected = "backend broad_phase collisions comments contacts device dt energy_end energy_start integrator max_overlap \
-                    max_overlap_radii non_finite objects replays scene seconds settings steps steps_per_second substeps time";
+    let expected = "backend broad_phase collisions comments contacts device dt energy_end energy_growth_without_cause energy_start \
+                    integrator max_overlap max_overlap_radii non_finite objects precision replays scene seconds settings steps steps_per_second substeps time";
     assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
     assert_eq!(object["scene"], "scene.txt");
     assert_eq!(object["backend"], "cpu");
@@ -317,18 +317,19 @@ fn check_warns_of_suspicious_lines_and_of_stiff_springs_and_contacts() {
     assert_eq!(lines[0], "scene.txt: 2 spheres, 1 spring, 1 comment");
     assert_eq!(lines[1], "set friction 7");
     assert!(lines[2].starts_with("warning: scene.txt:4: taken for a comment"), "{out}");
+    assert_eq!(lines[3], "precision single");
     // dt² (12000 + 12000) <= 8.
     assert!(
-        lines[3].contains("the spring from sphere 1 to sphere 2, with all others at its ends, is too stiff")
-            && lines[3].contains("it is unstable")
-            && lines[3].ends_with("0.0182 s"),
+        lines[4].contains("the spring from sphere 1 to sphere 2, with all others at its ends, is too stiff")
+            && lines[4].contains("it is unstable")
+            && lines[4].ends_with("0.0182 s"),
         "{out}"
     );
-    assert_eq!(lines[4], "rockfall run --substeps 2 makes the time step short enough for springs and contacts");
-    assert_eq!(lines[5], "suggestion: --dt 0.0182 (s)");
-    assert_eq!(lines[6], "no overlaps at the start");
-    assert!(lines[7].starts_with("note: scene.txt: sphere 1 will fall for ever"), "{out}");
-    assert_eq!(lines.len(), 8, "{out}");
+    assert_eq!(lines[5], "rockfall run --substeps 2 makes the time step short enough for springs and contacts");
+    assert_eq!(lines[6], "suggestion: --dt 0.0182 (s)");
+    assert_eq!(lines[7], "no overlaps at the start");
+    assert!(lines[8].starts_with("note: scene.txt: sphere 1 will fall for ever"), "{out}");
+    assert_eq!(lines.len(), 9, "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.0182", 0);
     assert!(out.contains("stable at a time step of 0.0182 s (rk4)"), "{out}");
     let (out, _) = rockfall.run("check scene.txt --dt 0.0182 --integrator symplectic-euler", 0);

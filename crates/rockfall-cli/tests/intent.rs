@@ -50,7 +50,7 @@ fn pairs_without_friction_and_moving_surfaces_are_reported() {
 /// A stiff spring makes the energy explode. The last line names the cause, JSON has the growth, and `--strict` fails.
 #[test]
 fn an_explosion_is_a_failure_with_strict() {
-    let text = "set gravity 0\nS 1 0 0 0 0 0 0 0 0 0 1 0.1\nS 2 1.2 0 0 0 0 0 0 0 0 1 0.1\nK 1 2 30000 1 0\n";
+    let text = "set gravity 0\nS 1 0 0 0 0 0 0 0 0 0 1 0.1\nS 2 1.2 0 0 0 0 0 0 0 0 1 0.1\nK 1 2 12000 1 0\n";
     let rockfall = Rockfall::with(text);
     let (_, err) = rockfall.run("run scene.txt --backend cpu --steps 40", 0);
     let last = err.lines().last().unwrap_or_default();
