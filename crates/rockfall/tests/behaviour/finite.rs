@@ -121,7 +121,9 @@ fn rods_whose_corrections_overflow_keep_finite_states(backend: Backend) {
         let mut simulation = simulation(scene, backend);
         for step in 1_u8..4 {
             // An end may be reported as non-finite.
-            let _ = simulation.step(DT);
+            if let Err(error) = simulation.step(DT) {
+                assert!(matches!(error, Error::NonFinite { .. }), "length {length:e}, step {step}: {error}");
+            }
             for (index, state) in simulation.spheres().expect("states").iter().enumerate() {
                 let finite = state.position.is_finite() && state.velocity.is_finite() && state.angular_momentum.is_finite();
                 assert!(finite, "length {length:e}, step {step}, sphere {index}: {state:?}");

@@ -25,8 +25,7 @@ impl World {
 
     /// Phase 3: impulses of collisions, if `impulses` is set, and friction impulses.
     pub(crate) fn handle_collisions(&mut self, impulses: bool) -> Vec<Pressed> {
-        let accelerations = self.pulled_accelerations();
-        self.pulled = Some(accelerations.iter().map(|a| a.length()).collect());
+        let accelerations = self.note_pulled();
         // With symplectic Euler, velocities are half a step behind positions (docs/physics.md section 5.2).
         let late = if self.set.integrator == Integrator::SymplecticEuler { 0.5 * self.dt } else { 0.0 };
         let kick =
@@ -35,6 +34,13 @@ impl World {
         let pressed = self.change_velocities(impulses);
         kick(self, -late);
         pressed
+    }
+
+    /// Notes the sizes of the accelerations by everything but contacts and damping, which thresholds use until the next phase 3.
+    pub(crate) fn note_pulled(&mut self) -> Vec<DVec3> {
+        let accelerations = self.pulled_accelerations();
+        self.pulled = Some(accelerations.iter().map(|a| a.length()).collect());
+        accelerations
     }
 
     fn change_velocities(&mut self, impulses: bool) -> Vec<Pressed> {

@@ -246,6 +246,11 @@ impl Trial<'_> {
             let parts: &[Part] = if by_phases { &[Part::Collisions, Part::Positions] } else { &[Part::Step] };
             for &part in parts {
                 load(&mut worlds, &mut simulation);
+                if part != Part::Positions {
+                    for world in &mut worlds {
+                        world.note_pulled();
+                    }
+                }
                 if engine(&mut simulation, part, dt).is_err() {
                     return;
                 }
