@@ -169,7 +169,7 @@ fn check_warns_where_positions_are_coarser_than_overlaps_at_rest() {
         Rockfall::with(&text).run("check scene.txt --integrator symplectic-euler --dt 1e-7", 0).0
     };
     let out = check(10.0, "set precision single\n");
-    let expected = "positions are too coarse: 11 units from the origin, f32 resolves 9.54e-7 units, too much for the overlap of \
+    let expected = "positions are too coarse: 10 units from the origin, f32 resolves 9.54e-7 units, too much for the overlap of \
                     3.47e-8 units of sphere 1 at rest on one like it, under its own weight alone (contact law hertz-mindlin)";
     assert!(out.contains(expected) && out.contains(", or set precision double"), "{out}");
     assert!(!check(10.0, "set precision double\n").contains("coarse"));

@@ -3,8 +3,6 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use crate::scene::Scene;
-
 /// `Result` with the library's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -147,19 +145,8 @@ pub enum Error {
     },
 }
 
-impl Error {
-    /// The message, with the name that the scene text has for the sphere of [`Error::NonFinite`].
-    pub fn describe(&self, scene: &Scene) -> String {
-        match self {
-            Self::NonFinite { sphere, step, stage } if *sphere < scene.spheres().len() => {
-                non_finite(&scene.name_of_sphere(*sphere), *step, *stage)
-            }
-            error => error.to_string(),
-        }
-    }
-}
-
-fn non_finite(sphere: &str, step: u64, stage: BadStage) -> String {
+/// The message of [`Error::NonFinite`].
+pub(crate) fn non_finite(sphere: &str, step: u64, stage: BadStage) -> String {
     format!(
         "{sphere} stopped being finite in step {step} ({stage}); a spring or the contact force may be too stiff for the time step, \
          see `rockfall check`"

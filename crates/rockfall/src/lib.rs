@@ -107,11 +107,11 @@ pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time, short_number};
 pub use scene::{
-    BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId, Muscle,
-    Pair, Polygon, PolygonId, Rod, RodId, RollingModel, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
+    Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId,
+    Muscle, Pair, Polygon, PolygonId, Rod, RodId, RollingModel, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, Precision, Settings};
-pub use simulation::{Body, Contact, ContactAction, ContactSprings, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
+pub use simulation::{Contact, ContactAction, ContactSprings, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
 pub use user_laws::{ContactForceLaw, ContactInput, ContactResponse, ForceInput, ForceLaw, ForceLoad, Impact, PairParameter};
 #[cfg(feature = "gpu")]
 pub use wgpu;

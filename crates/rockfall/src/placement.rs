@@ -4,13 +4,12 @@ use std::fmt;
 
 use rayon::prelude::*;
 
-use crate::error::Result;
+use crate::error::{Error, Result, non_finite};
 use crate::model::muscles::MuscleClock;
 use crate::physics::touch::touch;
 use crate::report::short_number;
-use crate::scene::{Scene, SphereId};
+use crate::scene::{Body, Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator};
-use crate::simulation::Body;
 use crate::simulation::observe::{body, smaller_radius};
 use crate::simulation::observed::{observe, view_and_lists};
 use crate::user_laws::set::UserLaws;
@@ -141,6 +140,18 @@ impl Scene {
             Body::Rod(id) => format!("rod number {}", place(self.rods.index(id))),
             Body::Box(id) => format!("box number {}", place(self.boxes.index(id))),
             Body::Polygon(id) => format!("polygon number {}", place(self.polygons.index(id))),
+        }
+    }
+}
+
+impl Error {
+    /// The message, with the name that the scene text has for the sphere of [`Error::NonFinite`].
+    pub fn describe(&self, scene: &Scene) -> String {
+        match self {
+            Self::NonFinite { sphere, step, stage } if *sphere < scene.spheres().len() => {
+                non_finite(&scene.name_of_sphere(*sphere), *step, *stage)
+            }
+            error => error.to_string(),
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::settings::Settings;
 
 mod any;
+mod body;
 mod bonded;
 mod checks;
 mod contact_law;
@@ -20,6 +21,7 @@ mod text;
 mod write;
 
 pub(crate) use any::AnyId;
+pub use body::Body;
 pub use bonded::BondedSets;
 pub(crate) use checks::finite;
 pub(crate) use contact_law::{Dampings, TANGENTIAL_RATIO};

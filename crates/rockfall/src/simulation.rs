@@ -57,7 +57,7 @@ use engine::Engine;
 use flight::Portioning;
 use interval::Interval;
 use lookahead::Lookahead;
-pub use observe::{Body, Contact, ContactAction, MaxOverlap, SphereDiagnostics};
+pub use observe::{Contact, ContactAction, MaxOverlap, SphereDiagnostics};
 use order::Disorder;
 pub use ray::RayHit;
 

@@ -2,9 +2,8 @@
 
 use crate::error::{Error, Result, quoted};
 use crate::scene::restitution::damping_for;
-use crate::scene::{CohesionModel, Material, RollingModel, Scene};
+use crate::scene::{Body, CohesionModel, Material, RollingModel, Scene};
 use crate::settings::{ContactLaw, Integrator, Settings};
-use crate::simulation::Body;
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
 pub(crate) const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;

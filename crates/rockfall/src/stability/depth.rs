@@ -144,7 +144,7 @@ impl Scene {
         let needed = gravity / (DEEP * smallest);
         let sets = self.sets_at_rest();
         // Where bodies carry others, the constants for a body alone are not enough.
-        let [load, radius] = if crowd == Crowd::Many { self.load_of_loose(&sets) } else { [1.0, smallest] };
+        let [load, radius] = if crowd == Crowd::Many { self.load_of_loose(&sets, true) } else { [1.0, smallest] };
         let (overlap, radius, load, needed) = if load > 1.0 && is_deep(2.0 * load * alone, radius) {
             (2.0 * load * alone, radius, load, needed.max(2.0 * SAFETY * load * gravity / (DEEP * radius)))
         } else if is_deep(alone, smallest) && !self.is_hung(&sets) {
@@ -168,7 +168,7 @@ impl Scene {
     /// carry, at the present contact force. The sign is that of the present gravity.
     pub fn gentle_gravity(&self) -> f32 {
         let gravity = self.settings.gravity;
-        let [load, radius] = self.load_of_loose(&self.sets_at_rest());
+        let [load, radius] = self.load_of_loose(&self.sets_at_rest(), false);
         // Contacts do not carry equal shares, as in `resolved_settings`, and bodies that still settle press deeper. The deepest
         // overlaps in piles and hoppers of 100 to 5,000 spheres after 20 s were 1 to 6 times the estimate without the factor.
         let largest = DEEP * radius * f64::from(self.settings.contact_force) / (2.0 * GENTLE * load);
@@ -189,10 +189,10 @@ impl Scene {
 
     /// The load and the radius of the body with the largest ratio of the two, among the bodies that nothing holds; a load of 1
     /// if they are too few for a pile.
-    fn load_of_loose(&self, sets: &BondedSets) -> [f64; 2] {
+    fn load_of_loose(&self, sets: &BondedSets, spreads: bool) -> [f64; 2] {
         let loose: Vec<&Sphere> =
             self.spheres().iter().enumerate().filter(|(index, _)| !sets.is_held(*index)).map(|(_, sphere)| sphere).collect();
-        let Some(carried) = self.pile_load(&loose) else {
+        let Some(carried) = self.pile_load(&loose, spreads) else {
             return [1.0, loose.iter().map(|sphere| f64::from(sphere.radius)).fold(f64::INFINITY, f64::min)];
         };
         let loads = loose.iter().map(|sphere| {
@@ -203,8 +203,8 @@ impl Scene {
     }
 
     /// What a body of a pile of these spheres carries, as in `carried`; `None` if they are too few for a pile.
-    pub(super) fn pile_load(&self, loose: &[&Sphere]) -> Option<impl Fn(f64, f64) -> f64 + use<>> {
-        (loose.len() >= PILE).then(|| self.carried(loose, true))
+    pub(super) fn pile_load(&self, loose: &[&Sphere], spreads: bool) -> Option<impl Fn(f64, f64) -> f64 + use<>> {
+        (loose.len() >= PILE).then(|| self.carried(loose, spreads))
     }
 
     /// The largest l G / r of all moving spheres and rods, where l is the mass that the body carries divided by its own mass.

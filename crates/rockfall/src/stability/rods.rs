@@ -3,9 +3,9 @@
 
 use glam::DVec3;
 
+use crate::scene::Body;
 use crate::scene::{BondedSets, RodId, Scene, SphereId};
 use crate::settings::Integrator;
-use crate::simulation::Body;
 use crate::stability::{nearest, rounded_down};
 
 /// Largest difference between the length of a rod and the distance of its ends that causes no warning, as a share of the larger

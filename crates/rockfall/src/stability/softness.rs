@@ -56,7 +56,7 @@ impl Scene {
         let sets = self.sets_at_rest();
         let loose: Vec<&Sphere> =
             self.spheres().iter().enumerate().filter(|(index, _)| !sets.is_held(*index)).map(|(_, sphere)| sphere).collect();
-        let carried = self.pile_load(&loose);
+        let carried = self.pile_load(&loose, true);
         let found = loose.iter().filter_map(|sphere| {
             let [mass, radius] = [sphere.mass, sphere.radius].map(f64::from);
             let load = carried.as_ref().map_or(1.0, |carried| carried(mass, radius) / mass);
