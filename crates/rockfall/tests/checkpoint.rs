@@ -139,15 +139,24 @@ fn small() -> Vec<u8> {
     without_lows(checkpoint.to_bytes())
 }
 
+/// The numbers of objects, as a file has them.
+fn counts_of(checkpoint: &Checkpoint) -> Vec<u8> {
+    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons, .. } = checkpoint.scene.counts();
+    [spheres, rods, capsules, springs, tethers, boxes, polygons].map(|count| (count as u64).to_le_bytes()).concat()
+}
+
+/// The place after the numbers of objects in the bytes of a checkpoint.
+fn after_counts(checkpoint: &Checkpoint, bytes: &[u8]) -> usize {
+    let counts = counts_of(checkpoint);
+    bytes.windows(counts.len()).position(|window| window == counts).expect("the counts are in the file") + counts.len()
+}
+
 /// The bytes of a checkpoint without materials, pairs, laws, springs of contacts and rates, and without the low parts of positions, which
 /// files of versions before 7 do not have.
 fn without_lows(mut bytes: Vec<u8>) -> Vec<u8> {
     let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
-    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons, .. } = checkpoint.scene.counts();
-    let counts =
-        [spheres, rods, capsules, springs, tethers, boxes, polygons].map(|count| (count as u64).to_le_bytes()).concat();
-    let place = bytes.windows(counts.len()).position(|window| window == counts).expect("the counts are in the file");
-    let at = place + counts.len() + 32;
+    let spheres = checkpoint.scene.spheres().len();
+    let at = after_counts(&checkpoint, &bytes) + 32;
     let lows = u64::from_le_bytes(bytes[at..at + 8].try_into().expect("8 bytes")) as usize;
     assert!(lows == 0 || lows == spheres, "{lows}");
     bytes.splice(at..at + 8 + 12 * lows, [0; 8]);
@@ -263,8 +272,7 @@ fn older(bytes: Vec<u8>, version: u8, springs: usize) -> Vec<u8> {
     };
     let clock = [&0.0_f64.to_le_bytes()[..], &DT.to_le_bytes(), &checkpoint.report.steps.to_le_bytes()].concat();
     remove(&clock, 0);
-    let Counts { spheres, rods, capsules, springs: all, tethers, boxes, polygons, .. } = checkpoint.scene.counts();
-    let counts = [spheres, rods, capsules, all, tethers, boxes, polygons].map(|count| (count as u64).to_le_bytes()).concat();
+    let counts = counts_of(&checkpoint);
     // No materials, no pairs, no force laws, no contact law (32 bits each), no springs of contacts, no rates and no low parts of
     // positions (64 bits each).
     remove(&[counts.clone(), vec![0; 40]].concat(), counts.len());
@@ -292,16 +300,12 @@ fn with_version(mut bytes: Vec<u8>, version: u8) -> Vec<u8> {
 fn checkpoints_of_versions_5_and_6_are_read() {
     let mut bytes = small();
     let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
-    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons, .. } = checkpoint.scene.counts();
-    let counts =
-        [spheres, rods, capsules, springs, tethers, boxes, polygons].map(|count| (count as u64).to_le_bytes()).concat();
-    let place = bytes.windows(counts.len()).position(|window| window == counts).expect("the counts are in the file");
+    let start = after_counts(&checkpoint, &bytes);
     // After no materials, no pairs, no force laws, no contact law, no springs of contacts and no rates.
-    let at = place + counts.len() + 32;
-    bytes.drain(at..at + 8);
+    bytes.drain(start + 32..start + 40);
     let sixth = with_version(bytes.clone(), 6);
     // After no materials, no pairs and no force laws.
-    bytes.drain(place + counts.len() + 12..place + counts.len() + 16);
+    bytes.drain(start + 12..start + 16);
     for bytes in [with_version(bytes, 5), sixth] {
         let old = Checkpoint::from_bytes(&bytes, "file.ckpt").expect("a checkpoint of an earlier version");
         assert_eq!(old.scene.spheres(), checkpoint.scene.spheres());
