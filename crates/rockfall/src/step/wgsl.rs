@@ -65,6 +65,7 @@ const SHARED: &[Part] = &[
     part!("model/put_rates.wgsl"),
     part!("model/rates.wgsl"),
     part!("model/stage_states.wgsl"),
+    part!("model/state_rows.wgsl"),
     part!("model/step.wgsl"),
     Part { file: "model/step_block.wgsl", text: Step::WGSL },
     part!("model/two_states.wgsl"),
