@@ -61,6 +61,7 @@ fn causes(simulation: &Simulation, before: &Energy) -> String {
 }
 
 /// Warns of overlaps and of growing energy.
+#[cfg(feature = "view")]
 pub(crate) fn warn(name: &str, simulation: &mut Simulation, before: Option<&Energy>) -> Result<(), Failure> {
     warn_of_overlaps(name, simulation)?;
     if let Some(Growth { message, .. }) = grown(name, simulation, before)? {

@@ -7,7 +7,6 @@ use crate::error::Result;
 use crate::exec::cpu;
 use crate::model::status::Status;
 use crate::model::world::World;
-#[cfg(feature = "gpu")]
 use crate::options::{Backend, BackendInfo, Options};
 use crate::profile::Recorder;
 use crate::step::fused::small_positions::{stages_before, update_positions};

@@ -33,6 +33,7 @@ impl World {
         kick(self, late);
         let pressed = self.change_velocities(impulses);
         kick(self, -late);
+        self.apply_friction_impulses(&pressed);
         pressed
     }
 
@@ -50,7 +51,6 @@ impl World {
                 (contact.collides, contact.lone) = (false, false);
             }
         }
-        self.apply_friction_impulses(&pressed);
         pressed
     }
 

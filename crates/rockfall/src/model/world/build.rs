@@ -1,6 +1,6 @@
 //! Packs a scene into the arrays of a [`World`].
 
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
 use crate::error::Result;
 use crate::fine::Fine;
@@ -227,7 +227,7 @@ impl World {
         for (id, force) in packed.iter().zip(forces) {
             // Skips spheres that have been removed since.
             if let Ok(sphere) = scene.spheres.get_mut(*id) {
-                sphere.force = Vec3::from_array([force[0], force[1], force[2]].map(f32::from_bits));
+                sphere.force = glam::Vec3::from_array([force[0], force[1], force[2]].map(f32::from_bits));
             }
         }
     }

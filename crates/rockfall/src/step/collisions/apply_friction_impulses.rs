@@ -45,7 +45,7 @@ fn apply_friction_impulses(world: &mut World, _pass: u32) {
         return;
     }
     let [start, y2, ..] = &mut world.states;
-    let view = View::new(&world.step, &world.topology, start).in_collisions();
+    let view = View::new(&world.step, &world.topology, start);
     let lists = Lists::new(&world.step, &world.lists);
     let friction = FrictionImpulses::new(&view, &lists, &world.impulses);
     let tally = Rows::of(y2, world.step.spheres)
@@ -55,7 +55,7 @@ fn apply_friction_impulses(world: &mut World, _pass: u32) {
                 let before = Motion::of(&view, sphere);
                 let after =
                     friction.rubbed(sphere).or_stopped(&before, BadStage::Collisions, view.insertion_index(sphere), &mut tally);
-                rows.set_after_collisions(&view, sphere, after);
+                rows.set(&view, sphere, after);
             }
             tally
         })

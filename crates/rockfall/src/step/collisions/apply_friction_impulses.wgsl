@@ -1,4 +1,4 @@
-// requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/collision_state.wgsl model/step.wgsl
+// requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl
 // requires physics/collision.wgsl physics/contact.wgsl physics/friction_impulses.wgsl step/collisions/rows.wgsl
 // requires physics/motion.wgsl
 
@@ -142,7 +142,7 @@ fn apply_friction_impulses(
         after = stopped(state[position_at(i)].xyz, low_row(i), 0u, i);
     }
     next[position_at(i)] = vec4f(after.position, state[position_at(i)].w);
-    next[step.spheres + i] = own_velocity_after(i, vec4f(after.velocity, inverse_mass(i)));
+    next[velocity_at(i)] = vec4f(after.velocity, inverse_mass(i));
     next[momentum_at(i)] = vec4f(after.momentum, state[momentum_at(i)].w);
     next[low_at(i)] = vec4f(after.low, 0.0);
 }
