@@ -75,7 +75,8 @@ fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: LoadedEntry) -> 
         found = touch_static_or_rod(i, id, own);
         their_side = other_side(id, found.b);
     }
-    if (found.overlap <= 0.0) | (side.inverse_mass + their_side.inverse_mass <= 0.0) {
+    // A position far outside of the range of f32 makes the overlap no number. That is no contact either.
+    if !(found.overlap > 0.0) | (side.inverse_mass + their_side.inverse_mass <= 0.0) {
         return no_push();
     }
     let contact = contact_force(side, their_side, found, i, id);
