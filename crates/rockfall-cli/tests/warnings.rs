@@ -175,8 +175,12 @@ fn check_warns_where_positions_are_coarser_than_overlaps_at_rest() {
     assert!(!check(10.0, "set precision double\n").contains("coarse"));
     assert!(!check(0.2, "set precision single\n").contains("coarse"));
     // By default it is chosen.
-    let chosen = "precision double, because f32 resolves 9.54e-7 units at 11 units from the origin, and an overlap at rest is";
-    let out = check(10.0, "");
+    let chosen = "precision double, because grains creep where rounding moves the springs of this contact law";
+    let out = check(0.2, "");
+    assert!(out.contains(chosen) && !out.contains("coarse"), "{out}");
+    let text = "set contact_force 1e7\nB 100 -1 -1 2 0 0 0 1 0 0 0 2\nS 1 101 0.1 0 0 0 0 0 0 0 1 0.1\n";
+    let out = Rockfall::with(text).run("check scene.txt", 0).0;
+    let chosen = "precision double, because f32 resolves 7.63e-6 units at 102 units from the origin, and an overlap at rest is 1e-7 units";
     assert!(out.contains(chosen) && !out.contains("coarse"), "{out}");
 }
 

@@ -92,8 +92,8 @@ pub enum PrecisionReason {
         /// Whether that length is an overlap at rest.
         is_overlap: bool,
     },
-    /// Without gravity, the overlaps of a contact law with history are as small as impacts are slow.
-    NoGravity,
+    /// The contact law has a history: springs that are shortened where a contact slides.
+    History,
 }
 
 impl fmt::Display for ChosenPrecision {
@@ -101,8 +101,8 @@ impl fmt::Display for ChosenPrecision {
         write!(f, "{}", self.precision)?;
         match self.reason {
             None => Ok(()),
-            Some(PrecisionReason::NoGravity) => {
-                f.write_str(", because without gravity the overlaps of this contact law are as small as impacts are slow")
+            Some(PrecisionReason::History) => {
+                f.write_str(", because grains creep where rounding moves the springs of this contact law")
             }
             Some(PrecisionReason::Coarse { distance, resolution, length, is_overlap }) => {
                 let [distance, resolution, length] = [distance, resolution, length].map(nearest);
@@ -117,9 +117,9 @@ impl fmt::Display for ChosenPrecision {
 }
 
 impl Scene {
-    /// The precision of the settings. For [`Precision::Auto`] it is chosen: [`Precision::Double`] where the distance between neighbouring
-    /// f32 numbers at the largest coordinate of the scene exceeds 0.1 % of the radius or 5 % of the overlap at rest of a moving sphere
-    /// (as in [`Scene::coarse`], with smaller bounds), and for contact laws with history without gravity.
+    /// The precision of the settings. For [`Precision::Auto`] it is chosen: [`Precision::Double`] for contact laws with history, and where
+    /// the distance between neighbouring f32 numbers at the largest coordinate of the scene exceeds 0.1 % of the radius or 5 % of the
+    /// overlap at rest of a moving sphere (as in [`Scene::coarse`], with smaller bounds).
     pub fn chosen_precision(&self) -> ChosenPrecision {
         if self.settings.precision != Precision::Auto {
             return ChosenPrecision { precision: self.settings.precision, reason: None };
@@ -130,6 +130,9 @@ impl Scene {
     }
 
     fn needs_double(&self) -> Option<PrecisionReason> {
+        if self.settings.contact_law.has_history() {
+            return Some(PrecisionReason::History);
+        }
         let corners =
             self.boxes().iter().flat_map(|cuboid| [cuboid.corner, cuboid.corner + cuboid.edges.into_iter().sum::<Vec3>()]);
         let faces = self.polygons().iter().flat_map(|face| [face.corner, face.corner + face.left + face.right]);
@@ -147,7 +150,7 @@ impl Scene {
             return Some(reason);
         }
         if self.settings.gravity == 0.0 {
-            return self.settings.contact_law.has_history().then_some(PrecisionReason::NoGravity);
+            return None;
         }
         let overlaps = movers().filter_map(|sphere| self.overlap_alone(sphere, &self.settings));
         too_coarse(overlaps.min_by(f64::total_cmp)?, true)

@@ -117,7 +117,7 @@ static MISTAKES: &[Mistake] = &[
         0,
         "contact.wgsl",
         "collision_velocity(radius, a, b)) >= 0.0",
-        "collision_velocity(radius)) >= 9.0",
+        "collision_velocity(radius, a, b)) >= 9.0",
         Buffer::Y2,
     ),
     Mistake("find_collisions", 0, "find_collisions.wgsl", "e += WORKGROUP", "e += 2u * WORKGROUP", Buffer::Lists),

@@ -156,8 +156,8 @@ fn differs(one: &[f64], other: &[f64], tolerance: f64) -> Option<String> {
     both.find(|(_, (a, b))| !is_near(**a, **b)).map(|(at, (a, b))| format!("{at}: {a} and {b}, {tolerance:e}"))
 }
 
-/// The first difference of each buffer.
-fn differences(cpu: &World, gpu: &World) -> Vec<(Buffer, String)> {
+/// The first difference of each buffer. `place` is the relative error of positions.
+fn differences(cpu: &World, gpu: &World, place: f64) -> Vec<(Buffer, String)> {
     let wide = |numbers: &[f32]| numbers.iter().copied().map(f64::from).collect::<Vec<f64>>();
     let flat = |rows: &[glam::Vec4]| rows.iter().flat_map(|row| row.to_array()).map(f64::from).collect::<Vec<f64>>();
     let bounds = |world: &World| world.aabbs.iter().flat_map(|aabb| [aabb.min, aabb.max].concat()).map(f64::from).collect();
@@ -168,8 +168,7 @@ fn differences(cpu: &World, gpu: &World) -> Vec<(Buffer, String)> {
     };
     let n = cpu.step.spheres as usize;
     for (state, buffer) in [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4].into_iter().enumerate() {
-        // A displacement in a step is about 0.002 and has an error of 1e-10.
-        compare(buffer, centres(cpu, state), centres(gpu, state), 1e-12);
+        compare(buffer, centres(cpu, state), centres(gpu, state), place);
         for region in [1, 2] {
             let rows = |world: &World| flat(&world.states[state][region * n..(region + 1) * n]);
             compare(buffer, rows(cpu), rows(gpu), 1e-5);
@@ -184,13 +183,19 @@ fn differences(cpu: &World, gpu: &World) -> Vec<(Buffer, String)> {
     found
 }
 
+/// Relative error of positions after these stages. A displacement in a step is about 0.002 and has an error of 1e-10. The ends of a
+/// capsule turn about its centre, which is 0.5 away, with an error of 6e-8.
+fn place_error(runs: &[Run]) -> f64 {
+    if runs[0].stage.name == "turn" { 1e-11 } else { 1e-12 }
+}
+
 #[test]
 fn backends_agree_on_every_stage_with_double_precision() {
     let mut all = Vec::new();
     for (number, (runs, before)) in STAGES.iter().enumerate() {
         let mut cpu = before.clone();
         runs.iter().for_each(|run| run.on_cpu(&mut cpu));
-        let found = differences(&cpu, &on_gpu(&GPU, before, runs));
+        let found = differences(&cpu, &on_gpu(&GPU, before, runs), place_error(runs));
         if !found.is_empty() {
             all.push(format!("{number}: {} pass {}: {found:?}", runs[0].stage.name, runs[0].pass));
         }
@@ -250,7 +255,7 @@ fn kernels_with_a_mistake_in_low_parts_are_rejected() {
         let is_rejected = STAGES.iter().filter(is_meant).any(|(runs, before)| {
             let mut cpu = before.clone();
             runs.iter().for_each(|run| run.on_cpu(&mut cpu));
-            let found = differences(&cpu, &on_gpu(&GPU, before, &with_mistake(runs, mistake, &mut made)));
+            let found = differences(&cpu, &on_gpu(&GPU, before, &with_mistake(runs, mistake, &mut made)), place_error(runs));
             found.iter().any(|(place, _)| place == buffer)
         });
         assert!(is_rejected, "{stage} accepts {wrong}");
