@@ -1,6 +1,7 @@
 //! Acceleration of every sphere by everything but contacts and damping, a, before the collisions (docs/physics.md sections 3.1 and
 //! 5.2). The size of a goes to the table [`Step::free_at`](crate::model::step::Step::free_at), which thresholds use. With symplectic
-//! Euler, v + dt/2 a goes to the fifth region of `Start`: it is the velocity at the time of the positions.
+//! Euler, v + dt/2 a goes to the fifth region of `Start`: it is the velocity at the time of the positions. Does nothing when an earlier
+//! attempt at the step has done its collisions: thresholds are those of the start of phase 3.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -28,7 +29,7 @@ pub(crate) const STAGE: Stage = Stage {
 };
 
 fn synchronise(world: &mut World, _pass: u32) {
-    if world.status.rejected != 0 {
+    if world.status.rejected != 0 || world.status.collided != 0 {
         return;
     }
     let view =

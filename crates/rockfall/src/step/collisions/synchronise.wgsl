@@ -12,7 +12,7 @@ fn synchronise(
     @builtin(local_invocation_index) local: u32,
 ) {
     let i = wide_thread(group, groups, local);
-    if (i >= step.spheres) | (status.rejected != 0u) {
+    if (i >= step.spheres) | (status.rejected != 0u) | (status.collided != 0u) {
         return;
     }
     let velocity = state[velocity_at(i)];
