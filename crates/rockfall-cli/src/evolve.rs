@@ -23,7 +23,8 @@ muscles evolve together: every generation is made from the best creatures of eac
 side for --seconds. What counts begins when the creatures have come to stand: after a fifth of the time, at most 2 s.
 
 Creatures that explode, fall once or go downhill do not count. A creature that would become the champion is audited: it must keep \
-70 % of its fitness at half the time step, and its energy must come from its muscles. docs/creatures.md gives the rules.
+70 % of its fitness at half and at a quarter of the time step and with starts that are disturbed by 0.0001 units, and its energy must \
+come from its muscles. docs/creatures.md gives the rules.
 
 The same seed gives the same champion on the same device. --checkpoint is written after every generation, and --resume goes on \
 from it up to --generations in all, with the same result as without a stop. Ctrl-C leaves out the generation under way, writes \

@@ -17,7 +17,11 @@ fn centre(csv: &str) -> [f64; 2] {
 fn the_champion_is_a_scene_that_walks_as_far_as_it_says() {
     let rockfall = Rockfall::with("");
     let (out, _) = rockfall.run(&format!("evolve {SMALL} --generations 3 --out walker.txt --history h.csv --gallery kinds"), 0);
-    assert!(out.contains("champion     distance") && out.contains("audit"), "{out}");
+    assert!(out.contains("champion     distance") && out.contains("energy       work"), "{out}");
+    let audit = out.lines().find_map(|line| line.strip_prefix("audit ")).unwrap();
+    let numbers: Vec<f64> = audit.split(' ').filter_map(|word| word.parse().ok()).collect();
+    let fitness: f64 = out.split("champion     distance ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(numbers.len() == 3 && numbers.iter().all(|number| *number > 0.69 * fitness), "{out}");
     let scene = rockfall.read("walker.txt");
     let words: Vec<&str> = scene.lines().nth(1).unwrap().split_whitespace().collect();
     let after = |word: &str| words[words.iter().position(|found| *found == word).unwrap() + 1];

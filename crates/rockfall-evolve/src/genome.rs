@@ -1,5 +1,7 @@
 //! The genotype: body and controller of a creature.
 
+use rand::{RngExt as _, SeedableRng as _};
+use rand_pcg::Pcg64;
 use rockfall::glam::Vec3;
 use rockfall::{Muscle, Result, Scene, Sphere, SphereId, Spring, Worlds};
 use serde::{Deserialize, Serialize};
@@ -18,6 +20,9 @@ const DAMPING: f32 = 8.0;
 pub(crate) const REACH: f32 = 1.75 * SPACING;
 /// Smallest distance between two nodes, in units.
 pub(crate) const LEAST_DISTANCE: f32 = 2.2 * RADIUS;
+/// Greatest offset of a sphere along an axis in a disturbed start, in units. It is less than a tenth of the depth to which a sphere at
+/// rest sinks into level ground.
+pub(crate) const DISTURBANCE: f32 = 1e-4;
 /// Least and greatest number of nodes. With the greatest number of springs, they fit into a workgroup of a GPU, on a ground of up to
 /// 44 boxes.
 pub(crate) const NODES: std::ops::RangeInclusive<usize> = 4..=Worlds::BODY_SPHERES;
@@ -131,13 +136,26 @@ impl Genome {
     /// # Errors
     /// Those of the scene, for a ground that is too large. Every genome that variation gives is a valid creature.
     pub fn scene(&self, ground: &Ground) -> Result<Scene> {
+        self.scene_with(ground, || Vec3::ZERO)
+    }
+
+    /// The same scene with a disturbed start: each sphere is up to [`DISTURBANCE`] away from its place along each axis, and not
+    /// lower. The springs keep their rest lengths. The seed determines the offsets.
+    pub(crate) fn disturbed_scene(&self, ground: &Ground, seed: u64) -> Result<Scene> {
+        let mut random = Pcg64::seed_from_u64(seed);
+        let mut draw = |least: f32| random.random_range(least..=DISTURBANCE);
+        self.scene_with(ground, || Vec3::new(draw(-DISTURBANCE), draw(0.0), draw(-DISTURBANCE)))
+    }
+
+    /// A scene with the creature on a ground. Each sphere is moved by an offset.
+    fn scene_with(&self, ground: &Ground, mut offset: impl FnMut() -> Vec3) -> Result<Scene> {
         let mut scene = ground.scene();
         let [least, greatest] = self.bounds();
         let middle = 0.5 * (least + greatest);
         let shift = Vec3::new(-middle.x, RADIUS - least.y, -middle.z);
         let mut ids: Vec<SphereId> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
-            ids.push(scene.add_sphere(Sphere::new(node.place() + shift, RADIUS).mass(MASS))?);
+            ids.push(scene.add_sphere(Sphere::new(node.place() + shift + offset(), RADIUS).mass(MASS))?);
         }
         for bond in self.bonds() {
             let [a, b] = bond.ends.map(|end| ids[end]);
@@ -217,6 +235,22 @@ pub(crate) mod tests {
         let scene = cube.scene(&Ground::level(10.0).unwrap()).unwrap();
         assert_eq!((scene.spheres().len(), scene.springs().len(), scene.boxes().len()), (8, 28, 1));
         assert!(scene.spheres().iter().all(|sphere| sphere.position.y >= RADIUS));
+    }
+
+    #[test]
+    fn a_disturbed_start_moves_every_sphere_a_little_and_keeps_the_springs() {
+        let ground = Ground::level(10.0).unwrap();
+        let (plain, disturbed) = (cube().scene(&ground).unwrap(), cube().disturbed_scene(&ground, 1).unwrap());
+        for (before, after) in plain.spheres().iter().zip(disturbed.spheres()) {
+            let offset = after.position - before.position;
+            // Positions are rounded to f32.
+            assert!(offset.abs().max_element() <= 1.01 * DISTURBANCE && offset.y >= 0.0, "{offset}");
+            assert!(offset.length() > 0.01 * DISTURBANCE, "{offset}");
+        }
+        let lengths = |scene: &Scene| scene.springs().iter().map(|spring| spring.length).collect::<Vec<_>>();
+        assert_eq!(lengths(&plain), lengths(&disturbed));
+        assert_eq!(disturbed.to_text(), cube().disturbed_scene(&ground, 1).unwrap().to_text());
+        assert_ne!(disturbed.to_text(), cube().disturbed_scene(&ground, 2).unwrap().to_text());
     }
 
     #[test]

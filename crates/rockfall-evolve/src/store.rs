@@ -11,7 +11,7 @@ use crate::evolution::{Champion, Evolution, Generation, Plan};
 use crate::trial::Trial;
 
 /// Version of the format.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// What a file begins with, for people.
 const KIND: &str = "rockfall evolution";
 

@@ -61,7 +61,17 @@ impl Trial {
     /// # Errors
     /// As for [`Worlds::new`].
     pub fn run(&self, genomes: &[Genome], should_stop: &dyn Fn() -> bool) -> Result<Option<Vec<Outcome>>> {
-        let scenes: Vec<_> = genomes.par_iter().map(|genome| genome.scene(&self.ground)).collect::<Result<_>>()?;
+        let scenes = genomes.par_iter().map(|genome| genome.scene(&self.ground)).collect::<Result<_>>()?;
+        self.run_scenes(genomes, scenes, should_stop)
+    }
+
+    /// As [`Trial::run`], from the starts in these scenes: one for each creature.
+    pub(crate) fn run_scenes(
+        &self,
+        genomes: &[Genome],
+        scenes: Vec<Scene>,
+        should_stop: &dyn Fn() -> bool,
+    ) -> Result<Option<Vec<Outcome>>> {
         let mut worlds = self.open(scenes)?;
         let bonds: Vec<Vec<Bond>> = genomes.par_iter().map(Genome::bonds).collect();
         let mut watches = vec![Watch::default(); genomes.len()];

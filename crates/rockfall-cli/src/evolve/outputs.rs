@@ -157,12 +157,13 @@ pub(super) fn summary(evolution: &Evolution, arguments: &Arguments, seconds: f64
     let _ = writeln!(text, "body         {} masses, length {length:.2}, {:.2} Hz", genome.nodes.len(), genome.frequency);
     let _ = writeln!(
         text,
-        "audit        {:.3} {} at half the time step; work of the muscles {:.1}, energy from elsewhere {:.3}",
+        "audit        {:.3} {unit} at half the time step, {:.3} {unit} at a quarter, {:.3} {unit} with disturbed starts",
         found.fitness_at_half_step,
-        plan.goal.unit(),
-        found.work,
-        found.excess
+        found.fitness_at_quarter_step,
+        found.fitness_when_disturbed,
+        unit = plan.goal.unit()
     );
+    let _ = writeln!(text, "energy       work of the muscles {:.1}, energy from elsewhere {:.3}", found.work, found.excess);
     let name = arguments.out.display().to_string();
     let _ = writeln!(text, "written      {name}: {}", run_command(evolution, &name));
     text
