@@ -66,6 +66,7 @@ fn assert_agreement(tally: &Tally, collisions: usize) {
     println!("{tally}");
     let shown: String = tally.failures.iter().take(3).cloned().collect();
     assert!(tally.failures.is_empty(), "{} differences\n{shown}", tally.failures.len());
+    assert!(tally.close <= 1 + tally.compared / 5_000, "too many steps exceed the tolerance: {tally}");
     assert!(tally.undecided * 100 < tally.compared, "too many steps are undecided: {tally}");
     assert!(tally.collisions > collisions && 20 * tally.lone > collisions, "too few collisions: {tally}");
 }
