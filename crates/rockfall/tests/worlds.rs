@@ -230,6 +230,7 @@ fn is_controlled_as_a_simulation(options: Options) {
         .map(|state| {
             let mut state = *state;
             state.position += Vec3::Y;
+            state.position_low = Vec3::ZERO;
             state
         })
         .collect();

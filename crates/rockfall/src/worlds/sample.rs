@@ -62,13 +62,14 @@ impl Sample<'_> {
 
 /// A state with the rows that the device has. Fixed spheres have only turned.
 #[cfg(feature = "gpu")]
-fn on_device(state: SphereState, [position, velocity, momentum, orientation]: [glam::Vec4; 4]) -> SphereState {
+fn on_device(state: SphereState, [position, velocity, momentum, low, orientation]: [glam::Vec4; 5]) -> SphereState {
     let orientation = glam::Quat::from_vec4(orientation);
     if state.fixed {
         return SphereState { orientation, ..state };
     }
     SphereState {
         position: position.truncate(),
+        position_low: low.truncate(),
         velocity: velocity.truncate(),
         angular_momentum: momentum.truncate(),
         orientation,

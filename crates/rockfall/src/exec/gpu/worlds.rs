@@ -340,10 +340,10 @@ impl States<'_> {
         self.results[slot]
     }
 
-    /// Position, velocity, angular momentum and orientation of a sphere of a world.
-    pub(crate) fn sphere(&self, slot: usize, sphere: usize) -> [Vec4; 4] {
+    /// Position, velocity, angular momentum, low part of the position and orientation of a sphere of a world.
+    pub(crate) fn sphere(&self, slot: usize, sphere: usize) -> [Vec4; 5] {
         let row = |region: usize| Vec4::from_array(self.starts[(4 * slot + region) * self.spheres + sphere]);
-        [row(0), row(1), row(2), Vec4::from_array(self.turns[slot * self.spheres + sphere])]
+        [row(0), row(1), row(2), row(3), Vec4::from_array(self.turns[slot * self.spheres + sphere])]
     }
 
     /// Copies the state of a world into a host's world of as many spheres.
