@@ -141,13 +141,14 @@ fn rods_in_chunks_give_bitwise_identical_results() {
         let mut scene = with_rods();
         scene.settings.collisions = false;
         let options = Options::new().integrator(integrator).broad_phase(BroadPhase::Grid);
-        let mut chunked = in_chunks(3328, scene.clone(), options.clone());
+        let mut chunked = in_chunks(4096, scene.clone(), options.clone());
         let mut whole = whole(scene, options);
         for simulation in [&mut chunked, &mut whole] {
             let report = simulation.run(12, 0.01).expect("steps");
             assert!(report.contacts > 20, "{report:?}");
         }
-        let small = [Buffer::Orientations, Buffer::Rates, Buffer::DispatchSizes, Buffer::Histories, Buffer::Status];
+        let small =
+            [Buffer::Extents, Buffer::Orientations, Buffer::Rates, Buffer::DispatchSizes, Buffer::Histories, Buffer::Status];
         assert_split_except(&chunked, &small);
         assert_bitwise_identical(&Run::of(&mut chunked), &Run::of(&mut whole));
     }
@@ -187,16 +188,16 @@ fn edits_and_reads_go_through_all_chunks() {
 fn a_view_returns_the_chunks() {
     let simulation = in_chunks(2304, without_rods(), Options::new());
     let view = simulation.gpu_view().expect("the GPU backend");
-    // 150 spheres of 48 bytes.
+    // 150 spheres of 64 bytes.
     let sizes: Vec<u64> = view.chunks(Buffer::Start).iter().map(|chunk| chunk.size()).collect();
-    assert_eq!(sizes, [2304, 2304, 2304, 150 * 48 - 3 * 2304]);
+    assert_eq!(sizes, [2304, 2304, 2304, 2304, 150 * 64 - 4 * 2304]);
     assert!(view.buffer(Buffer::Status).is_ok());
     let refused = view.buffer(Buffer::Start);
     assert!(
-        matches!(&refused, Err(Error::Device(text)) if text.contains("the state") && text.contains("4 buffers")),
+        matches!(&refused, Err(Error::Device(text)) if text.contains("the state") && text.contains("5 buffers")),
         "{refused:?}"
     );
     let sizes = view.buffer_sizes();
     let state = sizes.iter().find(|size| size.name == "the state").expect("the state must be listed");
-    assert_eq!(state.bytes, 150 * 48);
+    assert_eq!(state.bytes, 150 * 64);
 }

@@ -80,7 +80,12 @@ impl Sphere {
 
     /// The centre, in units: the sum of `position` and `position_low`.
     pub fn centre(&self) -> [f64; 3] {
-        (self.position.as_dvec3() + self.position_low.as_dvec3()).to_array()
+        // A low part of 0 keeps the sign of -0.
+        let sum = |axis: usize| match self.position_low[axis] {
+            0.0 => f64::from(self.position[axis]),
+            low => f64::from(self.position[axis]) + f64::from(low),
+        };
+        [0, 1, 2].map(sum)
     }
 
     pub(crate) fn set_centre(&mut self, centre: [f64; 3]) {

@@ -56,9 +56,13 @@ fn turn(world: &mut World, _pass: u32) {
     }
     let World { step, topology, states: [state, _, memory, _], orientations, .. } = world;
     let n = step.spheres as usize;
-    for sphere in 0..step.spheres {
+    // Before any end moves: far from the origin the ends of a capsule may coincide afterwards.
+    let view = View::new(step, topology, state);
+    let ends_of = |sphere: u32| view.capsule_of(sphere).map(|rod| view.rod(rod).ends);
+    let capsules: Vec<Option<[u32; 2]>> = (0..step.spheres).map(ends_of).collect();
+    for (sphere, ends) in (0..step.spheres).zip(capsules) {
         let view = View::new(step, topology, state);
-        match view.capsule_of(sphere).map(|rod| view.rod(rod).ends) {
+        match ends {
             // The first end handles both.
             Some(ends) if ends[0] == sphere => {
                 let old = memory[ends[1] as usize].truncate() - memory[ends[0] as usize].truncate();

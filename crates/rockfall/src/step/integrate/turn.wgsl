@@ -17,9 +17,9 @@ fn shortest_rotation(old: vec3f, new_: vec3f) -> vec4f {
     return vec4f(normalize(cross(old, across)), 0.0);
 }
 
-// The rod of the rigid capsule that has the sphere as an end, or NONE. The rod has a fixed length and is the only rod of
-// both ends. Neither end is fixed, and the ends do not coincide.
-fn free_capsule(sphere: u32) -> u32 {
+// The rod of a fixed length that is the only rod of both its ends, of which the sphere is one, or NONE. Neither end is fixed. It is a
+// rigid capsule if the ends do not coincide.
+fn free_rod(sphere: u32) -> u32 {
     let rod = capsule_rod(sphere);
     if rod == NONE {
         return NONE;
@@ -31,8 +31,11 @@ fn free_capsule(sphere: u32) -> u32 {
     if (inverse_mass(ends.x) <= 0.0) | (inverse_mass(ends.y) <= 0.0) {
         return NONE;
     }
-    let d = between(ends.x, ends.y);
-    return select(NONE, rod, dot(d, d) > TINY);
+    return rod;
+}
+
+fn turn_sphere(i: u32) {
+    turn_by(i, rotation(y3[momentum_at(i)].xyz));
 }
 
 // Gives both ends of a capsule a common spin (docs/physics.md section 5.5, E18). Across the axis it is the angular velocity
@@ -110,10 +113,21 @@ fn turn(
     if (i >= step.spheres) | (status.rejected != 0u) {
         return;
     }
-    let rod = free_capsule(i);
+    let rod = free_rod(i);
     if rod == NONE {
-        turn_by(i, rotation(y3[momentum_at(i)].xyz));
-    } else if rod_ends(rod).x == i {
-        turn_capsule(rod_ends(rod));
+        turn_sphere(i);
+        return;
+    }
+    // The thread of the first end handles both, because it moves them.
+    let ends = rod_ends(rod);
+    if ends.x != i {
+        return;
+    }
+    let d = between(ends.x, ends.y);
+    if dot(d, d) > TINY {
+        turn_capsule(ends);
+    } else {
+        turn_sphere(ends.x);
+        turn_sphere(ends.y);
     }
 }
