@@ -153,9 +153,9 @@ pub(super) fn nearest_face(cuboid: &BoxRecord, t: Vec3) -> (Vec3, f32) {
 }
 
 /// Returns a power of two near 1 / |v| (docs/physics.md section 2.3). Products of vectors that are multiplied by it neither overflow nor underflow, and are
-/// rounded as without it.
+/// rounded as without it. 0 for a vector that is not finite.
 pub(crate) fn scale(v: Vec3) -> f32 {
-    f32::from_bits((254 - (v.abs().max_element().to_bits() >> 23)) << 23)
+    f32::from_bits(254_u32.saturating_sub(v.abs().max_element().to_bits() >> 23) << 23)
 }
 
 /// The face of a polygon.

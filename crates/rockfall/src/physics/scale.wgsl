@@ -2,5 +2,5 @@
 // without it.
 fn scale_of(v: vec3f) -> f32 {
     let size = max(max(abs(v.x), abs(v.y)), abs(v.z));
-    return bitcast<f32>((254u - (bitcast<u32>(size) >> 23u)) << 23u);
+    return bitcast<f32>((254u - min(bitcast<u32>(size) >> 23u, 254u)) << 23u);
 }

@@ -23,6 +23,14 @@ pub(crate) struct Spring {
     pub(crate) moment: Vec3,
 }
 
+impl Spring {
+    /// The spring, or that of a new contact if it exceeds the range of f32.
+    fn in_range(self) -> Self {
+        let Self { shift, overlap, moment } = self;
+        if shift.is_finite() && overlap.is_finite() && moment.is_finite() { self } else { Self::default() }
+    }
+}
+
 /// Result of a law.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LawForce {
@@ -91,7 +99,7 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
         loads.torque_b -= found.torque;
         moment = found.kept;
     }
-    LawForce { loads, spring: Spring { shift, overlap: depth, moment }, slips }
+    LawForce { loads, spring: Spring { shift, overlap: depth, moment }.in_range(), slips }
 }
 
 /// The displacement of the last step in the present tangent plane. It keeps its length, but it shrinks with

@@ -103,5 +103,10 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: S
         result.moment = found.torque;
         result.spring.moment = found.kept;
     }
+    let kept = result.spring;
+    if !(finite(kept.shift) & finite(vec3f(kept.overlap)) & finite(kept.moment)) {
+        // As for a new contact.
+        result.spring = Spring(vec3f(0.0), 0.0, vec3f(0.0));
+    }
     return result;
 }
