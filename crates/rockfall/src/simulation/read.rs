@@ -121,6 +121,7 @@ impl Simulation {
 
     /// Energies and momenta of the current state. The energy of a spring is that at its present rest length. With symplectic Euler
     /// and collisions, the kinetic energy is that of the velocities at the time of the positions (docs/physics.md section 5.2).
+    /// They depend on the time step: before the first step, [`Simulation::set_time_step`] gives it.
     ///
     /// # Errors
     /// As for [`Simulation::sync`].
