@@ -4,7 +4,7 @@
 mod common;
 
 use rockfall::glam::DVec3;
-use rockfall::{Backend, Integrator, Options, Precision, Scene, Simulation};
+use rockfall::{Backend, ContactAction, Cuboid, Integrator, Options, Precision, Scene, Simulation, Sphere};
 
 const INTEGRATORS: [Integrator; 3] = [Integrator::Rk4, Integrator::SymplecticEuler, Integrator::VelocityVerlet];
 
@@ -109,6 +109,35 @@ fn a_heavy_ball_rests_on_a_light_one(backend: Backend) {
     }
 }
 
+/// The impulse that is reported before a step is the change of momentum in it. With symplectic Euler, 12.37 was reported and 14.15
+/// applied.
+fn reported_impulses_are_applied(backend: Backend) {
+    const GRAVITY: f32 = 100.0;
+    const STEP: f32 = 0.01;
+    for integrator in INTEGRATORS {
+        let mut scene = Scene::new();
+        (scene.settings.gravity, scene.settings.restitution) = (GRAVITY, 0.5);
+        scene.add_box(Cuboid::between([-1.0, -1.0, -1.0], [1.0, 0.0, 1.0])).expect("a box");
+        scene.add_sphere(Sphere::new([0.0, 0.21, 0.0], 0.1).mass(2.0)).expect("a ball");
+        let mut simulation = opened(scene, backend, integrator);
+        simulation.set_time_step(STEP).expect("a time step");
+        let momentum = |simulation: &mut Simulation| simulation.energy().expect("energies").momentum.y;
+        let impact = (0..10).find_map(|_| {
+            let before = momentum(&mut simulation);
+            let action = simulation.contacts().expect("contacts").first().map(|contact| contact.action);
+            simulation.step(STEP).expect("a step");
+            let applied = momentum(&mut simulation) - before + f64::from(2.0 * GRAVITY * STEP);
+            match action {
+                // On the box, so the ball gets the opposite.
+                Some(ContactAction::Impulse(impulse)) => Some((f64::from(-impulse.y), applied)),
+                _ => None,
+            }
+        });
+        let (reported, applied) = impact.expect("an impact");
+        assert!((reported / applied - 1.0).abs() < 1e-4, "{integrator}: {reported} reported, {applied} applied");
+    }
+}
+
 both_in_turn! {
     slow_bodies_move,
     a_chain_of_steel_beads_keeps_its_energy,
@@ -116,4 +145,5 @@ both_in_turn! {
     springs_with_elastic_collisions_keep_their_energy,
     a_pressed_ball_rests_on_its_floor,
     a_heavy_ball_rests_on_a_light_one,
+    reported_impulses_are_applied,
 }
