@@ -198,6 +198,8 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     options.pair_capacity = arguments.capacity;
     let precision = scene.chosen_precision().to_string();
     let mut simulation = Simulation::with_options(scene, options)?;
+    // Energies and contacts at the start depend on it.
+    simulation.set_time_step(past.part())?;
     past.set_before(&simulation.energy()?);
     outputs.begin(&mut simulation, &past)?;
     Ok(Run { simulation, outputs, past, precision })

@@ -92,6 +92,7 @@ fn keep_books(genome: &Genome, trial: &Trial) -> Result<Books> {
     let options = trial.options.clone().backend(Backend::Cpu);
     let mut simulation = Simulation::with_options(genome.scene(&trial.ground)?, options)?;
     let mut books = Books { work: 0.0, throughput: 0.0, excess: 0.0 };
+    simulation.set_time_step(trial.dt)?;
     let start = simulation.energy()?.total();
     let mut before = tensions(&mut simulation)?;
     for _ in 0..trial.steps() {

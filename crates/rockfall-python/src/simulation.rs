@@ -245,6 +245,11 @@ impl Simulation {
         self.locked(py, |running| running.simulation.time_step())
     }
 
+    /// Sets the time step that observations before the next step assume.
+    fn set_time_step(&self, py: Python<'_>, dt: f32) -> PyResult<()> {
+        self.locked(py, |running| running.simulation.set_time_step(dt).or_raise())
+    }
+
     fn memory_version(&self, py: Python<'_>) -> u64 {
         self.locked(py, |running| running.simulation.memory_version())
     }

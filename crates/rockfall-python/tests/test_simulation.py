@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import pathlib
 import signal
 import threading
 import time
@@ -252,6 +253,19 @@ def test_objects_are_edited_between_steps() -> None:
     sim.run(5)
     assert sim.positions.shape == (5, 3) and np.isfinite(sim.positions).all()
     assert sim.scene.counts == sim.counts and "K 0 1 20 " in sim.scene.to_text()
+
+
+def test_energies_of_symplectic_euler_are_those_of_the_time_step(tmp_path: pathlib.Path) -> None:
+    scene = rf.Scene.parse("set gravity 0\nS 1 0.1 0 0 0 0 0 0 0 0 1 0.01\nT 1 0 0 0 10000 0 0\n")
+    sim = rf.Simulation(scene, dt=1e-4, backend="cpu", integrator="symplectic-euler")
+    assert sim.energy.kinetic == pytest.approx(0.5 * 0.05**2, rel=1e-4)
+    sim.save_checkpoint(tmp_path / "a.ckpt")
+    sim.dt = 2e-4
+    assert sim.energy.kinetic == pytest.approx(0.5 * 0.1**2, rel=1e-4)
+    sim.restore(tmp_path / "a.ckpt")
+    assert sim.energy.kinetic == pytest.approx(0.5 * 0.1**2, rel=1e-4)
+    resumed = rf.Simulation.resume(tmp_path / "a.ckpt", backend="cpu")
+    assert resumed.dt == 1e-4 and resumed.energy.kinetic == pytest.approx(0.5 * 0.05**2, rel=1e-4)
 
 
 def test_contacts_energies_and_diagnostics() -> None:

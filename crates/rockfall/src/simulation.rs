@@ -295,7 +295,8 @@ impl Simulation {
         self.report
     }
 
-    /// The time step of the last `step`, `run` or `update_positions`, in s. AABBs are grown for it.
+    /// The time step of the last `step`, `run`, `update_positions` or [`set_time_step`](Self::set_time_step), in s; 0.02 before the
+    /// first of them. AABBs are grown for it.
     pub fn time_step(&self) -> f32 {
         self.time_step
     }

@@ -4,7 +4,7 @@
 mod common;
 
 use rockfall::glam::DVec3;
-use rockfall::{Backend, Integrator, Options, Precision, Scene, Simulation};
+use rockfall::{Backend, ContactAction, Cuboid, Integrator, Options, Precision, Scene, Simulation, Sphere, Spring, Tether};
 
 const INTEGRATORS: [Integrator; 3] = [Integrator::Rk4, Integrator::SymplecticEuler, Integrator::VelocityVerlet];
 
@@ -109,6 +109,59 @@ fn a_heavy_ball_rests_on_a_light_one(backend: Backend) {
     }
 }
 
+/// The impulse that is reported before a step is the change of momentum in it. With symplectic Euler, 12.37 was reported and 14.15
+/// applied.
+fn reported_impulses_are_applied(backend: Backend) {
+    const GRAVITY: f32 = 100.0;
+    const STEP: f32 = 0.01;
+    for integrator in INTEGRATORS {
+        let mut scene = Scene::new();
+        (scene.settings.gravity, scene.settings.restitution) = (GRAVITY, 0.5);
+        scene.add_box(Cuboid::between([-1.0, -1.0, -1.0], [1.0, 0.0, 1.0])).expect("a box");
+        scene.add_sphere(Sphere::new([0.0, 0.21, 0.0], 0.1).mass(2.0)).expect("a ball");
+        let mut simulation = opened(scene, backend, integrator);
+        simulation.set_time_step(STEP).expect("a time step");
+        let momentum = |simulation: &mut Simulation| simulation.energy().expect("energies").momentum.y;
+        let impact = (0..10).find_map(|_| {
+            let before = momentum(&mut simulation);
+            let action = simulation.contacts().expect("contacts").first().map(|contact| contact.action);
+            simulation.step(STEP).expect("a step");
+            let applied = momentum(&mut simulation) - before + f64::from(2.0 * GRAVITY * STEP);
+            match action {
+                // On the box, so the ball gets the opposite.
+                Some(ContactAction::Impulse(impulse)) => Some((f64::from(-impulse.y), applied)),
+                _ => None,
+            }
+        });
+        let (reported, applied) = impact.expect("an impact");
+        assert!((reported / applied - 1.0).abs() < 1e-4, "{integrator}: {reported} reported, {applied} applied");
+    }
+}
+
+/// A tether and a spring 20 km from the origin, where positions as f32 are 2 mm apart. The reported energy grew from 0.50 to 0.62.
+fn energies_of_springs_have_the_low_parts_of_positions(backend: Backend) {
+    for has_spring in [false, true] {
+        let mut scene = Scene::new();
+        (scene.settings.gravity, scene.settings.precision) = (0.0, Precision::Double);
+        let anchor = [20_000.0, 0.0, 0.0];
+        let ball = scene.add_sphere(Sphere::new(anchor, 0.1).centred_at([20_001.01, 0.0, 0.0]).mass(1.0)).expect("a ball");
+        if has_spring {
+            let fixed = scene.add_sphere(Sphere::new(anchor, 0.1).fixed()).expect("a fixed ball");
+            scene.add_spring(Spring::new(fixed, ball, 1e4, 1.0)).expect("a spring");
+        } else {
+            scene.add_tether(Tether::new(ball, anchor, 1e4).length(1.0)).expect("a tether");
+        }
+        let mut simulation = opened(scene, backend, Integrator::VelocityVerlet);
+        let before = simulation.energy().expect("energies").total();
+        assert!((before - 0.5).abs() < 1e-4, "{before}");
+        for _ in 0..50 {
+            simulation.run(9, 7e-4).expect("steps");
+            let energy = simulation.energy().expect("energies").total();
+            assert!((energy - 0.5).abs() < 0.005, "{energy}");
+        }
+    }
+}
+
 both_in_turn! {
     slow_bodies_move,
     a_chain_of_steel_beads_keeps_its_energy,
@@ -116,4 +169,6 @@ both_in_turn! {
     springs_with_elastic_collisions_keep_their_energy,
     a_pressed_ball_rests_on_its_floor,
     a_heavy_ball_rests_on_a_light_one,
+    reported_impulses_are_applied,
+    energies_of_springs_have_the_low_parts_of_positions,
 }

@@ -118,6 +118,7 @@ impl Live {
         parts: u32,
         interrupt: &'static Interrupt,
     ) -> Result<Self, Failure> {
+        simulation.set_time_step(dt / parts as f32)?;
         let start = (simulation.report().steps, simulation.energy()?);
         Ok(Self { name, simulation, start, player: Player::new(dt).parts(parts), dt, parts, interrupt })
     }

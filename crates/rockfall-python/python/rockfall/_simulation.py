@@ -113,6 +113,7 @@ class Simulation(Observed, LawTable, ContactLawOf):
     def _begin(self, native: Any, dt: float, checked: float | None) -> None:
         self._native = native
         self._dt = dt
+        native.set_time_step(dt)
         self._checked = checked
         self._live = {}
         self._recordings: list[Recording] = []
@@ -173,6 +174,7 @@ class Simulation(Observed, LawTable, ContactLawOf):
     @dt.setter
     def dt(self, value: float) -> None:
         self._dt = time_step("dt", value)
+        self._native.set_time_step(self._dt)
 
     def run(self, steps: int, *, progress: bool = False) -> Report:
         """Run steps.
@@ -320,6 +322,7 @@ class Simulation(Observed, LawTable, ContactLawOf):
         """Replace the state by that of a checkpoint. The backend and the options stay. Objects are numbered from 0 again."""
         self._commit()
         self._native.restore(os.fspath(path))
+        self._native.set_time_step(self._dt)
 
     def record(self, path: str | os.PathLike[str], every: int = 1) -> Recording:
         """Begin a trajectory that :meth:`run` and :meth:`step` add frames to: now, and after every ``every``-th step.

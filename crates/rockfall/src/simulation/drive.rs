@@ -75,7 +75,8 @@ impl Window {
 }
 
 impl Simulation {
-    /// Sets the time step that AABBs are grown for.
+    /// Sets the time step that AABBs are grown for, and that observations assume until the next step. With symplectic Euler and
+    /// collisions, [`Simulation::energy`] and [`Simulation::contacts`] depend on it. `step`, `run` and `update_positions` set it too.
     ///
     /// # Errors
     /// [`Error::Invalid`] when it is not positive and finite.

@@ -122,7 +122,8 @@ impl Simulation {
     pub fn contacts(&mut self) -> Result<Vec<Contact>> {
         let (scene, world) = self.observed(Detail::Springs)?;
         let (view, lists) = view_and_lists(world);
-        let impulses = solve(&view, &lists).impulses;
+        // Forces take the velocities of the integrator.
+        let impulses = solve(&view.in_collisions(), &lists).impulses;
         let impulses = impulses.as_slice();
         let histories = Histories::of(world);
         let movers = 0..world.movers();

@@ -1,6 +1,6 @@
 //! Reads states and energies back.
 
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DVec3, Vec4};
 
 use crate::error::Result;
 use crate::model::muscles::MuscleClock;
@@ -121,6 +121,7 @@ impl Simulation {
 
     /// Energies and momenta of the current state. The energy of a spring is that at its present rest length. With symplectic Euler
     /// and collisions, the kinetic energy is that of the velocities at the time of the positions (docs/physics.md section 5.2).
+    /// They depend on the time step: before the first step, [`Simulation::set_time_step`] gives it.
     ///
     /// # Errors
     /// As for [`Simulation::sync`].
@@ -170,16 +171,15 @@ fn rest_length(spring: &Spring, clock: &MuscleClock) -> f64 {
 }
 
 fn spring_energy(scene: &Scene, clock: &MuscleClock) -> Result<f64> {
-    let elastic = |from: Vec3, to: Vec3, stiffness: f32, length: f64| {
-        0.5 * f64::from(stiffness) * (from.as_dvec3().distance(to.as_dvec3()) - length).powi(2)
-    };
+    let centre = |sphere: SphereId| scene.sphere(sphere).map(|sphere| DVec3::from_array(sphere.centre()));
+    let elastic =
+        |from: DVec3, to: DVec3, stiffness: f32, length: f64| 0.5 * f64::from(stiffness) * (from.distance(to) - length).powi(2);
     let mut total = 0.0;
     for spring in scene.springs() {
-        let (a, b) = (scene.sphere(spring.a)?, scene.sphere(spring.b)?);
-        total += elastic(a.position, b.position, spring.stiffness, rest_length(spring, clock));
+        total += elastic(centre(spring.a)?, centre(spring.b)?, spring.stiffness, rest_length(spring, clock));
     }
     for tether in scene.tethers() {
-        total += elastic(scene.sphere(tether.sphere)?.position, tether.point, tether.stiffness, tether.length.into());
+        total += elastic(centre(tether.sphere)?, tether.point.as_dvec3(), tether.stiffness, tether.length.into());
     }
     Ok(total)
 }
