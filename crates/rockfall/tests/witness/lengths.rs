@@ -1,5 +1,6 @@
 //! Lengths of rods, and the orientations and spins of capsules at the end of a step (docs/physics.md section 5).
 
+use rockfall::Integrator;
 use rockfall::glam::{DQuat, DVec3};
 
 use rand::SeedableRng;
@@ -111,7 +112,7 @@ impl World {
         }
     }
 
-    /// Turns a capsule as a rigid body (E18, and the doc comment of `step/integrate/turn.rs`).
+    /// Turns a capsule as a rigid body (E18, docs/physics.md section 5.5).
     fn turn_capsule(&mut self, bar: usize, old: &[DVec3]) {
         let [one, two] = self.bars[bar].ends;
         let (first, second) = (self.balls[one].clone(), self.balls[two].clone());
@@ -124,8 +125,15 @@ impl World {
         let axis = d.normalize();
         let h = spins - axis * axis.dot(spins);
         let h = h - (i1 + i2) * (h + mu * d.cross(q)) / it;
-        // Momentum that the ends receive from the spins, gradually during the step.
-        let p = h.cross(d) / d.length_squared();
+        let start = (old[two] - old[one]).normalize();
+        // Momentum that the ends receive from the spins, gradually during the step. With symplectic Euler the part that is
+        // due to forces and torques acts for the whole step. It is the excess across the axis at the start of the step.
+        let mut moving = h;
+        if self.set.integrator == Integrator::SymplecticEuler {
+            let all = spins - (i1 + i2) / it * (spins + mu * d.cross(q));
+            moving += all - start * start.dot(all);
+        }
+        let p = moving.cross(d) / d.length_squared();
         let total = mu * d.cross(q) + spins;
         let length = d.length();
         let moved = d + 0.5 * self.dt * p / mu;
@@ -135,7 +143,6 @@ impl World {
         let turned = length * new;
         let m = first.mass + second.mass;
         let (x, v) = ((first.mass * first.x + second.mass * second.x) / m, (first.mass * first.v + second.mass * second.v) / m);
-        let start = (old[two] - old[one]).normalize();
         let rotation = DQuat::from_rotation_arc(start, new) * DQuat::from_scaled_axis(self.dt * roll.dot(new) * start);
         for (end, part, i) in [(one, -second.mass / m, i1), (two, first.mass / m, i2)] {
             let ball = &mut self.balls[end];

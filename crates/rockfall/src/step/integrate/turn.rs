@@ -7,7 +7,8 @@
 //! the ends.
 //!
 //! That momentum p is transferred gradually during the step. It changes the relative velocity of the ends by p / mu, where
-//! mu is their reduced mass. By the end of the step, of length h, it has moved the axis by h/2 times that change. Roll and
+//! mu is their reduced mass. By the end of the step, of length h, it has moved the axis by h/2 times that change. With
+//! symplectic Euler the part due to the forces and torques of the step has moved it by h times its change. Roll and
 //! turn are the angular velocities along and across the moved axis a. They follow from the angular momentum Q of the capsule
 //! about its centre of mass: its part along a and its part across a are divided by the moments of inertia. So Q is conserved
 //! whatever a is.
@@ -135,7 +136,13 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
 
     // Across the axis both ends get the angular velocity of the rigid body about its centre of mass (E18). The rest of their
     // angular momentum across the axis becomes momentum of the ends.
-    let excess = spins.reject_from_normalized(axis) - own_inertia / whole_inertia * whole.reject_from_normalized(axis);
+    let mut excess = spins.reject_from_normalized(axis) - own_inertia / whole_inertia * whole.reject_from_normalized(axis);
+    if view.step.is_half_step() {
+        // Forces and torques change the spins at the start of the step, across the axis of that time. Their excess acts for
+        // the whole step. The rest, which is due to the rotation of the axis, acts for half of it, as with other integrators.
+        let first_axis = axis_before(axis, view.step.dt / d.length() * velocity);
+        excess += (spins - own_inertia / whole_inertia * whole).reject_from_normalized(first_axis);
+    }
     let shift = 0.5 * view.step.dt * excess.cross(axis) / (reduced_mass * d.length());
     let moved = (d + shift) * (d.length() / (d + shift).length());
     let moved_axis = moved / d.length();
@@ -160,6 +167,13 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
         angular_momenta: inertia.map(|inertia| inertia * (roll + turn)),
         rotation,
     }
+}
+
+/// Returns the axis before a step of symplectic Euler from that after the step, and the displacement of end 2 relative to end 1
+/// over the length.
+fn axis_before(axis: Vec3, displacement: Vec3) -> Vec3 {
+    let across = displacement.reject_from_normalized(axis);
+    (1.0 - across.length_squared()).max(0.0).sqrt() * axis - across
 }
 
 /// Returns the shortest rotation from one unit vector to another. `Quat::from_rotation_arc` treats a small angle as 0, but

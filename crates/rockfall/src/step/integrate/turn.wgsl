@@ -17,6 +17,12 @@ fn shortest_rotation(old: vec3f, new_: vec3f) -> vec4f {
     return vec4f(normalize(cross(old, across)), 0.0);
 }
 
+// The axis before a step of symplectic Euler, from that after the step and the displacement across it of end 2 relative to
+// end 1, over the length.
+fn axis_before(axis: vec3f, across: vec3f) -> vec3f {
+    return sqrt(max(1.0 - dot(across, across), 0.0)) * axis - across;
+}
+
 // The rod of a fixed length that is the only rod of both its ends, of which the sphere is one, or NONE. Neither end is fixed. It is a
 // rigid capsule if the ends do not coincide.
 fn free_rod(sphere: u32) -> u32 {
@@ -40,8 +46,9 @@ fn turn_sphere(i: u32) {
 
 // Gives both ends of a capsule a common spin (docs/physics.md section 5.5, E18). Across the axis it is the angular velocity
 // of the rigid body. The rest of the ends' angular momentum across the axis becomes momentum of the ends. This happens
-// gradually during the step, so the axis moves by half the time step times the change of velocity. The spin refers to the
-// moved axis.
+// gradually during the step, so the axis moves by half the time step times the change of velocity. With symplectic Euler it
+// moves by the whole time step times the part of that change that is due to forces and torques. The spin refers to the moved
+// axis.
 fn turn_capsule(ends: vec2u) {
     let x1 = state[position_at(ends.x)];
     let x2 = state[position_at(ends.y)];
@@ -63,7 +70,15 @@ fn turn_capsule(ends: vec2u) {
     // v to the velocity that the rigid body requires.
     let opening = dot(v, d) / dd;
     let change = cross((spins + orbit) / across, d) + opening * d - v;
-    let there = d + 0.5 * step.dt * (change - (dot(change, d) / dd) * d);
+    var there = d + 0.5 * step.dt * (change - (dot(change, d) / dd) * d);
+    if HALF_STEP {
+        // Forces and torques change the spins at the start of the step, across the axis of that time.
+        let axis = d / sqrt(dd);
+        let first_axis = axis_before(axis, step.dt / sqrt(dd) * (v - opening * d));
+        let excess = spins - along / across * (spins + orbit);
+        let first_excess = excess - dot(excess, first_axis) * first_axis;
+        there += 0.5 * step.dt / (mass * sqrt(dd)) * cross(first_excess, axis);
+    }
     let new_d = there * sqrt(dd / dot(there, there));
     // Scaled, because angular momentum times a length may overflow.
     let size = scale_of(d);
