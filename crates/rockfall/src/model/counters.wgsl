@@ -1,4 +1,4 @@
-// requires model/order.wgsl model/step.wgsl
+// requires model/step.wgsl
 
 // What a stage reports: the count of a workgroup, a sphere that left its AABB, or a sphere whose new state is not finite.
 

@@ -1,5 +1,5 @@
-// requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/geometry.wgsl
-// requires physics/collision/crossings.wgsl physics/pairs.wgsl
+// requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
+// requires physics/collision/crossings.wgsl physics/fine.wgsl physics/geometry.wgsl physics/pairs.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
 

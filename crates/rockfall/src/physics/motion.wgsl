@@ -1,4 +1,4 @@
-// requires model/counters.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl
+// requires model/order.wgsl model/step.wgsl physics/fine.wgsl
 
 struct Motion {
     position: vec3f,

@@ -1,4 +1,4 @@
-// requires physics/escape.wgsl step/commit_next_state.wgsl
+// requires model/step.wgsl physics/escape.wgsl step/commit_next_state.wgsl
 
 // Makes the next state of a sphere its current state, and requests a rebuild of the lists if the sphere may soon leave its
 // AABB.

@@ -1,7 +1,6 @@
-// requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/collision/changes.wgsl physics/collision/impulses.wgsl physics/collision/lone.wgsl
-// requires physics/contact.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
-// requires physics/motion.wgsl
+// requires model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/changes.wgsl
+// requires physics/collision/impulses.wgsl physics/collision/lone.wgsl physics/contact.wgsl physics/motion.wgsl
+// requires step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
 // The state of an end of a rigid capsule after the collisions of the capsule (docs/physics.md sections 3.3, 3.6 and 3.7).
 

@@ -1,7 +1,6 @@
-// requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
-// requires physics/collision/other_collisions.wgsl physics/contact.wgsl physics/escape.wgsl step/collisions/rows.wgsl
-// requires step/collisions/report_clusters.wgsl
-// requires physics/motion.wgsl
+// requires model/collision_state.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
+// requires physics/collision/other_collisions.wgsl physics/contact.wgsl physics/escape.wgsl physics/motion.wgsl
+// requires step/collisions/report_clusters.wgsl step/collisions/rows.wgsl
 
 // The state of a single sphere after its collisions.
 

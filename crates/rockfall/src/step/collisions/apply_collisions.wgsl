@@ -1,9 +1,7 @@
-// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/collision_state.wgsl
-// requires model/put_next.wgsl model/step.wgsl physics/collision/capsule_changes.wgsl physics/collision/changes.wgsl
-// requires physics/collision/impulses.wgsl step/collisions/has_changes.wgsl step/collisions/record_of.wgsl
-// requires step/collisions/records.wgsl step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl
-// requires step/large_spheres/workgroup_per_sphere.wgsl
-// requires physics/motion.wgsl
+// requires model/collision_state.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/put_next.wgsl model/step.wgsl
+// requires physics/collision/capsule_changes.wgsl physics/collision/changes.wgsl physics/collision/impulses.wgsl
+// requires physics/motion.wgsl step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
+// requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;

@@ -1,6 +1,5 @@
-// requires model/counters.wgsl model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl
-// requires physics/collision.wgsl physics/contact.wgsl physics/friction_impulses.wgsl step/collisions/rows.wgsl
-// requires physics/motion.wgsl
+// requires model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision.wgsl physics/contact.wgsl
+// requires physics/friction_impulses.wgsl physics/motion.wgsl step/collisions/rows.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;

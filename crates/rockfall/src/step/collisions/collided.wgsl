@@ -1,4 +1,4 @@
-// requires step/collisions/rows.wgsl step/commit_next_state.wgsl
+// requires model/step.wgsl step/collisions/rows.wgsl step/commit_next_state.wgsl
 
 // Commits the next state of a sphere, if a collision may have changed it.
 

@@ -1,6 +1,5 @@
-// requires model/counters.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
+// requires model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl physics/motion.wgsl
 // requires step/collisions/crossing_rows.wgsl
-// requires physics/motion.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;

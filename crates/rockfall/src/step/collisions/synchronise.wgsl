@@ -1,5 +1,4 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/forces/free.wgsl physics/forces/rates.wgsl
-// requires physics/forces/user.wgsl
+// requires model/one_state.wgsl model/step.wgsl physics/forces/free.wgsl physics/forces/rates.wgsl physics/forces/user.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> topology: array<u32>;

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/lengths.wgsl
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/fine.wgsl physics/lengths.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> y3: array<vec4f>;

@@ -1,5 +1,4 @@
-// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/sphere_rates.wgsl
-// requires physics/motion.wgsl
+// requires model/step.wgsl physics/forces/net_force.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl
 
 // What stage states 2 to 4 add to a vector of a sphere, velocity or angular momentum, by region: three times the change without the
 // slope at Y4.

@@ -1,6 +1,5 @@
-// requires model/counters.wgsl model/put_rates.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/rates.wgsl
-// requires physics/forces/sphere_rates.wgsl
-// requires physics/motion.wgsl
+// requires model/put_rates.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/rates.wgsl
+// requires physics/forces/sphere_rates.wgsl physics/motion.wgsl
 
 // The second half of the kick of velocity Verlet. `state` is the state after the drift. Writes the new state and the rates, and
 // returns the spin in the middle of the step.
