@@ -52,8 +52,8 @@ pub(crate) fn generate(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Gravity of soft blobs as a share of [`Scene::gentle_gravity`], which is that of a pile: a blob stands on few of its spheres,
-/// and blobs lie on each other.
-const SOFT: f32 = 0.09;
+/// blobs lie on each other, and springs press the feet of a blob that lands.
+const SOFT: f32 = 0.07;
 /// Activation threshold of kinds in which bodies press others while they fall, in 1/s. A contact that is slower than the threshold
 /// is not a collision, so it is cushioned by the contact force alone: at the default of 1 by up to 6 % of the radius.
 const THRESHOLD: f32 = 0.5;
