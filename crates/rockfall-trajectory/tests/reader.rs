@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use rockfall::glam::Quat;
+use rockfall::glam::{Quat, Vec3};
 use rockfall::{Backend, Capsule, Cuboid, Options, Scene, Simulation, Sphere, SphereState, Spring};
 use rockfall_trajectory::{Format, Reader, Writer};
 
@@ -24,7 +24,7 @@ fn scene() -> Scene {
     scene
 }
 
-/// Writes frames after 0, 3, 6 and 9 steps of 0.01 s, and returns their states.
+/// Writes frames after 0, 3, 6 and 9 steps of 0.01 s, and returns their states, with the positions as f32 that a trajectory holds.
 fn write(path: &Path, format: Format) -> Vec<Vec<SphereState>> {
     let mut simulation = on_cpu(scene());
     let mut writer = Writer::create(path, format).expect("it is begun");
@@ -34,7 +34,11 @@ fn write(path: &Path, format: Format) -> Vec<Vec<SphereState>> {
             simulation.run(3, 0.01).expect("steps");
         }
         writer.frame(&mut simulation).expect("a frame");
-        states.push(simulation.spheres().expect("states"));
+        let rounded = |mut state: SphereState| {
+            state.position_low = Vec3::ZERO;
+            state
+        };
+        states.push(simulation.spheres().expect("states").into_iter().map(rounded).collect());
     }
     writer.finish(simulation.scene()).expect("it is finished");
     states

@@ -180,32 +180,32 @@ fn listed(simulation: &mut Simulation, build: fn(&Scene) -> rockfall::Result<Wor
     world
 }
 
-// At the start: four states of 48 bytes, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 17 of
-// the grid, an extent of 16, two memory slots of 4 each, and 24 list entries of 4 (16 in large scenes) make 388. Where
+// At the start: three states of 64 bytes and one of 48, an AABB of 32, an orientation of 16, a tag and a count of 4 each, about 17 of
+// the grid, an extent of 16, two memory slots of 4 each, and 24 list entries of 4 (16 in large scenes) make 436. Where
 // a longer lookahead makes lists longer, the lookahead is shortened before the lists use more memory.
 
 #[test]
 fn a_lattice_stays_within_its_memory() {
     // Six neighbours touch, and others at the rim are close. Elastic collisions are no longer lost, so the lattice
     // spreads slightly.
-    check_size(Benchmark::Lattice, &Bounds { memory: 392, entries: 6.5, words: 9.0 });
+    check_size(Benchmark::Lattice, &Bounds { memory: 440, entries: 6.5, words: 9.0 });
 }
 
 #[test]
 fn a_pile_stays_within_its_memory() {
-    check_size(Benchmark::Pile, &Bounds { memory: 392, entries: 4.9, words: 8.4 });
+    check_size(Benchmark::Pile, &Bounds { memory: 440, entries: 4.9, words: 8.4 });
 }
 
 #[test]
 fn a_settled_pile_stays_within_its_memory() {
-    check_size(Benchmark::Settled, &Bounds { memory: 392, entries: 10.2, words: 11.6 });
+    check_size(Benchmark::Settled, &Bounds { memory: 440, entries: 10.2, words: 11.6 });
 }
 
 #[test]
 fn rods_and_capsules_among_spheres_stay_within_their_memory() {
     // Row sums of collisions have as much capacity as list entries: 128 bytes per sphere, because there are four movers
     // per three spheres.
-    check_size(Benchmark::Mixed, &Bounds { memory: 624, entries: 2.5, words: 5.2 });
+    check_size(Benchmark::Mixed, &Bounds { memory: 696, entries: 2.5, words: 5.2 });
 }
 
 /// Pair tests of the grid and words of list entries, both per sphere, after a number of steps.

@@ -259,7 +259,7 @@ fn an_edited_scene_continues_like_a_new_one() {
             // Set one sphere to its present position. This makes the edited scene restore its lengths in the next step,
             // as a new scene does in its first step.
             if let Some(id) = scene.sphere_ids().next() {
-                simulation.set_position(id, scene.sphere(id).unwrap().position).unwrap();
+                simulation.set_centre(id, scene.sphere(id).unwrap().centre()).unwrap();
             }
             let mut new_one = crate::things::simulation(scene, backend);
             for _ in 0..3 {
