@@ -60,30 +60,6 @@ fn a_step_has_few_dispatches() {
     assert_dispatches_per_step(Benchmark::Radii, Integrator::Rk4, 44);
 }
 
-/// Number of dispatches in a number of plain steps of a small scene without rods, after a number of other steps.
-#[cfg(feature = "gpu")]
-fn count_joined_dispatches(benchmark: Benchmark, before: u64, steps: u64) -> u64 {
-    let scene = benchmark.generate(500, 5).unwrap();
-    let options = Options::new().backend(Backend::Gpu).broad_phase(BroadPhase::Grid);
-    let mut simulation = Simulation::with_options(scene, options).unwrap();
-    simulation.run(before, DT).unwrap();
-    let count = |simulation: &Simulation| simulation.gpu_view().unwrap().dispatches();
-    let first = count(&simulation);
-    simulation.run(steps, DT).unwrap();
-    println!("{benchmark}: {} dispatches in {steps} steps", count(&simulation) - first);
-    count(&simulation) - first
-}
-
-#[test]
-#[cfg(feature = "gpu")]
-fn steps_of_a_small_scene_share_dispatches() {
-    // Seven dispatches that build lists, and one for everything else. One more starts a batch. The first batch is one
-    // step that builds lists twice.
-    assert!(count_joined_dispatches(Benchmark::Pile, 0, 32) <= 8 * 32 + 1 + 8);
-    // The same in every eighth step.
-    assert!(count_joined_dispatches(Benchmark::Lattice, 320, 32) <= 8 * 4 + 1);
-}
-
 #[test]
 #[cfg(feature = "gpu")]
 fn a_profile_counts_every_executed_step() {

@@ -96,7 +96,11 @@ fn the_file_of_the_command_line_is_loaded_again() {
 
 /// The spheres of a scene with single precision, whose text has positions as f32.
 fn as_text(scene: &Scene) -> Vec<Sphere> {
-    scene.spheres().iter().map(|sphere| Sphere { position_low: Vec3::ZERO, ..*sphere }).collect()
+    let rounded = |mut sphere: Sphere| {
+        sphere.position_low = Vec3::ZERO;
+        sphere
+    };
+    scene.spheres().iter().copied().map(rounded).collect()
 }
 
 /// The saved state is bitwise identical to the present one, without the tether of a held body.

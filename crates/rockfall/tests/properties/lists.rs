@@ -255,12 +255,15 @@ fn an_edited_scene_continues_like_a_new_one() {
                 edited.apply(edit);
             }
             let simulation = &mut edited.simulation;
-            let scene = simulation.sync().unwrap().clone();
             // Set one sphere to its present position. This makes the edited scene restore its lengths in the next step,
             // as a new scene does in its first step.
-            if let Some(id) = scene.sphere_ids().next() {
-                simulation.set_centre(id, scene.sphere(id).unwrap().centre()).unwrap();
+            let scene = simulation.sync().unwrap();
+            let first = scene.sphere_ids().next().map(|id| (id, scene.sphere(id).unwrap().centre()));
+            if let Some((id, centre)) = first {
+                simulation.set_centre(id, centre).unwrap();
             }
+            // An f64 does not hold the last bits of a small low part, so the scene is taken afterwards.
+            let scene = simulation.sync().unwrap().clone();
             let mut new_one = crate::things::simulation(scene, backend);
             for _ in 0..3 {
                 simulation.step(0.005).unwrap();
