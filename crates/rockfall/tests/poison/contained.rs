@@ -15,6 +15,8 @@ const DT: f32 = 0.02;
 /// spring.
 fn bystanders() -> Scene {
     let mut scene = Scene::new();
+    // `auto` would choose the precision of the whole scene by its largest coordinate.
+    scene.settings.precision = rockfall::Precision::Single;
     let at = Vec3::new(-3.0, 100.0, -70.0);
     let ball = |x: f32, y: f32, z: f32| Sphere::new(at + Vec3::new(x, y, z), 0.5);
     let two = [ball(0.0, 3.0, 0.0).velocity([4.0, 0.0, 0.0]), ball(1.05, 3.0, 0.1).velocity([-4.0, 0.0, 0.0])];
