@@ -194,6 +194,8 @@ fn balls_meet(world: &World, one: u32, entry: u32) -> Option<bool> {
     let rounding = 3e-6 * (a.1 + b.1 + a.0.abs().max_element() + b.0.abs().max_element());
     // Infinite AABBs intersect everything.
     match room {
+        // The square of such a distance exceeds f32, and so may that of the radii.
+        _ if room < 0.0 && a.0.distance(b.0) > 1e19 => None,
         _ if room < -rounding => Some(false),
         _ if room < 0.0 => None,
         _ => Some(true),
