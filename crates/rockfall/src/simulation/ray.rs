@@ -4,8 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::scene::Body;
-use crate::scene::{Cuboid, Polygon, Rod, Scene, finite};
+use crate::scene::{Body, Cuboid, Polygon, Rod, Scene, finite};
 use crate::simulation::Simulation;
 
 /// The point at which a ray enters a body.
