@@ -104,7 +104,7 @@ fn a_signal_ends_a_film_which_keeps_its_pictures() {
     let mut child = spawn(&rockfall, arguments);
     let start = Instant::now();
     while std::fs::metadata(rockfall.path(".film.gif.part")).map_or(0, |file| file.len()) < 1000 {
-        assert!(child.try_wait().unwrap().is_none() && start.elapsed() < Duration::from_secs(120), "no film");
+        assert!(child.try_wait().unwrap().is_none() && start.elapsed() < Duration::from_secs(600), "no film");
         sleep(Duration::from_millis(20));
     }
     signal(&child, "-TERM");

@@ -168,8 +168,9 @@ fn a_small_ball_sinks() {
 
 #[test]
 fn a_resting_overlap_chooses_the_contact_force_of_a_column() {
+    let constants = |settings: &Settings| [settings.contact_force, settings.contact_damping];
     let mut scene = balls([0.1, 0.3, 0.5, 0.7].map(|y| Sphere::new([0.0, y, 0.0], 0.1).mass(3.0)));
-    assert_eq!(scene.resolved_settings(), scene.settings);
+    assert_eq!(constants(&scene.resolved_settings()), constants(&scene.settings));
     scene.settings.gravity = 9.0;
     scene.settings.resting_overlap = 0.05;
     let settings = scene.resolved_settings();
@@ -185,7 +186,7 @@ fn a_resting_overlap_chooses_the_contact_force_of_a_column() {
     scene.settings = settings;
     assert_eq!(scene.resolved_settings().contact_force, settings.contact_force);
     scene.settings.gravity = 0.0;
-    assert_eq!(scene.resolved_settings(), scene.settings);
+    assert_eq!(constants(&scene.resolved_settings()), constants(&scene.settings));
 }
 
 #[test]
