@@ -527,8 +527,12 @@ fn without_an_adapter_gpu_fails_and_auto_uses_the_cpu() {
     };
     let (_, err) = run("run scene.txt --steps 1 --backend gpu", 1);
     assert!(err.contains("no usable GPU") && err.contains("--backend cpu"), "{err}");
-    let (out, _) = run("run scene.txt --steps 1", 0);
-    assert!(out.contains("cpu: CPU") && out.contains("no hardware GPU was found"), "{out}");
+    run("generate pile --spheres 40 --out many.txt", 0);
+    for (scene, reason) in [("many.txt", "no hardware GPU was found"), ("scene.txt", "faster than a GPU for up to 32 spheres")]
+    {
+        let (out, _) = run(&format!("run {scene} --steps 1"), 0);
+        assert!(out.contains("cpu: CPU") && out.contains(reason), "{out}");
+    }
 }
 
 /// Compares the output of the first command in the README, except for the speed and the repeated steps. On other systems, the mathematical library may

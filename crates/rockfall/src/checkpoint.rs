@@ -11,9 +11,9 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, numbers of objects; from version 3 on also the time of muscles, materials, pairs and the springs of contacts; from version 5 on also names, parameters and hashes of force laws, and the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; from version 6 on the contact law of the program, and the models of cohesion of pairs; from version 7 on the number of spheres whose position has a low part, 0 or all, with 3 floats for each |
+//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles, numbers of objects, materials, pairs; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
-//! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one, and in version 1 |
+//! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one |
 //! | 4 | CRC-32 of all bytes before |
 
 use std::fs::File;
@@ -40,14 +40,8 @@ use words::{Damage, Words};
 
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
-/// Latest version of the format. Older versions are still read.
+/// Version of the format. Files of other versions are refused.
 const VERSION: u32 = 7;
-/// First version with the accelerations of velocity Verlet.
-const RATES_SINCE: u32 = 5;
-/// First version with low parts of positions.
-const LOWS_SINCE: u32 = 7;
-/// First version with muscles.
-const WITH_MUSCLES: u32 = 3;
 /// Bytes of magic, version and length.
 pub(crate) const PREFIX: usize = MAGIC.len() + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -131,8 +125,8 @@ impl Checkpoint {
     /// Reads a checkpoint from a file.
     ///
     /// # Errors
-    /// [`Error::File`] when the file cannot be read, [`Error::Checkpoint`] when it is damaged, not a checkpoint, or of a later
-    /// version.
+    /// [`Error::File`] when the file cannot be read, [`Error::Checkpoint`] when it is damaged, not a checkpoint, or of another
+    /// version of the format.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let failed = |source| Error::File { file: path.to_owned(), source };
@@ -157,18 +151,15 @@ impl Checkpoint {
     /// Reads a checkpoint from the bytes of a file. `name` names the source in messages.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] when the bytes are damaged, not a checkpoint, or of a later version.
+    /// [`Error::Checkpoint`] when the bytes are damaged, not a checkpoint, or of another version of the format.
     pub fn from_bytes(bytes: &[u8], name: impl Into<PathBuf>) -> Result<Self> {
         let read = || -> Result<Self, Damage> {
-            let (version, content) = content(bytes, &MAGIC, VERSION)?;
-            let mut words = Words::new(content);
-            let (mut checkpoint, counts) = head::read(&mut words, version)?;
-            let springs = if version >= head::MATERIALS_SINCE { springs::read(&mut words, version)? } else { Vec::new() };
-            if version >= RATES_SINCE {
-                checkpoint.rates = read_rates(&mut words, counts.spheres)?;
-            }
-            let lows = if version >= LOWS_SINCE { read_lows(&mut words, counts.spheres)? } else { Vec::new() };
-            objects::read(&mut words, version, &counts, &mut checkpoint.scene)?;
+            let mut words = Words::new(content(bytes, &MAGIC, VERSION)?);
+            let (mut checkpoint, counts) = head::read(&mut words)?;
+            let springs = springs::read(&mut words)?;
+            checkpoint.rates = read_rates(&mut words, counts.spheres)?;
+            let lows = read_lows(&mut words, counts.spheres)?;
+            objects::read(&mut words, &counts, &mut checkpoint.scene)?;
             put_lows(&mut checkpoint.scene, &lows);
             checkpoint.springs = springs::named(&springs, &checkpoint.scene)?;
             words.end()?;
@@ -256,9 +247,8 @@ fn put_lows(scene: &mut Scene, lows: &[Vec3]) {
     }
 }
 
-/// Returns the version and the bytes between prefix and checksum, if the file begins with `magic`, has at most the `latest` version
-/// and is intact.
-pub(crate) fn content<'a>(bytes: &'a [u8], magic: &[u8; 8], latest: u32) -> Result<(u32, &'a [u8]), Damage> {
+/// Returns the bytes between prefix and checksum, if the file begins with `magic`, has the `expected` version and is intact.
+pub(crate) fn content<'a>(bytes: &'a [u8], magic: &[u8; 8], expected: u32) -> Result<&'a [u8], Damage> {
     if bytes.is_empty() {
         return Err(Damage::new("it is empty"));
     }
@@ -270,8 +260,8 @@ pub(crate) fn content<'a>(bytes: &'a [u8], magic: &[u8; 8], latest: u32) -> Resu
     };
     let mut numbers = Words::new(&prefix[magic.len()..]);
     let (version, length) = (numbers.u32()?, numbers.u64()?);
-    if !(1..=latest).contains(&version) {
-        return Err(Damage::new(format!("it has version {version}, this rockfall reads versions up to {latest}")));
+    if version != expected {
+        return Err(Damage::new(format!("it has version {version} of the format, this rockfall reads version {expected}")));
     }
     if length != bytes.len() as u64 {
         return Err(Damage::new(format!("it has {} bytes, expected {length}", bytes.len())));
@@ -283,7 +273,7 @@ pub(crate) fn content<'a>(bytes: &'a [u8], magic: &[u8; 8], latest: u32) -> Resu
     if Words::new(suffix).u32()? != crc32fast::hash(&bytes[..PREFIX + end]) {
         return Err(Damage::new("its checksum is wrong: some of its bytes have changed"));
     }
-    Ok((version, content))
+    Ok(content)
 }
 
 /// A writer that hashes all bytes that pass through it.

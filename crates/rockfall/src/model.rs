@@ -17,6 +17,7 @@
 
 pub mod buffer;
 pub(crate) mod counters;
+pub(crate) mod declare;
 pub mod dispatch;
 pub mod impulse;
 pub(crate) mod lanes;

@@ -121,7 +121,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Creates a simulation on a hardware GPU if there is one, otherwise on the CPU.
+    /// Creates a simulation on the backend that [`Backend::Auto`](crate::Backend::Auto) chooses.
     ///
     /// # Errors
     /// [`Error::Invalid`] when a setting is not allowed, and an error when the scene is too large.

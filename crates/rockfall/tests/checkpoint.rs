@@ -151,8 +151,7 @@ fn after_counts(checkpoint: &Checkpoint, bytes: &[u8]) -> usize {
     bytes.windows(counts.len()).position(|window| window == counts).expect("the counts are in the file") + counts.len()
 }
 
-/// The bytes of a checkpoint without materials, pairs, laws, springs of contacts and rates, and without the low parts of positions, which
-/// files of versions before 7 do not have.
+/// The bytes of a checkpoint without materials, pairs, laws, springs of contacts and rates, and without the low parts of positions.
 fn without_lows(mut bytes: Vec<u8>) -> Vec<u8> {
     let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
     let spheres = checkpoint.scene.spheres().len();
@@ -237,11 +236,14 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    newer[8] = 8;
-    assert!(assert_rejected(&newer).contains("it has version 8, this rockfall reads versions up to 7"));
+    for version in [0, 6, 8] {
+        newer[8] = version;
+        let expected = format!("it has version {version} of the format, this rockfall reads version 7");
+        assert!(assert_rejected(&newer).contains(&expected));
+    }
 }
 
-/// A resumed simulation refers to spheres as the scene file does. Files of version 1, which have no references, are read.
+/// A resumed simulation refers to spheres as the scene file does.
 #[test]
 fn references_are_kept() {
     let ball = |reference: u32, x: u32| format!("S {reference} {x} 0 0 0 0 0 0 0 0 1 0.5\n");
@@ -254,34 +256,6 @@ fn references_are_kept() {
         scene.sphere_ids().map(|id| scene.reference(id)).collect()
     };
     assert_eq!(references(&bytes), [Some(40), None, None, Some(u32::MAX)]);
-
-    for version in [1, 2] {
-        let old = older(small(), version, 3);
-        assert!(references(&old).iter().all(Option::is_none));
-    }
-}
-
-/// A checkpoint as it was in a version before 3: without the time of muscles, materials and pairs, and the springs of contacts, and
-/// with springs of 5 words. The scene has `springs` springs, no muscles and no materials.
-fn older(bytes: Vec<u8>, version: u8, springs: usize) -> Vec<u8> {
-    let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
-    let mut bytes = bytes;
-    let mut remove = |pattern: &[u8], kept: usize| {
-        let place = bytes.windows(pattern.len()).position(|window| window == pattern).expect("the pattern is in the file");
-        bytes.drain(place + kept..place + pattern.len());
-    };
-    let clock = [&0.0_f64.to_le_bytes()[..], &DT.to_le_bytes(), &checkpoint.report.steps.to_le_bytes()].concat();
-    remove(&clock, 0);
-    let counts = counts_of(&checkpoint);
-    // No materials, no pairs, no force laws, no contact law (32 bits each), no springs of contacts, no rates and no low parts of
-    // positions (64 bits each).
-    remove(&[counts.clone(), vec![0; 40]].concat(), counts.len());
-    for spring in &checkpoint.scene.springs()[..springs] {
-        let numbers = [spring.stiffness, spring.length, spring.damping];
-        let pattern = [numbers.map(f32::to_le_bytes).concat(), vec![0; 16]].concat();
-        remove(&pattern, 12);
-    }
-    with_version(bytes, version)
 }
 
 /// The bytes of a checkpoint with a version, and the length and the checksum that belong to them.
@@ -295,32 +269,9 @@ fn with_version(mut bytes: Vec<u8>, version: u8) -> Vec<u8> {
     bytes
 }
 
-/// Version 5 has no contact law of the program, and version 6 no low parts of positions.
-#[test]
-fn checkpoints_of_versions_5_and_6_are_read() {
-    let mut bytes = small();
-    let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
-    let start = after_counts(&checkpoint, &bytes);
-    // After no materials, no pairs, no force laws, no contact law, no springs of contacts and no rates.
-    bytes.drain(start + 32..start + 40);
-    let sixth = with_version(bytes.clone(), 6);
-    // After no materials, no pairs and no force laws.
-    bytes.drain(start + 12..start + 16);
-    for bytes in [with_version(bytes, 5), sixth] {
-        let old = Checkpoint::from_bytes(&bytes, "file.ckpt").expect("a checkpoint of an earlier version");
-        assert_eq!(old.scene.spheres(), checkpoint.scene.spheres());
-        assert_eq!(old.to_bytes(), checkpoint.to_bytes());
-    }
-}
-
-/// Muscles and their time are kept. Files of earlier versions have none.
+/// Muscles and their time are kept.
 #[test]
 fn muscles_are_kept() {
-    let checkpoint = Checkpoint::from_bytes(&older(small(), 2, 3), "file.ckpt").expect("a checkpoint of version 2");
-    assert_eq!(checkpoint.scene.springs().len(), 3);
-    assert!(checkpoint.scene.springs().iter().all(|spring| spring.muscle.is_none() && spring.stiffness == 200.0));
-    let old = Simulation::resume(checkpoint).expect("it resumes");
-    assert_eq!(old.muscle_time(), 0.03);
     let mut scene = mixed(2);
     let id = scene.spring_ids().nth(1).expect("a spring");
     let muscle = rockfall::Muscle::new(0.25, 1.5, -3.0);

@@ -197,7 +197,7 @@ fn backends_agree_on_every_stage_of_a_velocity_verlet_step() {
     assert_seen(&traces, &CASES[..4]);
 }
 
-/// Scenes without rods have stages of their own that combine two stages of other scenes: the commit and the turn of spheres.
+/// In scenes without rods the integrators also turn the spheres.
 #[test]
 fn backends_agree_on_every_stage_without_rods() {
     for (seed, integrator) in [(30, Integrator::Rk4), (31, Integrator::SymplecticEuler), (32, Integrator::VelocityVerlet)] {
@@ -209,9 +209,9 @@ fn backends_agree_on_every_stage_without_rods() {
             after.orientations != scenario.before.orientations
         };
         assert!(changed(match integrator {
-            Integrator::Rk4 => "finish_and_turn",
-            Integrator::SymplecticEuler => "commit_and_turn",
-            _ => "kick_and_turn",
+            Integrator::Rk4 => "finish",
+            Integrator::SymplecticEuler => "symplectic_euler",
+            _ => "kick",
         }));
         assert!(!changed("turn"), "spheres are turned twice");
     }
@@ -292,7 +292,7 @@ fn backends_agree_on_every_stage_of_laws_with_history() {
     ];
     for (seed, contact_law, rods) in plans {
         let trace = trace(&Plan { rods, ..with_law(plan(seed, Integrator::SymplecticEuler), contact_law) });
-        for stage in ["law_forces", "symplectic_euler"] {
+        for stage in ["loads", "symplectic_euler"] {
             let scenario = trace.scenarios.iter().find(|scenario| scenario.is(stage)).expect("the stage");
             assert_scenario_matches(seed, scenario);
             let mut after = scenario.before.clone();
@@ -308,7 +308,7 @@ fn backends_agree_on_every_stage_of_laws_with_history() {
 fn backends_agree_on_laws_with_history_and_velocity_verlet() {
     for (seed, contact_law, rods) in [(73, ContactLaw::Linear, false), (75, ContactLaw::HertzMindlin, true)] {
         let trace = trace(&Plan { rods, ..with_law(plan(seed, Integrator::VelocityVerlet), contact_law) });
-        let stages = ["law_forces", "starting_forces", "drift", "kick", "kick_and_turn"];
+        let stages = ["rod_loads", "loads", "drift", "kick"];
         let concerned = |scenario: &&Scenario| stages.iter().any(|stage| scenario.is(stage));
         for scenario in trace.scenarios.iter().filter(concerned) {
             let [run] = &scenario.runs[..] else { panic!("one stage") };

@@ -125,7 +125,7 @@ fn every_file_belongs_to_a_stage_or_is_shared() {
         assert!(known.contains_key(file.as_str()), "{file} belongs to no stage and is not in a shared file of step/wgsl.rs");
     }
     // Put together from the table of body forces, and from the declaration of `Step`.
-    let generated = ["physics/forces/body_forces.wgsl", "model/step_block.wgsl"];
+    let generated = ["physics/forces/body_forces.wgsl"];
     assert_eq!(found.len() + generated.len(), known.len());
     assert!(generated.iter().all(|file| known.contains_key(file)));
     let required: BTreeSet<_> = known.values().flat_map(|file| requires(file.part)).map(|part| part.file).collect();

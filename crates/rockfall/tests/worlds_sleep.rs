@@ -257,26 +257,3 @@ fn wrong_criteria_are_errors() {
     }
     assert_eq!(worlds.sleep().steps, CALM);
 }
-
-/// Version 1 of the file has no criterion and no counts.
-#[test]
-fn files_of_version_1_are_read() {
-    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("worlds-v1-{}.ckpt", std::process::id()));
-    let mut worlds = worlds(&[ball()], Backend::Cpu, true);
-    worlds.run(7, DT).expect("steps");
-    worlds.save_checkpoint(&path).expect("a file");
-    let mut bytes = std::fs::read(&path).expect("a file");
-    // The count of the only world is before the checksum. The criterion follows the first checkpoint.
-    bytes.truncate(bytes.len() - 8);
-    let length = u64::from_le_bytes(bytes[20..28].try_into().expect("8 bytes")) as usize;
-    bytes.drain(28 + length..28 + length + 12);
-    bytes[8..12].copy_from_slice(&1_u32.to_le_bytes());
-    let total = bytes.len() as u64 + 4;
-    bytes[12..20].copy_from_slice(&total.to_le_bytes());
-    bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
-    std::fs::write(&path, bytes).expect("a file");
-    let mut resumed = Worlds::resume(&path, None).expect("worlds");
-    assert_eq!(resumed.sleep(), Sleep::default());
-    assert_eq!(reports(&mut resumed), [(7, false)]);
-    assert_eq!(bits(&resumed.states(0).expect("states")), bits(&worlds.states(0).expect("states")));
-}

@@ -3,24 +3,13 @@
 
 use super::laws::{KeptContactLaw, KeptLaw};
 use super::words::{Damage, Head, Words};
-use super::{Checkpoint, History, WITH_MUSCLES};
+use super::{Checkpoint, History};
 use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::report::Report;
 use crate::scene::{Counts, Material, Pair, Scene};
 use crate::settings::Settings;
 use crate::user_laws::{ForceLaw, PairParameter};
-
-/// First version that holds materials and pairs.
-pub(super) const MATERIALS_SINCE: u32 = 3;
-/// First version that holds force laws.
-const LAWS_SINCE: u32 = 5;
-/// First version that holds the contact law of the program.
-const CONTACT_LAW_SINCE: u32 = 6;
-/// First version that holds models of cohesion.
-const COHESION_SINCE: u32 = 6;
-/// First version that holds rolling and twisting resistance.
-pub(super) const RESISTANCE_SINCE: u32 = 4;
 
 pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let Checkpoint {
@@ -85,7 +74,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
 }
 
 /// Reads the checkpoint without its objects, and the numbers of objects.
-pub(super) fn read(words: &mut Words, version: u32) -> Result<(Checkpoint, Counts), Damage> {
+pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     let (program, device, note) = (words.text()?, words.text()?, words.text()?);
     let mut scene = Scene::new();
     scene.settings = read_settings(words)?;
@@ -111,11 +100,7 @@ pub(super) fn read(words: &mut Words, version: u32) -> Result<(Checkpoint, Count
         non_finite: words.u64()?,
     };
     let (lengths_due, margin_scale, lookahead) = (words.bool()?, words.f32()?, words.f32()?);
-    let clock = if version < WITH_MUSCLES {
-        MuscleClock { start: report.time, dt: time_step, steps: 0 }
-    } else {
-        MuscleClock { start: words.f64()?, dt: words.f32()?, steps: words.u64()? }
-    };
+    let clock = MuscleClock { start: words.f64()?, dt: words.f32()?, steps: words.u64()? };
     if !(clock.start.is_finite() && clock.start >= 0.0 && clock.dt.is_finite() && clock.dt > 0.0) {
         return Err(Damage::new(format!("its muscles began at {} s with steps of {} s", clock.start, clock.dt)));
     }
@@ -139,11 +124,9 @@ pub(super) fn read(words: &mut Words, version: u32) -> Result<(Checkpoint, Count
         boxes: count()?,
         polygons: count()?,
     };
-    if version >= MATERIALS_SINCE {
-        read_materials(words, version, &mut scene)?;
-    }
-    let kept_laws = if version >= LAWS_SINCE { read_laws(words)? } else { Vec::new() };
-    let kept_contact_law = if version >= CONTACT_LAW_SINCE { read_contact_law(words)? } else { None };
+    read_materials(words, &mut scene)?;
+    let kept_laws = read_laws(words)?;
+    let kept_contact_law = read_contact_law(words)?;
     let (springs, rates) = (Vec::new(), Vec::new());
     let checkpoint = Checkpoint {
         scene,
@@ -225,7 +208,7 @@ fn materials(head: &mut Head, scene: &Scene) {
     }
 }
 
-fn read_materials(words: &mut Words, version: u32, scene: &mut Scene) -> Result<(), Damage> {
+fn read_materials(words: &mut Words, scene: &mut Scene) -> Result<(), Damage> {
     for _ in 0..words.u32()? {
         let mut material = Material::new(words.text()?);
         (material.density, material.young, material.poisson) = (words.known()?, words.known()?, words.known()?);
@@ -238,17 +221,13 @@ fn read_materials(words: &mut Words, version: u32, scene: &mut Scene) -> Result<
         }
         let (restitution, friction, stiffness) = (words.known()?, words.known()?, words.known()?);
         let mut pair = Pair { restitution, friction, stiffness, ..Pair::default() };
-        if version >= RESISTANCE_SINCE {
-            (pair.rolling_friction, pair.rolling_damping) = (words.known()?, words.known()?);
-            (pair.twisting_friction, pair.surface_energy) = (words.known()?, words.known()?);
-            pair.characteristic_velocity = words.known()?;
-            let model = words.text()?;
-            pair.rolling_model = if model.is_empty() { None } else { Some(model.parse()?) };
-        }
-        if version >= COHESION_SINCE {
-            let model = words.text()?;
-            pair.cohesion = if model.is_empty() { None } else { Some(model.parse()?) };
-        }
+        (pair.rolling_friction, pair.rolling_damping) = (words.known()?, words.known()?);
+        (pair.twisting_friction, pair.surface_energy) = (words.known()?, words.known()?);
+        pair.characteristic_velocity = words.known()?;
+        let model = words.text()?;
+        pair.rolling_model = if model.is_empty() { None } else { Some(model.parse()?) };
+        let model = words.text()?;
+        pair.cohesion = if model.is_empty() { None } else { Some(model.parse()?) };
         let [one, other] = [one, other].map(|index| scene.materials.handle_at(index));
         scene.set_pair(one, other, pair)?;
     }

@@ -4,7 +4,6 @@ use std::io::{self, Write};
 
 use glam::{Quat, Vec3};
 
-use super::WITH_MUSCLES;
 use super::words::{Damage, Words};
 use crate::scene::{
     CapsuleParts, Counts, Cuboid, Handle, MaterialId, Muscle, Polygon, Registry, Rod, Scene, Sphere, Spring, Tether,
@@ -55,7 +54,7 @@ fn write_all<const N: usize>(objects: &[impl Record<N>], scene: &Scene, out: &mu
     Ok(())
 }
 
-pub(super) fn read(words: &mut Words, version: u32, counts: &Counts, scene: &mut Scene) -> Result<(), Damage> {
+pub(super) fn read(words: &mut Words, counts: &Counts, scene: &mut Scene) -> Result<(), Damage> {
     read_all(words, counts.spheres, scene, |scene, sphere: Sphere| {
         // A step may leave an orientation that is not a unit quaternion. No other value depends on it.
         Sphere { orientation: Quat::IDENTITY, ..sphere }.validate()?;
@@ -67,11 +66,7 @@ pub(super) fn read(words: &mut Words, version: u32, counts: &Counts, scene: &mut
         scene.capsules.add(parts);
         Ok(())
     })?;
-    if version < WITH_MUSCLES {
-        read_all(words, counts.springs, scene, |scene, Plain(spring)| Ok(scene.add_spring(spring).map(drop)?))?;
-    } else {
-        read_all(words, counts.springs, scene, |scene, spring: Spring| Ok(scene.add_spring(spring).map(drop)?))?;
-    }
+    read_all(words, counts.springs, scene, |scene, spring| Ok(scene.add_spring(spring).map(drop)?))?;
     read_all(words, counts.tethers, scene, |scene, tether| Ok(scene.add_tether(tether).map(drop)?))?;
     read_all(words, counts.boxes, scene, |scene, cuboid| Ok(scene.add_box(cuboid).map(drop)?))?;
     read_all(words, counts.polygons, scene, |scene, polygon| Ok(scene.add_polygon(polygon).map(drop)?))?;
@@ -182,29 +177,14 @@ impl Record<3> for CapsuleParts {
     }
 }
 
-/// A spring without a muscle, as stored before version 3.
-struct Plain(Spring);
-
-impl Record<5> for Plain {
-    fn pack(&self, scene: &Scene) -> [u32; 5] {
-        let Spring { a, b, stiffness, length, damping, muscle: _ } = self.0;
-        let [stiffness, length, damping] = [stiffness, length, damping].map(f32::to_bits);
-        [index(&scene.spheres, a), index(&scene.spheres, b), stiffness, length, damping]
-    }
-
-    fn unpack([a, b, stiffness, length, damping]: [u32; 5], scene: &Scene) -> Result<Self, Damage> {
-        let [stiffness, length, damping] = [stiffness, length, damping].map(f32::from_bits);
-        let (a, b) = (handle(&scene.spheres, a)?, handle(&scene.spheres, b)?);
-        Ok(Self(Spring::new(a, b, stiffness, length).damping(damping)))
-    }
-}
-
 /// The words of a spring without a muscle, whether it has one, and the words of the muscle.
 impl Record<9> for Spring {
     fn pack(&self, scene: &Scene) -> [u32; 9] {
+        let Self { a, b, stiffness, length, damping, muscle } = *self;
         let mut words = [0; 9];
-        words[..5].copy_from_slice(&Plain(*self).pack(scene));
-        if let Some(Muscle { amplitude, frequency, phase }) = self.muscle {
+        words[..2].copy_from_slice(&[a, b].map(|end| index(&scene.spheres, end)));
+        words[2..5].copy_from_slice(&[stiffness, length, damping].map(f32::to_bits));
+        if let Some(Muscle { amplitude, frequency, phase }) = muscle {
             words[5] = 1;
             words[6..].copy_from_slice(&[amplitude, frequency, phase].map(f32::to_bits));
         }
@@ -213,7 +193,8 @@ impl Record<9> for Spring {
 
     fn unpack(words: [u32; 9], scene: &Scene) -> Result<Self, Damage> {
         let [a, b, stiffness, length, damping, has_muscle, rest @ ..] = words;
-        let Plain(spring) = Plain::unpack([a, b, stiffness, length, damping], scene)?;
+        let [stiffness, length, damping] = [stiffness, length, damping].map(f32::from_bits);
+        let spring = Self::new(handle(&scene.spheres, a)?, handle(&scene.spheres, b)?, stiffness, length).damping(damping);
         let [amplitude, frequency, phase] = rest.map(f32::from_bits);
         match has_muscle {
             0 => Ok(spring),

@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use super::head::RESISTANCE_SINCE;
 use super::words::{Damage, Head, Words};
 use super::{Checkpoint, KeptSpring};
 use crate::scene::Scene;
@@ -30,14 +29,13 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     head.bytes
 }
 
-/// Reads the springs. They have a moment since version `RESISTANCE_SINCE`.
-pub(super) fn read(words: &mut Words, version: u32) -> Result<Vec<Stored>, Damage> {
+/// Reads the springs.
+pub(super) fn read(words: &mut Words) -> Result<Vec<Stored>, Damage> {
     let count = words.u64()?;
     let mut springs = Vec::new();
     for _ in 0..count {
         let (objects, feature) = ([words.u32()?, words.u32()?], words.u32()?);
-        let (shift, overlap) = (words.vec3()?, words.f32()?);
-        let moment = if version < RESISTANCE_SINCE { Vec3::ZERO } else { words.vec3()? };
+        let (shift, overlap, moment) = (words.vec3()?, words.f32()?, words.vec3()?);
         springs.push(Stored { objects, feature, shift, overlap, moment });
     }
     Ok(springs)

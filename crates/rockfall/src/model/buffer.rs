@@ -24,12 +24,12 @@ pub enum Buffer {
     Extents,
     /// The pair lists.
     Lists,
-    /// For every list entry, the index of its collision in [`Buffer::Collisions`]. Empty where collisions are not listed.
+    /// For every list entry, the index of its collision in [`Buffer::Collisions`]. Empty until a step has collisions.
     CollisionIndices,
     /// One record of [`COLLISION_WORDS`](crate::model::layout::COLLISION_WORDS) words per listed collision.
     Collisions,
-    /// Per rod: force and torque on end 1, force and torque on end 2. For laws with history, then per sphere: force and torque
-    /// of its contacts.
+    /// The loads. Per rod: force and torque on end 1, force and torque on end 2. Then per sphere: force and torque of its contacts and
+    /// of what is attached to it. Those of fixed spheres are not computed.
     Wrenches,
     /// Unit quaternions (x, y, z, w) of the spheres' orientations.
     Orientations,
@@ -84,7 +84,7 @@ impl Buffer {
             Self::Lists => "the pair lists",
             Self::CollisionIndices => "the indices of listed collisions",
             Self::Collisions => "the listed collisions",
-            Self::Wrenches => "the forces on rods",
+            Self::Wrenches => "the loads",
             Self::Orientations => "the orientations",
             Self::DispatchSizes => "the sizes of dispatches",
             Self::Histories => "the springs of contacts",

@@ -1,15 +1,193 @@
 //! Constants that both backends share: sizes and offsets of the records in the buffers, flags and limits.
 
+use crate::model::declare::constants;
 use crate::model::status::BAD_STAGE_SHIFT;
 
-/// Threads in a workgroup of most stages.
-pub const WORKGROUP: u32 = 64;
-/// Threads in a workgroup of stages whose threads have little to do.
-pub const WIDE_WORKGROUP: u32 = 256;
-
-/// Movers in a slice of the pair lists, and words in a row of them. Entry `e` of mover `i` is word `i % SLICE` of row
-/// `entries_at / SLICE + slice_offset[i / SLICE] + e`, so that neighbouring threads read neighbouring words.
-pub const SLICE: u32 = 32;
+constants! {
+    /// Threads in a workgroup of most stages.
+    pub const WORKGROUP: u32 = 64;
+    /// Threads in a workgroup of stages whose threads have little to do.
+    pub const WIDE_WORKGROUP: u32 = 256;
+    /// Movers in a slice of the pair lists, and words in a row of them. Entry `e` of mover `i` is word `i % SLICE` of row
+    /// `entries_at / SLICE + slice_offset[i / SLICE] + e`, so that neighbouring threads read neighbouring words.
+    pub const SLICE: u32 = 32;
+    /// Words of a rod: sphere 1, sphere 2, radius, length (`<= 0`: free).
+    pub const ROD_WORDS: u32 = 4;
+    /// Words of a spring: sphere A, sphere B, stiffness k, rest length l, damping c.
+    pub const SPRING_WORDS: u32 = 5;
+    /// Words of a muscle: amplitude, phase, change of the phase in half a step. Phases have 64 bits, low word first.
+    pub const MUSCLE_WORDS: u32 = 5;
+    /// Words of a tether: sphere, the point's x, y, z, stiffness k, rest length l, damping c.
+    pub const TETHER_WORDS: u32 = 7;
+    /// Words of an external force: x, y, z.
+    pub const FORCE_WORDS: u32 = 3;
+    /// Words of a box: corner P, edges I, J, K, three floats each.
+    pub const BOX_WORDS: u32 = 12;
+    /// Words of a polygon: corner P, edges L, R, three floats each.
+    pub const POLYGON_WORDS: u32 = 9;
+    /// An adjacency word is `kind << KIND_SHIFT | index`. The words of a sphere are sorted, so its rods come first.
+    pub const KIND_SHIFT: u32 = 30;
+    /// Adjacency kind: a rod that ends in the sphere.
+    pub const KIND_ROD: u32 = 0;
+    /// Value of a sphere's word in the table of ends (see [`Step::ends_at`](crate::model::step::Step::ends_at)): no rod ends in
+    /// the sphere.
+    pub const NO_ROD: u32 = u32::MAX;
+    /// Value of a sphere's word in the table of ends: several rods end in the sphere, or one of free length. In all other cases
+    /// exactly one rod ends in the sphere, that rod has a fixed length, and the word is the index of the rod.
+    pub const SOME_RODS: u32 = u32::MAX - 1;
+    /// Network of a rod that belongs to no network: a rod of free length, the rod of a rigid capsule, or a rod between two fixed
+    /// spheres.
+    pub const NO_NETWORK: u32 = u32::MAX;
+    /// Adjacency kind: a spring on the sphere.
+    pub const KIND_SPRING: u32 = 1;
+    /// Adjacency kind: a tether on the sphere.
+    pub const KIND_TETHER: u32 = 2;
+    /// Adjacency kind: an external force on the sphere.
+    pub const KIND_FORCE: u32 = 3;
+    /// Low bits of a list entry that hold the id of the other object and, above it, the feature.
+    pub const ENTRY_BITS: u32 = 30;
+    /// Bit of a list entry, set by `find_collisions`: the contact is pressed.
+    pub const ENTRY_OVERLAPS: u32 = 1 << 30;
+    /// Bit of a list entry, set by `find_collisions`: the contact collides, which means that it is pressed and closes fast enough.
+    pub const ENTRY_COLLIDES: u32 = 1 << 31;
+    /// Number of entries of a rod-box pair. Feature f is edge f, or, where no edge is hit and f < 8, vertex f.
+    pub const BOX_FEATURES: u32 = 12;
+    /// Bit of the word that holds the length of a mover's list, set by `find_collisions`: some entry of the list collides.
+    pub const LIST_COLLIDES: u32 = 1 << 31;
+    /// Mask of the length in that word.
+    pub const LIST_COUNT_MASK: u32 = LIST_COLLIDES - 1;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags): collisions are handled as impulses.
+    pub const FLAG_COLLISIONS: u32 = 1;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags): contact damping may pull objects together, as in the thesis.
+    pub const FLAG_PULL: u32 = 2;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags): the simulation continues when a body's state stops being finite.
+    pub const FLAG_CONTINUE: u32 = 4;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags): objects are in more than one group.
+    pub const FLAG_GROUPS: u32 = 8;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags), in scenes with large spheres: the buffers `Y3` and `Y4` hold
+    /// stage states of a recent RK4 step of the same spheres.
+    pub const FLAG_STAGES: u32 = 16;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has Coulomb friction.
+    pub const FLAG_PAIR_FRICTION: u32 = 32;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has rolling or twisting friction, and the
+    /// contact law has a history.
+    pub const FLAG_RESISTANCE: u32 = 64;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has cohesion, and the contact law has a history.
+    pub const FLAG_COHESION: u32 = 128;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags): the integrator is velocity Verlet.
+    pub const FLAG_VERLET: u32 = 256;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags): positions have a low part, in a fourth region of each state.
+    pub const FLAG_DOUBLE: u32 = 512;
+    /// Part of the largest coordinate of an AABB by which a sphere must be inside it. It covers the rounding of this test (4 units of
+    /// 2^-24), the low part of a position, which the test leaves out (1 unit), and the rounding of overlaps.
+    pub const ROUNDING_SLACK: f32 = 4e-7;
+    /// Part of its largest coordinate by which an AABB is larger. It exceeds the slack by more than the rounding of AABBs and of the test
+    /// (9 units), so that a sphere at rest is inside.
+    pub const ROUNDING_MARGIN: f32 = 1e-6;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags): contacts that begin and end within a step are handled.
+    pub const FLAG_CONTINUOUS: u32 = 1024;
+    /// Bit of [`Step::flags`](crate::model::step::Step::flags): the integrator is symplectic Euler, so that velocities are half a step
+    /// behind positions. `synchronise` keeps those at the time of the positions in a fifth region of `Start`.
+    pub const FLAG_HALF_STEP: u32 = 2048;
+    /// Words of the rates of a sphere: acceleration x, y, z, torque x, y, z.
+    pub const RATE_WORDS: u32 = 6;
+    /// Shift of the material in a tag.
+    pub const MATERIAL_SHIFT: u32 = 16;
+    /// Mask of the group in a tag.
+    pub const GROUP_MASK: u32 = (1 << MATERIAL_SHIFT) - 1;
+    /// Words of a pair of materials in the topology buffer: restitution, strength of the square-root friction, coefficient of
+    /// Coulomb friction in contacts, the same in collisions. A negative number stands for the constant of the scene. Then, for laws
+    /// with history: normal constant, tangential constant, damping, coefficient of friction; coefficient of rolling friction, ratio of
+    /// rolling damping (negative for the model of constant torque), coefficient of twisting friction, cohesion
+    /// (DMT: pull-off force per R*; JKR: -(pi gamma / (4 E*))^(1/3)).
+    pub const PAIR_WORDS: u32 = 12;
+    /// Value of [`Step::law`](crate::model::step::Step::law): the law of the thesis.
+    pub const LAW_THESIS: u32 = 0;
+    /// Value of [`Step::law`](crate::model::step::Step::law): the law `linear`.
+    pub const LAW_LINEAR: u32 = 1;
+    /// Value of [`Step::law`](crate::model::step::Step::law): the law `hertz-mindlin`.
+    pub const LAW_HERTZ_MINDLIN: u32 = 2;
+    /// Value of [`Step::law`](crate::model::step::Step::law): the law that the program defines.
+    pub const LAW_USER: u32 = 3;
+    /// Distance over which the stiffness of the law that the program defines is found, per overlap.
+    pub const USER_REACH: f32 = 0.01;
+    /// Words of the spring of a contact: displacement x, y, z, overlap, moment x, y, z, key.
+    pub const HISTORY_WORDS: u32 = 8;
+    /// Records of a block of springs. A mover has one block of its own, and chains further ones from a pool.
+    pub const HISTORY_BLOCK: u32 = 4;
+    /// Key of a record without a contact. It ends a chain of blocks.
+    pub const NO_KEY: u32 = u32::MAX;
+    /// Bit of the key of a record that links to a block. The other bits are the number of that block. [`NO_KEY`] has this bit, too, so
+    /// it is tested first. Keys of springs have at most [`ENTRY_BITS`] bits.
+    pub const LINK_KEY: u32 = 1 << 31;
+    /// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): no sweeps. The step is rejected when a collision shares a body with
+    /// another.
+    pub const SWEEPS_LISTED: u32 = 0;
+    /// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): one workgroup does all sweeps over collisions that share bodies. The step is rejected when there are more than [`FEW_COLLISIONS`] collisions, or when one has
+    /// more neighbours than its record has room for.
+    pub const SWEEPS_FEW: u32 = 1;
+    /// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): every sweep over collisions that share bodies is a dispatch.
+    pub const SWEEPS_ON: u32 = 2;
+    /// Up to this number of collisions, one workgroup does all sweeps faster than one dispatch per sweep does.
+    pub const FEW_COLLISIONS: u32 = 2048;
+    /// Number of sweeps over the impulses of collisions that share bodies.
+    pub const SWEEPS: u32 = 8;
+    /// Factors omega of the sweeps (docs/physics.md section 3.7). Each applies to two sweeps.
+    pub const SWEEP_SIZES: [f32; 4] = [1.250_98, 2.668_52, 1.816_11, 1.0];
+    /// Words of a collision in the buffer `collisions`.
+    pub const COLLISION_WORDS: u32 = 48;
+    /// The pass index of `run_worlds` is `steps << STEPS_SHIFT`, with the bit [`SYMPLECTIC_EULER`] for symplectic Euler.
+    pub const STEPS_SHIFT: u32 = 1;
+    /// Bit of the pass index of `run_worlds`: symplectic Euler instead of RK4.
+    pub const SYMPLECTIC_EULER: u32 = 1;
+    /// Words of the dispatch sizes of the stages that rebuild the lists: x, y and z for each of
+    /// [`Threads::PLANNED`](crate::model::dispatch::Threads::PLANNED).
+    pub const SIZE_WORDS: u32 = 12;
+    /// Words of a cache line of a device. Arrays that neighbouring threads read together start at a multiple of it.
+    pub const LINE: u32 = 32;
+    /// First word, in the buffer `cells`, of the largest AABB edge on each level of the grid. It is stored as the bits of a float
+    /// that is not negative.
+    pub const EDGES_AT: u32 = LINE;
+    /// First word, in the buffer `cells`, of the greatest absolute coordinate of the AABB centres on each level of the grid, stored
+    /// as the bits of a float.
+    pub const FARTHEST_AT: u32 = EDGES_AT + LINE;
+    /// First word of the cells in the buffer `cells`. Word 0 of the buffer is a mask of the levels that have objects. Word 1 is not
+    /// 0 when lists are to be rebuilt. Word 2 is the number of objects that sort-and-skip has put in order. Word 3 is the number of
+    /// long movers.
+    pub const CELLS_AT: u32 = FARTHEST_AT + LINE;
+    /// Number of cells that one workgroup sums.
+    pub const CELL_BLOCK: u32 = 4096;
+    /// Words of the sum of a block. The first word holds the sum; the others pad it to a row of four words, which the kernels read
+    /// and write at once.
+    pub const SUM_WORDS: u32 = 4;
+    /// Number of spheres whose keys one workgroup counts and scatters, digit by digit.
+    pub const DIGIT_BLOCK: u32 = 1024;
+    /// Number of values of a digit of a sort key.
+    pub const DIGITS: u32 = 16;
+    /// Bits of a digit of a sort key.
+    pub const DIGIT_BITS: u32 = 4;
+    /// Approximate number of spheres in the sample that measures the order of memory.
+    pub const ORDER_SAMPLE: u32 = 1 << 16;
+    /// Up to this number of boxes and polygons, every mover tests each of them, because additional grid levels for them would cost
+    /// more. If there are more, they are stored in the grid.
+    pub const FEW_STATICS: u32 = 32;
+    /// Level of the cells of size `cell_size`. Cells of level l are `2^(l - LEVEL_BIAS)` times as large.
+    pub const LEVEL_BIAS: u32 = 8;
+    /// Movers on this level of the grid and above are long: their AABB is more than four cells of size `cell_size` wide. They test
+    /// hundreds of objects, so a workgroup builds the list of each.
+    pub const LONG_LEVEL: u32 = LEVEL_BIAS + 3;
+    /// Number of levels of the grid.
+    pub const LEVELS: u32 = 32;
+    /// Level of objects that are too large for all other levels. All of them are in one cell.
+    pub const TOP_LEVEL: u32 = LEVELS - 1;
+    /// A row of cells starts at `y ROW_Y + z ROW_Z + level ROW_LEVEL + x` of the table, modulo the table size. The factors are odd
+    /// numbers that scatter the rows evenly for any shape of the scene.
+    pub const ROW_Y: u32 = 0x9e37_79b1;
+    /// See [`ROW_Y`].
+    pub const ROW_Z: u32 = 0x85eb_ca77;
+    /// See [`ROW_Y`].
+    pub const ROW_LEVEL: u32 = 0xc2b2_ae3d;
+}
 
 /// Maximum number of rows of list entries: 480 GiB. Together with the rows of counts and offsets before them, the row numbers
 /// still fit 32 bits.
@@ -20,218 +198,27 @@ pub const fn words_of_rows(rows: u32) -> u64 {
     SLICE as u64 * rows as u64
 }
 
-/// Words of a rod: sphere 1, sphere 2, radius, length (`<= 0`: free).
-pub const ROD_WORDS: u32 = 4;
-/// Words of a spring: sphere A, sphere B, stiffness k, rest length l, damping c.
-pub const SPRING_WORDS: u32 = 5;
 /// Place of the rest length in the record of a spring.
 #[cfg(not(target_family = "wasm"))]
 pub(crate) const LENGTH_WORD: usize = 3;
-/// Words of a muscle: amplitude, phase, change of the phase in half a step. Phases have 64 bits, low word first.
-pub const MUSCLE_WORDS: u32 = 5;
-/// Words of a tether: sphere, the point's x, y, z, stiffness k, rest length l, damping c.
-pub const TETHER_WORDS: u32 = 7;
-/// Words of an external force: x, y, z.
-pub const FORCE_WORDS: u32 = 3;
-/// Words of a box: corner P, edges I, J, K, three floats each.
-pub const BOX_WORDS: u32 = 12;
-/// Words of a polygon: corner P, edges L, R, three floats each.
-pub const POLYGON_WORDS: u32 = 9;
 
-/// An adjacency word is `kind << KIND_SHIFT | index`. The words of a sphere are sorted, so its rods come first.
-pub const KIND_SHIFT: u32 = 30;
-/// Adjacency kind: a rod that ends in the sphere.
-pub const KIND_ROD: u32 = 0;
-/// Value of a sphere's word in the table of ends (see [`Step::ends_at`](crate::model::step::Step::ends_at)): no rod ends in
-/// the sphere.
-pub const NO_ROD: u32 = u32::MAX;
-/// Value of a sphere's word in the table of ends: several rods end in the sphere, or one of free length. In all other cases
-/// exactly one rod ends in the sphere, that rod has a fixed length, and the word is the index of the rod.
-pub const SOME_RODS: u32 = u32::MAX - 1;
-/// Network of a rod that belongs to no network: a rod of free length, the rod of a rigid capsule, or a rod between two fixed
-/// spheres.
-pub const NO_NETWORK: u32 = u32::MAX;
-/// Adjacency kind: a spring on the sphere.
-pub const KIND_SPRING: u32 = 1;
-/// Adjacency kind: a tether on the sphere.
-pub const KIND_TETHER: u32 = 2;
-/// Adjacency kind: an external force on the sphere.
-pub const KIND_FORCE: u32 = 3;
-
-/// Low bits of a list entry that hold the id of the other object and, above it, the feature.
-pub const ENTRY_BITS: u32 = 30;
 /// Bits of the feature in a list entry, in scenes with rods (see
 /// [`Step::entry_id_bits`](crate::model::step::Step::entry_id_bits)). A rod has up to [`BOX_FEATURES`] contacts with a box,
 /// each with a list entry of its own. The feature is 0 for every other pair.
 pub const FEATURE_BITS: u32 = 4;
-/// Bit of a list entry, set by `find_collisions`: the contact is pressed.
-pub const ENTRY_OVERLAPS: u32 = 1 << 30;
-/// Bit of a list entry, set by `find_collisions`: the contact collides, which means that it is pressed and closes fast enough.
-pub const ENTRY_COLLIDES: u32 = 1 << 31;
-/// Number of entries of a rod-box pair. Feature f is edge f, or, where no edge is hit and f < 8, vertex f.
-pub const BOX_FEATURES: u32 = 12;
 
-/// Bit of the word that holds the length of a mover's list, set by `find_collisions`: some entry of the list collides.
-pub const LIST_COLLIDES: u32 = 1 << 31;
-/// Mask of the length in that word.
-pub const LIST_COUNT_MASK: u32 = LIST_COLLIDES - 1;
-
-/// Bit of [`Step::flags`](crate::model::step::Step::flags): collisions are handled as impulses.
-pub const FLAG_COLLISIONS: u32 = 1;
-/// Bit of [`Step::flags`](crate::model::step::Step::flags): contact damping may pull objects together, as in the thesis.
-pub const FLAG_PULL: u32 = 2;
-/// Bit of [`Step::flags`](crate::model::step::Step::flags): the simulation continues when a body's state stops being finite.
-pub const FLAG_CONTINUE: u32 = 4;
-/// Bit of [`Step::flags`](crate::model::step::Step::flags): objects are in more than one group.
-pub const FLAG_GROUPS: u32 = 8;
-/// Bit of [`Step::flags`](crate::model::step::Step::flags), in scenes with large spheres: the buffers `Y3` and `Y4` hold
-/// stage states of a recent RK4 step of the same spheres.
-pub const FLAG_STAGES: u32 = 16;
-
-/// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has Coulomb friction.
-pub const FLAG_PAIR_FRICTION: u32 = 32;
-/// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has rolling or twisting friction, and the
-/// contact law has a history.
-pub const FLAG_RESISTANCE: u32 = 64;
-/// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has cohesion, and the contact law has a history.
-pub const FLAG_COHESION: u32 = 128;
-
-/// Bit of [`Step::flags`](crate::model::step::Step::flags): the integrator is velocity Verlet.
-pub const FLAG_VERLET: u32 = 256;
-
-/// Bit of [`Step::flags`](crate::model::step::Step::flags): positions have a low part, in a fourth region of each state.
-pub const FLAG_DOUBLE: u32 = 512;
-
-/// Part of the largest coordinate of an AABB by which a sphere must be inside it. It covers the rounding of this test (4 units of
-/// 2^-24), the low part of a position, which the test leaves out (1 unit), and the rounding of overlaps.
-pub const ROUNDING_SLACK: f32 = 4e-7;
-/// Part of its largest coordinate by which an AABB is larger. It exceeds the slack by more than the rounding of AABBs and of the test
-/// (9 units), so that a sphere at rest is inside.
-pub const ROUNDING_MARGIN: f32 = 1e-6;
-
-/// Bit of [`Step::flags`](crate::model::step::Step::flags): contacts that begin and end within a step are handled.
-pub const FLAG_CONTINUOUS: u32 = 1024;
-
-/// Bit of [`Step::flags`](crate::model::step::Step::flags): the integrator is symplectic Euler, so that velocities are half a step
-/// behind positions. `synchronise` keeps those at the time of the positions in a fifth region of `Start`.
-pub const FLAG_HALF_STEP: u32 = 2048;
-
-/// Words of the rates of a sphere: acceleration x, y, z, torque x, y, z.
-pub const RATE_WORDS: u32 = 6;
-
-/// Shift of the material in a tag.
-pub const MATERIAL_SHIFT: u32 = 16;
-/// Mask of the group in a tag.
-pub const GROUP_MASK: u32 = (1 << MATERIAL_SHIFT) - 1;
-/// Words of a pair of materials in the topology buffer: restitution, strength of the square-root friction, coefficient of
-/// Coulomb friction in contacts, the same in collisions. A negative number stands for the constant of the scene. Then, for laws
-/// with history: normal constant, tangential constant, damping, coefficient of friction; coefficient of rolling friction, ratio of
-/// rolling damping (negative for the model of constant torque), coefficient of twisting friction, cohesion
-/// (DMT: pull-off force per R*; JKR: -(pi gamma / (4 E*))^(1/3)).
-pub const PAIR_WORDS: u32 = 12;
-/// Value of [`Step::law`](crate::model::step::Step::law): the law of the thesis.
-pub const LAW_THESIS: u32 = 0;
-/// Value of [`Step::law`](crate::model::step::Step::law): the law `linear`.
-pub const LAW_LINEAR: u32 = 1;
-/// Value of [`Step::law`](crate::model::step::Step::law): the law `hertz-mindlin`.
-pub const LAW_HERTZ_MINDLIN: u32 = 2;
-/// Value of [`Step::law`](crate::model::step::Step::law): the law that the program defines.
-pub const LAW_USER: u32 = 3;
-/// Distance over which the stiffness of the law that the program defines is found, per overlap.
-pub const USER_REACH: f32 = 0.01;
-/// Words of the spring of a contact: displacement x, y, z, overlap, moment x, y, z, key.
-pub const HISTORY_WORDS: u32 = 8;
-/// Records of a block of springs. A mover has one block of its own, and chains further ones from a pool.
-pub const HISTORY_BLOCK: u32 = 4;
-/// Key of a record without a contact. It ends a chain of blocks.
-pub const NO_KEY: u32 = u32::MAX;
-/// Bit of the key of a record that links to a block. The other bits are the number of that block. [`NO_KEY`] has this bit, too, so
-/// it is tested first. Keys of springs have at most [`ENTRY_BITS`] bits.
-pub const LINK_KEY: u32 = 1 << 31;
 /// Maximum number of blocks in a table of springs. The vectors of both tables are then numbered by 32 bits.
 pub const MAX_HISTORY_BLOCKS: u32 = 1 << 28;
 
-/// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are not listed. Each sphere computes the impulses
-/// of its own collisions. The step is rejected when a collision shares a body with another.
-pub const SWEEPS_OFF: u32 = 0;
-/// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are listed. The step is rejected when a collision
-/// shares a body with another.
-pub const SWEEPS_LISTED: u32 = 1;
-/// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are listed, and one workgroup does all sweeps over
-/// collisions that share bodies. The step is rejected when there are more than [`FEW_COLLISIONS`] collisions, or when one has
-/// more neighbours than its record has room for.
-pub const SWEEPS_FEW: u32 = 2;
-/// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): collisions are listed, and every sweep over collisions that
-/// share bodies is a dispatch.
-pub const SWEEPS_ON: u32 = 3;
-/// Up to this number of collisions, one workgroup does all sweeps faster than one dispatch per sweep does.
-pub const FEW_COLLISIONS: u32 = 2048;
-/// Number of sweeps over the impulses of collisions that share bodies.
-pub const SWEEPS: u32 = 8;
-/// Factors omega of the sweeps (docs/physics.md section 3.7). Each applies to two sweeps.
-pub const SWEEP_SIZES: [f32; 4] = [1.250_98, 2.668_52, 1.816_11, 1.0];
-/// Words of a collision in the buffer `collisions`.
-pub const COLLISION_WORDS: u32 = 48;
-
-/// The pass index of `run_worlds` is `steps << STEPS_SHIFT`, with the bit [`SYMPLECTIC_EULER`] for symplectic Euler.
-pub const STEPS_SHIFT: u32 = 1;
-/// Bit of the pass index of `run_worlds`: symplectic Euler instead of RK4.
-pub const SYMPLECTIC_EULER: u32 = 1;
-
-/// Words of the dispatch sizes of the stages that rebuild the lists: x, y and z for each of
-/// [`Threads::PLANNED`](crate::model::dispatch::Threads::PLANNED).
-pub const SIZE_WORDS: u32 = 12;
 /// From this number of objects on, the device writes the dispatch sizes of the stages that rebuild the lists.
 pub const MIN_PLANNED_OBJECTS: u32 = 1 << 22;
+
 /// Workgroups along one dimension of a dispatch that WebGPU guarantees.
 pub const MAX_WORKGROUPS_PER_DIMENSION: u32 = 65_535;
-/// Words of a cache line of a device. Arrays that neighbouring threads read together start at a multiple of it.
-pub const LINE: u32 = 32;
-/// First word, in the buffer `cells`, of the largest AABB edge on each level of the grid. It is stored as the bits of a float
-/// that is not negative.
-pub const EDGES_AT: u32 = LINE;
-/// First word, in the buffer `cells`, of the greatest absolute coordinate of the AABB centres on each level of the grid, stored
-/// as the bits of a float.
-pub const FARTHEST_AT: u32 = EDGES_AT + LINE;
-/// First word of the cells in the buffer `cells`. Word 0 of the buffer is a mask of the levels that have objects. Word 1 is not
-/// 0 when lists are to be rebuilt. Word 2 is the number of objects that sort-and-skip has put in order. Word 3 is the number of
-/// long movers.
-pub const CELLS_AT: u32 = FARTHEST_AT + LINE;
-/// Number of cells that one workgroup sums.
-pub const CELL_BLOCK: u32 = 4096;
-/// Words of the sum of a block. The first word holds the sum; the others pad it to a row of four words, which the kernels read
-/// and write at once.
-pub const SUM_WORDS: u32 = 4;
-/// Number of spheres whose keys one workgroup counts and scatters, digit by digit.
-pub const DIGIT_BLOCK: u32 = 1024;
-/// Number of values of a digit of a sort key.
-pub const DIGITS: u32 = 16;
-/// Bits of a digit of a sort key.
-pub const DIGIT_BITS: u32 = 4;
-/// Approximate number of spheres in the sample that measures the order of memory.
-pub const ORDER_SAMPLE: u32 = 1 << 16;
+
 /// Up to this number of movers, a step takes more time for dispatches than for the work of its threads. Lists may then be
 /// longer.
 pub const FEW_MOVERS: u32 = 1 << 15;
-/// Up to this number of boxes and polygons, every mover tests each of them, because additional grid levels for them would cost
-/// more. If there are more, they are stored in the grid.
-pub const FEW_STATICS: u32 = 32;
-/// Level of the cells of size `cell_size`. Cells of level l are `2^(l - LEVEL_BIAS)` times as large.
-pub const LEVEL_BIAS: u32 = 8;
-/// Movers on this level of the grid and above are long: their AABB is more than four cells of size `cell_size` wide. They test
-/// hundreds of objects, so a workgroup builds the list of each.
-pub const LONG_LEVEL: u32 = LEVEL_BIAS + 3;
-/// Number of levels of the grid.
-pub const LEVELS: u32 = 32;
-/// Level of objects that are too large for all other levels. All of them are in one cell.
-pub const TOP_LEVEL: u32 = LEVELS - 1;
-/// A row of cells starts at `y ROW_Y + z ROW_Z + level ROW_LEVEL + x` of the table, modulo the table size. The factors are odd
-/// numbers that scatter the rows evenly for any shape of the scene.
-pub const ROW_Y: u32 = 0x9e37_79b1;
-/// See [`ROW_Y`].
-pub const ROW_Z: u32 = 0x85eb_ca77;
-/// See [`ROW_Y`].
-pub const ROW_LEVEL: u32 = 0xc2b2_ae3d;
 
 /// From this number of objects on, a 32-bit key of `find_neighbours` has no room for five bits beside the insertion index. The
 /// five bits are the place of an object among the 32 objects that are sorted at once.

@@ -2,59 +2,73 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// Bit of [`Status::rejected`]: the pair lists do not fit. They need [`Status::pair_rows_needed`] rows.
-pub const REJECTED_PAIRS: u32 = 1;
-/// Bit of [`Status::rejected`]: a body left its AABB before or during the step, so its list may lack a pair.
-pub const REJECTED_ESCAPED: u32 = 2;
-/// Bit of [`Status::rejected`]: a body's state stopped being finite in an earlier step, and the simulation must not continue.
-pub const REJECTED_NON_FINITE: u32 = 4;
+use crate::model::declare::{constants, words};
 
-/// Bit of [`Status::rejected`]: the pair lists need more rows than row numbers can count.
-pub const REJECTED_COUNT: u32 = 8;
+constants! {
+    /// Bit of [`Status::rejected`]: the pair lists do not fit. They need [`Status::pair_rows_needed`] rows.
+    pub const REJECTED_PAIRS: u32 = 1;
+    /// Bit of [`Status::rejected`]: a body left its AABB before or during the step, so its list may lack a pair.
+    pub const REJECTED_ESCAPED: u32 = 2;
+    /// Bit of [`Status::rejected`]: a body's state stopped being finite in an earlier step, and the simulation must not continue.
+    pub const REJECTED_NON_FINITE: u32 = 4;
 
-/// Bit of [`Status::rejected`]: there is no room for all collisions, or collisions share bodies and
-/// [`Step::sweeps`](crate::model::step::Step::sweeps) does not allow that.
-pub const REJECTED_COLLISIONS: u32 = 16;
-/// Bit of [`Status::rejected`], together with [`REJECTED_COLLISIONS`]: one workgroup cannot do all sweeps.
-pub const REJECTED_MANY: u32 = 32;
+    /// Bit of [`Status::rejected`]: the pair lists need more rows than row numbers can count.
+    pub const REJECTED_COUNT: u32 = 8;
 
-/// Bit of [`Status::rejected`]: the contacts need more blocks than the pool of
-/// [`Buffer::Histories`](crate::model::buffer::Buffer::Histories) has. They need [`Status::history_needed`].
-pub const REJECTED_HISTORY: u32 = 64;
-/// Bit of [`Status::rejected`]: the impulses on a network of fixed-length rods could not be solved.
-pub const REJECTED_NETWORKS: u32 = 128;
+    /// Bit of [`Status::rejected`]: there is no room for all collisions, or collisions share bodies and
+    /// [`Step::sweeps`](crate::model::step::Step::sweeps) does not allow that.
+    pub const REJECTED_COLLISIONS: u32 = 16;
+    /// Bit of [`Status::rejected`], together with [`REJECTED_COLLISIONS`]: one workgroup cannot do all sweeps.
+    pub const REJECTED_MANY: u32 = 32;
 
-/// Bit of [`Status::rebuild`]: some body requests new lists.
-pub const REBUILD_REQUESTED: u32 = 1;
-/// Bit of [`Status::rebuild`]: the lists were rebuilt in this step.
-pub const REBUILD_DONE: u32 = 2;
-/// Both: new lists are requested, or some of the stages that build them are done.
-pub const REBUILD_UNDER_WAY: u32 = REBUILD_REQUESTED | REBUILD_DONE;
+    /// Bit of [`Status::rejected`]: the contacts need more blocks than the pool of
+    /// [`Buffer::Histories`](crate::model::buffer::Buffer::Histories) has. They need [`Status::history_needed`].
+    pub const REJECTED_HISTORY: u32 = 64;
+    /// Bit of [`Status::rejected`]: the impulses on a network of fixed-length rods could not be solved.
+    pub const REJECTED_NETWORKS: u32 = 128;
 
-/// Value of [`Status::bad_body`] when every body is finite.
-pub const NO_BODY: u32 = u32::MAX;
-/// Shift of the [`BadStage`](crate::error::BadStage) in [`Status::bad_body`].
-pub const BAD_STAGE_SHIFT: u32 = 29;
+    /// Bit of [`Status::rebuild`]: some body requests new lists.
+    pub const REBUILD_REQUESTED: u32 = 1;
+    /// Bit of [`Status::rebuild`]: the lists were rebuilt in this step.
+    pub const REBUILD_DONE: u32 = 2;
+    /// Both: new lists are requested, or some of the stages that build them are done.
+    pub const REBUILD_UNDER_WAY: u32 = REBUILD_REQUESTED | REBUILD_DONE;
 
-/// Number of [`Counters`].
-pub const COUNTER_BLOCKS: u32 = 64;
+    /// Value of [`Status::bad_body`] when every body is finite.
+    pub const NO_BODY: u32 = u32::MAX;
+    /// Shift of the [`BadStage`](crate::error::BadStage) in [`Status::bad_body`].
+    pub const BAD_STAGE_SHIFT: u32 = 29;
 
-/// Counts of the current step. A device serializes atomic operations on one word, at some nanoseconds each. So the workgroups
-/// spread their counts over [`COUNTER_BLOCKS`] of these blocks, each in its own cache sector. `end_step` adds them up.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-pub struct Counters {
-    /// Contacts of the step's first force evaluation.
-    pub contacts: u32,
-    /// Bits of the deepest overlap of the step's first force evaluation.
-    pub max_overlap: u32,
-    /// Collisions in the step.
-    pub collisions: u32,
-    /// Padding to 32 bytes.
-    pub pad: [u32; 5],
+    /// Number of [`Counters`].
+    pub const COUNTER_BLOCKS: u32 = 64;
+}
+
+words! {
+    /// Counts of the current step. A device serializes atomic operations on one word, at some nanoseconds each. So the workgroups
+    /// spread their counts over [`COUNTER_BLOCKS`] of these blocks, each in its own cache sector. `end_step` adds them up.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+    pub struct Counters {
+        before {}
+        words {
+            /// Contacts of the step's first force evaluation.
+            pub contacts: u32 => atomic,
+            /// Bits of the deepest overlap of the step's first force evaluation.
+            pub max_overlap: u32 => atomic,
+            /// Collisions in the step.
+            pub collisions: u32 => atomic,
+        }
+        after {
+            /// Padding to 32 bytes.
+            pub pad: [u32; Counters::PADDING],
+        }
+    }
 }
 
 impl Counters {
+    /// Words of padding.
+    pub(crate) const PADDING: usize = 5;
+
     /// Returns the counts of both together.
     pub fn and(self, other: Self) -> Self {
         Self {
@@ -66,86 +80,93 @@ impl Counters {
     }
 }
 
-/// What the kernels report to the host and to later kernels. Counts without `last` or `total` are those of the current step.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct Status {
-    /// Counts of the workgroups. On the CPU, the first block holds all counts.
-    pub counters: [Counters; COUNTER_BLOCKS as usize],
-    /// `REJECTED_*` bits. While it is not 0, later stages do not change the bodies, until the host has handled the reason, or new
-    /// lists let the next step repeat this one ([`Status::may_repeat`]).
-    pub rejected: u32,
-    /// Number of rows that the entries of the pair lists need.
-    pub pair_rows_needed: u32,
-    /// Largest distance of a body outside its AABB, in units of 0.02 r, stored as the bits of a float. Positive floats are
-    /// ordered as their bits are.
-    pub escape_ratio: u32,
-    /// Steps completed since the status was last reset.
-    pub steps: u32,
-    /// 2 when the collisions of the current step are done. 1 when they were done in a previous attempt at this step, so that
-    /// they are not repeated.
-    pub collided: u32,
-    /// 1 when rod lengths must be restored before the integration: in the first step and after edits.
-    /// The end of a step clears it, so at the start of the collisions it is 0 when a step has led to the present state.
-    pub lengths_due: u32,
-    /// Velocity Verlet: 1 when the rates of the last force evaluation do not belong to the present state. They are then evaluated
-    /// again before the integration: in the first step, after edits, and after the collision phase,
-    /// whether or not there were collisions, so that bodies do not depend on collisions elsewhere.
-    pub forces_due: u32,
-    /// 1 when there are collisions in the current step.
-    pub collides: u32,
-    /// Contacts of the last completed step.
-    pub last_contacts: u32,
-    /// Bits of the deepest overlap of the last completed step.
-    pub last_max_overlap: u32,
-    /// Collisions of the last completed step.
-    pub last_collisions: u32,
-    /// Collisions of all completed steps, low word.
-    pub total_collisions_low: u32,
-    /// Collisions of all completed steps, high word.
-    pub total_collisions_high: u32,
-    /// Least `stage << BAD_STAGE_SHIFT | insertion index` over the bodies that stopped being finite, or [`NO_BODY`]. The stage
-    /// is a [`BadStage`](crate::error::BadStage).
-    pub bad_body: u32,
-    /// Value of `steps` after the step in which the first body stopped being finite; 0 while there is none.
-    pub bad_step: u32,
-    /// Number of bodies that were stopped because their new state was not finite.
-    pub bad_count: u32,
-    /// Number of such bodies in all completed steps.
-    pub total_bad: u32,
-    /// Value of `bad_body` in the step `bad_step`: the first body that stopped being finite, or [`NO_BODY`].
-    pub first_bad: u32,
-    /// `REBUILD_*` bits. While it is 0, the AABBs and lists of an earlier step still hold every pair.
-    pub rebuild: u32,
-    /// Steps in which AABBs and lists were rebuilt, since the status was last reset.
-    pub builds: u32,
-    /// Number of list entries in the sample of `measure_order`.
-    pub order_entries: u32,
-    /// Sum, over these entries, of the number of bits of the distance in memory between the two spheres.
-    pub order_digits: u32,
-    /// Collisions listed in the current step. The step is rejected when there are more than there is room for.
-    pub listed: u32,
-    /// 1 when collisions share bodies in the current step.
-    pub clustered: u32,
-    /// Steps in which collisions shared bodies, since the status was last reset.
-    pub clustered_steps: u32,
-    /// Such steps with more than [`FEW_COLLISIONS`](crate::model::layout::FEW_COLLISIONS) collisions.
-    pub many_steps: u32,
-    /// Which of the two tables in [`Buffer::Histories`](crate::model::buffer::Buffer::Histories) has the springs before the step,
-    /// 0 or 1. The end of a step exchanges the tables.
-    pub history_table: u32,
-    /// Blocks of the pool that the springs after the current step take, including those that it has no room for. The end of a step
-    /// resets it, also that of a rejected one.
-    pub history_blocks: u32,
-    /// Number of blocks that the pool must have for a step that was rejected with [`REJECTED_HISTORY`]; 0 before that step ends.
-    pub history_needed: u32,
-    /// Rejected steps that `end_step` let the next step repeat, since the status was last reset. They were rejected because a body
-    /// left its AABB.
-    pub repeats: u32,
-    /// 1 while the current step is repeated in this way. If it is rejected again, the host repeats it.
-    pub repeated: u32,
-    /// Value of `escape_ratio` in the last step that was repeated in this way, stored in the same form.
-    pub repeat_escape: u32,
+words! {
+    /// What the kernels report to the host and to later kernels. Counts without `last` or `total` are those of the current step.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+    pub struct Status {
+        before {
+            /// Counts of the workgroups. On the CPU, the first block holds all counts.
+            pub counters: [Counters; COUNTER_BLOCKS as usize],
+        }
+        words {
+            /// `REJECTED_*` bits. While it is not 0, later stages do not change the bodies, until the host has handled the reason, or new
+            /// lists let the next step repeat this one ([`Status::may_repeat`]).
+            pub rejected: u32 => atomic,
+            /// Number of rows that the entries of the pair lists need.
+            pub pair_rows_needed: u32 => atomic,
+            /// Largest distance of a body outside its AABB, in units of 0.02 r, stored as the bits of a float. Positive floats are
+            /// ordered as their bits are.
+            pub escape_ratio: u32 => atomic,
+            /// Steps completed since the status was last reset.
+            pub steps: u32,
+            /// 2 when the collisions of the current step are done. 1 when they were done in a previous attempt at this step, so that
+            /// they are not repeated.
+            pub collided: u32 => atomic,
+            /// 1 when rod lengths must be restored before the integration: in the first step and after edits.
+            /// The end of a step clears it, so at the start of the collisions it is 0 when a step has led to the present state.
+            pub lengths_due: u32,
+            /// Velocity Verlet: 1 when the rates of the last force evaluation do not belong to the present state. They are then evaluated
+            /// again before the integration: in the first step, after edits, and after the collision phase,
+            /// whether or not there were collisions, so that bodies do not depend on collisions elsewhere.
+            pub forces_due: u32,
+            /// 1 when there are collisions in the current step.
+            pub collides: u32 => atomic,
+            /// Contacts of the last completed step.
+            pub last_contacts: u32,
+            /// Bits of the deepest overlap of the last completed step.
+            pub last_max_overlap: u32,
+            /// Collisions of the last completed step.
+            pub last_collisions: u32,
+            /// Collisions of all completed steps, low word.
+            pub total_collisions_low: u32,
+            /// Collisions of all completed steps, high word.
+            pub total_collisions_high: u32,
+            /// Least `stage << BAD_STAGE_SHIFT | insertion index` over the bodies that stopped being finite, or [`NO_BODY`]. The stage
+            /// is a [`BadStage`](crate::error::BadStage).
+            pub bad_body: u32 => atomic,
+            /// Value of `steps` after the step in which the first body stopped being finite; 0 while there is none.
+            pub bad_step: u32,
+            /// Number of bodies that were stopped because their new state was not finite.
+            pub bad_count: u32 => atomic,
+            /// Number of such bodies in all completed steps.
+            pub total_bad: u32,
+            /// Value of `bad_body` in the step `bad_step`: the first body that stopped being finite, or [`NO_BODY`].
+            pub first_bad: u32,
+            /// `REBUILD_*` bits. While it is 0, the AABBs and lists of an earlier step still hold every pair.
+            pub rebuild: u32 => atomic,
+            /// Steps in which AABBs and lists were rebuilt, since the status was last reset.
+            pub builds: u32,
+            /// Number of list entries in the sample of `measure_order`.
+            pub order_entries: u32 => atomic,
+            /// Sum, over these entries, of the number of bits of the distance in memory between the two spheres.
+            pub order_digits: u32 => atomic,
+            /// Collisions listed in the current step. The step is rejected when there are more than there is room for.
+            pub listed: u32 => atomic,
+            /// 1 when collisions share bodies in the current step.
+            pub clustered: u32 => atomic,
+            /// Steps in which collisions shared bodies, since the status was last reset.
+            pub clustered_steps: u32,
+            /// Such steps with more than [`FEW_COLLISIONS`](crate::model::layout::FEW_COLLISIONS) collisions.
+            pub many_steps: u32,
+            /// Which of the two tables in [`Buffer::Histories`](crate::model::buffer::Buffer::Histories) has the springs before the step,
+            /// 0 or 1. The end of a step exchanges the tables.
+            pub history_table: u32,
+            /// Blocks of the pool that the springs after the current step take, including those that it has no room for. The end of a step
+            /// resets it, also that of a rejected one.
+            pub history_blocks: u32 => atomic,
+            /// Number of blocks that the pool must have for a step that was rejected with [`REJECTED_HISTORY`]; 0 before that step ends.
+            pub history_needed: u32,
+            /// Rejected steps that `end_step` let the next step repeat, since the status was last reset. They were rejected because a body
+            /// left its AABB.
+            pub repeats: u32,
+            /// 1 while the current step is repeated in this way. If it is rejected again, the host repeats it.
+            pub repeated: u32,
+            /// Value of `escape_ratio` in the last step that was repeated in this way, stored in the same form.
+            pub repeat_escape: u32,
+        }
+        after {}
+    }
 }
 
 impl Default for Status {

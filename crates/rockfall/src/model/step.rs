@@ -1,47 +1,15 @@
 //! The uniform blocks of every kernel, and the AABB of an object.
 
-use std::mem::{offset_of, size_of};
+use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
 
+use crate::model::declare::block;
 use crate::model::layout::{
     ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_VERLET, SPRING_WORDS, SWEEPS_LISTED,
-    SWEEPS_OFF, SWEEPS_ON,
+    SWEEPS_ON,
 };
 use crate::settings::{Settings, constant_table};
-
-/// The WGSL type of a field.
-macro_rules! wgsl_type {
-    (f32) => {
-        "f32"
-    };
-    (u32) => {
-        "u32"
-    };
-    ([f32; 3]) => {
-        "vec3f"
-    };
-}
-
-/// A uniform block and its declaration in WGSL.
-macro_rules! uniform {
-    ($(#[$outer:meta])* pub struct $name:ident { $($(#[$inner:meta])* pub $field:ident: $type:tt,)+ }) => {
-        $(#[$outer])*
-        pub struct $name { $($(#[$inner])* pub $field: $type,)+ }
-
-        impl $name {
-            /// Name, offset and size of every field, in bytes.
-            pub const FIELDS: &'static [(&'static str, usize, usize)] =
-                &[$((stringify!($field), offset_of!($name, $field), size_of::<$type>())),+];
-            /// The declaration for kernels.
-            pub const WGSL: &'static str = concat!(
-                "struct ", stringify!($name), " {\n",
-                $("    ", stringify!($field), ": ", wgsl_type!($type), ",\n",)+
-                "}\n",
-            );
-        }
-    };
-}
 
 /// Declares [`Step`], with a field for every constant of the table that kernels read.
 macro_rules! step_block {
@@ -49,7 +17,7 @@ macro_rules! step_block {
         kernel { $($(#[doc = $doc:literal])+ $constant:ident: $read:ident = $default:expr, $unit:literal, $slider:expr;)+ }
         host $host:tt
     ) => {
-uniform! {
+block! {
     /// The parameters of a step: the uniform block `step` of every kernel.
     #[repr(C)]
     #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -221,16 +189,9 @@ impl Step {
         self.rods > 0 || self.large > 0
     }
 
-    /// Value of [`Step::sweeps`] as long as no collisions are known to share bodies. Networks can only be solved
-    /// by sweeps. Friction in collisions needs the normal impulses, so collisions are listed.
+    /// Value of [`Step::sweeps`] as long as no collisions are known to share bodies. Networks can only be solved by sweeps.
     pub fn calm_sweeps(&self) -> u32 {
-        if self.networks > 0 {
-            SWEEPS_ON
-        } else if self.has_long_lists() || self.collision_friction > 0.0 || self.has_pair_friction() {
-            SWEEPS_LISTED
-        } else {
-            SWEEPS_OFF
-        }
+        if self.networks > 0 { SWEEPS_ON } else { SWEEPS_LISTED }
     }
 
     /// Whether one workgroup may do all sweeps when there are few collisions.
@@ -304,33 +265,37 @@ impl Step {
     }
 }
 
-/// The uniform block `pass_`: which of several dispatches of a stage this is.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Pass {
-    /// 0 to 3 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0 to 7 for the digits of a sort. For
-    /// `sweep_collisions`, the number of sweeps before it. For `project_networks` and `gather_impulses`, the number of sweeps
-    /// done. For `run_worlds`, see [`STEPS_SHIFT`](crate::model::layout::STEPS_SHIFT). 0 for symplectic Euler and all other
-    /// stages.
-    pub index: u32,
-    /// Number of steps without motion after which `run_worlds` leaves a world as it is; 0 for never.
-    pub rest_steps: u32,
-    /// Greatest speed of a sphere that does not move, in units/s.
-    pub rest_speed: f32,
-    /// Always 0. Kernels use it where the compiler must not know a value (`physics/fine.wgsl`).
-    pub zero: u32,
+block! {
+    /// The uniform block `pass_`: which of several dispatches of a stage this is.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+    pub struct Pass {
+        /// 0 to 3 for the force evaluations of RK4, 0 and 1 for `sort_axis`, 0 to 7 for the digits of a sort. For
+        /// `sweep_collisions`, the number of sweeps before it. For `project_networks` and `gather_impulses`, the number of sweeps
+        /// done. For `run_worlds`, see [`STEPS_SHIFT`](crate::model::layout::STEPS_SHIFT). 0 for symplectic Euler and all other
+        /// stages.
+        pub index: u32,
+        /// Number of steps without motion after which `run_worlds` leaves a world as it is; 0 for never.
+        pub rest_steps: u32,
+        /// Greatest speed of a sphere that does not move, in units/s.
+        pub rest_speed: f32,
+        /// Always 0. Kernels use it where the compiler must not know a value (`physics/fine.wgsl`).
+        pub zero: u32,
+    }
 }
 
-/// An axis-aligned bounding box, which includes a margin for motion.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Aabb {
-    /// Least x, y, z.
-    pub min: [f32; 3],
-    /// The object's id.
-    pub id: u32,
-    /// Greatest x, y, z.
-    pub max: [f32; 3],
-    /// The object's tag: group (low 16 bits) and material (high 16 bits).
-    pub tag: u32,
+block! {
+    /// An axis-aligned bounding box, which includes a margin for motion.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+    pub struct Aabb {
+        /// Least x, y, z.
+        pub min: [f32; 3],
+        /// The object's id.
+        pub id: u32,
+        /// Greatest x, y, z.
+        pub max: [f32; 3],
+        /// The object's tag: group (low 16 bits) and material (high 16 bits).
+        pub tag: u32,
+    }
 }

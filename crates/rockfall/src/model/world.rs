@@ -145,8 +145,7 @@ impl World {
 
     /// Number of vectors in `wrenches`.
     pub(crate) fn wrench_count(&self) -> usize {
-        let loads = if self.step.law == LAW_THESIS { 0 } else { 2 * self.step.spheres };
-        (4 * self.step.rods + loads) as usize
+        (4 * self.step.rods + 2 * self.step.spheres) as usize
     }
 
     /// Number of vectors in a state.
@@ -212,7 +211,7 @@ impl World {
         u64::from(self.step.entries_at) + words_of_rows(self.step.pair_rows)
     }
 
-    /// Number of words in `Buffer::CollisionIndices`: one per word of the list entries; 0 when no collisions are listed.
+    /// Number of words in `Buffer::CollisionIndices`: one per word of the list entries; 0 without room for collisions.
     #[cfg(feature = "gpu")]
     pub(crate) fn collision_index_words(&self) -> u64 {
         if self.step.collision_room > 0 { words_of_rows(self.step.pair_rows) } else { 0 }

@@ -1,22 +1,22 @@
 //! Forces on spheres and rods (docs/physics.md section 4).
 //!
-//! `net_force` sums the forces of contacts and attachments. Then each body force adds its acceleration and torque to the rates
-//! of every moving sphere, in the order of the table below. Body forces also move rods and capsules, through the spheres at
+//! The stage `loads` sums the forces of contacts ([`contacts`]) and attachments ([`attached`]). In the integrators, each body force
+//! adds its acceleration and torque to the rates of every moving sphere, in the order of the table below. Body forces also move rods and capsules, through the spheres at
 //! their ends.
 //!
 //! A body force consists of a line in the table and two files in `forces/`: `NAME.rs` with `fn add`, and `NAME.wgsl` with
 //! `fn add_NAME`. `docs/extending.md` explains step by step how to add one.
 
-pub(crate) mod net_force;
+pub(crate) mod attached;
+pub(crate) mod contacts;
 pub(crate) mod rates;
 
 use glam::{Vec3, Vec4};
 
-use crate::model::counters::Tally;
-use crate::model::lists::Lists;
 use crate::model::part::Part;
 use crate::model::view::View;
-use net_force::{Load, attached_force, sphere_load};
+use attached::attached_force;
+use contacts::Load;
 use rates::Rates;
 
 /// Declares the modules of the body forces, the function that adds all of them on the CPU, and their WGSL files.
@@ -57,10 +57,10 @@ body_forces! {
     user,
 }
 
-/// Returns the rates of change of a moving sphere, from contacts, attachments and body forces. `wrenches` are the results of
-/// `rod_forces`.
-pub(crate) fn sphere_rates(view: &View, lists: &Lists, wrenches: &[Vec4], sphere: u32, tally: Option<&mut Tally>) -> Rates {
-    rates_of(view, sphere, &sphere_load(view, lists, wrenches, sphere, tally))
+/// Returns the rates of change of a moving sphere, from its load and body forces. `wrenches` are the results of the stage `loads`.
+pub(crate) fn sphere_rates(view: &View, wrenches: &[Vec4], sphere: u32) -> Rates {
+    let at = (4 * view.step.rods + 2 * sphere) as usize;
+    rates_of(view, sphere, &Load { force: wrenches[at].truncate(), torque: wrenches[at + 1].truncate() })
 }
 
 /// Returns the rates of change of a moving sphere from the load of its contacts and attachments, and body forces.

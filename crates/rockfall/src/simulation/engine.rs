@@ -70,9 +70,17 @@ macro_rules! on_gpu {
     }};
 }
 
+/// Number of spheres and rods up to which [`Backend::Auto`] chooses the CPU: launching the stages of a step on a GPU then takes longer
+/// than computing it. Measured with 16 cores and an H200 (docs/performance.md).
+#[cfg(feature = "gpu")]
+const FEW: u32 = 32;
+
 impl Engine {
     #[cfg(feature = "gpu")]
     pub(super) async fn open(options: &Options, world: &World) -> Result<(Self, BackendInfo)> {
+        if options.backend == Backend::Auto && (1..=FEW).contains(&world.movers()) {
+            return Ok((Self::Cpu, cpu_info(&format!("it is faster than a GPU for up to {FEW} spheres and rods"))));
+        }
         match open_device(options).await? {
             (Some(gpu), info) => Ok((Self::on(&gpu, world)?, info)),
             (None, info) => Ok((Self::Cpu, info)),

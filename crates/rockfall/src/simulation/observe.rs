@@ -14,7 +14,6 @@ use crate::model::world::World;
 use crate::physics::collision::Collision;
 use crate::physics::collision::all::{impulse_in, solve};
 use crate::physics::contact::{collision_velocity, contact_force};
-use crate::physics::forces::net_force::rod_loads;
 use crate::physics::forces::sphere_rates;
 use crate::physics::laws::contact::{LawForce, law_force, normal_energy};
 use crate::physics::laws::history::Histories;
@@ -155,11 +154,6 @@ impl Simulation {
     pub fn diagnostics(&mut self) -> Result<Vec<SphereDiagnostics>> {
         let (_, world) = self.observed(Detail::Forces)?;
         let (view, lists) = view_and_lists(world);
-        let of_rod = |rod| rod_loads(&view, &lists, rod, None).map(|load| [load.force, load.torque]);
-        let wrenches = match world.step.law {
-            LAW_THESIS => (0..world.step.rods).flat_map(of_rod).flatten().map(|load| load.extend(0.0)).collect(),
-            _ => world.wrenches.clone(),
-        };
         let histories = Histories::of(world);
         let of_sphere = |sphere: u32| {
             let mut values = SphereDiagnostics::default();
@@ -171,8 +165,7 @@ impl Simulation {
                 }
             }
             if !view.is_fixed(sphere) {
-                values.net_force =
-                    sphere_rates(&view, &lists, &wrenches, sphere, None).acceleration / view.inverse_mass(sphere);
+                values.net_force = sphere_rates(&view, &world.wrenches, sphere).acceleration / view.inverse_mass(sphere);
             }
             values
         };

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::exec::cpu;
-use crate::model::layout::{FLAG_CONTINUOUS, GRAIN, LAW_THESIS};
+use crate::model::layout::{FLAG_CONTINUOUS, GRAIN};
 use crate::model::lists::Lists;
 use crate::model::muscles::MuscleClock;
 use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_PAIRS, Status};
@@ -22,7 +22,7 @@ use crate::simulation::escape::margin_after_escape;
 use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine};
 use crate::step::collisions::{find_collisions, synchronise};
-use crate::step::forces::law_forces;
+use crate::step::forces::{loads, rod_loads};
 use crate::step::schedule::{Phase, Run};
 use crate::user_laws::set::UserLaws;
 
@@ -69,7 +69,7 @@ impl Simulation {
             put_springs(&mut world, &self.scene, &springs);
         }
         if detail == Detail::Forces {
-            law_forces_of(&mut world);
+            find_loads(&mut world);
         }
         Ok((&self.scene, self.observation.insert(world)))
     }
@@ -155,11 +155,12 @@ fn find(world: &mut World, methods: Methods, step: u64) -> Result<()> {
     Err(Error::Stuck { step, attempts: MAX_ATTEMPTS, reason })
 }
 
-/// Computes the contact forces of a law with history.
-fn law_forces_of(world: &mut World) {
-    while world.step.law != LAW_THESIS {
-        world.status.forces_due = 1;
-        (law_forces::STAGE.cpu)(world, 0);
+/// Computes the loads of all spheres.
+fn find_loads(world: &mut World) {
+    loop {
+        (world.status.forces_due, world.status.history_blocks) = (1, 0);
+        (rod_loads::STAGE.cpu)(world, 0);
+        (loads::STAGE.cpu)(world, 0);
         if world.status.rejected & REJECTED_HISTORY == 0 {
             break;
         }

@@ -49,7 +49,7 @@ pub(super) fn put_springs(world: &mut World, scene: &Scene, springs: &[KeptSprin
     let needed = chains.iter().map(|records| further_blocks(records.len())).sum();
     world.set_history_pool(pool_for(needed, world.movers()));
     let (first, table, movers) = (first_word(world), world.history_words(), world.movers());
-    let mut written = Chains::new(&mut world.histories[first..][..table], movers);
+    let mut written = Chains::new(&mut world.histories[first..][..table], movers, 0);
     (0..).zip(&chains).for_each(|(mover, records)| written.put(mover, records));
 }
 

@@ -1,5 +1,4 @@
-//! Decides when collisions are listed and solved by sweeps: only when some collisions share a body, because sweeps take one
-//! dispatch each.
+//! Decides when collisions are solved by sweeps: only when some collisions share a body, because sweeps take one dispatch each.
 //!
 //! A step that needs sweeps, or more room for collisions, is rejected and repeated with them. Results do not depend on it.
 

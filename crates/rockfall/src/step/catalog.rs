@@ -12,17 +12,14 @@ use crate::step::collisions::{
     find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, synchronise,
     weigh_collisions, weigh_networks,
 };
-use crate::step::forces::{law_forces, rod_forces};
+use crate::step::forces::{loads, rod_loads};
 use crate::step::fused::run_worlds;
-use crate::step::integrate::{
-    advance, check_drift, commit_and_turn, commit_symplectic_euler, constrain, drift, end_step, finish, finish_and_turn, kick,
-    kick_and_turn, restore_lengths, starting_forces, symplectic_euler, turn,
-};
+use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, restore_lengths, symplectic_euler, turn};
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 55] = [
+pub const ALL: [&Stage; 49] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -56,19 +53,13 @@ pub const ALL: [&Stage; 55] = [
     &apply_friction_impulses::STAGE,
     &commit_friction_impulses::STAGE,
     &restore_lengths::STAGE,
-    &rod_forces::STAGE,
-    &law_forces::STAGE,
+    &rod_loads::STAGE,
+    &loads::STAGE,
     &advance::STAGE,
     &finish::STAGE,
-    &finish_and_turn::STAGE,
     &symplectic_euler::STAGE,
-    &commit_symplectic_euler::STAGE,
-    &commit_and_turn::STAGE,
-    &starting_forces::STAGE,
     &drift::STAGE,
-    &check_drift::STAGE,
     &kick::STAGE,
-    &kick_and_turn::STAGE,
     &constrain::STAGE,
     &turn::STAGE,
     &end_step::STAGE,

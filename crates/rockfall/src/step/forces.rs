@@ -1,4 +1,4 @@
-//! Forces on rods. The stages of `integrate` evaluate the forces on spheres.
+//! The loads of rods and spheres: the only stages that evaluate forces of contacts.
 
-pub(crate) mod law_forces;
-pub(crate) mod rod_forces;
+pub(crate) mod loads;
+pub(crate) mod rod_loads;

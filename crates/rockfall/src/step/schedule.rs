@@ -1,6 +1,6 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
-use crate::model::layout::{FLAG_CONTINUOUS, LAW_THESIS, SWEEPS, SWEEPS_FEW, SWEEPS_OFF, SWEEPS_ON};
+use crate::model::layout::{FLAG_CONTINUOUS, SWEEPS, SWEEPS_FEW, SWEEPS_ON};
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
@@ -16,11 +16,8 @@ use crate::step::collisions::{
     find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, synchronise,
     weigh_collisions, weigh_networks,
 };
-use crate::step::forces::{law_forces, rod_forces};
-use crate::step::integrate::{
-    advance, check_drift, commit_and_turn, commit_symplectic_euler, constrain, drift, end_step, finish, finish_and_turn, kick,
-    kick_and_turn, restore_lengths, starting_forces, symplectic_euler, turn,
-};
+use crate::step::forces::{loads, rod_loads};
+use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, restore_lengths, symplectic_euler, turn};
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
 
@@ -31,10 +28,6 @@ pub enum When {
     Always,
     /// Scenes with rods.
     Rods,
-    /// Scenes without rods.
-    NoRods,
-    /// Scenes whose collisions are listed before they are applied.
-    Listed,
     /// Scenes with networks of fixed-length rods, if collisions are solved by sweeps with a dispatch for each sweep.
     Networks,
     /// Scenes whose collisions share bodies, or did so recently (`SWEEPS_ON`). Each sweep is a dispatch.
@@ -51,10 +44,6 @@ pub enum When {
     Accelerated,
     /// Scenes with bodies much larger than most.
     LongMovers,
-    /// Scenes with the contact law of the thesis.
-    ThesisLaw,
-    /// Scenes with a contact law that keeps springs.
-    Histories,
     /// Scenes so large that launching stages with nothing to do takes considerable time.
     Planned,
 }
@@ -81,8 +70,6 @@ impl Run {
         match self.when {
             When::Always => true,
             When::Rods => step.rods > 0,
-            When::NoRods => step.rods == 0,
-            When::Listed => step.sweeps != SWEEPS_OFF,
             When::Networks => step.networks > 0 && step.sweeps == SWEEPS_ON,
             When::Swept => step.sweeps == SWEEPS_ON,
             When::SweptAtOnce => step.sweeps == SWEEPS_FEW,
@@ -91,8 +78,6 @@ impl Run {
             When::Continuous => step.flags & FLAG_CONTINUOUS != 0,
             When::Accelerated => step.needs_synchronising(),
             When::LongMovers => step.long_at != 0,
-            When::ThesisLaw => step.law == LAW_THESIS,
-            When::Histories => step.law != LAW_THESIS,
             When::Planned => step.planned != 0,
         }
     }
@@ -193,17 +178,20 @@ impl Phase {
                 const {
                     &[
                         run(&restore_lengths::STAGE),
-                        pass(&rod_forces::STAGE, 0),
+                        pass(&rod_loads::STAGE, 0),
+                        pass(&loads::STAGE, 0),
                         pass(&advance::STAGE, 0),
-                        pass(&rod_forces::STAGE, 1),
+                        pass(&rod_loads::STAGE, 1),
+                        pass(&loads::STAGE, 1),
                         pass(&advance::STAGE, 1),
-                        pass(&rod_forces::STAGE, 2),
+                        pass(&rod_loads::STAGE, 2),
+                        pass(&loads::STAGE, 2),
                         pass(&advance::STAGE, 2),
-                        pass(&rod_forces::STAGE, 3),
-                        pass(&finish::STAGE, 3).when(When::Rods),
+                        pass(&rod_loads::STAGE, 3),
+                        pass(&loads::STAGE, 3),
+                        pass(&finish::STAGE, 3),
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Rods),
-                        pass(&finish_and_turn::STAGE, 3).when(When::NoRods),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -212,13 +200,11 @@ impl Phase {
                 const {
                     &[
                         run(&restore_lengths::STAGE),
-                        run(&rod_forces::STAGE).when(When::ThesisLaw),
-                        run(&law_forces::STAGE).when(When::Histories),
+                        run(&rod_loads::STAGE),
+                        run(&loads::STAGE),
                         run(&symplectic_euler::STAGE),
-                        run(&commit_symplectic_euler::STAGE).when(When::Rods),
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Rods),
-                        run(&commit_and_turn::STAGE).when(When::NoRods),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -227,18 +213,15 @@ impl Phase {
                 const {
                     &[
                         run(&restore_lengths::STAGE),
-                        run(&rod_forces::STAGE).when(When::ThesisLaw),
-                        run(&law_forces::STAGE).when(When::Histories),
-                        run(&starting_forces::STAGE),
+                        run(&rod_loads::STAGE),
+                        run(&loads::STAGE),
                         run(&drift::STAGE),
-                        pass(&constrain::STAGE, 3).when(When::Rods),
-                        run(&check_drift::STAGE).when(When::Rods),
-                        pass(&rod_forces::STAGE, 3).when(When::ThesisLaw),
-                        pass(&law_forces::STAGE, 3).when(When::Histories),
-                        pass(&kick::STAGE, 3).when(When::Rods),
+                        pass(&constrain::STAGE, 3),
+                        pass(&rod_loads::STAGE, 3),
+                        pass(&loads::STAGE, 3),
+                        pass(&kick::STAGE, 3),
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Rods),
-                        pass(&kick_and_turn::STAGE, 3).when(When::NoRods),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -256,9 +239,9 @@ const HANDLE_COLLISIONS: &[Run] = &{
     let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 5];
     runs[1] = run(&find_crossings::STAGE).when(When::Continuous);
     runs[2] = run(&find_collisions::STAGE);
-    runs[3] = run(&list_collisions::STAGE).when(When::Listed);
+    runs[3] = run(&list_collisions::STAGE);
     runs[4] = run(&weigh_networks::STAGE).when(When::Networks);
-    runs[5] = run(&weigh_collisions::STAGE).when(When::Listed);
+    runs[5] = run(&weigh_collisions::STAGE);
     runs[6] = run(&sweep_at_once::STAGE).when(When::SweptAtOnce);
     let mut sweep = 0;
     while sweep < SWEEPS as usize {

@@ -11,6 +11,9 @@
 //! bindings, and the [`HOOKS`]. A [`Variant`] adapts the text to the kinds of objects in a scene. `tests/wgsl.rs` checks that
 //! no file uses a name without requiring its file, requires a file that it does not use, or declares a name twice.
 
+use std::sync::LazyLock;
+
+use crate::model::declare;
 use crate::model::layout::{
     FLAG_COHESION, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_RESISTANCE, FLAG_VERLET, MANY_OBJECTS,
 };
@@ -25,8 +28,6 @@ use crate::physics::forces;
 /// declares them, or requires one of several files that do.
 pub const HOOKS: &[(&str, &str)] = &[
     ("GROUP_SIZE", "threads of a workgroup"),
-    ("add_law_load", "adds the force and torque of the contacts of a sphere, for laws with history"),
-    ("add_wrench", "adds the force and torque on the rod end that a sphere forms"),
     ("count", "number of entries of the list to sort"),
     ("early_changes", "part of stage states 2 and 3 in the sum for a vector of a sphere"),
     ("early_velocities", "part of stage states 2 and 3 in the sum for the mean velocity of a sphere"),
@@ -43,7 +44,6 @@ pub const HOOKS: &[(&str, &str)] = &[
     ("position_at", "index of the position of a sphere in `state`"),
     ("put_next", "writes a row of the next stage state"),
     ("put_start", "writes a row of the state"),
-    ("remember", "keeps the old position and the mean spin of a sphere, for the rest of a step with rods"),
     ("start_row", "reads a row of the state at the start of the step"),
     ("velocity_at", "index of the velocity of a sphere in `state`"),
     ("y2_row", "reads a row of stage state 2"),
@@ -57,6 +57,7 @@ const SHARED: &[Part] = &[
     part!("model/counters.wgsl"),
     part!("model/entries.wgsl"),
     part!("model/lists.wgsl"),
+    part!("model/load_rows.wgsl"),
     part!("model/objects.wgsl"),
     part!("model/one_state.wgsl"),
     part!("model/order.wgsl"),
@@ -66,8 +67,6 @@ const SHARED: &[Part] = &[
     part!("model/rates.wgsl"),
     part!("model/stage_states.wgsl"),
     part!("model/state_rows.wgsl"),
-    part!("model/step.wgsl"),
-    Part { file: "model/step_block.wgsl", text: Step::WGSL },
     part!("model/two_states.wgsl"),
     part!("physics/collision.wgsl"),
     part!("physics/collision/capsule_changes.wgsl"),
@@ -84,13 +83,15 @@ const SHARED: &[Part] = &[
     part!("physics/escape.wgsl"),
     part!("physics/fine.wgsl"),
     part!("physics/forces/attached.wgsl"),
+    part!("physics/forces/due.wgsl"),
     part!("physics/forces/free.wgsl"),
-    part!("physics/forces/mover_load.wgsl"),
+    part!("physics/forces/load.wgsl"),
     part!("physics/forces/muscle.wgsl"),
     part!("physics/forces/net_force.wgsl"),
     part!("physics/forces/rates.wgsl"),
+    part!("physics/forces/rod_load.wgsl"),
+    part!("physics/forces/sphere_load.wgsl"),
     part!("physics/forces/sphere_rates.wgsl"),
-    part!("physics/forces/wrenches.wgsl"),
     part!("physics/friction_impulses.wgsl"),
     part!("physics/geometry.wgsl"),
     part!("physics/scale.wgsl"),
@@ -99,6 +100,7 @@ const SHARED: &[Part] = &[
     part!("physics/laws/history.wgsl"),
     part!("physics/laws/jkr.wgsl"),
     part!("physics/laws/linear.wgsl"),
+    part!("physics/laws/mover_contact.wgsl"),
     part!("physics/laws/resistance.wgsl"),
     part!("physics/laws/stiffness.wgsl"),
     part!("physics/laws/user.wgsl"),
@@ -137,19 +139,21 @@ const SHARED: &[Part] = &[
     part!("step/integrate/close_step.wgsl"),
     part!("step/integrate/early_stages.wgsl"),
     part!("step/integrate/finished.wgsl"),
-    part!("step/integrate/kicked.wgsl"),
     part!("step/integrate/next_state.wgsl"),
     part!("step/integrate/symplectic_euler_state.wgsl"),
-    part!("step/large_spheres/large_sphere_forces.wgsl"),
+    part!("step/large_spheres/large_sphere_load.wgsl"),
     part!("step/large_spheres/ordered_sums.wgsl"),
     part!("step/large_spheres/workgroup_per_sphere.wgsl"),
     part!("step/reorder/digits.wgsl"),
 ];
 
-/// Every file that stages share, including the files of the body forces and the generated `step_block.wgsl` and
-/// `body_forces.wgsl`.
+/// Declarations for every kernel: a file, with those that Rust has too.
+static STEP: LazyLock<String> = LazyLock::new(|| part!("model/step.wgsl").text.to_owned() + &declare::wgsl());
+
+/// Every file that stages share, including the files of the body forces and the generated `body_forces.wgsl`.
 pub fn shared() -> impl Iterator<Item = Part> {
-    SHARED.iter().chain(forces::PARTS).copied()
+    let step = Part { file: "model/step.wgsl", text: &STEP };
+    SHARED.iter().chain(forces::PARTS).copied().chain([step])
 }
 
 /// The files that a file requires directly.

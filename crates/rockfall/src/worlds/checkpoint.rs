@@ -9,9 +9,9 @@
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
 //! | ... | a checkpoint without objects, which has the options of all worlds, as a length of 8 bytes and the bytes of its file |
-//! | 4 4 4 | [`Sleep`]: speed, steps, and 1 if sleeping worlds stand still, else 0; not in version 1 |
+//! | 4 4 4 | [`Sleep`]: speed, steps, and 1 if sleeping worlds stand still, else 0 |
 //! | 8 | number of worlds |
-//! | ... | per world: the checkpoint of its start and that of its present state; 4 bytes that are 1 if it is stopped, else 0; the reason; 4 bytes with the number of steps without motion, not in version 1 |
+//! | ... | per world: the checkpoint of its start and that of its present state; 4 bytes that are 1 if it is stopped, else 0; the reason; 4 bytes with the number of steps without motion |
 //! | 4 | CRC-32 of all bytes before |
 
 use std::fs;
@@ -31,7 +31,7 @@ use crate::worlds::{Sleep, Worlds};
 
 /// The first bytes of every file.
 const MAGIC: [u8; 8] = *b"\x89RKW\r\n\x1a\n";
-/// Latest version of the format.
+/// Version of the format. Files of other versions are refused.
 const VERSION: u32 = 2;
 
 /// A world in a file: the checkpoints of its start and of its present state, why it is stopped, and its steps without motion.
@@ -59,8 +59,8 @@ impl Worlds {
     /// rounding. `None` keeps it.
     ///
     /// # Errors
-    /// [`Error::File`] when the file cannot be read, [`Error::Checkpoint`] when it is damaged, not a checkpoint of worlds, or of a
-    /// later version. Otherwise as for [`Worlds::new`].
+    /// [`Error::File`] when the file cannot be read, [`Error::Checkpoint`] when it is damaged, not a checkpoint of worlds, or of
+    /// another version of the format. Otherwise as for [`Worlds::new`].
     pub fn resume(path: impl AsRef<Path>, backend: Option<Backend>) -> Result<Self> {
         let path = path.as_ref();
         let failed = |source| Error::File { file: path.to_owned(), source };
@@ -137,20 +137,16 @@ fn take<'a>(words: &mut Words<'a>) -> Result<&'a [u8], Damage> {
 fn read(bytes: &[u8], name: &Path) -> Result<(Options, Sleep, Vec<Stored>)> {
     let damaged = |Damage(reason)| Error::Checkpoint { file: name.to_owned(), reason };
     let parts = || -> Result<_, Damage> {
-        let (version, content) = content(bytes, &MAGIC, VERSION)?;
-        let mut words = Words::new(content);
+        let mut words = Words::new(content(bytes, &MAGIC, VERSION)?);
         let empty = take(&mut words)?;
-        let sleep = match version {
-            1 => Sleep::default(),
-            _ => Sleep { speed: words.f32()?, steps: words.u32()?, skip: words.bool()? },
-        };
+        let sleep = Sleep { speed: words.f32()?, steps: words.u32()?, skip: words.bool()? };
         sleep.validate()?;
         let count = words.u64()?;
         let mut worlds = Vec::new();
         for _ in 0..count {
             let (start, now) = (take(&mut words)?, take(&mut words)?);
             let (is_stopped, reason) = (words.bool()?, words.text()?);
-            let calm = if version == 1 { 0 } else { words.u32()? };
+            let calm = words.u32()?;
             worlds.push((start, now, is_stopped.then_some(reason), calm));
         }
         words.end()?;

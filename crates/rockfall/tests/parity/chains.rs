@@ -1,4 +1,4 @@
-//! Chains of several blocks of springs: `law_forces` and `end_step` for movers that own more contacts than a block holds, with and
+//! Chains of several blocks of springs: `loads` and `end_step` for movers that own more contacts than a block holds, with and
 //! without room in the pool.
 
 use rockfall::exec::gpu::GpuWorld;
@@ -50,7 +50,7 @@ fn before(pool: u32) -> World {
     let lists = lists.flat_map(|phase| phase.stages(Integrator::SymplecticEuler, BroadPhase::BruteForce));
     lists.for_each(|run| run.on_cpu(&mut world));
     for _ in 0..2 {
-        runs(&["law_forces", "end_step"]).iter().for_each(|run| run.on_cpu(&mut world));
+        runs(&["loads", "end_step"]).iter().for_each(|run| run.on_cpu(&mut world));
         assert_eq!((world.status.rejected, world.status.history_blocks), (0, 0));
     }
     assert_eq!(world.status.history_table, 0);
@@ -78,10 +78,10 @@ fn found(before: &World, names: &[&str], mistake: Option<&Mistake>) -> Vec<Buffe
 #[test]
 fn backends_agree_on_chains_of_blocks() {
     let world = before(BLOCKS);
-    found(&world, &["law_forces"], None);
-    found(&world, &["law_forces", "end_step"], None);
+    found(&world, &["loads"], None);
+    found(&world, &["loads", "end_step"], None);
     let mut after = world.clone();
-    runs(&["law_forces"]).iter().for_each(|run| run.on_cpu(&mut after));
+    runs(&["loads"]).iter().for_each(|run| run.on_cpu(&mut after));
     assert_eq!((after.status.history_blocks, after.status.rejected), (BLOCKS, 0));
 }
 
@@ -90,7 +90,7 @@ fn backends_agree_on_chains_of_blocks() {
 #[test]
 fn backends_agree_on_a_full_pool() {
     let short = before(BLOCKS - 1);
-    let names = ["law_forces", "end_step"];
+    let names = ["loads", "end_step"];
     let mut cpu = short.clone();
     runs(&names).iter().for_each(|run| run.on_cpu(&mut cpu));
     for status in [cpu.status, on_gpu(&GPU, &short, &runs(&names)).status] {
@@ -99,7 +99,7 @@ fn backends_agree_on_a_full_pool() {
     }
     let mut escaped = before(BLOCKS);
     escaped.aabbs.iter_mut().for_each(|aabb| aabb.max[0] -= 1.0);
-    let names = ["law_forces", "symplectic_euler", "end_step"];
+    let names = ["loads", "symplectic_euler", "end_step"];
     let mut cpu = escaped.clone();
     runs(&names).iter().for_each(|run| run.on_cpu(&mut cpu));
     for status in [cpu.status, on_gpu(&GPU, &escaped, &runs(&names)).status] {
@@ -126,21 +126,14 @@ fn invalid_links_are_refused() {
 
 /// Mistakes that only chains reveal.
 static MISTAKES: [Mistake; 9] = [
-    Mistake("law_forces", 0, "history.wgsl", "(last.w & LINK_KEY) != 0u", "false", Buffer::Histories),
-    Mistake("law_forces", 0, "history.wgsl", "HISTORY_BLOCK * (last.w & ~LINK_KEY)", "HISTORY_BLOCK", Buffer::Histories),
-    Mistake("law_forces", 0, "history.wgsl", "if record % HISTORY_BLOCK == 0u {", "if false {", Buffer::Histories),
-    Mistake(
-        "law_forces",
-        0,
-        "history.wgsl",
-        "histories[new_] = histories[old]",
-        "histories[new_] = vec4u(0u)",
-        Buffer::Histories,
-    ),
-    Mistake("law_forces", 0, "history.wgsl", "= vec4u(LINK_KEY | block)", "= vec4u(NO_KEY)", Buffer::Histories),
-    Mistake("law_forces", 0, "history.wgsl", "if !is_full(chain) &", "if is_full(chain) &", Buffer::Histories),
-    Mistake("law_forces", 0, "history.wgsl", "block + 1u;", "block;", Buffer::Histories),
-    Mistake("law_forces", 0, "history.wgsl", "atomicAdd(&status.history_blocks, 1u)", "0u", Buffer::Histories),
+    Mistake("loads", 0, "history.wgsl", "(last.w & LINK_KEY) != 0u", "false", Buffer::Histories),
+    Mistake("loads", 0, "history.wgsl", "HISTORY_BLOCK * (last.w & ~LINK_KEY)", "HISTORY_BLOCK", Buffer::Histories),
+    Mistake("loads", 0, "history.wgsl", "if record % HISTORY_BLOCK == 0u {", "if false {", Buffer::Histories),
+    Mistake("loads", 0, "history.wgsl", "histories[new_] = histories[old]", "histories[new_] = vec4u(0u)", Buffer::Histories),
+    Mistake("loads", 0, "history.wgsl", "= vec4u(LINK_KEY | block)", "= vec4u(NO_KEY)", Buffer::Histories),
+    Mistake("loads", 0, "history.wgsl", "if !is_full(chain) &", "if is_full(chain) &", Buffer::Histories),
+    Mistake("loads", 0, "history.wgsl", "block + 1u;", "block;", Buffer::Histories),
+    Mistake("loads", 0, "history.wgsl", "atomicAdd(&status.history_blocks, 1u)", "0u", Buffer::Histories),
     Mistake(
         "end_step",
         0,
@@ -155,7 +148,7 @@ static MISTAKES: [Mistake; 9] = [
 fn mistakes_in_chains_are_rejected() {
     let world = before(BLOCKS);
     for mistake in &MISTAKES {
-        let all = found(&world, &["law_forces", "end_step"], Some(mistake));
+        let all = found(&world, &["loads", "end_step"], Some(mistake));
         assert!(all.contains(&mistake.5), "{}: '{}' is accepted", mistake.2, mistake.4);
     }
 }

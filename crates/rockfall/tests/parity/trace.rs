@@ -2,7 +2,7 @@
 
 use rockfall::model::layout::{
     CELL_BLOCK, CELLS_AT, FLAG_STAGES, HISTORY_WORDS, LAW_THESIS, LINK_KEY, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED,
-    SWEEPS_OFF, SWEEPS_ON,
+    SWEEPS_ON,
 };
 use rockfall::model::status::REBUILD_REQUESTED;
 use rockfall::model::world::World;
@@ -221,7 +221,7 @@ fn add_springs(world: &mut World, plan: &Plan) {
     for run in lists.flat_map(|phase| phase.stages(plan.integrator, plan.broad_phase)) {
         run.on_cpu(&mut early);
     }
-    let laws = ["law_forces", "end_step"];
+    let laws = ["rod_loads", "loads", "end_step"];
     let stages = Phase::UpdatePositions.stages(Integrator::SymplecticEuler, plan.broad_phase).iter();
     stages.filter(|run| laws.contains(&run.stage.name)).for_each(|run| run.on_cpu(&mut early));
     assert_eq!(early.status.rejected, 0, "the pool has no room for all springs");
@@ -311,8 +311,6 @@ fn collision_scenarios(world: &World, group: &[Run], plan: &Plan) -> Vec<Scenari
     }
     if plan.only == Only::Lone {
         modes.push(SWEEPS_LISTED);
-        // Collision friction reads the normal impulses from the list of collisions.
-        modes.extend((!plan.rods && world.step.collision_friction <= 0.0).then_some(SWEEPS_OFF));
     }
     let last = group.iter().position(|run| run.stage.name == "commit_collisions").expect("the stage");
     let mut ends = vec![last + 1];
@@ -326,9 +324,9 @@ fn collision_scenarios(world: &World, group: &[Run], plan: &Plan) -> Vec<Scenari
     .collect()
 }
 
-/// Scenario of a stage of the starting forces of velocity Verlet, if those of the step before are known.
+/// Scenario of a stage of velocity Verlet that needs the rates at the start of the step, if those of the step before are known.
 fn scenario_without_forces(world: &World, run: &Run, plan: &Plan) -> Option<Scenario> {
-    let evaluates = ["rod_forces", "law_forces", "starting_forces"].contains(&run.stage.name) && run.pass == 0;
+    let evaluates = ["rod_loads", "loads", "drift"].contains(&run.stage.name) && run.pass == 0;
     let is_concerned = evaluates && plan.integrator == Integrator::VelocityVerlet && run.applies(&world.step);
     is_concerned.then(|| {
         let mut before = world.clone();
@@ -372,13 +370,7 @@ fn decide(world: &World, run: &Run, findings: &mut Findings) {
         "count_cells" => cells::decide(world, findings),
         "find_collisions" => decisions::escapes(world, 0, findings),
         "apply_friction_impulses" => decisions::friction_impulses(world, findings),
-        "advance" | "finish" | "finish_and_turn" | "symplectic_euler" => {
-            decisions::escapes(world, state, findings);
-            decisions::forces(world, state, findings);
-        }
-        "starting_forces" => decisions::forces(world, 0, findings),
-        "drift" => decisions::escapes(world, 0, findings),
-        "kick" | "kick_and_turn" => {
+        "loads" => {
             decisions::escapes(world, state, findings);
             decisions::forces(world, state, findings);
         }

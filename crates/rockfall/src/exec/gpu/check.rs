@@ -6,7 +6,7 @@ use crate::model::dispatch::sizes;
 use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LINK_KEY,
     LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_ROD, PAIR_WORDS, POLYGON_WORDS,
-    ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, SWEEPS_OFF, TETHER_WORDS, words_of_rows,
+    ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, TETHER_WORDS, words_of_rows,
 };
 use crate::model::status::REJECTED_PAIRS;
 use crate::model::world::World;
@@ -79,8 +79,6 @@ fn check_topology(world: &World) -> Result<()> {
         check_networks(world)?;
     }
     ensure(step.rods > 0 || step.networks == 0, "the number of networks")?;
-    // Kernels for scenes with long lists read the collision records.
-    ensure(step.sweeps != SWEEPS_OFF || !step.has_long_lists(), "the method that solves collisions")?;
     check_batches(world)
 }
 

@@ -7,8 +7,8 @@ use crate::fine::Fine;
 use crate::model::dispatch::sizes;
 use crate::model::layout::{
     CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_GROUPS,
-    FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LAW_THESIS, LEVEL_BIAS, LINE,
-    MIN_PLANNED_OBJECTS, SLICE, SUM_WORDS,
+    FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LEVEL_BIAS, LINE, MIN_PLANNED_OBJECTS, SLICE,
+    SUM_WORDS,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -98,8 +98,7 @@ impl World {
         world.set_topology(scene)?;
         world.set_spheres(scene);
         world.set_grid(scene);
-        // Laws with history evaluate the contacts of a mover in one thread.
-        world.step.large = if world.step.law == LAW_THESIS { world.large_spheres(scene) } else { 0 };
+        world.step.large = world.large_spheres(scene);
         world.set_history_pool(0);
         world.set_collision_room();
         let entries = if world.movers() <= FEW_MOVERS { FIRST_ENTRIES_OF_FEW } else { FIRST_ENTRIES };
@@ -151,7 +150,7 @@ impl World {
         self.place_cells(2 * self.objects(), has_long_movers(scene, self.step.cell_size));
     }
 
-    /// Lists collisions from the start when bodies may have long lists. Solves them by sweeps when there are networks.
+    /// Gives room for collisions from the start when bodies may have long lists. Solves them by sweeps when there are networks.
     fn set_collision_room(&mut self) {
         let step = &mut self.step;
         if step.has_long_lists() {

@@ -1,6 +1,5 @@
 // requires model/collision_state.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
-// requires physics/collision/other_collisions.wgsl physics/contact.wgsl physics/escape.wgsl physics/motion.wgsl
-// requires step/collisions/report_clusters.wgsl step/collisions/rows.wgsl
+// requires physics/escape.wgsl physics/motion.wgsl step/collisions/rows.wgsl
 
 // The state of a single sphere after its collisions.
 
@@ -52,17 +51,6 @@ fn changes_of(sphere: u32) -> Change {
         }
     }
     return change;
-}
-
-// What a collision adds to a sphere without rods, computed without a record.
-fn part_by_itself(sphere: u32, other: u32) -> Part {
-    let pair = ordered(sphere, other);
-    let plainly = solve_plain(pair.x, pair.y);
-    if plainly.is_shared {
-        note_cluster();
-    }
-    let impulse = select(1.0, -1.0, pair.x == sphere) * plainly.solved.impulse;
-    return Part(plainly.solved.n, impulse, impulse * plainly.solved.tau);
 }
 
 // Writes the state of a sphere after its collisions.

@@ -14,7 +14,7 @@ use crate::model::view::{Object, View};
 use crate::physics::collision::body::{Body, Capsule, Part};
 use crate::physics::collision::{Change, Collision};
 use crate::physics::first_contact::time_of_beginning;
-use crate::physics::forces::net_force::{attached_curvature, attached_force};
+use crate::physics::forces::attached::{attached_curvature, attached_force};
 use crate::physics::pairs::Surface;
 use crate::physics::touch::{Feature, Motions, line};
 

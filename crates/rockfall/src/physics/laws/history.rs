@@ -102,9 +102,9 @@ pub(crate) struct Chains<'a> {
 }
 
 impl<'a> Chains<'a> {
-    /// The whole pool is free. `words` are those of the table.
-    pub(crate) fn new(words: &'a mut [u32], movers: u32) -> Self {
-        Self { words, movers, taken: 0 }
+    /// `taken` blocks of the pool are not free. `words` are those of the table.
+    pub(crate) fn new(words: &'a mut [u32], movers: u32, taken: u32) -> Self {
+        Self { words, movers, taken }
     }
 
     /// Writes the records of a mover, by its insertion index. Blocks for which the pool has no room are only counted.
@@ -130,6 +130,47 @@ impl<'a> Chains<'a> {
         let first = block as usize * BLOCK_WORDS;
         let Some(words) = self.words.get_mut(first..first + BLOCK_WORDS) else { return };
         words.chunks_exact_mut(WORDS).zip(records).for_each(|(place, record)| place.copy_from_slice(record));
+    }
+}
+
+/// The springs that a mover owns after the step.
+#[derive(Default)]
+pub(crate) struct Owned<'a> {
+    /// The block of the mover; empty in an evaluation that does not advance springs.
+    block: &'a mut [u32],
+    /// Number of springs.
+    count: usize,
+    /// All records of a mover that needs further blocks, and none of others.
+    all: Vec<Record>,
+}
+
+impl<'a> Owned<'a> {
+    /// No springs. `block` is that of the mover, or empty in an evaluation that does not advance springs.
+    pub(crate) fn new(block: &'a mut [u32]) -> Self {
+        block.fill(NO_KEY);
+        Self { block, ..Self::default() }
+    }
+
+    /// Adds a spring.
+    pub(crate) fn push(&mut self, record: Record) {
+        if self.block.is_empty() {
+            return;
+        }
+        let (records, _) = self.block.as_chunks_mut();
+        if let Some(place) = records.get_mut(self.count) {
+            *place = record;
+        } else {
+            if self.all.is_empty() {
+                self.all.extend_from_slice(records);
+            }
+            self.all.push(record);
+        }
+        self.count += 1;
+    }
+
+    /// The records that the block has no room for, with those in it; empty if it has.
+    pub(crate) fn into_long(self) -> Vec<Record> {
+        self.all
     }
 }
 

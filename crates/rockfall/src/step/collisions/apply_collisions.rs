@@ -1,7 +1,7 @@
 //! Applies the impulses of all collisions to the bodies (docs/physics.md sections 3.5 to 3.7). A lone collision is handled
 //! at its time of contact. Collisions that share bodies, and those on networks of rods, are solved by sweeps.
 //!
-//! On the CPU, this stage also computes the impulses. On a GPU it does so only where collisions are not listed.
+//! On the CPU, this stage also computes the impulses.
 //!
 //! The new state of the spheres of all bodies that collide goes to `Y2`, because other spheres still read the old state. A
 //! sphere whose new state is not finite keeps its position, loses velocity and spin, and is reported. The step is rejected if the

@@ -15,14 +15,6 @@
 // What the collision of the entry in this slot adds to a sphere. The entry is in the list of `row`, a row
 // of the sphere (see rows.wgsl).
 fn part_of_entry(sphere: u32, row: u32, slot: vec2u) -> Part {
-    if !RODS & !LARGE {
-        let entry = entry_at(slot);
-        // The entry always collides, so the second condition changes nothing. With the first condition alone, Mesa's lavapipe
-        // would compile this kernel again for every dispatch.
-        if (step.sweeps == SWEEPS_OFF) & ((entry & ENTRY_COLLIDES) != 0u) {
-            return part_by_itself(sphere, entry_id(entry));
-        }
-    }
     let r = record_of(slot);
     let impulse = impulse_at(r);
     let velocity = part_on(sphere, row, r) * impulse.even;

@@ -1,5 +1,5 @@
-//! Creates a record for every collision, where collisions are listed, and stores the number of the record with the list
-//! entries of both sides (docs/physics.md sections 3.5 to 3.7).
+//! Creates a record for every collision, and stores the number of the record with the list entries of both sides (docs/physics.md
+//! sections 3.5 to 3.7).
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;

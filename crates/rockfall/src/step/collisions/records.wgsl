@@ -1,7 +1,6 @@
 // requires model/entries.wgsl model/step.wgsl
 
-// The records of the collisions of a step, where collisions are listed (docs/physics.md sections 3.5 to 3.7). A record has
-// ROWS rows of four words. Floats are stored by their bits, because the rows also hold ids. The weight of a collision is
+// The records of the collisions of a step (docs/physics.md sections 3.5 to 3.7). A record has ROWS rows of four words. Floats are stored by their bits, because the rows also hold ids. The weight of a collision is
 // its scale in the sweeps. Neighbours are other collisions that share a body with it. A coupling is the change of the
 // approach velocity of this collision per unit of the other's impulse.
 //

@@ -15,7 +15,7 @@ fn note_cluster() {
     if atomicLoad(&status.clustered) == 0u {
         atomicStore(&status.clustered, 1u);
     }
-    if (step.sweeps == SWEEPS_OFF) | (step.sweeps == SWEEPS_LISTED) {
+    if step.sweeps == SWEEPS_LISTED {
         reject_for_collisions();
     }
     if atomicLoad(&status.listed) > FEW_COLLISIONS {

@@ -1,5 +1,5 @@
-// requires model/objects.wgsl model/step.wgsl model/step_block.wgsl physics/forces/net_force.wgsl physics/rotation.wgsl
-// requires step/commit.wgsl step/fused/world_contacts.wgsl step/fused/world_memory.wgsl step/fused/world_springs.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/forces/load.wgsl physics/forces/net_force.wgsl
+// requires physics/rotation.wgsl step/fused/world_contacts.wgsl step/fused/world_memory.wgsl step/fused/world_springs.wgsl
 // requires step/integrate/close_step.wgsl step/integrate/finished.wgsl step/integrate/next_state.wgsl
 // requires step/integrate/symplectic_euler_state.wgsl
 
@@ -83,12 +83,13 @@ fn turn_own(spin: vec3f) {
 
 // Computes the next stage state of a sphere, or its state after the step, from the forces on it.
 fn advance_sphere(i: u32, net: Net, is_symplectic_euler: bool) {
+    let load = Load(net.force, net.torque);
     if is_symplectic_euler {
-        write_symplectic_euler(i, net);
+        turn_own(symplectic_euler_sphere(i, load));
     } else if evaluated == 3u {
-        turn_own(finish_sphere(i, net).spin);
+        turn_own(finish_sphere(i, load).spin);
     } else {
-        write_next(i, net);
+        write_next(i, load);
     }
     if evaluated == 0u {
         last_contacts = net.contacts;
@@ -126,10 +127,6 @@ fn add_stage_state() {
 
 // Shows the state whose forces are evaluated next.
 fn show_next(i: u32, evaluations: u32, is_symplectic_euler: bool) {
-    if is_symplectic_euler {
-        commit(i);
-        turn_own(next[2].xyz * next[2].w);
-    }
     if is_symplectic_euler | (evaluated == 3u) {
         show(i, start[0], start[1], start[2]);
         if is_moving() {

@@ -13,9 +13,12 @@ use crate::model::muscles::MusclesOfFour;
 use crate::model::state::Motion;
 use crate::model::view::{TINY, View};
 use crate::model::world::World;
-use crate::physics::forces::net_force::{Load, contact_load, count_contacts, tether_force};
+use crate::physics::forces::attached::tether_force;
+use crate::physics::forces::contacts::{Contacts, Load};
 use crate::physics::forces::rates_of;
+use crate::physics::laws::history::{Histories, Owned};
 use crate::settings::{BroadPhase, Integrator};
+use crate::step::forces::loads::note_place;
 use crate::step::integrate::advance::next_state;
 use crate::step::integrate::end_step;
 use crate::step::integrate::finish::finished;
@@ -51,7 +54,7 @@ pub(crate) fn update_positions(world: &mut World) {
     end_step::end_step(world, 0);
 }
 
-/// Computes the next stage state, as the stage `advance` does.
+/// Computes loads and the next stage state, as the stages `loads` and `advance` do.
 fn advance(world: &mut World, springs: &mut Springs, pass: u32) {
     let (done, todo) = world.states.split_at_mut(pass as usize + 1);
     let start = View::new(&world.step, &world.topology, &done[0]);
@@ -60,31 +63,22 @@ fn advance(world: &mut World, springs: &mut Springs, pass: u32) {
         .with_laws(&world.user_laws);
     let lists = Lists::new(&world.step, &world.lists);
     let mut tally = Tally::default();
-    for sphere in 0..world.step.spheres {
-        springs.loads[sphere as usize] = if !view.is_fixed(sphere) {
-            contact_load(&view, &lists, sphere, (pass == 0).then_some(&mut tally))
-        } else {
-            if pass == 0 {
-                count_contacts(&view, &lists, sphere, &mut tally);
-            }
-            Load::default()
-        };
-    }
     // Stages 2 and 3 are at the same time.
-    springs.evaluate(&view, pass != 2);
+    springs.evaluate(&Contacts { view: &view, lists: &lists, histories: Histories::new(&[]) }, pass, pass != 2, &mut tally);
     for sphere in 0..world.step.spheres {
         let next = if view.is_fixed(sphere) {
             Motion::of(&start, sphere)
         } else {
             let rates = rates_of(&view, sphere, &springs.loads[sphere as usize]);
-            next_state(&start, &view, &world.aabbs, pass, sphere, &rates, &mut tally)
+            next_state(&start, &view, pass, sphere, &rates, &mut tally)
         };
+        note_place(&view, &world.aabbs, pass, sphere, &mut tally);
         set(&mut todo[0], &start, sphere, next);
     }
     tally.add_to(&mut world.status);
 }
 
-/// Computes the state after the step and turns the spheres, as the stage `finish_and_turn` does.
+/// Computes loads and the state after the step, and turns the spheres, as the stages `loads` and `finish` do.
 fn finish(world: &mut World, springs: &mut Springs) {
     let [start, y2, y3, y4] = &mut world.states;
     let views = [&*y2, y3, y4].map(|state| {
@@ -92,12 +86,14 @@ fn finish(world: &mut World, springs: &mut Springs) {
     });
     let last = &views[2];
     let lists = Lists::new(&world.step, &world.lists);
-    for sphere in 0..world.step.spheres {
-        let is_fixed = last.is_fixed(sphere);
-        springs.loads[sphere as usize] = if is_fixed { Load::default() } else { contact_load(last, &lists, sphere, None) };
-    }
-    springs.evaluate(last, true);
     let mut tally = Tally::default();
+    (0..world.step.spheres).for_each(|sphere| note_place(last, &world.aabbs, 3, sphere, &mut tally));
+    tally.add_to(&mut world.status);
+    if world.status.rejected != 0 {
+        return;
+    }
+    let mut tally = Tally::default();
+    springs.evaluate(&Contacts { view: last, lists: &lists, histories: Histories::new(&[]) }, 3, true, &mut tally);
     let n = world.step.spheres as usize;
     for sphere in 0..world.step.spheres {
         let place = sphere as usize;
@@ -173,9 +169,19 @@ impl Springs {
         Self { fours, loads: vec![Load::default(); step.spheres as usize], has_others: words > 2 * count }
     }
 
-    /// Adds the forces of springs, tethers and external forces to the loads, on every sphere in the order of its attachments:
-    /// springs, tethers, forces, each in insertion order. `has_new_time` tells whether the rest lengths of muscles change.
-    fn evaluate(&mut self, view: &View, has_new_time: bool) {
+    /// Computes the loads. Contacts come first, then springs, tethers and external forces, on every sphere in the order of its
+    /// attachments: springs, tethers, forces, each in insertion order. `has_new_time` tells whether the rest lengths of muscles change.
+    fn evaluate(&mut self, contacts: &Contacts, pass: u32, has_new_time: bool, tally: &mut Tally) {
+        let view = contacts.view;
+        for (sphere, load) in (0..).zip(&mut self.loads) {
+            let mut counts = (pass == 0).then_some(&mut *tally);
+            *load = Load::default();
+            if !view.is_fixed(sphere) {
+                *load = contacts.sphere_load(sphere, &mut Owned::default(), counts);
+            } else if let Some(tally) = &mut counts {
+                contacts.count(sphere, tally);
+            }
+        }
         let has_muscles = view.step.muscles_at != 0;
         for four in &mut self.fours {
             if has_muscles && has_new_time {

@@ -1,4 +1,4 @@
-// requires model/step.wgsl model/step_block.wgsl physics/forces/net_force.wgsl
+// requires model/step.wgsl
 
 // What a workgroup of `run_worlds` keeps of its worlds, and what a thread keeps of its sphere. Workgroup memory has only what threads
 // exchange, because a device runs more worlds at a time if each takes less.
@@ -87,10 +87,6 @@ fn put_start(region: u32, i: u32, row: vec4f) {
     start[region] = row;
 }
 
-fn next_row(region: u32, i: u32) -> vec4f {
-    return next[region];
-}
-
 fn put_next(region: u32, i: u32, row: vec4f) {
     next[region] = row;
 }
@@ -111,13 +107,6 @@ fn early_momenta(i: u32, start_momentum: vec3f) -> vec3f {
 fn y4_row(region: u32, i: u32) -> vec4f {
     return state[own_rows + region * WORLD_SPHERES + i];
 }
-
-// The next functions do nothing, because these worlds have no rods.
-fn add_wrench(i: u32, rod: u32, net: ptr<function, Net>) {}
-
-fn add_law_load(i: u32, net: ptr<function, Net>) {}
-
-fn remember(i: u32, old_position: vec3f, spin: vec3f) {}
 
 // Shows rows of the sphere of this thread to the others.
 fn show(i: u32, position: vec4f, velocity: vec4f, momentum: vec4f) {

@@ -1,25 +1,20 @@
-// requires model/counters.wgsl model/one_state.wgsl model/put_next.wgsl model/rates.wgsl model/step.wgsl physics/escape.wgsl
-// requires physics/motion.wgsl
+// requires model/load_rows.wgsl model/one_state.wgsl model/put_next.wgsl model/rates.wgsl model/step.wgsl
+// requires physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> y3: array<vec4f>;
 @group(0) @binding(5) var<storage, read> topology: array<u32>;
 @group(0) @binding(6) var<storage, read> kept_rates: array<f32>;
-@group(0) @binding(7) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(7) var<storage, read> wrenches: array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
-// Reports a moving sphere that is outside its AABB at the start of the step or after the drift. With rods, `check_drift` tests the
-// position after the drift, because rods of fixed length change it.
-fn check_places(i: u32, before: vec4f, after: Motion, velocity: vec4f) {
-    var ratio = escape_ratio(before.xyz, before.w, aabbs[i]);
-    if !RODS {
-        ratio = max(ratio, escape_ratio(after.position, before.w, aabbs[i]));
-        request_rebuild(i, vec4f(after.position, before.w), velocity);
+// The rates at the start of the step.
+fn starting_rates(i: u32, inverse_mass: f32) -> Rates {
+    if status.forces_due != 0u {
+        return sphere_rates(i, inverse_mass, load_of(i));
     }
-    if ratio > 0.0 {
-        report_escape(ratio);
-    }
+    return kept_rates_of(i);
 }
 
 fn drift_sphere(i: u32) {
@@ -29,14 +24,13 @@ fn drift_sphere(i: u32) {
     let low = low_row(i);
     var after = Motion(position.xyz, low, velocity.xyz, momentum.xyz);
     if velocity.w > 0.0 {
-        let rates = kept_rates_of(i);
+        let rates = starting_rates(i, velocity.w);
         after.velocity += 0.5 * step.dt * rates.acceleration;
         after.momentum += 0.5 * step.dt * rates.torque;
         after = displaced(after, step.dt * after.velocity);
         if !is_finite(after) {
             after = stopped(position.xyz, low, 1u, i);
         }
-        check_places(i, position, after, vec4f(after.velocity, velocity.w));
     }
     put_next(0u, i, vec4f(after.position, position.w));
     put_next(1u, i, vec4f(after.velocity, velocity.w));
@@ -59,7 +53,4 @@ fn drift(
         return;
     }
     drift_sphere(i);
-    if i == 0u {
-        count_rebuild();
-    }
 }

@@ -1,10 +1,10 @@
-//! RK4, pass 3: the last force evaluation and the new state (docs/physics.md section 5.1).
+//! RK4, pass 3: the new state (docs/physics.md section 5.1), and without rods the new orientations.
 //!
 //! `y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 f(Y4)`. The stage states contain the earlier rates, so no running
 //! sum of them is needed. Positions get the same mean of the velocities of the stage states, so that their low parts are kept.
 //!
-//! The stage leaves the old position in region 0 of `Y3` and the mean spin (w1 + 2 w2 + 2 w3 + w4) / 6 in region 2, for
-//! `constrain` and `turn`. In scenes without rods these two stages do not run, and `finish_and_turn` replaces this one.
+//! The mean spin is (w1 + 2 w2 + 2 w3 + w4) / 6. In scenes without rods it rotates the sphere (exponential map, docs/physics.md
+//! section 5.3). In others the stage leaves it in region 2 of `Y3`, and the old position in region 0, for `constrain` and `turn`.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,15 +13,15 @@ use crate::error::BadStage;
 use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
-use crate::model::layout::SLICE;
-use crate::model::lists::Lists;
+use crate::model::layout::{GRAIN, SLICE};
 use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::forces::rates::Rates;
 use crate::physics::forces::sphere_rates;
-use crate::step::moves::{FORCES, Moves};
+use crate::step::integrate::turn::turn_for;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -35,13 +35,13 @@ pub(crate) const STAGE: Stage = Stage {
         write("y3", Buffer::Y3),
         write("start", Buffer::Start),
         read("topology", Buffer::Topology),
-        read("lists", Buffer::Lists),
         read("wrenches", Buffer::Wrenches),
+        write("orientations", Buffer::Orientations),
         write("status", Buffer::Status),
     ],
-    threads: Threads::SharedSpheres,
-    // Reads 3 rows of four states; writes 3, and the old position and mean spin.
-    moves: |_| Moves { rows: 17, ..FORCES },
+    threads: Threads::WideSpheres,
+    // Reads 3 rows of four states and the load; writes 3 rows; reads and writes the orientation.
+    moves: |_| Moves { rows: 19, ..NONE },
     cpu: finish,
 };
 
@@ -51,6 +51,11 @@ fn finish(world: &mut World, _pass: u32) {
     }
     let done = finish_all(world);
     let step = &world.step;
+    if step.rods == 0 {
+        let turning = world.orientations.par_iter_mut().zip(&done).with_min_len(GRAIN);
+        turning.for_each(|(orientation, done)| turn_for(orientation, done.spin, step.dt));
+        return;
+    }
     Rows::of(&mut world.states[2], step.spheres).for_each(|mut memory| {
         for sphere in memory.spheres() {
             let Finished { old_position, spin } = done[sphere as usize];
@@ -61,19 +66,18 @@ fn finish(world: &mut World, _pass: u32) {
 
 /// Data of a sphere for the later stages of the step.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Finished {
+struct Finished {
     old_position: Vec3,
     /// The mean spin over the step, in rad/s.
-    pub(super) spin: Vec3,
+    spin: Vec3,
 }
 
 /// Computes the new state of all spheres.
-pub(super) fn finish_all(world: &mut World) -> Vec<Finished> {
+fn finish_all(world: &mut World) -> Vec<Finished> {
     let [start, y2, y3, y4] = &mut world.states;
     let views = [&*y2, y3, y4].map(|state| {
         View::new(&world.step, &world.topology, state).at_evaluation(&world.status, 3).with_laws(&world.user_laws)
     });
-    let lists = Lists::new(&world.step, &world.lists);
     let mut all = vec![Finished::default(); world.step.spheres as usize];
     let tally = Rows::of(start, world.step.spheres)
         .zip(all.par_chunks_mut(SLICE as usize))
@@ -81,7 +85,7 @@ pub(super) fn finish_all(world: &mut World) -> Vec<Finished> {
             let mut tally = Tally::default();
             for (sphere, done) in rows.spheres().zip(all) {
                 let start = rows.get(sphere);
-                let rates = || sphere_rates(&views[2], &lists, &world.wrenches, sphere, None);
+                let rates = || sphere_rates(&views[2], &world.wrenches, sphere);
                 let (motion, spin) = finished(start, &views, sphere, rates, &mut tally);
                 rows.set(&views[2], sphere, motion);
                 *done = Finished { old_position: start.position, spin };

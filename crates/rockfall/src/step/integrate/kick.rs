@@ -1,6 +1,6 @@
-//! Velocity Verlet, in scenes with rods: evaluates the forces after the drift, from `Y4`, and completes the kick: v += dt/2 a,
-//! L += dt/2 T (docs/physics.md section 5.7). Keeps the rates for the next step and clears `forces_due`. Counts contacts, and
-//! reports spheres whose state is not finite.
+//! Velocity Verlet: completes the kick with the loads after the drift: v += dt/2 a, L += dt/2 T (docs/physics.md section 5.7).
+//! Keeps the rates for the next step and clears `forces_due`. Reports spheres whose state is not finite. In scenes without rods it
+//! rotates every sphere by its spin in the middle of the step (exponential map, docs/physics.md section 5.3).
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -9,16 +9,15 @@ use crate::error::BadStage;
 use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
-use crate::model::layout::{LAW_THESIS, RATE_WORDS, SLICE};
-use crate::model::lists::Lists;
+use crate::model::layout::{GRAIN, RATE_WORDS, SLICE};
 use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::physics::forces::net_force::count_contacts;
 use crate::physics::forces::rates::Rates;
 use crate::physics::forces::sphere_rates;
-use crate::step::moves::{FORCES, Moves};
+use crate::step::integrate::turn::turn_for;
+use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
@@ -30,38 +29,39 @@ pub(crate) const STAGE: Stage = Stage {
         read("state", Buffer::Y4),
         write("start", Buffer::Start),
         read("topology", Buffer::Topology),
-        read("lists", Buffer::Lists),
         read("wrenches", Buffer::Wrenches),
         write("kept_rates", Buffer::Rates),
+        write("orientations", Buffer::Orientations),
         write("status", Buffer::Status),
     ],
-    threads: Threads::SharedSpheres,
-    // Reads 3 rows, writes 3.
-    moves: |_| Moves { rows: 6, rates: 1, ..FORCES },
+    threads: Threads::WideSpheres,
+    // Reads 3 rows and the load; writes 3 rows; reads and writes the orientation.
+    moves: |_| Moves { rows: 10, rates: 1, ..NONE },
     cpu: kick,
 };
 
 fn kick(world: &mut World, pass: u32) {
-    if world.status.rejected == 0 {
-        kick_all(world, pass);
+    if world.status.rejected != 0 {
+        return;
+    }
+    let spins = kick_all(world, pass);
+    if world.step.rods == 0 {
+        let turning = world.orientations.par_iter_mut().zip(&spins).with_min_len(GRAIN);
+        turning.for_each(|(orientation, spin)| turn_for(orientation, *spin, world.step.dt));
     }
 }
 
 /// Computes the new state of all spheres, and returns their spins in the middle of the step.
-pub(super) fn kick_all(world: &mut World, pass: u32) -> Vec<Vec3> {
+fn kick_all(world: &mut World, pass: u32) -> Vec<Vec3> {
     let [start, .., y4] = &mut world.states;
     let view = View::new(&world.step, &world.topology, y4).at_evaluation(&world.status, pass).with_laws(&world.user_laws);
-    let lists = Lists::new(&world.step, &world.lists);
     let mut all = vec![(None, Vec3::ZERO); world.step.spheres as usize];
     let kick = |sphere: u32, old: Motion, tally: &mut Tally| {
         let y = Motion::of(&view, sphere);
         if view.is_fixed(sphere) {
-            if view.step.law == LAW_THESIS {
-                count_contacts(&view, &lists, sphere, tally);
-            }
             return (old, (None, view.spin(sphere)));
         }
-        let rates = sphere_rates(&view, &lists, &world.wrenches, sphere, Some(&mut *tally));
+        let rates = sphere_rates(&view, &world.wrenches, sphere);
         let half = 0.5 * view.step.dt;
         let next = Motion {
             position: y.position,
@@ -95,7 +95,7 @@ pub(super) fn kick_all(world: &mut World, pass: u32) -> Vec<Vec3> {
 }
 
 /// Keeps the rates of the spheres, given by memory slot.
-pub(super) fn put_rates(world: &mut World, rates: &[Option<Rates>]) {
+fn put_rates(world: &mut World, rates: &[Option<Rates>]) {
     let view = View::new(&world.step, &world.topology, &world.states[0]);
     for (sphere, rates) in rates.iter().enumerate() {
         if let Some(Rates { acceleration, torque }) = rates {

@@ -1,27 +1,60 @@
-// requires model/one_state.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/wrenches.wgsl
-// requires step/integrate/kicked.wgsl
-// requires step/large_spheres/large_sphere_forces.wgsl step/large_spheres/workgroup_per_sphere.wgsl
+// requires model/load_rows.wgsl model/one_state.wgsl model/put_rates.wgsl model/step.wgsl physics/forces/load.wgsl
+// requires physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/rotation.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> start: array<vec4f>;
 @group(0) @binding(4) var<storage, read> topology: array<u32>;
-@group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
-@group(0) @binding(6) var<storage, read> wrenches: array<vec4f>;
-@group(0) @binding(7) var<storage, read_write> kept_rates: array<f32>;
+@group(0) @binding(5) var<storage, read> wrenches: array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> kept_rates: array<f32>;
+@group(0) @binding(7) var<storage, read_write> orientations: array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
-@compute @workgroup_size(64)
+// The second half of the kick. `state` is the state after the drift. Writes the new state and the rates, and returns the spin in the
+// middle of the step.
+fn kick_sphere(i: u32, load: Load) -> vec3f {
+    let position = state[position_at(i)];
+    let velocity = state[velocity_at(i)];
+    let momentum = state[momentum_at(i)];
+    if velocity.w <= 0.0 {
+        return momentum.xyz * momentum.w;
+    }
+    var rates = sphere_rates(i, velocity.w, load);
+    var after = Motion(
+        position.xyz,
+        low_row(i),
+        velocity.xyz + 0.5 * step.dt * rates.acceleration,
+        momentum.xyz + 0.5 * step.dt * rates.torque,
+    );
+    var spin = momentum.xyz * momentum.w;
+    if !is_finite(after) {
+        after = stopped(start[i].xyz, start[low_at(i)].xyz, 2u, i);
+        rates = Rates(vec3f(0.0), vec3f(0.0));
+        spin = vec3f(0.0);
+    }
+    put_rates(i, rates);
+    start[i] = vec4f(after.position, position.w);
+    start[step.spheres + i] = vec4f(after.velocity, velocity.w);
+    start[2u * step.spheres + i] = vec4f(after.momentum, momentum.w);
+    start[low_at(i)] = vec4f(after.low, 0.0);
+    return spin;
+}
+
+@compute @workgroup_size(256)
 fn kick(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let workgroup = linear_group(group, groups);
-    let i = mover_of(workgroup, local);
-    let net = net_of(workgroup, local);
-    if (i < step.spheres) & is_writer(workgroup, local) & (atomicLoad(&status.rejected) == 0u) {
-        kick_sphere(i, net);
-        rates_are_kept(i);
+    let i = wide_thread(group, groups, local);
+    if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) {
+        return;
     }
-    count_contacts_of_workgroup(workgroup, local, net.contacts, net.deepest);
+    let spin = kick_sphere(i, load_of(i));
+    if !RODS {
+        turn_by(i, rotation(spin));
+    }
+    if i == 0u {
+        // The rates belong to the new state.
+        status.forces_due = 0u;
+    }
 }

@@ -1,26 +1,7 @@
-// requires model/counters.wgsl model/step.wgsl physics/forces/net_force.wgsl physics/forces/sphere_rates.wgsl
-// requires physics/escape.wgsl
-// requires physics/motion.wgsl
+// requires model/step.wgsl physics/forces/load.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl
 
-// The next stage state of a sphere, from the forces on it in the evaluated stage state.
-
-// Checks all four stage states at once, so that AABBs are read only once. The step has not changed the state yet, so a
-// rejected step leaves it as it was.
-fn check_escapes(i: u32, start: vec4f, velocity: vec3f, last: vec3f) {
-    let aabb = aabbs[i];
-    let second = start.xyz + 0.5 * step.dt * velocity;
-    var ratio = max(escape_ratio(start.xyz, start.w, aabb), escape_ratio(last, start.w, aabb));
-    ratio = max(ratio, escape_ratio(state[position_at(i)].xyz, start.w, aabb));
-    // If stage state 2 was not finite, pass 0 has replaced it by the starting position.
-    if finite(second) {
-        ratio = max(ratio, escape_ratio(second, start.w, aabb));
-    }
-    if ratio > 0.0 {
-        report_escape(ratio);
-    }
-}
-
-fn write_next(i: u32, net: Net) {
+// Writes the next stage state of a sphere, from its load in the evaluated stage state.
+fn write_next(i: u32, load: Load) {
     let old_position = start_row(0u, i);
     let old_velocity = start_row(1u, i);
     let old_momentum = start_row(2u, i);
@@ -37,17 +18,11 @@ fn write_next(i: u32, net: Net) {
         } else {
             after.position += by;
         }
-        let rates = sphere_rates(i, old_velocity.w, net);
+        let rates = sphere_rates(i, old_velocity.w, load);
         after.velocity += c * rates.acceleration;
         after.momentum += c * rates.torque;
         if !is_finite(after) {
             after = stopped(old_position.xyz, low, evaluation() + 1u, i);
-        }
-        if evaluation() == 2u {
-            check_escapes(i, old_position, old_velocity.xyz, after.position);
-            // Stage state 4 is close to the state at the end of the step. This is accurate enough: if a sphere leaves its
-            // AABB without a request, the step is rejected.
-            request_rebuild(i, vec4f(after.position, old_position.w), vec4f(after.velocity, old_velocity.w));
         }
     }
     put_next(0u, i, vec4f(after.position, old_position.w));

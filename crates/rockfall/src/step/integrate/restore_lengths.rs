@@ -1,6 +1,6 @@
 //! Removes errors of rod lengths from the scene or from an edit, in positions only (docs/physics.md section 5.4).
 //!
-//! Runs when `lengths_due` is set. The first pass of `rod_forces` clears it, so the correction is not made again when the
+//! Runs when `lengths_due` is set. The first pass of `loads` clears it, so the correction is not made again when the
 //! step is repeated.
 
 use crate::model::buffer::Buffer;

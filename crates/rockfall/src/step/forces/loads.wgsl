@@ -1,0 +1,55 @@
+// requires model/counters.wgsl model/load_rows.wgsl model/one_state.wgsl model/step.wgsl physics/escape.wgsl physics/forces/due.wgsl
+// requires physics/forces/net_force.wgsl step/large_spheres/large_sphere_load.wgsl step/large_spheres/workgroup_per_sphere.wgsl
+
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read> topology: array<u32>;
+@group(0) @binding(4) var<storage, read> lists: array<array<u32, SLICE>>;
+@group(0) @binding(5) var<storage, read_write> histories: array<vec4u>;
+@group(0) @binding(6) var<storage, read_write> wrenches: array<vec4f>;
+@group(0) @binding(7) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
+
+fn put_load(i: u32, net: Net) {
+    let at = load_at(i);
+    wrenches[at] = vec4f(net.force, 0.0);
+    wrenches[at + 1u] = vec4f(net.torque, 0.0);
+}
+
+// Reports a sphere that is outside its AABB. In the last pass of several, requests new lists if it may soon leave it.
+fn check_place(i: u32, velocity: vec4f) {
+    let place = state[position_at(i)];
+    let ratio = escape_ratio(place.xyz, place.w, aabbs[i]);
+    if ratio > 0.0 {
+        report_escape(ratio);
+    }
+    if evaluation() == 3u {
+        request_rebuild(i, place, velocity);
+    }
+}
+
+@compute @workgroup_size(64)
+fn loads(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let workgroup = linear_group(group, groups);
+    let i = mover_of(workgroup, local);
+    let net = net_of(workgroup, local);
+    if (i < step.spheres) & is_writer(workgroup, local) & are_wanted() {
+        let velocity = state[velocity_at(i)];
+        if velocity.w > 0.0 {
+            if are_due() {
+                put_load(i, net);
+            }
+            check_place(i, velocity);
+        }
+        if (i == 0u) & (evaluation() == 0u) {
+            count_rebuild();
+            status.lengths_due = 0u;
+        }
+    }
+    if evaluation() == COUNTED {
+        count_contacts_of_workgroup(workgroup, local, net.contacts, net.deepest);
+    }
+}
