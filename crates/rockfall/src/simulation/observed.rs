@@ -14,7 +14,7 @@ use crate::model::muscles::MuscleClock;
 use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_PAIRS, Status};
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::physics::travel::escape_ratio;
+use crate::physics::travel::outside;
 use crate::scene::Scene;
 use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::drive::{MAX_ATTEMPTS, room_for};
@@ -115,11 +115,15 @@ pub(crate) fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
     (view, Lists::new(&world.step, &world.lists))
 }
 
-/// Whether lists that were built for an earlier state hold every pair in contact: no sphere has left its AABB.
+/// Whether lists that were built for an earlier state hold every pair in contact: no sphere has left its AABB. Fixed spheres count too,
+/// because an edit may move them.
 fn holds_pairs(world: &World) -> bool {
     let view = View::new(&world.step, &world.topology, &world.states[0]);
     let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
-    spheres.all(|sphere| escape_ratio(&view, &world.aabbs, sphere) <= 0.0)
+    spheres.all(|sphere| {
+        let aabb = &world.aabbs[sphere as usize];
+        outside(&world.step, aabb, view.position(sphere), view.radius(sphere)) <= 0.0
+    })
 }
 
 /// The stages that find the velocities at the time of the positions and, if they are needed, set collision flags.
@@ -171,9 +175,11 @@ fn find_loads(world: &mut World) {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use crate::{Backend, ContactLaw, Cuboid, Integrator, Material, Options, Pair, Scene, Simulation, Sphere};
 
-    /// Balls of one material that fall on each other.
+    /// Balls of one material that fall on each other, and last a fixed one apart from them.
     fn heap(integrator: Integrator) -> Simulation {
         let mut scene = Scene::new();
         scene.settings.contact_law = ContactLaw::HertzMindlin;
@@ -187,6 +193,7 @@ mod tests {
             let ball = Sphere::new([0.9 * x + 0.1 * y, 0.55 + 1.02 * y, 0.0], 0.5).density(1.0).material(soft);
             scene.add_sphere(ball).unwrap();
         }
+        scene.add_sphere(Sphere::new([7.0, 5.0, 0.0], 0.5).density(1.0).material(soft).fixed()).unwrap();
         let options = Options::new().backend(Backend::Cpu).integrator(integrator);
         Simulation::with_options(scene, options).unwrap()
     }
@@ -230,6 +237,12 @@ mod tests {
                     9 => drop(simulation.add_sphere(Sphere::new([0.2, 9.0, 0.1], 0.4).material(soft)).unwrap()),
                     11 => simulation.remove_sphere(ids[0]).unwrap(),
                     13 => simulation.set_settings(simulation.settings().with(|settings| settings.gravity = 3.0)).unwrap(),
+                    15 => {
+                        // The lists then hold for all other balls.
+                        seen(&mut simulation);
+                        let beside = simulation.spheres().unwrap()[4].position + 0.9 * Vec3::Z;
+                        simulation.set_position(ids[12], beside).unwrap();
+                    }
                     _ => {}
                 }
                 let reused = seen(&mut simulation);
