@@ -59,8 +59,6 @@ pub enum Optimization {
     ListInterval,
     /// AABBs that are placed half a step ahead of their bodies.
     Lead,
-    /// AABBs that allow for the acceleration of small spheres between large ones.
-    Acceleration,
     /// Two portions of steps under way on a GPU at the same time.
     Portions,
     /// Memory in spatial order.
@@ -83,7 +81,6 @@ names!(
     JoinedSteps = "joined-steps",
     ListInterval = "list-interval",
     Lead = "lead",
-    Acceleration = "acceleration",
     Portions = "portions",
     SpatialOrder = "spatial-order",
     PlannedDispatches = "planned-dispatches",
@@ -95,11 +92,10 @@ names!(
 
 impl Optimization {
     /// All optimizations that can be left out.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 10] = [
         Self::JoinedSteps,
         Self::ListInterval,
         Self::Lead,
-        Self::Acceleration,
         Self::Portions,
         Self::SpatialOrder,
         Self::PlannedDispatches,

@@ -106,8 +106,6 @@ pub struct Simulation {
     aabbs_due: bool,
     /// The pair lists do not match the scene.
     lists_due: bool,
-    /// The stage states belong to an RK4 step of the same spheres, so they show how the spheres accelerate.
-    has_stages: bool,
     /// The copy of an earlier state that observations reuse; `None` after anything but states has changed.
     observation: Option<Box<World>>,
     /// `scene` holds the current state.
@@ -218,7 +216,6 @@ impl Simulation {
             edits: Vec::new(),
             aabbs_due: true,
             lists_due: true,
-            has_stages: false,
             observation: None,
             synced: true,
             forces_synced: true,

@@ -347,7 +347,6 @@ fn the_constants_equal_those_of_layout() {
         FLAG_PULL,
         FLAG_CONTINUE,
         FLAG_GROUPS,
-        FLAG_STAGES,
         FLAG_PAIR_FRICTION,
         FLAG_RESISTANCE,
         FLAG_COHESION,

@@ -84,10 +84,6 @@ pub const FLAG_PULL: u32 = 2;
 pub const FLAG_CONTINUE: u32 = 4;
 /// Bit of [`Step::flags`](crate::model::step::Step::flags): objects are in more than one group.
 pub const FLAG_GROUPS: u32 = 8;
-/// Bit of [`Step::flags`](crate::model::step::Step::flags), in scenes with large spheres: the buffers `Y3` and `Y4` hold
-/// stage states of a recent RK4 step of the same spheres.
-pub const FLAG_STAGES: u32 = 16;
-
 /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has Coulomb friction.
 pub const FLAG_PAIR_FRICTION: u32 = 32;
 /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has rolling or twisting friction, and the

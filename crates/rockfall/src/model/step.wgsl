@@ -213,7 +213,6 @@ const FLAG_COLLISIONS: u32 = 1u;
 const FLAG_PULL: u32 = 2u;
 const FLAG_CONTINUE: u32 = 4u;
 const FLAG_GROUPS: u32 = 8u;
-const FLAG_STAGES: u32 = 16u;
 const FLAG_PAIR_FRICTION: u32 = 32u;
 const FLAG_RESISTANCE: u32 = 64u;
 const FLAG_COHESION: u32 = 128u;

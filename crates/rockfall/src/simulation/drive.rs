@@ -8,9 +8,7 @@ use crate::model::status::{
     BAD_STAGE_SHIFT, NO_BODY, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_MANY,
     REJECTED_NETWORKS, REJECTED_NON_FINITE, REJECTED_PAIRS, Status,
 };
-use crate::options::Optimization;
 use crate::profile::Recorder;
-use crate::settings::Integrator;
 use crate::simulation::Simulation;
 use crate::simulation::lookahead::{Lists, Lookahead};
 use crate::step::schedule::Phase;
@@ -234,9 +232,6 @@ impl Simulation {
         }
         self.count_calm(done, before);
         let status = &self.status;
-        // Small spheres between large ones are pushed hard. In other scenes, reading the stage states costs more than it saves.
-        let has_large = self.options.integrator == Integrator::Rk4 && self.world.step.large > 0;
-        self.has_stages = has_large && self.options.uses(Optimization::Acceleration);
         let total = |status: &Status| u64::from(status.total_collisions_high) << 32 | u64::from(status.total_collisions_low);
         self.clock.add(done, self.time_step, &mut self.report);
         self.muscle_clock.steps += done;

@@ -324,7 +324,6 @@ impl Simulation {
         self.disorder = Disorder::sorted_at(self.report.steps);
         self.aabbs_due = true;
         self.lists_due = true;
-        self.has_stages = false;
         Ok(())
     }
 
@@ -333,7 +332,6 @@ impl Simulation {
         self.status.forces_due = 1;
         self.aabbs_due = true;
         self.lists_due = true;
-        self.has_stages = false;
     }
 
     /// [`Simulation::sync`] without blocking.

@@ -7,7 +7,6 @@
 use std::collections::VecDeque;
 
 use crate::error::Result;
-use crate::model::layout::FLAG_STAGES;
 use crate::model::status::{REBUILD_REQUESTED, Status};
 use crate::options::Optimization;
 use crate::profile::Recorder;
@@ -146,7 +145,6 @@ impl Simulation {
         let step = &mut self.world.step;
         step.dt = self.time_step;
         step.list_interval = interval as f32;
-        step.flags = step.flags & !FLAG_STAGES | if self.has_stages { FLAG_STAGES } else { 0 };
         // If phases run one by one, impulses may follow the lists and reverse the motion of a body at once.
         let has_lead = stretch.is_step && !step.has_exact_lists();
         step.lead = if has_lead && self.options.uses(Optimization::Lead) { LEAD } else { 0.0 };
