@@ -63,8 +63,6 @@ pub enum Optimization {
     Portions,
     /// Memory in spatial order.
     SpatialOrder,
-    /// Numbers of workgroups that the GPU decides itself, in scenes of millions.
-    PlannedDispatches,
     /// A workgroup for each large sphere.
     LargeSpheres,
     /// A workgroup for each pair list of a large sphere or long rod.
@@ -83,7 +81,6 @@ names!(
     Lead = "lead",
     Portions = "portions",
     SpatialOrder = "spatial-order",
-    PlannedDispatches = "planned-dispatches",
     LargeSpheres = "large-spheres",
     LongMovers = "long-movers",
     SweepsAtOnce = "sweeps-at-once",
@@ -92,13 +89,12 @@ names!(
 
 impl Optimization {
     /// All optimizations that can be left out.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 9] = [
         Self::JoinedSteps,
         Self::ListInterval,
         Self::Lead,
         Self::Portions,
         Self::SpatialOrder,
-        Self::PlannedDispatches,
         Self::LargeSpheres,
         Self::LongMovers,
         Self::SweepsAtOnce,

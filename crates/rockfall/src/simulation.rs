@@ -461,9 +461,6 @@ fn pack(scene: &Scene, options: &Options) -> Result<World> {
     }
     world.set_integrator(options.integrator);
     world.joins_steps = options.uses(Optimization::JoinedSteps);
-    if !options.uses(Optimization::PlannedDispatches) {
-        world.step.planned = 0;
-    }
     Ok(world)
 }
 

@@ -367,7 +367,6 @@ fn the_constants_equal_those_of_layout() {
         NO_NETWORK,
         NO_ROD,
         SOME_RODS,
-        SIZE_WORDS,
         EDGES_AT,
         FARTHEST_AT,
         CELLS_AT,

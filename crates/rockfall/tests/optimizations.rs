@@ -142,8 +142,6 @@ fn sweeps_may_take_a_dispatch_each() {
     assert!(with < without, "{with} and {without} dispatches");
 }
 
-/// Scenes of this test are too small for planned dispatches, which `tests/gpu.rs` compares with direct ones. So this test only
-/// asserts that the names of all optimizations can be read.
 #[test]
 fn names_of_optimizations_are_read() {
     for optimization in Optimization::ALL {

@@ -174,13 +174,6 @@ pub const STEPS_SHIFT: u32 = 1;
 /// Bit of the pass index of `run_worlds`: symplectic Euler instead of RK4.
 pub const SYMPLECTIC_EULER: u32 = 1;
 
-/// Words of the dispatch sizes of the stages that rebuild the lists: x, y and z for each of
-/// [`Threads::PLANNED`](crate::model::dispatch::Threads::PLANNED).
-pub const SIZE_WORDS: u32 = 12;
-/// From this number of objects on, the device writes the dispatch sizes of the stages that rebuild the lists.
-pub const MIN_PLANNED_OBJECTS: u32 = 1 << 22;
-/// Workgroups along one dimension of a dispatch that WebGPU guarantees.
-pub const MAX_WORKGROUPS_PER_DIMENSION: u32 = 65_535;
 /// Words of a cache line of a device. Arrays that neighbouring threads read together start at a multiple of it.
 pub const LINE: u32 = 32;
 /// First word, in the buffer `cells`, of the largest AABB edge on each level of the grid. It is stored as the bits of a float

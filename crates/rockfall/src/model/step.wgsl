@@ -178,7 +178,6 @@ const KIND_TETHER: u32 = 2u;
 const KIND_FORCE: u32 = 3u;
 
 const COUNTER_BLOCKS: u32 = 64u;
-const SIZE_WORDS: u32 = 12u;
 
 // Without rods, all contacts have feature 0, and ids get all bits.
 const FEATURE_BITS: u32 = 4u * u32(RODS);

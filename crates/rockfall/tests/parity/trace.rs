@@ -186,8 +186,6 @@ pub(crate) fn with_step_settings(mut world: World) -> World {
     // The attraction of JKR cohesion moves small spheres further.
     world.step.margin_scale = if world.step.neck > 0.0 { 2.0 * MARGIN } else { MARGIN };
     world.step.lead = 0.5;
-    // In large scenes `plan_lists` writes dispatch sizes. Test it here, too.
-    world.step.planned = 1;
     enable_sweeps(&mut world);
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
     // Not 0, so that a word that a stage fails to write is noticed.
