@@ -60,14 +60,10 @@ pub enum Optimization {
     ListInterval,
     /// AABBs that are placed half a step ahead of their bodies.
     Lead,
-    /// AABBs that allow for the acceleration of small spheres between large ones.
-    Acceleration,
     /// Two portions of steps under way on a GPU at the same time.
     Portions,
     /// Memory in spatial order.
     SpatialOrder,
-    /// Numbers of workgroups that the GPU decides itself, in scenes of millions.
-    PlannedDispatches,
     /// A workgroup for each large sphere.
     LargeSpheres,
     /// A workgroup for each pair list of a large sphere or long rod.
@@ -84,10 +80,8 @@ names!(
     JoinedSteps = "joined-steps",
     ListInterval = "list-interval",
     Lead = "lead",
-    Acceleration = "acceleration",
     Portions = "portions",
     SpatialOrder = "spatial-order",
-    PlannedDispatches = "planned-dispatches",
     LargeSpheres = "large-spheres",
     LongMovers = "long-movers",
     SweepsAtOnce = "sweeps-at-once",
@@ -96,14 +90,12 @@ names!(
 
 impl Optimization {
     /// All optimizations that can be left out.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 9] = [
         Self::JoinedSteps,
         Self::ListInterval,
         Self::Lead,
-        Self::Acceleration,
         Self::Portions,
         Self::SpatialOrder,
-        Self::PlannedDispatches,
         Self::LargeSpheres,
         Self::LongMovers,
         Self::SweepsAtOnce,

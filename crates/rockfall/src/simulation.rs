@@ -26,15 +26,12 @@ mod contact_springs;
 mod drive;
 mod edit;
 mod engine;
-mod escape;
-mod exact;
 #[cfg(feature = "gpu")]
 mod exchange;
 mod flight;
 mod force_laws;
-mod interval;
 mod keep;
-mod lookahead;
+mod lists;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(crate) mod mirror;
 pub(crate) mod observe;
@@ -51,18 +48,13 @@ mod sweeps;
 mod watch;
 
 pub use contact_springs::ContactSprings;
-use drive::Window;
 use edit::Dirty;
 use engine::Engine;
 use flight::Portioning;
-use interval::Interval;
-use lookahead::Lookahead;
+use lists::ListPolicy;
 pub use observe::{Contact, ContactAction, MaxOverlap, SphereDiagnostics};
 use order::Disorder;
 pub use ray::RayHit;
-
-/// Initial lookahead in steps for scenes with few movers on a device. Other scenes reach their lookahead by trials.
-const FEW_STEPS: f32 = 4.0;
 
 /// Advances a scene in time, on the GPU or on the CPU.
 ///
@@ -92,12 +84,7 @@ pub struct Simulation {
     clock: Clock,
     time_step: f32,
     muscle_clock: MuscleClock,
-    /// For how many steps ahead the lists are built.
-    lookahead: Lookahead,
-    /// How often the lists may be rebuilt within a batch, in steps.
-    interval: Interval,
-    /// Counts of the steps with the current lookahead and interval.
-    window: Window,
+    lists: ListPolicy,
     portioning: Portioning,
     /// The part of the scene that must be uploaded before the engine may run.
     dirty: Dirty,
@@ -106,8 +93,6 @@ pub struct Simulation {
     aabbs_due: bool,
     /// The pair lists do not match the scene.
     lists_due: bool,
-    /// The stage states belong to an RK4 step of the same spheres, so they show how the spheres accelerate.
-    has_stages: bool,
     /// The copy of an earlier state that observations reuse; `None` after anything but states has changed.
     observation: Option<Box<World>>,
     /// `scene` holds the current state.
@@ -189,12 +174,7 @@ impl Simulation {
 
     fn assemble(scene: Scene, options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
         engine.complete(&mut world);
-        let (mut lookahead, mut interval) = (Lookahead::default(), Interval::default());
-        if engine.dispatches() && world.movers() <= FEW_MOVERS {
-            lookahead = Lookahead::from_steps(FEW_STEPS);
-            world.step.lookahead = FEW_STEPS;
-            interval = Interval::long();
-        }
+        let lists = ListPolicy::start(engine.dispatches() && world.movers() <= FEW_MOVERS);
         Self {
             packed: scene.sphere_ids().collect(),
             packed_ids: ids_of(&scene),
@@ -210,15 +190,12 @@ impl Simulation {
             clock: Clock::default(),
             time_step: DEFAULT_TIME_STEP,
             muscle_clock: MuscleClock::default(),
-            lookahead,
-            interval,
-            window: Window::default(),
+            lists,
             portioning: Portioning::default(),
             dirty: Dirty::Clean,
             edits: Vec::new(),
             aabbs_due: true,
             lists_due: true,
-            has_stages: false,
             observation: None,
             synced: true,
             forces_synced: true,
@@ -464,9 +441,6 @@ fn pack(scene: &Scene, options: &Options) -> Result<World> {
     }
     world.set_integrator(options.integrator);
     world.joins_steps = options.uses(Optimization::JoinedSteps);
-    if !options.uses(Optimization::PlannedDispatches) {
-        world.step.planned = 0;
-    }
     Ok(world)
 }
 

@@ -83,14 +83,7 @@ fn chunks_of_every_array_give_bitwise_identical_results() {
             let report = simulation.run(20, 0.01).expect("steps");
             assert!(report.replays > 0 && report.total_collisions > 10, "{report:?}");
         }
-        let small = [
-            Buffer::CollisionIndices,
-            Buffer::Collisions,
-            Buffer::Wrenches,
-            Buffer::DispatchSizes,
-            Buffer::Histories,
-            Buffer::Status,
-        ];
+        let small = [Buffer::CollisionIndices, Buffer::Collisions, Buffer::Wrenches, Buffer::Histories, Buffer::Status];
         // Only this integrator keeps rates.
         let rates = (integrator != Integrator::VelocityVerlet).then_some(Buffer::Rates);
         assert_split_except(&chunked, &small.into_iter().chain(rates).collect::<Vec<_>>());
@@ -147,8 +140,7 @@ fn rods_in_chunks_give_bitwise_identical_results() {
             let report = simulation.run(12, 0.01).expect("steps");
             assert!(report.contacts > 20, "{report:?}");
         }
-        let small =
-            [Buffer::Extents, Buffer::Orientations, Buffer::Rates, Buffer::DispatchSizes, Buffer::Histories, Buffer::Status];
+        let small = [Buffer::Extents, Buffer::Orientations, Buffer::Rates, Buffer::Histories, Buffer::Status];
         assert_split_except(&chunked, &small);
         assert_bitwise_identical(&Run::of(&mut chunked), &Run::of(&mut whole));
     }

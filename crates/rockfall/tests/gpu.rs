@@ -13,7 +13,7 @@ use glam::Vec3;
 use rockfall::exec::gpu::{Gpu, GpuWorld, block_on};
 use rockfall::generate::Drum;
 use rockfall::model::buffer::Buffer;
-use rockfall::model::layout::{CELL_BLOCK, FEW_STATICS, SIZE_WORDS};
+use rockfall::model::layout::FEW_STATICS;
 use rockfall::model::status::REJECTED_PAIRS;
 use rockfall::model::world::World;
 use rockfall::scene::{Capsule, Cuboid, Sphere};
@@ -92,33 +92,6 @@ fn the_same_input_gives_bitwise_identical_results() {
         all.flat_map(|vector| vector.to_array().map(f32::to_bits)).collect()
     };
     assert_eq!(bits(&ends[0]), bits(&ends[1]));
-}
-
-/// As in scenes of millions of objects: lists are rebuilt in some steps, and in the others the stages that rebuild them
-/// have no workgroups.
-#[test]
-fn indirect_dispatches_give_bitwise_identical_results() {
-    let stages: Vec<Run> =
-        Phase::STEP.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::Grid)).copied().collect();
-    let gpu = open();
-    let [direct, planned] = [0, 1].map(|planned| {
-        let mut world = world(&heap(100));
-        world.set_cells(2 * CELL_BLOCK);
-        world.step.planned = planned;
-        world.step.lookahead = 4.0;
-        world.set_pair_rows(1 << 11);
-        let mut device = GpuWorld::new(&gpu, &world).unwrap();
-        device.run(&stages, &world.step, 20).unwrap();
-        let bodies = [Buffer::Start, Buffer::Orientations, Buffer::Status, Buffer::DispatchSizes];
-        block_on(gpu.device(), device.download(&mut world, &bodies)).unwrap();
-        world
-    });
-    assert_eq!((planned.status.rejected, planned.status.steps), (0, 20));
-    assert!((1..15).contains(&planned.status.builds), "{:?}", planned.status);
-    assert_eq!(direct.status, planned.status);
-    assert_eq!((direct.states[0].clone(), direct.orientations), (planned.states[0].clone(), planned.orientations));
-    let (present, all) = planned.dispatch_sizes.split_at(SIZE_WORDS as usize);
-    assert!(present.iter().all(|size| *size == 0) && all.iter().all(|size| *size > 0), "{:?}", planned.dispatch_sizes);
 }
 
 #[test]
@@ -272,8 +245,7 @@ fn a_compile_error_names_the_file_and_line_of_the_kernel() {
     last.text = format!("{}\nfn broken() -> u32 {{ return 1.5; }}\n", last.text.trim_end()).leak();
     let line = last.text.lines().count();
     let stage = Box::leak(Box::new(Stage { wgsl: Wgsl::Parts(parts.leak()), ..*original }));
-    let refused =
-        device.prepare(&[Run { stage, pass: 0, when: rockfall::step::schedule::When::Always, every: 1, planned: false }]);
+    let refused = device.prepare(&[Run { stage, pass: 0, when: rockfall::step::schedule::When::Always, every: 1 }]);
     let Err(Error::Device(text)) = refused else {
         panic!("{refused:?}");
     };

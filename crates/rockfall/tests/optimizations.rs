@@ -6,7 +6,6 @@ mod common;
 
 use common::mixed::{Run, assert_bitwise_identical};
 use rockfall::generate::Benchmark;
-use rockfall::model::layout::FLAG_STAGES;
 use rockfall::model::step::Step;
 use rockfall::{Backend, BroadPhase, Integrator, Optimization, Options, Scene, Simulation, Sphere};
 
@@ -73,12 +72,6 @@ fn a_list_interval_saves_dispatches() {
 fn aabbs_may_be_placed_without_lead() {
     let lead = with_and_without(Optimization::Lead, pile, &options(), |simulation| step(simulation).lead);
     assert_eq!(lead, [0.5, 0.0]);
-}
-
-#[test]
-fn aabbs_may_ignore_acceleration() {
-    let has_stages = |simulation: &Simulation| step(simulation).flags & FLAG_STAGES != 0;
-    assert_eq!(with_and_without(Optimization::Acceleration, radii, &options(), has_stages), [true, false]);
 }
 
 /// Only the time of a run shows whether portions overlap.
@@ -149,8 +142,6 @@ fn sweeps_may_take_a_dispatch_each() {
     assert!(with < without, "{with} and {without} dispatches");
 }
 
-/// Scenes of this test are too small for planned dispatches, which `tests/gpu.rs` compares with direct ones. So this test only
-/// asserts that the names of all optimizations can be read.
 #[test]
 fn names_of_optimizations_are_read() {
     for optimization in Optimization::ALL {

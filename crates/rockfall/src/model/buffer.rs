@@ -33,9 +33,6 @@ pub enum Buffer {
     Wrenches,
     /// Unit quaternions (x, y, z, w) of the spheres' orientations.
     Orientations,
-    /// Dispatch sizes of the stages that rebuild the lists: first the sizes for this step, then the sizes for a step in which
-    /// the lists are rebuilt. Used in large scenes.
-    DispatchSizes,
     /// The springs of contacts, for laws with history, in two tables: one with those before the step, one with those after it.
     /// Either has a block of [`HISTORY_BLOCK`](crate::model::layout::HISTORY_BLOCK) records of
     /// [`HISTORY_WORDS`](crate::model::layout::HISTORY_WORDS) words per mover, in insertion order, and a pool of
@@ -50,7 +47,7 @@ pub enum Buffer {
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 16] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -64,7 +61,6 @@ impl Buffer {
         Self::Collisions,
         Self::Wrenches,
         Self::Orientations,
-        Self::DispatchSizes,
         Self::Histories,
         Self::Rates,
         Self::Status,
@@ -86,7 +82,6 @@ impl Buffer {
             Self::Collisions => "the listed collisions",
             Self::Wrenches => "the loads",
             Self::Orientations => "the orientations",
-            Self::DispatchSizes => "the sizes of dispatches",
             Self::Histories => "the springs of contacts",
             Self::Rates => "the accelerations of the last force evaluation",
             Self::Status => "the status",

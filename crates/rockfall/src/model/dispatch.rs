@@ -1,6 +1,6 @@
 //! The number of workgroups of a stage.
 
-use crate::model::layout::{CELL_BLOCK, DIGIT_BLOCK, MAX_WORKGROUPS_PER_DIMENSION, SIZE_WORDS, WIDE_WORKGROUP, WORKGROUP};
+use crate::model::layout::{CELL_BLOCK, DIGIT_BLOCK, WIDE_WORKGROUP, WORKGROUP};
 use crate::model::step::Step;
 
 /// Maximum number of workgroups that loop over the long movers: as many as a large device runs at the same time.
@@ -51,15 +51,6 @@ pub enum Threads {
 }
 
 impl Threads {
-    /// The work items of the stages that rebuild the lists. In large scenes, the device writes the dispatch sizes of these
-    /// stages.
-    pub const PLANNED: [Self; SIZE_WORDS as usize / 3] = [Self::WideObjects, Self::Blocks, Self::Movers, Self::LongMovers];
-
-    /// Offset of the dispatch size in `Buffer::DispatchSizes`, in bytes; `None` when it is not in [`Threads::PLANNED`].
-    pub fn size_at(self) -> Option<u64> {
-        Self::PLANNED.iter().position(|threads| *threads == self).map(|place| 12 * place as u64)
-    }
-
     /// Returns the number of workgroups for the object counts of a world. It is 0 when the stage has nothing to do.
     pub fn workgroups(self, step: &Step) -> u32 {
         let movers = step.movers();
@@ -89,9 +80,4 @@ impl Threads {
 pub fn rows(workgroups: u32, across: u32) -> [u32; 3] {
     let rows = workgroups.div_ceil(across).max(1);
     [workgroups.div_ceil(rows), rows, 1]
-}
-
-/// Returns the dispatch sizes of [`Threads::PLANNED`], in rows that every device allows.
-pub(crate) fn sizes(step: &Step) -> Vec<u32> {
-    Threads::PLANNED.iter().flat_map(|threads| rows(threads.workgroups(step), MAX_WORKGROUPS_PER_DIMENSION)).collect()
 }

@@ -64,9 +64,6 @@ constants! {
     pub const FLAG_CONTINUE: u32 = 4;
     /// Bit of [`Step::flags`](crate::model::step::Step::flags): objects are in more than one group.
     pub const FLAG_GROUPS: u32 = 8;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags), in scenes with large spheres: the buffers `Y3` and `Y4` hold
-    /// stage states of a recent RK4 step of the same spheres.
-    pub const FLAG_STAGES: u32 = 16;
     /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has Coulomb friction.
     pub const FLAG_PAIR_FRICTION: u32 = 32;
     /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has rolling or twisting friction, and the
@@ -140,9 +137,6 @@ constants! {
     pub const STEPS_SHIFT: u32 = 1;
     /// Bit of the pass index of `run_worlds`: symplectic Euler instead of RK4.
     pub const SYMPLECTIC_EULER: u32 = 1;
-    /// Words of the dispatch sizes of the stages that rebuild the lists: x, y and z for each of
-    /// [`Threads::PLANNED`](crate::model::dispatch::Threads::PLANNED).
-    pub const SIZE_WORDS: u32 = 12;
     /// Words of a cache line of a device. Arrays that neighbouring threads read together start at a multiple of it.
     pub const LINE: u32 = 32;
     /// First word, in the buffer `cells`, of the largest AABB edge on each level of the grid. It is stored as the bits of a float
@@ -209,12 +203,6 @@ pub const FEATURE_BITS: u32 = 4;
 
 /// Maximum number of blocks in a table of springs. The vectors of both tables are then numbered by 32 bits.
 pub const MAX_HISTORY_BLOCKS: u32 = 1 << 28;
-
-/// From this number of objects on, the device writes the dispatch sizes of the stages that rebuild the lists.
-pub const MIN_PLANNED_OBJECTS: u32 = 1 << 22;
-
-/// Workgroups along one dimension of a dispatch that WebGPU guarantees.
-pub const MAX_WORKGROUPS_PER_DIMENSION: u32 = 65_535;
 
 /// Up to this number of movers, a step takes more time for dispatches than for the work of its threads. Lists may then be
 /// longer.

@@ -109,8 +109,6 @@ block! {
         pub slots_at: u32,
         /// First word of the long movers in `cells`; 0 when radii differ so little that one thread builds each list.
         pub long_at: u32,
-        /// 1 when `plan_lists` writes the dispatch sizes of the stages that rebuild lists.
-        pub planned: u32,
         /// First word of the table of ends, one word per sphere: [`NO_ROD`](crate::model::layout::NO_ROD),
         /// [`SOME_RODS`](crate::model::layout::SOME_RODS), or the index of its only rod, if that has a fixed length. 0
         /// without rods.

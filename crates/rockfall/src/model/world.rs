@@ -57,9 +57,6 @@ pub struct World {
     pub order: Vec<u32>,
     /// `spheres` unit quaternions x, y, z, w.
     pub orientations: Vec<Vec4>,
-    /// Dispatch sizes (x, y, z) of the stages that rebuild the lists: first the sizes for this step, then the sizes for a step
-    /// in which the lists are rebuilt.
-    pub dispatch_sizes: Vec<u32>,
     /// The status block.
     pub status: Status,
     /// The laws that the program gave.
@@ -114,7 +111,6 @@ impl World {
             Buffer::Lists => cast_slice(&self.lists),
             Buffer::Wrenches => cast_slice(&self.wrenches),
             Buffer::Orientations => cast_slice(&self.orientations),
-            Buffer::DispatchSizes => cast_slice(&self.dispatch_sizes),
             Buffer::Histories => cast_slice(&self.histories),
             Buffer::Rates => cast_slice(&self.rates),
             Buffer::Status => bytes_of(&self.status),
@@ -136,7 +132,6 @@ impl World {
             Buffer::Lists => cast_slice_mut(&mut self.lists),
             Buffer::Wrenches => cast_slice_mut(&mut self.wrenches),
             Buffer::Orientations => cast_slice_mut(&mut self.orientations),
-            Buffer::DispatchSizes => cast_slice_mut(&mut self.dispatch_sizes),
             Buffer::Histories => cast_slice_mut(&mut self.histories),
             Buffer::Rates => cast_slice_mut(&mut self.rates),
             Buffer::Status => bytes_of_mut(&mut self.status),

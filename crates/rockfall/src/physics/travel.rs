@@ -28,14 +28,6 @@ pub(crate) fn position_ahead(step: &Step, position: Vec3, motion: Vec4) -> Vec3 
     if is_usable { position + displacement } else { position }
 }
 
-/// Returns the extra distance that an acceleration a adds within `steps` steps, at a dt² / 2 per step. The acceleration is that
-/// of the sphere's last RK4 step: `third` and `fourth` are its velocities in stage states 3 and 4 of that step, v + dt a / 2
-/// and v + dt a. The result is 0 unless the distance is less than 1e30.
-pub(crate) fn acceleration_margin(step: &Step, third: Vec3, fourth: Vec3, steps: f32) -> f32 {
-    let gain = steps * step.dt * fourth.distance(third);
-    if gain < 1e30 { gain } else { 0.0 }
-}
-
 /// Returns a bound for the distance of a sphere, within `steps` steps, from the point that [`position_ahead`] returns. It
 /// includes some room for acceleration, which grows with the number of steps. It is 0 for exact lists, which are rebuilt as soon
 /// as a sphere leaves its AABB.

@@ -15,14 +15,6 @@ fn position_ahead(position: vec3f, velocity: vec4f) -> vec3f {
     return select(position, position + way, (velocity.w > 0.0) & all(abs(way) < vec3f(1e30)));
 }
 
-// Extra distance that an acceleration a adds within `steps` steps, at a dt^2 / 2 per step. The acceleration is that of the
-// sphere's last RK4 step: `third` and `fourth` are its velocities in stage states 3 and 4 of that step, v + dt a / 2 and v + dt
-// a. The result is 0 when the distance is 1e30 or larger.
-fn acceleration_margin(third: vec3f, fourth: vec3f, steps: f32) -> f32 {
-    let gain = steps * step.dt * length(fourth - third);
-    return select(0.0, gain, gain < 1e30);
-}
-
 // Distance from the point that `position_ahead` returns to the position of a sphere before the last step, taken as straight. Where
 // contacts that begin and end within a step are handled, lists hold the pairs of this path too.
 fn trail(velocity: vec4f, radius: f32) -> f32 {

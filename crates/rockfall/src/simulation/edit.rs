@@ -304,12 +304,9 @@ impl Simulation {
     pub(super) fn rebuild(&mut self, springs: &[KeptSpring], rates: &[[f32; 6]]) -> Result<()> {
         let old = &self.world.step;
         let (flags, dt, rows) = (old.flags, old.dt, old.pair_rows);
-        let (margin_scale, lookahead) = (old.margin_scale, old.lookahead);
         self.world = pack(&self.scene, &self.options)?;
         self.world.step.flags |= flags & FLAG_CONTINUE;
         self.world.step.dt = dt;
-        self.world.step.margin_scale = margin_scale;
-        self.world.step.lookahead = lookahead;
         self.world.set_pair_room(rows);
         put_springs(&mut self.world, &self.scene, springs);
         put_rates(&mut self.world, rates);
@@ -324,7 +321,6 @@ impl Simulation {
         self.disorder = Disorder::sorted_at(self.report.steps);
         self.aabbs_due = true;
         self.lists_due = true;
-        self.has_stages = false;
         Ok(())
     }
 
@@ -333,7 +329,6 @@ impl Simulation {
         self.status.forces_due = 1;
         self.aabbs_due = true;
         self.lists_due = true;
-        self.has_stages = false;
     }
 
     /// [`Simulation::sync`] without blocking.

@@ -7,7 +7,6 @@
 use std::collections::VecDeque;
 
 use crate::error::Result;
-use crate::model::layout::FLAG_STAGES;
 use crate::model::status::{REBUILD_REQUESTED, Status};
 use crate::options::Optimization;
 use crate::profile::Recorder;
@@ -47,8 +46,8 @@ struct Portion {
     look: PendingStatus,
     /// Greatest number of steps that it can complete.
     steps: u64,
-    /// Number of the settings with which the portion was submitted, as in `Window`.
-    settings: u32,
+    /// Version of the settings of lists with which it was submitted.
+    version: u32,
 }
 
 /// What one call of [`Simulation::stretch`] keeps from portion to portion.
@@ -63,11 +62,12 @@ struct PhaseRun<'a> {
 impl Simulation {
     /// Runs phases up to `most` times, until a step is rejected that only the host can repeat. Returns how many times they were done.
     pub(super) async fn stretch(&mut self, phases: &[Phase], most: u64, mut recorder: Option<&mut Recorder>) -> Result<u64> {
-        let is_exact = self.world.step.has_exact_lists();
+        let is_exact = self.lists.is_exact();
         let is_step = phases.starts_with(&COLLISIONS_FIRST)
             || phases.starts_with(&WITHOUT_COLLISIONS)
             || (is_exact && phases == WITH_EXACT_LISTS);
         let mut stretch = PhaseRun { phases, is_step, interval: 1, since: 0 };
+        self.lists.begin(self.lists_may_wait(is_step));
         self.begin(&stretch)?;
         // Timing the stages of a portion requires waiting for it.
         let overlaps = self.engine.dispatches() && recorder.is_none() && self.options.uses(Optimization::Portions);
@@ -76,7 +76,7 @@ impl Simulation {
         let mut done = 0;
         loop {
             // With and without exact lists a step has other phases.
-            let has_changed = self.world.step.has_exact_lists() != is_exact;
+            let has_changed = self.lists.is_exact() != is_exact;
             while self.goes_on(&stretch) && !has_changed && in_flight.len() < depth {
                 let submitted = done + in_flight.iter().map(|portion| portion.steps).sum::<u64>();
                 if submitted >= most {
@@ -133,7 +133,7 @@ impl Simulation {
             // A rejected step waits for lists.
             stretch.since = 0;
         }
-        let interval = self.list_interval(stretch.is_step);
+        let (interval, version) = self.put_list_settings();
         if interval != stretch.interval {
             (stretch.interval, stretch.since) = (interval, 0);
         }
@@ -145,8 +145,6 @@ impl Simulation {
         let (owners, stages): (Vec<Phase>, Vec<Run>) = stretch.phases.iter().copied().flat_map(runs).unzip();
         let step = &mut self.world.step;
         step.dt = self.time_step;
-        step.list_interval = interval as f32;
-        step.flags = step.flags & !FLAG_STAGES | if self.has_stages { FLAG_STAGES } else { 0 };
         // If phases run one by one, impulses may follow the lists and reverse the motion of a body at once.
         let has_lead = stretch.is_step && !step.has_exact_lists();
         step.lead = if has_lead && self.options.uses(Optimization::Lead) { LEAD } else { 0.0 };
@@ -157,7 +155,7 @@ impl Simulation {
             recorder.expect(owners);
         }
         let look = self.engine.submit(&mut self.world, &stages, range, recorder).await?;
-        Ok(Portion { look, steps, settings: self.window.settings })
+        Ok(Portion { look, steps, version })
     }
 
     /// Waits for the status after a portion and takes it over. Returns how many times the phases were done.
@@ -169,27 +167,9 @@ impl Simulation {
         }
         let done = u64::from(status.steps.wrapping_sub(before.steps));
         self.book(done, &before);
-        self.judge_repeats(portion.settings, &before);
-        if portion.settings == self.window.settings && done > 0 && status.rejected == 0 {
-            self.adapt(done, status.builds.wrapping_sub(before.builds));
-        }
+        let facts = self.list_facts();
+        self.lists.observe(&facts, portion.version, &before, &status);
         Ok(done)
-    }
-
-    /// Judges the steps that the device repeated in a portion with the settings `submitted_with`. If the portion began with a rejected
-    /// step, the first of them was submitted earlier, maybe with other settings.
-    fn judge_repeats(&mut self, submitted_with: u32, before: &Status) {
-        let repeats = self.status.repeats.wrapping_sub(before.repeats);
-        let mut settings = if before.rejected != 0 { self.window.rejected_with } else { submitted_with };
-        for _ in 0..repeats {
-            if settings == self.window.settings {
-                self.judge_escape(f32::from_bits(self.status.repeat_escape), 0);
-            }
-            settings = submitted_with;
-        }
-        if self.status.rejected != 0 {
-            self.window.rejected_with = settings;
-        }
     }
 
     /// Sets how many steps a portion has at most in scenes that are not small, and how many portions are under way at a time.
@@ -206,12 +186,6 @@ impl Simulation {
             return LARGE_PORTION;
         }
         u64::from(MOVED / (step.spheres + step.rods).max(1)).clamp(1, self.portioning.steps)
-    }
-
-    /// Number of steps from one step in which lists may be rebuilt to the next.
-    pub(super) fn list_interval(&self, is_step: bool) -> u32 {
-        let may_wait = is_step && self.engine.dispatches() && self.options.uses(Optimization::ListInterval);
-        if may_wait { self.interval.steps(self.world.step.lookahead) } else { 1 }
     }
 }
 
@@ -238,11 +212,8 @@ fn resumed(status: Status) -> Status {
 mod tests {
     use super::*;
     use crate::generate::Benchmark;
-    use crate::model::status::REJECTED_ESCAPED;
     use crate::settings::{BroadPhase, Integrator};
-    use crate::simulation::drive::MIN_MARGIN;
-    use crate::simulation::interval::Interval;
-    use crate::simulation::lookahead::Lookahead;
+    use crate::simulation::lists::{ListPolicy, MIN_MARGIN};
     use crate::{Backend, ContactLaw, Cuboid, Material, Options, Pair, Scene, Sphere};
 
     /// A simulation with the portions of a browser. Steps of small scenes are joined in one dispatch.
@@ -260,9 +231,8 @@ mod tests {
         let mut repeats = 0;
         for _ in 0..runs {
             // Lists for more steps than they last.
-            (small.interval, small.lookahead) = (Interval::long(), Lookahead::from_steps(4.0));
-            (small.world.step.lookahead, small.world.step.margin_scale) = (4.0, MIN_MARGIN);
-            large.world.step.margin_scale = 100.0;
+            small.lists = ListPolicy::new(4.0, MIN_MARGIN);
+            large.lists = ListPolicy::new(1.0, 100.0);
             for simulation in [&mut small, &mut large] {
                 simulation.run(8, 0.02).unwrap();
             }
@@ -279,28 +249,6 @@ mod tests {
         assert_eq!(small.report.steps, 8 * runs as u64);
         assert!(small.report.contacts > 10, "{:?}", small.report);
         assert!(small.spheres().unwrap() == large.spheres().unwrap(), "{integrator:?}");
-    }
-
-    /// The margin after a portion that was submitted with settings 7, began with a step that was rejected for an escape of 3 and
-    /// submitted with the settings `rejected_with`, and repeated `repeats` steps.
-    fn margin_after_repeats(rejected_with: u32, repeats: u32) -> f32 {
-        let options = Options::new().backend(Backend::Cpu);
-        let mut simulation = Simulation::with_options(Scene::new(), options).unwrap();
-        (simulation.window.settings, simulation.window.rejected_with) = (7, rejected_with);
-        let before = Status { rejected: REJECTED_ESCAPED, ..simulation.status };
-        simulation.status.repeats = before.repeats + repeats;
-        simulation.status.repeat_escape = 3.0_f32.to_bits();
-        simulation.judge_repeats(7, &before);
-        simulation.world.step.margin_scale
-    }
-
-    #[test]
-    fn a_step_is_judged_by_the_settings_that_it_was_submitted_with() {
-        assert_eq!(margin_after_repeats(6, 1), MIN_MARGIN, "the settings have changed since");
-        let raised = margin_after_repeats(7, 1);
-        assert!(raised > MIN_MARGIN);
-        assert_eq!(margin_after_repeats(6, 2), raised, "the second one has the present settings");
-        assert_eq!(margin_after_repeats(7, 2), raised, "the first one has changed them");
     }
 
     #[test]

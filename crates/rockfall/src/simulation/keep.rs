@@ -12,7 +12,7 @@ use crate::options::BackendInfo;
 use crate::options::Options;
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
-use crate::simulation::lookahead::Lookahead;
+use crate::simulation::lists::ListPolicy;
 use crate::simulation::order::Disorder;
 use crate::simulation::rates::put_rates;
 use crate::simulation::springs::put_springs;
@@ -45,7 +45,7 @@ impl Simulation {
         self.sync_async().await?;
         let springs = self.springs().await?;
         let rates = self.rates().await?;
-        let step = &self.world.step;
+        let (step, lists) = (&self.world.step, self.lists.settings());
         Ok(Checkpoint {
             scene: self.scene.clone(),
             options: Options {
@@ -60,9 +60,9 @@ impl Simulation {
             program: env!("CARGO_PKG_VERSION").to_owned(),
             history: History {
                 lengths_due: self.status.lengths_due != 0,
-                margin_scale: step.margin_scale,
+                margin_scale: lists.margin,
                 // Exact lists are found again by a trial.
-                lookahead: step.lookahead.max(1.0),
+                lookahead: lists.lookahead.max(1.0),
                 clock: self.muscle_clock,
             },
             springs,
@@ -173,8 +173,6 @@ impl Simulation {
         self.muscle_clock = history.clock;
         self.status.lengths_due = u32::from(history.lengths_due);
         self.status.forces_due = self.world.status.forces_due;
-        self.world.step.margin_scale = history.margin_scale;
-        self.world.step.lookahead = history.lookahead;
-        self.lookahead = Lookahead::from_steps(history.lookahead);
+        self.lists = ListPolicy::new(history.lookahead, history.margin_scale);
     }
 }

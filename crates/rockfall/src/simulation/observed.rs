@@ -17,8 +17,8 @@ use crate::model::world::World;
 use crate::physics::travel::outside;
 use crate::scene::Scene;
 use crate::settings::{BroadPhase, Integrator};
-use crate::simulation::drive::{MAX_ATTEMPTS, room_for};
-use crate::simulation::escape::margin_after_escape;
+use crate::simulation::drive::MAX_ATTEMPTS;
+use crate::simulation::lists::{margin_after_escape, room_for};
 use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine};
 use crate::step::collisions::{find_collisions, synchronise};
@@ -86,7 +86,7 @@ impl Simulation {
         world.set_muscles(&self.scene, &self.muscle_clock);
         world.step.dt = self.time_step;
         // Lists that hold more pairs do not change results. These last as long as those of the simulation.
-        world.step.lookahead = self.world.step.lookahead.max(1.0);
+        world.step.lookahead = self.lists.settings().lookahead.max(1.0);
     }
 }
 

@@ -126,7 +126,6 @@ impl Simulation {
         self.disorder = Disorder::sorted_at(self.report.steps);
         self.aabbs_due = true;
         self.lists_due = true;
-        self.has_stages = false;
         Ok(())
     }
 }

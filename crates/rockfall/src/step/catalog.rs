@@ -3,7 +3,7 @@
 use crate::step::aabbs::update_aabbs;
 use crate::step::broad_phase::brute_force::{count_pairs, fill_pairs};
 use crate::step::broad_phase::grid::{
-    clear_cells, count_cells, count_long, fill_long, find_neighbours, plan_lists, scan_cells, sort_cells,
+    clear_cells, count_cells, count_long, fill_long, find_neighbours, scan_cells, sort_cells,
 };
 use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
@@ -19,7 +19,7 @@ use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_sph
 use crate::step::stage::Stage;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 49] = [
+pub const ALL: [&Stage; 48] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -28,7 +28,6 @@ pub const ALL: [&Stage; 49] = [
     &bound_blocks::STAGE,
     &count_near::STAGE,
     &fill_near::STAGE,
-    &plan_lists::STAGE,
     &clear_cells::STAGE,
     &count_cells::STAGE,
     &scan_cells::SUM,

@@ -7,7 +7,7 @@ use crate::settings::{BroadPhase, Integrator};
 use crate::step::aabbs::update_aabbs;
 use crate::step::broad_phase::brute_force::{count_pairs, fill_pairs};
 use crate::step::broad_phase::grid::{
-    clear_cells, count_cells, count_long, fill_long, find_neighbours, plan_lists, scan_cells, sort_cells,
+    clear_cells, count_cells, count_long, fill_long, find_neighbours, scan_cells, sort_cells,
 };
 use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
@@ -44,8 +44,6 @@ pub enum When {
     Accelerated,
     /// Scenes with bodies much larger than most.
     LongMovers,
-    /// Scenes so large that launching stages with nothing to do takes considerable time.
-    Planned,
 }
 
 /// One run of a stage: its pass, the scenes that need it, and how often it is run.
@@ -60,8 +58,6 @@ pub struct Run {
     pub when: When,
     /// How often the stage is run, in steps: in every `every`-th step of a batch, starting with the first.
     pub every: u32,
-    /// Whether `plan_lists`, if it is part of the step, decides the number of workgroups.
-    pub planned: bool,
 }
 
 impl Run {
@@ -78,7 +74,6 @@ impl Run {
             When::Continuous => step.flags & FLAG_CONTINUOUS != 0,
             When::Accelerated => step.needs_synchronising(),
             When::LongMovers => step.long_at != 0,
-            When::Planned => step.planned != 0,
         }
     }
 
@@ -102,10 +97,6 @@ impl Run {
     const fn when(self, when: When) -> Self {
         Self { when, ..self }
     }
-
-    const fn planned(self) -> Self {
-        Self { planned: true, ..self }
-    }
 }
 
 const fn run(stage: &'static Stage) -> Run {
@@ -113,7 +104,7 @@ const fn run(stage: &'static Stage) -> Run {
 }
 
 const fn pass(stage: &'static Stage, pass: u32) -> Run {
-    Run { stage, pass, when: When::Always, every: 1, planned: false }
+    Run { stage, pass, when: When::Always, every: 1 }
 }
 
 /// A phase of a step. Each phase can be run on its own.
@@ -141,22 +132,18 @@ impl Phase {
     /// Returns the stages of this phase, in their order. [`BroadPhase::Auto`] is treated as brute force here.
     pub fn stages(self, integrator: Integrator, broad_phase: BroadPhase) -> &'static [Run] {
         match (self, integrator, broad_phase) {
-            (Self::UpdateAabbs, _, BroadPhase::Grid) => {
-                const { &[run(&plan_lists::STAGE).when(When::Planned), run(&update_aabbs::STAGE).planned()] }
-            }
             (Self::UpdateAabbs, _, _) => const { &[run(&update_aabbs::STAGE)] },
             (Self::BroadPhase, _, BroadPhase::Grid) => {
                 const {
                     &[
-                        run(&plan_lists::STAGE).when(When::Planned),
-                        run(&clear_cells::STAGE).planned(),
-                        run(&count_cells::STAGE).planned(),
-                        run(&scan_cells::SUM).planned(),
-                        run(&scan_cells::PLACE).planned(),
-                        run(&sort_cells::STAGE).planned(),
-                        run(&count_long::STAGE).when(When::LongMovers).planned(),
-                        run(&find_neighbours::STAGE).planned(),
-                        run(&fill_long::STAGE).when(When::LongMovers).planned(),
+                        run(&clear_cells::STAGE),
+                        run(&count_cells::STAGE),
+                        run(&scan_cells::SUM),
+                        run(&scan_cells::PLACE),
+                        run(&sort_cells::STAGE),
+                        run(&count_long::STAGE).when(When::LongMovers),
+                        run(&find_neighbours::STAGE),
+                        run(&fill_long::STAGE).when(When::LongMovers),
                     ]
                 }
             }

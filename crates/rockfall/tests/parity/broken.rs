@@ -48,14 +48,6 @@ static MISTAKES: &[Mistake] = &[
     Mistake("count_cells", 0, "cells.wgsl", "u32(z) * ROW_Z", "u32(z) * ROW_Y", Buffer::Cells),
     Mistake("count_cells", 0, "count_cells.wgsl", "max(out.x, max(out.y", "max(out.x, min(out.y", Buffer::Cells),
     Mistake("count_cells", 0, "count_cells.wgsl", "1u << level);", "1u);", Buffer::Cells),
-    Mistake(
-        "plan_lists",
-        0,
-        "plan_lists.wgsl",
-        "builds_lists(REBUILD_REQUESTED)",
-        "!builds_lists(REBUILD_REQUESTED)",
-        Buffer::DispatchSizes,
-    ),
     Mistake("sum_blocks", 0, "scan_cells.wgsl", "local == GROUP_SIZE - 1u", "local == 0u", Buffer::Cells),
     Mistake(
         "place_cells",

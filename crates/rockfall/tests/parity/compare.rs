@@ -132,7 +132,6 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     vec![
         (Buffer::Aabbs, "ids and tags", tags),
         (Buffer::Topology, "words", without_free(world)),
-        (Buffer::DispatchSizes, "sizes", world.dispatch_sizes.clone()),
         (Buffer::Cells, "cells", world.cells.clone()),
         (Buffer::Lists, "counts and offsets", head),
         (Buffer::Lists, "entries", lists),

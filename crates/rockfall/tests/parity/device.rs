@@ -32,7 +32,6 @@ pub(crate) fn on_gpu(gpu: &Gpu, before: &World, runs: &[Run]) -> World {
     after.lists.fill(u32::MAX);
     after.topology.fill(u32::MAX);
     after.cells.fill(u32::MAX);
-    after.dispatch_sizes.fill(u32::MAX);
     block_on(gpu.device(), device.download(&mut after, &Buffer::ALL)).unwrap();
     after
 }

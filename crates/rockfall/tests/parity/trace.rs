@@ -1,8 +1,7 @@
 //! Traces of random steps: the world before every stage. No decision of the step is near the value at which it changes.
 
 use rockfall::model::layout::{
-    CELL_BLOCK, CELLS_AT, FLAG_STAGES, HISTORY_WORDS, LAW_THESIS, LINK_KEY, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED,
-    SWEEPS_ON,
+    CELL_BLOCK, CELLS_AT, HISTORY_WORDS, LAW_THESIS, LINK_KEY, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_ON,
 };
 use rockfall::model::status::REBUILD_REQUESTED;
 use rockfall::model::world::World;
@@ -186,20 +185,10 @@ pub(crate) fn with_step_settings(mut world: World) -> World {
     // The attraction of JKR cohesion moves small spheres further.
     world.step.margin_scale = if world.step.neck > 0.0 { 2.0 * MARGIN } else { MARGIN };
     world.step.lead = 0.5;
-    // In large scenes `plan_lists` writes dispatch sizes. Test it here, too.
-    world.step.planned = 1;
     enable_sweeps(&mut world);
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
     // Not 0, so that a word that a stage fails to write is noticed.
     world.cells[CELLS_AT as usize..].fill(3);
-    // The state after an RK4 step in which some spheres accelerated.
-    world.step.flags |= if world.step.large > 0 { FLAG_STAGES } else { 0 };
-    let spheres = world.step.spheres as usize;
-    for sphere in 0..spheres {
-        let change = glam::Vec4::new(0.1, -0.2, 0.3, 0.0) * (sphere % 5) as f32;
-        world.states[2][spheres + sphere] = world.states[0][spheres + sphere];
-        world.states[3][spheres + sphere] = world.states[0][spheres + sphere] + change;
-    }
     for wrench in &mut world.wrenches {
         *wrench = glam::Vec4::splat(1e3);
     }

@@ -27,10 +27,7 @@ pub(crate) struct Piece<'a> {
 impl Array {
     /// Creates an array of `size` bytes in chunks of at most `chunk_bytes` each.
     pub(crate) fn new(device: &wgpu::Device, buffer: Buffer, size: u64, chunk_bytes: u64) -> Result<Self> {
-        let mut usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-        if buffer == Buffer::DispatchSizes {
-            usage |= wgpu::BufferUsages::INDIRECT;
-        }
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let sizes = (0..size.div_ceil(chunk_bytes)).map(|chunk| chunk_bytes.min(size - chunk * chunk_bytes));
         let chunks = sizes.map(|size| make_buffer(device, buffer.label(), size, usage)).collect::<Result<_>>()?;
         Ok(Self { chunks, chunk_bytes })

@@ -2,7 +2,6 @@
 
 use crate::error::{Error, Result};
 use crate::model::buffer::Buffer;
-use crate::model::dispatch::sizes;
 use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LINK_KEY,
     LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_ROD, PAIR_WORDS, POLYGON_WORDS,
@@ -19,18 +18,9 @@ pub(crate) fn check_buffer(world: &World, buffer: Buffer) -> Result<()> {
     match buffer {
         Buffer::Topology => check_topology(world),
         Buffer::Lists => check_lists(world),
-        Buffer::DispatchSizes => check_dispatches(world),
         Buffer::Histories => check_histories(world),
         _ => Ok(()),
     }
-}
-
-/// Every dispatch size must be the known one or zero.
-fn check_dispatches(world: &World) -> Result<()> {
-    let all = sizes(&world.step);
-    let is_known = |words: &[u32]| words.iter().zip(&all).all(|(word, known)| word == known || *word == 0);
-    let halves = world.dispatch_sizes.chunks_exact(all.len());
-    ensure(world.dispatch_sizes.len() == 2 * all.len() && halves.into_iter().all(is_known), "the dispatch sizes")
 }
 
 fn wrong(what: &str) -> Error {

@@ -104,7 +104,6 @@ fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32],
     //   (`GpuWorld::new`, `upload`).
     // - An index inside an array that is stored in chunks is inside the chunk that `split` chooses for it.
     // - `extents` is read up to three rows past the last object, and it has room for them.
-    // - Dispatch sizes written on the device are zero or the sizes that `gpu::check` has checked.
     // - Loops run over counts from the same places; sweeps run up to MAX_SWEEPS times.
     // - Workgroup memory is written before it is read.
     // - `run_worlds` gets worlds that `WorldSizes::of` accepts, so that their spheres, springs and topology fit its arrays, and it

@@ -19,13 +19,6 @@ use crate::model::step::{Pass, Step};
 use crate::step::schedule::Run;
 use crate::step::wgsl::Variant;
 
-/// Number of workgroups of a dispatch.
-enum Size {
-    Known([u32; 3]),
-    /// Computed by the device, at this byte offset in the buffer of dispatch sizes.
-    Planned(u64),
-}
-
 impl GpuWorld {
     /// The uniform block `pass_` of a pass, created at its first use.
     fn pass_block(&mut self, index: u32) -> Result<wgpu::Buffer> {
@@ -92,24 +85,16 @@ impl GpuWorld {
             let Some((kernel, group)) = self.ready.get(&(run.stage.name, run.pass)) else {
                 return Err(Error::Device(format!("stage {} was not prepared", run.stage.name)));
             };
-            table.push((run, kernel, group, self.size(run, groups, across)));
+            table.push((run, kernel, group, rows(groups, across)));
         }
         for step in steps {
-            for (_, kernel, group, size) in table.iter().filter(|(run, ..)| run.is_in(step)) {
+            for (_, kernel, group, [x, y, z]) in table.iter().filter(|(run, ..)| run.is_in(step)) {
                 pass.set_pipeline(&kernel.pipeline);
                 pass.set_bind_group(0, *group, &[]);
-                match *size {
-                    Size::Known([x, y, z]) => pass.dispatch_workgroups(x, y, z),
-                    Size::Planned(at) => pass.dispatch_workgroups_indirect(&self.chunks(Buffer::DispatchSizes)[0], at),
-                }
+                pass.dispatch_workgroups(*x, *y, *z);
             }
         }
         Ok(())
-    }
-
-    fn size(&self, run: &Run, workgroups: u32, across: u32) -> Size {
-        let planned = if run.planned && self.step().planned != 0 { run.stage.threads.size_at() } else { None };
-        planned.map_or_else(|| Size::Known(rows(workgroups, across)), Size::Planned)
     }
 
     /// Runs a list of stages `steps` times in one submission, with the constants of `step`. Does not wait.

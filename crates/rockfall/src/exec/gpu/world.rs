@@ -24,13 +24,12 @@ use crate::user_laws::set::KernelLaws;
 pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
-const KEPT: [Buffer; 9] = [
+const KEPT: [Buffer; 8] = [
     Buffer::Start,
     Buffer::Aabbs,
     Buffer::Topology,
     Buffer::Lists,
     Buffer::Orientations,
-    Buffer::DispatchSizes,
     Buffer::Histories,
     Buffer::Rates,
     Buffer::Status,

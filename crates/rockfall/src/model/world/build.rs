@@ -4,11 +4,9 @@ use glam::Vec4;
 
 use crate::error::Result;
 use crate::fine::Fine;
-use crate::model::dispatch::sizes;
 use crate::model::layout::{
     CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_GROUPS,
-    FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LEVEL_BIAS, LINE, MIN_PLANNED_OBJECTS, SLICE,
-    SUM_WORDS,
+    FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LEVEL_BIAS, LINE, SLICE, SUM_WORDS,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -196,8 +194,6 @@ impl World {
         step.keys_at = (step.sums_at + SUM_WORDS * (step.cells / CELL_BLOCK)).next_multiple_of(LINE);
         step.sorted_at = (step.keys_at + objects).next_multiple_of(LINE);
         step.long_at = if long_movers { step.sorted_at + objects } else { 0 };
-        step.planned = u32::from(objects >= MIN_PLANNED_OBJECTS);
-        self.dispatch_sizes = sizes(step).repeat(2);
     }
 
     /// Adds the scratch arrays that the CPU backend needs. Their sizes follow from the object counts.
@@ -324,7 +320,7 @@ mod tests {
         let scene = Benchmark::Mixed.generate(100, 0).unwrap();
         let mut world = World::for_method(&scene, BroadPhase::Grid, UserLaws::default()).unwrap();
         let held: Vec<Buffer> = Buffer::ALL.into_iter().filter(|buffer| !world.bytes(*buffer).is_empty()).collect();
-        assert_eq!(held, [Buffer::Start, Buffer::Topology, Buffer::Orientations, Buffer::DispatchSizes, Buffer::Status]);
+        assert_eq!(held, [Buffer::Start, Buffer::Topology, Buffer::Orientations, Buffer::Status]);
         world.set_pair_room(2);
         assert!(world.lists.is_empty());
         // Sizes follow from the counts, not from the previous capacity.

@@ -4,14 +4,13 @@
 //! ball is the radius r of the sphere plus the margin
 //!
 //! ```text
-//! (lookahead - lead) 1.05 |v| dt + lookahead |a| dt^2 / 2 + (0.05 lookahead - 0.03) r + (margin_scale - 1) 0.02 r
+//! (lookahead - lead) 1.05 |v| dt + (0.05 lookahead - 0.03) r + (margin_scale - 1) 0.02 r
 //! ```
 //!
 //! In scenes with JKR cohesion, `neck` r is added, the distance at which contacts tear. So a contact keeps its list entries
-//! until it ends. In scenes with large spheres a is the acceleration in the last step of RK4, if it is known (`FLAG_STAGES`).
-//! Otherwise a is 0. A fixed sphere has no margin. For exact lists (`lookahead` is 0) the margin is 0.02 r. Where contacts that
-//! begin and end within a step are handled (`FLAG_CONTINUOUS`), the first two terms and 0.02 r of the third are at least
-//! 1.001 (lead + 1) |v| dt + 0.02 r, so that the ball also holds the path of the last step.
+//! until it ends. A fixed sphere has no margin. For exact lists (`lookahead` is 0) the margin is 0.02 r. Where contacts that begin
+//! and end within a step are handled (`FLAG_CONTINUOUS`), the first two terms are at least 1.001 (lead + 1) |v| dt + 0.02 r, so that
+//! the ball also holds the path of the last step.
 //!
 //! The centre of the sphere must stay within the margin of that place until its list is rebuilt. If it moves further,
 //! `find_collisions`, `advance`, `symplectic_euler` or `drift` rejects the step. It is repeated with new lists. If lists may be rebuilt
@@ -29,15 +28,13 @@ use rayon::prelude::*;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
-use crate::model::layout::{FLAG_CONTINUOUS, FLAG_STAGES, ROUNDING_MARGIN};
+use crate::model::layout::{FLAG_CONTINUOUS, ROUNDING_MARGIN};
 use crate::model::part::part;
 use crate::model::status::{REBUILD_REQUESTED, REJECTED_ESCAPED};
 use crate::model::step::Aabb;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
-use crate::physics::travel::{
-    EXACT_MARGIN, MOST_OF_REPEAT, acceleration_margin, margin_for_escape, position_ahead, trail, travel_bound,
-};
+use crate::physics::travel::{EXACT_MARGIN, MOST_OF_REPEAT, margin_for_escape, position_ahead, trail, travel_bound};
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -50,8 +47,6 @@ pub(crate) const STAGE: Stage = Stage {
         read("state", Buffer::Start),
         read("topology", Buffer::Topology),
         write("aabbs", Buffer::Aabbs),
-        read("y3", Buffer::Y3),
-        read("y4", Buffer::Y4),
         read("status", Buffer::Status),
     ],
     threads: Threads::WideObjects,
@@ -65,27 +60,14 @@ fn update_aabbs(world: &mut World, _pass: u32) {
         return;
     }
     let objects = world.objects();
-    let [start, _, third, fourth] = &world.states;
-    let [view, third, fourth] = [start, third, fourth].map(|state| View::new(&world.step, &world.topology, state));
-    let has_stage_states = world.step.flags & FLAG_STAGES != 0;
+    let view = View::new(&world.step, &world.topology, &world.states[0]);
     let repeat = repeat_margin(world);
-    let gain = |sphere: u32| {
-        if has_stage_states {
-            acceleration_margin(&world.step, third.velocity(sphere), fourth.velocity(sphere), world.step.lookahead)
-        } else {
-            0.0
-        }
-    };
-    let aabbs = (0..objects).into_par_iter().with_min_len(GRAIN).map(|id| aabb(&view, &gain, repeat, id));
+    let aabbs = (0..objects).into_par_iter().with_min_len(GRAIN).map(|id| aabb(&view, repeat, id));
     aabbs.collect_into_vec(&mut world.aabbs);
 }
 
-/// Returns the AABB of an object. `gain` returns the distance that a sphere moves further because it accelerates.
-fn aabb(view: &View, gain: &impl Fn(u32) -> f32, repeat: f32, id: u32) -> Aabb {
-    let bounds = |sphere: u32, radius: f32| {
-        let margin = margin(view, gain(sphere), repeat, sphere);
-        ball_bounds(view, margin, sphere, radius)
-    };
+fn aabb(view: &View, repeat: f32, id: u32) -> Aabb {
+    let bounds = |sphere: u32, radius: f32| ball_bounds(view, margin(view, repeat, sphere), sphere, radius);
     let (min, max) = match view.object(id) {
         Object::Sphere(sphere) => bounds(sphere, view.radius(sphere)),
         Object::Rod(rod) => {
@@ -127,7 +109,7 @@ fn repeat_margin(world: &World) -> f32 {
     0.02 * margin_for_escape(f32::from_bits(status.escape_ratio)).min(MOST_OF_REPEAT)
 }
 
-fn margin(view: &View, gain: f32, repeat: f32, sphere: u32) -> f32 {
+fn margin(view: &View, repeat: f32, sphere: u32) -> f32 {
     if view.is_fixed(sphere) {
         return 0.0;
     }
@@ -137,7 +119,7 @@ fn margin(view: &View, gain: f32, repeat: f32, sphere: u32) -> f32 {
     let travel = if is_continuous { travel.max(trail(view.step, view.velocity(sphere), radius)) } else { travel };
     let exact = view.step.has_exact_lists();
     let spare = if exact { EXACT_MARGIN } else { (view.step.margin_scale - 1.0) * 0.02 };
-    travel + gain + (spare + repeat) * radius
+    travel + (spare + repeat) * radius
 }
 
 fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {

@@ -5,9 +5,7 @@
 // Two rows per AABB, with the layout of the struct Aabb. Writing whole rows takes half as long as writing the fields one by
 // one.
 @group(0) @binding(4) var<storage, read_write> aabbs: array<vec4u>;
-@group(0) @binding(5) var<storage, read> y3: array<vec4f>;
-@group(0) @binding(6) var<storage, read> y4: array<vec4f>;
-@group(0) @binding(7) var<storage, read> status: Status;
+@group(0) @binding(5) var<storage, read> status: Status;
 
 struct Hull {
     min: vec3f,
@@ -21,18 +19,13 @@ fn repeat_margin() -> f32 {
 }
 
 // Returns the distance that a sphere may move before its list is rebuilt.
-fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
-    var gain = 0.0;
-    if LARGE {
-        let at = velocity_at(sphere);
-        gain = select(0.0, acceleration_margin(y3[at].xyz, y4[at].xyz, step.lookahead), (step.flags & FLAG_STAGES) != 0u);
-    }
+fn margin(velocity: vec4f, radius: f32) -> f32 {
     let spare = (select((step.margin_scale - 1.0) * 0.02, EXACT_MARGIN, has_exact_lists()) + repeat_margin()) * radius;
     var travel = travel_bound(velocity, radius, step.lookahead);
     if CONTINUOUS {
         travel = max(travel, trail(velocity, radius));
     }
-    return select(0.0, travel + gain + spare, velocity.w > 0.0);
+    return select(0.0, travel + spare, velocity.w > 0.0);
 }
 
 // Returns the AABB of a ball of this radius about the centre of a sphere. The radius is that of the sphere itself or of a rod
@@ -40,7 +33,7 @@ fn margin(sphere: u32, velocity: vec4f, radius: f32) -> f32 {
 fn ball_hull(sphere: u32, radius: f32) -> Hull {
     let centre = state[position_at(sphere)];
     let velocity = state[velocity_at(sphere)];
-    let reach = vec3f(radius + step.neck * radius + margin(sphere, velocity, centre.w));
+    let reach = vec3f(radius + step.neck * radius + margin(velocity, centre.w));
     let middle = position_ahead(centre.xyz, velocity);
     return Hull(middle - reach, middle + reach);
 }

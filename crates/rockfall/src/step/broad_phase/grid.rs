@@ -6,6 +6,5 @@ pub(crate) mod count_cells;
 pub(crate) mod count_long;
 pub(crate) mod fill_long;
 pub(crate) mod find_neighbours;
-pub(crate) mod plan_lists;
 pub(crate) mod scan_cells;
 pub(crate) mod sort_cells;

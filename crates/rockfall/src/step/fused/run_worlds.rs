@@ -20,7 +20,7 @@ pub(crate) const STAGE: Stage = Stage {
     name: "run_worlds",
     wgsl: Wgsl::File(part!("step/fused/run_worlds.wgsl")),
     bindings: &[
-        read("parameters", Buffer::DispatchSizes),
+        read("parameters", Buffer::Rates),
         write("starts", Buffer::Start),
         read("topology", Buffer::Topology),
         write("turns", Buffer::Orientations),

@@ -1,0 +1,194 @@
+//! Pair lists: the phases and settings with which they are built, and when they are out of date.
+//!
+//! [`ListPolicy`] decides for how many steps lists are built. It counts work and knows nothing of the engine. This file tells it what
+//! the scene needs and does what it decides.
+//!
+//! Exact lists hold the pairs that may touch at the present positions. Symplectic Euler evaluates contacts at two sets of positions in
+//! a step: collisions at those with which the step begins, forces at those that the impulses leave. So exact lists are rebuilt as
+//! soon as a sphere has moved by more than a small margin: before the collisions, and again before the forces if an impulse has moved
+//! a sphere. RK4 also evaluates contacts at positions within the step, which are not known in advance.
+
+use crate::error::{Error, Result};
+use crate::model::layout::{FLAG_CONTINUOUS, LAW_THESIS, MAX_PAIR_ROWS, words_of_rows};
+use crate::model::status::{REJECTED_COLLISIONS, REJECTED_ESCAPED, REJECTED_PAIRS};
+use crate::options::Optimization;
+use crate::settings::{BroadPhase, Integrator};
+use crate::simulation::Simulation;
+use crate::simulation::drive::{COLLISIONS_FIRST, WITH_EXACT_LISTS};
+use crate::step::schedule::Phase;
+
+mod cost;
+#[cfg(all(test, not(target_family = "wasm")))]
+mod exact_tests;
+mod policy;
+mod trials;
+
+use cost::ListFacts;
+#[cfg(test)]
+pub(super) use policy::MIN_MARGIN;
+pub(super) use policy::{ListPolicy, margin_after_escape};
+
+impl Simulation {
+    /// Whether lists may be exact in this scene. Contacts that begin and end within a step need lists of the whole path. Other contact
+    /// laws keep springs for the pairs of their lists, friction impulses follow the collisions and use their lists, and rods move
+    /// between two evaluations. Without collisions bodies press each other gently, and lists with a margin last longer than a step.
+    fn may_have_exact_lists(&self) -> bool {
+        let step = &self.world.step;
+        self.options.integrator == Integrator::SymplecticEuler
+            && self.broad_phase_method() == BroadPhase::Grid
+            && self.scene.settings.collisions
+            && step.flags & FLAG_CONTINUOUS == 0
+            && step.rods == 0
+            && step.long_at == 0
+            && step.law == LAW_THESIS
+            && !step.has_friction_impulses()
+            && self.options.uses(Optimization::ExactLists)
+    }
+
+    /// Whether the stages that rebuild lists can be left out of some steps, if `phases` are a whole step.
+    pub(super) fn lists_may_wait(&self, is_step: bool) -> bool {
+        is_step && self.engine.dispatches() && self.options.uses(Optimization::ListInterval)
+    }
+
+    /// What the policy needs to know of the scene.
+    pub(super) fn list_facts(&self) -> ListFacts {
+        let step = &self.world.step;
+        let movers = step.movers().max(1) as f32;
+        let making = [Phase::UpdateAabbs, Phase::BroadPhase].into_iter();
+        let runs = making.flat_map(|phase| phase.stages(self.options.integrator, self.broad_phase_method()));
+        let stages = runs.filter(|run| run.workgroups(step) > 0).count();
+        ListFacts {
+            movers,
+            capacity: words_of_rows(step.pair_rows) as f32 / movers,
+            has_rods: step.rods > 0,
+            has_long_lists: step.has_long_lists(),
+            has_history: step.law != LAW_THESIS,
+            may_be_exact: self.may_have_exact_lists(),
+            broad_phase: self.broad_phase_method(),
+            dispatches: if self.engine.dispatches() { stages as f32 } else { 0.0 },
+        }
+    }
+
+    /// Gives the next steps the settings of the policy. Returns the interval and the version.
+    pub(super) fn put_list_settings(&mut self) -> (u32, u32) {
+        let settings = self.lists.settings();
+        let step = &mut self.world.step;
+        step.lookahead = settings.lookahead;
+        step.list_interval = settings.interval as f32;
+        step.margin_scale = settings.margin;
+        (settings.interval, settings.version)
+    }
+
+    /// The phases that compute the same as `phases` with the present kind of lists. Ends exact lists where they cannot be used.
+    pub(super) fn phases_for_lists<'a>(&mut self, phases: &'a [Phase]) -> &'a [Phase] {
+        if !self.lists.is_exact() {
+            return phases;
+        }
+        if phases != COLLISIONS_FIRST || !self.may_have_exact_lists() {
+            self.lists.end_exact();
+            self.note_end_of_exact_lists(true);
+            return phases;
+        }
+        &WITH_EXACT_LISTS
+    }
+
+    /// Requests lists if exact lists were used until now and are no longer. Exact lists do not hold for the collisions of the next
+    /// step.
+    pub(super) fn note_end_of_exact_lists(&mut self, was_exact: bool) {
+        let ends = was_exact && !self.lists.is_exact();
+        self.aabbs_due |= ends;
+        self.lists_due |= ends;
+    }
+
+    /// The phases that must run first because AABBs or lists do not match the scene.
+    pub(super) fn overdue(&self, phases: &[Phase]) -> &'static [Phase] {
+        let (mut aabbs_due, mut lists_due) = (self.aabbs_due, self.lists_due);
+        for phase in phases {
+            match phase {
+                Phase::UpdateAabbs => aabbs_due = false,
+                Phase::BroadPhase if aabbs_due => return &[Phase::UpdateAabbs],
+                Phase::BroadPhase => lists_due = false,
+                // The collisions of this step are done, so the lists are not read.
+                Phase::HandleCollisions if self.status.collided != 0 => {}
+                _ if lists_due => return &[Phase::UpdateAabbs, Phase::BroadPhase],
+                _ => {}
+            }
+        }
+        &[]
+    }
+
+    /// Records whether AABBs and lists match the scene.
+    pub(super) fn note_lists(&mut self, phases: &[Phase], done: u64) {
+        let rejected = self.status.rejected;
+        if phases.contains(&Phase::UpdateAabbs) {
+            self.aabbs_due = false;
+        }
+        if phases.contains(&Phase::BroadPhase) && (done > 0 || rejected & REJECTED_PAIRS == 0) {
+            self.lists_due = false;
+        }
+        // If a step is rejected in or after its collisions, its AABBs and lists may be incomplete.
+        self.lists_due |= rejected & (REJECTED_PAIRS | REJECTED_ESCAPED | REJECTED_COLLISIONS) != 0;
+        self.aabbs_due |= rejected & (REJECTED_ESCAPED | REJECTED_COLLISIONS) != 0;
+    }
+
+    /// After lists did not fit: shortens them, or makes their memory a quarter larger than needed.
+    pub(super) fn make_lists_fit(&mut self) -> Result<()> {
+        let (facts, needed) = (self.list_facts(), self.status.pair_rows_needed);
+        if self.lists.overflowed(&facts, words_of_rows(needed) as f32 / facts.movers) {
+            return Ok(());
+        }
+        let rows = room_for(needed)?;
+        let before = self.world.step.pair_rows;
+        self.world.set_pair_room(rows);
+        self.engine.complete(&mut self.world);
+        let grown = self.engine.resize_lists(&self.world);
+        if grown.is_err() {
+            // The simulation may go on with fewer objects, so the world must not keep the size that could not be allocated.
+            self.world.set_pair_room(before);
+        }
+        grown
+    }
+}
+
+/// Number of rows to allocate for entries when `needed` rows are needed.
+pub(super) fn room_for(needed: u32) -> Result<u32> {
+    if needed > MAX_PAIR_ROWS {
+        let bytes = |rows: u32| 4 * words_of_rows(rows);
+        return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(MAX_PAIR_ROWS) });
+    }
+    Ok(needed.saturating_add(needed.div_ceil(4)).min(MAX_PAIR_ROWS))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::layout::{SLICE, max_objects};
+
+    /// If a step is repeated whose collisions are done, lists are not rebuilt twice, nor for bodies that may turn back.
+    #[test]
+    #[cfg(not(target_family = "wasm"))]
+    fn done_collisions_need_no_lists() {
+        let mut scene = crate::Scene::new();
+        scene.add_sphere(crate::Sphere::new([0.0; 3], 1.0)).unwrap();
+        let mut simulation = Simulation::with_options(scene, crate::Options::new().backend(crate::Backend::Cpu)).unwrap();
+        (simulation.aabbs_due, simulation.lists_due) = (true, true);
+        assert_eq!(simulation.overdue(&COLLISIONS_FIRST), [Phase::UpdateAabbs, Phase::BroadPhase]);
+        simulation.status.collided = 1;
+        assert!(simulation.overdue(&COLLISIONS_FIRST).is_empty());
+        assert_eq!(simulation.overdue(&[Phase::UpdatePositions]), [Phase::UpdateAabbs, Phase::BroadPhase]);
+    }
+
+    #[test]
+    fn lists_grow_up_to_what_32_bits_can_number() {
+        assert_eq!(room_for(1_000).unwrap(), 1_250);
+        // A quarter more exceeds the maximum number of rows, or 32 bits.
+        for needed in [MAX_PAIR_ROWS / 8 * 7, MAX_PAIR_ROWS] {
+            assert_eq!(room_for(needed).unwrap(), MAX_PAIR_ROWS);
+        }
+        assert!(matches!(room_for(MAX_PAIR_ROWS + 1), Err(Error::DeviceLimit { .. })));
+        assert!(matches!(room_for(u32::MAX), Err(Error::DeviceLimit { .. })));
+        // Counts and slice offsets of the maximum number of movers precede the entries.
+        let slices = max_objects(false).div_ceil(SLICE);
+        assert!(MAX_PAIR_ROWS.checked_add(slices + slices.div_ceil(SLICE) + 1).is_some());
+    }
+}
