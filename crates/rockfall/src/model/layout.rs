@@ -127,6 +127,8 @@ constants! {
     pub const SWEEPS_ON: u32 = 2;
     /// Up to this number of collisions, one workgroup does all sweeps faster than one dispatch per sweep does.
     pub const FEW_COLLISIONS: u32 = 2048;
+    /// Pass of `constrain` before the integration.
+    pub const RESTORING: u32 = 4;
     /// Number of sweeps over the impulses of collisions that share bodies.
     pub const SWEEPS: u32 = 8;
     /// Factors omega of the sweeps (docs/physics.md section 3.7). Each applies to two sweeps.

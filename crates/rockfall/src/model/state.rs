@@ -117,6 +117,19 @@ impl<'a> Rows<'a> {
         }
     }
 
+    /// Writes a motion, and keeps the radius, inverse mass and inverse inertia.
+    pub(crate) fn replace(&mut self, sphere: u32, motion: Motion) {
+        let place = (sphere - self.first) as usize;
+        for (row, value) in [
+            (&mut self.positions[place], motion.position),
+            (&mut self.velocities[place], motion.velocity),
+            (&mut self.spins[place], motion.angular_momentum),
+            (&mut self.lows[place], motion.low),
+        ] {
+            *row = value.extend(row.w);
+        }
+    }
+
     /// [`Rows::set`] for the phase of collisions, whose velocities are those at the time of the positions.
     pub(crate) fn set_after_collisions(&mut self, view: &View, sphere: u32, motion: Motion) {
         self.set(view, sphere, Motion { velocity: view.own_velocity_after(sphere, motion.velocity), ..motion });

@@ -8,18 +8,18 @@ use crate::step::broad_phase::grid::{
 use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
 use crate::step::collisions::{
-    apply_collisions, apply_friction_impulses, commit_collisions, commit_crossings, commit_friction_impulses, find_collisions,
-    find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, synchronise,
-    weigh_collisions, weigh_networks,
+    apply_collisions, apply_friction_impulses, commit_collisions, commit_friction_impulses, find_collisions, find_crossings,
+    gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, synchronise, weigh_collisions,
+    weigh_networks,
 };
 use crate::step::forces::{loads, rod_loads};
 use crate::step::fused::run_worlds;
-use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, restore_lengths, symplectic_euler, turn};
+use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, symplectic_euler, turn};
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 48] = [
+pub const ALL: [&Stage; 46] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -47,11 +47,9 @@ pub const ALL: [&Stage; 48] = [
     &project_networks::STAGE,
     &apply_collisions::STAGE,
     &commit_collisions::STAGE,
-    &commit_crossings::STAGE,
     &synchronise::STAGE,
     &apply_friction_impulses::STAGE,
     &commit_friction_impulses::STAGE,
-    &restore_lengths::STAGE,
     &rod_loads::STAGE,
     &loads::STAGE,
     &advance::STAGE,

@@ -3,7 +3,6 @@
 pub(crate) mod apply_collisions;
 pub(crate) mod apply_friction_impulses;
 pub(crate) mod commit_collisions;
-pub(crate) mod commit_crossings;
 pub(crate) mod commit_friction_impulses;
 pub(crate) mod find_collisions;
 pub(crate) mod find_crossings;

@@ -6,6 +6,5 @@ pub(crate) mod drift;
 pub(crate) mod end_step;
 pub(crate) mod finish;
 pub(crate) mod kick;
-pub(crate) mod restore_lengths;
 pub(crate) mod symplectic_euler;
 pub(crate) mod turn;

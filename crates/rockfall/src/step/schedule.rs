@@ -1,6 +1,6 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
-use crate::model::layout::{FLAG_CONTINUOUS, SWEEPS, SWEEPS_FEW, SWEEPS_ON};
+use crate::model::layout::{FLAG_CONTINUOUS, RESTORING, SWEEPS, SWEEPS_FEW, SWEEPS_ON};
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
@@ -12,12 +12,12 @@ use crate::step::broad_phase::grid::{
 use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
 use crate::step::collisions::{
-    apply_collisions, apply_friction_impulses, commit_collisions, commit_crossings, commit_friction_impulses, find_collisions,
-    find_crossings, gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, synchronise,
-    weigh_collisions, weigh_networks,
+    apply_collisions, apply_friction_impulses, commit_collisions, commit_friction_impulses, find_collisions, find_crossings,
+    gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, synchronise, weigh_collisions,
+    weigh_networks,
 };
 use crate::step::forces::{loads, rod_loads};
-use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, restore_lengths, symplectic_euler, turn};
+use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, symplectic_euler, turn};
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
 
@@ -164,7 +164,7 @@ impl Phase {
             (Self::UpdatePositions, Integrator::Rk4, _) => {
                 const {
                     &[
-                        run(&restore_lengths::STAGE),
+                        pass(&constrain::STAGE, RESTORING),
                         pass(&rod_loads::STAGE, 0),
                         pass(&loads::STAGE, 0),
                         pass(&advance::STAGE, 0),
@@ -186,7 +186,7 @@ impl Phase {
             (Self::UpdatePositions, Integrator::SymplecticEuler, _) => {
                 const {
                     &[
-                        run(&restore_lengths::STAGE),
+                        pass(&constrain::STAGE, RESTORING),
                         run(&rod_loads::STAGE),
                         run(&loads::STAGE),
                         run(&symplectic_euler::STAGE),
@@ -199,7 +199,7 @@ impl Phase {
             (Self::UpdatePositions, Integrator::VelocityVerlet, _) => {
                 const {
                     &[
-                        run(&restore_lengths::STAGE),
+                        pass(&constrain::STAGE, RESTORING),
                         run(&rod_loads::STAGE),
                         run(&loads::STAGE),
                         run(&drift::STAGE),
@@ -223,7 +223,7 @@ impl Phase {
 const HANDLE_COLLISIONS: &[Run] = &{
     const FIRST: usize = 7;
     const LAST: usize = FIRST + 3 * SWEEPS as usize;
-    let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 5];
+    let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 4];
     runs[1] = run(&find_crossings::STAGE).when(When::Continuous);
     runs[2] = run(&find_collisions::STAGE);
     runs[3] = run(&list_collisions::STAGE);
@@ -240,9 +240,8 @@ const HANDLE_COLLISIONS: &[Run] = &{
     }
     runs[LAST] = run(&apply_collisions::STAGE);
     runs[LAST + 1] = run(&commit_collisions::STAGE);
-    runs[LAST + 2] = run(&commit_crossings::STAGE).when(When::Continuous);
-    runs[LAST + 3] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
-    runs[LAST + 4] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
+    runs[LAST + 2] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
+    runs[LAST + 3] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
     runs
 };
 

@@ -13,7 +13,7 @@ pub enum Slot {
     /// The same buffer in every pass.
     Fixed(Buffer),
     /// The stage state that pass p of RK4 evaluates: `Start`, `Y2`, `Y3`, `Y4` for p = 0, 1, 2, 3. Velocity Verlet evaluates `Y4`,
-    /// in pass 3.
+    /// in pass 3. `Start` for p = 4.
     State,
     /// The stage state that pass p of RK4 writes: `Y2`, `Y3`, `Y4` for p = 0, 1, 2.
     Next,
@@ -26,7 +26,7 @@ pub enum Slot {
 impl Slot {
     /// Returns the buffer in pass `pass`.
     pub fn buffer(self, pass: u32) -> Buffer {
-        const STATES: [Buffer; 4] = [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4];
+        const STATES: [Buffer; 5] = [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4, Buffer::Start];
         match self {
             Self::Fixed(buffer) => buffer,
             Self::State => STATES[pass as usize],

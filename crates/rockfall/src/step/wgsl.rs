@@ -124,7 +124,6 @@ const SHARED: &[Part] = &[
     part!("step/broad_phase/sort_and_skip/axis.wgsl"),
     part!("step/broad_phase/sort_and_skip/near_tiles.wgsl"),
     part!("step/collisions/classify_contacts.wgsl"),
-    part!("step/collisions/collided.wgsl"),
     part!("step/collisions/crossing_rows.wgsl"),
     part!("step/collisions/has_changes.wgsl"),
     part!("step/collisions/record_of.wgsl"),

@@ -75,19 +75,19 @@ fn world_after_step(seed: u64, rods: bool) -> World {
 pub(crate) fn trace(seed: u64, rods: bool) -> Trace {
     let mut world = world_after_step(seed, rods);
     let mut scenarios = Vec::new();
-    let concerned = ["update_aabbs", "find_crossings", "find_collisions", "commit_crossings", "advance"];
+    let concerned = ["update_aabbs", "find_crossings", "find_collisions", "commit_collisions", "loads"];
     let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce));
     let runs: Vec<Run> = runs.filter(|run| run.applies(&world.step)).copied().collect();
     for run in runs.iter().copied() {
         if run.stage.name == "find_crossings" {
             // Contacts that have just begun exert no force. After the collisions few of them are left.
-            let advance = runs.iter().find(|run| run.stage.name == "advance").expect("the stage");
-            scenarios.push(Scenario { runs: vec![*advance], before: world.clone() });
+            let loads = runs.iter().find(|run| run.stage.name == "loads").expect("the stage");
+            scenarios.push(Scenario { runs: vec![*loads], before: world.clone() });
         }
         if concerned.contains(&run.stage.name) && run.pass == 0 {
             scenarios.push(Scenario { runs: vec![run], before: world.clone() });
         }
-        if run.stage.name == "advance" {
+        if run.stage.name == "loads" {
             break;
         }
         run.on_cpu(&mut world);
@@ -119,7 +119,7 @@ fn backends_agree_on_crossings() {
         let (spheres, boxes) = (found.step.spheres, found.step.spheres + found.step.rods);
         let kinds = [0..spheres, boxes..boxes + found.step.boxes, boxes + found.step.boxes..u32::MAX].map(count);
         assert!(kinds.iter().all(|kind| *kind >= 8), "crossings of spheres, boxes and polygons: {kinds:?}");
-        let [before, committed] = ["commit_crossings", "advance"].map(|stage| {
+        let [before, committed] = ["commit_collisions", "loads"].map(|stage| {
             let scenario = trace.scenarios.iter().rfind(|scenario| scenario.is(stage)).expect("the stage");
             scenario.before.states[0].clone()
         });

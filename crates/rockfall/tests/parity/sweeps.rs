@@ -20,14 +20,14 @@ enum Rule {
     Rattle,
 }
 
-/// Evaluates the decisions of `restore_lengths`, which corrects the lengths of the state before the integration.
+/// Evaluates the decisions of `constrain` before the integration.
 pub(crate) fn restore(world: &World, findings: &mut Findings) {
     for batch in 0..world.step.batches {
         Sweeps::new(world, batch).run(Rule::Lengths, findings);
     }
 }
 
-/// Evaluates the decisions of `constrain`.
+/// Evaluates the decisions of `constrain` after the integration.
 pub(crate) fn constrain(world: &World, findings: &mut Findings) {
     for batch in 0..world.step.batches {
         let mut sweeps = Sweeps::new(world, batch);

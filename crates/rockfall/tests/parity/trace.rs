@@ -1,7 +1,8 @@
 //! Traces of random steps: the world before every stage. No decision of the step is near the value at which it changes.
 
 use rockfall::model::layout::{
-    CELL_BLOCK, CELLS_AT, HISTORY_WORDS, LAW_THESIS, LINK_KEY, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_ON,
+    CELL_BLOCK, CELLS_AT, HISTORY_WORDS, LAW_THESIS, LINK_KEY, RESTORING, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED,
+    SWEEPS_ON,
 };
 use rockfall::model::status::REBUILD_REQUESTED;
 use rockfall::model::world::World;
@@ -52,7 +53,7 @@ impl Scenario {
 }
 
 /// Stages that solve collisions. On the GPU each does a part of the work. The CPU computes all collisions in one of them.
-const SOLVING: [&str; 12] = [
+const SOLVING: [&str; 11] = [
     "list_collisions",
     "weigh_networks",
     "weigh_collisions",
@@ -62,7 +63,6 @@ const SOLVING: [&str; 12] = [
     "project_networks",
     "apply_collisions",
     "commit_collisions",
-    "commit_crossings",
     "apply_friction_impulses",
     "commit_friction_impulses",
 ];
@@ -266,7 +266,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
             // all spheres of a network, the CPU only those that collide.
             let is_comparable = match run.stage.name {
                 "commit_collisions" => world.step.networks == 0,
-                "commit_crossings" | "commit_friction_impulses" => true,
+                "commit_friction_impulses" => true,
                 _ => group.len() == 1,
             };
             if is_comparable {
@@ -363,7 +363,7 @@ fn decide(world: &World, run: &Run, findings: &mut Findings) {
             decisions::escapes(world, state, findings);
             decisions::forces(world, state, findings);
         }
-        "restore_lengths" => sweeps::restore(world, findings),
+        "constrain" if run.pass == RESTORING => sweeps::restore(world, findings),
         "constrain" => sweeps::constrain(world, findings),
         _ => {}
     }

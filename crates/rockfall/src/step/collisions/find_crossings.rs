@@ -1,7 +1,7 @@
 //! Finds crossings: contacts that began within the last step and do not collide at its end (docs/physics.md section 3.10).
 //!
 //! Writes, for every sphere, the crossing that counts for it and its changes of position and velocity, or that there is none, to
-//! regions 0 and 2 of `Y3`. `find_collisions` and `commit_crossings` read them. Where no step has led to the present state
+//! regions 0 and 2 of `Y3`. `find_collisions` and `commit_collisions` read them. Where no step has led to the present state
 //! (`lengths_due`), there are no crossings.
 //!
 //! The step is rejected when a sphere, or the place where it was before the last step, is outside its AABB

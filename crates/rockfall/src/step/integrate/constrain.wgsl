@@ -38,6 +38,14 @@ fn shake(rod: u32) -> f32 {
     return without_rounding(length(d) - target_length, one, two) / target_length;
 }
 
+// Corrects the length of a rod in positions, and after the integration also in velocities.
+fn correct_length(rod: u32, restores: bool) -> f32 {
+    if restores {
+        return restore_length(rod);
+    }
+    return shake(rod);
+}
+
 // Sets the relative velocity of the ends along the rod to 0 (RATTLE). Returns the relative change of length that it would
 // have caused in a step. The surface velocity of a fixed end counts as 0.
 fn rattle(rod: u32) -> f32 {
@@ -70,20 +78,22 @@ fn constrain(
     @builtin(local_invocation_index) local: u32,
 ) {
     let index = linear_group(group, groups);
-    if (index >= step.batches) | (status.rejected != 0u) {
+    let restores = pass_.index == RESTORING;
+    if (index >= step.batches) | (status.rejected != 0u) | (restores & (status.lengths_due == 0u)) {
         return;
     }
     let batch = batch_at(index);
     start_sweeps(local);
     // Stage 0 sweeps the positions until they have converged, stage 1 the velocities.
-    for (var stage = 0u; stage < 2u; stage++) {
+    let stages = select(2u, 1u, restores);
+    for (var stage = 0u; stage < stages; stage++) {
         for (var sweeps = 1u; ; sweeps++) {
             var error = 0.0;
             for (var colour = 0u; colour < batch.colours; colour++) {
                 let end = topology[batch.at + colour + 1u];
                 for (var k = topology[batch.at + colour] + local; k < end; k += WORKGROUP) {
                     if stage == 0u {
-                        error = max(error, shake(topology[k]));
+                        error = max(error, correct_length(topology[k], restores));
                     } else {
                         error = max(error, rattle(topology[k]));
                     }

@@ -10,7 +10,7 @@ use crate::error::BadStage;
 use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
-use crate::model::layout::GRAIN;
+use crate::model::layout::{GRAIN, SLICE};
 use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
 use crate::model::view::View;
@@ -46,11 +46,10 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
     if world.status.rejected != 0 {
         return;
     }
-    let [start, y2, y3, _] = &mut world.states;
+    let [start, _, y3, _] = &mut world.states;
     let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, 0).with_laws(&world.user_laws);
     let (dt, rods) = (world.step.dt, world.step.rods);
-    let next = |sphere: u32, tally: &mut Tally| {
-        let y = Motion::of(&view, sphere);
+    let next = |sphere: u32, y: Motion, tally: &mut Tally| {
         if view.is_fixed(sphere) {
             return y;
         }
@@ -62,24 +61,25 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
         tally.rebuild |= needs_rebuild(&view, &world.aabbs, sphere, next.position, next.velocity);
         next
     };
-    let tally = Rows::of(y2, world.step.spheres)
+    let mut all: Vec<Motion> = (0..world.step.spheres).map(|sphere| Motion::of(&view, sphere)).collect();
+    let tally = all
+        .par_chunks_mut(SLICE as usize)
         .zip(Rows::of(y3, world.step.spheres))
-        .map(|(mut rows, mut memory)| {
+        .map(|(all, mut memory)| {
             let mut tally = Tally::default();
-            for sphere in rows.spheres() {
-                let next = next(sphere, &mut tally);
-                rows.set(&view, sphere, next);
+            for (sphere, motion) in memory.spheres().zip(all) {
+                *motion = next(sphere, *motion, &mut tally);
                 if rods > 0 {
-                    memory.remember(sphere, view.position(sphere), next.angular_momentum * view.inverse_inertia(sphere));
+                    memory.remember(sphere, view.position(sphere), motion.angular_momentum * view.inverse_inertia(sphere));
                 }
             }
             tally
         })
         .reduce(Tally::default, Tally::merge);
     tally.add_to(&mut world.status);
-    // The velocities at the time of the positions are computed anew in the next phase of collisions.
-    let regions = 4 * world.step.spheres as usize;
-    start[..regions].copy_from_slice(&y2[..regions]);
+    Rows::of(start, world.step.spheres).for_each(|mut rows| {
+        rows.spheres().for_each(|sphere| rows.replace(sphere, all[sphere as usize]));
+    });
     if rods == 0 {
         let view = View::new(&world.step, &world.topology, start);
         let turning = world.orientations.par_iter_mut().enumerate().with_min_len(GRAIN);
