@@ -146,7 +146,8 @@ impl ListPolicy {
             // The window goes on, because the margin changes the number of rebuilds little.
             self.version = self.version.wrapping_add(1);
         } else if escape >= NEAR || std::mem::replace(&mut self.window.forgiven, true) {
-            self.retreat(0.5 * interval as f32);
+            // The interval is half as long then.
+            self.retreat(0.75 * interval as f32);
         } else if interval == LONGEST {
             self.margin += escape + NEAR_STEP;
         }
@@ -256,7 +257,7 @@ mod tests {
         for escape in [0.5 * NEAR, FAR] {
             let mut policy = policy(32.0);
             run(&mut policy, 12, 4, 1, escape);
-            assert_eq!(policy.settings().lookahead, 1.0);
+            assert_eq!(policy.settings().interval, 1);
             let long = (0..1_000).filter(|_| {
                 let waits = policy.interval() > 1;
                 run(&mut policy, 1, 4, u32::from(waits), escape);
@@ -280,7 +281,8 @@ mod tests {
             policy.rejected_with = policy.version;
             policy.escaped(0.5 * NEAR, 1);
         }
-        assert_eq!((policy.settings().lookahead, policy.margin), (2.0, MIN_MARGIN));
+        let ListSettings { lookahead, interval, margin, .. } = policy.settings();
+        assert_eq!((lookahead, interval, margin), (3.0, 2, MIN_MARGIN));
     }
 
     #[test]

@@ -121,7 +121,6 @@ impl Trials {
         if tried == self.steps || (tried > self.steps && !facts.may_double(self.steps, used.words)) {
             // The limit is reached, so the next trial goes the other way.
             self.factor = 1.0 / self.factor;
-            self.wait = self.pause;
             return;
         }
         self.before = Some((self.steps, cost));
