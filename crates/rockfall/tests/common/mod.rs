@@ -3,7 +3,7 @@
 //! Every test is a function that takes a backend; `both!` instantiates it for each backend. Without a GPU adapter the
 //! GPU tests fail; none is skipped.
 
-#![allow(dead_code, unused_macros, reason = "each test binary uses only a part of this module")]
+#![allow(dead_code, unused_macros, reason = "each test program uses only a part of this module")]
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{

@@ -1,0 +1,13 @@
+//! Many worlds side by side.
+
+#[path = "../common/mod.rs"]
+#[macro_use]
+mod common;
+
+mod broken;
+mod checkpoint;
+mod pairs;
+mod sampled;
+mod shared;
+mod sleep;
+mod worlds;
