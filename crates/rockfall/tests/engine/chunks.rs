@@ -48,6 +48,7 @@ fn in_chunks(bytes: u64, scene: Scene, options: Options) -> Simulation {
 }
 
 fn whole(scene: Scene, options: Options) -> Simulation {
+    let _device = rockfall::gpu::SharedDevice::new();
     Simulation::with_options(scene, options.backend(Backend::Gpu)).expect("a scene that fits")
 }
 

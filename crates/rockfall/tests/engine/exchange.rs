@@ -14,6 +14,7 @@ const DT: f32 = 0.005;
 
 /// A moving pile with sorted memory, so that slots and insertion indices differ.
 fn pile(spheres: u32) -> Simulation {
+    let _device = rockfall::gpu::SharedDevice::new();
     let scene = Benchmark::Pile.generate(spheres, 3).unwrap();
     let options = Options::new().backend(Backend::Gpu).broad_phase(BroadPhase::Grid);
     let mut simulation = Simulation::with_options(scene, options).unwrap();

@@ -31,6 +31,7 @@ fn options() -> Options {
 }
 
 fn run(scene: Scene, options: Options) -> Simulation {
+    let _device = rockfall::gpu::SharedDevice::new();
     let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
     simulation.run(STEPS, DT).expect("steps");
     simulation

@@ -68,6 +68,7 @@ fn check(scenes: &[Scene], integrator: Integrator) {
 #[test]
 fn worlds_that_share_a_workgroup_advance_as_simulations() {
     let _turn = turn();
+    let _device = rockfall::gpu::SharedDevice::new();
     for most in [3, 12, 20, 28] {
         check(&scenes(most), Integrator::Rk4);
     }
@@ -80,6 +81,7 @@ fn worlds_that_share_a_workgroup_advance_as_simulations() {
 #[test]
 fn a_world_is_replaced_in_a_shared_workgroup() {
     let _turn = turn();
+    let _device = rockfall::gpu::SharedDevice::new();
     let options = Options::new().backend(Backend::Gpu);
     let mut scenes = scenes(20);
     let mut worlds = Worlds::new(scenes.clone(), options.clone()).expect("worlds");
@@ -99,6 +101,7 @@ fn a_world_is_replaced_in_a_shared_workgroup() {
 #[test]
 fn a_sleeping_world_leaves_its_neighbours_awake() {
     let _turn = turn();
+    let _device = rockfall::gpu::SharedDevice::new();
     let mut resting = creature(1, 0).expect("a creature");
     resting.settings.gravity = 0.0;
     let scenes = [creature(4, 1).expect("a creature"), resting, creature(4, 2).expect("a creature")];

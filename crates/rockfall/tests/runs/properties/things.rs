@@ -132,6 +132,8 @@ pub(crate) fn weightless(things: &[Thing]) -> Scene {
 }
 
 pub(crate) fn simulation(scene: Scene, backend: Backend) -> Simulation {
+    #[cfg(feature = "gpu")]
+    let _device = rockfall::gpu::SharedDevice::new();
     Simulation::with_options(scene, Options::new().backend(backend))
         .expect("the simulation opens; the GPU backend needs an adapter such as lavapipe")
 }
