@@ -10,4 +10,7 @@ mod pairs;
 mod sampled;
 mod shared;
 mod sleep;
+#[cfg(feature = "gpu")]
+#[path = "../common/verdicts.rs"]
+mod verdicts;
 mod worlds;
