@@ -29,6 +29,9 @@ enum Task {
         /// Folder to write, which is replaced
         #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/../../web/dist"))]
         out: PathBuf,
+        /// Take the development profile, which is optimised less: a quicker build of a larger page, for tests
+        #[arg(long)]
+        dev: bool,
     },
     /// Compares the public API of every published library with its listing, crates/NAME/public-api.txt
     PublicApi {
@@ -41,7 +44,7 @@ enum Task {
 fn main() -> ExitCode {
     match Task::parse() {
         Task::Validate { names, out } => validation(&names, &out),
-        Task::Web { out } => exit_code(web::build(&out).map(|()| true)),
+        Task::Web { out, dev } => exit_code(web::build(&out, dev).map(|()| true)),
         Task::PublicApi { update } => exit_code(public_api::check(update)),
     }
 }

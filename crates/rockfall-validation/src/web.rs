@@ -22,17 +22,19 @@ struct Compiler {
 ///
 /// # Errors
 /// When a program is missing or fails, and when a file cannot be written.
-pub(crate) fn build(out: &Path) -> Result<()> {
+pub(crate) fn build(out: &Path, dev: bool) -> Result<()> {
     let root = fs::canonicalize(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))?;
     let package = root.join("crates/rockfall-web");
-    let (target, tools) = (root.join("target/web"), root.join("target/web-tools"));
+    // The folder of the workspace, which has some of the macros and tools already.
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |folder| root.join(folder));
+    let (profile, folder) = if dev { ("dev", "debug") } else { ("release", "release") };
     let compiler = find_compiler()?;
-    run(compiler.command().current_dir(&package).arg("--target-dir").arg(&target))?;
+    run(compiler.command(profile).current_dir(&package).arg("--target-dir").arg(&target))?;
     let mut bindgen = cargo();
-    bindgen.args(["run", "--quiet", "--locked", "--package", "rockfall-web-bindgen", "--target-dir"]).arg(&tools).arg("--");
+    bindgen.args(["run", "--quiet", "--locked", "--package", "rockfall-web-bindgen", "--target-dir"]).arg(&target).arg("--");
     clear(out)?;
     let out = fs::canonicalize(out)?;
-    bindgen.arg(target.join(TARGET).join("release/rockfall_web.wasm")).arg(&out);
+    bindgen.arg(target.join(TARGET).join(folder).join("rockfall_web.wasm")).arg(&out);
     run(bindgen.current_dir(&package))?;
     copy_all(&package.join("page"), &out)?;
     copy_all(&root.join("scenes"), &out.join("scenes"))?;
@@ -93,9 +95,9 @@ fn rust_lld(sysroot: &Path) -> Option<PathBuf> {
 }
 
 impl Compiler {
-    fn command(&self) -> Command {
+    fn command(&self, profile: &str) -> Command {
         let mut command = cargo();
-        command.args(["build", "--release", "--locked", "--package", "rockfall-web", "--target", TARGET]);
+        command.args(["build", "--profile", profile, "--locked", "--package", "rockfall-web", "--target", TARGET]);
         if let Some(rustc) = self.rustc {
             command.env("RUSTC", rustc);
         }

@@ -34,6 +34,8 @@ mod device;
 mod double;
 #[path = "parity/formulas.rs"]
 mod formulas;
+#[path = "parity/keys.rs"]
+mod keys;
 #[path = "parity/narrow.rs"]
 mod narrow;
 #[path = "parity/order.rs"]
@@ -48,6 +50,8 @@ mod rules;
 mod sweeps;
 #[path = "parity/trace.rs"]
 mod trace;
+#[path = "common/verdicts.rs"]
+mod verdicts;
 #[path = "parity/whole.rs"]
 mod whole;
 

@@ -37,6 +37,8 @@ mod sides;
 #[path = "witness/world.rs"]
 mod world;
 
+use std::io::Write as _;
+
 use compare::{Tally, Trial};
 use rockfall::{Backend, Integrator};
 use world::{MISTAKES, Mistake};
@@ -60,6 +62,42 @@ fn compare(
     tally
 }
 
+/// The quarter of the random scenes that this run compares, another one every day, or all of them with `ROCKFALL_SEEDS=all`.
+/// `ROCKFALL_SEEDS` may also be the number of a quarter, from 0 to 3.
+#[derive(Clone, Copy)]
+struct Share(Option<u64>);
+
+impl Share {
+    fn now() -> Self {
+        let quarter = match std::env::var("ROCKFALL_SEEDS").as_deref() {
+            Ok("all") => None,
+            Ok(number @ ("0" | "1" | "2" | "3")) => Some(number.parse().expect("a number")),
+            Ok(other) => panic!("ROCKFALL_SEEDS is {other}, expected all or a number from 0 to 3"),
+            Err(_) => {
+                let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).expect("a time after 1970");
+                Some(now.as_secs() / (24 * 3600) % 4)
+            }
+        };
+        Self(quarter)
+    }
+
+    /// The seeds of this share. Each quarter has every kind of scene.
+    fn of(self, seeds: std::ops::Range<u64>, what: &str) -> impl Iterator<Item = u64> {
+        if let Some(quarter) = self.0 {
+            // Past the capture of the output of tests. `scripts/run-tests` prints lines that begin with "note:".
+            let note =
+                format!("note: {what}: quarter {quarter} (0 to 3) of the scenes {seeds:?}, all with ROCKFALL_SEEDS=all\n");
+            std::io::stderr().write_all(note.as_bytes()).expect("standard error");
+        }
+        seeds.filter(move |seed| self.0.is_none_or(|quarter| seed / scenes::KINDS as u64 % 4 == quarter))
+    }
+
+    /// The share of a number that holds for all seeds.
+    fn share(self, whole: usize) -> usize {
+        if self.0.is_some() { whole / 4 } else { whole }
+    }
+}
+
 /// Asserts that the engine agrees with the witness, and that enough steps and collisions were compared.
 #[track_caller]
 fn assert_agreement(tally: &Tally, collisions: usize) {
@@ -74,25 +112,28 @@ fn assert_agreement(tally: &Tally, collisions: usize) {
 /// The first half of the scenes. The next test compares the second half, so that the two can run in parallel.
 #[test]
 fn the_cpu_agrees_with_the_witness_in_random_scenes() {
-    assert_agreement(&compare(Backend::Cpu, 0..2_000, 1, 6, None), 3_000);
+    let share = Share::now();
+    assert_agreement(&compare(Backend::Cpu, share.of(0..4_000, "witness"), 1, 6, None), share.share(6_000));
 }
 
 #[test]
 fn the_cpu_agrees_with_the_witness_in_more_random_scenes() {
-    assert_agreement(&compare(Backend::Cpu, 2_000..4_000, 1, 6, None), 3_000);
+    let share = Share::now();
+    assert_agreement(&compare(Backend::Cpu, share.of(4_000..8_000, "witness"), 1, 6, None), share.share(6_000));
 }
 
 /// The same scenes with velocity Verlet, which the plans do not draw.
 #[test]
 fn the_cpu_agrees_with_the_witness_with_velocity_verlet() {
     let mut tally = Tally::default();
-    for seed in 0..1_000 {
+    let share = Share::now();
+    for seed in share.of(0..4_000, "witness with velocity Verlet") {
         let plan = scenes::Plan { integrator: Integrator::VelocityVerlet, ..scenes::plan(seed, 1, 1) };
         let name = format!("seed {seed} kind {}", seed as usize % scenes::KINDS);
         let phases = seed % 3 != 0;
         Trial { name, plan: &plan, backend: Backend::Cpu, steps: 4, mistake: None, phases }.run(&mut tally);
     }
-    assert_agreement(&tally, 500);
+    assert_agreement(&tally, share.share(2_000));
 }
 
 /// Many clusters in one scene, and more steps.

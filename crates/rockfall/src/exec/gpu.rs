@@ -14,6 +14,8 @@ mod exchangers;
 mod fault;
 mod kernel;
 mod memory;
+#[cfg(not(target_family = "wasm"))]
+mod sharing;
 mod split;
 mod submit;
 mod timer;
@@ -29,6 +31,9 @@ pub use device::{Gpu, adapters, instance};
 pub use exchange::Table;
 pub use fault::catch;
 pub use kernel::{join, locate_lines};
+#[cfg(not(target_family = "wasm"))]
+#[doc(hidden)]
+pub use sharing::SharedDevice;
 pub use split::{Split, split};
 pub(crate) use timer::{clock, copy_bandwidth};
 pub(crate) use wait::Mapped;

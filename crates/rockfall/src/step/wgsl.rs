@@ -8,7 +8,7 @@
 //!
 //! which name, by paths below `src/`, the files whose declarations it uses directly. [`Wgsl::parts`] collects the files. Their
 //! order does not matter in WGSL. Shared files may also use names that each stage provides in its own way: the names of its
-//! bindings, and the [`HOOKS`]. A [`Variant`] adapts the text to the kinds of objects in a scene. `tests/wgsl.rs` checks that
+//! bindings, and the [`HOOKS`]. A [`Variant`] adapts the text to the kinds of objects in a scene. `tests/sources/wgsl.rs` checks that
 //! no file uses a name without requiring its file, requires a file that it does not use, or declares a name twice.
 
 use std::sync::LazyLock;

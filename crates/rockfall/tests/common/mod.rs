@@ -3,7 +3,7 @@
 //! Every test is a function that takes a backend; `both!` instantiates it for each backend. Without a GPU adapter the
 //! GPU tests fail; none is skipped.
 
-#![allow(dead_code, unused_macros, reason = "each test binary uses only a part of this module")]
+#![allow(dead_code, unused_macros, reason = "each test program uses only a part of this module")]
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{
@@ -14,8 +14,8 @@ use rockfall::{
 pub(crate) mod device;
 pub(crate) mod mixed;
 
-/// Instantiates test functions for both backends, in the modules `cpu` and `gpu`. The compiler reports a function that
-/// is missing from the list as dead code.
+/// Instantiates test functions for both backends, in the modules `cpu` and `gpu`. All tests in modules `gpu` share one device and
+/// its kernels. The compiler reports a function that is missing from the list as dead code.
 macro_rules! both {
     ($($name:ident),* $(,)?) => {
         on_backends! { None, $($name),* }
@@ -48,6 +48,7 @@ macro_rules! on_backends {
                 #[test]
                 fn $name() {
                     let _turn: Option<std::sync::MutexGuard<'static, ()>> = $turn;
+                    let _device = rockfall::gpu::SharedDevice::new();
                     super::$name(rockfall::Backend::Gpu);
                 }
             )*

@@ -1,8 +1,9 @@
 //! Kernels with one plausible mistake each. The comparison of the backends must reject every one of them.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::cell::{LazyCell, RefCell};
+use std::ops::Deref;
 use std::slice;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 use rockfall::gpu::Gpu;
 use rockfall::model::buffer::Buffer;
@@ -20,7 +21,8 @@ use crate::crossings;
 use crate::decisions::entries;
 use crate::device::{GPU, on_gpu, open};
 use crate::trace::{Only, Plan, Scenario, Trace, trace};
-use crate::{assert_scenario_matches, plan, with_law};
+use crate::verdicts::{Key, Verdicts};
+use crate::{assert_scenario_matches, keys, plan, with_law};
 
 /// A mistake in a kernel: the stage and its pass, the WGSL file, the correct text, the wrong text, and the buffer that must
 /// differ.
@@ -32,6 +34,14 @@ pub(crate) struct Mistake(
     pub(crate) &'static str,
     pub(crate) Buffer,
 );
+
+impl Mistake {
+    /// The stage, its pass, and what is changed.
+    pub(crate) fn name(&self) -> String {
+        let Self(stage, pass, file, right, wrong, _) = self;
+        format!("{stage} {pass}, {file}: {right} -> {wrong}")
+    }
+}
 
 static MISTAKES: &[Mistake] = &[
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "* 0.02, EXACT", "* 0.03, EXACT", Buffer::Aabbs),
@@ -479,9 +489,7 @@ pub(crate) fn with_mistake(runs: &[Run], mistake: &Mistake, made: &mut Option<&'
         let stage = *made.get_or_insert_with(|| {
             let mistaken = rewritten(*run, file, |text| text.replacen(right, wrong, 1));
             // The name is the same in every run of the test, so that a driver with a cache on disk can reuse the kernel.
-            let mut hasher = DefaultHasher::new();
-            (file, right, wrong).hash(&mut hasher);
-            let new_name = format!("{name}_{:x}", hasher.finish()).leak();
+            let new_name = format!("{name}_{:x}", Key::of_code(&[file, right, wrong]).value()).leak();
             let (entry, new_entry) = (format!("fn {name}("), format!("fn {new_name}("));
             let renamed =
                 rewritten(mistaken, &format!("{}.wgsl", entry_file(name)), |text| text.replacen(&entry, &new_entry, 1));
@@ -538,27 +546,29 @@ fn plans() -> [Plan; 15] {
 
 /// Returns the scenarios that run the stage and pass of a mistake. Those that are most likely to reveal it come first: one of
 /// each special kind, such as with large spheres, with long movers or with networks. All others follow.
-fn likely_scenarios<'a>(traces: &'a [Trace], Mistake(stage, pass, ..): &Mistake) -> Vec<&'a Scenario> {
-    let runs_stage = |Scenario { runs, before }: &&Scenario| {
+fn likely<'a>(trials: &'a [Trial], Mistake(stage, pass, ..): &Mistake) -> Vec<&'a Trial> {
+    let runs_stage = |trial: &&Trial| {
+        let Scenario { runs, before } = &trial.scenario;
         let has_work = |run: &Run| run.stage.threads != Threads::LongMovers || before.cells[3] > 0;
         runs.iter().any(|run| run.stage.name == *stage && run.pass == *pass && run.applies(&before.step) && has_work(run))
     };
-    let all: Vec<&Scenario> = traces.iter().flat_map(|trace| &trace.scenarios).filter(runs_stage).collect();
-    let with_long_movers = all.iter().find(|scenario| scenario.before.cells[3] > 0);
-    let with_large = all.iter().find(|scenario| scenario.before.step.large > 0);
-    let large_without_rods = all.iter().find(|scenario| scenario.before.step.large > 0 && scenario.before.step.rods == 0);
-    let without_sweeps = all.iter().find(|scenario| scenario.before.step.sweeps == SWEEPS_LISTED);
-    let with_rods = all.iter().find(|scenario| scenario.before.step.rods > 0);
-    let with_networks = all.iter().find(|scenario| scenario.before.step.networks > 0);
-    let mut scenarios: Vec<&Scenario> = Vec::new();
+    let all: Vec<&Trial> = trials.iter().filter(runs_stage).collect();
+    let first = |is_meant: fn(&World) -> bool| all.iter().find(move |trial| is_meant(&trial.scenario.before));
+    let with_long_movers = first(|before| before.cells[3] > 0);
+    let with_large = first(|before| before.step.large > 0);
+    let large_without_rods = first(|before| before.step.large > 0 && before.step.rods == 0);
+    let without_sweeps = first(|before| before.step.sweeps == SWEEPS_LISTED);
+    let with_rods = first(|before| before.step.rods > 0);
+    let with_networks = first(|before| before.step.networks > 0);
+    let mut chosen: Vec<&Trial> = Vec::new();
     let likely = [all.first(), without_sweeps, large_without_rods, with_large, with_long_movers, with_rods, with_networks];
-    for scenario in likely.into_iter().flatten().chain(&all) {
-        if !scenarios.iter().any(|other| std::ptr::eq(*other, *scenario)) {
-            scenarios.push(scenario);
+    for trial in likely.into_iter().flatten().chain(&all) {
+        if !chosen.iter().any(|other| std::ptr::eq(*other, *trial)) {
+            chosen.push(trial);
         }
     }
-    assert!(!scenarios.is_empty(), "no trace has pass {pass} of {stage}");
-    scenarios
+    assert!(!chosen.is_empty(), "no trace has pass {pass} of {stage}");
+    chosen
 }
 
 /// A scenario that rejects correct kernels would also reject every mistake, and prove nothing.
@@ -569,27 +579,44 @@ fn kernels_without_a_mistake_are_accepted() {
     }
 }
 
+/// A scenario and the key of its input, which is computed when it is needed.
+struct Trial {
+    scenario: Scenario,
+    key: OnceLock<Key>,
+}
+
 /// Whether the comparison rejects a mistake: in at least one scenario, the expected buffer differs.
-fn is_rejected(gpu: &Gpu, traces: &[Trace], mistake: &Mistake) -> bool {
-    let mut made = None;
-    likely_scenarios(traces, mistake).into_iter().any(|Scenario { runs, before }| {
-        let after = on_gpu(gpu, before, &with_mistake(runs, mistake, &mut made));
-        differences(runs, before, &after, MEASURED).iter().any(|difference| difference.buffer == mistake.5)
-    })
+fn is_rejected(verdicts: &Verdicts, gpu: &impl Deref<Target = Gpu>, trials: &[Trial], mistake: &Mistake) -> bool {
+    let made = RefCell::new(None);
+    let broken = |scenario: &Scenario| with_mistake(&scenario.runs, mistake, &mut made.borrow_mut());
+    let key = |Trial { scenario, key }: &&Trial| {
+        let Scenario { runs, before } = scenario;
+        let input = key.get_or_init(|| keys::of_input(keys::code(include_str!("broken.rs")), runs, before, MEASURED));
+        keys::of_kernels(*input, &broken(scenario), before, mistake)
+    };
+    let rejects = |Trial { scenario, .. }: &&Trial| {
+        let after = on_gpu(gpu, &scenario.before, &broken(scenario));
+        let found = differences(&scenario.runs, &scenario.before, &after, MEASURED);
+        found.iter().any(|difference| difference.buffer == mistake.5)
+    };
+    verdicts.rejects(&mistake.name(), likely(trials, mistake).into_iter(), key, rejects)
 }
 
 #[test]
 fn every_kernel_with_a_mistake_is_rejected() {
     let mut traces: Vec<Trace> = plans().iter().map(trace).collect();
     traces.push(crossings::trace(1, false));
+    let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
+    let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();
+    let verdicts = Verdicts::of("parity");
     let (left, accepted) = (Mutex::new(MISTAKES.iter()), Mutex::new(Vec::new()));
     let check = |next: fn(&mut slice::Iter<'static, Mistake>) -> Option<&'static Mistake>| {
-        let gpu = open();
+        let gpu = LazyCell::new(open);
         loop {
             let mistake = next(&mut left.lock().unwrap());
-            let Some(mistake @ Mistake(stage, pass, file, _, wrong, _)) = mistake else { return };
-            if !is_rejected(&gpu, &traces, mistake) {
-                accepted.lock().unwrap().push(format!("{stage} {pass}, {file}: '{wrong}'"));
+            let Some(mistake) = mistake else { return };
+            if !is_rejected(&verdicts, &gpu, &trials, mistake) {
+                accepted.lock().unwrap().push(mistake.name());
             }
         }
     };
@@ -599,6 +626,7 @@ fn every_kernel_with_a_mistake_is_rejected() {
         scope.spawn(|| check(slice::Iter::next));
         scope.spawn(|| check(slice::Iter::next_back));
     });
+    verdicts.finish();
     let accepted = accepted.into_inner().unwrap();
     assert!(accepted.is_empty(), "the comparison accepts these mistakes: {accepted:#?}");
 }

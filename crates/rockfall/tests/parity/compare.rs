@@ -20,6 +20,7 @@ use rockfall::step::schedule::Run;
 
 use crate::decisions::entries;
 use crate::order::canonical;
+use crate::verdicts::Key;
 
 /// Allowed difference of a float, in units of its largest change under perturbations.
 const FACTOR: f32 = 8.0;
@@ -205,6 +206,41 @@ fn perturbed(world: &World, seed: u64) -> World {
     world
 }
 
+/// What the CPU computes: the world after the stages, and its floats after each perturbation of the input.
+struct Expected {
+    cpu: World,
+    perturbed: Vec<Vec<Floats>>,
+}
+
+fn expected(runs: &[Run], before: &World, tolerance: Tolerance) -> Expected {
+    let name = runs[0].stage.name;
+    let after = |mut world: World| {
+        runs.iter().for_each(|run| run.on_cpu(&mut world));
+        canonical(&world, name)
+    };
+    let cpu = after(before.clone());
+    let perturbations = if MOVES.contains(&name) { 0 } else { tolerance.perturbations };
+    let perturbed = |seed| {
+        let world = after(perturbed(before, seed));
+        let changed = different_words(&world, &cpu);
+        assert!(changed.is_empty(), "{name}: rounding changes a decision: {}", listed(&changed));
+        floats(&world)
+    };
+    let perturbed = (0..perturbations).map(perturbed).collect();
+    Expected { cpu, perturbed }
+}
+
+/// Adds to a key all that [`differences`] compares the world of the device with.
+pub(crate) fn add_expected(key: &mut Key, runs: &[Run], before: &World, tolerance: Tolerance) {
+    let Expected { cpu, perturbed } = expected(runs, before, tolerance);
+    for (_, _, words) in words(&cpu).into_iter().chain(bits(&cpu)) {
+        key.add(bytemuck::cast_slice(&words));
+    }
+    for field in perturbed.iter().flatten().chain(&floats(&cpu)) {
+        key.add(bytemuck::cast_slice(&field.values));
+    }
+}
+
 /// Runs stages on the CPU and returns all differences between the result and `gpu`. `before` is the world before the stages,
 /// and `gpu` the world after the GPU has run them.
 ///
@@ -212,25 +248,13 @@ fn perturbed(world: &World, seed: u64) -> World {
 /// Panics if a perturbation of the input by about a rounding error changes a word.
 pub(crate) fn differences(runs: &[Run], before: &World, gpu: &World, tolerance: Tolerance) -> Vec<Difference> {
     let name = runs[0].stage.name;
-    let after = |mut world: World| {
-        runs.iter().for_each(|run| run.on_cpu(&mut world));
-        canonical(&world, name)
-    };
     let gpu = &canonical(gpu, name);
-    let cpu = after(before.clone());
+    let Expected { cpu, perturbed } = expected(runs, before, tolerance);
     let mut all = different_words(gpu, &cpu);
     if MOVES.contains(&name) {
         all.extend(different(bits(gpu), bits(&cpu)));
         return all;
     }
-    let perturbed: Vec<Vec<Floats>> = (0..tolerance.perturbations)
-        .map(|seed| {
-            let world = after(perturbed(before, seed));
-            let changed = different_words(&world, &cpu);
-            assert!(changed.is_empty(), "{name}: rounding changes a decision: {}", listed(&changed));
-            floats(&world)
-        })
-        .collect();
     let unchanged = floats(before);
     for (place, (gpu, cpu)) in floats(gpu).iter().zip(floats(&cpu)).enumerate() {
         let finite = cpu.values.iter().filter(|value| value.is_finite());

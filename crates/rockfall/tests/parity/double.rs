@@ -3,6 +3,7 @@
 //! The scene is thousands of units from the origin, where the low part of a position is as large as 0.0005. A kernel that leaves it out,
 //! or that takes it for something else, gives results that differ by much more than the rounding of other numbers.
 
+use std::cell::RefCell;
 use std::sync::LazyLock;
 
 use rand::{RngExt, SeedableRng};
@@ -20,6 +21,8 @@ use rockfall::{
 use crate::broken::{Mistake, with_mistake};
 use crate::compare::springs;
 use crate::device::{GPU, on_gpu};
+use crate::keys;
+use crate::verdicts::Verdicts;
 
 /// Where the scene is.
 const PLACE: [f64; 3] = [4096.3, -5000.7, 8000.1];
@@ -245,19 +248,34 @@ static MISTAKES: [Mistake; 16] = [
 
 #[test]
 fn kernels_with_a_mistake_in_low_parts_are_rejected() {
+    let verdicts = Verdicts::of("double");
+    let code = keys::code(include_str!("double.rs"));
     for mistake in &MISTAKES {
         let Mistake(stage, pass, file, right, wrong, buffer) = mistake;
         let is_meant = |(runs, _): &&Stages| runs.iter().any(|run| run.stage.name == *stage && run.pass == *pass);
         let (runs, _) = STAGES.iter().find(is_meant).expect("the stage");
         let run = runs.iter().find(|run| run.stage.name == *stage).expect("the stage");
         assert!(run.stage.parts().iter().any(|part| part.file.ends_with(file) && part.text.contains(right)), "{file}: {right}");
-        let mut made = None;
-        let is_rejected = STAGES.iter().filter(is_meant).any(|(runs, before)| {
+        let made = RefCell::new(None);
+        let broken = |runs: &[Run]| with_mistake(runs, mistake, &mut made.borrow_mut());
+        let cpu = |(runs, before): &Stages| {
             let mut cpu = before.clone();
             runs.iter().for_each(|run| run.on_cpu(&mut cpu));
-            let found = differences(&cpu, &on_gpu(&GPU, before, &with_mistake(runs, mistake, &mut made)), place_error(runs));
+            cpu
+        };
+        let key = |stages: &&Stages| {
+            let mut key = code;
+            keys::add_world(&mut key, &stages.1);
+            keys::add_world(&mut key, &cpu(stages));
+            keys::of_kernels(key, &broken(&stages.0), &stages.1, mistake)
+        };
+        let rejects = |stages: &&Stages| {
+            let (runs, before) = stages;
+            let found = differences(&cpu(stages), &on_gpu(&GPU, before, &broken(runs)), place_error(runs));
             found.iter().any(|(place, _)| place == buffer)
-        });
+        };
+        let is_rejected = verdicts.rejects(&mistake.name(), STAGES.iter().filter(is_meant), key, rejects);
         assert!(is_rejected, "{stage} accepts {wrong}");
     }
+    verdicts.finish();
 }

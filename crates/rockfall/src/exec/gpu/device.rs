@@ -8,6 +8,8 @@ use crate::error::{Error, Result};
 use crate::exec::gpu::exchangers::Exchangers;
 use crate::exec::gpu::fault::{Faults, catch};
 use crate::exec::gpu::kernel::Kernel;
+#[cfg(not(target_family = "wasm"))]
+use crate::exec::gpu::sharing::{share, shared};
 use crate::model::layout::WORKGROUP;
 use crate::step::stage::Stage;
 use crate::step::wgsl::Variant;
@@ -123,6 +125,17 @@ impl Gpu {
     /// # Errors
     /// [`Error::NoAdapter`] when there is no usable adapter, [`Error::Device`] when none can be opened.
     pub async fn open(allow_software: bool) -> Result<Self> {
+        #[cfg(not(target_family = "wasm"))]
+        if let Some(gpu) = shared().filter(|gpu| allow_software || !gpu.is_software()) {
+            return Ok(gpu);
+        }
+        let gpu = Self::open_another(allow_software).await?;
+        #[cfg(not(target_family = "wasm"))]
+        share(&gpu);
+        Ok(gpu)
+    }
+
+    async fn open_another(allow_software: bool) -> Result<Self> {
         let mut candidates = candidates().await;
         let mut reasons = Vec::new();
         candidates.retain(|adapter| {

@@ -1,0 +1,64 @@
+//! What `check` says of scenes that are likely not meant, and exit codes of scenes that `run` refuses or that explode.
+
+use crate::common::Rockfall;
+
+/// Runs `check` on a scene and returns what it prints.
+fn checked(text: &str, options: &str, code: i32) -> String {
+    let (out, err) = Rockfall::with(text).run(&format!("check scene.txt {options}"), code);
+    out + &err
+}
+
+#[test]
+fn check_fails_where_run_refuses() {
+    let text = "set contact_law hertz-mindlin\nS 1 0 0 0 0 0 0 0 0 0 1 0.01\n";
+    let out = checked(text, "", 2);
+    assert!(out.contains("error: ") && out.contains("hertz-mindlin with the integrator rk4"), "{out}");
+    let (_, err) = Rockfall::with(text).run("run scene.txt --backend cpu --steps 1", 2);
+    assert!(err.contains("hertz-mindlin with the integrator rk4"), "{err}");
+}
+
+#[test]
+fn bodies_behind_polygons_are_reported() {
+    let scene = |y: f32| format!("P -1 0 -1 2 0 0 0 0 2\nS 7 0 {y} 0 0 0 0 0 0 0 1 0.1\n");
+    // The normal (2, 0, 0) x (0, 0, 2) points down.
+    let out = checked(&scene(0.05), "", 0);
+    assert!(out.contains("sphere 7 is behind polygon number 0"), "{out}");
+    for y in [-0.05, 0.2] {
+        let out = checked(&scene(y), "", 0);
+        assert!(!out.contains("behind"), "{y}: {out}");
+    }
+}
+
+#[test]
+fn pairs_without_friction_and_moving_surfaces_are_reported() {
+    let scene = |pair: &str| {
+        format!(
+            "set contact_law hertz-mindlin\n@material glass density=2500 young=5e10 poisson=0.2\n{pair}@use glass\n\
+             S 1 0 1 0 0 0 0 0 0 0 - 0.01\nS 2 1 1 0 0 0 0 0 0 0 - 0.01\nS 3 2 1 0 1 0 0 0 0 0 - 0.01 1\n"
+        )
+    };
+    let options = "--integrator velocity-verlet --dt 1e-6";
+    let out = checked(&scene(""), options, 0);
+    assert!(out.contains("the pair of materials glass glass has no friction"), "{out}");
+    assert!(out.contains("sphere 3 is fixed and has a velocity"), "{out}");
+    let out = checked(&scene("@pair glass glass friction=0\n"), options, 0);
+    assert!(!out.contains("has no friction"), "{out}");
+}
+
+/// A stiff spring makes the energy explode. The last line names the cause, JSON has the growth, and `--strict` fails.
+#[test]
+fn an_explosion_is_a_failure_with_strict() {
+    let text = "set gravity 0\nS 1 0 0 0 0 0 0 0 0 0 1 0.1\nS 2 1.2 0 0 0 0 0 0 0 0 1 0.1\nK 1 2 12000 1 0\n";
+    let rockfall = Rockfall::with(text);
+    let (_, err) = rockfall.run("run scene.txt --backend cpu --steps 40", 0);
+    let last = err.lines().last().unwrap_or_default();
+    assert!(last.contains("the energy grew by") && last.contains("the time step is too long"), "{err}");
+    let (out, _) = rockfall.run("run scene.txt --backend cpu --steps 40 --json", 0);
+    let summary: serde_json::Value = serde_json::from_str(&out).expect("JSON");
+    assert!(summary["energy_growth_without_cause"].as_f64().is_some_and(|growth| growth > 1.0), "{out}");
+    let (_, err) = rockfall.run("run scene.txt --backend cpu --steps 40 --strict", 1);
+    assert!(err.contains("error: ") && err.contains("the energy grew by"), "{err}");
+    let (out, _) = rockfall.run("run scene.txt --backend cpu --steps 40 --dt 1e-3 --strict --json", 0);
+    let summary: serde_json::Value = serde_json::from_str(&out).expect("JSON");
+    assert!(summary["energy_growth_without_cause"].is_null(), "{out}");
+}

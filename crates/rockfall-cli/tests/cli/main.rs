@@ -1,0 +1,17 @@
+//! The program `rockfall`, run as a user runs it.
+
+mod bench;
+mod commands;
+mod common;
+mod evolve;
+mod full_disk;
+mod intent;
+mod keep;
+mod newcomers;
+mod odd;
+mod outputs;
+mod render;
+mod signals;
+mod trajectories;
+mod view;
+mod warnings;

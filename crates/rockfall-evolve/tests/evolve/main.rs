@@ -1,0 +1,5 @@
+//! Evolutions and the creatures that came from them.
+
+mod champions;
+mod common;
+mod evolution;

@@ -1,0 +1,5 @@
+//! Trajectories and fields.
+
+mod fields;
+mod reader;
+mod writer;

@@ -1,0 +1,156 @@
+//! Sequences of frames: blending between two states, and objects that are added, removed or reordered.
+
+use rockfall::generate::Kind;
+use rockfall::glam::{Quat, Vec3};
+use rockfall::{Backend, BroadPhase, Cuboid, Options, Scene, Simulation, Sphere};
+use rockfall_viewer::camera::Camera;
+use rockfall_viewer::draw::{ColourBy, Style};
+use rockfall_viewer::survey::Survey;
+
+use crate::common::{canvas, drawn_box, gpu, outlines, pixel, projected, renderer, simulation, take};
+
+fn camera() -> Camera {
+    Camera::new([0.0, 0.0, 8.0], [0.0, 0.0, 0.0])
+}
+
+#[test]
+fn bodies_are_blended_between_two_states() {
+    for backend in [Backend::Cpu, Backend::Gpu] {
+        let mut scene = Scene::new();
+        scene.settings.gravity = 0.0;
+        let ball = scene.add_sphere(Sphere::new([-1.0, 0.0, 0.0], 0.5)).unwrap();
+        let mut simulation = simulation(scene, backend);
+        let (mut renderer, canvas, style) = (renderer(), canvas(), outlines());
+        renderer.update(&mut simulation, &style).unwrap();
+        renderer.remember();
+        simulation.set_position(ball, [1.0, 0.0, 0.0]).unwrap();
+        simulation.set_orientation(ball, Quat::from_rotation_y(0.3)).unwrap();
+        renderer.update(&mut simulation, &style).unwrap();
+        for (blend, middle) in [(0.0, -1.0), (0.25, -0.5), (1.0, 1.0)] {
+            renderer.set_blend(blend);
+            let [left, _, right, _] = drawn_box(&canvas.take(&mut renderer, &camera(), &style).unwrap());
+            let expected = projected(&camera(), Vec3::new(middle, 0.0, 0.0))[0];
+            let found = 0.5 * (left + right + 1) as f32;
+            assert!((found - expected).abs() < 1.5, "{backend} {blend}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn update_detects_added_and_removed_objects() {
+    for backend in [Backend::Cpu, Backend::Gpu] {
+        let mut scene = Scene::new();
+        let first = scene.add_sphere(Sphere::new([-1.0, 0.0, 0.0], 0.5)).unwrap();
+        let mut simulation = simulation(scene, backend);
+        let (mut renderer, canvas, style) = (renderer(), canvas(), outlines());
+        let mut shown = |simulation: &mut Simulation| {
+            renderer.update(simulation, &style).unwrap();
+            drawn_box(&canvas.take(&mut renderer, &camera(), &style).unwrap())
+        };
+        let alone = shown(&mut simulation);
+        simulation.add_sphere(Sphere::new([1.0, 0.0, 0.0], 0.5)).unwrap();
+        let both = shown(&mut simulation);
+        assert!(both[0] == alone[0] && both[2] > alone[2] + 50, "{alone:?} {both:?}");
+        simulation.remove_sphere(first).unwrap();
+        let other = shown(&mut simulation);
+        assert!(other[0] > alone[2] && other[2] == both[2], "{other:?}");
+    }
+}
+
+#[test]
+fn the_memory_order_does_not_change_the_picture() {
+    let style = Style::default();
+    let pictures = [BroadPhase::BruteForce, BroadPhase::Grid].map(|broad_phase| {
+        let scene = Kind::Mixed.generate(300, 1).unwrap();
+        let camera = Camera::of_scene(&scene, crate::common::ASPECT);
+        let options = Options::new().backend(Backend::Gpu).broad_phase(broad_phase);
+        let mut simulation = Simulation::on_device(scene, options, gpu().device(), gpu().queue()).unwrap();
+        take(&mut simulation, &camera, &style)
+    });
+    // Only pixels of bodies at equal depths may differ, because they depend on the drawing order.
+    let differing = pictures[0].pixels.iter().zip(&pictures[1].pixels).filter(|(one, two)| one != two).count();
+    assert!(differing < 40, "{differing}");
+}
+
+/// A wall that hides a body late in a film is not drawn at its start either, so that it does not vanish in the middle.
+#[test]
+fn walls_are_removed_for_all_states_of_a_survey() {
+    let scene = |x: f32| {
+        let mut scene = Scene::new();
+        scene.add_sphere(Sphere::new([x, 0.0, 0.0], 0.5)).unwrap();
+        scene.add_box(Cuboid::between([0.5, -1.0, 3.0], [1.5, 1.0, 3.2])).unwrap();
+        scene
+    };
+    let mut simulation = simulation(scene(-1.5), Backend::Cpu);
+    let (mut renderer, canvas, style) = (renderer(), canvas(), outlines());
+    let at_wall = projected(&camera(), Vec3::new(1.0, 0.3, 3.2)).map(|place| place as u32);
+    let mut is_whole = |survey: Option<Survey>| {
+        renderer.set_scene(&simulation);
+        survey.into_iter().for_each(|survey| renderer.set_survey(survey));
+        renderer.update(&mut simulation, &style).unwrap();
+        pixel(&canvas.take(&mut renderer, &camera(), &style).unwrap(), at_wall[0], at_wall[1]) != [255; 3]
+    };
+    assert!(is_whole(None));
+    let mut survey = Survey::new(&scene(-1.5));
+    assert!(is_whole(Some(survey.clone())));
+    survey.add(&scene(1.6));
+    assert!(!is_whole(Some(survey)));
+}
+
+#[test]
+fn the_scale_does_not_depend_on_a_body_that_falls_for_ever() {
+    for backend in [Backend::Cpu, Backend::Gpu] {
+        let mut scene = Scene::new();
+        scene.settings.gravity = 0.0;
+        for k in 0..10 {
+            scene.add_sphere(Sphere::new([2.0 * k as f32, 0.0, 0.0], 0.5).velocity([0.0, 0.9, 0.0])).unwrap();
+        }
+        scene.add_sphere(Sphere::new([5.0, -4000.0, 0.0], 0.5).velocity([0.0, -300.0, 0.0])).unwrap();
+        let mut simulation = simulation(scene, backend);
+        let mut renderer = renderer();
+        let mut style = Style::default();
+        style.colour_by = ColourBy::Speed;
+        renderer.update(&mut simulation, &style).unwrap();
+        assert_eq!(renderer.range(&style), [0.0, 1.0], "{backend}");
+    }
+}
+
+#[test]
+fn spheres_have_their_own_colours_and_the_light_comes_from_the_given_side() {
+    let mut scene = Scene::new();
+    scene.settings.gravity = 0.0;
+    for x in [-1.0, 1.0] {
+        scene.add_sphere(Sphere::new([x, 0.0, 0.0], 0.8)).unwrap();
+    }
+    let mut simulation = simulation(scene, Backend::Cpu);
+    let (mut renderer, canvas, mut style) = (renderer(), canvas(), Style::default());
+    renderer.set_colours(vec![None, Some([255, 0, 0])]);
+    style.kinds[0] = [0, 255, 0];
+    /// The sum of the colours in a square around a point.
+    fn around(picture: &rockfall_viewer::picture::Picture, point: Vec3) -> [u32; 3] {
+        let [x, y] = projected(&camera(), point).map(|place| place as u32);
+        let mut sum = [0; 3];
+        for (dx, dy) in (0..6).flat_map(|dx| (0..6).map(move |dy| (dx, dy))) {
+            let found = pixel(picture, x + dx - 3, y + dy - 3);
+            (0..3).for_each(|channel| sum[channel] += u32::from(found[channel]));
+        }
+        sum
+    }
+    for by in [ColourBy::Kind, ColourBy::Speed, ColourBy::Kind] {
+        style.colour_by = by;
+        renderer.update(&mut simulation, &style).unwrap();
+        let picture = canvas.take(&mut renderer, &camera(), &style).unwrap();
+        let [one, two] = [-1.0, 1.0].map(|x| around(&picture, Vec3::new(x, 0.0, 0.0)));
+        if by == ColourBy::Kind {
+            assert!(one[1] > one[0] && two[0] > two[1], "{one:?} {two:?}");
+        } else {
+            assert!(one[0].abs_diff(two[0]) < 300, "{one:?} {two:?}");
+        }
+    }
+    for side in [-1.0, 1.0] {
+        style.light = Vec3::new(side, 0.2, 0.2);
+        let picture = canvas.take(&mut renderer, &camera(), &style).unwrap();
+        let [left, right] = [-0.6, 0.6].map(|x| around(&picture, Vec3::new(1.0 + x, 0.0, 0.0)).iter().sum::<u32>());
+        assert_eq!(right > left, side > 0.0, "{left} {right}");
+    }
+}

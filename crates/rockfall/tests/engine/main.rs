@@ -1,0 +1,16 @@
+//! What must not change a result: threads, memory, devices, checkpoints, edits and optimizations.
+
+#[path = "../common/mod.rs"]
+#[macro_use]
+mod common;
+
+mod adapter;
+mod broad_phase;
+mod checkpoint;
+mod chunks;
+mod constants;
+mod determinism;
+mod device;
+mod exchange;
+mod optimizations;
+mod shared_memory;

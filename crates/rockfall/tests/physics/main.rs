@@ -1,0 +1,15 @@
+//! The model of docs/physics.md on both backends, against results derived by hand.
+
+#[path = "../common/mod.rs"]
+#[macro_use]
+mod common;
+
+mod closed_form;
+mod contact_laws;
+mod continuous;
+mod errata;
+mod faults;
+mod force_laws;
+mod laws;
+mod ray;
+mod verlet;

@@ -1,0 +1,5 @@
+//! The sources: kernels as text, and citations of the specification.
+
+mod citations;
+mod kernels;
+mod wgsl;
