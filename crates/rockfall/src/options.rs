@@ -10,7 +10,7 @@ use crate::user_laws::{ContactForceLaw, ForceLaw};
 /// The backend that runs a simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Backend {
-    /// The CPU for a scene of up to 32 spheres and rods, which it computes faster than a GPU. Otherwise a hardware GPU if there is one,
+    /// The CPU for a scene of up to 64 spheres and rods, which it computes faster than a GPU. Otherwise a hardware GPU if there is one,
     /// and the CPU if there is none.
     #[default]
     Auto,

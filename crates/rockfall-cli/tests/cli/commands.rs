@@ -525,8 +525,8 @@ fn without_an_adapter_gpu_fails_and_auto_uses_the_cpu() {
     };
     let (_, err) = run("run scene.txt --steps 1 --backend gpu", 1);
     assert!(err.contains("no usable GPU") && err.contains("--backend cpu"), "{err}");
-    run("generate pile --spheres 40 --out many.txt", 0);
-    for (scene, reason) in [("many.txt", "no hardware GPU was found"), ("scene.txt", "faster than a GPU for up to 32 spheres")]
+    run("generate pile --spheres 80 --out many.txt", 0);
+    for (scene, reason) in [("many.txt", "no hardware GPU was found"), ("scene.txt", "faster than a GPU for up to 64 spheres")]
     {
         let (out, _) = run(&format!("run {scene} --steps 1"), 0);
         assert!(out.contains("cpu: CPU") && out.contains(reason), "{out}");

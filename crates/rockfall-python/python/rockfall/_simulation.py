@@ -41,7 +41,7 @@ class Simulation(Observed, LawTable, ContactLawOf):
     dt : float
         Time step, in s. It can be changed later.
     backend : {"auto", "gpu", "cpu"}
-        "auto" uses the CPU for up to 32 spheres and rods, otherwise a hardware GPU where there is one.
+        "auto" uses the CPU for up to 64 spheres and rods, otherwise a hardware GPU where there is one.
     integrator : {"auto", "rk4", "symplectic-euler", "velocity-verlet"}
         How positions and velocities are advanced. "auto" is "symplectic-euler" with the contact laws "linear",
         "hertz-mindlin" and "user", which do not allow "rk4", and otherwise "rk4".

@@ -73,7 +73,7 @@ macro_rules! on_gpu {
 /// Number of spheres and rods up to which [`Backend::Auto`] chooses the CPU: launching the stages of a step on a GPU then takes longer
 /// than computing it. Measured with 16 cores and an H200 (docs/performance.md).
 #[cfg(feature = "gpu")]
-const FEW: u32 = 32;
+const FEW: u32 = 64;
 
 impl Engine {
     #[cfg(feature = "gpu")]

@@ -95,7 +95,7 @@ impl ForceLaws {
              let velocity = state[velocity_at(i)].xyz;\n    \
              let spin = state[momentum_at(i)].xyz * state[momentum_at(i)].w;\n    \
              let mass = 1.0 / state[velocity_at(i)].w;\n    let radius = state[position_at(i)].w;\n    \
-             let time = fma(0.5 * step.dt, f32(half_steps()), step.time_base);\n    \
+             let time = law_time();\n    \
              var force = vec3f(0.0);\n    var torque = vec3f(0.0);\n{calls}    \
              (*rates).acceleration += state[velocity_at(i)].w * force;\n    (*rates).torque += torque;\n}}\n"
         )

@@ -45,7 +45,6 @@ impl Mistake {
 
 static MISTAKES: &[Mistake] = &[
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "* 0.02, EXACT", "* 0.03, EXACT", Buffer::Aabbs),
-    Mistake("update_aabbs", 0, "travel.wgsl", "length(fourth - third)", "length(fourth)", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
     Mistake("scan_pairs", 0, "scan_pairs.wgsl", "k < SLICE;", "k < SLICE / 2u;", Buffer::Lists),

@@ -84,6 +84,10 @@ pub(crate) fn trace(seed: u64, rods: bool) -> Trace {
             let loads = runs.iter().find(|run| run.stage.name == "loads").expect("the stage");
             scenarios.push(Scenario { runs: vec![*loads], before: world.clone() });
         }
+        if run.stage.name == "loads" {
+            // Collisions have moved the spheres.
+            runs.iter().filter(|run| run.stage.name == "update_aabbs").for_each(|run| run.on_cpu(&mut world));
+        }
         if concerned.contains(&run.stage.name) && run.pass == 0 {
             scenarios.push(Scenario { runs: vec![run], before: world.clone() });
         }

@@ -30,7 +30,7 @@ pub(crate) fn add_world(key: &mut Key, world: &World) {
     for vectors in rest.states.iter_mut().chain([&mut rest.extents, &mut rest.wrenches, &mut rest.orientations]) {
         key.add(cast_slice(&take(vectors)));
     }
-    for words in [&mut rest.topology, &mut rest.cells, &mut rest.lists, &mut rest.histories, &mut rest.dispatch_sizes] {
+    for words in [&mut rest.topology, &mut rest.cells, &mut rest.lists, &mut rest.histories] {
         key.add(cast_slice(&take(words)));
     }
     key.add(cast_slice(&take(&mut rest.aabbs)));
@@ -42,9 +42,9 @@ pub(crate) fn add_world(key: &mut Key, world: &World) {
 
 /// Adds the kernels of stages, as the device compiles them for a world, and how they are run.
 fn add_kernels(key: &mut Key, runs: &[Run], world: &World) {
-    for Run { stage, pass, when, every, planned } in runs {
+    for Run { stage, pass, when, every } in runs {
         key.add(Variant::of(&world.step).apply(&join(&stage.parts())));
-        key.add(format!("{} {:?} {:?} {pass} {when:?} {every} {planned}", stage.name, stage.bindings, stage.threads));
+        key.add(format!("{} {:?} {:?} {pass} {when:?} {every}", stage.name, stage.bindings, stage.threads));
     }
 }
 

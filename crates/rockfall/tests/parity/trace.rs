@@ -4,7 +4,7 @@ use rockfall::model::layout::{
     CELL_BLOCK, CELLS_AT, HISTORY_WORDS, LAW_THESIS, LINK_KEY, RESTORING, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED,
     SWEEPS_ON,
 };
-use rockfall::model::status::REBUILD_REQUESTED;
+use rockfall::model::status::{REBUILD_REQUESTED, REJECTED_ESCAPED};
 use rockfall::model::world::World;
 use rockfall::step::schedule::{MEASURE_ORDER, Phase, Run, SORT_MEMORY};
 use rockfall::{BroadPhase, ContactForceLaw, ContactInput, ContactLaw, ContactResponse, Integrator, Settings};
@@ -274,6 +274,8 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
                 scenarios.extend(scenario_without_forces(&world, run, plan));
             }
             run.on_cpu(&mut world);
+            // A sphere that leaves its AABB makes its cluster ambiguous. The others go on.
+            world.status.rejected &= !REJECTED_ESCAPED;
             if run.stage.name == "constrain" {
                 // Swap back. An axis that turns by 180 degrees has no unique shortest rotation, so `turn` could not be
                 // compared.

@@ -46,7 +46,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("(step.flags & FLAG_CONTINUE) == 0u", "(step.flags & FLAG_CONTINUE) != 0u"),
     Mistake("any(by.xyz != vec3f(0.0))", "any(by.xyz == vec3f(0.0))"),
     Mistake("is_symplectic_euler | (k == 0u)", "(k == 0u)"),
-    Mistake("turn_own(next[2].xyz * next[2].w)", "turn_own(next[2].xyz)"),
+    Mistake("turn_own(symplectic_euler_sphere(i, load))", "turn_own(2.0 * symplectic_euler_sphere(i, load))"),
     Mistake("own_rows = own_world * 3u", "own_rows = own_world * 2u"),
     Mistake("first_spring = own_world * WORLD_SPRINGS", "first_spring = 0u"),
     Mistake("vec4u(first_spring) + ", ""),

@@ -1,5 +1,5 @@
-// requires model/collision_state.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
-// requires physics/escape.wgsl physics/motion.wgsl step/collisions/rows.wgsl
+// requires model/collision_state.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl
+// requires physics/contact.wgsl physics/escape.wgsl physics/motion.wgsl step/collisions/rows.wgsl
 
 // The state of a single sphere after its collisions.
 

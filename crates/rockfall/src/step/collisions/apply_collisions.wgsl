@@ -1,4 +1,4 @@
-// requires model/collision_state.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/put_next.wgsl model/step.wgsl
+// requires model/collision_state.wgsl model/lists.wgsl model/objects.wgsl model/put_next.wgsl model/step.wgsl
 // requires physics/collision/capsule_changes.wgsl physics/collision/changes.wgsl physics/collision/impulses.wgsl
 // requires physics/motion.wgsl step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
