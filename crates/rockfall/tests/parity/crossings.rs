@@ -4,6 +4,7 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
+use rockfall::model::status::REBUILD_REQUESTED;
 use rockfall::model::world::World;
 use rockfall::step::schedule::{Phase, Run};
 use rockfall::{BroadPhase, Cuboid, Integrator, Polygon, Rod, Scene, Sphere, Tether};
@@ -86,6 +87,7 @@ pub(crate) fn trace(seed: u64, rods: bool) -> Trace {
         }
         if run.stage.name == "loads" {
             // Collisions have moved the spheres.
+            world.status.rebuild = REBUILD_REQUESTED;
             runs.iter().filter(|run| run.stage.name == "update_aabbs").for_each(|run| run.on_cpu(&mut world));
         }
         if concerned.contains(&run.stage.name) && run.pass == 0 {
