@@ -378,7 +378,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("weigh_collisions", 0, "pairs.wgsl", "one * step.materials + other", "one * step.materials", Buffer::Start),
     Mistake("weigh_collisions", 0, "pairs.wgsl", "a, b, 0u, step.restitution", "a, b, 1u, step.restitution", Buffer::Start),
     Mistake("weigh_collisions", 0, "couplings.wgsl", "bitcast<u32>(restitution)", "0u", Buffer::Start),
-    Mistake("symplectic_euler", 0, "contact.wgsl", "min(friction_of(a, b)", "min(step.friction", Buffer::Y2),
+    Mistake("loads", 0, "contact.wgsl", "min(friction_of(a, b)", "min(step.friction", Buffer::Wrenches),
     Mistake("apply_friction_impulses", 0, "pairs.wgsl", "given < 0.0", "given <= 0.0", Buffer::Start),
     Mistake("loads", 0, "hertz_mindlin.wgsl", "8.0 * a", "4.0 * a", Buffer::Wrenches),
     Mistake("loads", 0, "linear.wgsl", "constants.y, 1.0", "constants.x, 1.0", Buffer::Wrenches),
