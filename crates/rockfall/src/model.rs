@@ -18,6 +18,7 @@
 pub mod buffer;
 pub(crate) mod counters;
 pub(crate) mod declare;
+pub(crate) mod declared;
 pub mod dispatch;
 pub mod impulse;
 pub(crate) mod lanes;

@@ -13,7 +13,7 @@
 
 use std::sync::LazyLock;
 
-use crate::model::declare;
+use crate::model::declared;
 use crate::model::layout::{
     FLAG_COHESION, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_RESISTANCE, FLAG_VERLET, MANY_OBJECTS,
 };
@@ -147,7 +147,7 @@ const SHARED: &[Part] = &[
 ];
 
 /// Declarations for every kernel: a file, with those that Rust has too.
-static STEP: LazyLock<String> = LazyLock::new(|| part!("model/step.wgsl").text.to_owned() + &declare::wgsl());
+static STEP: LazyLock<String> = LazyLock::new(|| part!("model/step.wgsl").text.to_owned() + &declared::wgsl());
 
 /// Every file that stages share, including the files of the body forces and the generated `body_forces.wgsl`.
 pub fn shared() -> impl Iterator<Item = Part> {
