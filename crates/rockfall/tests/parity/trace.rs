@@ -322,6 +322,8 @@ fn scenario_without_forces(world: &World, run: &Run, plan: &Plan) -> Option<Scen
     is_concerned.then(|| {
         let mut before = world.clone();
         before.status.forces_due = 0;
+        // Each number is another, so that a rate at a wrong place is noticed.
+        before.rates.iter_mut().enumerate().for_each(|(place, rate)| *rate = 3.0 + (place % 7) as f32);
         Scenario::one(run, &before)
     })
 }
