@@ -61,7 +61,8 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
         tally.rebuild |= needs_rebuild(&view, &world.aabbs, sphere, next.position, next.velocity);
         next
     };
-    let mut all: Vec<Motion> = (0..world.step.spheres).map(|sphere| Motion::of(&view, sphere)).collect();
+    let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
+    let mut all: Vec<Motion> = spheres.map(|sphere| Motion::of(&view, sphere)).collect();
     let tally = all
         .par_chunks_mut(SLICE as usize)
         .zip(Rows::of(y3, world.step.spheres))
