@@ -29,7 +29,7 @@ pub(super) const WITH_EXACT_LISTS: [Phase; 6] = [
     Phase::BroadPhase,
     Phase::UpdatePositions,
 ];
-/// The same with collisions switched off and without friction impulses, which the collision phase also applies.
+/// A whole step in a scene without collisions and friction impulses, which therefore needs no collision phase.
 pub(super) const WITHOUT_COLLISIONS: [Phase; 3] = [Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
 
 impl Simulation {

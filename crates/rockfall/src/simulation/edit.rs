@@ -214,8 +214,9 @@ impl Simulation {
         self.dirty == Dirty::Clean && self.edits.is_empty() && self.cpu_view().is_some()
     }
 
-    /// Sets the rest lengths of all springs, in order of addition, which must be valid. Where nothing else waits to be packed and the
-    /// arrays are on the host, only the lengths are written: packing all objects again takes several times as long.
+    /// Sets the rest lengths of all springs. The lengths are in order of addition and must be valid. Where nothing else has to
+    /// be packed and the arrays are on the host, only the lengths are written: packing all objects again takes several times as
+    /// long.
     #[cfg(not(target_family = "wasm"))]
     pub(crate) fn set_rest_lengths(&mut self, lengths: &[f32]) -> Result<()> {
         let is_packed = self.takes_rest_lengths();

@@ -273,7 +273,8 @@ fn run_on_cpu(world: &mut World, stages: &[Run], steps: Range<u32>, recorder: Op
             } else {
                 cpu::run(world, stages);
             }
-            // A rejected step, or one that only built the lists with which the next one repeats it. The host judges both.
+            // The step was rejected, or it only built the lists with which the next step repeats the rejected one. The host
+            // decides how to go on.
             if world.status.rejected != 0 || world.status.repeats != repeats {
                 break;
             }

@@ -75,14 +75,15 @@ impl Simulation {
         let mut in_flight: VecDeque<Portion> = VecDeque::with_capacity(depth);
         let mut done = 0;
         loop {
-            // With and without exact lists a step has other phases.
+            // A step with exact lists has other phases than a step without them.
             let has_changed = self.lists.is_exact() != is_exact;
             while self.goes_on(&stretch) && !has_changed && in_flight.len() < depth {
                 let submitted = done + in_flight.iter().map(|portion| portion.steps).sum::<u64>();
                 if submitted >= most {
                     break;
                 }
-                // If a step was rejected, one more comes first. It builds the lists with which the next one repeats the rejected one.
+                // After a rejected step, an additional step comes first. It only builds lists. The step after it repeats the
+                // rejected one.
                 let builds_lists = self.status.rejected != 0 && in_flight.is_empty();
                 // A recorder needs to know whether the times of a portion are those of completed or of rejected steps.
                 let longest = if recorder.is_some() { 1 } else { self.portion() };
@@ -121,7 +122,7 @@ impl Simulation {
         self.engine.begin(&self.world)
     }
 
-    /// Submits `steps` steps, and before them one that `builds_lists` and is not counted.
+    /// Submits `steps` steps. If `builds_lists` is set, an additional step precedes them, which builds lists and is not counted.
     async fn submit(
         &mut self,
         stretch: &mut PhaseRun<'_>,
@@ -130,7 +131,7 @@ impl Simulation {
         mut recorder: Option<&mut Recorder>,
     ) -> Result<Portion> {
         if self.status.rejected != 0 {
-            // A rejected step waits for lists.
+            // After a rejected step, the next step has the stages that build lists.
             stretch.since = 0;
         }
         let (interval, version) = self.put_list_settings();
@@ -145,7 +146,8 @@ impl Simulation {
         let (owners, stages): (Vec<Phase>, Vec<Run>) = stretch.phases.iter().copied().flat_map(runs).unzip();
         let step = &mut self.world.step;
         step.dt = self.time_step;
-        // If phases run one by one, impulses may follow the lists and reverse the motion of a body at once.
+        // If phases run one by one, the collision phase may follow the broad phase, and an impulse may reverse the motion for which
+        // AABBs are placed ahead.
         let has_lead = stretch.is_step && !step.has_exact_lists();
         step.lead = if has_lead && self.options.uses(Optimization::Lead) { LEAD } else { 0.0 };
         self.synced = false;
@@ -202,7 +204,7 @@ fn resumed(status: Status) -> Status {
         history_blocks: 0,
         history_needed: 0,
         repeats: 0,
-        // A step that the host repeats begins anew. One that the device has begun to repeat goes on.
+        // `repeated` tells that the device repeats the present step. It is cleared where the host repeats the step instead.
         repeated: if status.rejected == 0 { status.repeated } else { 0 },
         ..status.repeating()
     }

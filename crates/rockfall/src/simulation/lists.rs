@@ -1,7 +1,7 @@
 //! Pair lists: the phases and settings with which they are built, and when they are out of date.
 //!
-//! [`ListPolicy`] decides for how many steps lists are built. It counts work and knows nothing of the engine. This file tells it what
-//! the scene needs and does what it decides.
+//! [`ListPolicy`] decides for how many steps lists are built. It uses counts of work and the
+//! distances by which bodies left their AABBs. This file passes it the facts of the scene and applies its decisions.
 //!
 //! Exact lists hold the pairs that may touch at the present positions. Symplectic Euler evaluates contacts at two sets of positions in
 //! a step: collisions at those with which the step begins, forces at those that the impulses leave. So exact lists are rebuilt as
@@ -31,7 +31,7 @@ pub(super) use policy::{ListPolicy, margin_after_escape};
 impl Simulation {
     /// Whether lists may be exact in this scene. Contacts that begin and end within a step need lists of the whole path. Other contact
     /// laws keep springs for the pairs of their lists, friction impulses follow the collisions and use their lists, and rods move
-    /// between two evaluations. Without collisions bodies press each other gently, and lists with a margin last longer than a step.
+    /// between two evaluations. Without collisions no impulse displaces a body, and lists with a margin last longer than a step.
     fn may_have_exact_lists(&self) -> bool {
         let step = &self.world.step;
         self.options.integrator == Integrator::SymplecticEuler
@@ -50,7 +50,7 @@ impl Simulation {
         is_step && self.engine.dispatches() && self.options.uses(Optimization::ListInterval)
     }
 
-    /// What the policy needs to know of the scene.
+    /// The facts of the scene on which the decisions of the policy depend.
     pub(super) fn list_facts(&self) -> ListFacts {
         let step = &self.world.step;
         let movers = step.movers().max(1) as f32;
@@ -164,7 +164,7 @@ mod tests {
     use super::*;
     use crate::model::layout::{SLICE, max_objects};
 
-    /// If a step is repeated whose collisions are done, lists are not rebuilt twice, nor for bodies that may turn back.
+    /// If the collisions of a repeated step are done, no lists are built before the collision phase.
     #[test]
     #[cfg(not(target_family = "wasm"))]
     fn done_collisions_need_no_lists() {

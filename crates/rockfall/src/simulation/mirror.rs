@@ -5,7 +5,7 @@ use crate::model::status::{BAD_STAGE_SHIFT, Status};
 use crate::model::world::World;
 use crate::simulation::Simulation;
 
-/// What steps that ran elsewhere report.
+/// The report of steps that ran elsewhere.
 pub(crate) struct Elsewhere {
     /// Steps done.
     pub(crate) steps: u32,

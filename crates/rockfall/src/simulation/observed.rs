@@ -62,7 +62,7 @@ impl Simulation {
                 Box::new(observe(&self.scene, self.time_step, methods, step, &self.muscle_clock, laws)?)
             }
         };
-        // Necks depend on springs.
+        // With JKR cohesion, the spring of a contact tells whether a neck connects its bodies.
         if detail >= Detail::Springs || world.step.neck > 0.0 {
             let device = self.engine.waiter();
             let springs = engine::block_on(device, self.springs())?;
@@ -179,7 +179,7 @@ mod tests {
 
     use crate::{Backend, ContactLaw, Cuboid, Integrator, Material, Options, Pair, Scene, Simulation, Sphere};
 
-    /// Balls of one material that fall on each other, and last a fixed one apart from them.
+    /// Balls of one material that fall on each other. The ball that is added last is fixed and apart from the others.
     fn heap(integrator: Integrator) -> Simulation {
         let mut scene = Scene::new();
         scene.settings.contact_law = ContactLaw::HertzMindlin;

@@ -34,7 +34,7 @@ pub(super) struct Disorder {
 }
 
 impl Disorder {
-    /// Memory that was sorted at this step.
+    /// The disorder of memory that was sorted at step `step`.
     pub(super) fn sorted_at(step: u64) -> Self {
         Self { measured_at: step, ..Self::default() }
     }

@@ -100,8 +100,8 @@ impl Simulation {
         Ok(rest_length(self.scene.spring(id)?, &self.muscle_clock))
     }
 
-    /// The time that muscles are at, in s: the sum of all time steps as the f32 numbers that they are.
-    /// [`Report::time`](crate::Report::time) is their sum as decimal numbers.
+    /// The time of the muscles, in s: the sum of all time steps, each with the exact value of its `f32`.
+    /// [`Report::time`](crate::Report::time) takes each as the decimal number that it is written as, such as 0.02.
     pub fn muscle_time(&self) -> f64 {
         self.muscle_clock.time()
     }

@@ -1,4 +1,4 @@
-//! Steps after each of which the state is looked at.
+//! Runs steps and examines the state after each of them.
 
 use crate::error::Result;
 use crate::model::rest::Rest;

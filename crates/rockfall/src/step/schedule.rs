@@ -56,7 +56,7 @@ pub struct Run {
     pub pass: u32,
     /// The scenes in which the stage is run.
     pub when: When,
-    /// How often the stage is run, in steps: in every `every`-th step of a batch, starting with the first.
+    /// The stage is run in the steps whose number is a multiple of this (see [`Run::is_in`]).
     pub every: u32,
 }
 
@@ -82,7 +82,8 @@ impl Run {
         if self.applies(step) { self.stage.threads.workgroups(step) } else { 0 }
     }
 
-    /// Returns whether the run is part of step `step` of a batch, counted from 0.
+    /// Returns whether the run is part of the step with this number. Numbers begin at 0 where steps are first
+    /// submitted, after a rejected step, and where the interval of lists changes.
     pub fn is_in(&self, step: u32) -> bool {
         step.is_multiple_of(self.every)
     }

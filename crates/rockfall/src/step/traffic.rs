@@ -1,7 +1,7 @@
 //! Computes the least number of bytes that a stage must move, from the counts alone.
 //!
 //! Every array that a stage must read or write is counted once for reading and once for writing, as if caches were perfect.
-//! Reading a neighbour's position for every contact therefore costs nothing, because its cache line is needed anyway. The
+//! Reading a neighbour's position for every contact therefore adds nothing, because the neighbour's own thread reads it too. The
 //! entries of the pair lists are counted with the padding of their slices, which is read with them. Data that only some bodies
 //! need (weights of collisions, constraints of fixed rods, springs) is left out, so the sums are lower bounds.
 

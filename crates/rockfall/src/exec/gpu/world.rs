@@ -92,12 +92,13 @@ impl GpuWorld {
     /// A buffer, for rendering and other kernels. It is replaced when an upload needs a larger one.
     ///
     /// # Errors
-    /// [`Error::Device`] when it is larger than one binding may be and stands in several, which [`GpuWorld::chunks`] gives.
+    /// [`Error::Device`] when the array is larger than one binding may be, so that it is stored in several buffers;
+    /// [`GpuWorld::chunks`] returns them.
     pub fn buffer(&self, buffer: Buffer) -> Result<&wgpu::Buffer> {
         match self.chunks(buffer) {
             [whole] => Ok(whole),
             chunks => Err(Error::Device(format!(
-                "{} is larger than one binding may be and stands in {} buffers, which must be bound side by side; use fewer \
+                "{} is larger than one binding may be, so it is stored in {} buffers, which need a binding each; use fewer \
                  objects, or the CPU backend",
                 buffer.label(),
                 chunks.len()

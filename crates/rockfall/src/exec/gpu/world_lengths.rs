@@ -42,7 +42,8 @@ pub(crate) struct Lengths {
 impl Lengths {
     /// The lengths that these worlds have on the host, given by slot.
     pub(crate) fn of<'a>(springs: u32, slots: &[usize], world: impl Fn(usize) -> &'a World + Sync) -> Self {
-        // A row without a length, too, has a thread that wakes its world up.
+        // The kernel has a thread for every place of a row, and the thread of the first place wakes the world. So a row has at
+        // least one place, even if its world has no springs.
         let springs = springs.max(1) as usize;
         let width = HEAD + springs;
         let mut words = vec![0; width * slots.len()];

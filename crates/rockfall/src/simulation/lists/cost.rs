@@ -93,7 +93,7 @@ impl ListFacts {
 pub(super) struct Usage {
     /// Rebuilds per step.
     pub(super) builds: f32,
-    /// Steps per step that were rejected because a body left its AABB.
+    /// Number of rejections because a body left its AABB, per completed step.
     pub(super) rejections: f32,
     /// Words that the entries take per mover.
     pub(super) words: f32,
@@ -123,7 +123,7 @@ pub(super) mod tests {
 
     #[test]
     fn few_bodies_on_a_device_get_a_longer_lookahead() {
-        // Twice the words for a quarter of seven dispatches pays for a thousand movers, but not for a million.
+        // A quarter of the dispatches for lists of twice the length is cheaper with a thousand movers, but not with a million.
         let cost = |movers: f32, words: f32, chances: f32| {
             ListFacts { movers, dispatches: 7.0, ..MANY }.cost(&Usage { words, chances, ..USED })
         };

@@ -27,7 +27,7 @@ fn begin_exact(simulation: &mut Simulation) {
 }
 
 /// The spheres after every few steps, and the greatest number of rows that the lists took. With `exact`, exact lists are chosen
-/// again and again. On the way, the trials also choose others.
+/// again and again. In between, the trials also choose lists with a margin.
 fn run(backend: Backend, steps: u64, exact: bool) -> (Vec<Vec<SphereState>>, u32) {
     let mut simulation = simulation(backend);
     let mut rows = 0;

@@ -97,7 +97,7 @@ impl ListPolicy {
         (1 << most.ilog2()).min(LONGEST)
     }
 
-    /// Takes in the status after a portion of steps that was submitted with the settings of this version. `before` is the status
+    /// Evaluates the status after a portion of steps that was submitted with the settings of this version. `before` is the status
     /// before the portion.
     pub(in crate::simulation) fn observe(&mut self, facts: &ListFacts, version: u32, before: &Status, status: &Status) {
         let done = status.steps.wrapping_sub(before.steps);
@@ -130,9 +130,9 @@ impl ListPolicy {
         }
     }
 
-    /// Takes in that a step was rejected because a body left its AABB by `escape`, in units of 0.02 r. `attempts` is the number of
-    /// earlier attempts at this step by the host. If the settings have changed since the step was submitted, the cause may be gone
-    /// already. That does not hold for a second attempt: the device may have made the first one.
+    /// Changes the settings after a step was rejected because a body left its AABB by `escape`, in units of 0.02 r. `attempts`
+    /// is the number of earlier attempts at this step by the host. If the settings have changed since the step was submitted,
+    /// the cause may be gone already, so nothing changes unless `attempts` is above 1.
     pub(in crate::simulation) fn escaped(&mut self, escape: f32, attempts: u32) {
         if attempts <= 1 && self.rejected_with != self.version {
             return;
@@ -146,15 +146,15 @@ impl ListPolicy {
             // The window goes on, because the margin changes the number of rebuilds little.
             self.version = self.version.wrapping_add(1);
         } else if escape >= NEAR || std::mem::replace(&mut self.window.forgiven, true) {
-            // The interval is half as long then.
+            // If no trial is under way, the interval becomes half as long.
             self.retreat(0.75 * interval as f32);
         } else if interval == LONGEST {
             self.margin += escape + NEAR_STEP;
         }
     }
 
-    /// Takes in that lists did not fit that take `words` per mover. Returns whether they become shorter. Otherwise they need more
-    /// memory.
+    /// Called when lists that take `words` words per mover did not fit. Returns whether they become shorter. Otherwise they
+    /// need more memory.
     pub(in crate::simulation) fn overflowed(&mut self, facts: &ListFacts, words: f32) -> bool {
         let shortens = self.trials.steps > 1.0 && words > facts.long();
         if shortens {
@@ -186,7 +186,7 @@ impl ListPolicy {
             builds: builds as f32 / steps as f32,
             rejections: rejections as f32 / steps as f32,
             words,
-            // A step has two of them with exact lists.
+            // With exact lists, a step has two opportunities to rebuild.
             chances: if self.is_exact() { 2.0 } else { 1.0 / self.interval() as f32 },
             exact: self.is_exact(),
         }
@@ -194,8 +194,8 @@ impl ListPolicy {
 }
 
 /// The margin to try next when a body left its AABB by `escape` with the margin `margin`, all in units of 0.02 r. `attempts` is
-/// the number of attempts before. After 16 attempts no finite margin is large enough, because some force or coordinate is beyond
-/// all bounds.
+/// the number of attempts before. After 16 attempts the margin becomes infinite: some force or coordinate is then so large that no
+/// finite margin suffices.
 pub(in crate::simulation) fn margin_after_escape(margin: f32, escape: f32, attempts: u32) -> f32 {
     match attempts {
         0 => margin + margin_for_escape(escape),

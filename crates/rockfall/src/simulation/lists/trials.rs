@@ -12,7 +12,7 @@ const MOST: f32 = 32.0;
 const AFTER_EXACT: f32 = 4.0;
 /// If lists are rebuilt in more than this fraction of the steps, exact lists are tried before longer ones.
 const OFTEN: f32 = 0.8;
-/// Exact lists that did not pay are tried again when the cost of a step exceeds their cost then by this factor.
+/// Exact lists that were given up are tried again when the cost of a step exceeds [`Trials::exact_cost`] by this factor.
 const GROWN: f32 = 1.15;
 /// A trial is kept if it lowers the cost of a step to less than this fraction.
 const WORTH: f32 = 0.97;
@@ -29,9 +29,9 @@ pub(super) struct Trials {
     pub(super) steps: f32,
     /// Factor of the number of steps in the current or the next trial.
     factor: f32,
-    /// Number of steps and their cost before the current trial; `None` if no trial is under way.
+    /// Number of steps ahead before the current trial, and the cost of a step with it; `None` if no trial is under way.
     before: Option<(f32, f32)>,
-    /// Cost of a step with exact lists when they were last used and did not pay any more.
+    /// Cost of a step with exact lists at the time when they were last given up; `None` if they never were.
     exact_cost: Option<f32>,
     /// Windows until the next trial.
     wait: u32,
@@ -49,7 +49,7 @@ impl Trials {
     pub(super) fn next_window(&mut self, facts: &ListFacts, used: &Usage) {
         let cost = facts.cost(used);
         match self.before.take() {
-            // After exact lists, the cost decides.
+            // In a trial that follows exact lists, the cost decides instead.
             before if used.builds * self.steps > SHORT_LIVED && before.is_none_or(|(steps, _)| steps > 0.0) => {
                 self.steps = (1.0 / used.builds).max(1.0);
                 self.factor = 2.0;
@@ -83,14 +83,14 @@ impl Trials {
         facts.may_be_exact && !used.exact && self.exact_cost.is_some_and(|before| cost > GROWN * before)
     }
 
-    /// Whether exact lists are being tried, or others in place of them. Such a trial can be short: the costs differ by much, and a
-    /// trial of the wrong kind is expensive.
+    /// Whether the current trial compares exact lists with lists that have a margin. Such a trial can be short: the costs differ by
+    /// much, and a trial of the wrong kind is expensive.
     pub(super) fn changes_exactness(&self) -> bool {
         self.before.is_some_and(|(steps, _)| (steps == 0.0) != (self.steps == 0.0))
     }
 
-    /// Shortens the lookahead without a trial. A trial of more steps failed: the number before it returns. Otherwise it becomes
-    /// `steps`, at least 1.
+    /// Shortens the lookahead without a trial. If a trial of more steps is under way, it has failed, and the lookahead before it
+    /// returns. Otherwise the lookahead becomes `steps`, at least 1.
     pub(super) fn retreat(&mut self, steps: f32) {
         let tried = self.before.take().filter(|(before, _)| *before < self.steps);
         self.steps = tried.map_or(steps.max(1.0), |(before, _)| before);

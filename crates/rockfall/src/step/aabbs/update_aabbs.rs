@@ -14,8 +14,9 @@
 //!
 //! The centre of the sphere must stay within the margin of that place until its list is rebuilt. If it moves further,
 //! `find_collisions`, `advance`, `symplectic_euler` or `drift` rejects the step. It is repeated with new lists. If lists may be rebuilt
-//! in every step, 0.02 r (1.25 d + 1) is added to the margin, where d is how far a body left its AABB, in units of 0.02 r, or 0.2 r
-//! if that is less. So one body far outside does not make all lists long. If that does not suffice, the host raises `margin_scale`.
+//! in every step, 0.02 r (1.25 d + 1), but at most 0.2 r, is then added to the margin. Here d is the distance by which a body
+//! left its AABB, in units of 0.02 r. The limit keeps one body far outside from making all lists long. If the larger margin
+//! does not suffice, the host raises `margin_scale`.
 //!
 //! Every AABB is larger by a part of its largest coordinate, so that rounding far from the origin does not lose a pair.
 //!

@@ -1,12 +1,12 @@
 //! Finds crossings: contacts that began within the last step and do not collide at its end (docs/physics.md section 3.10).
 //!
-//! Writes, for every sphere, the crossing that counts for it and its changes of position and velocity, or that there is none, to
-//! regions 0 and 2 of `Y3`. `find_collisions` and `commit_collisions` read them. Where no step has led to the present state
-//! (`lengths_due`), there are no crossings.
+//! For every sphere, regions 0 and 2 of `Y3` receive the crossing that counts for it, with the changes of position and
+//! velocity, or a mark that it has none. `find_collisions` and `commit_collisions` read them. Where no step has led to the
+//! present state (`lengths_due`), there are no crossings.
 //!
 //! The step is rejected when a sphere, or the place where it was before the last step, is outside its AABB
-//! (`REJECTED_ESCAPED`). Then all of its path is inside, so the lists hold every crossing. Like the other stages of the phase, this
-//! stage does nothing when the step is rejected or its collisions are done.
+//! (`REJECTED_ESCAPED`). If both are inside, so is the path between them, and the lists hold every crossing. Like the other
+//! stages of the phase, this stage does nothing when the step is rejected or its collisions are done.
 
 use rayon::prelude::*;
 

@@ -1,8 +1,8 @@
 //! Runs many steps of many small worlds in one dispatch. A workgroup has one world, or several small ones, in its memory.
 //!
-//! The kernel is made of the same files as the stages, so that it computes the same. It takes worlds without rods, collisions as
-//! impulses and friction impulses, which no step can reject. It has no lists: each thread keeps the objects near its sphere as bits.
-//! `exec/gpu/worlds.rs` binds and dispatches it.
+//! The kernel is made of the same files as the stages, so that it computes the same. It takes worlds without rods, without
+//! collisions as impulses and without friction impulses. In such worlds no step has to be repeated. It has no lists: each
+//! thread keeps the objects near its sphere as bits. `exec/gpu/worlds.rs` binds and dispatches it.
 
 use bytemuck::{Pod, Zeroable};
 

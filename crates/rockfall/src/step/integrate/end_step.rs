@@ -1,6 +1,6 @@
 //! Closes the step. Moves the counters to the `last_*` fields, adds them to the totals, clears `collided` and `lengths_due`,
-//! and makes the springs after the step those before the next one. If the state of a body stopped being finite, the steps after
-//! this one are rejected unless `FLAG_CONTINUE` is set.
+//! and exchanges the two tables of springs, so that the next step begins with the springs that this step ended with. If the
+//! state of a body stopped being finite, the steps after this one are rejected unless `FLAG_CONTINUE` is set.
 //!
 //! In a rejected step, it only returns the blocks of springs to the pool. If the step was rejected because a body left its AABB and
 //! lists were built after that, the next step repeats it.

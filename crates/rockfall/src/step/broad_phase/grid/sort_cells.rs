@@ -1,7 +1,7 @@
 //! Grid broad phase, 5 of 6: sorts the objects by their keys. Objects of the same cell come in any order.
 //!
-//! Each object that is placed in a cell advances the start of the cell. In the end this is the end of the cell, where the
-//! next cell begins.
+//! Each object that is placed in a cell advances the stored start of the cell. After all objects are placed, the stored number is
+//! the end of the cell, which is also where the next cell begins.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
