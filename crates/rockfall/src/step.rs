@@ -9,7 +9,6 @@ pub(crate) mod aabbs;
 pub(crate) mod broad_phase;
 pub mod catalog;
 pub(crate) mod collisions;
-pub(crate) mod commit;
 pub(crate) mod forces;
 pub(crate) mod fused;
 pub(crate) mod integrate;

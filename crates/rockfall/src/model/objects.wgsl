@@ -6,13 +6,6 @@ fn inverse_mass(sphere: u32) -> f32 {
     return state[velocity_at(sphere)].w;
 }
 
-// Angular velocity: angular momentum times inverse inertia. A fixed sphere has an inverse inertia too, because its surface may
-// move.
-fn spin_of(sphere: u32) -> vec3f {
-    let momentum = state[momentum_at(sphere)];
-    return momentum.xyz * momentum.w;
-}
-
 // Whether boxes, polygons, springs and muscles are stored field by field: the first word of each of them, then the second word of
 // each. Only `run_worlds` has this layout, so that neighbouring threads read neighbouring words. The host replaces this constant.
 const BY_FIELD: bool = true;
@@ -146,13 +139,4 @@ fn rods_of(sphere: u32) -> vec2u {
 fn capsule_rod(sphere: u32) -> u32 {
     let end = end_of(sphere);
     return select(end, NONE, end == SOME_RODS);
-}
-
-// The other end of the rod that `capsule_rod` returns, or NONE.
-fn capsule_partner(sphere: u32) -> u32 {
-    let rod = capsule_rod(sphere);
-    if rod == NONE {
-        return NONE;
-    }
-    return other_end(rod, sphere);
 }

@@ -19,6 +19,20 @@ struct ContactSide {
     at: f32,
 }
 
+// An end of a side: a sphere, and its share of the impulse of the contact.
+struct SideEnd {
+    sphere: u32,
+    share: f32,
+}
+
+// End 0 or 1 of a side. Only a rod that is not part of a capsule has two.
+fn side_end(half: ContactSide, end: u32) -> SideEnd {
+    if end == 1u {
+        return SideEnd(half.spheres.y, half.at);
+    }
+    return SideEnd(half.spheres.x, select(1.0, 1.0 - half.at, half.kind == ROD));
+}
+
 // Positions and velocities of the spheres of a side.
 struct SideMotion {
     x1: vec3f,

@@ -1,4 +1,4 @@
-// requires model/order.wgsl model/step.wgsl physics/fine.wgsl
+// requires model/order.wgsl model/step.wgsl physics/fine.wgsl physics/forces/rates.wgsl
 
 struct Motion {
     position: vec3f,
@@ -24,4 +24,16 @@ fn stopped(position: vec3f, low: vec3f, stage: u32, sphere: u32) -> Motion {
 fn displaced(motion: Motion, by: vec3f) -> Motion {
     let place = fine_moved(Fine(motion.position, motion.low), by);
     return Motion(place.high, place.low, motion.velocity, motion.momentum);
+}
+
+// A sphere after its velocity has changed for `kick` seconds at the given rates and has then moved it for the whole step.
+fn kicked_and_moved(before: Motion, rates: Rates, kick: f32, sphere: u32) -> Motion {
+    var after = before;
+    after.velocity += kick * rates.acceleration;
+    after.momentum += kick * rates.torque;
+    after = displaced(after, step.dt * after.velocity);
+    if !is_finite(after) {
+        return stopped(before.position, before.low, 1u, sphere);
+    }
+    return after;
 }

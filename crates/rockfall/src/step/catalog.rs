@@ -9,8 +9,7 @@ use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
 use crate::step::collisions::{
     apply_collisions, apply_friction_impulses, commit_collisions, commit_friction_impulses, find_collisions, find_crossings,
-    gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, synchronise, weigh_collisions,
-    weigh_networks,
+    gather_impulses, project_networks, sweep_at_once, sweep_collisions, synchronise, weigh_collisions, weigh_networks,
 };
 use crate::step::forces::{loads, rod_loads};
 use crate::step::fused::run_worlds;
@@ -19,7 +18,7 @@ use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_sph
 use crate::step::stage::Stage;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 46] = [
+pub const ALL: [&Stage; 45] = [
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,
@@ -38,7 +37,6 @@ pub const ALL: [&Stage; 46] = [
     &fill_long::STAGE,
     &find_crossings::STAGE,
     &find_collisions::STAGE,
-    &list_collisions::STAGE,
     &weigh_networks::STAGE,
     &weigh_collisions::STAGE,
     &sweep_at_once::STAGE,

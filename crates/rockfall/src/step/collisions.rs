@@ -7,7 +7,6 @@ pub(crate) mod commit_friction_impulses;
 pub(crate) mod find_collisions;
 pub(crate) mod find_crossings;
 pub(crate) mod gather_impulses;
-pub(crate) mod list_collisions;
 pub(crate) mod project_networks;
 pub(crate) mod sweep_at_once;
 pub(crate) mod sweep_collisions;

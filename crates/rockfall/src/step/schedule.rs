@@ -13,8 +13,7 @@ use crate::step::broad_phase::scan_pairs;
 use crate::step::broad_phase::sort_and_skip::{bound_blocks, count_near, fill_near, sort_axis};
 use crate::step::collisions::{
     apply_collisions, apply_friction_impulses, commit_collisions, commit_friction_impulses, find_collisions, find_crossings,
-    gather_impulses, list_collisions, project_networks, sweep_at_once, sweep_collisions, synchronise, weigh_collisions,
-    weigh_networks,
+    gather_impulses, project_networks, sweep_at_once, sweep_collisions, synchronise, weigh_collisions, weigh_networks,
 };
 use crate::step::forces::{loads, rod_loads};
 use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, symplectic_euler, turn};
@@ -222,15 +221,14 @@ impl Phase {
 /// computes the changes of velocity in networks, and `gather_impulses` those of large spheres. Crossings are found first, because
 /// the other contacts of their spheres do not collide, and applied last, to spheres that no other collision changes.
 const HANDLE_COLLISIONS: &[Run] = &{
-    const FIRST: usize = 7;
+    const FIRST: usize = 6;
     const LAST: usize = FIRST + 3 * SWEEPS as usize;
     let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 4];
     runs[1] = run(&find_crossings::STAGE).when(When::Continuous);
     runs[2] = run(&find_collisions::STAGE);
-    runs[3] = run(&list_collisions::STAGE);
-    runs[4] = run(&weigh_networks::STAGE).when(When::Networks);
-    runs[5] = run(&weigh_collisions::STAGE);
-    runs[6] = run(&sweep_at_once::STAGE).when(When::SweptAtOnce);
+    runs[3] = run(&weigh_networks::STAGE).when(When::Networks);
+    runs[4] = run(&weigh_collisions::STAGE);
+    runs[5] = run(&sweep_at_once::STAGE).when(When::SweptAtOnce);
     let mut sweep = 0;
     while sweep < SWEEPS as usize {
         let at = FIRST + 3 * sweep;

@@ -210,9 +210,9 @@ static MISTAKES: &[Mistake] = &[
     Mistake("synchronise", 0, "synchronise.wgsl", "length(rates.acceleration)", "rates.acceleration.x", Buffer::Topology),
     Mistake("find_collisions", 0, "contact.wgsl", "select(2.0, 4.0, HALF_STEP) * free", "0.0 * free", Buffer::Lists),
     Mistake("find_collisions", 0, "collision.wgsl", "(at - capsule.centre) * cross", "at * cross", Buffer::Lists),
-    Mistake("list_collisions", 0, "list_collisions.wgsl", "low = middle + 1u", "high = middle", Buffer::Start),
-    Mistake("list_collisions", 0, "list_collisions.wgsl", "pair.y | (feature << ENTRY_ID_BITS)", "pair.y", Buffer::Start),
-    Mistake("list_collisions", 0, "collision.wgsl", "select(vec3f(0.0), v1.xyz, v1.w > 0.0)", "v1.xyz", Buffer::Start),
+    Mistake("find_collisions", 0, "list_collisions.wgsl", "low = middle + 1u", "high = middle", Buffer::Start),
+    Mistake("find_collisions", 0, "list_collisions.wgsl", "pair.y | (feature << ENTRY_ID_BITS)", "pair.y", Buffer::Start),
+    Mistake("find_collisions", 0, "collision.wgsl", "select(vec3f(0.0), v1.xyz, v1.w > 0.0)", "v1.xyz", Buffer::Start),
     Mistake("weigh_networks", 0, "weigh_networks.wgsl", "vec4f(weight, ", "vec4f(2.0 * weight, ", Buffer::Start),
     Mistake(
         "weigh_networks",

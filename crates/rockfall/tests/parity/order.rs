@@ -15,7 +15,7 @@ pub(crate) fn canonical(world: &World, stage: &str) -> World {
             clear_long_lists(&mut world);
         }
         // On the GPU, Y2 and the wrenches of rods are scratch memory here, and the status counts the listed collisions.
-        "list_collisions" => {
+        "find_collisions" => {
             world.states[1].fill(glam::Vec4::ZERO);
             world.wrenches.fill(glam::Vec4::ZERO);
             (world.status.listed, world.status.clustered) = (0, 0);

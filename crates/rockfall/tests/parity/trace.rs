@@ -54,7 +54,7 @@ impl Scenario {
 
 /// Stages that solve collisions. On the GPU each does a part of the work. The CPU computes all collisions in one of them.
 const SOLVING: [&str; 11] = [
-    "list_collisions",
+    "find_collisions",
     "weigh_networks",
     "weigh_collisions",
     "sweep_at_once",
@@ -248,8 +248,11 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
     let start = world.states[0].clone();
     let runs: Vec<Run> = phases.flat_map(|phase| phase.stages(plan.integrator, plan.broad_phase)).copied().collect();
     for group in grouped(&runs) {
-        if group[0].stage.name == "list_collisions" {
-            let shared = decisions::collisions(&world, &mut findings).shared;
+        let solves = group[0].stage.name == "find_collisions";
+        if solves {
+            let mut marked = world.clone();
+            group[0].on_cpu(&mut marked);
+            let shared = decisions::collisions(&marked, &mut findings).shared;
             if plan.only == Only::Lone {
                 findings.ambiguous.extend(shared.into_iter().map(|object| Ambiguous { what: "a shared body", object }));
             }
@@ -266,7 +269,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
             // all spheres of a network, the CPU only those that collide.
             let is_comparable = match run.stage.name {
                 "commit_collisions" => world.step.networks == 0,
-                "commit_friction_impulses" => true,
+                "find_collisions" | "commit_friction_impulses" => true,
                 _ => group.len() == 1,
             };
             if is_comparable {
@@ -282,7 +285,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
                 reverse_some_rods(&mut world);
             }
         }
-        if group[0].stage.name == "list_collisions" {
+        if solves {
             // The integration continues from the state before the collisions. Pairs that rebound have an overlap of nearly 0,
             // and its relative error by rounding would be large.
             world.states[0].clone_from(&start);

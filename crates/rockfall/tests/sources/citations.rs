@@ -206,3 +206,33 @@ fn the_table_of_constants_holds_every_setting() {
         assert!(row.len() == 4 && !row[2].is_empty() && !row[3].is_empty(), "{name} has a unit and a meaning");
     }
 }
+
+/// The paths of files in backquotes in a document: with a folder, and with the extension of a source.
+fn cited_paths(text: &str) -> impl Iterator<Item = &str> {
+    let is_path = |code: &&str| {
+        let is_source = [".rs", ".wgsl", ".py", ".md", ".toml"].iter().any(|extension| code.ends_with(extension));
+        is_source
+            && code.contains('/')
+            && !code.contains(|letter: char| letter.is_whitespace() || "*{<:".contains(letter))
+            && !code.contains("NAME")
+    };
+    text.lines().flat_map(|line| line.split('`').skip(1).step_by(2)).filter(is_path)
+}
+
+/// The files that documents name exist, below the root, the core crate or its sources.
+#[test]
+fn documents_name_files_that_exist() {
+    let core = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = [root(), core.to_owned(), core.join("src"), root().join("crates")];
+    let mut documents = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"].map(|name| root().join(name)).to_vec();
+    files(&root().join("docs"), &mut documents);
+    let mut wrong = Vec::new();
+    for document in documents.iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
+        let text = read(document);
+        let mut missing: Vec<_> =
+            cited_paths(&text).filter(|path| !folders.iter().any(|folder| folder.join(path).exists())).collect();
+        missing.retain(|path| !document.parent().is_some_and(|folder| folder.join(path).exists()));
+        wrong.extend(missing.iter().map(|path| format!("{}: {path}", document.display())));
+    }
+    assert!(wrong.is_empty(), "files that do not exist:\n{}", wrong.join("\n"));
+}

@@ -59,72 +59,47 @@ fn put_couplings(r: u32, is_only: bool) {
     }
 }
 
-// Collects the couplings on a single sphere. `part` is the share of the impulse of collision k that the sphere gets. `side`
-// is 1 for A, -1 for B, here and below.
-fn couple_sphere(k: Record, number: u32, sphere: u32, part: f32, side: f32) {
-    let w = inverse_mass(sphere);
-    if (w <= 0.0) | (part == 0.0) {
-        return;
+// What a collision does to a body, for the couplings: a sphere, or a capsule if `rod` is not NONE.
+struct Coupled {
+    sphere: u32,
+    rod: u32,
+    capsule: Capsule,
+    // Torque on the capsule per unit of the impulse.
+    torque: vec3f,
+    // A factor of all couplings: the sign of the side and, for a sphere, its share of the impulse times its inverse mass.
+    times: f32,
+}
+
+fn coupling_with(k: Record, body: Coupled, row: u32, r: u32) -> f32 {
+    let l = record_at(r);
+    if RODS & (body.rod != NONE) {
+        let is_a = l.a_id == row;
+        let at = at_on_capsule(body.rod, row, select(l.b, l.a, is_a));
+        let turning = dot(body.torque, torque_at(body.capsule, at, l.n)) * body.capsule.inverse_inertia;
+        return body.times * select(1.0, -1.0, is_a) * fma(body.capsule.inverse_mass, dot(k.n, l.n), turning);
     }
+    return body.times * part_on(body.sphere, row, r) * dot(l.n, k.n);
+}
+
+// Collects the couplings on a body.
+fn couple_body(k: Record, number: u32, body: Coupled) {
     var rods = vec2u(0u);
     if RODS {
-        rods = rods_of(sphere);
+        rods = rods_of(body.sphere);
     }
-    for (var r = 0u; r < 1u + rods.y; r++) {
-        var row = sphere;
-        if r > 0u {
-            row = step.spheres + index_of(topology[rods.x + r - 1u]);
+    for (var place = 0u; place < body_rows(body.rod, rods); place++) {
+        let row = body_row(body.sphere, body.rod, rods, place);
+        // Once there are too many neighbours, their exact number does not matter.
+        if !has_collisions(row) | (near_count > NEIGHBOURS) {
+            continue;
         }
-        couple_sphere_row(k, number, sphere, row, side * part * w);
-    }
-}
-
-fn couple_sphere_row(k: Record, number: u32, sphere: u32, row: u32, times: f32) {
-    // Once there are too many neighbours, their exact number does not matter.
-    if !has_collisions(row) | (near_count > NEIGHBOURS) {
-        return;
-    }
-    let count = count_of(row);
-    let first = first_of(row);
-    for (var begin = 0u; (begin < count) & (near_count <= NEIGHBOURS); begin += ENTRIES_PER_MASK) {
-        for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            let r = record_of(slot_at(first, begin + firstTrailingBit(rest)));
-            let coupling = times * part_on(sphere, row, r) * dot(record_at(r).n, k.n);
-            put_coupling(r, number, coupling);
-        }
-    }
-}
-
-// Collects the couplings on a rigid capsule.
-fn couple_capsule(k: Record, number: u32, half: ContactSide, side: f32) {
-    let rod = capsule_rod(half.spheres.x);
-    let capsule = capsule_of(half.spheres, side_motion(half));
-    let torque = torque_at(capsule, half.at, k.n);
-    for (var r = 0u; r < 3u; r++) {
-        let row = select(select(half.spheres.x, half.spheres.y, r == 1u), step.spheres + rod, r == 2u);
-        couple_capsule_row(k, number, capsule, torque, rod, row, side);
-    }
-}
-
-fn couple_capsule_row(k: Record, number: u32, capsule: Capsule, torque: vec3f, rod: u32, row: u32, side: f32) {
-    // Once there are too many neighbours, their exact number does not matter.
-    if !has_collisions(row) | (near_count > NEIGHBOURS) {
-        return;
-    }
-    let count = count_of(row);
-    let first = first_of(row);
-    for (var begin = 0u; (begin < count) & (near_count <= NEIGHBOURS); begin += ENTRIES_PER_MASK) {
-        for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            let r = record_of(slot_at(first, begin + firstTrailingBit(rest)));
-            let l = record_at(r);
-            let is_a = l.a_id == row;
-            var at = select(l.b, l.a, is_a);
-            if row < step.spheres {
-                at = select(0.0, 1.0, rod_ends(rod).y == row);
+        let count = count_of(row);
+        let first = first_of(row);
+        for (var begin = 0u; (begin < count) & (near_count <= NEIGHBOURS); begin += ENTRIES_PER_MASK) {
+            for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
+                let r = record_of(slot_at(first, begin + firstTrailingBit(rest)));
+                put_coupling(r, number, coupling_with(k, body, row, r));
             }
-            let turning = dot(torque, torque_at(capsule, at, l.n)) * capsule.inverse_inertia;
-            let coupling = side * select(1.0, -1.0, is_a) * fma(capsule.inverse_mass, dot(k.n, l.n), turning);
-            put_coupling(r, number, coupling);
         }
     }
 }
@@ -139,24 +114,31 @@ fn is_gathered(sphere: u32) -> bool {
     return network_of(sphere) != NO_NETWORK;
 }
 
-// Collects the couplings of one side.
+// Collects the couplings of one side. `side` is 1 for A, -1 for B.
 fn couple_side(k: Record, number: u32, half: ContactSide, side: f32) {
     if half.kind == STATIC {
         return;
     }
-    let bit = select(GATHERED_B, GATHERED_A, side > 0.0);
-    if RODS & (half.kind == CAPSULE) {
-        couple_capsule(k, number, half, side);
-        return;
-    }
-    if is_gathered(half.spheres.x) | ((RODS & (half.kind == ROD)) && is_gathered(half.spheres.y)) {
-        gathered |= bit;
-        return;
-    }
     let is_rod = RODS & (half.kind == ROD);
+    if is_gathered(half.spheres.x) | (is_rod && is_gathered(half.spheres.y)) {
+        gathered |= select(GATHERED_B, GATHERED_A, side > 0.0);
+        return;
+    }
+    var body = Coupled(half.spheres.x, NONE, Capsule(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0, 0.0), vec3f(0.0), side);
+    if RODS & (half.kind == CAPSULE) {
+        body.rod = capsule_rod(half.spheres.x);
+        body.capsule = capsule_of(half.spheres, side_motion(half));
+        body.torque = torque_at(body.capsule, half.at, k.n);
+    }
     for (var end = 0u; end < select(1u, 2u, is_rod); end++) {
-        let part = select(1.0, select(1.0 - half.at, half.at, end == 1u), is_rod);
-        couple_sphere(k, number, select(half.spheres.x, half.spheres.y, end == 1u), part, side);
+        if half.kind != CAPSULE {
+            let one = side_end(half, end);
+            body.sphere = one.sphere;
+            body.times = side * one.share * inverse_mass(one.sphere);
+        }
+        if body.times != 0.0 {
+            couple_body(k, number, body);
+        }
     }
 }
 

@@ -63,10 +63,7 @@ fn add_kicks(capsule: Capsule, rod: u32, row: u32, sweeps: u32, kick: ptr<functi
             let r = record_of(slot_at(first, begin + firstTrailingBit(rest)));
             let k = record_at(r);
             let is_a = k.a_id == row;
-            var at = select(k.b, k.a, is_a);
-            if row < step.spheres {
-                at = select(0.0, 1.0, rod_ends(rod).y == row);
-            }
+            let at = at_on_capsule(rod, row, select(k.b, k.a, is_a));
             let n = impulse_normal(r);
             let impulse = select(1.0, -1.0, is_a) * impulse_after(r, sweeps);
             (*kick).velocity = fma(n, vec3f(impulse), (*kick).velocity);

@@ -38,27 +38,12 @@ fn add_to_sphere(rub: FrictionImpulse, sphere: u32, row: u32, rubbed: ptr<functi
 
 fn add_to_capsule(rub: FrictionImpulse, capsule: Capsule, rod: u32, row: u32, rubbed: ptr<function, FrictionSums>) {
     let is_a = rub.a_id == row;
-    var at = select(rub.at.y, rub.at.x, is_a);
-    if row < step.spheres {
-        at = select(0.0, 1.0, rod_ends(rod).y == row);
-    }
+    let at = at_on_capsule(rod, row, select(rub.at.y, rub.at.x, is_a));
     let torque = select(rub.arms.y, rub.arms.x, is_a) * cross(rub.n, rub.impulse);
     let grip = capsule_load(capsule, at, select(-rub.impulse, rub.impulse, is_a), torque);
     (*rubbed).velocity += grip.push;
     (*rubbed).turning += grip.turning;
     (*rubbed).rolling += grip.rolling;
-}
-
-// Row r of a body: the sphere itself and its rods, or both ends of a capsule and its rod.
-fn body_row(i: u32, rod: u32, rods: vec2u, r: u32) -> u32 {
-    if RODS & (rod != NONE) {
-        let ends = rod_ends(rod);
-        return select(select(ends.x, ends.y, r == 1u), step.spheres + rod, r == 2u);
-    }
-    if r == 0u {
-        return i;
-    }
-    return step.spheres + index_of(topology[rods.x + r - 1u]);
 }
 
 // The sums for sphere i, or for its capsule if `rod` is not NONE. There is one loop for both, because software drivers compile a
@@ -69,7 +54,7 @@ fn friction_sums(i: u32, rod: u32, capsule: Capsule) -> FrictionSums {
     if RODS {
         rods = rods_of(i);
     }
-    for (var r = 0u; r < select(1u + rods.y, 3u, rod != NONE); r++) {
+    for (var r = 0u; r < body_rows(rod, rods); r++) {
         let row = body_row(i, rod, rods, r);
         let count = count_of(row);
         let first = first_of(row);

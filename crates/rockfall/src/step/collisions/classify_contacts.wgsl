@@ -96,7 +96,7 @@ fn mark_entry(own: Own, velocity: vec4f, other: LoadedEntry, slot: vec2u) -> u32
 // of higher insertion index.
 fn mark_entries(mover: u32) -> u32 {
     let first = first_of(mover);
-    var collisions = 0u;
+    var found = 0u;
     var any_bits = 0u;
     let count = count_of(mover);
     // The velocity of a rod is not used. The index only has to be valid.
@@ -113,13 +113,13 @@ fn mark_entries(mover: u32) -> u32 {
             let bits = mark_entry(own, velocity, now, slot);
             any_bits |= bits;
             if (bits & ENTRY_COLLIDES) != 0u {
-                collisions += select(0u, 1u, ordered(mover, entry_id(now.entry)).x == mover);
+                found += select(0u, 1u, ordered(mover, entry_id(now.entry)).x == mover);
             }
             now = ahead;
         }
     }
     mark_head(mover, (any_bits & ENTRY_COLLIDES) != 0u);
-    return collisions;
+    return found;
 }
 
 // Sets or clears the mark that an entry of the mover collides.
@@ -140,13 +140,13 @@ fn check_escape(sphere: u32) {
 }
 
 // Adds the collisions of the workgroup of this number to the counters. All its threads must call this function.
-fn count_collisions_of_workgroup(workgroup: u32, local: u32, collisions: u32) {
+fn count_collisions_of_workgroup(workgroup: u32, local: u32, found: u32) {
     if local == 0u {
         atomicStore(&group_count, 0u);
     }
     workgroupBarrier();
-    if collisions > 0u {
-        atomicAdd(&group_count, collisions);
+    if found > 0u {
+        atomicAdd(&group_count, found);
     }
     workgroupBarrier();
     if local == 0u {

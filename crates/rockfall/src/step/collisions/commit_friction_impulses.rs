@@ -2,11 +2,16 @@
 //! rejected step, or when an earlier attempt at the step has done its collisions. Requests new lists (`rebuild`) if a
 //! sphere may leave its AABB within the next step.
 
+use rayon::prelude::*;
+
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
+use crate::model::layout::GRAIN;
 use crate::model::part::part;
+use crate::model::status::REBUILD_REQUESTED;
+use crate::model::view::View;
 use crate::model::world::World;
-use crate::step::commit::commit;
+use crate::physics::travel::needs_rebuild;
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -29,5 +34,18 @@ pub(crate) const STAGE: Stage = Stage {
 fn commit_friction_impulses(world: &mut World, _pass: u32) {
     if world.status.rejected == 0 && world.status.collided == 2 {
         commit(world);
+    }
+}
+
+/// Copies `Y2` to the current state, and requests a rebuild of the lists if a sphere may soon leave its AABB.
+fn commit(world: &mut World) {
+    let [start, y2, ..] = &mut world.states;
+    // The velocities at the time of the positions are computed anew in the next phase of collisions.
+    let regions = 4 * world.step.spheres as usize;
+    start[..regions].copy_from_slice(&y2[..regions]);
+    let view = View::new(&world.step, &world.topology, start);
+    let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
+    if spheres.any(|sphere| needs_rebuild(&view, &world.aabbs, sphere, view.position(sphere), view.velocity(sphere))) {
+        world.status.rebuild |= REBUILD_REQUESTED;
     }
 }

@@ -1,4 +1,4 @@
-// requires model/step.wgsl model/two_states.wgsl step/commit.wgsl
+// requires model/step.wgsl model/two_states.wgsl physics/escape.wgsl step/commit_next_state.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> next: array<vec4f>;
@@ -15,5 +15,6 @@ fn commit_friction_impulses(
     if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) != 2u) {
         return;
     }
-    commit(i);
+    commit_next_state(i, STATE_REGIONS);
+    request_rebuild(i, next_row(0u, i), next_row(1u, i));
 }

@@ -8,6 +8,9 @@
 //! both sides. Later stages read these bits and do not decide again. `LIST_COLLIDES` is set in the count of a mover that
 //! has a colliding entry. Each collision is counted once, at the mover with the lower insertion index.
 //!
+//! On the GPU the stage also creates a record for every collision, and stores the number of the record with the list entries of both
+//! sides (docs/physics.md sections 3.5 to 3.7). The CPU needs no records: `apply_collisions` solves all collisions there.
+//!
 //! The contacts of a sphere whose crossing is handled do not collide (docs/physics.md section 3.10).
 //!
 //! The step is rejected when a sphere is outside its AABB (`REJECTED_ESCAPED`). Like the other stages of the phase, this
@@ -47,6 +50,8 @@ pub(crate) const STAGE: Stage = Stage {
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
         read("crossings", Buffer::Y3),
+        write("collision_indices", Buffer::CollisionIndices),
+        write("collisions", Buffer::Collisions),
     ],
     threads: Threads::SharedMovers,
     // Reads position, velocity and entries. Few entries change.

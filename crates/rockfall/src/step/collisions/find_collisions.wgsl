@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
-// requires physics/geometry.wgsl step/collisions/classify_contacts.wgsl step/collisions/crossing_rows.wgsl
-// requires step/large_spheres/workgroup_per_sphere.wgsl
+// requires physics/geometry.wgsl step/collisions/classify_contacts.wgsl step/collisions/crossing_rows.wgsl step/collisions/list_collisions.wgsl
+// requires step/collisions/rows.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -8,6 +8,8 @@
 @group(0) @binding(5) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(6) var<storage, read_write> status: StatusAtomic;
 @group(0) @binding(7) var<storage, read> crossings: array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> collision_indices: array<array<u32, SLICE>>;
+@group(0) @binding(9) var<storage, read_write> collisions: array<vec4u>;
 
 // Whether an entry of the workgroup's large sphere collides.
 var<workgroup> any_collides: atomic<u32>;
@@ -23,9 +25,9 @@ fn is_put_off(a: u32, b: u32) -> bool {
     return has_handled_crossing(b);
 }
 
-// Does what `mark_entries` does, for the large sphere of a workgroup. Each thread marks every WORKGROUP-th entry. Returns
+// Does what `mark_entries` and `list_all` do, for the large sphere of a workgroup. Each thread takes every WORKGROUP-th entry. Returns
 // the number of collisions that this thread has counted.
-fn mark_entries_of_large_sphere(sphere: u32, local: u32) -> u32 {
+fn mark_and_list_large_sphere(sphere: u32, local: u32) -> u32 {
     if local == 0u {
         atomicStore(&any_collides, 0u);
     }
@@ -33,20 +35,21 @@ fn mark_entries_of_large_sphere(sphere: u32, local: u32) -> u32 {
     let first = first_of(sphere);
     let own = own_of(sphere);
     let velocity = state[velocity_at(sphere)];
-    var collisions = 0u;
+    var found = 0u;
     for (var e = local; e < count; e += WORKGROUP) {
         let slot = slot_at(first, e);
         let other = load_entry(entry_at(slot), true);
         if (mark_entry(own, velocity, other, slot) & ENTRY_COLLIDES) != 0u {
             atomicStore(&any_collides, 1u);
-            collisions += select(0u, 1u, ordered(sphere, entry_id(other.entry)).x == sphere);
+            found += select(0u, 1u, ordered(sphere, entry_id(other.entry)).x == sphere);
+            list_entry(sphere, slot);
         }
     }
     workgroupBarrier();
     if local == 0u {
         mark_head(sphere, atomicLoad(&any_collides) != 0u);
     }
-    return collisions;
+    return found;
 }
 
 @compute @workgroup_size(64)
@@ -58,19 +61,22 @@ fn find_collisions(
     let workgroup = linear_group(group, groups);
     let mover = mover_of(workgroup, local);
     let is_first_attempt = (atomicLoad(&status.rejected) == 0u) & (atomicLoad(&status.collided) == 0u);
-    var collisions = 0u;
+    var found = 0u;
     if serves_large_sphere(workgroup) {
         if broadcast_to_workgroup(local, u32(is_first_attempt)) != 0u {
             if local == 0u {
                 check_escape(mover);
             }
-            collisions = mark_entries_of_large_sphere(large_sphere_of(workgroup), local);
+            found = mark_and_list_large_sphere(large_sphere_of(workgroup), local);
         }
     } else if (mover < step.spheres + step.rods) & is_first_attempt {
         if mover < step.spheres {
             check_escape(mover);
         }
-        collisions = mark_entries(mover);
+        found = mark_entries(mover);
+        if has_collisions(mover) {
+            list_all(mover);
+        }
     }
-    count_collisions_of_workgroup(workgroup, local, collisions);
+    count_collisions_of_workgroup(workgroup, local, found);
 }

@@ -1,13 +1,10 @@
-// requires model/entries.wgsl model/lists.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/contact.wgsl physics/geometry.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
-// requires step/collisions/rows.wgsl step/collisions/report_clusters.wgsl
+// requires model/entries.wgsl model/lists.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
+// requires physics/contact.wgsl physics/geometry.wgsl step/collisions/records.wgsl step/collisions/report_clusters.wgsl
 
-@group(0) @binding(2) var<storage, read> state: array<vec4f>;
-@group(0) @binding(3) var<storage, read> topology: array<u32>;
-@group(0) @binding(4) var<storage, read> lists: array<array<u32, SLICE>>;
-@group(0) @binding(5) var<storage, read_write> collision_indices: array<array<u32, SLICE>>;
-@group(0) @binding(6) var<storage, read_write> collisions: array<vec4u>;
-@group(0) @binding(7) var<storage, read_write> status: StatusAtomic;
+// Creates a record for every collision, and stores its number with the list entries of both sides.
+//
+// Meanwhile the thread of the other side may change the ENTRY_OVERLAPS and ENTRY_COLLIDES bits of its entries and the LIST_COLLIDES bit of
+// its count. The functions below use the other bits of these words only, which do not change.
 
 // Finds a mover in the list of another mover, which is sorted, and returns the slot. Its row is NONE if the mover is not
 // there. The search can ignore features: only contacts of a rod with a box have one, and they are in the rod's list only.
@@ -65,9 +62,13 @@ fn put_record(number: u32, pair: vec2u, feature: u32, found: Touch, closing: App
     }
 }
 
+// Creates the record of an entry that collides, unless the other side does.
 fn list_entry(mover: u32, slot: vec2u) {
     let entry = entry_at(slot);
     let id = entry_id(entry);
+    if !is_own(mover, id) {
+        return;
+    }
     let number = atomicAdd(&status.listed, 1u);
     if number >= step.collision_room {
         reject_for_collisions();
@@ -79,32 +80,13 @@ fn list_entry(mover: u32, slot: vec2u) {
     put_number(mover, slot, number);
 }
 
+// Creates the records of the collisions of a mover.
 fn list_all(mover: u32) {
     let count = count_of(mover);
     let first = first_of(mover);
     for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            let slot = slot_at(first, begin + firstTrailingBit(rest));
-            if is_own(mover, entry_id(entry_at(slot))) {
-                list_entry(mover, slot);
-            }
-        }
-    }
-}
-
-// Workgroups are large because most movers have nothing to do: the time of this stage depends on the number of workgroups.
-@compute @workgroup_size(256)
-fn list_collisions(
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-    @builtin(local_invocation_index) local: u32,
-) {
-    let mover = wide_thread(group, groups, local);
-    if mover < step.spheres + step.rods {
-        if has_collisions(mover) {
-            if has_changes() {
-                list_all(mover);
-            }
+            list_entry(mover, slot_at(first, begin + firstTrailingBit(rest)));
         }
     }
 }

@@ -21,6 +21,31 @@ fn row_of(sphere: u32, rods: vec2u, row: u32) -> u32 {
     return select(NONE, partner, capsule_rod(partner) == rod);
 }
 
+// Number of rows of a body: of a sphere and its `rods`, or of a capsule if `rod` is not NONE.
+fn body_rows(rod: u32, rods: vec2u) -> u32 {
+    return select(1u + rods.y, 3u, rod != NONE);
+}
+
+// Row r of a body: the sphere itself and its rods, or both ends of a capsule and its rod.
+fn body_row(sphere: u32, rod: u32, rods: vec2u, r: u32) -> u32 {
+    if RODS & (rod != NONE) {
+        let ends = rod_ends(rod);
+        return select(select(ends.x, ends.y, r == 1u), step.spheres + rod, r == 2u);
+    }
+    if r == 0u {
+        return sphere;
+    }
+    return step.spheres + index_of(topology[rods.x + r - 1u]);
+}
+
+// The parameter on the rod of a capsule of a contact in one of its rows. `at` is the parameter in the row of the rod.
+fn at_on_capsule(rod: u32, row: u32, at: f32) -> f32 {
+    if row < step.spheres {
+        return select(0.0, 1.0, rod_ends(rod).y == row);
+    }
+    return at;
+}
+
 // Whether a collision may change the state of a sphere. The result is true for every sphere of a network, because it would
 // take too long to check all rows of the network.
 fn takes_part_in_any(sphere: u32) -> bool {

@@ -98,26 +98,21 @@ fn is_of_network(rod: ContactSide) -> bool {
 
 // What one end of a side adds. `of_network` is the `network_weight` of the end.
 fn weight_of_end(k: Record, half: ContactSide, end: u32, of_network: vec3f) -> Weight {
-    let sphere = select(half.spheres.x, half.spheres.y, end == 1u);
-    let w = inverse_mass(sphere);
-    // The share of the impulse that the end gets.
-    var part = 1.0;
-    if half.kind == ROD {
-        if is_of_network(half) {
-            return weight_of_network(of_network);
-        }
-        part = select(1.0 - half.at, half.at, end == 1u);
+    if (half.kind == ROD) && is_of_network(half) {
+        return weight_of_network(of_network);
     }
+    let one = side_end(half, end);
+    let w = inverse_mass(one.sphere);
     if half.kind != CAPSULE {
         if w <= 0.0 {
             return Weight(0.0, 0.0, true, 0u, false);
         }
-        if network_of(sphere) != NO_NETWORK {
+        if network_of(one.sphere) != NO_NETWORK {
             return weight_of_network(of_network);
         }
     }
-    let company = company_of(k, sphere);
-    var inverse_mass = part * part * w;
+    let company = company_of(k, one.sphere);
+    var inverse_mass = one.share * one.share * w;
     var weight = company.weight * inverse_mass;
     if half.kind == CAPSULE {
         inverse_mass = response(half, side_motion(half), k.n).y;

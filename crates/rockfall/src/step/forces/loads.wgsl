@@ -35,11 +35,13 @@ fn loads(
 ) {
     let workgroup = linear_group(group, groups);
     let i = mover_of(workgroup, local);
-    let net = net_of(workgroup, local);
-    if (i < step.spheres) & is_writer(workgroup, local) & are_wanted() {
+    let are_wanted = are_loads_wanted();
+    let are_due = are_loads_due();
+    let net = net_of(workgroup, local, are_wanted & are_due);
+    if (i < step.spheres) & is_writer(workgroup, local) & are_wanted {
         let velocity = state[velocity_at(i)];
         if velocity.w > 0.0 {
-            if are_due() {
+            if are_due {
                 put_load(i, net);
             }
             check_place(i, velocity);

@@ -21,16 +21,9 @@ fn drift_sphere(i: u32) {
     let position = state[position_at(i)];
     let velocity = state[velocity_at(i)];
     let momentum = state[momentum_at(i)];
-    let low = low_row(i);
-    var after = Motion(position.xyz, low, velocity.xyz, momentum.xyz);
+    var after = Motion(position.xyz, low_row(i), velocity.xyz, momentum.xyz);
     if velocity.w > 0.0 {
-        let rates = starting_rates(i, velocity.w);
-        after.velocity += 0.5 * step.dt * rates.acceleration;
-        after.momentum += 0.5 * step.dt * rates.torque;
-        after = displaced(after, step.dt * after.velocity);
-        if !is_finite(after) {
-            after = stopped(position.xyz, low, 1u, i);
-        }
+        after = kicked_and_moved(after, starting_rates(i, velocity.w), 0.5 * step.dt, i);
     }
     put_next(0u, i, vec4f(after.position, position.w));
     put_next(1u, i, vec4f(after.velocity, velocity.w));

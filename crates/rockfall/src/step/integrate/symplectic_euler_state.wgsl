@@ -5,16 +5,9 @@ fn symplectic_euler_sphere(i: u32, load: Load) -> vec3f {
     let old_position = state[position_at(i)];
     let old_velocity = state[velocity_at(i)];
     let old_momentum = state[momentum_at(i)];
-    let low = low_row(i);
-    var after = Motion(old_position.xyz, low, old_velocity.xyz, old_momentum.xyz);
+    var after = Motion(old_position.xyz, low_row(i), old_velocity.xyz, old_momentum.xyz);
     if old_velocity.w > 0.0 {
-        let rates = sphere_rates(i, old_velocity.w, load);
-        after.velocity += step.dt * rates.acceleration;
-        after.momentum += step.dt * rates.torque;
-        after = displaced(after, step.dt * after.velocity);
-        if !is_finite(after) {
-            after = stopped(old_position.xyz, low, 1u, i);
-        }
+        after = kicked_and_moved(after, sphere_rates(i, old_velocity.w, load), step.dt, i);
         put_start(0u, i, vec4f(after.position, old_position.w));
         put_start(1u, i, vec4f(after.velocity, old_velocity.w));
         put_start(2u, i, vec4f(after.momentum, old_momentum.w));

@@ -1,4 +1,4 @@
-// requires model/entries.wgsl model/lists.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl physics/forces/due.wgsl
+// requires model/entries.wgsl model/lists.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/forces/net_force.wgsl physics/forces/sphere_load.wgsl physics/geometry.wgsl physics/laws/history.wgsl
 // requires physics/laws/mover_contact.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
@@ -6,8 +6,9 @@
 // the list.
 
 // The keys and springs that the threads of a workgroup append. A key is NO_KEY if its thread has none.
-var<workgroup> new_keys: array<u32, WORKGROUP>;
-var<workgroup> new_springs: array<Spring, WORKGROUP>;
+var<workgroup> new_keys: array<u32, SPRINGS>;
+var<workgroup> new_springs: array<Spring, SPRINGS>;
+const SPRINGS: u32 = select(LARGE_WORKGROUP, 1u, LAW == LAW_THESIS);
 
 // Appends the springs of the threads in their order. The other threads run the same loop, because all threads should make the same
 // number of rounds before a barrier (see sweep_at_once.wgsl).
@@ -76,15 +77,16 @@ fn load_by_workgroup(i: u32, local: u32) -> Net {
 }
 
 // Returns the load of the sphere of a thread, or of the large sphere of its workgroup. All threads of the workgroup must call it.
-fn net_of(workgroup: u32, local: u32) -> Net {
+// `is_wanted` may differ between the threads of a workgroup, because another workgroup may reject the step at any time.
+fn net_of(workgroup: u32, local: u32, is_wanted: bool) -> Net {
     if serves_large_sphere(workgroup) {
-        if broadcast_to_workgroup(local, u32(are_wanted() & are_due())) == 0u {
+        if broadcast_to_workgroup(local, u32(is_wanted)) == 0u {
             return no_force();
         }
         return load_by_workgroup(large_sphere_of(workgroup), local);
     }
     let i = mover_of(workgroup, local);
-    if (i < step.spheres) & are_wanted() & are_due() {
+    if (i < step.spheres) & is_wanted {
         return sphere_load(i);
     }
     return no_force();

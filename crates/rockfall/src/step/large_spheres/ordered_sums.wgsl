@@ -1,11 +1,11 @@
-// requires model/step.wgsl
+// requires model/step.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 // Two sums of vectors over a list. The threads of a workgroup compute one term each. The terms are then added in the order of
 // the list, as a single thread would add them, so that the sums are bitwise identical.
 
 // Eight rows of WORKGROUP values: x, y and z of the terms of the first sum, x, y and z of those of the second, the factors of
 // the first sum, the factors of the second.
-var<workgroup> terms: array<f32, 8u * WORKGROUP>;
+var<workgroup> terms: array<f32, 8u * LARGE_WORKGROUP>;
 // x, y and z of the first sum, then of the second.
 var<workgroup> sums: array<f32, 6>;
 

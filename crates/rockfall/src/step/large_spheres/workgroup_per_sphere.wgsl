@@ -4,6 +4,10 @@
 // hundreds of neighbours. Large spheres are the last in memory. Their workgroups are the first of a dispatch, so that the
 // longest work starts first.
 
+// Length of an array in workgroup memory with a value for each thread. A scene without large spheres does not need it, and without
+// it the processor has more cache.
+const LARGE_WORKGROUP: u32 = select(1u, WORKGROUP, LARGE);
+
 // Returns whether all threads of a workgroup work on one large sphere.
 fn serves_large_sphere(workgroup: u32) -> bool {
     return LARGE & (workgroup < step.large);
