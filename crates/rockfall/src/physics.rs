@@ -15,5 +15,6 @@ pub(crate) mod laws;
 pub(crate) mod lengths;
 pub(crate) mod pairs;
 pub(crate) mod side;
+pub(crate) mod surface;
 pub(crate) mod touch;
 pub(crate) mod travel;

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result, non_finite};
 use crate::model::muscles::MuscleClock;
+use crate::physics::surface::visible_row;
 use crate::physics::touch::touch;
 use crate::report::short_number;
 use crate::scene::{Body, Scene, SphereId};
@@ -79,7 +80,7 @@ impl Scene {
         )?;
         let (view, lists) = view_and_lists(&world);
         let of_mover = |mover: u32| {
-            let own = lists.row(mover).filter(move |entry| entry.id() > mover);
+            let own = visible_row(&view, &lists, mover).filter(move |entry| entry.id() > mover);
             let (view, scene) = (&view, self);
             own.filter_map(move |entry| {
                 let touch = touch(view, mover, entry.id(), entry.feature())?;

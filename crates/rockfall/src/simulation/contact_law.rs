@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::physics::laws::user::not_finite;
+use crate::physics::surface::visible_row;
 use crate::physics::touch::touch;
 use crate::settings::ContactLaw;
 use crate::simulation::Simulation;
@@ -62,7 +63,7 @@ impl Simulation {
         laws.contact.as_ref().filter(|_| self.settings().contact_law == ContactLaw::User)?;
         let world = observe(&self.scene, self.time_step, self.methods(), step, &self.muscle_clock, laws).ok()?;
         let (view, lists) = view_and_lists(&world);
-        lists.row(sphere as u32).find_map(|entry| {
+        visible_row(&view, &lists, sphere as u32).find_map(|entry| {
             let (a, b) = view.ordered(sphere as u32, entry.id());
             let touch = touch(&view, a, b, entry.feature())?;
             not_finite(&view, [a, b], &touch, &format!("a contact of {} in step {step}", self.scene.name_of_sphere(sphere)))

@@ -19,6 +19,7 @@ use crate::physics::laws::contact::{LawForce, law_force, normal_energy};
 use crate::physics::laws::history::Histories;
 use crate::physics::laws::neck::contact;
 use crate::physics::side::side;
+use crate::physics::surface::visible_row;
 use crate::physics::touch::{Touch, touch};
 use crate::scene::{Body, Scene};
 use crate::simulation::Simulation;
@@ -129,7 +130,7 @@ impl Simulation {
         let found: Vec<(Collision, ContactAction, Option<ContactSprings>)> = movers
             .into_par_iter()
             .flat_map_iter(|mover| {
-                let own = lists.row(mover).filter(move |entry| entry.id() > mover);
+                let own = visible_row(&view, &lists, mover).filter(move |entry| entry.id() > mover);
                 own.filter_map(move |entry| action(&view, histories, impulses, mover, entry))
             })
             .collect();
@@ -157,7 +158,7 @@ impl Simulation {
         let histories = Histories::of(world);
         let of_sphere = |sphere: u32| {
             let mut values = SphereDiagnostics::default();
-            for entry in lists.row(sphere) {
+            for entry in visible_row(&view, &lists, sphere) {
                 let (a, b) = (sphere.min(entry.id()), sphere.max(entry.id()));
                 if let Some(touch) = contact(&view, &histories, a, b, entry.feature()) {
                     values.contacts += 1;
@@ -179,7 +180,7 @@ impl Simulation {
         let stiffness = f64::from(world.step.contact_force);
         let histories = Histories::of(world);
         let of_mover = |mover: u32| -> f64 {
-            let own = lists.row(mover).filter(|entry| entry.id() > mover);
+            let own = visible_row(&view, &lists, mover).filter(|entry| entry.id() > mover);
             own.filter_map(|entry| {
                 let touch = contact(&view, &histories, mover, entry.id(), entry.feature())?;
                 if view.step.law != LAW_THESIS {
@@ -210,7 +211,7 @@ pub(crate) fn body(scene: &Scene, view: &View, id: u32) -> Body {
 fn deepest(scene: &Scene, world: &World, counts: impl Fn(&View, u32, Entry, &Touch) -> bool + Sync) -> MaxOverlap {
     let (view, lists) = view_and_lists(world);
     let of_mover = |mover: u32| {
-        let own = lists.row(mover).filter(|entry| entry.id() > mover);
+        let own = visible_row(&view, &lists, mover).filter(|entry| entry.id() > mover);
         own.fold((0.0, 0.0, [0; 2]), |(units, radii, ids): (f32, f32, [u32; 2]), entry| {
             let touch = touch(&view, mover, entry.id(), entry.feature()).filter(|touch| counts(&view, mover, entry, touch));
             let Some(touch) = touch else { return (units, radii, ids) };

@@ -12,6 +12,7 @@ use crate::physics::contact::{ContactForce, contact_force, contact_forces};
 use crate::physics::laws::contact::{LawForce, Spring, law_force};
 use crate::physics::laws::history::{Histories, Owned, key, owner, pack};
 use crate::physics::laws::neck::contact;
+use crate::physics::surface::Hidden;
 use crate::physics::touch::{Touch, touch};
 
 /// Force and torque on one sphere or rod.
@@ -49,7 +50,8 @@ impl Contacts<'_> {
     /// springs that the mover owns are added to `owned`.
     fn each(&self, mover: u32, from: u32, owned: &mut Owned, mut tally: Option<&mut Tally>, mut take: impl FnMut(Load, f32)) {
         let (count, list) = self.lists.list(mover);
-        for entry in (from..count).map(list) {
+        let hidden = Hidden::of(self.view, mover, count, &list);
+        for entry in (from..count).map(list).filter(|entry| !hidden.has(entry.id())) {
             let (a, b) = self.view.ordered(mover, entry.id());
             let Some((touch, loads, spring)) = self.evaluate(a, b, entry.feature()) else {
                 continue;

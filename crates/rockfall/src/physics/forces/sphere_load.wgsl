@@ -1,4 +1,4 @@
-// requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
+// requires physics/forces/sphere_push.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/forces/attached.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl physics/laws/history.wgsl physics/laws/mover_contact.wgsl
 
 // The load of a sphere, computed by one thread.
@@ -46,7 +46,7 @@ fn add_law_contacts(i: u32, net: ptr<function, Net>) {
     for (var e = 0u; e < count; e++) {
         let entry = entry_at(slot_at(first, e));
         let met = mover_contact(i, entry);
-        if !met.touches {
+        if !met.touches || ((met.push.overlap > 0.0) && is_hidden(i, state[position_at(i)], entry_id(entry))) {
             continue;
         }
         add_push(met.push, net);

@@ -81,6 +81,11 @@ fn entries_to_classify(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
 fn mark_entry(own: Own, velocity: vec4f, other: LoadedEntry, slot: vec2u) -> u32 {
     let entry = other.entry & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
     var bits = classify(own, velocity, other);
+    if (bits != 0u) & (own.id < step.spheres) {
+        if is_hidden(own.id, own.place, entry_id(other.entry)) {
+            bits = 0u;
+        }
+    }
     if (bits & ENTRY_COLLIDES) != 0u {
         if is_put_off(own.id, entry_id(other.entry)) {
             bits = ENTRY_OVERLAPS;

@@ -34,6 +34,7 @@ use crate::model::world::World;
 use crate::physics::balls::Ball;
 use crate::physics::collision::Collision;
 use crate::physics::collision::crossing::Crossings;
+use crate::physics::surface::Hidden;
 use crate::physics::travel::escape_ratio;
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
@@ -107,8 +108,9 @@ fn mark(view: &View, crossings: Option<Crossings>, slice: &mut Slice, place: usi
     };
     let done = Ball::new(view, mover)
         .map_or(0, |ball| ball.for_each_near(count, list, |others| classify_group(&ball, mover, others, &mut set)));
+    let hidden = Hidden::of(view, mover, count, list);
     for entry in (done..count).map(list) {
-        set(&entry, classify(view, mover, entry));
+        set(&entry, if hidden.has(entry.id()) { 0 } else { classify(view, mover, entry) });
     }
 }
 

@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
-// requires physics/geometry.wgsl step/collisions/classify_contacts.wgsl step/collisions/crossing_rows.wgsl step/collisions/list_collisions.wgsl
+// requires physics/geometry.wgsl physics/surfaces_of_list.wgsl step/collisions/classify_contacts.wgsl step/collisions/crossing_rows.wgsl step/collisions/list_collisions.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;

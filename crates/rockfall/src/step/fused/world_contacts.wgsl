@@ -1,4 +1,5 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl
+// requires physics/forces/sphere_push.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl
+// requires physics/surface.wgsl
 // requires step/fused/world_memory.wgsl
 
 // Contacts of the spheres of a world in `run_worlds`. There are no pair lists: each thread keeps the objects near its sphere as bits.
@@ -123,6 +124,39 @@ fn close_spheres(own: vec4f, spheres: u32) -> u32 {
     return found;
 }
 
+fn near_statics() -> vec2u {
+    return vec2u(near.x & ~sphere_bits(), near.y);
+}
+
+// Whether the surfaces of the thread's sphere have been chosen in this force evaluation.
+var<private> has_surfaces: bool;
+
+fn choose_surfaces(i: u32, own: vec4f) {
+    surface_count = 0u;
+    while surface_count < MOST_SURFACES {
+        var best = no_candidate();
+        var statics = near_statics();
+        while any(statics != vec2u(0u)) {
+            best = nearer_candidate(best, i, own, take_lowest(&statics));
+        }
+        if best.id == NONE {
+            return;
+        }
+        choose_surface(best);
+    }
+}
+
+fn is_hidden(i: u32, own: vec4f, id: u32) -> bool {
+    if !is_static(id) {
+        return false;
+    }
+    if !has_surfaces {
+        choose_surfaces(i, own);
+        has_surfaces = true;
+    }
+    return is_hidden_by_surfaces(i, own, id);
+}
+
 fn add_near_contact(i: u32, own: vec4f, side: Side, other: LoadedEntry, net: ptr<function, Net>) {
     let push = push_of(i, NO_ROD, own, side, other);
     (*net).force += push.force;
@@ -146,7 +180,8 @@ fn add_near_contacts(i: u32, net: ptr<function, Net>) {
     if SPHERE_PAIRS {
         add_sphere_contacts(i, own, side, near.x & sphere_bits(), net);
     }
-    var statics = vec2u(near.x & ~sphere_bits(), near.y);
+    has_surfaces = false;
+    var statics = near_statics();
     while any(statics != vec2u(0u)) {
         // The rows of a static object are not used.
         let other = LoadedEntry(take_lowest(&statics), vec4f(0.0), vec4f(0.0), vec4f(0.0));

@@ -1,4 +1,4 @@
-// requires model/entries.wgsl model/lists.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
+// requires physics/forces/sphere_push.wgsl model/entries.wgsl model/lists.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/forces/net_force.wgsl physics/forces/sphere_load.wgsl physics/geometry.wgsl physics/laws/history.wgsl
 // requires physics/laws/mover_contact.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
@@ -28,6 +28,9 @@ fn large_push(i: u32, local: u32, partner: u32, own: vec4f, side: Side, entry: u
         return push;
     }
     let met = mover_contact(i, entry);
+    if (met.push.overlap > 0.0) && is_hidden(i, own, entry_id(entry)) {
+        return no_push();
+    }
     count_if(met.is_a, met.push, net);
     if met.owns {
         new_keys[local] = entry_key(entry_id(entry), entry_feature(entry));

@@ -1,0 +1,116 @@
+// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl
+
+// Which of the boxes and polygons that a sphere overlaps touch it (docs/physics.md section 2.11). In each round, the nearest candidate
+// that none of the chosen ones hides is chosen.
+
+// A candidate counts as hidden if its nearest point is less than this times the radius in front of a tangent plane.
+const SURFACE_SLACK: f32 = 1e-5;
+// The cosine of 0.01 rad. Normals that differ by less are one.
+const ONE_NORMAL: f32 = 0.99995;
+// Room for chosen candidates. Those that do not fit count, but hide no others.
+const MOST_SURFACES: u32 = 16u;
+
+// A box or polygon that a sphere overlaps.
+struct Candidate {
+    // NONE if there is none.
+    id: u32,
+    // Distance of the nearest point from the centre; negative if the centre is inside a box.
+    distance: f32,
+    // From the centre to the nearest point, if the distance is positive.
+    n: vec3f,
+}
+
+// The chosen candidates of a sphere: unit normals and distances, and ids.
+var<private> surfaces: array<vec4f, MOST_SURFACES>;
+var<private> surface_ids: array<u32, MOST_SURFACES>;
+var<private> surface_count: u32;
+
+fn is_static(id: u32) -> bool {
+    return id >= step.spheres + step.rods;
+}
+
+fn is_behind(one: Candidate, radius: f32) -> bool {
+    for (var k = 0u; k < surface_count; k++) {
+        let cosine = dot(one.n, surfaces[k].xyz);
+        if (one.distance * cosine >= surfaces[k].w - SURFACE_SLACK * radius) | (cosine >= ONE_NORMAL) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// -1, 0 or 1: whether vector a comes before b, is b, or comes after it.
+fn order_of_vectors(a: vec3f, b: vec3f) -> i32 {
+    let before = vec3i(a < b);
+    let after = vec3i(a > b);
+    let order = before - after;
+    return -select(select(order.z, order.y, order.y != 0), order.x, order.x != 0);
+}
+
+// Whether a box or polygon comes before another one at the same distance.
+fn is_first_shape(one: u32, other: u32) -> bool {
+    let boxes = step.spheres + step.rods;
+    let polygons = boxes + step.boxes;
+    if (one < polygons) != (other < polygons) {
+        return one < polygons;
+    }
+    if one < polygons {
+        let a = cuboid(one - boxes);
+        let b = cuboid(other - boxes);
+        let corner = order_of_vectors(a.corner, b.corner);
+        let i = order_of_vectors(a.i, b.i);
+        let j = order_of_vectors(a.j, b.j);
+        return select(select(select(order_of_vectors(a.k, b.k), j, j != 0), i, i != 0), corner, corner != 0) < 0;
+    }
+    let a = polygon(one - polygons);
+    let b = polygon(other - polygons);
+    let corner = order_of_vectors(a.corner, b.corner);
+    let left = order_of_vectors(a.left, b.left);
+    return select(select(order_of_vectors(a.right, b.right), left, left != 0), corner, corner != 0) < 0;
+}
+
+// The better one of a candidate and a box or polygon: nearer, and not hidden by the chosen ones.
+fn nearer_candidate(best: Candidate, i: u32, own: vec4f, id: u32) -> Candidate {
+    let found = touch_static(i, id, own);
+    let one = Candidate(id, own.w - found.overlap, found.n);
+    if !(found.overlap > 0.0) || is_behind(one, own.w) {
+        return best;
+    }
+    if best.id == NONE {
+        return one;
+    }
+    if one.distance != best.distance {
+        if one.distance < best.distance {
+            return one;
+        }
+        return best;
+    }
+    if is_first_shape(id, best.id) {
+        return one;
+    }
+    return best;
+}
+
+fn no_candidate() -> Candidate {
+    return Candidate(NONE, 0.0, vec3f(0.0));
+}
+
+// Whether a sphere does not touch a box or polygon that it overlaps. The surfaces of the sphere have been chosen.
+fn is_hidden_by_surfaces(i: u32, own: vec4f, id: u32) -> bool {
+    for (var k = 0u; k < surface_count; k++) {
+        if surface_ids[k] == id {
+            return false;
+        }
+    }
+    if surface_count < MOST_SURFACES {
+        return surface_count > 0u;
+    }
+    let found = touch_static(i, id, own);
+    return is_behind(Candidate(id, own.w - found.overlap, found.n), own.w);
+}
+
+fn choose_surface(one: Candidate) {
+    surfaces[surface_count] = vec4f(one.n, one.distance);
+    surface_ids[surface_count] = one.id;
+    surface_count++;
+}
