@@ -103,6 +103,6 @@ pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
 /// Title of the report: the scene, the integrator and the device.
 fn title(arguments: &Arguments, sizes: &[Measured]) -> String {
     let device = sizes.first().map_or("", |size| &size.backend.device);
-    let (scene, integrator) = (arguments.scene, arguments.physics.integrator);
-    format!("rockfall bench {scene}, {integrator}: {device}")
+    let integrator = sizes.first().map_or_else(String::new, |size| format!(", {}", size.integrator));
+    format!("rockfall bench {}{integrator}: {device}", arguments.scene)
 }

@@ -25,7 +25,7 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let Source { name, loaded } = Source::read(Some(&arguments.scene.scene))?;
     let mut scene = loaded.scene;
     arguments.physics.change(&mut scene.settings)?;
-    let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
+    let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator_for(&scene));
     let mut text = String::new();
     // Writing to a string cannot fail.
     let comments = counted(loaded.comments, "comment", "comments");
@@ -92,8 +92,9 @@ pub(crate) fn prepare(name: &str, loaded: Loaded, physics: &Physics, substeps: S
     }
     let mut scene = loaded.scene;
     physics.change(&mut scene.settings)?;
-    let parts = substeps.of(&scene, physics.dt, physics.integrator)?;
-    warn(name, &scene, physics.dt / parts as f32, physics.integrator);
+    let integrator = physics.integrator_for(&scene);
+    let parts = substeps.of(&scene, physics.dt, integrator)?;
+    warn(name, &scene, physics.dt / parts as f32, integrator);
     Ok((scene, parts))
 }
 

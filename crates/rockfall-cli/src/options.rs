@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crate::failure::Failure;
-use rockfall::{Backend, BroadPhase, Integrator, Optimization, Options, Scene, Settings};
+use rockfall::{Backend, BroadPhase, Integrator, IntegratorChoice, Optimization, Options, Scene, Settings};
 
 /// Options that determine the motion of a scene.
 #[derive(Debug, clap::Args)]
@@ -12,9 +12,9 @@ pub(crate) struct Physics {
     /// Time step in seconds
     #[arg(long, value_name = "S", default_value = "0.02", value_parser = time_step, allow_negative_numbers = true)]
     pub(crate) dt: f32,
-    /// Integrator: rk4, symplectic-euler or velocity-verlet
+    /// Integrator: rk4, symplectic-euler or velocity-verlet; auto: velocity-verlet with contact laws that do not allow rk4, else rk4
     #[arg(long, default_value_t)]
-    pub(crate) integrator: Integrator,
+    pub(crate) integrator: IntegratorChoice,
     /// Set a constant, overriding the scene's own settings; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<Setting>,
@@ -82,7 +82,7 @@ impl Engine {
         self.with_integrator(physics.integrator)
     }
 
-    pub(crate) fn with_integrator(&self, integrator: Integrator) -> Options {
+    pub(crate) fn with_integrator(&self, integrator: impl Into<IntegratorChoice>) -> Options {
         let options = Options::new().backend(self.backend).broad_phase(self.broad_phase).integrator(integrator);
         self.without.iter().fold(options, |options, optimization| options.without(*optimization))
     }
@@ -96,6 +96,11 @@ pub(crate) struct SceneArgument {
 }
 
 impl Physics {
+    /// The integrator for a scene.
+    pub(crate) fn integrator_for(&self, scene: &Scene) -> Integrator {
+        self.integrator.resolve(scene.settings.contact_law)
+    }
+
     /// Applies `--set` to a scene's settings.
     pub(crate) fn change(&self, settings: &mut Settings) -> Result<(), rockfall::Error> {
         self.set.iter().try_for_each(|setting| settings.set(&setting.name, &setting.value))

@@ -251,7 +251,7 @@ fn scene(arguments: &Arguments, Source { name, loaded }: Source, interrupt: &'st
 fn checkpoint(arguments: &Arguments, given: &Given, saved: Saved, interrupt: &'static Interrupt) -> Result<Live, Failure> {
     let name = arguments.scene.display().to_string();
     let (dt, mut parts, mut checkpoint) = saved.changed(given, &arguments.physics, &arguments.engine)?;
-    let integrator = checkpoint.options.integrator;
+    let integrator = checkpoint.options.integrator.resolve(checkpoint.scene.settings.contact_law);
     if let Some(substeps) = arguments.substeps {
         parts = substeps.of(&checkpoint.scene, dt, integrator)?;
         checkpoint.time_step = dt / parts as f32;

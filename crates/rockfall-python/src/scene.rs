@@ -4,19 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
-use rockfall::Integrator;
+use rockfall::IntegratorChoice;
 
 use crate::errors::Raise;
 use crate::ids::Ids;
-
-/// The integrator with a name. "auto" is the usual one of the scene's contact law.
-pub(crate) fn integrator_of(name: &str, scene: &rockfall::Scene) -> PyResult<Integrator> {
-    match name {
-        "auto" if scene.settings.contact_law.has_history() => Ok(Integrator::SymplecticEuler),
-        "auto" => Ok(Integrator::Rk4),
-        _ => name.parse().or_raise(),
-    }
-}
 
 /// A scene and the numbers of its objects.
 #[derive(Debug)]
@@ -88,9 +79,10 @@ impl Scene {
 
     /// Warnings about an unsuitable time step or contact force, and about bodies that overlap.
     fn check(&self, py: Python<'_>, dt: f32, integrator: &str) -> PyResult<Vec<String>> {
-        let integrator = integrator_of(integrator, &self.lock().scene)?;
+        let integrator: IntegratorChoice = integrator.parse().or_raise()?;
         py.detach(|| {
             let scene = &self.lock().scene;
+            let integrator = integrator.resolve(scene.settings.contact_law);
             let mut found: Vec<String> = scene.concerns(dt, integrator).iter().map(ToString::to_string).collect();
             let placement = scene.placement().or_raise()?;
             found.extend(placement.overlaps.iter().map(|overlap| format!("{} at the start", overlap.describe(scene))));

@@ -172,8 +172,10 @@ impl Simulation {
         Ok(Self::assemble(scene, options, world, engine, info.clone()))
     }
 
-    fn assemble(scene: Scene, options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
+    fn assemble(scene: Scene, mut options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
         engine.complete(&mut world);
+        // A later change of the contact law must not change it, and a checkpoint stores it.
+        options.integrator = options.integrator.resolve(scene.settings.contact_law).into();
         let lists = ListPolicy::start(engine.dispatches() && world.movers() <= FEW_MOVERS);
         Self {
             packed: scene.sphere_ids().collect(),
@@ -209,9 +211,10 @@ impl Simulation {
         &self.info
     }
 
-    /// The integrator, which advances positions and velocities.
+    /// The integrator, which advances positions and velocities: the requested one, or the one chosen for the contact law that the
+    /// scene had at the start.
     pub fn integrator(&self) -> Integrator {
-        self.options.integrator
+        self.options.integrator.resolve(self.scene.settings.contact_law)
     }
 
     /// The method that finds pairs: the requested one, or the one chosen for the number of objects.
@@ -264,7 +267,7 @@ impl Simulation {
 
     /// Checks that the contact law has all that it needs.
     fn check_contact_law(&self) -> Result<()> {
-        check_contact_law(&self.scene, self.options.integrator, self.options.contact_force_law.as_ref())
+        check_contact_law(&self.scene, self.integrator(), self.options.contact_force_law.as_ref())
     }
 
     /// The report on all steps so far.
@@ -417,7 +420,8 @@ fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&Contact
 /// Packs a scene into a world without scratch arrays, and applies the options.
 fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
-    check_contact_law(scene, options.integrator, options.contact_force_law.as_ref())?;
+    let integrator = options.integrator.resolve(scene.settings.contact_law);
+    check_contact_law(scene, integrator, options.contact_force_law.as_ref())?;
     let mut world = pack(scene, options)?;
     if let Some(capacity) = options.pair_capacity {
         world.set_pair_room(capacity.div_ceil(SLICE));
@@ -439,7 +443,7 @@ fn pack(scene: &Scene, options: &Options) -> Result<World> {
     if !options.uses(Optimization::LongMovers) {
         world.leave_out_long_movers();
     }
-    world.set_integrator(options.integrator);
+    world.set_integrator(options.integrator.resolve(scene.settings.contact_law));
     world.joins_steps = options.uses(Optimization::JoinedSteps);
     Ok(world)
 }

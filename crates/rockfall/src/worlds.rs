@@ -12,6 +12,7 @@ use crate::model::world_sizes::WorldSizes;
 use crate::options::{Backend, BackendInfo, Options};
 use crate::report::{Report, SphereState};
 use crate::scene::Scene;
+use crate::settings::Integrator;
 use crate::simulation::Simulation;
 
 mod checkpoint;
@@ -233,6 +234,15 @@ impl Worlds {
     /// The backend that runs the worlds, and why it was chosen.
     pub fn backend(&self) -> &BackendInfo {
         &self.info
+    }
+
+    /// The integrator of a world. With [`IntegratorChoice::Auto`](crate::IntegratorChoice::Auto) in the options, worlds with different
+    /// contact laws may have different ones.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist.
+    pub fn integrator(&self, world: usize) -> Result<Integrator> {
+        Ok(self.world(world)?.simulation.integrator())
     }
 
     /// The options of all worlds.

@@ -23,7 +23,7 @@ pub(crate) fn object(arguments: &Arguments, sizes: &[Measured]) -> String {
         "backend": backend,
         "device": device,
         "driver": driver,
-        "integrator": arguments.physics.integrator.to_string(),
+        "integrator": sizes.first().map(|size| size.integrator.to_string()),
         "broad_phase": arguments.engine.broad_phase.to_string(),
         "without": arguments.engine.without.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "dt": options::as_written(arguments.physics.dt),

@@ -87,8 +87,9 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
         past.set_time_step(step, physics.dt);
     }
     if given.has("integrator") {
-        differs("--integrator", &physics.integrator.to_string(), &options.integrator.to_string());
-        options.integrator = physics.integrator;
+        let integrator = physics.integrator_for(&checkpoint.scene).into();
+        differs("--integrator", &format!("{integrator}"), &options.integrator.to_string());
+        options.integrator = integrator;
     }
     for Setting { name, value } in &physics.set {
         let settings = &mut checkpoint.scene.settings;
@@ -102,7 +103,8 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
         checkpoint.scene.settings = checkpoint.scene.resolved_settings();
     }
     if given.has("substeps") {
-        let substeps = arguments.substeps.of(&checkpoint.scene, past.dt, options.integrator)?;
+        let integrator = options.integrator.resolve(checkpoint.scene.settings.contact_law);
+        let substeps = arguments.substeps.of(&checkpoint.scene, past.dt, integrator)?;
         differs("--substeps", &substeps.to_string(), &past.parts().to_string());
         past.divide(substeps, simulated);
     }

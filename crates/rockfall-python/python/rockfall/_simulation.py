@@ -43,7 +43,7 @@ class Simulation(Observed, LawTable, ContactLawOf):
     backend : {"auto", "gpu", "cpu"}
         "auto" uses the CPU for up to 64 spheres and rods, otherwise a hardware GPU where there is one.
     integrator : {"auto", "rk4", "symplectic-euler", "velocity-verlet"}
-        How positions and velocities are advanced. "auto" is "symplectic-euler" with the contact laws "linear",
+        How positions and velocities are advanced. "auto" is "velocity-verlet" with the contact laws "linear",
         "hertz-mindlin" and "user", which do not allow "rk4", and otherwise "rk4".
     broad_phase : {"auto", "brute-force", "sort-and-skip", "grid"}
         How pairs that may touch are found. Results do not depend on it.

@@ -80,7 +80,7 @@ class Worlds:
         *,
         count: int | None = None,
         backend: str = "auto",
-        integrator: str = "rk4",
+        integrator: str = "auto",
         broad_phase: str = "auto",
         keep_going: bool = False,
     ) -> None:
@@ -496,7 +496,7 @@ class Worlds:
 
     @property
     def integrator(self) -> str:
-        """The integrator: "rk4", "symplectic-euler" or "velocity-verlet"."""
+        """The integrator of all worlds: "rk4", "symplectic-euler" or "velocity-verlet"; "auto" where they have different ones."""
         name: str = self._native.integrator()
         return name
 

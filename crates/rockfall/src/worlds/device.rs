@@ -11,7 +11,7 @@ use crate::model::muscles::BASE_STEPS;
 use crate::model::world_sizes::WorldSizes;
 use crate::options::{Backend, Optimization, Options};
 use crate::scene::Scene;
-use crate::settings::{BroadPhase, DEFAULT_TIME_STEP};
+use crate::settings::{BroadPhase, ContactLaw, DEFAULT_TIME_STEP};
 use crate::simulation::Simulation;
 use crate::simulation::mirror::Elsewhere;
 use crate::step::fused::run_worlds::WorldResult;
@@ -125,7 +125,7 @@ impl Batch {
             }
             self.upload(worlds, dt, &resume)?;
             self.write_lengths(worlds)?;
-            self.device.run(portion, options.integrator, (sleep.skipped_after(), sleep.speed))?;
+            self.device.run(portion, options.integrator.resolve(ContactLaw::Thesis), (sleep.skipped_after(), sleep.speed))?;
             self.is_ahead = true;
             self.steps += portion;
             left -= portion;
