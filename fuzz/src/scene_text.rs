@@ -52,8 +52,9 @@ fn is_told(error: &Error, bytes: &[u8]) {
 fn all(scene: &Scene) -> String {
     let spheres = (scene.spheres(), scene.rods(), scene.capsules());
     format!(
-        "{:?} {:?} {spheres:?} {:?} {:?} {:?} {:?}",
+        "{:?} {:?} {:?} {spheres:?} {:?} {:?} {:?} {:?}",
         scene.settings,
+        scene.run,
         scene.materials(),
         scene.springs(),
         scene.tethers(),

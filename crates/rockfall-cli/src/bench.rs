@@ -10,7 +10,7 @@ use rockfall::output::AtomicFile;
 
 use crate::failure::Failure;
 use crate::files;
-use crate::options::{Engine, Physics, whole};
+use crate::options::{DEFAULT_TIME_STEP, Engine, Physics, whole};
 use crate::output;
 
 mod chart;
@@ -68,6 +68,11 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
+    /// Time step, in s.
+    fn dt(&self) -> f32 {
+        self.physics.dt_or(DEFAULT_TIME_STEP)
+    }
+
     fn warmup(&self) -> u64 {
         let default = if self.scene == Benchmark::Settled { 200 } else { 20 };
         self.warmup.unwrap_or(default)

@@ -109,7 +109,8 @@ impl Optimization {
 pub struct Options {
     /// The backend that runs the simulation.
     pub backend: Backend,
-    /// The integrator. By default it follows from the contact law ([`IntegratorChoice::Auto`]).
+    /// The integrator. By default it is that of [`Scene::run`](crate::Scene::run), or follows from the contact law
+    /// ([`IntegratorChoice::Auto`]).
     pub integrator: IntegratorChoice,
     /// The method that finds pairs of objects that may touch.
     pub broad_phase: BroadPhase,

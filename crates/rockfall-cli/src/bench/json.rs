@@ -26,7 +26,7 @@ pub(crate) fn object(arguments: &Arguments, sizes: &[Measured]) -> String {
         "integrator": sizes.first().map(|size| size.integrator.to_string()),
         "broad_phase": arguments.engine.broad_phase.to_string(),
         "without": arguments.engine.without.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        "dt": options::as_written(arguments.physics.dt),
+        "dt": options::as_written(arguments.dt()),
         "steps": arguments.steps,
         "warmup": arguments.warmup(),
         "runs": arguments.runs,

@@ -74,12 +74,12 @@ fn start(arguments: &Arguments, bodies: u32) -> Result<Simulation, Failure> {
     let options = arguments.engine.options(&arguments.physics);
     let mut simulation = Simulation::with_options(scene, options)?;
     simulation.prepare()?;
-    simulation.run(arguments.warmup(), arguments.physics.dt)?;
+    simulation.run(arguments.warmup(), arguments.dt())?;
     Ok(simulation)
 }
 
 pub(crate) fn measure(arguments: &Arguments, bodies: u32) -> Result<Measured, Failure> {
-    let (steps, dt) = (arguments.steps, arguments.physics.dt);
+    let (steps, dt) = (arguments.steps, arguments.dt());
     let scene = arguments.scene;
     let mut seconds = Vec::new();
     for run in 1..arguments.runs {

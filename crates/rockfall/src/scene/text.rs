@@ -18,8 +18,9 @@
 //! | `@material NAME density=D young=E poisson=N` | nothing: defines a material; each constant may be left out |
 //! | `@pair NAME NAME restitution=e friction=mu stiffness=k characteristic_velocity=V rolling_friction=mu rolling_model=c rolling_damping=eta twisting_friction=mu surface_energy=gamma cohesion=jkr` | nothing: sets properties of the contacts between two materials |
 //! | `@use NAME` | nothing: the objects of the lines below are of this material; `@use -`: of none |
+//! | `@run dt=S integrator=NAME steps=N every=K substeps=N` | nothing: how the scene is meant to be run ([`RunDefaults`](crate::RunDefaults)) |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last ten kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last eleven kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line.
 //!
@@ -39,6 +40,7 @@ use glam::{Quat, Vec3};
 mod comment;
 mod line;
 mod materials;
+mod run;
 
 use comment::{Title, has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
 use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
@@ -94,6 +96,12 @@ impl Scene {
             })?;
             title.add(line, reader.comments > before);
         }
+        reader.check_run().map_err(|(line, Wrong { field, message })| Error::SceneLine {
+            file: name.to_owned(),
+            line,
+            field,
+            message,
+        })?;
         reader.round_positions();
         Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments, title: title.lines })
     }
@@ -126,20 +134,20 @@ fn shown(value: &str) -> &str {
     if is_number(value) && value.len() < 20 { value } else { "VALUE" }
 }
 
-/// The option of the command line that a word after `set` means.
-fn option_for(word: &str) -> Option<&'static str> {
+/// The key of the line `@run` that a word after `set` means.
+fn key_for(word: &str) -> Option<&'static str> {
     match word.to_ascii_lowercase().replace('-', "_").as_str() {
-        "dt" | "timestep" | "time_step" => Some("--dt SECONDS"),
-        "steps" => Some("--steps N"),
-        "time" | "duration" => Some("--steps N, with a time step of --dt SECONDS"),
-        "integrator" => Some("--integrator NAME"),
-        "substeps" => Some("--substeps N"),
+        "dt" | "timestep" | "time_step" => Some("`@run dt=SECONDS`"),
+        "steps" => Some("`@run steps=N`"),
+        "time" | "duration" => Some("`@run dt=SECONDS steps=N`"),
+        "integrator" => Some("`@run integrator=NAME`"),
+        "substeps" => Some("`@run substeps=N`"),
         _ => None,
     }
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 8] = ["@group", "@orientation", "@force", "@capsule", "@muscle", "@material", "@pair", "@use"];
+const AT_WORDS: [&str; 9] = ["@group", "@orientation", "@force", "@capsule", "@muscle", "@material", "@pair", "@use", "@run"];
 
 struct Reader<'a> {
     /// The whole text.
@@ -150,6 +158,8 @@ struct Reader<'a> {
     comments: usize,
     /// Lines of the constants that were set.
     set_at: HashMap<&'static str, usize>,
+    /// The line `@run`.
+    run_at: Option<usize>,
     /// The sphere that each reference stands for: the last one defined with it.
     references: HashMap<u32, SphereId>,
     /// The group of the following objects.
@@ -166,6 +176,7 @@ impl<'a> Reader<'a> {
             warnings: Vec::new(),
             comments: 0,
             set_at: HashMap::new(),
+            run_at: None,
             references: HashMap::new(),
             group: 0,
             material: None,
@@ -196,6 +207,7 @@ impl<'a> Reader<'a> {
             "@material" => self.material(line),
             "@pair" => self.properties(line, number),
             "@use" => self.use_material(line),
+            "@run" => self.run(line, number),
             "set" => self.set(line, number),
             "T" => {
                 self.suspicious(number, format!("a tether is `{}`", TETHER.form()));
@@ -405,8 +417,8 @@ impl<'a> Reader<'a> {
             return Err(Wrong { field: format!("set {}", quoted(word)), message });
         }
         let Some(name) = Settings::NAMES.iter().copied().find(|name| *name == word) else {
-            if let Some(option) = option_for(word) {
-                let message = format!("not part of a scene, it is an option of the command line: {option}");
+            if let Some(key) = key_for(word) {
+                let message = format!("not a constant, expected {key}");
                 return self.not_understood(number, Wrong { field: format!("set {}", quoted(word)), message });
             }
             let known = format!("expected one of {}", Settings::NAMES.join(", "));

@@ -1,8 +1,8 @@
-//! How a scene is run: the integrator that follows from its contact law.
+//! How a scene is run: what its line `@run` says, and the integrator that follows from its contact law.
 
 use std::path::Path;
 
-use rockfall::{Backend, Integrator, IntegratorChoice, Options, Scene, Simulation, Worlds};
+use rockfall::{Backend, Integrator, IntegratorChoice, Options, Scene, Simulation, WorldPath, Worlds};
 
 /// A grain on a floor, with Hertz's law.
 const GRAIN: &str = "set contact_law hertz-mindlin\nset gravity 9.81\n@material glass density=2500 young=5e7 poisson=0.2\n@use glass\n\
@@ -59,4 +59,37 @@ fn each_world_has_the_integrator_of_its_law() {
     worlds.replace(0, scene(GRAIN)).unwrap();
     assert_eq!(worlds.integrator(0).unwrap(), Integrator::VelocityVerlet);
     assert!(Worlds::new([scene(GRAIN)], cpu().integrator(Integrator::Rk4)).is_err());
+}
+
+/// Options override what the scene says, one by one.
+#[test]
+fn a_scene_says_how_it_is_run() {
+    let text = format!("{BALL}@run dt=0.004 integrator=symplectic-euler substeps=4\n");
+    let mut simulation = Simulation::with_options(scene(&text), cpu()).unwrap();
+    assert_eq!((simulation.integrator(), simulation.time_step()), (Integrator::SymplecticEuler, 0.001));
+    assert_eq!(simulation.snapshot().unwrap().run, scene(&text).run);
+    let given = Simulation::with_options(scene(&text), cpu().integrator(Integrator::VelocityVerlet)).unwrap();
+    assert_eq!(given.integrator(), Integrator::VelocityVerlet);
+}
+
+/// Worlds with another integrator than that of the workgroups run by themselves, with the same results.
+#[test]
+#[cfg(feature = "gpu")]
+fn worlds_on_a_gpu_may_have_different_integrators() {
+    let plain = "set collisions off\nset gravity 3\nB -2 -1 -2 4 0 0 0 1 0 0 0 4\nS 1 0 0.6 0 1 0 0 0 0 0 1 0.5\n";
+    let euler = format!("{plain}@run integrator=symplectic-euler\n");
+    let options = || Options::new().backend(Backend::Gpu);
+    for texts in [[plain, &euler], [&euler, plain]] {
+        let mut worlds = Worlds::new([scene(plain)], options()).unwrap();
+        worlds.replace_all(texts.map(scene)).unwrap();
+        worlds.run(40, 0.01).unwrap();
+        let paths = [0, 1].map(|world| worlds.report(world, None).unwrap().path);
+        assert_eq!(paths, [WorldPath::Device, WorldPath::Simulation]);
+        for (world, text) in texts.iter().enumerate() {
+            let mut alone = Simulation::with_options(scene(text), options()).unwrap();
+            alone.run(40, 0.01).unwrap();
+            assert_eq!(worlds.integrator(world).unwrap(), alone.integrator());
+            assert_eq!(worlds.states(world).unwrap(), alone.spheres().unwrap(), "{text}");
+        }
+    }
 }
