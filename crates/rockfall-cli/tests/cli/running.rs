@@ -111,3 +111,15 @@ fn a_film_has_the_steps_of_the_scene() {
     assert!(err.contains("5 pictures"), "{err}");
     rockfall.run("render scene.txt --out one.png --size 64x48", 0);
 }
+
+/// A row of three pendulums from one block. A saved scene has the copies.
+#[test]
+fn blocks_are_repeated() {
+    let block = "S 1 0 2 0 0 0 0 0 0 0 1 0.1 1\nS 2 1 2 0 0 0 0 0 0 0 1 0.1\nR 1 2 0.05 1\n";
+    let rockfall = Rockfall::with(&format!("@run steps=20 dt=0.01\n@repeat 3 0 0 1.5\n{block}@end\n"));
+    let (out, _) = rockfall.run("check scene.txt", 0);
+    assert!(out.contains("6 spheres, 3 rods"), "{out}");
+    rockfall.run("run scene.txt --backend cpu --save saved.txt", 0);
+    let saved = rockfall.read("saved.txt");
+    assert!(saved.contains("\nR 5 6 0.05 1\n") && !saved.contains("@repeat"), "{saved}");
+}

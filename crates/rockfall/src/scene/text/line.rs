@@ -85,6 +85,8 @@ pub(super) const RUN: Kind = Kind {
     numbers: &["dt=S", "integrator=NAME", "steps=N", "every=K", "substeps=N"],
     last_is_optional: false,
 };
+pub(super) const REPEAT: Kind =
+    Kind { word: "@repeat", references: &["N"], numbers: &["dx", "dy", "dz"], last_is_optional: false };
 pub(super) const MARK: Kind = Kind { word: "@capsule", references: &["end1", "end2"], numbers: &[], last_is_optional: false };
 
 impl Kind {
