@@ -212,7 +212,7 @@ fn a_scene_brings_its_time_step() {
     let slow = format!("@run dt=0.004 integrator=symplectic-euler substeps=4\n{BALL}");
     let folder = folder(&[("plain.txt", FLOATING), ("slow.txt", &slow)]);
     let [plain, slow] = ["plain.txt", "slow.txt"].map(|name| folder.path().join(name));
-    let mut session = crate::common::session(BALL);
+    let mut session = session(BALL);
     session.set_time_step(0.01);
     session.load(&plain);
     assert_eq!(session.pace.time_step, 0.01, "it has none");
