@@ -6,6 +6,9 @@ use rockfall::{Error, Integrator, Scene};
 
 use super::message::{LONGEST_MESSAGE, assert_short};
 
+/// A block of a few bytes may stand for a million spheres, which take too long to compare.
+const LARGE: usize = 10_000;
+
 /// Reads any bytes as a scene. The error for a rejected text must name its line. An accepted text is written and read again,
 /// and the objects must be bitwise identical.
 ///
@@ -21,6 +24,9 @@ pub fn scene_text(bytes: &[u8]) {
         }
         Err(error) => return is_told(&error, bytes),
     };
+    if read.counts().spheres > LARGE {
+        return;
+    }
     for integrator in Integrator::ALL {
         let _ = read.check_contact_law(integrator).inspect_err(assert_short);
         for warning in read.stability(0.02, integrator) {
@@ -52,8 +58,9 @@ fn is_told(error: &Error, bytes: &[u8]) {
 fn all(scene: &Scene) -> String {
     let spheres = (scene.spheres(), scene.rods(), scene.capsules());
     format!(
-        "{:?} {:?} {spheres:?} {:?} {:?} {:?} {:?}",
+        "{:?} {:?} {:?} {spheres:?} {:?} {:?} {:?} {:?}",
         scene.settings,
+        scene.run,
         scene.materials(),
         scene.springs(),
         scene.tethers(),

@@ -10,7 +10,7 @@ use rockfall::output::AtomicFile;
 
 use crate::failure::Failure;
 use crate::files;
-use crate::options::{Engine, Physics, whole};
+use crate::options::{DEFAULT_TIME_STEP, Engine, Physics, whole};
 use crate::output;
 
 mod chart;
@@ -68,6 +68,11 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
+    /// Time step, in s.
+    fn dt(&self) -> f32 {
+        self.physics.dt_or(DEFAULT_TIME_STEP)
+    }
+
     fn warmup(&self) -> u64 {
         let default = if self.scene == Benchmark::Settled { 200 } else { 20 };
         self.warmup.unwrap_or(default)
@@ -103,6 +108,6 @@ pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
 /// Title of the report: the scene, the integrator and the device.
 fn title(arguments: &Arguments, sizes: &[Measured]) -> String {
     let device = sizes.first().map_or("", |size| &size.backend.device);
-    let (scene, integrator) = (arguments.scene, arguments.physics.integrator);
-    format!("rockfall bench {scene}, {integrator}: {device}")
+    let integrator = sizes.first().map_or_else(String::new, |size| format!(", {}", size.integrator));
+    format!("rockfall bench {}{integrator}: {device}", arguments.scene)
 }

@@ -25,7 +25,7 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let Source { name, loaded } = Source::read(Some(&arguments.scene.scene))?;
     let mut scene = loaded.scene;
     arguments.physics.change(&mut scene.settings)?;
-    let (dt, integrator) = (arguments.physics.dt, arguments.physics.integrator);
+    let (dt, integrator) = (arguments.physics.part_for(&scene), arguments.physics.integrator_for(&scene));
     let mut text = String::new();
     // Writing to a string cannot fail.
     let comments = counted(loaded.comments, "comment", "comments");
@@ -83,7 +83,12 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Prints the warnings about a scene that is to be run, and applies the settings of the command line. Returns the scene and the
 /// number of parts of a step.
-pub(crate) fn prepare(name: &str, loaded: Loaded, physics: &Physics, substeps: Substeps) -> Result<(Scene, u32), Failure> {
+pub(crate) fn prepare(
+    name: &str,
+    loaded: Loaded,
+    physics: &Physics,
+    substeps: Option<Substeps>,
+) -> Result<(Scene, u32), Failure> {
     if loaded.scene.counts().spheres == 0 {
         output::note(&format!("warning: {name}: no spheres, so nothing will move"));
     }
@@ -92,8 +97,10 @@ pub(crate) fn prepare(name: &str, loaded: Loaded, physics: &Physics, substeps: S
     }
     let mut scene = loaded.scene;
     physics.change(&mut scene.settings)?;
-    let parts = substeps.of(&scene, physics.dt, physics.integrator)?;
-    warn(name, &scene, physics.dt / parts as f32, physics.integrator);
+    let integrator = physics.integrator_for(&scene);
+    let dt = physics.dt_for(&scene);
+    let parts = Substeps::or_of(substeps, &scene).of(&scene, dt, integrator)?;
+    warn(name, &scene, dt / parts as f32, integrator);
     Ok((scene, parts))
 }
 

@@ -115,7 +115,7 @@ impl Saved {
     /// Applies the options of the command line. Returns the time step, its number of parts, and the checkpoint.
     pub(crate) fn changed(self, given: &Given, physics: &Physics, engine: &Engine) -> Result<(f32, u32, Checkpoint), Failure> {
         let Self { mut checkpoint, dt, parts } = self;
-        let dt = if given.has("dt") { physics.dt } else { dt };
+        let dt = physics.dt_or(dt);
         let wanted = engine.options(physics);
         if given.has("integrator") {
             checkpoint.options.integrator = wanted.integrator;

@@ -4,17 +4,18 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crate::failure::Failure;
-use rockfall::{Backend, BroadPhase, Integrator, Optimization, Options, Scene, Settings};
+use rockfall::{Backend, BroadPhase, Integrator, IntegratorChoice, Optimization, Options, RunDefaults, Scene, Settings};
 
 /// Options that determine the motion of a scene.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Physics {
-    /// Time step in seconds
-    #[arg(long, value_name = "S", default_value = "0.02", value_parser = time_step, allow_negative_numbers = true)]
-    pub(crate) dt: f32,
-    /// Integrator: rk4, symplectic-euler or velocity-verlet
+    /// Time step in seconds [default: that of the scene, else 0.02]
+    #[arg(long, value_name = "S", value_parser = time_step, allow_negative_numbers = true)]
+    dt: Option<f32>,
+    /// Integrator: rk4, symplectic-euler or velocity-verlet; auto: that of the scene, else velocity-verlet with contact laws that do
+    /// not allow rk4, else rk4
     #[arg(long, default_value_t)]
-    pub(crate) integrator: Integrator,
+    integrator: IntegratorChoice,
     /// Set a constant, overriding the scene's own settings; may be repeated
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<Setting>,
@@ -29,6 +30,11 @@ pub(crate) enum Substeps {
 }
 
 impl Substeps {
+    /// What is given, or else the number of parts that the scene has.
+    pub(crate) fn or_of(given: Option<Self>, scene: &Scene) -> Self {
+        given.unwrap_or(Self::Parts(scene.run.substeps.unwrap_or(1)))
+    }
+
     /// The number of parts of a step of `dt` seconds.
     ///
     /// # Errors
@@ -59,8 +65,10 @@ impl std::str::FromStr for Substeps {
     }
 }
 
-/// Limit on the parts of a step, so that a part stays well above the f32 rounding error of the whole step.
-pub(crate) const MAX_SUBSTEPS: u32 = 1_000_000;
+/// Limit on the parts of a step.
+pub(crate) const MAX_SUBSTEPS: u32 = RunDefaults::MAX_SUBSTEPS;
+/// Time step of scenes that have none, in s.
+pub(crate) const DEFAULT_TIME_STEP: f32 = 0.02;
 
 /// Options that select the device and the algorithms.
 #[derive(Debug, clap::Args)]
@@ -82,7 +90,7 @@ impl Engine {
         self.with_integrator(physics.integrator)
     }
 
-    pub(crate) fn with_integrator(&self, integrator: Integrator) -> Options {
+    pub(crate) fn with_integrator(&self, integrator: impl Into<IntegratorChoice>) -> Options {
         let options = Options::new().backend(self.backend).broad_phase(self.broad_phase).integrator(integrator);
         self.without.iter().fold(options, |options, optimization| options.without(*optimization))
     }
@@ -96,6 +104,26 @@ pub(crate) struct SceneArgument {
 }
 
 impl Physics {
+    /// The integrator for a scene.
+    pub(crate) fn integrator_for(&self, scene: &Scene) -> Integrator {
+        scene.integrator(self.integrator)
+    }
+
+    /// The time step for a scene, in s, before it is divided.
+    pub(crate) fn dt_for(&self, scene: &Scene) -> f32 {
+        self.dt.or(scene.run.dt).unwrap_or(DEFAULT_TIME_STEP)
+    }
+
+    /// The time step that is given, in s, or else that of earlier steps.
+    pub(crate) fn dt_or(&self, before: f32) -> f32 {
+        self.dt.unwrap_or(before)
+    }
+
+    /// The time step of a simulation of a scene that its number of parts divides, in s.
+    pub(crate) fn part_for(&self, scene: &Scene) -> f32 {
+        self.dt_for(scene) / scene.run.substeps.unwrap_or(1) as f32
+    }
+
     /// Applies `--set` to a scene's settings.
     pub(crate) fn change(&self, settings: &mut Settings) -> Result<(), rockfall::Error> {
         self.set.iter().try_for_each(|setting| settings.set(&setting.name, &setting.value))

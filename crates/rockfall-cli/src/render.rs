@@ -52,7 +52,7 @@ pub(crate) struct Arguments {
     /// Number of steps before the picture is taken or the film begins; in a trajectory, the number of the step
     #[arg(long, value_name = "STEP", value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
     at: Option<u64>,
-    /// Number of steps that the film shows
+    /// Number of steps that the film shows [default: that of the scene]
     #[arg(long, value_name = "N", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     steps: Option<u64>,
     /// Pictures per second of the film
@@ -97,8 +97,8 @@ pub(crate) struct Arguments {
     /// Draw the picture this number of times and print the time of each pass on the device
     #[arg(long, value_name = "N", hide = true, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
     bench: Option<u32>,
-    /// Divide every step into N equal parts; auto chooses the smallest stable N for springs and contacts [default: 1, or that
-    /// of the checkpoint]
+    /// Divide every step into N equal parts; auto chooses the smallest stable N for springs and contacts [default: that of the
+    /// scene or the checkpoint, else 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     substeps: Option<Substeps>,
     #[command(flatten)]
@@ -218,7 +218,11 @@ pub(crate) fn render(arguments: &Arguments, given: &Given, interrupt: &'static I
     // A name that no file can have is refused before a long file is read.
     arguments.product(true)?;
     let input = Input::read(Some(&arguments.scene))?;
-    let product = arguments.product(matches!(input, Input::Trajectory(_)))?;
+    let own_steps = match &input {
+        Input::Scene(source) => source.loaded.scene.run.steps,
+        _ => None,
+    };
+    let product = arguments.product(matches!(input, Input::Trajectory(_)) || own_steps.is_some())?;
     Source::is_not(Some(&arguments.scene), &arguments.out)?;
     let footage = match input {
         Input::Scene(source) => Footage::Live(Box::new(scene(arguments, *source, interrupt)?)),
@@ -241,17 +245,17 @@ pub(crate) fn render(arguments: &Arguments, given: &Given, interrupt: &'static I
 
 /// Prepares a run of a scene.
 fn scene(arguments: &Arguments, Source { name, loaded }: Source, interrupt: &'static Interrupt) -> Result<Live, Failure> {
-    let substeps = arguments.substeps.unwrap_or(Substeps::Parts(1));
-    let (scene, parts) = check::prepare(&name, loaded, &arguments.physics, substeps)?;
+    let (scene, parts) = check::prepare(&name, loaded, &arguments.physics, arguments.substeps)?;
+    let dt = arguments.physics.dt_for(&scene);
     let simulation = Simulation::with_options(scene, arguments.engine.options(&arguments.physics))?;
-    Live::new(name, simulation, arguments.physics.dt, parts, interrupt)
+    Live::new(name, simulation, dt, parts, interrupt)
 }
 
 /// Prepares a run that continues a checkpoint. Options on the command line override those of the checkpoint.
 fn checkpoint(arguments: &Arguments, given: &Given, saved: Saved, interrupt: &'static Interrupt) -> Result<Live, Failure> {
     let name = arguments.scene.display().to_string();
     let (dt, mut parts, mut checkpoint) = saved.changed(given, &arguments.physics, &arguments.engine)?;
-    let integrator = checkpoint.options.integrator;
+    let integrator = checkpoint.options.integrator.resolve(checkpoint.scene.settings.contact_law);
     if let Some(substeps) = arguments.substeps {
         parts = substeps.of(&checkpoint.scene, dt, integrator)?;
         checkpoint.time_step = dt / parts as f32;

@@ -28,6 +28,9 @@ use outputs::{Outputs, Wanted};
 pub(crate) use past::Past;
 pub(crate) use resume::Given;
 
+/// Number of steps of scenes that have none.
+const DEFAULT_STEPS: u64 = 1000;
+
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
 Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --save, \
@@ -42,6 +45,9 @@ reported. With the same options on the same device, the final state, the trace a
 those of a run that was never stopped. A checkpoint of a program that uses the library or of Python has no number of steps, so \
 it needs --steps. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
 A run that is killed leaves these files; --resume continues them, and a new run that writes to the same path replaces them.
+
+A line `@run dt=S integrator=NAME steps=N every=K substeps=N` of the scene says how it is meant to be run; each option overrides \
+its value.
 
 --substeps N divides every step into N equal parts; auto chooses the smallest N for which the springs and the contact force \
 are stable (rockfall check reports it). Everywhere else, steps and the time step are whole steps.
@@ -58,8 +64,8 @@ with the frames, .csv has the columns step,time in front.
 second body. Friction impulses (--set coulomb_friction=...) are not included: only the friction of contact forces is. .vtp and .pvd have a line from body to body for each contact, which shows force chains in ParaView.
 
 --save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
-beginning of the scene, up to the first empty line, but no other comments. `rockfall run FILE.txt` with the \
-same --dt and --integrator goes on from there, except that a text leaves out the springs of contacts (contact laws linear, \
+beginning of the scene, up to the first empty line, but no other comments. Its line @run has the time step and the integrator of \
+the run, so `rockfall run FILE.txt` goes on from there, except that a text leaves out the springs of contacts (contact laws linear, \
 hertz-mindlin and user): their friction and cohesion begin anew, and bodies at rest move. --checkpoint keeps the springs.";
 
 #[derive(Debug, clap::Args)]
@@ -67,12 +73,13 @@ hertz-mindlin and user): their friction and cohesion begin anew, and bodies at r
 pub(crate) struct Arguments {
     /// Scene file, or - for standard input [default: a built-in scene]
     scene: Option<PathBuf>,
-    /// Number of steps; with --resume, including the steps before the checkpoint
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
-    steps: u64,
-    /// Divide every step into N equal parts; auto chooses the smallest stable N for springs and contacts
-    #[arg(long, value_name = "N", default_value = "1", allow_negative_numbers = true)]
-    substeps: Substeps,
+    /// Number of steps; with --resume, including the steps before the checkpoint [default: that of the scene, else 1000]
+    #[arg(long, value_name = "N", value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
+    steps: Option<u64>,
+    /// Divide every step into N equal parts; auto chooses the smallest stable N for springs and contacts [default: that of the scene,
+    /// else 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    substeps: Option<Substeps>,
     #[command(flatten)]
     physics: Physics,
     #[command(flatten)]
@@ -80,7 +87,7 @@ pub(crate) struct Arguments {
     /// Write the final state of every sphere: .csv, .npz or .vtp
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the state to --out, and the contacts to --contacts, every K steps instead: .csv, .npz or .pvd
+    /// Write the state to --out, and the contacts to --contacts, every K steps instead: .csv, .npz or .pvd [default: that of the scene]
     #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
     /// Write the energies and momenta of every step: .csv
@@ -181,16 +188,17 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
 
 /// Prepares a run of a scene from its start.
 fn begin(arguments: &Arguments) -> Result<Run, Failure> {
-    let wanted = arguments.wanted()?;
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
+    let wanted = arguments.wanted(loaded.scene.run.every)?;
     let Arguments { out, trace, contacts, save, checkpoint, .. } = arguments;
     for file in [out, trace, contacts, save, checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
     let (comments, title) = (loaded.comments, loaded.title.clone());
-    let dt = arguments.physics.dt;
+    let dt = arguments.physics.dt_for(&loaded.scene);
     let (scene, substeps) = check::prepare(&name, loaded, &arguments.physics, arguments.substeps)?;
-    let mut past = Past { scene: name, comments, title, steps: arguments.steps, dt, substeps, ..Past::default() };
+    let steps = arguments.steps.or(scene.run.steps).unwrap_or(DEFAULT_STEPS);
+    let mut past = Past { scene: name, comments, title, steps, dt, substeps, ..Past::default() };
     // Rods that jump to their length change the energy; a warning above has the reason.
     past.changed = scene.odd_rods().iter().any(|rod| rod.length.is_some());
     let mut outputs = Outputs::open(wanted, None)?;
@@ -206,12 +214,14 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
 }
 
 impl Arguments {
-    /// Output files from the arguments.
-    fn wanted(&self) -> Result<Wanted, Failure> {
+    /// Output files from the arguments. `every` is the number of steps between two frames that the scene has.
+    fn wanted(&self, every: Option<u64>) -> Result<Wanted, Failure> {
+        let has_frames = self.out.is_some() || self.contacts.is_some();
+        let every = self.every.or(every.filter(|_| has_frames));
         // Without --every, a .pvd file has an error of its own.
         let of_states = |path: &Option<PathBuf>| {
             let is_series = path.as_deref().is_some_and(|path| Format::of(path) == Some(Format::Vtp));
-            if is_series || self.every.is_some() || self.resume.is_some() { files::SERIES } else { files::STATE }
+            if is_series || every.is_some() || self.resume.is_some() { files::SERIES } else { files::STATE }
         };
         for (option, path, known) in [
             ("--out", &self.out, of_states(&self.out)),
@@ -224,7 +234,7 @@ impl Arguments {
         }
         let wanted = Wanted {
             out: self.out.clone(),
-            every: self.every,
+            every,
             trace: self.trace.clone(),
             trace_every: self.trace_every,
             contacts: self.contacts.clone(),

@@ -56,8 +56,9 @@ impl Shown {
                 arguments.physics.change(&mut scene.settings)?;
                 let warnings = loaded.warnings.iter();
                 let warnings = warnings.map(|warning| format!("{name}:{}: {}", warning.line, warning.text)).collect();
+                let time_step = arguments.physics.part_for(&scene);
                 let path = arguments.scene.clone().filter(|path| path.as_os_str() != "-");
-                Ok(Self { name, scene, warnings, options, time_step: arguments.physics.dt, playback: None, path })
+                Ok(Self { name, scene, warnings, options, time_step, playback: None, path })
             }
             Input::Checkpoint(saved) => {
                 let (dt, parts, checkpoint) = saved.changed(given, &arguments.physics, &arguments.engine)?;
@@ -69,7 +70,7 @@ impl Shown {
             Input::Trajectory(reader) => {
                 given.refuse_for_trajectory(&name)?;
                 let (scene, playback) = playback(name.clone(), *reader)?;
-                let time_step = playback.time_step().unwrap_or(arguments.physics.dt);
+                let time_step = playback.time_step().unwrap_or(arguments.physics.dt_for(&scene));
                 Ok(Self { name, scene, warnings: Vec::new(), options, time_step, playback: Some(playback), path: None })
             }
         }
@@ -95,6 +96,7 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         playback: playback.into(),
         options,
         time_step,
+        keeps_time_step: given.has("dt"),
         overrides: arguments.physics.overrides(),
         controls: arguments.controls,
         report: arguments.report.clone(),

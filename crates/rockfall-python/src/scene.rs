@@ -4,19 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
-use rockfall::Integrator;
+use rockfall::{IntegratorChoice, RunDefaults};
 
 use crate::errors::Raise;
 use crate::ids::Ids;
 
-/// The integrator with a name. "auto" is the usual one of the scene's contact law.
-pub(crate) fn integrator_of(name: &str, scene: &rockfall::Scene) -> PyResult<Integrator> {
-    match name {
-        "auto" if scene.settings.contact_law.has_history() => Ok(Integrator::SymplecticEuler),
-        "auto" => Ok(Integrator::Rk4),
-        _ => name.parse().or_raise(),
-    }
-}
+/// Time step in s, integrator, steps, every, substeps.
+type RunValues = (Option<f32>, Option<String>, Option<u64>, Option<u64>, Option<u32>);
 
 /// A scene and the numbers of its objects.
 #[derive(Debug)]
@@ -82,15 +76,37 @@ impl Scene {
         })
     }
 
+    /// How the scene is meant to be run: time step, integrator, steps, every, substeps.
+    fn run_defaults(&self) -> RunValues {
+        let run = self.lock().scene.run;
+        (run.dt, run.integrator.map(|integrator| integrator.to_string()), run.steps, run.every, run.substeps)
+    }
+
+    fn set_run_defaults(&self, run: RunValues) -> PyResult<()> {
+        let (dt, integrator, steps, every, substeps) = run;
+        let mut run = RunDefaults::default();
+        run.integrator = integrator.map(|name| name.parse()).transpose().or_raise()?;
+        (run.dt, run.steps, run.every, run.substeps) = (dt, steps, every, substeps);
+        run.validate().or_raise()?;
+        self.lock().scene.run = run;
+        Ok(())
+    }
+
+    /// The time step of a simulation, in s.
+    fn time_step(&self) -> Option<f32> {
+        self.lock().scene.run.time_step()
+    }
+
     fn warnings(&self, py: Python<'_>) -> Vec<(usize, String)> {
         py.detach(|| self.lock().warnings.clone())
     }
 
     /// Warnings about an unsuitable time step or contact force, and about bodies that overlap.
     fn check(&self, py: Python<'_>, dt: f32, integrator: &str) -> PyResult<Vec<String>> {
-        let integrator = integrator_of(integrator, &self.lock().scene)?;
+        let integrator: IntegratorChoice = integrator.parse().or_raise()?;
         py.detach(|| {
             let scene = &self.lock().scene;
+            let integrator = scene.integrator(integrator);
             let mut found: Vec<String> = scene.concerns(dt, integrator).iter().map(ToString::to_string).collect();
             let placement = scene.placement().or_raise()?;
             found.extend(placement.overlaps.iter().map(|overlap| format!("{} at the start", overlap.describe(scene))));

@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use numpy::{PyArray1, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rockfall::{Checkpoint, Integrator, Options};
+use rockfall::{Checkpoint, IntegratorChoice, Options};
 
 use crate::arguments::{ContactLaw, Law, Numbers, Rows, contact_law, law};
 use crate::errors::{Raise, raise_in_step};
 use crate::ids::{Ids, handle};
 use crate::memory::{Lender, Views};
-use crate::scene::{Scene, integrator_of};
+use crate::scene::Scene;
 use crate::shared::{Given, SharedArray, Sharing};
 use crate::states::{Field, Table};
 use crate::tables::{BackendInfo, ProfileOf, Report};
@@ -118,10 +118,10 @@ impl Simulation {
 }
 
 /// Options from their names.
-pub(crate) fn options(backend: &str, integrator: Integrator, broad_phase: &str, keep_going: bool) -> PyResult<Options> {
+pub(crate) fn options(backend: &str, integrator: &str, broad_phase: &str, keep_going: bool) -> PyResult<Options> {
     Ok(Options::new()
         .backend(backend.parse().or_raise()?)
-        .integrator(integrator)
+        .integrator(integrator.parse::<IntegratorChoice>().or_raise()?)
         .broad_phase(broad_phase.parse().or_raise()?)
         .keep_going(keep_going))
 }
@@ -139,11 +139,6 @@ impl Simulation {
         contact: Option<ContactLaw>,
     ) -> PyResult<Self> {
         let own = scene.get();
-        let integrator = match contact {
-            // Like the other laws with history.
-            Some(_) if integrator == "auto" => Integrator::SymplecticEuler,
-            _ => integrator_of(integrator, &own.lock().scene)?,
-        };
         let options = options(backend, integrator, broad_phase, keep_going)?;
         let options = laws.into_iter().map(law).fold(options, Options::force_law);
         let options = contact.map(contact_law).into_iter().fold(options, Options::contact_force_law);

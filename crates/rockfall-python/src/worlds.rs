@@ -73,7 +73,7 @@ impl Worlds {
         broad_phase: &str,
         keep_going: bool,
     ) -> PyResult<Self> {
-        let options = options(backend, integrator.parse().or_raise()?, broad_phase, keep_going)?;
+        let options = options(backend, integrator, broad_phase, keep_going)?;
         py.detach(|| {
             let scenes: Vec<_> = scenes.iter().map(|scene| scene.get().lock().scene.clone()).collect();
             let built = match count {
@@ -317,8 +317,16 @@ impl Worlds {
         self.locked(py, |worlds| Ok(worlds.backend().into()))
     }
 
+    /// The integrator of all worlds; "auto" where they have different ones.
     fn integrator(&self, py: Python<'_>) -> PyResult<String> {
-        self.locked(py, |worlds| Ok(worlds.options().integrator.to_string()))
+        self.locked(py, |worlds| {
+            let mut names = (0..worlds.len()).map(|world| worlds.integrator(world));
+            let Some(first) = names.next().transpose()? else {
+                return Ok(worlds.options().integrator.to_string());
+            };
+            let differs = names.try_fold(false, |differs, next| next.map(|next| differs || next != first))?;
+            Ok(if differs { "auto".to_owned() } else { first.to_string() })
+        })
     }
 }
 

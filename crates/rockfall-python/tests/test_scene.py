@@ -203,3 +203,36 @@ def test_a_million_objects_are_added_in_a_second() -> None:
     assert spheres - start < 1.0
     assert time.process_time() - spheres < 2.0
     assert scene.counts[:4] == (count, count - 1, 0, count - 1)
+
+
+def test_a_scene_says_how_it_is_run() -> None:
+    scene = rf.Scene.parse("@run dt=0.0002 integrator=symplectic-euler steps=50 substeps=2\nS 1 0 0 0 0 0 0 0 0 0 1 0.5\n")
+    assert scene.run == rf.RunDefaults(dt=0.0002, integrator="symplectic-euler", steps=50, substeps=2)
+    sim = rf.Simulation(scene, backend="cpu")
+    assert (sim.dt, sim.integrator) == (0.0001, "symplectic-euler")
+    assert rf.Scene.parse(sim.scene.to_text()).run == scene.run
+    given = rf.Simulation(scene, 0.01, backend="cpu", integrator="rk4")
+    assert (given.dt, given.integrator) == (0.01, "rk4")
+    worlds = rf.Worlds(scene, count=2, backend="cpu")
+    assert (worlds.dt, worlds.integrator) == (0.0001, "symplectic-euler")
+    with pytest.raises(ValueError, match="dt: expected a time step, because the scenes have different ones"):
+        rf.Worlds([scene, rf.Scene()], backend="cpu")
+
+
+def test_how_a_scene_is_run_can_be_set() -> None:
+    scene = rf.Scene()
+    assert scene.run == rf.RunDefaults() and scene.copy().run == scene.run
+    scene.run = rf.RunDefaults(dt=4e-5, every=10)
+    assert scene.to_text() == "@run dt=0.00004 every=10\n"
+    assert rf.Simulation(scene, backend="cpu").dt == 4e-5
+    for wrong, message in (
+        (rf.RunDefaults(dt=0.0), "run.dt: expected a finite number"),
+        (rf.RunDefaults(integrator="euler"), "auto, rk4, symplectic-euler or velocity-verlet"),
+        (rf.RunDefaults(steps=0), "run.steps: expected a whole number of at least 1"),
+        (rf.RunDefaults(substeps=2_000_000), "from 1 to 1000000"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            scene.run = wrong
+    with pytest.raises(TypeError, match=r"run: expected a rockfall.RunDefaults"):
+        scene.run = (0.1,)  # type: ignore[assignment]
+    assert scene.run == rf.RunDefaults(dt=4e-5, every=10)

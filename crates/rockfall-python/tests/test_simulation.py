@@ -84,7 +84,7 @@ def test_the_integrator_follows_the_contact_law() -> None:
     scene = rf.Scene()
     assert rf.Simulation(scene, backend="cpu").integrator == "rk4"
     scene.settings.contact_law = "hertz-mindlin"
-    assert rf.Simulation(scene, backend="cpu").integrator == "symplectic-euler"
+    assert rf.Simulation(scene, backend="cpu").integrator == "velocity-verlet"
     with pytest.raises(ValueError, match="integrator rk4 is not allowed"):
         rf.Simulation(scene, backend="cpu", integrator="rk4")
     with pytest.raises(ValueError, match="integrator"):

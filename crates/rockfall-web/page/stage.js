@@ -35,12 +35,13 @@ export class Stage {
         return this.do(action).catch(error => this.report(error.message, true));
     }
 
-    // Opens a scene; the one before stays open if that fails. `settings` are constants that differ from those of the scene.
+    // Opens a scene; the one before stays open if that fails. The time step of a scene text overrides `dt`. `settings` are constants that differ from those of the scene.
     async open({ text, scene, name, dt, camera, colours }) {
         const parsed = scene ?? new Scene(text, name);
         const simulation = await Simulation.create(parsed, this.backend);
         this.close();
-        Object.assign(this, { scene: parsed, simulation, name, dt, colours, settings: new Map(), owed: 0 });
+        const own = scene ? undefined : parsed.timeStep;
+        Object.assign(this, { scene: parsed, simulation, name, dt: own ?? dt, colours, settings: new Map(), owed: 0 });
         this.makeCanvas();
         this.camera = new Camera(camera ?? parsed.camera(this.canvas.width / this.canvas.height));
         this.opened?.();

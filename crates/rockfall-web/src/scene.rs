@@ -38,6 +38,12 @@ impl Scene {
         Ok(Self { inner, warnings: Vec::new() })
     }
 
+    /// Time step of a step of a simulation, in s, that the line `@run` of the scene gives; `undefined` without one.
+    #[wasm_bindgen(getter, js_name = timeStep)]
+    pub fn time_step(&self) -> Option<f32> {
+        self.inner.run.time_step()
+    }
+
     /// Warnings about lines that were accepted, each with its line number.
     #[wasm_bindgen(getter)]
     pub fn warnings(&self) -> Vec<String> {

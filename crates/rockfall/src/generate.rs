@@ -15,6 +15,7 @@ use rand_pcg::Pcg64Mcg;
 use crate::error::{Error, Result, quoted};
 use crate::model::layout::max_objects;
 use crate::scene::{Cuboid, Scene, Sphere};
+use crate::settings::Integrator;
 
 mod benchmark;
 mod bodies;
@@ -62,14 +63,15 @@ impl Kind {
         }
     }
 
-    /// Generates a scene with exactly `spheres` spheres, including those of rods and capsules.
+    /// Generates a scene with exactly `spheres` spheres, including those of rods and capsules. Scenes of grains have their time step
+    /// and their integrator ([`Scene::run`]).
     ///
     /// # Errors
     /// [`Error::Invalid`] for 0 spheres, [`Error::TooManyObjects`] for more than the engine can number.
     pub fn generate(self, spheres: u32, seed: u64) -> Result<Scene> {
         check_count(spheres)?;
         let mut random = Random::new(seed);
-        match self {
+        let mut scene = match self {
             Self::Pile => pile(spheres, &mut random),
             Self::Mixed => bodies::mixed(spheres, &mut random),
             Self::Soft => bodies::soft(spheres, &mut random),
@@ -77,7 +79,11 @@ impl Kind {
             Self::Hopper => hopper::hopper(spheres, &mut random),
             Self::Drum => Drum::new(spheres).scene(seed),
             Self::Column => grains::column(spheres, &mut random),
+        }?;
+        if self.has_grains() {
+            (scene.run.dt, scene.run.integrator) = (Some(self.time_step()), Some(Integrator::VelocityVerlet.into()));
         }
+        Ok(scene)
     }
 
     /// Whether scenes of this kind have grains with the contact law `hertz-mindlin`, in SI units. They need the integrator
@@ -96,7 +102,7 @@ impl Kind {
     }
 
     /// What the author of a scene of this kind should know to run or change it, as lines of text: for a hopper, where its opening
-    /// is, and the line of a box that closes it; for grains, the options of `rockfall run`. Empty for the other kinds.
+    /// is, and the line of a box that closes it; for grains, the units. Empty for the other kinds.
     pub fn note(self, spheres: u32) -> String {
         match self {
             Self::Hopper => hopper::note(spheres),
@@ -253,7 +259,6 @@ fn pile(spheres: u32, random: &mut Random) -> Result<Scene> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::Integrator;
 
     const SIZES: [u32; 12] = [1, 2, 3, 7, 10, 11, 26, 27, 28, 100, 777, 1000];
 

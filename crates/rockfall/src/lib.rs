@@ -108,9 +108,10 @@ pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time, short_number};
 pub use scene::{
     Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId,
-    Muscle, Pair, Polygon, PolygonId, Rod, RodId, RollingModel, Scene, Sphere, SphereId, Spring, SpringId, Tether, TetherId,
+    Muscle, Pair, Polygon, PolygonId, Rod, RodId, RollingModel, RunDefaults, Scene, Sphere, SphereId, Spring, SpringId, Tether,
+    TetherId,
 };
-pub use settings::{BroadPhase, ContactLaw, Integrator, Precision, Settings};
+pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{Contact, ContactAction, ContactSprings, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
 pub use user_laws::{ContactForceLaw, ContactInput, ContactResponse, ForceInput, ForceLaw, ForceLoad, Impact, PairParameter};
 #[cfg(feature = "gpu")]

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::error::{Error, Result, quoted};
-use crate::settings::{BroadPhase, Integrator};
+use crate::settings::{BroadPhase, IntegratorChoice};
 use crate::user_laws::{ContactForceLaw, ForceLaw};
 
 /// The backend that runs a simulation.
@@ -109,8 +109,9 @@ impl Optimization {
 pub struct Options {
     /// The backend that runs the simulation.
     pub backend: Backend,
-    /// The integrator.
-    pub integrator: Integrator,
+    /// The integrator. By default it is that of [`Scene::run`](crate::Scene::run), or follows from the contact law
+    /// ([`IntegratorChoice::Auto`]).
+    pub integrator: IntegratorChoice,
     /// The method that finds pairs of objects that may touch.
     pub broad_phase: BroadPhase,
     /// Initial capacity of the pair lists, in 32-bit words of entries. The lists grow as needed.
@@ -139,8 +140,8 @@ impl Options {
     }
 
     /// Sets the integrator.
-    pub fn integrator(mut self, integrator: Integrator) -> Self {
-        self.integrator = integrator;
+    pub fn integrator(mut self, integrator: impl Into<IntegratorChoice>) -> Self {
+        self.integrator = integrator.into();
         self
     }
 

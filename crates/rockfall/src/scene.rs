@@ -16,6 +16,7 @@ mod objects;
 mod references;
 mod registry;
 mod restitution;
+mod run;
 mod statics;
 mod text;
 mod write;
@@ -33,6 +34,7 @@ pub(crate) use references::References;
 pub use registry::Handle;
 pub(crate) use registry::Registry;
 use registry::new_scene_number;
+pub use run::RunDefaults;
 pub use statics::{BoxId, Cuboid, Polygon, PolygonId};
 pub use text::{LineWarning, Loaded};
 
@@ -41,6 +43,8 @@ pub use text::{LineWarning, Loaded};
 pub struct Scene {
     /// The physical constants.
     pub settings: Settings,
+    /// How the scene is meant to be run.
+    pub run: RunDefaults,
     pub(crate) spheres: Registry<Sphere>,
     pub(crate) rods: Registry<Rod>,
     pub(crate) capsules: Registry<CapsuleParts>,
@@ -85,6 +89,7 @@ impl Scene {
         let number = new_scene_number();
         Self {
             settings: Settings::default(),
+            run: RunDefaults::default(),
             spheres: Registry::new(number, "sphere"),
             rods: Registry::new(number, "rod"),
             capsules: Registry::new(number, "capsule"),

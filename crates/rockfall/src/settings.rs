@@ -8,6 +8,10 @@ use glam::Vec3;
 
 use crate::error::{Error, Result, quoted};
 
+mod integrator;
+
+pub use integrator::{Integrator, IntegratorChoice};
+
 /// The fixed time step of the thesis, in s.
 pub const DEFAULT_TIME_STEP: f32 = 0.02;
 
@@ -378,48 +382,6 @@ impl ContactLaw {
 impl fmt::Display for ContactLaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-/// How positions and velocities are advanced.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Integrator {
-    /// Fourth-order Runge-Kutta: four force evaluations per step (thesis section 2.7.5).
-    #[default]
-    Rk4,
-    /// Symplectic (semi-implicit) Euler: one force evaluation per step.
-    SymplecticEuler,
-    /// Velocity Verlet: one force evaluation per step, of second order where forces do not depend on velocities. Two evaluations
-    /// where collisions or friction impulses are switched on.
-    VelocityVerlet,
-}
-
-impl Integrator {
-    /// All integrators.
-    pub const ALL: [Self; 3] = [Self::Rk4, Self::SymplecticEuler, Self::VelocityVerlet];
-}
-
-impl fmt::Display for Integrator {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Rk4 => "rk4",
-            Self::SymplecticEuler => "symplectic-euler",
-            Self::VelocityVerlet => "velocity-verlet",
-        })
-    }
-}
-
-impl FromStr for Integrator {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        match text {
-            "rk4" => Ok(Self::Rk4),
-            "symplectic-euler" => Ok(Self::SymplecticEuler),
-            "velocity-verlet" => Ok(Self::VelocityVerlet),
-            _ => Err(invalid("integrator", text, "rk4, symplectic-euler or velocity-verlet")),
-        }
     }
 }
 

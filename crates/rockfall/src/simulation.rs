@@ -172,8 +172,11 @@ impl Simulation {
         Ok(Self::assemble(scene, options, world, engine, info.clone()))
     }
 
-    fn assemble(scene: Scene, options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
+    fn assemble(scene: Scene, mut options: Options, mut world: World, engine: Engine, info: BackendInfo) -> Self {
         engine.complete(&mut world);
+        // A later change of the contact law must not change it, and a checkpoint stores it.
+        options.integrator = scene.integrator(options.integrator).into();
+        let time_step = scene.run.time_step().unwrap_or(DEFAULT_TIME_STEP);
         let lists = ListPolicy::start(engine.dispatches() && world.movers() <= FEW_MOVERS);
         Self {
             packed: scene.sphere_ids().collect(),
@@ -188,7 +191,7 @@ impl Simulation {
             world,
             report: Report::default(),
             clock: Clock::default(),
-            time_step: DEFAULT_TIME_STEP,
+            time_step,
             muscle_clock: MuscleClock::default(),
             lists,
             portioning: Portioning::default(),
@@ -209,9 +212,10 @@ impl Simulation {
         &self.info
     }
 
-    /// The integrator, which advances positions and velocities.
+    /// The integrator, which advances positions and velocities: the requested one, or the one that [`Scene::integrator`] chose
+    /// at the start.
     pub fn integrator(&self) -> Integrator {
-        self.options.integrator
+        self.scene.integrator(self.options.integrator)
     }
 
     /// The method that finds pairs: the requested one, or the one chosen for the number of objects.
@@ -264,7 +268,7 @@ impl Simulation {
 
     /// Checks that the contact law has all that it needs.
     fn check_contact_law(&self) -> Result<()> {
-        check_contact_law(&self.scene, self.options.integrator, self.options.contact_force_law.as_ref())
+        check_contact_law(&self.scene, self.integrator(), self.options.contact_force_law.as_ref())
     }
 
     /// The report on all steps so far.
@@ -272,8 +276,8 @@ impl Simulation {
         self.report
     }
 
-    /// The time step of the last `step`, `run`, `update_positions` or [`set_time_step`](Self::set_time_step), in s; 0.02 before the
-    /// first of them. AABBs are grown for it.
+    /// The time step of the last `step`, `run`, `update_positions` or [`set_time_step`](Self::set_time_step), in s. Before
+    /// the first of them that of [`Scene::run`], or 0.02. AABBs are grown for it.
     pub fn time_step(&self) -> f32 {
         self.time_step
     }
@@ -417,7 +421,7 @@ fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&Contact
 /// Packs a scene into a world without scratch arrays, and applies the options.
 fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
-    check_contact_law(scene, options.integrator, options.contact_force_law.as_ref())?;
+    check_contact_law(scene, scene.integrator(options.integrator), options.contact_force_law.as_ref())?;
     let mut world = pack(scene, options)?;
     if let Some(capacity) = options.pair_capacity {
         world.set_pair_room(capacity.div_ceil(SLICE));
@@ -439,7 +443,7 @@ fn pack(scene: &Scene, options: &Options) -> Result<World> {
     if !options.uses(Optimization::LongMovers) {
         world.leave_out_long_movers();
     }
-    world.set_integrator(options.integrator);
+    world.set_integrator(scene.integrator(options.integrator));
     world.joins_steps = options.uses(Optimization::JoinedSteps);
     Ok(world)
 }

@@ -12,6 +12,7 @@ use crate::model::world_sizes::WorldSizes;
 use crate::options::{Backend, BackendInfo, Options};
 use crate::report::{Report, SphereState};
 use crate::scene::Scene;
+use crate::settings::Integrator;
 use crate::simulation::Simulation;
 
 mod checkpoint;
@@ -42,6 +43,9 @@ pub struct Worlds {
     /// The worlds that run on the device, in workgroups of one or a few.
     #[cfg(feature = "gpu")]
     batch: Option<Batch>,
+    /// The integrator of the worlds in workgroups.
+    #[cfg(feature = "gpu")]
+    shared: Integrator,
     sleep: Sleep,
     worlds: Vec<World>,
 }
@@ -128,6 +132,10 @@ impl Worlds {
         }
         let mut worlds = Self::empty(options)?;
         let scenes: Vec<Scene> = scenes.into_iter().collect();
+        #[cfg(feature = "gpu")]
+        {
+            worlds.shared = device::shared_integrator(&scenes, &worlds.options);
+        }
         worlds.worlds = worlds.create_all(scenes)?;
         #[cfg(feature = "gpu")]
         if let Some(gpu) = &worlds.gpu {
@@ -142,7 +150,22 @@ impl Worlds {
     /// # Errors
     /// As for [`Worlds::new`]. The worlds are unchanged then.
     pub fn replace_all(&mut self, scenes: impl IntoIterator<Item = Scene>) -> Result<()> {
-        let mut worlds = self.create_all(scenes.into_iter().collect())?;
+        let scenes: Vec<Scene> = scenes.into_iter().collect();
+        #[cfg(feature = "gpu")]
+        {
+            let before = std::mem::replace(&mut self.shared, device::shared_integrator(&scenes, &self.options));
+            let replaced = self.replace_worlds(scenes);
+            if replaced.is_err() {
+                self.shared = before;
+            }
+            replaced
+        }
+        #[cfg(not(feature = "gpu"))]
+        self.replace_worlds(scenes)
+    }
+
+    fn replace_worlds(&mut self, scenes: Vec<Scene>) -> Result<()> {
+        let mut worlds = self.create_all(scenes)?;
         #[cfg(feature = "gpu")]
         if let (Some(batch), Some(gpu)) = (&mut self.batch, &self.gpu) {
             // With room for the former worlds the kernel stays the same in most cases.
@@ -158,7 +181,7 @@ impl Worlds {
     fn empty(options: Options) -> Result<Self> {
         let (gpu, info) = crate::simulation::open_device(&options)?;
         let options = options.backend(info.kind);
-        Ok(Self { options, info, gpu, batch: None, sleep: Sleep::default(), worlds: Vec::new() })
+        Ok(Self { options, info, gpu, batch: None, shared: Integrator::default(), sleep: Sleep::default(), worlds: Vec::new() })
     }
 
     #[cfg(not(feature = "gpu"))]
@@ -186,7 +209,7 @@ impl Worlds {
     fn create_on_host(&self, scene: &Scene) -> Result<Option<World>> {
         #[cfg(feature = "gpu")]
         if self.gpu.is_some() {
-            let mirror = device::mirror(scene, &self.options)?;
+            let mirror = device::mirror(scene, &self.options, self.shared)?;
             return mirror.map(|mirror| World::new(mirror, WorldPath::Device)).transpose();
         }
         let simulation = Simulation::with_options(scene.clone(), self.options.clone())?;
@@ -235,6 +258,15 @@ impl Worlds {
         &self.info
     }
 
+    /// The integrator of a world. With [`IntegratorChoice::Auto`](crate::IntegratorChoice::Auto) in the options, worlds with different
+    /// contact laws or values of [`Scene::run`] may have different ones.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a world that does not exist.
+    pub fn integrator(&self, world: usize) -> Result<Integrator> {
+        Ok(self.world(world)?.simulation.integrator())
+    }
+
     /// The options of all worlds.
     pub fn options(&self) -> &Options {
         &self.options
@@ -253,7 +285,7 @@ impl Worlds {
         }
         #[cfg(feature = "gpu")]
         if let (Some(batch), Some(gpu)) = (&mut self.batch, &self.gpu) {
-            batch.run(&mut self.worlds, steps, dt, (&self.options, &self.sleep), |checkpoint| {
+            batch.run(&mut self.worlds, steps, dt, (self.shared, &self.sleep), |checkpoint| {
                 Simulation::resume_on_gpu(checkpoint, gpu, &self.info)
             })?;
         }

@@ -147,6 +147,7 @@ impl Arguments {
             bodies: grains,
             counts: drum.simulation.scene().counts(),
             backend: drum.simulation.backend().clone(),
+            integrator: drum.simulation.integrator(),
             broad_phase: drum.simulation.broad_phase_method(),
             steps: self.steps,
             seconds: Spread::of(seconds),

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use rockfall::step::schedule::Phase;
-use rockfall::{BackendInfo, BroadPhase, BufferSize, Counts, Profile, Report, Simulation};
+use rockfall::{BackendInfo, BroadPhase, BufferSize, Counts, Integrator, Profile, Report, Simulation};
 
 use crate::bench::Arguments;
 use crate::bench::spread::Spread;
@@ -16,6 +16,7 @@ pub(crate) struct Measured {
     pub(crate) bodies: u32,
     pub(crate) counts: Counts,
     pub(crate) backend: BackendInfo,
+    pub(crate) integrator: Integrator,
     /// Method in use; never `auto`.
     pub(crate) broad_phase: BroadPhase,
     /// Number of timed steps in a run.
@@ -73,12 +74,12 @@ fn start(arguments: &Arguments, bodies: u32) -> Result<Simulation, Failure> {
     let options = arguments.engine.options(&arguments.physics);
     let mut simulation = Simulation::with_options(scene, options)?;
     simulation.prepare()?;
-    simulation.run(arguments.warmup(), arguments.physics.dt)?;
+    simulation.run(arguments.warmup(), arguments.dt())?;
     Ok(simulation)
 }
 
 pub(crate) fn measure(arguments: &Arguments, bodies: u32) -> Result<Measured, Failure> {
-    let (steps, dt) = (arguments.steps, arguments.physics.dt);
+    let (steps, dt) = (arguments.steps, arguments.dt());
     let scene = arguments.scene;
     let mut seconds = Vec::new();
     for run in 1..arguments.runs {
@@ -109,6 +110,7 @@ pub(crate) fn measure(arguments: &Arguments, bodies: u32) -> Result<Measured, Fa
         bodies,
         counts: simulation.scene().counts(),
         backend: simulation.backend().clone(),
+        integrator: simulation.integrator(),
         broad_phase: simulation.broad_phase_method(),
         steps,
         seconds: Spread::of(seconds),

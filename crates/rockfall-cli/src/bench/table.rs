@@ -19,7 +19,7 @@ pub(crate) fn tables(arguments: &Arguments, sizes: &[Measured]) -> String {
         text,
         "{} steps of {} s after {} warm-up steps, broad phase {}, median (minimum to maximum) of {} runs",
         arguments.steps,
-        arguments.physics.dt,
+        arguments.dt(),
         arguments.warmup(),
         arguments.engine.broad_phase,
         arguments.runs,

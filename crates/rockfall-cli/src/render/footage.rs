@@ -124,7 +124,12 @@ impl Live {
     }
 
     fn timing(&self, cut: Cut) -> Timing {
-        Timing { steps: cut.steps.unwrap_or(0), dt: self.dt, fps: cut.fps, speed: cut.speed }
+        Timing {
+            steps: cut.steps.or(self.simulation.scene().run.steps).unwrap_or(0),
+            dt: self.dt,
+            fps: cut.fps,
+            speed: cut.speed,
+        }
     }
 
     fn show(&mut self, renderer: &mut Renderer, style: &Style, moment: Moment) -> rockfall::Result<()> {

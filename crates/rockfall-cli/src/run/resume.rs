@@ -40,7 +40,7 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
     }
     let done = past.step(checkpoint.report.steps);
     if given.has("steps") {
-        past.steps = arguments.steps;
+        past.steps = arguments.steps.unwrap_or(past.steps);
     }
     if past.steps < done {
         let message = format!("--steps {}: {} is at step {done} already, expected at least {done}", past.steps, path.display());
@@ -83,12 +83,14 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
     };
     let (physics, options) = (&arguments.physics, &mut checkpoint.options);
     if given.has("dt") {
-        differs("--dt", &physics.dt.to_string(), &past.dt.to_string());
-        past.set_time_step(step, physics.dt);
+        let dt = physics.dt_or(past.dt);
+        differs("--dt", &dt.to_string(), &past.dt.to_string());
+        past.set_time_step(step, dt);
     }
     if given.has("integrator") {
-        differs("--integrator", &physics.integrator.to_string(), &options.integrator.to_string());
-        options.integrator = physics.integrator;
+        let integrator = physics.integrator_for(&checkpoint.scene).into();
+        differs("--integrator", &format!("{integrator}"), &options.integrator.to_string());
+        options.integrator = integrator;
     }
     for Setting { name, value } in &physics.set {
         let settings = &mut checkpoint.scene.settings;
@@ -101,8 +103,9 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
         // A resumed simulation uses its constants as stored, so `resting_overlap` has to be resolved here.
         checkpoint.scene.settings = checkpoint.scene.resolved_settings();
     }
-    if given.has("substeps") {
-        let substeps = arguments.substeps.of(&checkpoint.scene, past.dt, options.integrator)?;
+    if let Some(substeps) = arguments.substeps {
+        let integrator = options.integrator.resolve(checkpoint.scene.settings.contact_law);
+        let substeps = substeps.of(&checkpoint.scene, past.dt, integrator)?;
         differs("--substeps", &substeps.to_string(), &past.parts().to_string());
         past.divide(substeps, simulated);
     }
@@ -122,7 +125,7 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
 
 /// Output files of the earlier run, except those that the command line replaces.
 fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Failure> {
-    let mut wanted = arguments.wanted()?;
+    let mut wanted = arguments.wanted(None)?;
     let before = past.out.as_ref().map(|file| &file.path);
     let same_out = wanted.out.as_deref().is_none_or(|out| Some(&whole(out)) == before);
     if same_out {

@@ -16,11 +16,14 @@ pub(super) fn open(path: &Path) -> Result<AtomicFile, Failure> {
 }
 
 /// Writes the present state, with the present phases of muscles. The title of the scene comes first. After it, comments name where
-/// the state comes from and how to go on. A note says what the text leaves out.
+/// the state comes from, and the line `@run` how to go on. A note says what the text leaves out.
 pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
     let step = past.step(simulation.report().steps);
     let integrator = simulation.integrator();
     let mut scene = simulation.snapshot()?;
+    let run = &mut scene.run;
+    (run.dt, run.integrator) = (Some(past.dt), Some(integrator.into()));
+    run.substeps = (past.parts() > 1).then(|| past.parts());
     let mut text = String::new();
     for line in &past.title {
         text += format!("# {}", single_line(line)).trim_end();
@@ -30,8 +33,6 @@ pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulati
         text.push('\n');
     }
     text += &format!("# {} after {step} steps, at {} s\n", single_line(&past.scene), past.time(step));
-    text += &format!("# It was run with --dt {} --integrator {integrator}", past.dt);
-    text += &if past.parts() > 1 { format!(" --substeps {}\n", past.parts()) } else { "\n".to_owned() };
     if scene.settings.resting_overlap > 0.0 {
         // With this setting, other constants would be chosen for the present positions, and the motion would change.
         let share = std::mem::take(&mut scene.settings.resting_overlap);

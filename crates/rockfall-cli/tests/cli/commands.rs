@@ -438,14 +438,14 @@ fn generated_scenes_are_valid_and_run() {
         let (other, _) = rockfall.run(&format!("generate {kind} --spheres 200 --seed 4"), 0);
         assert!(out.lines().skip(1).ne(other.lines().skip(1)), "{kind}");
     }
-    for (kind, options) in [("drum", "--dt 1e-5"), ("column", "--dt 4e-5")] {
+    for (kind, dt) in [("drum", "0.00001"), ("column", "0.00004")] {
         rockfall.run(&format!("generate {kind} --spheres 200 --seed 3 --out {kind}.txt"), 0);
         let text = rockfall.read(&format!("{kind}.txt"));
-        let options = format!("--integrator velocity-verlet {options}");
-        assert!(text.contains(&options), "the file names the options of its run: {text}");
-        let (out, _) = rockfall.run(&format!("check {kind}.txt {options}"), 0);
+        let line = format!("\n@run dt={dt} integrator=velocity-verlet\n");
+        assert!(text.contains(&line), "the file says how it is run: {text}");
+        let (out, _) = rockfall.run(&format!("check {kind}.txt"), 0);
         assert!(out.contains(": 200 spheres") && !out.contains("warning"), "{out}");
-        let (_, err) = rockfall.run(&format!("run {kind}.txt {options} --backend cpu --steps 50"), 0);
+        let (_, err) = rockfall.run(&format!("run {kind}.txt --backend cpu --steps 50"), 0);
         assert_eq!(err, "", "{kind}");
     }
     let (out, _) = rockfall.run("generate pile --spheres 1", 0);

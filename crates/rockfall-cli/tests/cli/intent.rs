@@ -11,9 +11,9 @@ fn checked(text: &str, options: &str, code: i32) -> String {
 #[test]
 fn check_fails_where_run_refuses() {
     let text = "set contact_law hertz-mindlin\nS 1 0 0 0 0 0 0 0 0 0 1 0.01\n";
-    let out = checked(text, "", 2);
+    let out = checked(text, "--integrator rk4", 2);
     assert!(out.contains("error: ") && out.contains("hertz-mindlin with the integrator rk4"), "{out}");
-    let (_, err) = Rockfall::with(text).run("run scene.txt --backend cpu --steps 1", 2);
+    let (_, err) = Rockfall::with(text).run("run scene.txt --backend cpu --steps 1 --integrator rk4", 2);
     assert!(err.contains("hertz-mindlin with the integrator rk4"), "{err}");
 }
 

@@ -11,6 +11,7 @@ mod newcomers;
 mod odd;
 mod outputs;
 mod render;
+mod running;
 mod signals;
 mod trajectories;
 mod view;

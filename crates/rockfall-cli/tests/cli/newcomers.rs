@@ -102,7 +102,7 @@ fn wrong_lines_say_how_to_write_them() {
     let cases = [
         ("set gravity=9.81", "expected a space in place of `=`: `set gravity 9.81`"),
         ("set gravity = 9.81", "expected no `=`: `set gravity 9.81`"),
-        ("set dt 0.01", "not part of a scene, it is an option of the command line: --dt SECONDS"),
+        ("set dt 0.01", "not a constant, expected `@run dt=SECONDS`"),
         ("S 2 1 0 0 0 0 0 0 0 0 1 0.1 fixed", "S fixed: 'fixed' is not a number, expected 1 for a fixed sphere"),
         ("K is the stiffness of the spring", "if the line is a comment, begin it with #"),
         ("S 2 is the ball that moves", "if the line is a comment, begin it with #"),

@@ -234,7 +234,7 @@ fn a_saved_scene_continues_the_run() {
         assert!(most(&whole, &half) > 0.1, "the bodies move");
         let text = rockfall.read("half.txt");
         assert!(
-            text.starts_with("# scene.txt after 100 steps, at 0.5 s\n# It was run with --dt 0.005 --integrator rk4\n"),
+            text.starts_with("# scene.txt after 100 steps, at 0.5 s\n") && text.contains("\n@run dt=0.005 integrator=rk4\n"),
             "{text}"
         );
         assert!(text.contains("\nset friction 20\n") && text.contains("\nS 901 "), "{text}");
@@ -281,7 +281,7 @@ fn a_saved_scene_keeps_the_title() {
     let title = "# A pile of balls.\n#\n#   Made for a test\n# Three kinds of ball\n\n";
     rockfall.run("run scene.txt --backend cpu --steps 2 --save one.txt --checkpoint c.ckpt", 0);
     let one = rockfall.read("one.txt");
-    assert!(one.starts_with(&format!("{title}# scene.txt after 2 steps, at 0.04 s\n# It was run with")), "{one}");
+    assert!(one.starts_with(&format!("{title}# scene.txt after 2 steps, at 0.04 s\n")), "{one}");
     assert!(!one.contains("No title"), "{one}");
     rockfall.run("run --resume c.ckpt --steps 3", 0);
     assert!(rockfall.read("one.txt").starts_with(&format!("{title}# scene.txt after 3 steps, at 0.06 s\n")));

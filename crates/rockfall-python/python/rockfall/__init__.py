@@ -34,7 +34,7 @@ from rockfall._objects import Counts, Objects
 from rockfall._picture import Picture
 from rockfall._reports import Backend, Device, Energy, Overlap, Profile, Report, StageTime, State
 from rockfall._rockfall import SimulationError
-from rockfall._scene import Scene
+from rockfall._scene import RunDefaults, Scene
 from rockfall._settings import Settings
 from rockfall._simulation import SceneWarning, Simulation
 from rockfall._sweep import SweepError, SweepResult, sweep
@@ -71,6 +71,7 @@ __all__ = [
     "Profile",
     "Recording",
     "Report",
+    "RunDefaults",
     "Scene",
     "SceneWarning",
     "Settings",

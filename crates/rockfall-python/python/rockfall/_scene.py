@@ -3,11 +3,31 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from rockfall import _rockfall
-from rockfall._arrays import time_step
+from rockfall._arrays import time_step, whole
 from rockfall._objects import Objects
+
+#: Time step of scenes that have none, in s.
+_TIME_STEP = 0.02
+
+
+class RunDefaults(NamedTuple):
+    """How a scene is meant to be run: the line ``@run`` of its text. None stands for a value that the scene does not have."""
+
+    #: Time step, in s.
+    dt: float | None = None
+    #: "auto", "rk4", "symplectic-euler" or "velocity-verlet".
+    integrator: str | None = None
+    #: Number of steps, for ``rockfall run`` and films of ``rockfall render``.
+    steps: int | None = None
+    #: Number of steps between two frames that ``rockfall run`` writes.
+    every: int | None = None
+    #: Number of equal parts of a step. Each is a step of a :class:`Simulation`.
+    substeps: int | None = None
 
 
 class Scene(Objects):
@@ -76,17 +96,46 @@ class Scene(Objects):
         return Scene._of(self._native.copy())
 
     @property
+    def run(self) -> RunDefaults:
+        """How the scene is meant to be run. ``scene.run = rf.RunDefaults(dt=1e-4)`` sets it, and :meth:`save` writes it.
+
+        :class:`Simulation` and :class:`Worlds` take the time step and the integrator from it unless they are given others.
+        """
+        dt, *others = self._native.run_defaults()
+        return RunDefaults(_written(dt), *others)
+
+    @run.setter
+    def run(self, value: RunDefaults) -> None:
+        if not isinstance(value, RunDefaults):
+            raise TypeError(f"run: expected a rockfall.RunDefaults, got {type(value).__name__}")
+        dt = None if value.dt is None else time_step("run.dt", value.dt)
+        if value.integrator is not None and not isinstance(value.integrator, str):
+            raise TypeError(f"run.integrator: expected a str, got {type(value.integrator).__name__}")
+        names = ("steps", "every", "substeps")
+        numbers = [None if (n := getattr(value, name)) is None else whole(f"run.{name}", n, least=1) for name in names]
+        self._native.set_run_defaults((dt, value.integrator, *numbers))
+
+    def _time_step(self, given: float | None) -> float:
+        """The time step that is given, or that of the scene, or 0.02 s."""
+        if given is not None:
+            return time_step("dt", given)
+        own = _written(self._native.time_step())
+        return _TIME_STEP if own is None else own
+
+    @property
     def warnings(self) -> list[tuple[int, str]]:
         """Warnings about the text that the scene was read from: line number and text."""
         return list(self._native.warnings())
 
-    def check(self, dt: float = 0.02, integrator: str = "auto") -> list[str]:
+    def check(self, dt: float | None = None, integrator: str = "auto") -> list[str]:
         """Warnings about a time step (in s) or constants that do not suit the scene, and about bodies that overlap.
+
+        Without a time step, that of :attr:`run` is checked, or 0.02 s.
 
         An empty list means that nothing was found. ``rockfall check`` on the command line reports the same. The integrator is
         named as in :class:`Simulation`.
         """
-        found: list[str] = self._native.check(time_step("dt", dt), integrator)
+        found: list[str] = self._native.check(self._time_step(dt), integrator)
         return found
 
     def __copy__(self) -> Scene:
@@ -102,6 +151,11 @@ class Scene(Objects):
     def __repr__(self) -> str:
         counts = ", ".join(f"{count} {kind}" for kind, count in self.counts._asdict().items() if count)
         return f"<rockfall.Scene: {counts or 'empty'}>"
+
+
+def _written(number: float | None) -> float | None:
+    """The decimal number that was written as f32."""
+    return None if number is None else float(str(np.float32(number)))
 
 
 def _parse(text: str) -> Scene:

@@ -38,12 +38,13 @@ class Simulation(Observed, LawTable, ContactLawOf):
     ----------
     scene : Scene
         The scene, of which the simulation takes a copy.
-    dt : float
-        Time step, in s. It can be changed later.
+    dt : float, optional
+        Time step, in s. It can be changed later. By default it is that of the scene (:attr:`Scene.run`), or 0.02.
     backend : {"auto", "gpu", "cpu"}
         "auto" uses the CPU for up to 64 spheres and rods, otherwise a hardware GPU where there is one.
     integrator : {"auto", "rk4", "symplectic-euler", "velocity-verlet"}
-        How positions and velocities are advanced. "auto" is "symplectic-euler" with the contact laws "linear",
+        How positions and velocities are advanced. "auto" is that of the scene (:attr:`Scene.run`) if it has one,
+        "velocity-verlet" with the contact laws "linear",
         "hertz-mindlin" and "user", which do not allow "rk4", and otherwise "rk4".
     broad_phase : {"auto", "brute-force", "sort-and-skip", "grid"}
         How pairs that may touch are found. Results do not depend on it.
@@ -89,7 +90,7 @@ class Simulation(Observed, LawTable, ContactLawOf):
     def __init__(
         self,
         scene: Scene,
-        dt: float = 0.02,
+        dt: float | None = None,
         *,
         backend: str = "auto",
         integrator: str = "auto",
@@ -104,11 +105,11 @@ class Simulation(Observed, LawTable, ContactLawOf):
         for name, value in (("backend", backend), ("integrator", integrator), ("broad_phase", broad_phase)):
             if not isinstance(value, str):
                 raise TypeError(f"{name}: expected a str, got {type(value).__name__}")
-        dt = time_step("dt", dt)
+        step = scene._time_step(dt)
         laws = native_laws(force_laws)
         contact = native_contact_law(contact_law)
         native = _rockfall.Simulation(scene._native, backend, integrator, broad_phase, bool(keep_going), laws, contact)
-        self._begin(native, dt, checked=None if check else dt)
+        self._begin(native, step, checked=None if check else step)
 
     def _begin(self, native: Any, dt: float, checked: float | None) -> None:
         self._native = native

@@ -34,8 +34,8 @@ class Worlds:
     ----------
     scenes : sequence of Scene, or Scene
         A world for each scene, numbered from 0; or one scene, of which there are ``count`` worlds. They are copied.
-    dt : float
-        Time step, in s. It can be changed later.
+    dt : float, optional
+        Time step, in s. It can be changed later. By default it is that of the scenes (:attr:`Scene.run`), or 0.02.
     count : int, optional
         Number of worlds with the same scene.
     backend, integrator, broad_phase, keep_going
@@ -76,19 +76,20 @@ class Worlds:
     def __init__(
         self,
         scenes: Sequence[Scene] | Scene,
-        dt: float = 0.02,
+        dt: float | None = None,
         *,
         count: int | None = None,
         backend: str = "auto",
-        integrator: str = "rk4",
+        integrator: str = "auto",
         broad_phase: str = "auto",
         keep_going: bool = False,
     ) -> None:
+        scenes = scenes if isinstance(scenes, Scene) else _scenes("scenes", scenes)
         natives, worlds = _natives(scenes, count)
         for name, value in (("backend", backend), ("integrator", integrator), ("broad_phase", broad_phase)):
             if not isinstance(value, str):
                 raise TypeError(f"{name}: expected a str, got {type(value).__name__}")
-        self._dt = time_step("dt", dt)
+        self._dt = _time_step(scenes, dt)
         self._native: Any = _rockfall.Worlds(natives, worlds, backend, integrator, broad_phase, bool(keep_going))
 
     @classmethod
@@ -496,7 +497,7 @@ class Worlds:
 
     @property
     def integrator(self) -> str:
-        """The integrator: "rk4", "symplectic-euler" or "velocity-verlet"."""
+        """The integrator of all worlds: "rk4", "symplectic-euler" or "velocity-verlet"; "auto" where they have different ones."""
         name: str = self._native.integrator()
         return name
 
@@ -598,3 +599,11 @@ def _scenes(name: str, value: Any) -> list[Scene]:
         if not isinstance(scene, Scene):
             raise TypeError(f"{name}: expected a Scene at place {place}, got {type(scene).__name__}")
     return scenes
+
+
+def _time_step(scenes: Sequence[Scene] | Scene, given: float | None) -> float:
+    """The time step that is given, or that of all scenes."""
+    found = {scene._time_step(given) for scene in _scenes("scenes", scenes)}
+    if len(found) > 1:
+        raise ValueError(f"dt: expected a time step, because the scenes have different ones: {sorted(found)}")
+    return found.pop() if found else time_step("dt", 0.02 if given is None else given)

@@ -150,7 +150,7 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         render_mode: str | None = None,
         render_size: tuple[int, int] = (640, 360),
         backend: str = "auto",
-        integrator: str = "rk4",
+        integrator: str = "auto",
     ) -> None:
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode: expected None or 'rgb_array', got {render_mode!r}")

@@ -158,6 +158,7 @@ impl OpenWindow {
         let graphics = Graphics::open(&window, events.owned_display_handle())?;
         let opener = graphics.opener(&launch.options);
         let mut session = Session::open(launch.source.clone(), launch.overrides.clone(), launch.time_step, opener)?;
+        session.keeps_time_step = launch.keeps_time_step;
         if let Some(playback) = launch.playback.take() {
             session.play(playback);
         }

@@ -22,6 +22,8 @@ pub struct Launch {
     pub options: Options,
     /// Time step, in s.
     pub time_step: f32,
+    /// Whether scenes that are opened later have this time step, whatever their own is.
+    pub keeps_time_step: bool,
     /// Constants that override those of every scene: name and value.
     pub overrides: Vec<(String, String)>,
     /// What the mouse does.

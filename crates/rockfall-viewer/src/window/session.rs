@@ -52,6 +52,8 @@ pub struct Session {
     simulation: Simulation,
     /// Decides when steps are due.
     pub pace: Pace,
+    /// Whether scenes that are opened keep the time step of the window, whatever their own is.
+    pub keeps_time_step: bool,
     running: bool,
     /// Messages to the user.
     pub messages: Messages,
@@ -102,6 +104,7 @@ impl Session {
             command_line_file,
             simulation,
             pace: Pace::new(time_step),
+            keeps_time_step: false,
             running: false,
             messages: Messages::default(),
             watch: Watch::default(),

@@ -1,7 +1,7 @@
 //! Loading and saving of scenes.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use rockfall::glam::Vec3;
 use rockfall::{Scene, Sphere};
@@ -198,4 +198,41 @@ fn the_motion_of_the_picked_body_is_exported() {
     let last: Vec<f64> = lines[11].split(',').map(|number| number.parse().expect("a number")).collect();
     assert!((last[0] - 0.2).abs() < 1e-6 && (last[7] - 2.98).abs() < 1e-5 && (last[8] - 0.2).abs() < 1e-5, "{last:?}");
     assert_eq!(read("test-sphere-1-2.csv"), text);
+}
+
+/// The line of a scene file that says how it is run.
+fn run_line(path: &Path) -> String {
+    let text = fs::read_to_string(path).expect("a file");
+    text.lines().find(|line| line.starts_with("@run")).unwrap_or_default().to_owned()
+}
+
+/// A scene that is opened brings its time step, unless one was given on the command line. A reset keeps that of the window.
+#[test]
+fn a_scene_brings_its_time_step() {
+    let slow = format!("@run dt=0.004 integrator=symplectic-euler substeps=4\n{BALL}");
+    let folder = folder(&[("plain.txt", FLOATING), ("slow.txt", &slow)]);
+    let [plain, slow] = ["plain.txt", "slow.txt"].map(|name| folder.path().join(name));
+    let mut session = session(BALL);
+    session.set_time_step(0.01);
+    session.load(&plain);
+    assert_eq!(session.pace.time_step, 0.01, "it has none");
+    session.load(&slow);
+    assert_eq!((session.pace.time_step, session.simulation().time_step()), (0.001, 0.001));
+    assert_eq!(session.simulation().integrator(), rockfall::Integrator::SymplecticEuler);
+    let saved = folder.path().join("saved.txt");
+    assert!(session.save(&saved));
+    assert_eq!(run_line(&saved), "@run dt=0.004 integrator=symplectic-euler substeps=4");
+    session.set_time_step(0.002);
+    session.reset();
+    assert_eq!(session.pace.time_step, 0.002);
+    assert!(session.save(&saved));
+    assert_eq!(run_line(&saved), "@run dt=0.002 integrator=symplectic-euler");
+    session.load(&slow);
+    session.load(&saved);
+    assert_eq!(session.pace.time_step, 0.002);
+    session.load(&plain);
+    assert_eq!(session.pace.time_step, 0.02, "the step was that of the scene before");
+    session.keeps_time_step = true;
+    session.load(&slow);
+    assert_eq!(session.pace.time_step, 0.02);
 }

@@ -189,10 +189,9 @@ fn lattice(radius: f32, half_length: f32, cell: f32, count: u32) -> Vec<Vec3> {
 /// Time step of [`column`]: a tenth of the Rayleigh time of a grain, in s.
 pub(super) const COLUMN_STEP: f32 = 4e-5;
 
-/// How to run a scene of grains.
+/// What the author of a scene of grains should know.
 pub(super) fn note(kind: Kind) -> String {
-    let step = kind.time_step();
-    let mut text = format!("SI units. Run it with --integrator velocity-verlet --dt {step:e}.\n");
+    let mut text = "SI units.\n".to_owned();
     if kind == Kind::Drum {
         text += "The drum turns if the direction of gravity does: `rockfall bench drum` turns it, or a program that changes\n\
                  gravity_direction every few steps.\n";

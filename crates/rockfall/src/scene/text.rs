@@ -18,8 +18,10 @@
 //! | `@material NAME density=D young=E poisson=N` | nothing: defines a material; each constant may be left out |
 //! | `@pair NAME NAME restitution=e friction=mu stiffness=k characteristic_velocity=V rolling_friction=mu rolling_model=c rolling_damping=eta twisting_friction=mu surface_energy=gamma cohesion=jkr` | nothing: sets properties of the contacts between two materials |
 //! | `@use NAME` | nothing: the objects of the lines below are of this material; `@use -`: of none |
+//! | `@run dt=S integrator=NAME steps=N every=K substeps=N` | nothing: how the scene is meant to be run ([`RunDefaults`](crate::RunDefaults)) |
+//! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last ten kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twelve kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line.
 //!
@@ -39,9 +41,13 @@ use glam::{Quat, Vec3};
 mod comment;
 mod line;
 mod materials;
+mod repeat;
+mod run;
 
 use comment::{Title, has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
 use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
+
+use repeat::{Block, Copy};
 
 use super::{Capsule, CapsuleParts, Cuboid, MaterialId, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 use crate::error::{Error, Result, nearest, quoted};
@@ -86,14 +92,23 @@ impl Scene {
         let mut title = Title::default();
         for (index, line) in text.lines().enumerate() {
             let before = reader.comments;
-            reader.line(line, index + 1).map_err(|wrong| Error::SceneLine {
-                file: name.to_owned(),
-                line: index + 1,
-                field: wrong.field,
-                message: wrong.message + if may_be_prose(line) { "; if the line is a comment, begin it with #" } else { "" },
-            })?;
+            if let Err(wrong) = reader.next(line, index + 1) {
+                // A line in a block is read at the end of the block.
+                let line = text.lines().nth(reader.at - 1).unwrap_or_default();
+                return Err(Error::SceneLine {
+                    file: name.to_owned(),
+                    line: reader.at,
+                    field: wrong.field,
+                    message: wrong.message
+                        + if may_be_prose(line) { "; if the line is a comment, begin it with #" } else { "" },
+                });
+            }
             title.add(line, reader.comments > before);
         }
+        reader
+            .check_blocks()
+            .and_then(|()| reader.check_run())
+            .map_err(|(line, Wrong { field, message })| Error::SceneLine { file: name.to_owned(), line, field, message })?;
         reader.round_positions();
         Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments, title: title.lines })
     }
@@ -126,20 +141,21 @@ fn shown(value: &str) -> &str {
     if is_number(value) && value.len() < 20 { value } else { "VALUE" }
 }
 
-/// The option of the command line that a word after `set` means.
-fn option_for(word: &str) -> Option<&'static str> {
+/// The key of the line `@run` that a word after `set` means.
+fn key_for(word: &str) -> Option<&'static str> {
     match word.to_ascii_lowercase().replace('-', "_").as_str() {
-        "dt" | "timestep" | "time_step" => Some("--dt SECONDS"),
-        "steps" => Some("--steps N"),
-        "time" | "duration" => Some("--steps N, with a time step of --dt SECONDS"),
-        "integrator" => Some("--integrator NAME"),
-        "substeps" => Some("--substeps N"),
+        "dt" | "timestep" | "time_step" => Some("`@run dt=SECONDS`"),
+        "steps" => Some("`@run steps=N`"),
+        "time" | "duration" => Some("`@run dt=SECONDS steps=N`"),
+        "integrator" => Some("`@run integrator=NAME`"),
+        "substeps" => Some("`@run substeps=N`"),
         _ => None,
     }
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 8] = ["@group", "@orientation", "@force", "@capsule", "@muscle", "@material", "@pair", "@use"];
+const AT_WORDS: [&str; 11] =
+    ["@group", "@orientation", "@force", "@capsule", "@muscle", "@material", "@pair", "@use", "@run", "@repeat", "@end"];
 
 struct Reader<'a> {
     /// The whole text.
@@ -150,6 +166,16 @@ struct Reader<'a> {
     comments: usize,
     /// Lines of the constants that were set.
     set_at: HashMap<&'static str, usize>,
+    /// Number of the line that is read.
+    at: usize,
+    /// Blocks that have no `@end` yet, the outermost first.
+    open: Vec<Block<'a>>,
+    /// The copies that the present line is part of, the outermost first.
+    copies: Vec<Copy>,
+    /// Number of lines of all blocks so far.
+    repeated: u64,
+    /// The line `@run`.
+    run_at: Option<usize>,
     /// The sphere that each reference stands for: the last one defined with it.
     references: HashMap<u32, SphereId>,
     /// The group of the following objects.
@@ -166,6 +192,11 @@ impl<'a> Reader<'a> {
             warnings: Vec::new(),
             comments: 0,
             set_at: HashMap::new(),
+            at: 0,
+            open: Vec::new(),
+            copies: Vec::new(),
+            repeated: 0,
+            run_at: None,
             references: HashMap::new(),
             group: 0,
             material: None,
@@ -196,6 +227,11 @@ impl<'a> Reader<'a> {
             "@material" => self.material(line),
             "@pair" => self.properties(line, number),
             "@use" => self.use_material(line),
+            "@run" => self.run(line, number),
+            "@end" => {
+                let message = "no `@repeat` above, expected one before the lines to repeat".to_owned();
+                self.not_understood(number, Wrong { field: "@end".to_owned(), message })
+            }
             "set" => self.set(line, number),
             "T" => {
                 self.suspicious(number, format!("a tether is `{}`", TETHER.form()));
@@ -237,6 +273,7 @@ impl<'a> Reader<'a> {
     }
 
     fn find(&self, kind: &Kind, name: &str, reference: u32) -> Line<SphereId> {
+        let reference = self.counted_on(reference);
         self.references.get(&reference).copied().ok_or_else(|| {
             let message = format!("no sphere with reference {reference} yet, expected one that a line above defined");
             kind.wrong(name, message)
@@ -254,15 +291,19 @@ impl<'a> Reader<'a> {
 
     fn sphere(&mut self, line: &str) -> Line<()> {
         let ([reference], n) = SPHERE.read::<1, 12>(line)?;
-        let mut sphere = Sphere::new(vector(&n[0..3]), n[10])
+        let reference = self.counted_on(reference);
+        let mut sphere = Sphere::new(self.point(&n[0..3]), n[10])
             .velocity(vector(&n[3..6]))
             .angular_momentum(vector(&n[6..9]))
             .group(self.group);
         // The digits beyond those of an f32. Which precision the scene has is known at its end.
-        let digits = line.split_ascii_whitespace().skip(2).map(|word| word.parse().unwrap_or_default());
-        for (axis, x) in digits.take(3).enumerate() {
-            let x: f64 = x;
-            sphere.position_low[axis] = (x - f64::from(sphere.position[axis])) as f32;
+        let (digits, offset) = (line.split_ascii_whitespace().skip(2), self.offset());
+        for (axis, word) in digits.take(3).enumerate() {
+            let x = word.parse::<f64>().unwrap_or_default();
+            if offset[axis] != 0.0 {
+                sphere.position[axis] = (x + offset[axis]) as f32;
+            }
+            sphere.position_low[axis] = (x + offset[axis] - f64::from(sphere.position[axis])) as f32;
         }
         sphere.mass = self.mass(&SPHERE, n[9], |density| sphere.density(density).mass)?;
         sphere.fixed = n[11] > 0.0;
@@ -298,7 +339,8 @@ impl<'a> Reader<'a> {
 
     fn capsule(&mut self, line: &str) -> Line<()> {
         let ([], n) = CAPSULE.read::<0, 11>(line)?;
-        let capsule = Capsule::new(vector(&n[0..3]), vector(&n[3..6]), n[10]).velocity(vector(&n[6..9])).group(self.group);
+        let capsule =
+            Capsule::new(self.point(&n[0..3]), self.point(&n[3..6]), n[10]).velocity(vector(&n[6..9])).group(self.group);
         let mass = self.mass(&CAPSULE, n[9], |density| capsule.density(density).mass)?;
         let capsule = Capsule { material: self.material, ..capsule.mass(mass) };
         self.scene.add_capsule(capsule).map_err(|error| CAPSULE.refused(&error))?;
@@ -307,7 +349,7 @@ impl<'a> Reader<'a> {
 
     fn polygon(&mut self, line: &str) -> Line<()> {
         let ([], n) = POLYGON.read::<0, 9>(line)?;
-        let polygon = Polygon::new(vector(&n[0..3]), vector(&n[3..6]), vector(&n[6..9])).group(self.group);
+        let polygon = Polygon::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9])).group(self.group);
         let polygon = Polygon { material: self.material, ..polygon };
         self.scene.add_polygon(polygon).map_err(|error| POLYGON.refused(&error))?;
         Ok(())
@@ -323,7 +365,7 @@ impl<'a> Reader<'a> {
 
     fn cuboid(&mut self, line: &str) -> Line<()> {
         let ([], n) = BOX.read::<0, 12>(line)?;
-        let cuboid = Cuboid::new(vector(&n[0..3]), vector(&n[3..6]), vector(&n[6..9]), vector(&n[9..12])).group(self.group);
+        let cuboid = Cuboid::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9]), vector(&n[9..12])).group(self.group);
         let cuboid = Cuboid { material: self.material, ..cuboid };
         self.scene.add_box(cuboid).map_err(|error| BOX.refused(&error))?;
         Ok(())
@@ -332,7 +374,7 @@ impl<'a> Reader<'a> {
     fn tether(&mut self, line: &str) -> Line<()> {
         let ([reference], n) = TETHER.read::<1, 6>(line)?;
         let sphere = self.find(&TETHER, "sphere", reference)?;
-        let tether = Tether::new(sphere, vector(&n[0..3]), n[3]).length(n[4]).damping(n[5]);
+        let tether = Tether::new(sphere, self.point(&n[0..3]), n[3]).length(n[4]).damping(n[5]);
         self.scene.add_tether(tether).map_err(|error| TETHER.refused(&error))?;
         Ok(())
     }
@@ -405,8 +447,8 @@ impl<'a> Reader<'a> {
             return Err(Wrong { field: format!("set {}", quoted(word)), message });
         }
         let Some(name) = Settings::NAMES.iter().copied().find(|name| *name == word) else {
-            if let Some(option) = option_for(word) {
-                let message = format!("not part of a scene, it is an option of the command line: {option}");
+            if let Some(key) = key_for(word) {
+                let message = format!("not a constant, expected {key}");
                 return self.not_understood(number, Wrong { field: format!("set {}", quoted(word)), message });
             }
             let known = format!("expected one of {}", Settings::NAMES.join(", "));

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::{Quat, Vec3};
 
-use super::{Material, MaterialId, Pair, Rod, Scene, Sphere};
+use super::{Material, MaterialId, Pair, Rod, RunDefaults, Scene, Sphere};
 use crate::error::{Error, Result};
 use crate::output::AtomicFile;
 use crate::settings::{Precision, Settings};
@@ -16,7 +16,8 @@ impl Scene {
     /// distinct; in other scenes, references are the indices of the spheres in order of addition. A capsule becomes a C line if that
     /// expresses it completely, otherwise two S lines, an R line and an `@capsule` line.
     ///
-    /// The text reads back completely, unless a setting was given a value that [`Settings::validate`] refuses.
+    /// The text reads back completely, unless a setting was given a value that [`Settings::validate`] refuses, or [`Scene::run`] one
+    /// that [`RunDefaults::validate`] refuses.
     pub fn to_text(&self) -> String {
         let mut writer = Writer {
             scene: self,
@@ -29,6 +30,7 @@ impl Scene {
             has_low_parts: self.chosen_precision().precision == Precision::Double,
         };
         writer.settings();
+        writer.run();
         writer.materials();
         writer.spheres_and_rods();
         writer.springs_and_tethers();
@@ -39,9 +41,10 @@ impl Scene {
     /// Writes the scene to a file. On an error, nothing is written.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for settings that would not read back, [`Error::File`] when the file cannot be written.
+    /// [`Error::Invalid`] for settings and values of [`Scene::run`] that would not read back, [`Error::File`] when the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         self.settings.validate()?;
+        self.run.validate()?;
         let path = path.as_ref();
         let write = || {
             let mut file = AtomicFile::create(path)?;
@@ -112,6 +115,27 @@ impl Writer<'_> {
                 let _ = writeln!(self.text, "set {name} {value}");
             }
         }
+    }
+
+    fn run(&mut self) {
+        let RunDefaults { dt, integrator, steps, every, substeps } = self.scene.run;
+        if self.scene.run == RunDefaults::default() {
+            return;
+        }
+        self.text.push_str("@run");
+        let values = [
+            ("dt", dt.map(|dt| dt.to_string())),
+            ("integrator", integrator.map(|integrator| integrator.to_string())),
+            ("steps", steps.map(|steps| steps.to_string())),
+            ("every", every.map(|every| every.to_string())),
+            ("substeps", substeps.map(|parts| parts.to_string())),
+        ];
+        for (key, value) in values {
+            if let Some(value) = value {
+                let _ = write!(self.text, " {key}={value}");
+            }
+        }
+        self.text.push('\n');
     }
 
     fn materials(&mut self) {

@@ -138,7 +138,7 @@ impl Simulation {
         if interval != stretch.interval {
             (stretch.interval, stretch.since) = (interval, 0);
         }
-        let (integrator, broad_phase) = (self.options.integrator, self.broad_phase_method());
+        let (integrator, broad_phase) = (self.integrator(), self.broad_phase_method());
         let runs = |phase: Phase| {
             let every = if phase.makes_lists() { interval } else { 1 };
             phase.stages(integrator, broad_phase).iter().map(move |run| (phase, Run { every, ..*run }))

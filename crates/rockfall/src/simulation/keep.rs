@@ -145,7 +145,7 @@ impl Simulation {
         checkpoint.scene.settings.validate()?;
         let forces = checkpoint.restored_laws(&self.options.force_laws)?;
         let contact = checkpoint.restored_contact_law(self.options.contact_force_law.as_ref())?;
-        check_contact_law(&checkpoint.scene, self.options.integrator, contact.as_ref())?;
+        check_contact_law(&checkpoint.scene, self.integrator(), contact.as_ref())?;
         // The contact law may name materials of the checkpoint.
         let laws = UserLaws::new(&forces, contact.as_ref())?;
         laws.values(&checkpoint.scene.material_names())?;

@@ -34,7 +34,7 @@ impl Simulation {
     /// between two evaluations. Without collisions no impulse displaces a body, and lists with a margin last longer than a step.
     fn may_have_exact_lists(&self) -> bool {
         let step = &self.world.step;
-        self.options.integrator == Integrator::SymplecticEuler
+        self.integrator() == Integrator::SymplecticEuler
             && self.broad_phase_method() == BroadPhase::Grid
             && self.scene.settings.collisions
             && step.flags & FLAG_CONTINUOUS == 0
@@ -55,7 +55,7 @@ impl Simulation {
         let step = &self.world.step;
         let movers = step.movers().max(1) as f32;
         let making = [Phase::UpdateAabbs, Phase::BroadPhase].into_iter();
-        let runs = making.flat_map(|phase| phase.stages(self.options.integrator, self.broad_phase_method()));
+        let runs = making.flat_map(|phase| phase.stages(self.integrator(), self.broad_phase_method()));
         let stages = runs.filter(|run| run.workgroups(step) > 0).count();
         ListFacts {
             movers,

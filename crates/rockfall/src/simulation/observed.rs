@@ -76,7 +76,7 @@ impl Simulation {
 
     /// The integrator and the method that finds pairs.
     pub(super) fn methods(&self) -> Methods {
-        (self.options.integrator, self.broad_phase_method())
+        (self.integrator(), self.broad_phase_method())
     }
 
     /// Gives a copy of an earlier state the positions, velocities and times of the current one.

@@ -28,7 +28,7 @@ impl Simulation {
     /// As for [`Simulation::prepare`].
     pub async fn prepare_async(&mut self) -> Result<()> {
         self.flush_async().await?;
-        let (integrator, broad_phase) = (self.options.integrator, self.broad_phase_method());
+        let (integrator, broad_phase) = (self.integrator(), self.broad_phase_method());
         let stages = self.step_phases().iter().flat_map(|phase| phase.stages(integrator, broad_phase));
         let stages: Vec<Run> = stages.copied().collect();
         self.engine.prepare(&stages)?;

@@ -11,7 +11,7 @@ use crate::model::muscles::BASE_STEPS;
 use crate::model::world_sizes::WorldSizes;
 use crate::options::{Backend, Optimization, Options};
 use crate::scene::Scene;
-use crate::settings::{BroadPhase, DEFAULT_TIME_STEP};
+use crate::settings::{BroadPhase, DEFAULT_TIME_STEP, Integrator};
 use crate::simulation::Simulation;
 use crate::simulation::mirror::Elsewhere;
 use crate::step::fused::run_worlds::WorldResult;
@@ -48,11 +48,17 @@ impl Slot {
 }
 
 /// The simulation that holds a world on the host while a workgroup runs it; `None` for a world that needs a simulation of its own.
-pub(super) fn mirror(scene: &Scene, options: &Options) -> Result<Option<Simulation>> {
+pub(super) fn mirror(scene: &Scene, options: &Options, integrator: Integrator) -> Result<Option<Simulation>> {
     let options = options.clone().backend(Backend::Cpu).broad_phase(BroadPhase::BruteForce).without(Optimization::LargeSpheres);
     let mut simulation = Simulation::with_options(scene.clone(), options)?;
     let does_fit = WorldSizes::of(simulation.packed(DEFAULT_TIME_STEP)?).is_some();
-    Ok(does_fit.then_some(simulation))
+    Ok((does_fit && simulation.integrator() == integrator).then_some(simulation))
+}
+
+/// The integrator of the worlds that workgroups run: that of the first scene with one that their kernel has.
+pub(super) fn shared_integrator(scenes: &[Scene], options: &Options) -> Integrator {
+    let mut integrators = scenes.iter().map(|scene| scene.integrator(options.integrator));
+    integrators.find(|integrator| *integrator != Integrator::VelocityVerlet).unwrap_or_default()
 }
 
 impl Batch {
@@ -111,7 +117,7 @@ impl Batch {
         worlds: &mut [World],
         steps: u64,
         dt: f32,
-        (options, sleep): (&Options, &Sleep),
+        (integrator, sleep): (Integrator, &Sleep),
         resume: impl Fn(Checkpoint) -> Result<Simulation>,
     ) -> Result<()> {
         let mut left = steps;
@@ -125,7 +131,7 @@ impl Batch {
             }
             self.upload(worlds, dt, &resume)?;
             self.write_lengths(worlds)?;
-            self.device.run(portion, options.integrator, (sleep.skipped_after(), sleep.speed))?;
+            self.device.run(portion, integrator, (sleep.skipped_after(), sleep.speed))?;
             self.is_ahead = true;
             self.steps += portion;
             left -= portion;

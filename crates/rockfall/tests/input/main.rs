@@ -1,4 +1,4 @@
-//! Input of any kind: special numbers in every field, and the corpus of the fuzzer.
+//! Input of any kind: special numbers in every field, the corpus of the fuzzer, and how scenes are run.
 
 #[path = "../common/mod.rs"]
 #[macro_use]
@@ -6,3 +6,4 @@ mod common;
 
 mod fuzz;
 mod poison;
+mod running;

@@ -67,7 +67,7 @@ fn a_file_of_no_worlds_keeps_the_options() {
     worlds(&[], Backend::Cpu, Integrator::SymplecticEuler).save_checkpoint(&path).expect("a file");
     let resumed = Worlds::resume(&path, None).expect("worlds");
     assert!(resumed.is_empty());
-    assert_eq!(resumed.options().integrator, Integrator::SymplecticEuler);
+    assert_eq!(resumed.options().integrator, Integrator::SymplecticEuler.into());
 }
 
 #[test]

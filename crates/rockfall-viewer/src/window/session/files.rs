@@ -15,6 +15,9 @@ const INPUT: &str = "input.txt";
 /// Number of warnings about a scene file that are shown; of the others only the number is shown.
 const SHOWN_WARNINGS: usize = 3;
 
+/// Time step of scenes that have none, in s.
+const DEFAULT_TIME_STEP: f32 = 0.02;
+
 /// Returns the names of the bodies in the file of a scene.
 pub(super) fn names_of(source: &Source) -> Names {
     let text = source.path.as_deref().and_then(|path| std::fs::read(path).ok()).unwrap_or_default();
@@ -106,6 +109,7 @@ impl Session {
     /// Sets the source of a scene that has replaced another one.
     pub(super) fn replaced(&mut self, source: Source) {
         let another = (&source.name, &source.path) != (&self.source.name, &self.source.path);
+        self.take_time_step(&source.scene, another);
         self.source = source;
         self.names = names_of(&self.source);
         self.forget_bodies();
@@ -115,10 +119,35 @@ impl Session {
         self.warn();
     }
 
+    /// Takes the time step of a scene that replaces the present one. A scene without one keeps that of the window, unless it was that
+    /// of the present scene. A reset keeps it too.
+    fn take_time_step(&mut self, scene: &Scene, another: bool) {
+        let [before, now] = [&self.source.scene, scene].map(|scene| scene.run.time_step());
+        if before == now && !another {
+            return;
+        }
+        let is_own = before.is_some_and(|before| before == self.pace.time_step);
+        let time_step = if is_own { Some(now.unwrap_or(DEFAULT_TIME_STEP)) } else { now };
+        if let Some(time_step) = time_step.filter(|_| !self.keeps_time_step)
+            && self.apply_time_step(time_step)
+        {
+            self.pace.time_step = time_step;
+        }
+    }
+
+    /// The present scene, without the tether of a held body. If it says how it is run, it has the time step of the window.
+    fn scene_to_save(&self) -> Scene {
+        let mut scene = self.scene_without_hold();
+        if scene.run.time_step().is_some_and(|time_step| time_step != self.pace.time_step) {
+            (scene.run.dt, scene.run.substeps) = (Some(self.pace.time_step), None);
+        }
+        scene
+    }
+
     /// Writes the present state as a scene text, without the tether of a held body, and returns whether that was possible.
     pub fn save(&mut self, path: &Path) -> bool {
         let synced = self.simulation.sync().map(drop);
-        let saved = synced.and_then(|()| self.scene_without_hold().save(path));
+        let saved = synced.and_then(|()| self.scene_to_save().save(path));
         let saved = self.ok_or_report(saved).is_some();
         if saved {
             self.tell(Level::Note, format!("saved as {}", path.display()));

@@ -79,6 +79,14 @@ pub(super) const PAIR: Kind = Kind {
     last_is_optional: false,
 };
 pub(super) const USE: Kind = Kind { word: "@use", references: &["NAME"], numbers: &[], last_is_optional: false };
+pub(super) const RUN: Kind = Kind {
+    word: "@run",
+    references: &[],
+    numbers: &["dt=S", "integrator=NAME", "steps=N", "every=K", "substeps=N"],
+    last_is_optional: false,
+};
+pub(super) const REPEAT: Kind =
+    Kind { word: "@repeat", references: &["N"], numbers: &["dx", "dy", "dz"], last_is_optional: false };
 pub(super) const MARK: Kind = Kind { word: "@capsule", references: &["end1", "end2"], numbers: &[], last_is_optional: false };
 
 impl Kind {

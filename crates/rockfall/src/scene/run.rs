@@ -1,0 +1,67 @@
+//! How a scene is meant to be run.
+
+use super::Scene;
+use crate::error::{Error, Result};
+use crate::settings::{DEFAULT_TIME_STEP, Integrator, IntegratorChoice};
+
+/// How a scene is meant to be run: the line `@run` of its text. Programs use these values where they are not told otherwise; options
+/// of the command line override each of them.
+///
+/// [`Simulation`](crate::Simulation) and [`Worlds`](crate::Worlds) take the integrator from here unless their options name one. The
+/// other values are for the program that calls them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct RunDefaults {
+    /// Time step, in s. `None`: 0.02 s.
+    pub dt: Option<f32>,
+    /// The integrator. `None` and [`IntegratorChoice::Auto`]: what the contact law needs.
+    pub integrator: Option<IntegratorChoice>,
+    /// Number of steps. `None`: the program decides; `rockfall run` does 1000.
+    pub steps: Option<u64>,
+    /// Number of steps between two frames of a trajectory. `None`: only the final state is written.
+    pub every: Option<u64>,
+    /// Number of equal parts that every step is divided into. `None`: 1.
+    pub substeps: Option<u32>,
+}
+
+impl RunDefaults {
+    /// Greatest number of parts of a step, so that a part stays well above the rounding error of the whole step.
+    pub const MAX_SUBSTEPS: u32 = 1_000_000;
+
+    /// Checks that every value is allowed.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a time step that is not finite and positive, and for numbers of 0.
+    pub fn validate(&self) -> Result<()> {
+        let invalid = |field, value: String, expected| Err(Error::Invalid { field, value, expected });
+        match *self {
+            Self { dt: Some(dt), .. } if !(dt.is_finite() && dt > 0.0) => invalid("run.dt", dt.to_string(), TIME_STEP),
+            Self { steps: Some(0), .. } => invalid("run.steps", "0".to_owned(), FROM_ONE),
+            Self { every: Some(0), .. } => invalid("run.every", "0".to_owned(), FROM_ONE),
+            Self { substeps: Some(parts), .. } if !(1..=Self::MAX_SUBSTEPS).contains(&parts) => {
+                invalid("run.substeps", parts.to_string(), PARTS)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The time step of a simulation, in s: a step divided by its number of parts. `None` if neither is given.
+    pub fn time_step(&self) -> Option<f32> {
+        let dt = self.dt.or(self.substeps.map(|_| DEFAULT_TIME_STEP))?;
+        Some(dt / self.substeps.unwrap_or(1).max(1) as f32)
+    }
+}
+
+pub(super) const TIME_STEP: &str = "a finite number of seconds greater than 0";
+pub(super) const FROM_ONE: &str = "a whole number of at least 1";
+pub(super) const PARTS: &str = "a whole number from 1 to 1000000";
+
+impl Scene {
+    /// The integrator of a simulation of this scene, for a choice in its [`Options`](crate::Options): the one that is given, or else
+    /// that of [`Scene::run`], or else what the contact law needs.
+    pub fn integrator(&self, choice: IntegratorChoice) -> Integrator {
+        let own = self.run.integrator.unwrap_or_default();
+        let choice = if choice == IntegratorChoice::Auto { own } else { choice };
+        choice.resolve(self.settings.contact_law)
+    }
+}
