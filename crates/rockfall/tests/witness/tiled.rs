@@ -122,9 +122,9 @@ impl Draw {
         }
         let mut ball = self.ball(self.middle);
         ball.radius = self.between(0.3, 0.4);
-        // At the distance d from both walls, or at different distances that are nearly equal.
+        // At the distance d from both walls, or at different distances.
         let d = ball.radius - self.between(0.002, 0.06);
-        let apart = if self.chance(0.5) { 0.0 } else { self.between(-0.02, 0.02) };
+        let apart = if self.chance(0.5) { 0.0 } else { self.between(-0.05, 0.05) };
         let (one, two, between) = (ways[0], ways[1], ways[0].dot(ways[1]));
         let parts = [d - between * (d + apart), d + apart - between * d].map(|part| part / (1.0 - between * between));
         ball.position += parts[0] * one + parts[1] * two;
