@@ -1,8 +1,8 @@
 //! Faults of the thesis's collision and contact model that this model corrects. Every test has its own scene, and its
 //! expected values are derived by hand.
 //!
-//! This file tests the errata E19 to E26 of `docs/physics.md`; each test's name begins with the number of its erratum.
-//! The files in `faults/` test corrections that are not errata.
+//! This file tests the errata E19 to E26 of `docs/physics.md`, and `faults/surfaces.rs` tests E27; each test's name begins
+//! with the number of its erratum. The other files in `faults/` test corrections that are not errata.
 
 use rockfall::{Backend, Cuboid, Integrator, Scene, Simulation, Sphere, SphereState};
 
@@ -13,6 +13,7 @@ mod forces;
 mod lengths;
 mod networks;
 pub(crate) mod scenes;
+mod surfaces;
 
 /// Settings for a smooth elastic collision without gravity.
 const ELASTIC: &str = "set gravity 0\nset restitution 1\nset friction 0\nset contact_damping 0\n";
