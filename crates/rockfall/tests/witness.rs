@@ -10,6 +10,8 @@ mod common;
 mod advance;
 #[path = "witness/closed.rs"]
 mod closed;
+#[path = "witness/closed_surfaces.rs"]
+mod closed_surfaces;
 #[path = "witness/collide.rs"]
 mod collide;
 #[path = "witness/compare.rs"]

@@ -100,11 +100,11 @@ impl Draw<'_> {
         self.add(ball);
     }
 
-    /// Balls whose centres are in one of two flush boxes, beside a wall that begins in the floor.
+    /// Balls whose centres are in one of two flush boxes or in both, beside a wall that begins in the floor.
     pub(crate) fn sunk(&mut self) {
         let frame @ [u, v, up] = self.frame_of_plane();
         let cut = self.between(-0.2, 0.2);
-        self.slab(frame, [-1.0, -1.0], [cut, 1.0]);
+        self.slab(frame, [-1.0, -1.0], [cut + 0.3, 1.0]);
         self.slab(frame, [cut, -1.0], [1.0, 1.0]);
         let wall = self.middle + self.between(0.4, 0.6) * u - self.between(0.1, 0.3) * up - v;
         self.scene.add_box(Cuboid::new(wall, 0.4 * u, 2.0 * v, 1.5 * up)).unwrap();
