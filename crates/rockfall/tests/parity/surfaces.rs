@@ -46,10 +46,25 @@ impl Shape {
         Some((ball, Self { place, d, n: contact.touch.n, is_polygon, numbers }))
     }
 
-    /// Whether all edges are along the axes. Equal distances from such shapes are equal numbers on every backend.
-    fn is_along_the_axes(&self) -> bool {
-        let edges = self.numbers[3..].chunks(3);
-        edges.into_iter().all(|edge| edge.iter().filter(|number| **number != 0.0).count() == 1)
+    /// Whether equal distances from two shapes are equal numbers on every backend: the shapes are boxes along the axes whose
+    /// touched faces have the same coordinate, and it follows from the same numbers. Of a face that the corner is on, it follows
+    /// from the corner alone if the centre is outside.
+    fn ties(&self, other: &Self) -> bool {
+        let Some(axis) = (0..3).find(|axis| self.d == other.d && self.n[*axis].abs() > 1.0 - 1e-9) else { return false };
+        let is_level = |shape: &Self| {
+            let edges: Vec<&[f64]> = shape.numbers[3..].chunks(3).collect();
+            !shape.is_polygon && edges.iter().all(|edge| edge.iter().filter(|number| **number != 0.0).count() == 1)
+        };
+        let along = |shape: &Self| {
+            let edges = shape.numbers[3..].chunks(3);
+            edges.map(|edge| edge[axis]).find(|number| *number != 0.0)
+        };
+        let is_outward = |shape: &Self| shape.d > 0.0 && along(shape).is_some_and(|edge| edge * shape.n[axis] > 0.0);
+        is_level(self)
+            && is_level(other)
+            && self.n.dot(other.n) > 0.0
+            && self.numbers[axis] == other.numbers[axis]
+            && (along(self) == along(other) || is_outward(self) && is_outward(other))
     }
 
     fn order(&self, other: &Self) -> Ordering {
@@ -91,8 +106,7 @@ fn hidden(ball: usize, radius: f64, mut shapes: Vec<Shape>, findings: &mut Findi
             let hides = shape.hidden_by(earlier, radius);
             // The order of two shapes matters if the later one would hide the earlier one if it came first.
             let matters = hides.max(earlier.hidden_by(&shape, radius)) > -LIMIT;
-            let is_tie = shape.d == earlier.d && [&shape, earlier].into_iter().all(Shape::is_along_the_axes);
-            if is_tie && matters {
+            if matters && shape.ties(earlier) {
                 findings.count("equal distances".to_owned());
             } else if matters {
                 findings.decide("the order of shapes", ball, shape.d - earlier.d);

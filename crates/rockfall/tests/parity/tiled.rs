@@ -22,17 +22,23 @@ impl Draw<'_> {
     }
 
     /// A box below a plane through the middle: from `low` to `high` along it, and down to a random depth.
-    fn slab(&mut self, [u, v, up]: Frame, low: [f32; 2], high: [f32; 2]) {
+    fn slab(&mut self, frame: Frame, low: [f32; 2], high: [f32; 2]) {
+        let depth = self.between(0.8, 1.2);
+        self.deep_slab(frame, low, high, depth);
+    }
+
+    fn deep_slab(&mut self, [u, v, up]: Frame, low: [f32; 2], high: [f32; 2], depth: f32) {
         let corner = self.middle + low[0] * u + low[1] * v;
-        let down = -self.between(0.8, 1.2) * up;
+        let down = -depth * up;
         self.scene.add_box(Cuboid::new(corner, (high[0] - low[0]) * u, down, (high[1] - low[1]) * v)).unwrap();
     }
 
-    /// The same rectangle as a polygon that faces up.
-    fn sheet(&mut self, [u, v, up]: Frame, low: [f32; 2], high: [f32; 2]) {
+    /// The same rectangle as a polygon that faces up, at a depth below the plane.
+    fn sheet(&mut self, [u, v, up]: Frame, low: [f32; 2], high: [f32; 2], depth: f32) {
         let (left, right) = ((high[0] - low[0]) * u, (high[1] - low[1]) * v);
         let (left, right) = if left.cross(right).dot(up) > 0.0 { (left, right) } else { (right, left) };
-        self.scene.add_polygon(Polygon::new(self.middle + low[0] * u + low[1] * v, left, right)).unwrap();
+        let corner = self.middle + low[0] * u + low[1] * v - depth * up;
+        self.scene.add_polygon(Polygon::new(corner, left, right)).unwrap();
     }
 
     /// A ball that overlaps the plane and moves down. `at` is the place along the plane.
@@ -65,15 +71,17 @@ impl Draw<'_> {
         self.ball_on(frame, at);
     }
 
-    /// Boxes that overlap in one plane, and flush polygons: on a box and beside it.
+    /// Boxes that overlap in one plane, a flush polygon beside them, and another polygon in them, below the plane.
     pub(crate) fn overlaid(&mut self) {
         let frame = self.frame_of_plane();
         for _ in 0..2 {
             let (low, high) = (self.between_each(-1.2, -0.3), self.between_each(0.1, 0.3));
             self.slab(frame, low, high);
         }
-        let (low, high) = (self.between_each(-0.3, -0.1), self.between_each(0.5, 1.0));
-        self.sheet(frame, low, high);
+        let (low, high) = (self.between(-0.6, -0.1), self.between(0.4, 1.0));
+        self.sheet(frame, [0.3, low], [1.2, high], 0.0);
+        let depth = self.between(0.002, 0.02);
+        self.sheet(frame, [-0.5, -0.5], [0.0, 0.0], depth);
         for _ in 0..2 {
             let at = self.between_each(-0.4, 0.5);
             self.ball_on(frame, at);
@@ -104,8 +112,8 @@ impl Draw<'_> {
     pub(crate) fn sunk(&mut self) {
         let frame @ [u, v, up] = self.frame_of_plane();
         let cut = self.between(-0.2, 0.2);
-        self.slab(frame, [-1.0, -1.0], [cut + 0.3, 1.0]);
-        self.slab(frame, [cut, -1.0], [1.0, 1.0]);
+        self.deep_slab(frame, [-1.0, -1.0], [cut + 0.3, 1.0], 1.0);
+        self.deep_slab(frame, [cut, -1.0], [1.0, 1.0], 1.0);
         let wall = self.middle + self.between(0.4, 0.6) * u - self.between(0.1, 0.3) * up - v;
         self.scene.add_box(Cuboid::new(wall, 0.4 * u, 2.0 * v, 1.5 * up)).unwrap();
         for side in [-0.5, 0.5] {
