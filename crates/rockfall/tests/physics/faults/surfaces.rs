@@ -168,30 +168,48 @@ fn e27_the_order_of_boxes_plays_no_part(backend: Backend) {
     }
 }
 
-/// Smooth elastic hits of random floors, at random places and times within the step, keep the kinetic energy.
+/// A smooth elastic hit of a random floor: at a random place and time within the step, with a random velocity. Returns the ball
+/// before and after it.
+fn hit(random: &mut Random, cuts: Cuts, backend: Backend) -> [SphereState; 2] {
+    let floor = random_tiles(random, cuts);
+    let [x, z, spin] = [random.between(2.0, 15.0), random.between(-2.0, 2.0), random.between(-0.01, 0.01)];
+    let v = [random.between(-6.0, 6.0), random.between(-8.0, -1.0), random.between(-6.0, 6.0)];
+    let (radius, dt) = (random.between(0.1, 0.6), random.between(0.004, 0.02) as f32);
+    let y = radius + random.between(0.01, 0.1);
+    let text = format!(
+        "set gravity 0\nset restitution 1\nset friction 0\nset contact_damping 0\n{floor}\
+         S 1 {x} {y} {z}  {} {} {}  {spin} 0 0  1 {radius}\n",
+        v[0], v[1], v[2]
+    );
+    let mut simulation = opened(scene(&text), backend, Integrator::Rk4);
+    let before = simulation.spheres().expect("spheres")[0];
+    let steps = (0.25 / f64::from(dt) / v[1].abs()).ceil() as u64 + 2;
+    simulation.run(steps, dt).expect("steps");
+    let after = simulation.spheres().expect("spheres")[0];
+    assert!(after.velocity.y > 0.0, "the ball must hit the floor: {before:?}");
+    [before, after]
+}
+
+/// Smooth elastic hits keep the kinetic energy.
 fn e27_hits_of_tiles_keep_the_energy(backend: Backend) {
     let mut random = Random::new(27);
-    let wanted = on(backend, 300, 8);
-    let mut hits = 0;
-    while hits < wanted {
-        let floor = random_tiles(&mut random, if hits % 2 == 0 { Cuts::Exact } else { Cuts::Rounded });
-        let [x, z, spin] = [random.between(2.0, 15.0), random.between(-2.0, 2.0), random.between(-0.01, 0.01)];
-        let v = [random.between(-6.0, 6.0), random.between(-8.0, -1.0), random.between(-6.0, 6.0)];
-        let (radius, dt) = (random.between(0.1, 0.6), random.between(0.004, 0.02) as f32);
-        let y = radius + random.between(0.01, 0.1);
-        let text = format!(
-            "set gravity 0\nset restitution 1\nset friction 0\nset contact_damping 0\n{floor}\
-             S 1 {x} {y} {z}  {} {} {}  {spin} 0 0  1 {radius}\n",
-            v[0], v[1], v[2]
-        );
-        let mut simulation = opened(scene(&text), backend, Integrator::Rk4);
-        let before = kinetic(&simulation.spheres().expect("spheres"));
-        let steps = (0.25 / f64::from(dt) / v[1].abs()).ceil() as u64 + 2;
-        simulation.run(steps, dt).expect("steps");
-        let after = simulation.spheres().expect("spheres");
-        assert!(after[0].velocity.y > 0.0, "the ball must hit the floor: {text}");
-        within(kinetic(&after), before, 1e-5, &text);
-        hits += 1;
+    for number in 0..on(backend, 300, 8) {
+        let [before, after] = hit(&mut random, if number % 2 == 0 { Cuts::Exact } else { Cuts::Rounded }, backend);
+        within(kinetic(&[after]), kinetic(&[before]), 1e-5, &format!("kinetic energy of hit {number}, {before:?} {after:?}"));
+    }
+}
+
+/// They change the velocity across the floor only. Section 3.6 moves a ball back in time, perhaps to where another shape is nearer
+/// than the one that it overlaps now. The normal there is that of an edge within the floor: it turned 15 of 400 velocities, one of
+/// them by half of the speed.
+#[test]
+#[ignore = "docs/physics.md section 3.6 looks at one shape only in the state at the time of contact"]
+fn e27_hits_of_tiles_keep_the_velocity_along_the_floor() {
+    let mut random = Random::new(28);
+    for number in 0..300 {
+        let [before, after] = hit(&mut random, Cuts::Exact, Backend::Cpu);
+        let turned = (after.velocity.x - before.velocity.x).hypot(after.velocity.z - before.velocity.z);
+        assert!(turned < 1e-4 * before.velocity.length(), "hit {number}: {before:?} {after:?}");
     }
 }
 
