@@ -46,8 +46,12 @@ mod random;
 mod repeat;
 #[path = "parity/rules.rs"]
 mod rules;
+#[path = "parity/surfaces.rs"]
+mod surfaces;
 #[path = "parity/sweeps.rs"]
 mod sweeps;
+#[path = "parity/tiled.rs"]
+mod tiled;
 #[path = "parity/trace.rs"]
 mod trace;
 #[path = "common/verdicts.rs"]
@@ -131,7 +135,7 @@ fn assert_seen(traces: &[Trace], wanted: &[&str]) {
 }
 
 /// Cases that must occur in the traces of the RK4 test. The first four must also occur with symplectic Euler.
-const CASES: [&str; 41] = [
+const CASES: [&str; 48] = [
     "sphere-sphere overlapping",
     "sphere-sphere colliding",
     "sphere-sphere pressing",
@@ -173,6 +177,13 @@ const CASES: [&str; 41] = [
     "at its time",
     "longer than the step",
     "clamped at 0",
+    "sphere-box face hidden",
+    "sphere-box edge hidden",
+    "sphere-box vertex hidden",
+    "sphere-box inside hidden",
+    "sphere-polygon hidden",
+    "several surfaces",
+    "equal distances",
 ];
 
 #[test]

@@ -10,6 +10,8 @@ mod common;
 mod advance;
 #[path = "witness/closed.rs"]
 mod closed;
+#[path = "witness/closed_surfaces.rs"]
+mod closed_surfaces;
 #[path = "witness/collide.rs"]
 mod collide;
 #[path = "witness/compare.rs"]
@@ -34,6 +36,10 @@ mod mixtures;
 mod scenes;
 #[path = "witness/sides.rs"]
 mod sides;
+#[path = "witness/surfaces.rs"]
+mod surfaces;
+#[path = "witness/tiled.rs"]
+mod tiled;
 #[path = "witness/world.rs"]
 mod world;
 
@@ -175,7 +181,7 @@ fn the_gpu_agrees_with_the_witness_by_phases() {
 #[test]
 fn every_deliberate_mistake_is_detected() {
     for mistake in MISTAKES {
-        let tally = compare(Backend::Cpu, 0..340, 1, 3, Some(mistake));
+        let tally = compare(Backend::Cpu, 0..20 * scenes::KINDS as u64, 1, 3, Some(mistake));
         println!("{mistake:?}: {} differences in {tally}", tally.failures.len());
         assert!(!tally.failures.is_empty(), "{mistake:?} is not detected");
     }

@@ -15,7 +15,7 @@ const SPACING: f32 = 9.0;
 type Recipe = fn(&mut Draw);
 
 /// All kinds of clusters. Kinds whose objects rarely overlap are listed more than once.
-const RECIPES: [Recipe; 29] = [
+const RECIPES: [Recipe; 33] = [
     |d| d.sphere_pair(),
     |d| d.sphere_pair(),
     |d| d.capsule_and_sphere(),
@@ -45,10 +45,14 @@ const RECIPES: [Recipe; 29] = [
     |d| d.corner(),
     |d| d.struck_network(),
     |d| d.struck_network(),
+    |d| d.tiles(),
+    |d| d.overlaid(),
+    |d| d.groove(),
+    |d| d.sunk(),
 ];
 
 /// Kinds without rods.
-const WITHOUT_RODS: [Recipe; 9] = [
+const WITHOUT_RODS: [Recipe; 13] = [
     |d| d.sphere_pair(),
     |d| d.sphere_on_floor(),
     |d| d.spheres(6),
@@ -58,36 +62,42 @@ const WITHOUT_RODS: [Recipe; 9] = [
     |d| d.groups(),
     |d| d.giant(),
     |d| d.corner(),
+    |d| d.tiles(),
+    |d| d.overlaid(),
+    |d| d.groove(),
+    |d| d.sunk(),
 ];
 
 /// Kinds whose collisions most often share no body.
-const LONE: [Recipe; 9] = [
+const LONE: [Recipe; 10] = [
     |d| d.sphere_pair(),
     |d| d.sphere_on_floor(),
     |d| d.corner(),
     |d| d.shallow_overlaps(),
     |d| d.attached(),
+    |d| d.tiles(),
     |d| d.capsule_and_sphere(),
     |d| d.struck_rod(),
     |d| d.sphere_on_rod(true),
     |d| d.box_and_vertex_rods(),
 ];
 /// Number of kinds at the start of `LONE` that have no rods.
-const LONE_WITHOUT_RODS: usize = 5;
+const LONE_WITHOUT_RODS: usize = 6;
 
 /// Kinds without networks and without large spheres.
-const FEW: [Recipe; 8] = [
+const FEW: [Recipe; 9] = [
     |d| d.spheres(5),
     |d| d.sphere_on_floor(),
     |d| d.box_and_spheres(),
     |d| d.sphere_pair(),
+    |d| d.tiles(),
     |d| d.capsules(2),
     |d| d.capsules(3),
     |d| d.struck_rod(),
     |d| d.polygon(),
 ];
 /// Number of kinds at the start of `FEW` that have no rods.
-const FEW_WITHOUT_RODS: usize = 4;
+const FEW_WITHOUT_RODS: usize = 5;
 
 /// A scene of clusters, and the cluster of each object.
 pub(crate) struct Clusters {

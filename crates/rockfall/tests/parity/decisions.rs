@@ -13,6 +13,7 @@ use rockfall::model::world::World;
 use crate::bodies::{Bodies, Kind};
 use crate::collide::{self, Change, Share};
 use crate::narrow::{EDGES, Touch, touches};
+use crate::surfaces::without_hidden;
 
 /// Least slack of a decision, in units, units/s, or as a pure number.
 pub(crate) const LIMIT: f64 = 1e-4;
@@ -61,7 +62,7 @@ pub(crate) struct Contact {
     pub(crate) collides: bool,
 }
 
-/// Returns all overlaps. Ambiguous decisions on whether objects overlap go to `findings`.
+/// Returns all overlaps but those that other shapes hide. Ambiguous decisions on whether objects overlap go to `findings`.
 pub(crate) fn contacts(bodies: &Bodies, findings: &mut Findings) -> Vec<Contact> {
     let mut all = Vec::new();
     for a in 0..bodies.movers() {
@@ -75,7 +76,7 @@ pub(crate) fn contacts(bodies: &Bodies, findings: &mut Findings) -> Vec<Contact>
             }
         }
     }
-    all
+    without_hidden(bodies, all, findings)
 }
 
 fn contact(bodies: &Bodies, a: usize, b: usize, touch: Touch) -> Contact {

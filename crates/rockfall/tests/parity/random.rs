@@ -24,11 +24,11 @@ impl Draw<'_> {
         self.rng.random_range(-1.0..1.0)
     }
 
-    fn between(&mut self, low: f32, high: f32) -> f32 {
+    pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {
         self.rng.random_range(low..high)
     }
 
-    fn chance(&mut self, probability: f64) -> bool {
+    pub(crate) fn chance(&mut self, probability: f64) -> bool {
         self.rng.random_bool(probability)
     }
 
@@ -42,7 +42,7 @@ impl Draw<'_> {
         self.middle + offset
     }
 
-    fn direction(&mut self) -> Vec3 {
+    pub(crate) fn direction(&mut self) -> Vec3 {
         loop {
             let v = self.vector(1.0);
             if (0.1..1.0).contains(&v.length()) {
@@ -52,7 +52,7 @@ impl Draw<'_> {
     }
 
     /// A sphere with random state and parameters.
-    fn ball(&mut self, position: Vec3) -> Sphere {
+    pub(crate) fn ball(&mut self, position: Vec3) -> Sphere {
         let (mass, radius) = (self.between(0.5, 3.0), self.between(0.25, 0.5));
         let sphere = Sphere::new(position, radius).mass(mass).velocity(self.vector(2.0));
         let spin = self.vector(4.0);
@@ -66,7 +66,7 @@ impl Draw<'_> {
         self.add(if fixed { ball.fixed() } else { ball })
     }
 
-    fn add(&mut self, sphere: Sphere) -> SphereId {
+    pub(crate) fn add(&mut self, sphere: Sphere) -> SphereId {
         self.scene.add_sphere(sphere).unwrap()
     }
 

@@ -1,8 +1,8 @@
 //! Faults of the thesis's collision and contact model that this model corrects. Every test has its own scene, and its
 //! expected values are derived by hand.
 //!
-//! This file tests the errata E19 to E26 of `docs/physics.md`; each test's name begins with the number of its erratum.
-//! The files in `faults/` test corrections that are not errata.
+//! This file tests the errata E19 to E27 of `docs/physics.md`, together with `faults/surfaces.rs`, which tests E27. Each
+//! test's name begins with the number of its erratum. The other files in `faults/` test corrections that are not errata.
 
 use rockfall::{Backend, Cuboid, Integrator, Scene, Simulation, Sphere, SphereState};
 
@@ -13,6 +13,7 @@ mod forces;
 mod lengths;
 mod networks;
 pub(crate) mod scenes;
+mod surfaces;
 
 /// Settings for a smooth elastic collision without gravity.
 const ELASTIC: &str = "set gravity 0\nset restitution 1\nset friction 0\nset contact_damping 0\n";
@@ -342,6 +343,19 @@ fn e26_a_rod_between_rollers_does_not_move_a_ball(backend: Backend) {
     assert!(ball.velocity.length() < 1e-4 && ball.angular_momentum.length() < 1e-5, "{ball:?}");
 }
 
+/// A hit of two coplanar boxes that overlap is damped once. The ball arrives at 1, e = 0.5.
+fn e27_overlapping_boxes_damp_once(backend: Backend) {
+    let text = "set contact_law hertz-mindlin\nset gravity 0\n@material g density=2500 young=1e8 poisson=0.25\n\
+                @pair g g restitution=0.5 friction=0.3\n@use g\nB -1 -1 -1 2 0 0 0 1 0 0 0 2\nB -0.5 -0.5 -1 2 0 0 0 0.5 0 0 0 2\n\
+                S 7 0 0.0102 0 0 -1 0 0 0 0 - 0.01\n";
+    for integrator in [Integrator::SymplecticEuler, Integrator::VelocityVerlet] {
+        let mut simulation = opened(scene(text), backend, integrator);
+        simulation.run(300, 1e-5).expect("steps");
+        let velocity = simulation.spheres().expect("spheres")[0].velocity;
+        assert!((velocity.y - 0.5).abs() < 0.01, "{integrator}: {velocity}");
+    }
+}
+
 both! {
     e19_balls_of_any_size_come_to_rest,
     e19_a_small_ball_comes_to_rest,
@@ -363,4 +377,5 @@ both! {
     e25_a_pile_with_strong_friction_is_stable,
     e26_a_rod_between_rollers_does_not_move_a_ball,
     e26_a_rod_ignores_the_surface_velocity_of_a_fixed_end,
+    e27_overlapping_boxes_damp_once,
 }

@@ -11,7 +11,7 @@ use crate::known::{self, SMOOTH};
 use crate::scenes;
 use crate::world::{Ball, World};
 
-fn world(text: &str, dt: f64) -> World {
+pub(crate) fn world(text: &str, dt: f64) -> World {
     World::of(&known::parse(text), Integrator::Rk4, dt)
 }
 
@@ -20,7 +20,7 @@ fn smooth(text: &str, dt: f64) -> World {
 }
 
 /// Runs for a time in seconds. The first step restores lengths.
-fn run(world: &mut World, time: f64) {
+pub(crate) fn run(world: &mut World, time: f64) {
     for step in 0..(time / world.dt).round() as usize {
         world.step(step == 0);
     }
@@ -31,7 +31,7 @@ fn sum<T: std::iter::Sum>(world: &World, of: impl Fn(&Ball) -> T) -> T {
     world.balls.iter().filter(|ball| !ball.fixed).map(of).sum()
 }
 
-fn kinetic(world: &World) -> f64 {
+pub(crate) fn kinetic(world: &World) -> f64 {
     sum(world, |ball| 0.5 * (ball.mass * ball.v.length_squared() + ball.l.length_squared() / ball.inertia()))
 }
 
@@ -44,7 +44,7 @@ fn angular_momentum(world: &World) -> DVec3 {
 }
 
 #[track_caller]
-fn close(actual: f64, expected: f64, tolerance: f64) {
+pub(crate) fn close(actual: f64, expected: f64, tolerance: f64) {
     assert!((actual - expected).abs() <= tolerance, "{actual}, expected {expected} within {tolerance}");
 }
 

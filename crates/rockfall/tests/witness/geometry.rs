@@ -242,7 +242,7 @@ impl World {
         }
     }
 
-    /// All pairs that overlap in the present state.
+    /// All pairs that overlap in the present state, without those that other shapes hide.
     pub(crate) fn touches(&self) -> Vec<(Pair, Line)> {
         let things = self.things();
         let mut found = Vec::new();
@@ -253,7 +253,7 @@ impl World {
                 }
             }
         }
-        found
+        self.without_hidden(found)
     }
 
     fn things(&self) -> Vec<Thing> {

@@ -22,7 +22,7 @@ pub(crate) struct Plan {
 }
 
 /// Kinds of clusters.
-const RECIPES: [fn(&mut Draw); 17] = [
+const RECIPES: [fn(&mut Draw); 22] = [
     Draw::duel,
     Draw::crowd,
     Draw::corner,
@@ -40,6 +40,11 @@ const RECIPES: [fn(&mut Draw); 17] = [
     Draw::tied,
     Draw::parallel,
     Draw::folded,
+    Draw::tiles,
+    Draw::tiles_and_sheets,
+    Draw::overlaid,
+    Draw::groove,
+    Draw::sunk,
 ];
 
 /// Number of kinds of clusters.

@@ -139,7 +139,7 @@ impl Constants {
 }
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 13] = [
+pub(crate) const MISTAKES: [Mistake; 14] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -153,6 +153,7 @@ pub(crate) const MISTAKES: [Mistake; 13] = [
     Mistake::NoRattle,
     Mistake::FixedEnds,
     Mistake::SpringWork,
+    Mistake::Hidden,
 ];
 
 /// A deliberate mistake of the witness. The comparison must detect each of them.
@@ -184,6 +185,8 @@ pub(crate) enum Mistake {
     FixedEnds,
     /// The work of lone collisions on springs is ignored.
     SpringWork,
+    /// Shapes that another shape hides have contacts.
+    Hidden,
 }
 
 /// How the sweeps over rod lengths run.

@@ -1,0 +1,129 @@
+//! Boxes and polygons as one surface, in f64: which contacts of a sphere another shape hides (docs/physics.md section 2.11).
+
+use std::cmp::Ordering;
+
+use glam::DVec3;
+
+use crate::bodies::{Bodies, Kind};
+use crate::decisions::{Contact, Findings, LIMIT};
+
+/// A shape is behind a plane from this part of the radius in front of it.
+const BEHIND: f64 = 1e-5;
+/// Cosine of the angle up to which normals count as the same: 0.01.
+const SAME: f64 = 0.999_950_000_416_665;
+/// Least slack of the two conditions. Flush shapes have a slack of 1e-5 in the first one and of 5e-5 in the second one, so that both
+/// limits are below that of other decisions.
+const BEHIND_LIMIT: f64 = 4e-6;
+const SAME_LIMIT: f64 = 1e-6;
+
+/// A box or a polygon that a sphere overlaps.
+struct Shape {
+    /// Place in the list of contacts.
+    place: usize,
+    /// Signed distance from the centre of the sphere.
+    d: f64,
+    n: DVec3,
+    is_polygon: bool,
+    numbers: Vec<f64>,
+}
+
+impl Shape {
+    fn of(bodies: &Bodies, place: usize, contact: &Contact) -> Option<(usize, Self)> {
+        let Kind::Ball(ball) = bodies.kind(contact.a) else { return None };
+        let (is_polygon, vectors) = match bodies.kind(contact.b) {
+            Kind::Block(block) => {
+                let block = &bodies.blocks[block];
+                (false, [&[block.corner][..], &block.edges].concat())
+            }
+            Kind::Face(face) => {
+                let face = &bodies.faces[face];
+                (true, vec![face.corner, face.left, face.right])
+            }
+            Kind::Ball(_) | Kind::Bar(_) => return None,
+        };
+        let d = bodies.balls[ball].radius - contact.touch.overlap;
+        let numbers = vectors.into_iter().flat_map(|vector| vector.to_array()).collect();
+        Some((ball, Self { place, d, n: contact.touch.n, is_polygon, numbers }))
+    }
+
+    /// Whether equal distances from two shapes are equal numbers on every backend: the shapes are boxes along the axes whose
+    /// touched faces have the same coordinate, and it follows from the same numbers. Of a face that the corner is on, it follows
+    /// from the corner alone if the centre is outside.
+    fn ties(&self, other: &Self) -> bool {
+        let Some(axis) = (0..3).find(|axis| self.d == other.d && self.n[*axis].abs() > 1.0 - 1e-9) else { return false };
+        let is_level = |shape: &Self| {
+            let edges: Vec<&[f64]> = shape.numbers[3..].chunks(3).collect();
+            !shape.is_polygon && edges.iter().all(|edge| edge.iter().filter(|number| **number != 0.0).count() == 1)
+        };
+        let along = |shape: &Self| {
+            let edges = shape.numbers[3..].chunks(3);
+            edges.map(|edge| edge[axis]).find(|number| *number != 0.0)
+        };
+        let is_outward = |shape: &Self| shape.d > 0.0 && along(shape).is_some_and(|edge| edge * shape.n[axis] > 0.0);
+        is_level(self)
+            && is_level(other)
+            && self.n.dot(other.n) > 0.0
+            && self.numbers[axis] == other.numbers[axis]
+            && (along(self) == along(other) || is_outward(self) && is_outward(other))
+    }
+
+    fn order(&self, other: &Self) -> Ordering {
+        let by_numbers = || self.numbers.partial_cmp(&other.numbers).expect("finite numbers");
+        self.d.total_cmp(&other.d).then(self.is_polygon.cmp(&other.is_polygon)).then_with(by_numbers)
+    }
+
+    /// Whether an earlier shape hides this one, as a condition whose limit is [`LIMIT`].
+    fn hidden_by(&self, earlier: &Self, radius: f64) -> f64 {
+        let behind = (self.d * self.n.dot(earlier.n) - earlier.d) / radius + BEHIND;
+        let same = self.n.dot(earlier.n) - SAME;
+        (LIMIT / BEHIND_LIMIT * behind).max(LIMIT / SAME_LIMIT * same)
+    }
+}
+
+/// Removes the contacts of spheres with shapes that another shape hides.
+pub(crate) fn without_hidden(bodies: &Bodies, contacts: Vec<Contact>, findings: &mut Findings) -> Vec<Contact> {
+    let mut of_balls: Vec<Vec<Shape>> = bodies.balls.iter().map(|_| Vec::new()).collect();
+    for (ball, shape) in contacts.iter().enumerate().filter_map(|(place, contact)| Shape::of(bodies, place, contact)) {
+        of_balls[ball].push(shape);
+    }
+    let mut is_hidden = vec![false; contacts.len()];
+    for (ball, shapes) in of_balls.into_iter().enumerate() {
+        for place in hidden(ball, bodies.balls[ball].radius, shapes, findings) {
+            is_hidden[place] = true;
+            findings.count(format!("{} hidden", contacts[place].touch.kind));
+        }
+    }
+    contacts.into_iter().zip(is_hidden).filter_map(|(contact, is_hidden)| (!is_hidden).then_some(contact)).collect()
+}
+
+/// Returns the places of the hidden shapes of a sphere.
+fn hidden(ball: usize, radius: f64, mut shapes: Vec<Shape>, findings: &mut Findings) -> Vec<usize> {
+    shapes.sort_by(Shape::order);
+    let (mut kept, mut hidden): (Vec<Shape>, Vec<usize>) = (Vec::new(), Vec::new());
+    for shape in shapes {
+        let mut strongest = f64::NEG_INFINITY;
+        for earlier in &kept {
+            let hides = shape.hidden_by(earlier, radius);
+            // The order of two shapes matters if the later one would hide the earlier one if it came first.
+            let matters = hides.max(earlier.hidden_by(&shape, radius)) > -LIMIT;
+            if matters && shape.ties(earlier) {
+                findings.count("equal distances".to_owned());
+            } else if matters {
+                findings.decide("the order of shapes", ball, shape.d - earlier.d);
+            }
+            strongest = strongest.max(hides);
+        }
+        if !kept.is_empty() {
+            findings.decide("hidden", ball, strongest);
+        }
+        if strongest >= 0.0 {
+            hidden.push(shape.place);
+        } else {
+            kept.push(shape);
+        }
+    }
+    if kept.len() > 1 {
+        findings.count("several surfaces".to_owned());
+    }
+    hidden
+}
