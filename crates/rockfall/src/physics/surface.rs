@@ -23,25 +23,40 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// Whether a nearer candidate hides this one.
-    fn is_behind(&self, nearer: &Self, radius: f32) -> bool {
+    /// Whether a nearer candidate hides this one. A box that contains the centre hides only what is wholly behind its face.
+    fn is_behind(&self, view: &View, sphere: u32, nearer: &Self) -> bool {
         let cosine = self.normal.dot(nearer.normal);
-        self.distance * cosine >= nearer.distance - SLACK * radius || cosine >= ONE_NORMAL
+        let front = if nearer.distance < 0.0 {
+            let (_, [corner, edges @ ..]) = geometry(view, self.id);
+            let along = |vector: Vec3| vector.dot(nearer.normal);
+            along(corner - view.position(sphere)) + edges.map(|edge| along(edge).min(0.0)).iter().sum::<f32>()
+        } else {
+            self.distance * cosine
+        };
+        front >= nearer.distance - SLACK * view.radius(sphere) || cosine >= ONE_NORMAL
     }
 }
 
-/// The order of two candidates. It depends on their geometry alone.
-fn order(view: &View, one: &Candidate, other: &Candidate) -> Ordering {
-    let numbers = |id| match view.object(id) {
+/// Whether an object is a polygon, and the corner and the edges of a box or polygon.
+fn geometry(view: &View, id: u32) -> (bool, [Vec3; 4]) {
+    match view.object(id) {
         Object::Cuboid(cuboid) => {
             let record = view.cuboid(cuboid);
-            (false, [record.corner, record.edges[0], record.edges[1], record.edges[2]].map(|vector| vector.to_array()))
+            (false, [record.corner, record.edges[0], record.edges[1], record.edges[2]])
         }
         Object::Polygon(polygon) => {
             let record = view.polygon(polygon);
-            (true, [record.corner, record.left, record.right, Vec3::ZERO].map(|vector| vector.to_array()))
+            (true, [record.corner, record.left, record.right, Vec3::ZERO])
         }
-        Object::Sphere(_) | Object::Rod(_) => (true, [[0.0; 3]; 4]),
+        Object::Sphere(_) | Object::Rod(_) => (true, [Vec3::ZERO; 4]),
+    }
+}
+
+/// The order of two candidates. It depends on their geometry alone, unless they are identical.
+fn order(view: &View, one: &Candidate, other: &Candidate) -> Ordering {
+    let numbers = |id| {
+        let (is_polygon, vectors) = geometry(view, id);
+        (is_polygon, vectors.map(|vector| vector.to_array()))
     };
     let by_distance = one.distance.partial_cmp(&other.distance).unwrap_or(Ordering::Equal);
     by_distance.then_with(|| numbers(one.id).partial_cmp(&numbers(other.id)).unwrap_or(Ordering::Equal))
@@ -72,7 +87,7 @@ impl Hidden {
         candidates.sort_by(|one, other| order(view, one, other));
         let mut kept: Vec<Candidate> = Vec::new();
         for candidate in candidates {
-            if kept.iter().any(|nearer| candidate.is_behind(nearer, radius)) {
+            if kept.iter().any(|nearer| candidate.is_behind(view, sphere, nearer)) {
                 hidden.0.push(candidate.id);
             } else {
                 kept.push(candidate);

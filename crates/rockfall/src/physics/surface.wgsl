@@ -29,10 +29,28 @@ fn is_static(id: u32) -> bool {
     return id >= step.spheres + step.rods;
 }
 
-fn is_behind(one: Candidate, radius: f32) -> bool {
+// How far the part of a box or polygon that is most in front of a plane is behind the parallel plane through x.
+fn front_of_shape(id: u32, x: vec3f, n: vec3f) -> f32 {
+    let boxes = step.spheres + step.rods;
+    if id < boxes + step.boxes {
+        let box = cuboid(id - boxes);
+        return dot(box.corner - x, n) + min(dot(box.i, n), 0.0) + min(dot(box.j, n), 0.0) + min(dot(box.k, n), 0.0);
+    }
+    let face = polygon(id - boxes - step.boxes);
+    return dot(face.corner - x, n) + min(dot(face.left, n), 0.0) + min(dot(face.right, n), 0.0);
+}
+
+// Whether a chosen candidate hides this one. A box that contains the centre hides only what is wholly behind its face.
+fn is_behind(one: Candidate, own: vec4f) -> bool {
     for (var k = 0u; k < surface_count; k++) {
-        let cosine = dot(one.n, surfaces[k].xyz);
-        if (one.distance * cosine >= surfaces[k].w - SURFACE_SLACK * radius) | (cosine >= ONE_NORMAL) {
+        let n = surfaces[k].xyz;
+        let distance = surfaces[k].w;
+        let cosine = dot(one.n, n);
+        var front = one.distance * cosine;
+        if distance < 0.0 {
+            front = front_of_shape(one.id, own.xyz, n);
+        }
+        if (front >= distance - SURFACE_SLACK * own.w) | (cosine >= ONE_NORMAL) {
             return true;
         }
     }
@@ -73,7 +91,7 @@ fn is_first_shape(one: u32, other: u32) -> bool {
 fn nearer_candidate(best: Candidate, i: u32, own: vec4f, id: u32) -> Candidate {
     let found = touch_static(i, id, own);
     let one = Candidate(id, own.w - found.overlap, found.n);
-    if !(found.overlap > 0.0) || is_behind(one, own.w) {
+    if !(found.overlap > 0.0) || is_behind(one, own) {
         return best;
     }
     if best.id == NONE {
@@ -106,7 +124,7 @@ fn is_hidden_by_surfaces(i: u32, own: vec4f, id: u32) -> bool {
         return surface_count > 0u;
     }
     let found = touch_static(i, id, own);
-    return is_behind(Candidate(id, own.w - found.overlap, found.n), own.w);
+    return is_behind(Candidate(id, own.w - found.overlap, found.n), own);
 }
 
 fn choose_surface(one: Candidate) {

@@ -227,7 +227,7 @@ static MISTAKES: [Mistake; 16] = [
         "let distance = fine_between(other, i)",
         Buffer::Wrenches,
     ),
-    Mistake("drift", 0, "drift.wgsl", "vec4f(after.low, 0.0)", "vec4f(low, 0.0)", Buffer::Y4),
+    Mistake("drift", 0, "drift.wgsl", "vec4f(after.low, 0.0)", "vec4f(low_row(i), 0.0)", Buffer::Y4),
     Mistake("kick", 3, "kick.wgsl", "vec4f(after.low, 0.0)", "vec4f(0.0)", Buffer::Start),
     Mistake("finish", 3, "finished.wgsl", "vec4f(after.low, 0.0)", "vec4f(0.0)", Buffer::Start),
     Mistake("advance", 1, "next_state.wgsl", "low = start_row(3u, i).xyz", "low = vec3f(0.0)", Buffer::Y3),

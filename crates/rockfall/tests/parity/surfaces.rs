@@ -25,6 +25,8 @@ struct Shape {
     n: DVec3,
     is_polygon: bool,
     numbers: Vec<f64>,
+    /// Centre of the sphere.
+    x: DVec3,
 }
 
 impl Shape {
@@ -43,7 +45,7 @@ impl Shape {
         };
         let d = bodies.balls[ball].radius - contact.touch.overlap;
         let numbers = vectors.into_iter().flat_map(|vector| vector.to_array()).collect();
-        Some((ball, Self { place, d, n: contact.touch.n, is_polygon, numbers }))
+        Some((ball, Self { place, d, n: contact.touch.n, is_polygon, numbers, x: bodies.balls[ball].x }))
     }
 
     /// Whether equal distances from two shapes are equal numbers on every backend: the shapes are boxes along the axes whose
@@ -72,9 +74,16 @@ impl Shape {
         self.d.total_cmp(&other.d).then(self.is_polygon.cmp(&other.is_polygon)).then_with(by_numbers)
     }
 
+    /// The least of (q - x) n over the vertices q.
+    fn depth_of_foremost(&self, n: DVec3) -> f64 {
+        let vectors: Vec<DVec3> = self.numbers.chunks(3).map(DVec3::from_slice).collect();
+        vectors[1..].iter().fold((vectors[0] - self.x).dot(n), |depth, edge| depth + edge.dot(n).min(0.0))
+    }
+
     /// Whether an earlier shape hides this one, as a condition whose limit is [`LIMIT`].
     fn hidden_by(&self, earlier: &Self, radius: f64) -> f64 {
-        let behind = (self.d * self.n.dot(earlier.n) - earlier.d) / radius + BEHIND;
+        let depth = if earlier.d < 0.0 { self.depth_of_foremost(earlier.n) } else { self.d * self.n.dot(earlier.n) };
+        let behind = (depth - earlier.d) / radius + BEHIND;
         let same = self.n.dot(earlier.n) - SAME;
         (LIMIT / BEHIND_LIMIT * behind).max(LIMIT / SAME_LIMIT * same)
     }

@@ -21,6 +21,9 @@ struct Candidate {
     n: DVec3,
     /// Whether it is a polygon, and the numbers of its corner and edges.
     geometry: (bool, Vec<f64>),
+    /// Corner and edges, seen from the centre of the sphere.
+    corner: DVec3,
+    edges: Vec<DVec3>,
 }
 
 impl Candidate {
@@ -29,9 +32,14 @@ impl Candidate {
         self.d.total_cmp(&other.d).then_with(|| numbers(self, other))
     }
 
+    /// Depth behind the centre, along a direction, of the vertex that is least deep.
+    fn least_depth(&self, n: DVec3) -> f64 {
+        self.edges.iter().fold(self.corner.dot(n), |depth, edge| depth + edge.dot(n).min(0.0))
+    }
+
     fn is_hidden_by(&self, other: &Self, radius: f64) -> bool {
-        let nearest = self.d * self.n;
-        nearest.dot(other.n) >= other.d - BEHIND * radius || self.n.dot(other.n) >= SAME_NORMAL.cos()
+        let depth = if other.d < 0.0 { self.least_depth(other.n) } else { self.d * self.n.dot(other.n) };
+        depth >= other.d - BEHIND * radius || self.n.dot(other.n) >= SAME_NORMAL.cos()
     }
 }
 
@@ -64,18 +72,25 @@ impl World {
             Thing::Block(block) => {
                 let block = &self.blocks[block];
                 let [i, j, k] = block.edges;
-                Some((false, numbers(&[block.corner, i, j, k])))
+                Some((false, vec![block.corner, i, j, k]))
             }
             Thing::Face(face) => {
                 let face = &self.faces[face];
-                Some((true, numbers(&[face.corner, face.left, face.right])))
+                Some((true, vec![face.corner, face.left, face.right]))
             }
             Thing::Ball(_) | Thing::Bar(_) => None,
         };
         let own = found.iter().enumerate().filter(|(_, (pair, _))| pair.a == Thing::Ball(ball));
         own.filter_map(|(place, (pair, line))| {
-            let geometry = geometry(pair.b)?;
-            Some(Candidate { place, d: self.balls[ball].radius - line.o, n: line.n, geometry })
+            let (is_face, vectors) = geometry(pair.b)?;
+            Some(Candidate {
+                place,
+                d: self.balls[ball].radius - line.o,
+                n: line.n,
+                geometry: (is_face, numbers(&vectors)),
+                corner: vectors[0] - self.balls[ball].x,
+                edges: vectors[1..].to_vec(),
+            })
         })
         .collect()
     }
