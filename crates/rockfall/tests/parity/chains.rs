@@ -2,6 +2,7 @@
 //! without room in the pool.
 
 use rockfall::exec::gpu::GpuWorld;
+use rockfall::glam::Vec3;
 use rockfall::model::buffer::Buffer;
 use rockfall::model::layout::{HISTORY_BLOCK, HISTORY_WORDS, LINK_KEY, NO_KEY};
 use rockfall::model::status::{REJECTED_ESCAPED, REJECTED_HISTORY};
@@ -16,7 +17,7 @@ use crate::keys;
 use crate::trace::with_step_settings;
 use crate::verdicts::Verdicts;
 
-/// Balls on 1, 2, ... 14 plates of the same height.
+/// Balls on 1, 2, ... 14 strips.
 const BALLS: u8 = 14;
 /// Blocks of the pool that their chains take.
 const BLOCKS: u32 = 3 + 3 * 2 + 3 * 3 + 4;
@@ -42,9 +43,14 @@ fn before(pool: u32) -> World {
         scene.add_sphere(Sphere::new(place, 0.5).density(1.0).material(soft).velocity(velocity)).expect("a valid sphere");
     }
     for k in 0..BALLS {
-        // A ball touches the plates that begin before it.
-        let low = [f32::from(k) * 1.5 - 0.75, -1.0, -9.0 - f32::from(k)];
-        scene.add_box(Cuboid::between(low, [40.0, 0.0, 9.0]).material(soft)).expect("a valid box");
+        // A ball touches the strips that begin before it. Each strip is in another direction: of strips in one plane, only one would
+        // count.
+        let (sin, cos) = (0.15 * (f32::from(k) - 6.5)).sin_cos();
+        let (down, across) = (Vec3::new(0.0, -cos, sin), Vec3::new(0.0, sin, cos));
+        let begin = f32::from(k) * 1.5 - 0.75;
+        let corner = Vec3::new(begin, 0.48, 0.1) + 0.48 * down + 0.1 * across;
+        let strip = Cuboid::new(corner, (40.0 - begin) * Vec3::X, 0.2 * down, -0.2 * across);
+        scene.add_box(strip.material(soft)).expect("a valid box");
     }
     let mut world = with_step_settings(World::build(&scene).expect("a world"));
     world.set_history_pool(BLOCKS);
