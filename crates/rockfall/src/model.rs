@@ -1,7 +1,7 @@
 //! The memory that both backends share: plain structs, and the layouts of the buffers.
 //!
 //! Every GPU buffer that the CPU backend uses too has a host array of the same layout in [`World`](world::World). The WGSL
-//! side of these declarations is `model/step.wgsl`. A test compares names, offsets, types and sizes of both sides.
+//! of these declarations is `model/step.wgsl` and what `model/declared.rs` generates from the Rust side.
 //!
 //! ```text
 //! object ids   spheres, then rods, then boxes, then polygons, each in insertion order. Spheres may be stored in another

@@ -71,8 +71,8 @@ pub enum WorldPath {
     /// other.
     Simulation,
     /// By a workgroup of the GPU, which runs many steps in one dispatch, side by side with other worlds; small worlds of large
-    /// batches share a workgroup. This path takes worlds of
-    /// up to 32 spheres, 64 objects and 128 springs, without rods, materials, collisions as impulses
+    /// batches share a workgroup. This path takes worlds of up to 32 spheres, 64 objects and 128 springs, with RK4 or symplectic
+    /// Euler, the contact law of the thesis and single precision. They have no rods, materials, collisions as impulses
     /// ([`Settings::collisions`](crate::Settings::collisions)) and friction impulses. A world that replaces another one takes it if
     /// it is not larger than the largest world was when the batch was created.
     Device,

@@ -413,8 +413,8 @@ impl Scene {
 
     /// The properties of the contacts between two materials. `None` stands for objects without a material.
     ///
-    /// A property that is not given for the pair is the geometric mean of the values that are given for each material with
-    /// itself. If only one of them is given, it is that value. If none is given, the property is `None`, and the constants of
+    /// A property that is not given for the pair is the mean of the values that are given for each material with itself: the
+    /// harmonic mean of stiffnesses, the geometric mean of all others. If only one of them is given, it is that value. If none is given, the property is `None`, and the constants of
     /// the scene hold.
     ///
     /// # Errors
