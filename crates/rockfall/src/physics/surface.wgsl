@@ -20,10 +20,13 @@ struct Candidate {
     n: vec3f,
 }
 
-// The chosen candidates of a sphere: unit normals and distances, and ids.
-var<private> surfaces: array<vec4f, MOST_SURFACES>;
-var<private> surface_ids: array<u32, MOST_SURFACES>;
-var<private> surface_count: u32;
+// The chosen candidates of a sphere. A variable of a function: those of a module would be set to zero in every thread.
+struct Surfaces {
+    // Unit normals and distances.
+    rows: array<vec4f, MOST_SURFACES>,
+    ids: array<u32, MOST_SURFACES>,
+    count: u32,
+}
 
 fn is_static(id: u32) -> bool {
     return id >= step.spheres + step.rods;
@@ -41,10 +44,10 @@ fn front_of_shape(id: u32, x: vec3f, n: vec3f) -> f32 {
 }
 
 // Whether a chosen candidate hides this one. A box that contains the centre hides only what is wholly behind its face.
-fn is_behind(one: Candidate, own: vec4f) -> bool {
-    for (var k = 0u; k < surface_count; k++) {
-        let n = surfaces[k].xyz;
-        let distance = surfaces[k].w;
+fn is_behind(one: Candidate, own: vec4f, chosen: ptr<function, Surfaces>) -> bool {
+    for (var k = 0u; k < (*chosen).count; k++) {
+        let n = (*chosen).rows[k].xyz;
+        let distance = (*chosen).rows[k].w;
         let cosine = dot(one.n, n);
         var front = one.distance * cosine;
         if distance < 0.0 {
@@ -88,10 +91,10 @@ fn is_first_shape(one: u32, other: u32) -> bool {
 }
 
 // The better one of a candidate and a box or polygon: nearer, and not hidden by the chosen ones.
-fn nearer_candidate(best: Candidate, i: u32, own: vec4f, id: u32) -> Candidate {
+fn nearer_candidate(best: Candidate, i: u32, own: vec4f, id: u32, chosen: ptr<function, Surfaces>) -> Candidate {
     let found = touch_static(i, id, own);
     let one = Candidate(id, own.w - found.overlap, found.n);
-    if !(found.overlap > 0.0) || is_behind(one, own) {
+    if !(found.overlap > 0.0) || is_behind(one, own, chosen) {
         return best;
     }
     if best.id == NONE {
@@ -113,22 +116,19 @@ fn no_candidate() -> Candidate {
     return Candidate(NONE, 0.0, vec3f(0.0));
 }
 
-// Whether a sphere does not touch a box or polygon that it overlaps. The surfaces of the sphere have been chosen.
-fn is_hidden_by_surfaces(i: u32, own: vec4f, id: u32) -> bool {
-    for (var k = 0u; k < surface_count; k++) {
-        if surface_ids[k] == id {
+// Whether a sphere overlaps a box or polygon that a chosen candidate hides. All candidates have been chosen from.
+fn is_hidden(i: u32, own: vec4f, id: u32, chosen: ptr<function, Surfaces>) -> bool {
+    for (var k = 0u; k < (*chosen).count; k++) {
+        if (*chosen).ids[k] == id {
             return false;
         }
     }
-    if surface_count < MOST_SURFACES {
-        return surface_count > 0u;
-    }
     let found = touch_static(i, id, own);
-    return is_behind(Candidate(id, own.w - found.overlap, found.n), own);
+    return (found.overlap > 0.0) && is_behind(Candidate(id, own.w - found.overlap, found.n), own, chosen);
 }
 
-fn choose_surface(one: Candidate) {
-    surfaces[surface_count] = vec4f(one.n, one.distance);
-    surface_ids[surface_count] = one.id;
-    surface_count++;
+fn choose_surface(one: Candidate, chosen: ptr<function, Surfaces>) {
+    (*chosen).rows[(*chosen).count] = vec4f(one.n, one.distance);
+    (*chosen).ids[(*chosen).count] = one.id;
+    (*chosen).count++;
 }

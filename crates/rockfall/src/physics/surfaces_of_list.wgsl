@@ -1,42 +1,48 @@
-// requires model/entries.wgsl model/lists.wgsl model/step.wgsl physics/surface.wgsl
+// requires model/entries.wgsl model/lists.wgsl model/step.wgsl physics/contact.wgsl physics/surface.wgsl
 
-// The surfaces of a sphere, from its list.
+// The hidden entries in the list of a sphere.
 
-// The sphere whose surfaces have been chosen.
-var<private> chosen_for: u32 = NONE;
-
-fn choose_surfaces(i: u32, own: vec4f) {
-    surface_count = 0u;
-    let count = count_of(i);
-    let first = first_of(i);
-    // Boxes and polygons are the last entries.
-    var begin = count;
-    while (begin > 0u) && is_static(entry_id(entry_at(slot_at(first, begin - 1u)))) {
-        begin--;
-    }
-    if count - begin < 2u {
-        return;
-    }
-    while surface_count < MOST_SURFACES {
-        var best = no_candidate();
-        for (var e = begin; e < count; e++) {
-            best = nearer_candidate(best, i, own, entry_id(entry_at(slot_at(first, e))));
-        }
-        if best.id == NONE {
-            return;
-        }
-        choose_surface(best);
-    }
+fn is_static_entry(first: vec2u, e: u32) -> bool {
+    return is_static(entry_id(entry_at(slot_at(first, e))));
 }
 
-// Whether a sphere does not touch an object that it overlaps, because a nearer one hides it.
-fn is_hidden(i: u32, own: vec4f, id: u32) -> bool {
-    if !is_static(id) {
-        return false;
+// Which of the entries from `begin` on, up to ENTRIES_PER_MASK, are hidden: a bit each.
+fn hidden_entries(i: u32, own: vec4f, first: vec2u, begin: u32, count: u32) -> u32 {
+    let end = min(begin + ENTRIES_PER_MASK, count);
+    // Boxes and polygons are the last entries. One alone is not hidden.
+    if count < 2u {
+        return 0u;
     }
-    if chosen_for != i {
-        choose_surfaces(i, own);
-        chosen_for = i;
+    if !is_static_entry(first, count - 2u) || !is_static_entry(first, end - 1u) {
+        return 0u;
     }
-    return is_hidden_by_surfaces(i, own, id);
+    return hidden_among_several(i, own, first, begin, count);
+}
+
+fn hidden_among_several(i: u32, own: vec4f, first: vec2u, begin: u32, count: u32) -> u32 {
+    var statics = count;
+    while (statics > 0u) && is_static_entry(first, statics - 1u) {
+        statics--;
+    }
+    var chosen: Surfaces;
+    while chosen.count < MOST_SURFACES {
+        var best = no_candidate();
+        for (var e = statics; e < count; e++) {
+            best = nearer_candidate(best, i, own, entry_id(entry_at(slot_at(first, e))), &chosen);
+        }
+        if best.id == NONE {
+            break;
+        }
+        choose_surface(best, &chosen);
+    }
+    var hidden = 0u;
+    if chosen.count == 0u {
+        return hidden;
+    }
+    for (var e = max(begin, statics); e < min(begin + ENTRIES_PER_MASK, count); e++) {
+        if is_hidden(i, own, entry_id(entry_at(slot_at(first, e))), &chosen) {
+            hidden |= 1u << (e - begin);
+        }
+    }
+    return hidden;
 }

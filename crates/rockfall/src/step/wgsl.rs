@@ -35,7 +35,6 @@ pub const HOOKS: &[(&str, &str)] = &[
     ("emit", "handles a pair that the broad phase finds"),
     ("evaluation", "number of the force evaluation of RK4, from 0; velocity Verlet: 0 for the state, 3 for stage state 4"),
     ("into", "start of the list to sort"),
-    ("is_hidden", "whether a sphere does not touch an object that it overlaps, because a nearer one hides it"),
     ("is_put_off", "whether a contact does not collide because a crossing of one of its spheres came first"),
     ("low_at", "index of the low part of the position of a sphere in `state`"),
     ("low_row", "low part of the position of a sphere"),

@@ -1,5 +1,5 @@
 // requires physics/forces/sphere_push.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
-// requires physics/forces/attached.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl physics/laws/history.wgsl physics/laws/mover_contact.wgsl
+// requires physics/forces/attached.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl physics/surfaces_of_list.wgsl physics/laws/history.wgsl physics/laws/mover_contact.wgsl
 
 // The load of a sphere, computed by one thread.
 
@@ -26,6 +26,7 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
         if RODS {
             rest = without_distant_rods(i, own, ENTRY_OVERLAPS, first, begin, count, rest);
         }
+        rest &= ~hidden_entries(i, own, first, begin, count);
         var now = meet(first, begin, rest);
         while rest != 0u {
             rest &= rest - 1u;
@@ -43,10 +44,17 @@ fn add_law_contacts(i: u32, net: ptr<function, Net>) {
     var chain = new_chain(i);
     let count = count_of(i);
     let first = first_of(i);
+    var hidden = 0u;
     for (var e = 0u; e < count; e++) {
+        if e % ENTRIES_PER_MASK == 0u {
+            hidden = hidden_entries(i, state[position_at(i)], first, e, count);
+        }
+        if ((hidden >> (e % ENTRIES_PER_MASK)) & 1u) != 0u {
+            continue;
+        }
         let entry = entry_at(slot_at(first, e));
         let met = mover_contact(i, entry);
-        if !met.touches || ((met.push.overlap > 0.0) && is_hidden(i, state[position_at(i)], entry_id(entry))) {
+        if !met.touches {
             continue;
         }
         add_push(met.push, net);

@@ -15,9 +15,6 @@ fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: LoadedEntry) -> 
         }
     } else {
         found = touch_static_or_rod(i, id, own);
-        if (found.overlap > 0.0) && is_hidden(i, own, id) {
-            return no_push();
-        }
         their_side = other_side(id, found.b);
     }
     // A position far outside of the range of f32 makes the overlap no number. That is no contact either.

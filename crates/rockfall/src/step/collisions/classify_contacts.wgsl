@@ -1,4 +1,4 @@
-// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/put_head.wgsl
+// requires physics/surfaces_of_list.wgsl model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/put_head.wgsl
 // requires model/step.wgsl physics/collision.wgsl physics/collision/plain.wgsl physics/contact.wgsl physics/geometry.wgsl
 // requires physics/escape.wgsl
 
@@ -77,14 +77,12 @@ fn entries_to_classify(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
     return touching_rod(own.id, own.bar, bits, first, begin, count);
 }
 
-// Classifies an entry and returns its bits. They are written only if they have changed, which is rare.
-fn mark_entry(own: Own, velocity: vec4f, other: LoadedEntry, slot: vec2u) -> u32 {
+// Classifies an entry, which may be hidden, and returns its bits. They are written only if they have changed, which is rare.
+fn mark_entry(own: Own, velocity: vec4f, other: LoadedEntry, slot: vec2u, is_hidden: bool) -> u32 {
     let entry = other.entry & ~(ENTRY_OVERLAPS | ENTRY_COLLIDES);
     var bits = classify(own, velocity, other);
-    if (bits != 0u) & (own.id < step.spheres) {
-        if is_hidden(own.id, own.place, entry_id(other.entry)) {
-            bits = 0u;
-        }
+    if is_hidden {
+        bits = 0u;
     }
     if (bits & ENTRY_COLLIDES) != 0u {
         if is_put_off(own.id, entry_id(other.entry)) {
@@ -110,12 +108,17 @@ fn mark_entries(mover: u32) -> u32 {
     let velocity = state[velocity_at(sphere)];
     for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
         var rest = entries_to_classify(own, first, begin, count);
+        var hidden = 0u;
+        if mover < step.spheres {
+            hidden = hidden_entries(mover, own.place, first, begin, count);
+        }
         var now = meet(first, begin, rest);
         while rest != 0u {
-            let slot = slot_at(first, begin + firstTrailingBit(rest));
+            let place = firstTrailingBit(rest);
+            let slot = slot_at(first, begin + place);
             rest &= rest - 1u;
             let ahead = meet(first, begin, rest);
-            let bits = mark_entry(own, velocity, now, slot);
+            let bits = mark_entry(own, velocity, now, slot, ((hidden >> place) & 1u) != 0u);
             any_bits |= bits;
             if (bits & ENTRY_COLLIDES) != 0u {
                 found += select(0u, 1u, ordered(mover, entry_id(now.entry)).x == mover);

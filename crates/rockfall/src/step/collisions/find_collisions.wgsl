@@ -39,7 +39,9 @@ fn mark_and_list_large_sphere(sphere: u32, local: u32) -> u32 {
     for (var e = local; e < count; e += WORKGROUP) {
         let slot = slot_at(first, e);
         let other = load_entry(entry_at(slot), true);
-        if (mark_entry(own, velocity, other, slot) & ENTRY_COLLIDES) != 0u {
+        let chunk = e - e % ENTRIES_PER_MASK;
+        let is_hidden = ((hidden_entries(sphere, own.place, first, chunk, count) >> (e - chunk)) & 1u) != 0u;
+        if (mark_entry(own, velocity, other, slot, is_hidden) & ENTRY_COLLIDES) != 0u {
             atomicStore(&any_collides, 1u);
             found += select(0u, 1u, ordered(sphere, entry_id(other.entry)).x == sphere);
             list_entry(sphere, slot);

@@ -128,33 +128,32 @@ fn near_statics() -> vec2u {
     return vec2u(near.x & ~sphere_bits(), near.y);
 }
 
-// Whether the surfaces of the thread's sphere have been chosen in this force evaluation.
-var<private> has_surfaces: bool;
-
-fn choose_surfaces(i: u32, own: vec4f) {
-    surface_count = 0u;
-    while surface_count < MOST_SURFACES {
+// The near static objects that are not hidden.
+fn visible_statics(i: u32, own: vec4f) -> vec2u {
+    var visible = near_statics();
+    if countOneBits(visible.x) + countOneBits(visible.y) < 2u {
+        return visible;
+    }
+    var chosen: Surfaces;
+    while chosen.count < MOST_SURFACES {
         var best = no_candidate();
         var statics = near_statics();
         while any(statics != vec2u(0u)) {
-            best = nearer_candidate(best, i, own, take_lowest(&statics));
+            best = nearer_candidate(best, i, own, take_lowest(&statics), &chosen);
         }
         if best.id == NONE {
-            return;
+            break;
         }
-        choose_surface(best);
+        choose_surface(best, &chosen);
     }
-}
-
-fn is_hidden(i: u32, own: vec4f, id: u32) -> bool {
-    if !is_static(id) {
-        return false;
+    var statics = near_statics();
+    while any(statics != vec2u(0u)) {
+        let id = take_lowest(&statics);
+        if is_hidden(i, own, id, &chosen) {
+            visible &= ~bit_of(id);
+        }
     }
-    if !has_surfaces {
-        choose_surfaces(i, own);
-        has_surfaces = true;
-    }
-    return is_hidden_by_surfaces(i, own, id);
+    return visible;
 }
 
 fn add_near_contact(i: u32, own: vec4f, side: Side, other: LoadedEntry, net: ptr<function, Net>) {
@@ -180,8 +179,7 @@ fn add_near_contacts(i: u32, net: ptr<function, Net>) {
     if SPHERE_PAIRS {
         add_sphere_contacts(i, own, side, near.x & sphere_bits(), net);
     }
-    has_surfaces = false;
-    var statics = near_statics();
+    var statics = visible_statics(i, own);
     while any(statics != vec2u(0u)) {
         // The rows of a static object are not used.
         let other = LoadedEntry(take_lowest(&statics), vec4f(0.0), vec4f(0.0), vec4f(0.0));

@@ -1,4 +1,4 @@
-// requires physics/forces/sphere_push.wgsl model/entries.wgsl model/lists.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
+// requires physics/forces/sphere_push.wgsl physics/surfaces_of_list.wgsl model/entries.wgsl model/lists.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/forces/net_force.wgsl physics/forces/sphere_load.wgsl physics/geometry.wgsl physics/laws/history.wgsl
 // requires physics/laws/mover_contact.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
@@ -28,9 +28,6 @@ fn large_push(i: u32, local: u32, partner: u32, own: vec4f, side: Side, entry: u
         return push;
     }
     let met = mover_contact(i, entry);
-    if (met.push.overlap > 0.0) && is_hidden(i, own, entry_id(entry)) {
-        return no_push();
-    }
     count_if(met.is_a, met.push, net);
     if met.owns {
         new_keys[local] = entry_key(entry_id(entry), entry_feature(entry));
@@ -52,8 +49,10 @@ fn add_contacts_by_workgroup(i: u32, local: u32, net: ptr<function, Net>) {
         if LAW != LAW_THESIS {
             new_keys[local] = NO_KEY;
         }
-        if begin + local < count {
-            push = large_push(i, local, partner, own, side, entry_at(slot_at(first, begin + local)), net);
+        let place = begin + local;
+        let chunk = place - place % ENTRIES_PER_MASK;
+        if (place < count) && ((hidden_entries(i, own, first, chunk, count) >> (place - chunk)) & 1u) == 0u {
+            push = large_push(i, local, partner, own, side, entry_at(slot_at(first, place)), net);
         }
         let here = min(count - begin, WORKGROUP);
         add_in_order(local, here, push.force, 1.0, push.torque_per_arm, push.arm);
