@@ -143,6 +143,10 @@ pub(crate) fn is_lone(bodies: &Bodies, k: &Contact, pressed: &[Contact], finding
                 let along = k.touch.n.dot(l.touch.n).abs();
                 findings.decide("at a right angle", k.a, along - RIGHT_ANGLE);
                 is_lone &= along <= RIGHT_ANGLE;
+                if l.collides && (1e-6..=RIGHT_ANGLE).contains(&along) {
+                    // In clusters, only the GPU counts the impulses of such lone collisions (docs/physics.md section 8).
+                    findings.decide("at nearly a right angle", k.a, 0.0);
+                }
                 if along <= RIGHT_ANGLE {
                     findings.count("at a right angle".to_owned());
                 }
