@@ -95,25 +95,29 @@ fn chunks_of_every_array_give_bitwise_identical_results() {
     }
 }
 
-/// Balls on plates, with a law whose springs need more chunks as the pool grows. Chains lead from chunk to chunk.
+/// Balls on strips, with a law whose springs need more chunks as the pool grows. Chains lead from chunk to chunk.
 #[test]
 fn springs_of_contacts_in_chunks_give_bitwise_identical_results() {
     let mut scene = with(|settings| {
-        settings.gravity = 10.0;
+        settings.gravity = 20.0;
         settings.contact_law = ContactLaw::Linear;
         settings.collisions = false;
     });
     let soft = scene.add_material(Material::new("soft").density(1.0).young(1e5).poisson(0.25)).expect("a valid material");
-    scene.set_pair(soft, soft, Pair::default().restitution(0.3).friction(0.5).stiffness(1e3)).expect("a valid pair");
+    scene.set_pair(soft, soft, Pair::default().restitution(0.3).friction(0.5).stiffness(3e2)).expect("a valid pair");
     for k in 0..60_u8 {
         let [x, z] = [k % 10, k / 10].map(|k| 0.45 * f32::from(k));
-        let ball = Sphere::new([x, 0.199, z], 0.2).density(1.0).material(soft).velocity([0.5, 0.0, 0.1]);
+        let ball = Sphere::new([x, 0.199, z], 0.2).density(1.0).material(soft).velocity([0.5, 0.0, 0.0]);
         scene.add_sphere(ball).expect("a valid sphere");
     }
-    for k in 0..12_u8 {
-        // More and more plates along x.
-        let low = [0.3 * f32::from(k) - 1.0, -1.0, -5.0];
-        scene.add_box(Cuboid::between(low, [20.0, 0.0, 5.0]).material(soft)).expect("a valid box");
+    for (row, k) in (0..6_u8).flat_map(|row| (0..12_u8).map(move |k| (row, k))) {
+        // More and more strips along x. Each is in another direction: of strips in one plane, only one would count.
+        let (sin, cos) = (0.15 * (f32::from(k) - 5.5)).sin_cos();
+        let (down, across) = (Vec3::new(0.0, -cos, sin), Vec3::new(0.0, sin, cos));
+        let axis = Vec3::new(0.3 * f32::from(k) - 1.0, 0.199, 0.45 * f32::from(row));
+        let corner = axis + 0.199 * down + 0.02 * across;
+        let strip = Cuboid::new(corner, (20.0 - axis.x) * Vec3::X, 0.05 * down, -0.04 * across);
+        scene.add_box(strip.material(soft)).expect("a valid box");
     }
     let options = Options::new().integrator(Integrator::VelocityVerlet).broad_phase(BroadPhase::BruteForce);
     // 48 blocks.
