@@ -161,7 +161,7 @@ fn the_pool_grows_once_to_a_quarter_more(backend: Backend) {
     // The strips are symmetric, and the records of the first ones are in the ball's own block.
     for of_ball in displacements.chunks_exact(12) {
         let mirrored = of_ball.iter().rev().map(|other| *other * Vec3::new(1.0, 1.0, -1.0));
-        let are_alike = of_ball.iter().zip(mirrored).all(|(one, other)| one.distance(other) < 1e-4 * one.length());
+        let are_alike = of_ball.iter().zip(mirrored).all(|(one, other)| one.distance(other) < 2e-3 * one.length());
         assert!(of_ball[0].x.abs() > 1e-7 && are_alike, "{of_ball:?}");
     }
 }
