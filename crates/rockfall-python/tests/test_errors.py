@@ -101,7 +101,7 @@ SCENE: list[tuple[Callable[[rf.Scene], Any], type[Exception], str]] = [
     (lambda s: rf.Simulation(s, dt="1"), TypeError, "dt: expected a number"),  # type: ignore[arg-type]
     (lambda s: rf.Simulation(s, backend="cuda"), ValueError, "backend: .*cuda.* expected one of: auto gpu cpu"),
     (lambda s: rf.Simulation(s, backend=1), TypeError, "backend: expected a str"),  # type: ignore[arg-type]
-    (lambda s: rf.Simulation(s, integrator="euler"), ValueError, "integrator: .*euler.* expected rk4"),
+    (lambda s: rf.Simulation(s, integrator="euler"), ValueError, "integrator: .*euler.* expected auto, rk4"),
     (lambda s: rf.Simulation(s, broad_phase="tree"), ValueError, "broad-phase"),
 ]
 

@@ -512,7 +512,7 @@ fn entry_file(stage: &str) -> &str {
 }
 
 /// Plans of the traces that must reveal the mistakes.
-fn plans() -> [Plan; 15] {
+fn plans() -> [Plan; 17] {
     let (rk4, euler, verlet) = (Integrator::Rk4, Integrator::SymplecticEuler, Integrator::VelocityVerlet);
     // Friction so strong that its bound limits it.
     let rough = Settings::default().with(|settings| {
@@ -544,6 +544,10 @@ fn plans() -> [Plan; 15] {
         plan(2, rk4),
         // Contact forces have a torque, and so change angular momenta, only without Coulomb friction.
         Plan { only: Only::Few, settings: rough, ..plan(5, euler) },
+        // So few boxes and polygons that they are tested apart from the grid.
+        Plan { rods: false, clusters: 14, ..plan(19, rk4) },
+        // A sphere above a polygon, with a neck.
+        Plan { rods: false, ..with_law(plan(132, euler), ContactLaw::HertzMindlin) },
     ]
 }
 
