@@ -202,7 +202,7 @@ impl Renderer {
         self.step = self.buffers.update(&self.device, &self.queue, simulation)?;
         self.update_values(simulation, style)?;
         if self.buffers.bind(&self.device, &self.layouts.bodies, &self.uniform) {
-            self.cull.bind(&self.device, &self.uniform, self.buffers.bound_buffers(), self.step.spheres);
+            self.cull.bind(&self.device, &self.uniform, self.buffers.bound_buffers(), self.step.layout.spheres);
         }
         let resolution = Resolution::of(frame::springs(&self.step) + frame::tethers(&self.step));
         if self.coil.resolution != resolution {
@@ -228,7 +228,7 @@ impl Renderer {
     /// Copies the positions and orientations of the last [`Renderer::update`], on the device, as the state to blend from.
     pub fn remember(&mut self) {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.buffers.remember(&mut encoder, self.step.spheres);
+        self.buffers.remember(&mut encoder, self.step.layout.spheres);
         self.queue.submit([encoder.finish()]);
     }
 

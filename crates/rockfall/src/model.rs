@@ -30,6 +30,7 @@ pub(crate) mod rest;
 pub(crate) mod state;
 pub mod status;
 pub mod step;
+pub mod traits;
 pub(crate) mod view;
 pub mod world;
 #[cfg_attr(

@@ -7,10 +7,9 @@ use crate::checkpoint::KeptSpring;
 use crate::error::{Error, Result};
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::exec::gpu::Gpu;
-use crate::model::layout::{FEW_MOVERS, FLAG_DOUBLE, SLICE};
+use crate::model::layout::{FEW_MOVERS, FLAG_CONTINUE, FLAG_DOUBLE, SLICE};
 use crate::model::muscles::MuscleClock;
 use crate::model::status::Status;
-use crate::model::step::Step;
 use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
@@ -258,11 +257,10 @@ impl Simulation {
         if !same {
             self.scene.settings = self.scene.resolved_settings();
         }
-        let Step { law, flags, .. } = self.world.step;
+        let flags = self.world.step.constants.flags;
         self.world.set_settings(&self.scene.settings);
-        // Another law or precision takes effect when the scene is packed again.
-        self.world.step.law = law;
-        self.world.step.flags = self.world.step.flags & !FLAG_DOUBLE | flags & FLAG_DOUBLE;
+        // Another precision takes effect when the scene is packed again.
+        self.world.set_flags(FLAG_DOUBLE, flags);
         Ok(())
     }
 
@@ -320,7 +318,7 @@ impl Simulation {
 
     /// The phases of a whole step, in the order in which they run.
     fn step_phases(&self) -> &'static [Phase] {
-        let has_phase = self.scene.settings.collisions || self.world.step.has_friction_impulses();
+        let has_phase = self.scene.settings.collisions || self.world.step.traits().friction_impulses;
         if has_phase { &drive::COLLISIONS_FIRST } else { &drive::WITHOUT_COLLISIONS }
     }
 
@@ -379,7 +377,7 @@ impl Simulation {
 
     /// The acceleration of gravity in the current settings, in units/s².
     pub fn gravity(&self) -> Vec3 {
-        Vec3::from_array(self.world.step.gravity)
+        Vec3::from_array(self.world.step.constants.gravity)
     }
 }
 
@@ -427,7 +425,7 @@ fn prepare(scene: &Scene, options: &Options) -> Result<World> {
         world.set_pair_room(capacity.div_ceil(SLICE));
     }
     if options.keep_going {
-        world.step.flags |= crate::model::layout::FLAG_CONTINUE;
+        world.set_flags(FLAG_CONTINUE, FLAG_CONTINUE);
     }
     Ok(world)
 }
@@ -438,7 +436,7 @@ fn pack(scene: &Scene, options: &Options) -> Result<World> {
     let mut world =
         World::for_method(scene, broad_phase, UserLaws::new(&options.force_laws, options.contact_force_law.as_ref())?)?;
     if !options.uses(Optimization::LargeSpheres) {
-        world.step.large = 0;
+        world.leave_out_large_spheres();
     }
     if !options.uses(Optimization::LongMovers) {
         world.leave_out_long_movers();

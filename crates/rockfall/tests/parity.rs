@@ -118,7 +118,7 @@ fn assert_sweep_modes_agree(trace: &Trace) {
         let state = on_gpu(&GPU, before, runs).states[0].clone();
         let bits: Vec<u32> = bytemuck::cast_slice(&state).to_vec();
         match known.iter().find(|(stages, _)| *stages == runs.len()) {
-            Some((_, first)) => assert!(*first == bits, "another result in sweep mode {}", before.step.sweeps),
+            Some((_, first)) => assert!(*first == bits, "another result in sweep mode {}", before.step.constants.sweeps),
             None => known.push((runs.len(), bits)),
         }
     }
@@ -193,9 +193,9 @@ fn backends_agree_on_every_stage_of_an_rk4_step() {
     assert_seen(&traces, &["swept once", "swept often", "turned too far"]);
     for trace in &traces {
         let step = &trace.after.step;
-        assert!(step.spheres % WORKGROUP != 0 && step.spheres % SLICE != 0, "{step:?}");
-        assert!((step.spheres + step.rods) % WORKGROUP != 0, "{step:?}");
-        assert!(step.spheres > 3 * WORKGROUP && step.rods > WORKGROUP && step.batches > 2, "{step:?}");
+        assert!(step.layout.spheres % WORKGROUP != 0 && step.layout.spheres % SLICE != 0, "{step:?}");
+        assert!((step.layout.spheres + step.layout.rods) % WORKGROUP != 0, "{step:?}");
+        assert!(step.layout.spheres > 3 * WORKGROUP && step.layout.rods > WORKGROUP && step.layout.batches > 2, "{step:?}");
     }
 }
 
@@ -398,8 +398,8 @@ fn both_backends_reject_pair_lists_that_do_not_fit() {
     };
     for (rows, rejected) in [(needed - 1, REJECTED_PAIRS), (needed, 0)] {
         let before = &mut scenario.before;
-        before.step.pair_rows = rows;
-        before.lists.resize(before.step.entries_at as usize + words_of_rows(rows) as usize, 0);
+        before.step.layout.pair_rows = rows;
+        before.lists.resize(before.step.layout.entries_at as usize + words_of_rows(rows) as usize, 0);
         let gpu = on_gpu(&GPU, &scenario.before, &scenario.runs);
         assert_eq!((gpu.status.rejected, gpu.status.pair_rows_needed), (rejected, needed));
         assert_scenario_matches(4, &scenario);

@@ -85,17 +85,17 @@ const CULL_HIDDEN_FROM: u32 = 20_000;
 
 /// Whether spheres that are hidden behind others are culled.
 pub(crate) fn culls_hidden(step: &Step) -> bool {
-    step.spheres >= CULL_HIDDEN_FROM
+    step.layout.spheres >= CULL_HIDDEN_FROM
 }
 
 /// Number of springs.
 pub(crate) fn springs(step: &Step) -> u32 {
-    (step.tethers_at - step.springs_at) / SPRING_WORDS
+    (step.layout.tethers_at - step.layout.springs_at) / SPRING_WORDS
 }
 
 /// Number of tethers.
 pub(crate) fn tethers(step: &Step) -> u32 {
-    (step.forces_at - step.tethers_at) / TETHER_WORDS
+    (step.layout.forces_at - step.layout.tethers_at) / TETHER_WORDS
 }
 
 /// The sun, and the part of the world that the shadow map shows.
@@ -175,16 +175,16 @@ impl Frame {
             coil_segments: coil.segments,
             coil_sides: coil.sides,
             flags: flag(style.shadows, SHADOWS) | flag(style.occlusion, OCCLUSION) | flag(culls_hidden(step), CULL_HIDDEN),
-            spheres: step.spheres,
-            rods: step.rods,
+            spheres: step.layout.spheres,
+            rods: step.layout.rods,
             springs: springs(step),
             tethers: tethers(step),
-            rods_at: step.rods_at,
-            springs_at: step.springs_at,
-            tethers_at: step.tethers_at,
-            boxes_at: step.boxes_at,
-            polygons_at: step.polygons_at,
-            insertion_indices_at: step.insertion_indices_at,
+            rods_at: step.layout.rods_at,
+            springs_at: step.layout.springs_at,
+            tethers_at: step.layout.tethers_at,
+            boxes_at: step.layout.boxes_at,
+            polygons_at: step.layout.polygons_at,
+            insertion_indices_at: step.layout.insertion_indices_at,
             colour_by: style.colour_by as u32,
             light_size: SHADOW_SIZE as f32,
             kinds: style.kinds.map(opaque),

@@ -31,9 +31,9 @@ impl Renderer {
         let Pipelines { capsules, boxes, polygons, springs: spring, tethers: tether, anchors, .. } = &self.pipelines;
         let step = &self.step;
         [
-            (boxes, Shape::Triangles(36), step.boxes),
-            (polygons, Shape::Triangles(6), step.polygons),
-            (capsules, Shape::Around, step.rods),
+            (boxes, Shape::Triangles(36), step.layout.boxes),
+            (polygons, Shape::Triangles(6), step.layout.polygons),
+            (capsules, Shape::Around, step.layout.rods),
             (spring, Shape::Coil, springs(step)),
             (tether, Shape::Coil, tethers(step)),
             (anchors, Shape::Quad, tethers(step)),
@@ -120,13 +120,13 @@ impl Renderer {
             pass.set_pipeline(&self.pipelines.ground);
             pass.draw(0..3, 0..1);
         }
-        if self.step.boxes > 0 {
+        if self.step.layout.boxes > 0 {
             pass.set_pipeline(&self.pipelines.box_edges);
-            pass.draw(0..36, 0..self.step.boxes);
+            pass.draw(0..36, 0..self.step.layout.boxes);
         }
-        if self.step.polygons > 0 {
+        if self.step.layout.polygons > 0 {
             pass.set_pipeline(&self.pipelines.polygon_edges);
-            pass.draw(0..6, 0..self.step.polygons);
+            pass.draw(0..6, 0..self.step.layout.polygons);
         }
         if let Some((chains, count)) = self.chains.drawn() {
             pass.set_pipeline(&self.pipelines.chains);

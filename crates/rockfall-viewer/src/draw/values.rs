@@ -53,7 +53,7 @@ impl Renderer {
             && style.range == Range::Auto
             && let Some(state) = self.buffers.state()
         {
-            self.recent.record(self.speeds.of(state, self.step.spheres, self.region)?);
+            self.recent.record(self.speeds.of(state, self.step.layout.spheres, self.region)?);
         }
         if matches!(by, ColourBy::Kind | ColourBy::Body) && std::mem::take(&mut self.colours_due) {
             let colour = |index| coded(self.colours.get(index).copied().flatten());

@@ -57,12 +57,15 @@ macro_rules! block {
             /// Name, offset and size of every field, in bytes.
             pub const FIELDS: &'static [(&'static str, usize, usize)] =
                 &[$((stringify!($field), std::mem::offset_of!($name, $field), size_of::<$type>())),+];
+            /// The fields in the declaration for kernels.
+            pub(crate) const WGSL_FIELDS: &'static str =
+                concat!($("    ", stringify!($field), ": ", $crate::model::declare::wgsl_type!($type), ",\n",)+);
+
             /// The declaration for kernels.
-            pub const WGSL: &'static str = concat!(
-                "struct ", stringify!($name), " {\n",
-                $("    ", stringify!($field), ": ", $crate::model::declare::wgsl_type!($type), ",\n",)+
-                "}\n",
-            );
+            #[allow(dead_code, reason = "parts of a larger block have none")]
+            pub(crate) fn wgsl() -> String {
+                format!(concat!("struct ", stringify!($name), " {{\n{}}}\n"), Self::WGSL_FIELDS)
+            }
         }
     };
 }

@@ -9,7 +9,7 @@ use crate::model::{layout, status};
 
 /// The declarations of `model/step.wgsl` that have a twin in Rust.
 pub(crate) fn wgsl() -> String {
-    let mut text = [Step::WGSL, Pass::WGSL, Aabb::WGSL].concat();
+    let mut text = [Step::wgsl(), Pass::wgsl(), Aabb::wgsl()].concat();
     for suffix in ["", "Atomic"] {
         let words = |text: &mut String, all: &[(&str, bool)]| {
             for (name, is_atomic) in all {

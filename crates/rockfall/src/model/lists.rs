@@ -60,7 +60,7 @@ impl<'a> Lists<'a> {
     /// Returns the length of a mover's list, and a function from a place in the list to the entry.
     pub(crate) fn list(&self, mover: u32) -> (u32, impl Fn(u32) -> Entry + use<'a>) {
         let count = self.words[mover as usize] & LIST_COUNT_MASK;
-        let first = self.step.entries_at as usize + slot(self.step, self.words, mover, 0);
+        let first = self.step.layout.entries_at as usize + slot(self.step, self.words, mover, 0);
         // `first` may be past the end when the list belongs to an empty slice.
         let words = self.words.get(first..).unwrap_or_default();
         let id_mask = self.step.entry_id_mask();
@@ -97,7 +97,7 @@ pub(crate) fn put_in_order(view: &View, entries: &mut [u32]) {
 
 /// Returns the slot of entry `place` of a mover: the index of its word within the words of all entries.
 pub(crate) fn slot(step: &Step, lists: &[u32], mover: u32, place: u32) -> usize {
-    let row = lists[(step.slices_at + mover / SLICE) as usize] + place;
+    let row = lists[(step.layout.slices_at + mover / SLICE) as usize] + place;
     row as usize * SLICE as usize + (mover % SLICE) as usize
 }
 
@@ -113,9 +113,9 @@ pub(crate) struct Slice<'a> {
 
 /// Splits the lists into slices that can be written in parallel. The slice offsets must ascend.
 pub(crate) fn slices<'a>(step: &Step, lists: &'a mut [u32]) -> Vec<Slice<'a>> {
-    let movers = (step.spheres + step.rods) as usize;
-    let (index, mut rest) = lists.split_at_mut(step.entries_at as usize);
-    let (counts, offsets) = index.split_at_mut(step.slices_at as usize);
+    let movers = (step.layout.spheres + step.layout.rods) as usize;
+    let (index, mut rest) = lists.split_at_mut(step.layout.entries_at as usize);
+    let (counts, offsets) = index.split_at_mut(step.layout.slices_at as usize);
     let counts = counts[..movers].chunks_mut(SLICE as usize);
     let last = counts.len() - usize::from(counts.len() > 0);
     let slice = |(number, counts): (usize, &'a mut [u32])| {

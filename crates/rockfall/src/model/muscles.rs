@@ -104,7 +104,7 @@ fn to_phase(turns: f64) -> u64 {
 /// Half steps since the base of the muscles' clock, at a force evaluation of a step.
 pub(crate) fn half_steps(step: &Step, status: &Status, evaluation: u32) -> u32 {
     // RK4 evaluates forces at the start of the step, twice in its middle, and at its end.
-    2 * step.muscle_step.wrapping_add(status.steps) + [0, 1, 1, 2][evaluation as usize]
+    2 * step.constants.muscle_step.wrapping_add(status.steps) + [0, 1, 1, 2][evaluation as usize]
 }
 
 /// Rest length of a spring of constant length `length` with this record in the table, after a number of half steps.

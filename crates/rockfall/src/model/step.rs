@@ -2,26 +2,23 @@
 
 use std::mem::offset_of;
 
-use bytemuck::{Pod, Zeroable, bytes_of, bytes_of_mut};
+use bytemuck::{Pod, Zeroable};
 
 use crate::model::declare::block;
-use crate::model::layout::{
-    ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_VERLET, SPRING_WORDS, SWEEPS_LISTED,
-    SWEEPS_ON,
-};
+use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_VERLET, SPRING_WORDS};
 use crate::settings::{Settings, constant_table};
 
-/// Declares [`Step`], with a field for every constant of the table that kernels read.
+/// Declares [`Constants`], with a field for every constant of the table that kernels read.
 macro_rules! step_block {
     (
         kernel { $($(#[doc = $doc:literal])+ $constant:ident: $read:ident = $default:expr, $unit:literal, $slider:expr;)+ }
         host $host:tt
     ) => {
 block! {
-    /// The parameters of a step: the uniform block `step` of every kernel.
+    /// What the settings, the integrator and the clock give. `World` writes it in `model/world/constants.rs` alone.
     #[repr(C)]
     #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-    pub struct Step {
+    pub struct Constants {
         /// Acceleration by gravity, G g, in units/s².
         pub gravity: [f32; 3],
         /// Time step in s.
@@ -29,6 +26,33 @@ block! {
         $($(#[doc = $doc])+ pub $constant: f32,)+
         /// Magnitude of `gravity`, in units/s².
         pub gravity_size: f32,
+        /// Steps since the base of the muscles' phases when the counter of steps in the status was 0.
+        pub muscle_step: u32,
+        /// Time of the simulation at that base, in s.
+        pub time_base: f32,
+        /// How collisions are solved: one of the `SWEEPS_*` constants. Results do not depend on it.
+        pub sweeps: u32,
+        /// `FLAG_*` bits.
+        pub flags: u32,
+    }
+}
+
+impl Constants {
+    /// Copies the constants that kernels read under the same name.
+    pub fn set_constants(&mut self, settings: &Settings) {
+        $(self.$constant = settings.$constant;)+
+    }
+}
+    };
+}
+
+constant_table!(step_block);
+
+block! {
+    /// How lists are built. Results do not depend on it. `simulation/lists.rs` alone writes it.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+    pub struct ListSettings {
         /// Margin of AABBs for accelerations in the first step, in units of 0.02 r. The margin also includes 1.05 |v| dt per
         /// step, and 0.05 r for every further step of `lookahead`. `update_aabbs` has the whole formula.
         pub margin_scale: f32,
@@ -40,15 +64,15 @@ block! {
         pub list_interval: f32,
         /// Distance by which the centres of AABBs are ahead of moving spheres, in steps of motion at their present velocity.
         pub lead: f32,
-        /// How collisions are solved: one of the `SWEEPS_*` constants. Results do not depend on it.
-        pub sweeps: u32,
-        /// Steps since the base of the muscles' phases when the counter of steps in the status was 0.
-        pub muscle_step: u32,
-        /// Time of the simulation at that base, in s.
-        pub time_base: f32,
-        /// `FLAG_*` bits. This is the last of the fields that may change without a change of the arrays (see
-        /// [`Step::with_constants_of`]).
-        pub flags: u32,
+    }
+}
+
+block! {
+    /// The numbers of objects, the sizes and offsets of arrays, and what a scene is packed for. `World` writes it where it packs a
+    /// scene or sizes its arrays, in `model/world` alone.
+    #[repr(C)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+    pub struct Layout {
         /// Rows that the entries of the pair lists may take.
         pub pair_rows: u32,
         /// Number of spheres.
@@ -142,70 +166,68 @@ block! {
     }
 }
 
+/// The parameters of a step: the uniform block `step` of every kernel, which has the fields of all three parts in a row.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Step {
+    /// What the settings, the integrator and the clock give.
+    pub constants: Constants,
+    /// How lists are built.
+    pub lists: ListSettings,
+    /// The numbers of objects, the sizes and offsets of arrays.
+    pub layout: Layout,
+}
+
+impl ListSettings {
+    /// The settings before the first step: lists for one step, built in every step.
+    pub const FIRST: Self = Self { margin_scale: 2.0, lookahead: 1.0, list_interval: 1.0, lead: 0.0 };
+}
+
 impl Step {
-    /// Copies the constants that kernels read under the same name.
-    pub fn set_constants(&mut self, settings: &Settings) {
-        $(self.$constant = settings.$constant;)+
+    /// Name, offset and size of every field, in bytes.
+    pub fn fields() -> impl Iterator<Item = (&'static str, usize, usize)> {
+        let parts = [
+            (offset_of!(Step, constants), Constants::FIELDS),
+            (offset_of!(Step, lists), ListSettings::FIELDS),
+            (offset_of!(Step, layout), Layout::FIELDS),
+        ];
+        parts.into_iter().flat_map(|(at, fields)| fields.iter().map(move |(name, offset, size)| (*name, at + offset, *size)))
     }
-}
-    };
-}
 
-constant_table!(step_block);
-
-impl Step {
-    /// Returns this block with the constants of another one, which are the fields up to `flags`. Counts, offsets and room stay.
-    pub fn with_constants_of(&self, other: &Self) -> Self {
-        const END: usize = offset_of!(Step, flags) + size_of::<u32>();
-        let mut step = *self;
-        bytes_of_mut(&mut step)[..END].copy_from_slice(&bytes_of(other)[..END]);
-        step
+    /// The declaration for kernels.
+    pub(crate) fn wgsl() -> String {
+        format!("struct Step {{\n{}{}{}}}\n", Constants::WGSL_FIELDS, ListSettings::WGSL_FIELDS, Layout::WGSL_FIELDS)
     }
 
     /// Number of objects that have a list: spheres and rods.
     pub const fn movers(&self) -> u32 {
-        self.spheres + self.rods
+        self.layout.spheres + self.layout.rods
     }
 
     /// Number of blocks in either table of the springs of contacts: one per mover, and the pool.
     pub const fn history_table_blocks(&self) -> u32 {
-        self.movers() + self.history_pool
+        self.movers() + self.layout.history_pool
     }
 
     /// Number of all objects.
     pub const fn objects(&self) -> u32 {
-        self.movers() + self.boxes + self.polygons
+        self.movers() + self.layout.boxes + self.layout.polygons
     }
 
     /// Whether lists are exact (see [`Step::lookahead`]).
     pub const fn has_exact_lists(&self) -> bool {
-        self.lookahead == 0.0
-    }
-
-    /// Whether bodies may have long lists, which is so in scenes with rods or large spheres.
-    pub const fn has_long_lists(&self) -> bool {
-        self.rods > 0 || self.large > 0
-    }
-
-    /// Value of [`Step::sweeps`] as long as no collisions are known to share bodies. Networks can only be solved by sweeps.
-    pub fn calm_sweeps(&self) -> u32 {
-        if self.networks > 0 { SWEEPS_ON } else { SWEEPS_LISTED }
-    }
-
-    /// Whether one workgroup may do all sweeps when there are few collisions.
-    pub const fn may_sweep_at_once(&self) -> bool {
-        self.networks == 0 && self.large == 0
+        self.lists.lookahead == 0.0
     }
 
     /// The pass of the force evaluation that counts contacts and advances their springs: the first one, or, for velocity Verlet,
     /// that at the end of the step.
     pub(crate) fn counted_pass(&self) -> u32 {
-        if self.flags & FLAG_VERLET == 0 { 0 } else { 3 }
+        if self.constants.flags & FLAG_VERLET == 0 { 0 } else { 3 }
     }
 
     /// Whether geometry uses the low parts of positions (docs/physics.md section 5.8).
     pub const fn is_double(&self) -> bool {
-        self.flags & FLAG_DOUBLE != 0
+        self.constants.flags & FLAG_DOUBLE != 0
     }
 
     /// Number of regions of a state: position and radius, velocity and inverse mass, angular momentum and inverse inertia, and the
@@ -215,46 +237,31 @@ impl Step {
     pub const fn state_regions(&self, state: usize) -> u32 {
         match state {
             0 | 1 if self.is_half_step() => 5,
-            3 if !self.is_double() && self.flags & FLAG_VERLET == 0 => 3,
+            3 if !self.is_double() && self.constants.flags & FLAG_VERLET == 0 => 3,
             _ => 4,
         }
     }
 
     /// Whether velocities are half a step behind positions (docs/physics.md section 5.2).
     pub const fn is_half_step(&self) -> bool {
-        self.flags & FLAG_HALF_STEP != 0
+        self.constants.flags & FLAG_HALF_STEP != 0
     }
 
     /// Time in s, in which the free acceleration gives a body the approach velocity above which it may collide (docs/physics.md
     /// section 3.1).
     pub const fn free_time(&self) -> f32 {
-        if self.is_half_step() { 4.0 * self.dt } else { 2.0 * self.dt }
-    }
-
-    /// Whether `synchronise` has something to do.
-    pub const fn needs_synchronising(&self) -> bool {
-        self.is_half_step() || self.free_at != 0
+        if self.is_half_step() { 4.0 * self.constants.dt } else { 2.0 * self.constants.dt }
     }
 
     /// Number of springs.
     pub const fn spring_count(&self) -> u32 {
-        (self.tethers_at - self.springs_at) / SPRING_WORDS
-    }
-
-    /// Whether contacts get friction impulses.
-    pub fn has_friction_impulses(&self) -> bool {
-        self.coulomb_friction > 0.0 || self.collision_friction > 0.0 || self.has_pair_friction()
-    }
-
-    /// Whether some pair of materials has Coulomb friction.
-    const fn has_pair_friction(&self) -> bool {
-        self.flags & FLAG_PAIR_FRICTION != 0
+        (self.layout.tethers_at - self.layout.springs_at) / SPRING_WORDS
     }
 
     /// Bits of the id in a list entry: 26 in scenes with rods. In other scenes there are no features, so the id has all 30
     /// bits.
     pub const fn entry_id_bits(&self) -> u32 {
-        if self.rods > 0 { ENTRY_BITS - FEATURE_BITS } else { ENTRY_BITS }
+        if self.layout.rods > 0 { ENTRY_BITS - FEATURE_BITS } else { ENTRY_BITS }
     }
 
     /// Mask of the id in a list entry.

@@ -9,7 +9,7 @@ use crate::model::layout::{
 };
 use crate::model::muscles::{half_steps, muscle_length};
 use crate::model::status::Status;
-use crate::model::step::Step;
+use crate::model::step::{Layout, Step};
 use crate::user_laws::forces::ForceLaws;
 use crate::user_laws::set::UserLaws;
 use crate::user_laws::{ContactForceLaw, ForceInput, MOST_PARAMETERS};
@@ -95,9 +95,12 @@ pub(crate) struct View<'a> {
 
 impl<'a> View<'a> {
     pub(crate) fn new(step: &'a Step, topology: &'a [u32], state: &'a [Vec4]) -> Self {
-        let spheres = step.spheres as usize;
-        let insertion_indices =
-            if step.insertion_indices_at == 0 { &[] } else { &topology[step.insertion_indices_at as usize..][..spheres] };
+        let spheres = step.layout.spheres as usize;
+        let insertion_indices = if step.layout.insertion_indices_at == 0 {
+            &[]
+        } else {
+            &topology[step.layout.insertion_indices_at as usize..][..spheres]
+        };
         let (positions, rest) = state.split_at(spheres);
         let (velocities, rest) = rest.split_at(spheres);
         let (spins, rest) = rest.split_at(spheres);
@@ -127,10 +130,10 @@ impl<'a> View<'a> {
     /// Size of the acceleration of an object by everything but contacts, in units/s², as `synchronise` found it. For a rod, the greater
     /// one of its ends. 0 for boxes and polygons, unless nothing but gravity acts in the scene.
     pub(crate) fn free_acceleration(&self, object: Object) -> f32 {
-        if self.step.free_at == 0 {
-            return self.step.gravity_size;
+        if self.step.layout.free_at == 0 {
+            return self.step.constants.gravity_size;
         }
-        let of = |sphere: u32| f32::from_bits(self.topology[(self.step.free_at + sphere) as usize]);
+        let of = |sphere: u32| f32::from_bits(self.topology[(self.step.layout.free_at + sphere) as usize]);
         match object {
             Object::Sphere(sphere) => of(sphere),
             Object::Rod(rod) => self.rod(rod).ends.map(of).into_iter().fold(0.0, f32::max),
@@ -146,7 +149,7 @@ impl<'a> View<'a> {
     /// The time by which the evaluation advances the springs of contacts, in s. It is 0 for the evaluation at the start of a step of
     /// velocity Verlet, because the one at the end of the step before has advanced them.
     pub(crate) fn spring_time(&self) -> f32 {
-        if self.evaluation == self.step.counted_pass() { self.step.dt } else { 0.0 }
+        if self.evaluation == self.step.counted_pass() { self.step.constants.dt } else { 0.0 }
     }
 
     /// The view with the laws that the program gave.
@@ -164,7 +167,7 @@ impl<'a> View<'a> {
         let laws = self.user_laws?;
         let law = laws.contact.as_ref()?;
         let [one, other] = [a, b].map(|id| self.tag(id) >> MATERIAL_SHIFT);
-        let at = self.step.laws_at + laws.contact_values_at(one * self.step.materials + other);
+        let at = self.step.layout.laws_at + laws.contact_values_at(one * self.step.layout.materials + other);
         let mut values = [0.0; MOST_PARAMETERS];
         let words = &self.topology[at as usize..][..law.parameters().len()];
         values.iter_mut().zip(words).for_each(|(value, word)| *value = f32::from_bits(*word));
@@ -179,7 +182,7 @@ impl<'a> View<'a> {
             angular_velocity: self.spin(sphere),
             mass: 1.0 / self.inverse_mass(sphere),
             radius: self.radius(sphere),
-            time: (0.5 * self.step.dt).mul_add(self.half_steps as f32, self.step.time_base),
+            time: (0.5 * self.step.constants.dt).mul_add(self.half_steps as f32, self.step.constants.time_base),
             parameters: &[],
         }
     }
@@ -297,7 +300,7 @@ impl<'a> View<'a> {
     }
 
     pub(crate) fn object(&self, id: u32) -> Object {
-        let Step { spheres, rods, boxes, .. } = *self.step;
+        let Layout { spheres, rods, boxes, .. } = self.step.layout;
         match id {
             _ if id < spheres => Object::Sphere(id),
             _ if id < spheres + rods => Object::Rod(id - spheres),
@@ -316,13 +319,13 @@ impl<'a> View<'a> {
     }
 
     pub(crate) fn rod(&self, rod: u32) -> RodRecord {
-        let [end1, end2, radius, length] = self.record(self.step.rods_at, rod, ROD_WORDS);
+        let [end1, end2, radius, length] = self.record(self.step.layout.rods_at, rod, ROD_WORDS);
         RodRecord { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
     }
 
     /// The record of a spring's muscle, in scenes with muscles.
     pub(crate) fn muscle(&self, spring: u32) -> [u32; MUSCLE_WORDS as usize] {
-        self.record(self.step.muscles_at, spring, MUSCLE_WORDS)
+        self.record(self.step.layout.muscles_at, spring, MUSCLE_WORDS)
     }
 
     /// Half steps since the base of the muscles' clock.
@@ -332,30 +335,30 @@ impl<'a> View<'a> {
 
     /// A spring without its muscle.
     pub(crate) fn plain_spring(&self, spring: u32) -> SpringRecord {
-        let [a, b, k, l, c] = self.record(self.step.springs_at, spring, SPRING_WORDS);
+        let [a, b, k, l, c] = self.record(self.step.layout.springs_at, spring, SPRING_WORDS);
         SpringRecord { ends: [a, b], stiffness: f32::from_bits(k), length: f32::from_bits(l), damping: f32::from_bits(c) }
     }
 
     /// A spring. The length is that at the time of the view.
     pub(crate) fn spring(&self, spring: u32) -> SpringRecord {
         let mut record = self.plain_spring(spring);
-        if self.step.muscles_at != 0 {
+        if self.step.layout.muscles_at != 0 {
             record.length = muscle_length(self.muscle(spring), record.length, self.half_steps);
         }
         record
     }
 
     pub(crate) fn tether(&self, tether: u32) -> TetherRecord {
-        let [_, x, y, z, stiffness, length, damping] = self.floats(self.step.tethers_at, tether, TETHER_WORDS);
+        let [_, x, y, z, stiffness, length, damping] = self.floats(self.step.layout.tethers_at, tether, TETHER_WORDS);
         TetherRecord { point: Vec3::new(x, y, z), stiffness, length, damping }
     }
 
     pub(crate) fn external_force(&self, force: u32) -> Vec3 {
-        Vec3::from_array(self.floats(self.step.forces_at, force, FORCE_WORDS))
+        Vec3::from_array(self.floats(self.step.layout.forces_at, force, FORCE_WORDS))
     }
 
     pub(crate) fn cuboid(&self, cuboid: u32) -> BoxRecord {
-        let [px, py, pz, ix, iy, iz, jx, jy, jz, kx, ky, kz] = self.floats(self.step.boxes_at, cuboid, BOX_WORDS);
+        let [px, py, pz, ix, iy, iz, jx, jy, jz, kx, ky, kz] = self.floats(self.step.layout.boxes_at, cuboid, BOX_WORDS);
         BoxRecord {
             corner: Vec3::new(px, py, pz),
             edges: [Vec3::new(ix, iy, iz), Vec3::new(jx, jy, jz), Vec3::new(kx, ky, kz)],
@@ -363,25 +366,25 @@ impl<'a> View<'a> {
     }
 
     pub(crate) fn polygon(&self, polygon: u32) -> PolygonRecord {
-        let [px, py, pz, lx, ly, lz, rx, ry, rz] = self.floats(self.step.polygons_at, polygon, POLYGON_WORDS);
+        let [px, py, pz, lx, ly, lz, rx, ry, rz] = self.floats(self.step.layout.polygons_at, polygon, POLYGON_WORDS);
         PolygonRecord { corner: Vec3::new(px, py, pz), left: Vec3::new(lx, ly, lz), right: Vec3::new(rx, ry, rz) }
     }
 
     /// Group (low 16 bits) and material (high 16 bits) of an object.
     pub(crate) fn tag(&self, id: u32) -> u32 {
-        self.topology[(self.step.tags_at + id) as usize]
+        self.topology[(self.step.layout.tags_at + id) as usize]
     }
 
     /// The row of the materials of two objects in the table of pairs; `None` without a table.
     pub(crate) fn pair(&self, a: u32, b: u32) -> Option<[f32; PAIR_WORDS as usize]> {
-        let Step { materials, pairs_at, .. } = *self.step;
+        let Layout { materials, pairs_at, .. } = self.step.layout;
         let [one, other] = [a, b].map(|id| self.tag(id) >> MATERIAL_SHIFT);
         (materials > 0).then(|| self.floats(pairs_at, one * materials + other, PAIR_WORDS))
     }
 
     /// Everything that is attached to a sphere, rods first.
     pub(crate) fn attachments(&self, sphere: u32) -> impl Iterator<Item = Attachment> + Clone + use<'a> {
-        let at = self.step.adjacency_at;
+        let at = self.step.layout.adjacency_at;
         let range = if at == 0 {
             0..0
         } else {
@@ -398,7 +401,7 @@ impl<'a> View<'a> {
 
     /// Whether an object is a sphere in which no rod ends.
     pub(crate) fn is_ball(&self, id: u32) -> bool {
-        id < self.step.spheres && self.rods_of(id).next().is_none()
+        id < self.step.layout.spheres && self.rods_of(id).next().is_none()
     }
 
     /// The rod of the rigid capsule that has this sphere as an end, if there is one (docs/physics.md section 1.4).
@@ -418,14 +421,14 @@ impl<'a> View<'a> {
 
     /// The network that a rod belongs to, if any.
     pub(crate) fn network_of(&self, rod: u32) -> Option<u32> {
-        let network = self.topology[(self.step.networks_at - self.step.rods + rod) as usize];
+        let network = self.topology[(self.step.layout.networks_at - self.step.layout.rods + rod) as usize];
         (network != NO_NETWORK).then_some(network)
     }
 
     /// The moving spheres and the rods of a network.
     pub(crate) fn network(&self, network: u32) -> (impl ExactSizeIterator<Item = u32> + Clone + use<'a>, &'a [u32]) {
         let topology = self.topology;
-        let first = topology[(self.step.networks_at + network) as usize] as usize;
+        let first = topology[(self.step.layout.networks_at + network) as usize] as usize;
         let (spheres, rods) = (topology[first] as usize, topology[first + 1] as usize);
         let (spheres, rest) = topology[first + 2..].split_at(spheres);
         let view = *self;

@@ -3,6 +3,7 @@
 //! The CPU backend runs on a [`World`], the GPU backend is initialized from one, and tests compare worlds.
 
 pub(crate) mod build;
+mod constants;
 pub(crate) mod frames;
 pub(crate) mod muscles;
 pub(crate) mod order;
@@ -13,14 +14,11 @@ use glam::Vec4;
 
 use crate::model::buffer::Buffer;
 use crate::model::impulse::Impulse;
-use crate::model::layout::{
-    FLAG_HALF_STEP, FLAG_VERLET, HISTORY_BLOCK, HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, RATE_WORDS, SLICE, words_of_rows,
-};
+use crate::model::layout::{FLAG_VERLET, HISTORY_BLOCK, HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, SLICE, words_of_rows};
 use crate::model::muscles::MuscleClock;
 use crate::model::rest::Rest;
 use crate::model::status::Status;
 use crate::model::step::{Aabb, Step};
-use crate::settings::Integrator;
 use crate::user_laws::set::UserLaws;
 
 /// The host arrays of the buffers in [`Buffer`], and the uniform block.
@@ -42,7 +40,7 @@ pub struct World {
     /// Centre and largest half extent of the AABB of every object, in the order of the grid's keys. The half extent is negative
     /// for objects that are not spheres.
     pub extents: Vec<Vec4>,
-    /// Counts, slice offsets, entries: `step.entries_at` words and `step.pair_rows` rows of [`SLICE`].
+    /// Counts, slice offsets, entries: `step.layout.entries_at` words and `step.layout.pair_rows` rows of [`SLICE`].
     pub lists: Vec<u32>,
     /// Impulses of the collision phase. Scratch of the CPU backend, without a buffer on the device.
     pub impulses: Vec<Impulse>,
@@ -89,9 +87,9 @@ impl World {
 
     /// Copies the order of memory from the topology buffer to `order`.
     pub(crate) fn take_order(&mut self) {
-        if self.step.insertion_indices_at != 0 {
+        if self.step.layout.insertion_indices_at != 0 {
             let count = self.order.len();
-            self.order.copy_from_slice(&self.topology[self.step.insertion_indices_at as usize..][..count]);
+            self.order.copy_from_slice(&self.topology[self.step.layout.insertion_indices_at as usize..][..count]);
         }
     }
 
@@ -140,45 +138,25 @@ impl World {
 
     /// Number of vectors in `wrenches`.
     pub(crate) fn wrench_count(&self) -> usize {
-        (4 * self.step.rods + 2 * self.step.spheres) as usize
+        (4 * self.step.layout.rods + 2 * self.step.layout.spheres) as usize
     }
 
     /// Number of vectors in a state.
     pub(crate) fn rows_of_state(&self, state: usize) -> usize {
-        (self.step.state_regions(state) * self.step.spheres) as usize
-    }
-
-    /// Sets the integrator. Velocity Verlet keeps the rates of the last force evaluation.
-    pub fn set_integrator(&mut self, integrator: Integrator) {
-        self.step.flags &= !(FLAG_VERLET | FLAG_HALF_STEP);
-        self.rates = Vec::new();
-        if integrator == Integrator::SymplecticEuler {
-            self.step.flags |= FLAG_HALF_STEP;
-        }
-        if integrator == Integrator::VelocityVerlet {
-            self.step.flags |= FLAG_VERLET;
-            self.rates = vec![0.0; (self.step.spheres * RATE_WORDS) as usize];
-        }
-        // States are empty where the device has them.
-        for number in 0..self.states.len() {
-            if !self.states[number].is_empty() {
-                self.states[number].resize(self.rows_of_state(number), Vec4::ZERO);
-            }
-        }
-        self.status.forces_due = 1;
+        (self.step.state_regions(state) * self.step.layout.spheres) as usize
     }
 
     /// Whether a pass evaluates forces. Pass 0 of velocity Verlet does so only if the forces of the last step do not belong to the
     /// present state.
     pub(crate) fn needs_forces(&self, pass: u32) -> bool {
-        pass == self.step.counted_pass() || self.step.flags & FLAG_VERLET == 0 || self.status.forces_due != 0
+        pass == self.step.counted_pass() || self.step.constants.flags & FLAG_VERLET == 0 || self.status.forces_due != 0
     }
 
     /// Gives either table of springs a pool of `blocks` blocks, and keeps the springs before the step, whose chains must fit. With the
     /// law of the thesis there are no springs.
     pub fn set_history_pool(&mut self, blocks: u32) {
         let old = self.history_words();
-        self.step.history_pool = if self.step.law == LAW_THESIS { 0 } else { blocks };
+        self.step.layout.history_pool = if self.step.layout.law == LAW_THESIS { 0 } else { blocks };
         let table = self.history_words();
         let mut histories = vec![NO_KEY; 2 * table];
         if self.histories.len() == 2 * old {
@@ -191,7 +169,7 @@ impl World {
 
     /// Words of a table of springs: the blocks of the movers and those of the pool.
     pub(crate) fn history_words(&self) -> usize {
-        let blocks = if self.step.law == LAW_THESIS { 0 } else { self.step.history_table_blocks() };
+        let blocks = if self.step.layout.law == LAW_THESIS { 0 } else { self.step.history_table_blocks() };
         blocks as usize * (HISTORY_BLOCK * HISTORY_WORDS) as usize
     }
 
@@ -203,22 +181,22 @@ impl World {
 
     /// Number of words in the pair lists.
     pub(crate) fn list_words(&self) -> u64 {
-        u64::from(self.step.entries_at) + words_of_rows(self.step.pair_rows)
+        u64::from(self.step.layout.entries_at) + words_of_rows(self.step.layout.pair_rows)
     }
 
     /// Number of words in `Buffer::CollisionIndices`: one per word of the list entries; 0 without room for collisions.
     #[cfg(feature = "gpu")]
     pub(crate) fn collision_index_words(&self) -> u64 {
-        if self.step.collision_room > 0 { words_of_rows(self.step.pair_rows) } else { 0 }
+        if self.step.layout.collision_room > 0 { words_of_rows(self.step.layout.pair_rows) } else { 0 }
     }
 
     /// Sets the sizes and offsets for `rows` rows of list entries, but leaves the lists on the host empty. For a world that
     /// runs on a device.
     pub(crate) fn set_pair_room(&mut self, rows: u32) {
         let slices = self.movers().div_ceil(SLICE);
-        self.step.pair_rows = rows;
-        self.step.slices_at = slices * SLICE;
-        self.step.entries_at = (self.step.slices_at + slices + 1).next_multiple_of(LINE);
+        self.step.layout.pair_rows = rows;
+        self.step.layout.slices_at = slices * SLICE;
+        self.step.layout.entries_at = (self.step.layout.slices_at + slices + 1).next_multiple_of(LINE);
         self.lists = Vec::new();
     }
 }

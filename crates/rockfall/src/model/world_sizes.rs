@@ -1,7 +1,8 @@
 //! The room that a small world takes in workgroup memory.
 
-use crate::model::layout::{BOX_WORDS, FLAG_COLLISIONS, FLAG_VERLET, GROUP_MASK, LAW_THESIS, MUSCLE_WORDS, SPRING_WORDS};
+use crate::model::layout::{BOX_WORDS, GROUP_MASK, LAW_THESIS, MUSCLE_WORDS, SPRING_WORDS};
 use crate::model::world::World;
+use crate::settings::Integrator;
 
 /// Room for a world in the kernel `run_worlds`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -37,24 +38,21 @@ impl WorldSizes {
 
     /// The room that a world needs, rounded up so that worlds of similar size share a kernel; `None` if the kernel cannot run it.
     pub(crate) fn of(world: &World) -> Option<Self> {
-        let step = &world.step;
+        let (step, traits) = (&world.step, world.step.traits());
         let needed = Self {
-            spheres: step.spheres.next_multiple_of(4),
+            spheres: step.layout.spheres.next_multiple_of(4),
             springs: step.spring_count().next_multiple_of(4),
             topology: (world.topology.len() as u32).next_multiple_of(32),
             pairs: has_pairs(world),
         };
         let room = needed.min(Self::MOST);
         let fits = world.objects() <= Self::OBJECTS && room.holds(&needed);
-        let has_impulses = step.flags & FLAG_COLLISIONS != 0 || step.has_friction_impulses();
-        let is_plain = step.rods == 0
-            && step.large == 0
-            && step.materials == 0
-            && step.flags & FLAG_VERLET == 0
-            && step.law == LAW_THESIS
-            && !step.is_double()
-            && step.insertion_indices_at == 0;
-        (fits && step.spheres > 0 && is_plain && !has_impulses).then_some(room)
+        let has_impulses = traits.collisions || traits.friction_impulses;
+        let is_plain = traits.law == LAW_THESIS
+            && traits.integrator != Integrator::VelocityVerlet
+            && !(traits.double || traits.rods || traits.large || traits.materials)
+            && traits.in_insertion_order;
+        (fits && traits.spheres > 0 && is_plain && !has_impulses).then_some(room)
     }
 
     /// The same room for worlds in which no two spheres may touch.
@@ -112,7 +110,7 @@ const _: () = {
 
 /// Whether two spheres of a world are in the same group.
 fn has_pairs(world: &World) -> bool {
-    let tags = &world.topology[world.step.tags_at as usize..][..world.step.spheres as usize];
+    let tags = &world.topology[world.step.layout.tags_at as usize..][..world.step.layout.spheres as usize];
     let mut groups: Vec<u32> = tags.iter().map(|tag| tag & GROUP_MASK).collect();
     groups.sort_unstable();
     groups.windows(2).any(|pair| pair[0] == pair[1])

@@ -59,7 +59,7 @@ impl<'a, 'b> Ball<'a, 'b> {
     /// the number of spheres in the list, which are its first entries.
     #[inline]
     pub(crate) fn for_each_near(&self, mut count: u32, entry: impl Fn(u32) -> Entry, mut take: impl FnMut(&[Entry])) -> u32 {
-        while count > 0 && entry(count - 1).id() >= self.view.step.spheres {
+        while count > 0 && entry(count - 1).id() >= self.view.step.layout.spheres {
             count -= 1;
         }
         let (own, radius) = (Vec3x4::splat(self.place.truncate()), Vec4::splat(self.place.w));

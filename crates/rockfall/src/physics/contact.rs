@@ -17,7 +17,7 @@ use crate::physics::touch::Touch;
 /// contacts gives a body at rest a velocity of up to `|a| dt` within a step.
 pub(crate) fn collision_velocity(step: &Step, a: &Side, b: &Side) -> f32 {
     let free = a.free_acceleration.max(b.free_acceleration);
-    (step.activation_threshold * smaller_radius(a, b)).max(step.free_time() * free)
+    (step.constants.activation_threshold * smaller_radius(a, b)).max(step.free_time() * free)
 }
 
 /// Returns the smaller radius of a contact, which the activation threshold refers to.
@@ -77,7 +77,7 @@ pub(crate) struct ContactForce<V> {
 /// Returns the contact force of two objects that overlap.
 pub(crate) fn contact_force(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> ContactForce<Vec3> {
     let sides = [(id_a, touch.a), (id_b, touch.b)].map(|(id, parameter)| side(view, view.object(id), parameter));
-    if view.step.flags & FLAG_CONTINUOUS != 0 {
+    if view.step.constants.flags & FLAG_CONTINUOUS != 0 {
         let threshold = collision_velocity(view.step, &sides[0], &sides[1]);
         // A contact that began within the step exerts no force (docs/physics.md section 3.10).
         if time_of_beginning(view, id_a, id_b, threshold).is_some() {
@@ -113,7 +113,7 @@ impl Approach {
         let radius_a = a.radius.unwrap_or(Vec4::ZERO);
         let smaller = b.radius.map_or(radius_a, |radius_b| radius_a.min(radius_b));
         let free = a.free_acceleration.max(b.free_acceleration);
-        let threshold = (step.activation_threshold * smaller).max(step.free_time() * free);
+        let threshold = (step.constants.activation_threshold * smaller).max(step.free_time() * free);
         Self { velocity: (a.velocity - b.velocity).dot(normal), threshold }
     }
 }
@@ -132,8 +132,8 @@ pub(crate) fn normal_forces(step: &Step, a: &Sides, b: &Sides, overlap: Vec4, ap
 /// Normal forces divided by the reduced masses.
 #[inline]
 fn pressures(step: &Step, overlap: Vec4, approach: Vec4) -> Vec4 {
-    let pressure = step.contact_force * overlap + step.contact_damping * approach;
-    if step.flags & FLAG_PULL == 0 { pressure.max(Vec4::ZERO) } else { pressure }
+    let pressure = step.constants.contact_force * overlap + step.constants.contact_damping * approach;
+    if step.constants.flags & FLAG_PULL == 0 { pressure.max(Vec4::ZERO) } else { pressure }
 }
 
 /// Reduced masses m*, 0 where the contact exerts no force.
@@ -141,10 +141,10 @@ fn pressures(step: &Step, overlap: Vec4, approach: Vec4) -> Vec4 {
 fn acting_masses(step: &Step, a: &Sides, b: &Sides, overlap: Vec4, approach: &Approach) -> Vec4 {
     let Approach { velocity, threshold } = *approach;
     let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
-    if step.flags & FLAG_COLLISIONS == 0 {
+    if step.constants.flags & FLAG_COLLISIONS == 0 {
         return reduced_mass;
     }
-    let unseen = velocity.cmpgt(threshold) & overlap.cmplt(2.0 * velocity * step.dt);
+    let unseen = velocity.cmpgt(threshold) & overlap.cmplt(2.0 * velocity * step.constants.dt);
     Vec4::select(unseen | velocity.cmplt(-threshold), Vec4::ZERO, reduced_mass)
 }
 
@@ -206,7 +206,7 @@ pub(crate) fn contact_forces(
     let slip = Slip::of(a, b, n, [arm_a, arm_b], approach.velocity);
     let slip_inverse_mass =
         a.inverse_mass + b.inverse_mass + arm_a * arm_a * a.inverse_inertia + arm_b * arm_b * b.inverse_inertia;
-    let friction = friction(&slip, strength * overlap * mass, slip_inverse_mass * (2.0 * step.dt));
+    let friction = friction(&slip, strength * overlap * mass, slip_inverse_mass * (2.0 * step.constants.dt));
     let torque = n.cross(friction);
     ContactForce { force: friction - normal, torque_a: torque * arm_a, torque_b: torque * arm_b }
 }

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use crate::fine::Fine;
 use crate::model::view::{BoxRecord, PolygonRecord, TINY};
-use crate::physics::geometry::{nearest_face, on_segment, unrounded};
+use crate::physics::geometry::{OnEdges, from_edges, nearest_face, nearest_on_edges, on_segment, unrounded};
 
 /// Returns the unit normal from sphere A to sphere B, and their overlap.
 pub(super) fn fine_spheres(a: Fine, b: Fine, radii: [f32; 2]) -> (Vec3, f32) {
@@ -39,9 +39,36 @@ pub(super) fn fine_box(cuboid: &BoxRecord, centre: Fine, radius: f32) -> (Vec3, 
     ((d / distance).as_vec3(), (f64::from(radius) - distance) as f32)
 }
 
-/// Returns the unit normal of a polygon's face, the overlap of a sphere with its plane, and whether the centre is over the polygon and
-/// not beside it.
-pub(super) fn fine_plane(polygon: &PolygonRecord, centre: Fine, radius: f32) -> (Vec3, f32, bool) {
+/// Returns the unit normal from a sphere to a polygon, and the overlap. `None` behind the plane.
+pub(super) fn fine_polygon(polygon: &PolygonRecord, centre: Fine, radius: f32) -> Option<(Vec3, f32)> {
+    let (face, overlap, place) = over_plane(polygon, centre, radius);
+    if !(overlap <= f64::from(radius)) {
+        return None;
+    }
+    if place.into_iter().all(on_segment) {
+        return Some((-face, overlap as f32));
+    }
+    let [left, right] = [polygon.left, polygon.right].map(Vec3::as_dvec3);
+    let t = centre.wide() - polygon.corner.as_dvec3();
+    let OnEdges { l, k, edge } = nearest_on_edges(polygon, place, t.as_vec3());
+    let mut d = f64::from(l) * left + f64::from(k) * right - t;
+    if let Some(edge) = edge.map(Vec3::as_dvec3) {
+        d -= d.dot(edge) / edge.length_squared() * edge;
+    }
+    if from_edges(polygon, d.as_vec3(), None, radius).is_none() {
+        return Some((-face, radius));
+    }
+    Some(((d / d.length()).as_vec3(), (f64::from(radius) - d.length()) as f32))
+}
+
+/// Returns the unit normal of a polygon's face, and the overlap of a sphere with its plane.
+pub(super) fn fine_plane(polygon: &PolygonRecord, centre: Fine, radius: f32) -> (Vec3, f32) {
+    let (face, overlap, _) = over_plane(polygon, centre, radius);
+    (face, overlap as f32)
+}
+
+/// Returns the unit normal of a polygon's face, the overlap of a sphere with its plane, and the parameters of the centre along the edges.
+fn over_plane(polygon: &PolygonRecord, centre: Fine, radius: f32) -> (Vec3, f64, [f32; 2]) {
     let [left, right] = [polygon.left, polygon.right].map(Vec3::as_dvec3);
     let normal = left.cross(right);
     let nn = normal.length_squared();
@@ -50,5 +77,5 @@ pub(super) fn fine_plane(polygon: &PolygonRecord, centre: Fine, radius: f32) -> 
     let k = left.cross(t).dot(normal) / nn;
     let face = normal / nn.sqrt();
     let overlap = f64::from(radius) - t.dot(face);
-    (face.as_vec3(), overlap as f32, on_segment(l as f32) && on_segment(k as f32))
+    (face.as_vec3(), overlap, [l as f32, k as f32])
 }

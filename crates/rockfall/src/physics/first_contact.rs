@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::model::view::{BoxRecord, Object, PolygonRecord, View};
 use crate::physics::geometry::{AT_END, Face, point_box};
-use crate::physics::touch::{Motions, ROUNDING, line};
+use crate::physics::touch::{Feature, Motions, ROUNDING, line};
 
 /// Most iterations for the first contact with a box.
 const ITERATIONS: u32 = 16;
@@ -18,16 +18,17 @@ const NEAR: f32 = 1e-3;
 pub(crate) fn time_of_beginning(view: &View, one: u32, other: u32, threshold: f32) -> Option<f32> {
     let (a, b) = view.ordered(one, other);
     let time = time_of_first_contact(view, a, b)?;
-    let normal = line(view, &Earlier { view, time }, view.object(a), view.object(b), None)?.normal;
-    let spheres = || [a, b].into_iter().filter(|id| *id < view.step.spheres);
+    let normal =
+        line(view, &Earlier { view, time }, view.object(a), view.object(b), Feature::of_crossing(view.object(b)))?.normal;
+    let spheres = || [a, b].into_iter().filter(|id| *id < view.step.layout.spheres);
     let inverse_mass: f32 = spheres().map(|sphere| view.inverse_mass(sphere)).sum();
-    let towards = |id: u32| if id < view.step.spheres { normal.dot(view.velocity(id)) } else { 0.0 };
+    let towards = |id: u32| if id < view.step.layout.spheres { normal.dot(view.velocity(id)) } else { 0.0 };
     (inverse_mass > 0.0 && towards(a) - towards(b) > threshold).then_some(time)
 }
 
 /// The time of the first contact of objects A and B, if their paths touch. A was added before B.
 fn time_of_first_contact(view: &View, a: u32, b: u32) -> Option<f32> {
-    let dt = view.step.dt;
+    let dt = view.step.constants.dt;
     match (view.object(a), view.object(b)) {
         (Object::Sphere(a), Object::Sphere(b)) => {
             let radii = [view.radius(a), view.radius(b)];

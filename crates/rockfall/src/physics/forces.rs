@@ -59,7 +59,7 @@ body_forces! {
 
 /// Returns the rates of change of a moving sphere, from its load and body forces. `wrenches` are the results of the stage `loads`.
 pub(crate) fn sphere_rates(view: &View, wrenches: &[Vec4], sphere: u32) -> Rates {
-    let at = (4 * view.step.rods + 2 * sphere) as usize;
+    let at = (4 * view.step.layout.rods + 2 * sphere) as usize;
     rates_of(view, sphere, &Load { force: wrenches[at].truncate(), torque: wrenches[at + 1].truncate() })
 }
 
@@ -75,7 +75,7 @@ pub(crate) fn rates_of(view: &View, sphere: u32, load: &Load) -> Rates {
 /// the program.
 pub(crate) fn free_acceleration(view: &View, sphere: u32) -> Vec3 {
     let pulled = view.inverse_mass(sphere) * attached_force(view, sphere);
-    let mut rates = Rates { acceleration: Vec3::from_array(view.step.gravity) + pulled, torque: Vec3::ZERO };
+    let mut rates = Rates { acceleration: Vec3::from_array(view.step.constants.gravity) + pulled, torque: Vec3::ZERO };
     user::add(view, sphere, &mut rates);
     rates.acceleration
 }

@@ -113,10 +113,7 @@ impl<'a> FrictionImpulses<'a> {
         let view = self.view;
         let (a, b) = view.ordered(row, entry.id());
         let (object_a, object_b) = (view.object(a), view.object(b));
-        let feature = match (object_a, object_b) {
-            (Object::Rod(rod), Object::Cuboid(cuboid)) => Some(Feature::of(view, rod, cuboid, entry.feature())),
-            _ => None,
-        };
+        let feature = Feature::of(view, object_a, object_b, entry.feature());
         // The objects may be apart after their collision.
         let touch = line(view, view, object_a, object_b, feature)?;
         let sides = [side(view, object_a, touch.a), side(view, object_b, touch.b)].map(|side| Sides::splat(&side));
@@ -136,7 +133,7 @@ impl<'a> FrictionImpulses<'a> {
         let mut limit = surface.collision_friction * normal_impulse;
         if surface.coulomb_friction > 0.0 && touch.overlap > 0.0 {
             let force = normal_forces(view.step, of_a, of_b, overlap, &approach).max(Vec4::ZERO).x;
-            limit += surface.coulomb_friction * view.step.dt * force;
+            limit += surface.coulomb_friction * view.step.constants.dt * force;
         }
         let unit = FrictionImpulse { a, b, touch, impulse: t / speed, arms: arms.map(|arm| arm.x) };
         let size = limit.min(speed / self.slip_inverse_mass(&unit));
@@ -160,7 +157,7 @@ impl<'a> FrictionImpulses<'a> {
                 let inverse_mass = 1.0 / capsule.mass
                     + across.length_squared() / capsule.inertia_across
                     + along.length_squared() / (capsule.inertia[0] + capsule.inertia[1]);
-                self.pressed_count([one, two, view.step.spheres + rod].into_iter()) * inverse_mass
+                self.pressed_count([one, two, view.step.layout.spheres + rod].into_iter()) * inverse_mass
             };
             match view.object(id) {
                 Object::Sphere(sphere) => match view.capsule_of(sphere) {

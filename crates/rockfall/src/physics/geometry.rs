@@ -187,10 +187,64 @@ impl Face {
 
 /// Returns the unit normal of a polygon's face, the height of a point above its plane, and whether the point is over the
 /// polygon and not beside it.
-pub(crate) fn point_polygon(polygon: &PolygonRecord, p: Vec3) -> (Vec3, f32, bool) {
+pub(crate) fn point_over_polygon(polygon: &PolygonRecord, p: Vec3) -> (Vec3, f32, bool) {
     let face = Face::of(polygon);
     let t = p - polygon.corner;
     (face.normal, t.dot(face.normal), face.along_edges(t).into_iter().all(on_segment))
+}
+
+/// A point on the edges of a polygon, P + l L + k R.
+pub(super) struct OnEdges {
+    pub(super) l: f32,
+    pub(super) k: f32,
+    /// The edge that the point is on, if it is not a corner.
+    pub(super) edge: Option<Vec3>,
+}
+
+/// Returns the point of a polygon's edges that is nearest to a point beside its face. `t` is that point as seen from the corner, and
+/// `place` its parameters along L and R.
+pub(super) fn nearest_on_edges(polygon: &PolygonRecord, place: [f32; 2], t: Vec3) -> OnEdges {
+    let (mut nearest, mut least) = (OnEdges { l: 0.0, k: 0.0, edge: None }, f32::INFINITY);
+    let edges = [polygon.left, polygon.right];
+    for side in 0..2 {
+        if on_segment(place[side]) {
+            continue;
+        }
+        // The edge across this side is beyond its start or beyond its end.
+        let (beyond, edge) = (if place[side] > 0.5 { 1.0 } else { 0.0 }, edges[1 - side]);
+        let from_start = t - beyond * edges[side];
+        let along = from_start.dot(edge) / edge.length_squared();
+        let clamped = along.clamp(0.0, 1.0);
+        let squared = (clamped * edge - from_start).length_squared();
+        if squared < least {
+            let [l, k] = if side == 0 { [beyond, clamped] } else { [clamped, beyond] };
+            (nearest, least) = (OnEdges { l, k, edge: (clamped == along).then_some(edge) }, squared);
+        }
+    }
+    nearest
+}
+
+/// Returns the unit normal from a sphere to a polygon, and the distance of the sphere's centre `p` from it. `None` behind the plane.
+pub(crate) fn point_polygon(polygon: &PolygonRecord, p: Vec3, radius: f32) -> Option<(Vec3, f32)> {
+    let face = Face::of(polygon);
+    let t = p - polygon.corner;
+    let (place, height) = (face.along_edges(t), t.dot(face.normal));
+    if !(height >= 0.0) {
+        return None;
+    }
+    if place.into_iter().all(on_segment) {
+        return Some((-face.normal, height));
+    }
+    let OnEdges { l, k, edge } = nearest_on_edges(polygon, place, t);
+    let d = polygon.corner + l * polygon.left + k * polygon.right - p;
+    Some(from_edges(polygon, d, edge, radius).map_or((-face.normal, 0.0), |d| (d / d.length(), d.length())))
+}
+
+/// The distance vector from a sphere to a point on the edges of a polygon without rounding errors, `None` if it is 0.
+pub(super) fn from_edges(polygon: &PolygonRecord, d: Vec3, edge: Option<Vec3>, radius: f32) -> Option<Vec3> {
+    let squared = polygon.left.length_squared().max(polygon.right.length_squared());
+    let d = unrounded(edge.map_or(d, |edge| across(d, edge, edge.length_squared())), squared, radius);
+    (d.length_squared() > TINY).then_some(d)
 }
 
 /// An edge of a box, and its outward direction.

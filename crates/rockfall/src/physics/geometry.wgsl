@@ -350,42 +350,104 @@ fn on_face(place: vec2f) -> bool {
     return unit_interval(place.x) & unit_interval(place.y);
 }
 
-// A polygon is only hit on the side of N = L x R, and not at its edges.
+// The nearest point of a polygon, P + l L + k R.
+struct OnPolygon {
+    l: f32,
+    k: f32,
+    is_face: bool,
+    // The edge that the point is on. 0 for a point of the face and for a corner.
+    edge: vec3f,
+}
+
+// The point of the edge across a side of a polygon that is nearest to a point beside it. `side` is L or R, `edge` the other one, and
+// `place` the parameter along `side` of the point `t`, as seen from the corner. w: the squared distance. x, y: the parameters along
+// `side` and `edge`. z: 1 for a corner.
+fn nearest_on_edge(side: vec3f, edge: vec3f, place: f32, t: vec3f) -> vec4f {
+    let beyond = select(0.0, 1.0, place > 0.5);
+    let from_start = t - beyond * side;
+    let along = dot(from_start, edge) / dot(edge, edge);
+    let clamped = clamp(along, 0.0, 1.0);
+    let distance = clamped * edge - from_start;
+    return vec4f(beyond, clamped, select(0.0, 1.0, clamped != along), dot(distance, distance));
+}
+
+// The point of a polygon that is nearest to the point `t`, as seen from the corner. `place` are its parameters along the edges.
+fn nearest_on_polygon(polygon: Polygon, place: vec2f, t: vec3f) -> OnPolygon {
+    if on_face(place) {
+        return OnPolygon(place.x, place.y, true, vec3f(0.0));
+    }
+    var nearest = OnPolygon(0.0, 0.0, false, vec3f(0.0));
+    var least = 3e38;
+    if !unit_interval(place.x) {
+        let found = nearest_on_edge(polygon.left, polygon.right, place.x, t);
+        nearest = OnPolygon(found.x, found.y, false, select(polygon.right, vec3f(0.0), found.z > 0.0));
+        least = found.w;
+    }
+    if !unit_interval(place.y) {
+        let found = nearest_on_edge(polygon.right, polygon.left, place.y, t);
+        if found.w < least {
+            nearest = OnPolygon(found.y, found.x, false, select(polygon.left, vec3f(0.0), found.z > 0.0));
+        }
+    }
+    return nearest;
+}
+
+// Contact with a point on the edges of a polygon. `to_edge` points there from the centre of a sphere.
+fn touch_edge_of_polygon(radius: f32, polygon: Polygon, face: Face, nearest: OnPolygon, to_edge: vec3f) -> Touch {
+    var apart = to_edge;
+    let squared_edge = dot(nearest.edge, nearest.edge);
+    if squared_edge > 0.0 {
+        apart = across(apart, nearest.edge, squared_edge);
+    }
+    let distance = unrounded(apart, max(dot(polygon.left, polygon.left), dot(polygon.right, polygon.right)), radius);
+    return touch_at(distance, radius, 0.0, 0.0, -face.n);
+}
+
+// Contact of a sphere with a polygon: its face, an edge or a corner. The overlap is negative when they are apart. There is no contact
+// behind the plane.
 fn touch_sphere_polygon(centre: vec4f, polygon: Polygon) -> Touch {
     let face = face_of(polygon);
     let from_corner = centre.xyz - polygon.corner;
-    let d = dot(from_corner, face.n);
-    if on_face(along_edges(face, from_corner)) & (d >= 0.0) & (d < centre.w) {
-        return Touch(-face.n, centre.w - d, 0.0, 0.0);
+    let height = dot(from_corner, face.n);
+    if !(height >= 0.0) {
+        return no_touch();
     }
-    return no_touch();
+    let nearest = nearest_on_polygon(polygon, along_edges(face, from_corner), from_corner);
+    if nearest.is_face {
+        return Touch(-face.n, centre.w - height, 0.0, 0.0);
+    }
+    let to_edge = polygon.corner + nearest.l * polygon.left + nearest.k * polygon.right - centre.xyz;
+    return touch_edge_of_polygon(centre.w, polygon, face, nearest, to_edge);
 }
 
-// A point over the face of a polygon.
-struct Over {
-    is_inside: bool,
-    n_face: vec3f,
-    height: f32,
-    // What is left of the height beyond its digits.
-    height_low: f32,
-}
-
-// The centre of a sphere over a polygon, for a position with a low part.
-fn over_finely(i: u32, polygon: Polygon) -> Over {
+// The same for a position with a low part.
+fn touch_polygon_finely(i: u32, radius: f32, polygon: Polygon) -> Touch {
     let face = face_of(polygon);
-    var rest = fine_from(polygon.corner, i);
-    let place = along_edges(face, rest.high);
+    let from_corner = fine_from(polygon.corner, i);
+    let nearest = nearest_on_polygon(polygon, along_edges(face, from_corner.high), from_corner.high);
     // The parts along the edges do not change the height. Without them the rest is small, so the rounding of the normal matters little.
-    rest = fine_sum(rest, product_of(vec3f(-place.x), polygon.left));
-    rest = fine_sum(rest, product_of(vec3f(-place.y), polygon.right));
-    return Over(on_face(place), face.n, dot(rest.high, face.n), dot(rest.low, face.n));
+    var rest = from_corner;
+    rest = fine_sum(rest, product_of(vec3f(-nearest.l), polygon.left));
+    rest = fine_sum(rest, product_of(vec3f(-nearest.k), polygon.right));
+    let height = dot(rest.high, face.n);
+    if !(height >= 0.0) {
+        return no_touch();
+    }
+    if nearest.is_face {
+        return Touch(-face.n, radius - height - dot(rest.low, face.n), 0.0, 0.0);
+    }
+    var found = touch_edge_of_polygon(radius, polygon, face, nearest, -rest.high);
+    if found.overlap < radius {
+        found.overlap += dot(rest.low, found.n);
+    }
+    return found;
 }
 
-fn touch_over(over: Over, radius: f32) -> Touch {
-    if over.is_inside & (over.height >= 0.0) & (over.height < radius) {
-        return Touch(-over.n_face, radius - over.height - over.height_low, 0.0, 0.0);
-    }
-    return no_touch();
+// Whether the centre of a sphere is over the face of a polygon, neither beside nor behind it.
+fn is_over_polygon(centre: vec3f, polygon: Polygon) -> bool {
+    let face = face_of(polygon);
+    let from_corner = centre - polygon.corner;
+    return on_face(along_edges(face, from_corner)) & (dot(from_corner, face.n) >= 0.0);
 }
 
 // Edge vector of a box: I, J, K for g modulo 3 = 0, 1, 2.
@@ -514,7 +576,7 @@ fn touch_static(i: u32, id: u32, own: vec4f) -> Touch {
         return touch_sphere_box(own, cuboid(id - boxes));
     }
     if DOUBLE {
-        return touch_over(over_finely(i, polygon(id - boxes - step.boxes)), own.w);
+        return touch_polygon_finely(i, own.w, polygon(id - boxes - step.boxes));
     }
     return touch_sphere_polygon(own, polygon(id - boxes - step.boxes));
 }

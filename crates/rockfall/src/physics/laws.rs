@@ -86,7 +86,7 @@ pub(crate) fn answer(
     [overlap, approach]: [f32; 2],
     before: Option<f32>,
 ) -> Answer {
-    let law = ContactLaw::from_number(view.step.law);
+    let law = ContactLaw::from_number(view.step.layout.law);
     if law == ContactLaw::User {
         return user::answer(view, ids, constants, bodies, [overlap, approach], before);
     }
@@ -98,7 +98,7 @@ pub(crate) fn answer(
 
 /// Elastic energy of the normal force of the contact of two objects at an overlap.
 pub(crate) fn energy(view: &View, ids: [u32; 2], constants: &Constants, bodies: &Bodies, overlap: f32) -> f64 {
-    let law = ContactLaw::from_number(view.step.law);
+    let law = ContactLaw::from_number(view.step.layout.law);
     if law == ContactLaw::User {
         return user::energy(view, ids, constants, bodies, overlap);
     }

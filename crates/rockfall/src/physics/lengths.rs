@@ -119,7 +119,7 @@ pub(crate) struct Batch<'a> {
 
 impl<'a> Batch<'a> {
     pub(crate) fn new(step: &Step, topology: &'a [u32], batch: u32) -> Self {
-        Self { topology, first: topology[(step.batches_at + batch) as usize] as usize }
+        Self { topology, first: topology[(step.layout.batches_at + batch) as usize] as usize }
     }
 
     fn colours(&self) -> usize {
@@ -147,7 +147,7 @@ impl<'a> Batch<'a> {
 
     fn visit(&self, step: &Step, state: &mut [Vec4], rod: u32, correct: impl Fn(&Ends, [u32; 2]) -> Correction) -> f32 {
         let rod = self.rod(step, rod);
-        let n = step.spheres as usize;
+        let n = step.layout.spheres as usize;
         let [one, two] = rod.ends.map(|end| end as usize);
         let (w1, w2) = (state[n + one].w, state[n + two].w);
         if w1 + w2 == 0.0 {
@@ -176,7 +176,7 @@ impl<'a> Batch<'a> {
     }
 
     fn rod(&self, step: &Step, rod: u32) -> RodRecord {
-        let at = (step.rods_at + rod * ROD_WORDS) as usize;
+        let at = (step.layout.rods_at + rod * ROD_WORDS) as usize;
         let [end1, end2, radius, length] = std::array::from_fn(|word| self.topology[at + word]);
         RodRecord { ends: [end1, end2], radius: f32::from_bits(radius), length: f32::from_bits(length) }
     }

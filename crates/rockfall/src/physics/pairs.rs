@@ -2,7 +2,7 @@
 
 use glam::Vec4;
 
-use crate::model::step::Step;
+use crate::model::step::{Constants, Step};
 use crate::model::view::View;
 
 /// Properties of the contacts of two objects.
@@ -21,7 +21,7 @@ pub(crate) struct Surface {
 impl Surface {
     /// The constants of the scene.
     fn of_scene(step: &Step) -> Self {
-        let Step { restitution, friction, coulomb_friction, collision_friction, .. } = *step;
+        let Constants { restitution, friction, coulomb_friction, collision_friction, .. } = step.constants;
         Self { restitution, friction, coulomb_friction, collision_friction }
     }
 
@@ -57,7 +57,7 @@ impl Surfaces {
     /// The pairs of an object with four others.
     #[inline]
     pub(crate) fn of(view: &View, object: u32, others: [u32; 4]) -> Self {
-        if view.step.materials == 0 {
+        if view.step.layout.materials == 0 {
             return Self::splat(&Surface::of_scene(view.step));
         }
         let all = others.map(|other| Surface::of(view, object, other));

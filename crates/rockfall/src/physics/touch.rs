@@ -6,9 +6,10 @@ use glam::Vec3;
 use crate::fine::Fine;
 use crate::model::layout::BOX_FEATURES;
 use crate::model::view::{BoxRecord, Object, PolygonRecord, RodRecord, TINY, View};
-use crate::physics::fine_geometry::{fine_box, fine_plane, fine_spheres};
+use crate::physics::fine_geometry::{fine_box, fine_plane, fine_polygon, fine_spheres};
 use crate::physics::geometry::{
-    box_contains, box_edge, box_parameters, box_vertex, point_box, point_polygon, point_segment, segment_segment,
+    box_contains, box_edge, box_parameters, box_vertex, point_box, point_over_polygon, point_polygon, point_segment,
+    segment_segment,
 };
 use crate::physics::side::side;
 
@@ -57,15 +58,28 @@ pub(crate) trait Motions {
         Touch { normal, overlap: radius - distance, a: 0.0, b: 0.0 }
     }
 
-    /// The contact of a sphere of this radius with the plane of a polygon, and whether the centre is over the polygon and not beside
-    /// it. The overlap exceeds the radius where the centre is behind the plane.
-    fn on_plane(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> (Touch, bool) {
-        if let Some(centre) = self.fine_position(sphere) {
-            let (face, overlap, is_inside) = fine_plane(polygon, centre, radius);
-            return (Touch { normal: -face, overlap, a: 0.0, b: 0.0 }, is_inside);
-        }
-        let (face, height, is_inside) = point_polygon(polygon, self.position(sphere));
-        (Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 }, is_inside)
+    /// The contact of a sphere of this radius with a polygon. `None` behind its plane.
+    fn on_polygon(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> Option<Touch> {
+        let (normal, overlap) = match self.fine_position(sphere) {
+            Some(centre) => fine_polygon(polygon, centre, radius)?,
+            None => {
+                let (normal, distance) = point_polygon(polygon, self.position(sphere), radius)?;
+                (normal, radius - distance)
+            }
+        };
+        Some(Touch { normal, overlap, a: 0.0, b: 0.0 })
+    }
+
+    /// The contact of a sphere of this radius with the plane of a polygon, also beside and behind the face.
+    fn on_plane(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> Touch {
+        let (face, overlap) = match self.fine_position(sphere) {
+            Some(centre) => fine_plane(polygon, centre, radius),
+            None => {
+                let (face, height, _) = point_over_polygon(polygon, self.position(sphere));
+                (face, radius - height)
+            }
+        };
+        Touch { normal: -face, overlap, a: 0.0, b: 0.0 }
     }
 }
 
@@ -105,7 +119,6 @@ pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<T
     }
     let touch = match (a, b) {
         (Object::Rod(a), Object::Cuboid(b)) => rod_box(view, view.rod(a), &view.cuboid(b), feature),
-        (Object::Sphere(a), Object::Polygon(b)) => sphere_polygon(view, a, b),
         _ => line(view, view, a, b, None).filter(|touch| touch.overlap > 0.0),
     }?;
     // A rod cannot move at a fixed end.
@@ -129,10 +142,6 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
                 (Some(edge), Some(vertex)) if edge.overlap > vertex.overlap => edge,
                 (edge, vertex) => vertex.or(edge)?,
             }
-        }
-        (Object::Sphere(sphere), Object::Polygon(polygon)) => {
-            let (touch, is_inside) = view.on_plane(sphere, view.radius(sphere), &view.polygon(polygon));
-            is_inside.then_some(touch)?
         }
         _ => line(view, view, a, b, None)?,
     };
@@ -168,17 +177,49 @@ fn immovable(view: &View, object: Object) -> bool {
     }
 }
 
-/// The part of a box that a rod touches.
+/// Whether the centre of a sphere is over a face of a box or polygon, and neither beside it nor inside the box.
+pub(crate) fn is_over_face(view: &View, a: Object, b: Object) -> bool {
+    match (a, b) {
+        (Object::Sphere(sphere), Object::Cuboid(cuboid)) => {
+            let t = box_parameters(&view.cuboid(cuboid), view.position(sphere));
+            t.to_array().into_iter().filter(|t| !(0.0..=1.0).contains(t)).count() == 1
+        }
+        (Object::Sphere(sphere), Object::Polygon(polygon)) => {
+            let (_, height, is_inside) = point_over_polygon(&view.polygon(polygon), view.position(sphere));
+            is_inside && height >= 0.0
+        }
+        _ => false,
+    }
+}
+
+/// The part of a static object that the other object of a contact touches. The contact keeps it at other positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Feature {
+    /// The edge of a box that a rod touches.
     Edge(u32),
+    /// The vertex of a box that a rod touches.
     Vertex(u32),
+    /// The plane of a polygon that a sphere crosses, also beside and behind its face.
+    Plane,
 }
 
 impl Feature {
-    /// Returns the part of a box that a rod touches with `feature`. If the rod does not overlap the edge, the nearer of edge
-    /// and vertex counts (docs/physics.md section 2.10).
-    pub(crate) fn of(view: &View, rod: u32, cuboid: u32, feature: u32) -> Self {
+    /// Returns the part of a box that a rod touches in the present state (docs/physics.md section 2.10). `None` for other pairs.
+    /// `feature` is that of the list entry.
+    pub(crate) fn of(view: &View, a: Object, b: Object, feature: u32) -> Option<Self> {
+        match (a, b) {
+            (Object::Rod(rod), Object::Cuboid(cuboid)) => Some(Self::of_box(view, rod, cuboid, feature)),
+            _ => None,
+        }
+    }
+
+    /// Returns the part that a sphere crosses: the plane of a polygon.
+    pub(crate) fn of_crossing(b: Object) -> Option<Self> {
+        matches!(b, Object::Polygon(_)).then_some(Self::Plane)
+    }
+
+    /// If the rod does not overlap the edge, the nearer of edge and vertex counts.
+    fn of_box(view: &View, rod: u32, cuboid: u32, feature: u32) -> Self {
         let of = |feature| line(view, view, Object::Rod(rod), Object::Cuboid(cuboid), Some(feature));
         let (edge, vertex) = (Self::Edge(feature), Self::Vertex(feature));
         if feature >= 8 || rod_edge(view, view.rod(rod), &view.cuboid(cuboid), feature, true).is_some() {
@@ -193,14 +234,15 @@ impl Feature {
 }
 
 /// Returns the signed geometry of two objects at the positions in `at`, or `None` when they have no contact line
-/// (docs/physics.md section 2.10). `feature` is the part of a box that a rod touches.
+/// (docs/physics.md section 2.10). `feature` is the part that a contact keeps.
 pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature: Option<Feature>) -> Option<Touch> {
     match (a, b, feature) {
         (Object::Sphere(a), Object::Sphere(b), _) => Some(at.spheres([a, b], [view.radius(a), view.radius(b)])),
         (Object::Sphere(a), Object::Rod(b), _) => sphere_rod(view, at, a, view.rod(b)),
         (Object::Rod(a), Object::Rod(b), _) => rod_rod(at, view.rod(a), view.rod(b)),
         (Object::Sphere(a), Object::Cuboid(b), _) => Some(at.on_box(a, view.radius(a), &view.cuboid(b))),
-        (Object::Sphere(a), Object::Polygon(b), _) => Some(at.on_plane(a, view.radius(a), &view.polygon(b)).0),
+        (Object::Sphere(a), Object::Polygon(b), Some(Feature::Plane)) => Some(at.on_plane(a, view.radius(a), &view.polygon(b))),
+        (Object::Sphere(a), Object::Polygon(b), _) => at.on_polygon(a, view.radius(a), &view.polygon(b)),
         (Object::Rod(a), Object::Cuboid(b), Some(Feature::Edge(edge))) => {
             rod_edge(at, view.rod(a), &view.cuboid(b), edge, false)
         }
@@ -246,18 +288,6 @@ fn rod_rod(at: &impl Motions, a: RodRecord, b: RodRecord) -> Option<Touch> {
     let origin = origin_of(at, a);
     let pair = segment_segment(ends(at, a, origin), ends(at, b, origin), reach)?;
     Some(round(pair.d, reach, pair.normal.unwrap_or(Vec3::Y), pair.a, pair.b))
-}
-
-/// Returns the contact of a sphere with a polygon. The centre must be over the face, neither beside nor behind it.
-fn sphere_polygon(view: &View, sphere: u32, polygon: u32) -> Option<Touch> {
-    let radius = view.radius(sphere);
-    if view.step.is_double() {
-        let (touch, is_inside) = view.on_plane(sphere, radius, &view.polygon(polygon));
-        return (is_inside && touch.overlap <= radius && touch.overlap > 0.0).then_some(touch);
-    }
-    let (face, height, inside) = point_polygon(&view.polygon(polygon), view.position(sphere));
-    let hit = inside && height >= 0.0 && height < radius;
-    hit.then(|| Touch { normal: -face, overlap: radius - height, a: 0.0, b: 0.0 })
 }
 
 /// Returns the contact of a rod with feature f of a box: edge f, or, when no edge is hit, vertex f.

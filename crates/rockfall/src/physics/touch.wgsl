@@ -14,12 +14,6 @@ fn bar_at(half: ContactSide, poise: SideMotion, placeholder: u32) -> Bar {
     return Bar(vec2u(NONE - placeholder), Axis(poise.x1, poise.x2 - poise.x1, rod_radius(half.id - step.spheres)));
 }
 
-// Contact of a sphere with the plane of a polygon, also beside the polygon.
-fn touch_plane(centre: vec4f, polygon: Polygon) -> Touch {
-    let n = face_of(polygon).n;
-    return Touch(-n, centre.w - dot(centre.xyz - polygon.corner, n), 0.0, 0.0);
-}
-
 // Contact of a pair at the positions in `a_poise` and `b_poise`. The overlap is negative when they are apart, and
 // NO_CONTACT_LINE when they have no contact line. `by_vertex`: a rod meets vertex `feature` of a box, not edge `feature`.
 fn signed_touch(a: ContactSide, b: ContactSide, a_poise: SideMotion, b_poise: SideMotion, feature: u32, by_vertex: bool) -> Touch {
@@ -35,7 +29,7 @@ fn signed_touch(a: ContactSide, b: ContactSide, a_poise: SideMotion, b_poise: Si
         if b.id < boxes + step.boxes {
             return touch_sphere_box(centre, box_from(origin_of(a), cuboid(b.id - boxes)));
         }
-        return touch_plane(centre, polygon_from(origin_of(a), polygon(b.id - boxes - step.boxes)));
+        return touch_sphere_polygon(centre, polygon_from(origin_of(a), polygon(b.id - boxes - step.boxes)));
     }
     if !RODS {
         return no_touch();
@@ -48,6 +42,21 @@ fn signed_touch(a: ContactSide, b: ContactSide, a_poise: SideMotion, b_poise: Si
         return touch_rod_vertex(bar.axis, box_from(origin_of(a), cuboid(b.id - boxes)), feature);
     }
     return touch_rod_edge(bar.axis, box_from(origin_of(a), cuboid(b.id - boxes)), feature);
+}
+
+// Whether a contact is that of a sphere with the face of a box or polygon, which it keeps at other positions (docs/physics.md section
+// 2.10). The centre is neither beside the face nor inside the box.
+fn is_over_face(a: ContactSide, b: ContactSide, poise: SideMotion) -> bool {
+    let boxes = step.spheres + step.rods;
+    if (a.id >= step.spheres) | (b.id < boxes) {
+        return false;
+    }
+    let centre = centre_of(a, poise).xyz;
+    if b.id < boxes + step.boxes {
+        let beside = abs(box_parameters(centre, box_from(origin_of(a), cuboid(b.id - boxes))) - 0.5) > vec3f(0.5);
+        return dot(select(vec3f(0.0), vec3f(1.0), beside), vec3f(1.0)) == 1.0;
+    }
+    return is_over_polygon(centre, polygon_from(origin_of(a), polygon(b.id - boxes - step.boxes)));
 }
 
 // Whether a rod meets vertex `feature` of a box instead of edge `feature`. If it does not overlap the edge, the nearer of the

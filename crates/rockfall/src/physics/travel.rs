@@ -23,7 +23,7 @@ pub(crate) fn margin_for_escape(escape: f32) -> f32 {
 /// Returns the position of a sphere after `lead` steps at constant velocity. `motion` is its velocity and inverse mass. The
 /// result is `position` for a fixed sphere and for a displacement of 1e30 or more.
 pub(crate) fn position_ahead(step: &Step, position: Vec3, motion: Vec4) -> Vec3 {
-    let displacement = motion.truncate() * (step.lead * step.dt);
+    let displacement = motion.truncate() * (step.lists.lead * step.constants.dt);
     let is_usable = motion.w > 0.0 && displacement.abs().max_element() < 1e30;
     if is_usable { position + displacement } else { position }
 }
@@ -35,13 +35,13 @@ pub(crate) fn travel_bound(step: &Step, velocity: Vec3, radius: f32, steps: f32)
     if step.has_exact_lists() {
         return 0.0;
     }
-    (steps - step.lead) * (1.05 * velocity.length() * step.dt) + (0.05 * steps - 0.03) * radius
+    (steps - step.lists.lead) * (1.05 * velocity.length() * step.constants.dt) + (0.05 * steps - 0.03) * radius
 }
 
 /// Returns the distance from the point that [`position_ahead`] returns to the position of a sphere before the last step, taken as
 /// straight. Where contacts that begin and end within a step are handled, lists hold the pairs of this path too.
 pub(crate) fn trail(step: &Step, velocity: Vec3, radius: f32) -> f32 {
-    1.001 * (step.lead + 1.0) * step.dt * velocity.length() + 0.02 * radius
+    1.001 * (step.lists.lead + 1.0) * step.constants.dt * velocity.length() + 0.02 * radius
 }
 
 /// Returns how far a moving sphere is outside the ball that its AABB encloses, in units of 0.02 r; 0 when it is inside.
@@ -55,7 +55,7 @@ pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
 
 /// Like [`escape_ratio`], for a sphere with this centre and radius.
 pub(crate) fn outside(step: &Step, aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
-    let out = distance_outside(aabb, centre, radius + step.neck * radius);
+    let out = distance_outside(aabb, centre, radius + step.layout.neck * radius);
     if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
@@ -64,7 +64,7 @@ pub(crate) fn outside(step: &Step, aabb: &Aabb, centre: Vec3, radius: f32) -> f3
 pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3, velocity: Vec3) -> bool {
     let (step, radius) = (view.step, view.radius(sphere));
     let middle = position_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
-    let reach = radius + step.neck * radius + travel_bound(step, velocity, radius, step.list_interval);
+    let reach = radius + step.layout.neck * radius + travel_bound(step, velocity, radius, step.lists.list_interval);
     !view.is_fixed(sphere) && distance_outside(&aabbs[sphere as usize], middle, reach) > 0.0
 }
 

@@ -107,7 +107,7 @@ impl Simulation {
                 status.pair_rows_needed,
                 self.lists.settings().margin,
                 status.history_needed,
-                self.world.step.history_pool
+                self.world.step.layout.history_pool
             );
             return Err(Error::Stuck { step: self.report.steps + 1, attempts, reason });
         }

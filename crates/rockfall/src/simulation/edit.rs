@@ -283,11 +283,11 @@ impl Simulation {
                 self.mark_state_edited();
             }
             Dirty::Topology => {
-                let neck = self.world.step.neck;
+                let neck = self.world.step.layout.neck;
                 self.world.set_topology(&self.scene)?;
                 // AABBs grow by the length of necks.
-                self.aabbs_due |= neck != self.world.step.neck;
-                self.lists_due |= neck != self.world.step.neck;
+                self.aabbs_due |= neck != self.world.step.layout.neck;
+                self.lists_due |= neck != self.world.step.layout.neck;
                 self.engine.upload_topology(&self.world)?;
                 self.status.forces_due = 1;
             }
@@ -304,10 +304,10 @@ impl Simulation {
     /// Packs the scene again, with the springs of contacts and the rates of velocity Verlet, if known. The lists keep their capacity.
     pub(super) fn rebuild(&mut self, springs: &[KeptSpring], rates: &[[f32; 6]]) -> Result<()> {
         let old = &self.world.step;
-        let (flags, dt, rows) = (old.flags, old.dt, old.pair_rows);
+        let (flags, dt, rows) = (old.constants.flags, old.constants.dt, old.layout.pair_rows);
         self.world = pack(&self.scene, &self.options)?;
-        self.world.step.flags |= flags & FLAG_CONTINUE;
-        self.world.step.dt = dt;
+        self.world.set_flags(FLAG_CONTINUE, flags);
+        self.world.set_time_step(dt);
         self.world.set_pair_room(rows);
         put_springs(&mut self.world, &self.scene, springs);
         put_rates(&mut self.world, rates);

@@ -20,9 +20,6 @@ const LARGE_PORTION: u64 = 32;
 /// Movers times steps of a portion that takes a large device several milliseconds, many times as long as the transfer of the
 /// status.
 const MOVED: u32 = 1 << 21;
-/// How far AABBs are placed ahead of their bodies, in steps. Half a step ahead, they need to reach only half of the distance of
-/// one step to either side.
-const LEAD: f32 = 0.5;
 
 /// How many steps a portion has at most, and how many portions are under way at a time. No result depends on it.
 #[derive(Clone, Copy, Debug)]
@@ -134,7 +131,7 @@ impl Simulation {
             // After a rejected step, the next step has the stages that build lists.
             stretch.since = 0;
         }
-        let (interval, version) = self.put_list_settings();
+        let (interval, version) = self.put_list_settings(stretch.is_step);
         if interval != stretch.interval {
             (stretch.interval, stretch.since) = (interval, 0);
         }
@@ -144,12 +141,7 @@ impl Simulation {
             phase.stages(integrator, broad_phase).iter().map(move |run| (phase, Run { every, ..*run }))
         };
         let (owners, stages): (Vec<Phase>, Vec<Run>) = stretch.phases.iter().copied().flat_map(runs).unzip();
-        let step = &mut self.world.step;
-        step.dt = self.time_step;
-        // If phases run one by one, the collision phase may follow the broad phase, and an impulse may reverse the motion for which
-        // AABBs are placed ahead.
-        let has_lead = stretch.is_step && !step.has_exact_lists();
-        step.lead = if has_lead && self.options.uses(Optimization::Lead) { LEAD } else { 0.0 };
+        self.world.set_time_step(self.time_step);
         self.synced = false;
         let range = stretch.since..stretch.since + steps as u32 + u32::from(builds_lists);
         stretch.since = range.end % interval;
@@ -187,7 +179,7 @@ impl Simulation {
         if !self.engine.dispatches() {
             return LARGE_PORTION;
         }
-        u64::from(MOVED / (step.spheres + step.rods).max(1)).clamp(1, self.portioning.steps)
+        u64::from(MOVED / (step.layout.spheres + step.layout.rods).max(1)).clamp(1, self.portioning.steps)
     }
 }
 

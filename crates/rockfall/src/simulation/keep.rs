@@ -50,7 +50,7 @@ impl Simulation {
             scene: self.scene.clone(),
             options: Options {
                 backend: self.info.kind,
-                pair_capacity: Some(step.pair_rows.saturating_mul(SLICE)),
+                pair_capacity: Some(step.layout.pair_rows.saturating_mul(SLICE)),
                 ..self.options.clone()
             },
             time_step: self.time_step,

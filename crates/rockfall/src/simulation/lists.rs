@@ -9,8 +9,10 @@
 //! a sphere. RK4 also evaluates contacts at positions within the step, which are not known in advance.
 
 use crate::error::{Error, Result};
-use crate::model::layout::{FLAG_CONTINUOUS, LAW_THESIS, MAX_PAIR_ROWS, words_of_rows};
+use crate::model::layout::{LAW_THESIS, MAX_PAIR_ROWS, words_of_rows};
 use crate::model::status::{REJECTED_COLLISIONS, REJECTED_ESCAPED, REJECTED_PAIRS};
+use crate::model::step::ListSettings;
+use crate::model::world::World;
 use crate::options::Optimization;
 use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::Simulation;
@@ -24,24 +26,26 @@ mod policy;
 mod trials;
 
 use cost::ListFacts;
+pub(super) use policy::ListPolicy;
 #[cfg(test)]
 pub(super) use policy::MIN_MARGIN;
-pub(super) use policy::{ListPolicy, margin_after_escape};
+use policy::margin_after_escape;
+
+/// Distance by which AABBs are ahead of their bodies, in steps. Half a step ahead, they need to reach only half of the distance of one
+/// step to either side.
+const LEAD: f32 = 0.5;
 
 impl Simulation {
     /// Whether lists may be exact in this scene. Contacts that begin and end within a step need lists of the whole path. Other contact
     /// laws keep springs for the pairs of their lists, friction impulses follow the collisions and use their lists, and rods move
     /// between two evaluations. Without collisions no impulse displaces a body, and lists with a margin last longer than a step.
     fn may_have_exact_lists(&self) -> bool {
-        let step = &self.world.step;
-        self.integrator() == Integrator::SymplecticEuler
+        let traits = self.world.step.traits();
+        traits.integrator == Integrator::SymplecticEuler
+            && traits.law == LAW_THESIS
+            && traits.collisions
+            && !(traits.continuous || traits.friction_impulses || traits.rods || traits.long_movers)
             && self.broad_phase_method() == BroadPhase::Grid
-            && self.scene.settings.collisions
-            && step.flags & FLAG_CONTINUOUS == 0
-            && step.rods == 0
-            && step.long_at == 0
-            && step.law == LAW_THESIS
-            && !step.has_friction_impulses()
             && self.options.uses(Optimization::ExactLists)
     }
 
@@ -52,17 +56,17 @@ impl Simulation {
 
     /// The facts of the scene on which the decisions of the policy depend.
     pub(super) fn list_facts(&self) -> ListFacts {
-        let step = &self.world.step;
+        let (step, traits) = (&self.world.step, self.world.step.traits());
         let movers = step.movers().max(1) as f32;
         let making = [Phase::UpdateAabbs, Phase::BroadPhase].into_iter();
         let runs = making.flat_map(|phase| phase.stages(self.integrator(), self.broad_phase_method()));
         let stages = runs.filter(|run| run.workgroups(step) > 0).count();
         ListFacts {
             movers,
-            capacity: words_of_rows(step.pair_rows) as f32 / movers,
-            has_rods: step.rods > 0,
-            has_long_lists: step.has_long_lists(),
-            has_history: step.law != LAW_THESIS,
+            capacity: words_of_rows(step.layout.pair_rows) as f32 / movers,
+            has_rods: traits.rods,
+            has_long_lists: traits.has_long_lists(),
+            has_history: traits.law != LAW_THESIS,
             may_be_exact: self.may_have_exact_lists(),
             broad_phase: self.broad_phase_method(),
             dispatches: if self.engine.dispatches() { stages as f32 } else { 0.0 },
@@ -70,13 +74,24 @@ impl Simulation {
     }
 
     /// Gives the next steps the settings of the policy. Returns the interval and the version.
-    pub(super) fn put_list_settings(&mut self) -> (u32, u32) {
-        let settings = self.lists.settings();
-        let step = &mut self.world.step;
-        step.lookahead = settings.lookahead;
-        step.list_interval = settings.interval as f32;
-        step.margin_scale = settings.margin;
-        (settings.interval, settings.version)
+    ///
+    /// AABBs are ahead of motion in whole steps alone. If phases run one by one, the collision phase may follow the broad phase, and
+    /// an impulse may reverse the motion for which AABBs are placed ahead.
+    pub(super) fn put_list_settings(&mut self, is_step: bool) -> (u32, u32) {
+        let plan = self.lists.settings();
+        let has_lead = is_step && plan.lookahead > 0.0 && self.options.uses(Optimization::Lead);
+        self.world.step.lists = ListSettings {
+            margin_scale: plan.margin,
+            lookahead: plan.lookahead,
+            list_interval: plan.interval as f32,
+            lead: if has_lead { LEAD } else { 0.0 },
+        };
+        (plan.interval, plan.version)
+    }
+
+    /// Gives a copy of an earlier state lists that hold as long as those of the simulation. More pairs do not change results.
+    pub(super) fn put_lists_of_observation(&self, world: &mut World) {
+        world.step.lists.lookahead = self.lists.settings().lookahead.max(1.0);
     }
 
     /// The phases that compute the same as `phases` with the present kind of lists. Ends exact lists where they cannot be used.
@@ -138,7 +153,7 @@ impl Simulation {
             return Ok(());
         }
         let rows = room_for(needed)?;
-        let before = self.world.step.pair_rows;
+        let before = self.world.step.layout.pair_rows;
         self.world.set_pair_room(rows);
         self.engine.complete(&mut self.world);
         let grown = self.engine.resize_lists(&self.world);
@@ -191,4 +206,10 @@ mod tests {
         let slices = max_objects(false).div_ceil(SLICE);
         assert!(MAX_PAIR_ROWS.checked_add(slices + slices.div_ceil(SLICE) + 1).is_some());
     }
+}
+
+/// Enlarges the AABBs of a world outside of a simulation after a body left its own.
+pub(super) fn widen_after_escape(world: &mut World, escape: f32, attempts: u32) {
+    let margin = &mut world.step.lists.margin_scale;
+    *margin = margin_after_escape(*margin, escape, attempts);
 }

@@ -24,7 +24,7 @@ impl Simulation {
         self.flush()?;
         self.muscle_clock.set_time_step(dt);
         self.world.set_muscles(&self.scene, &self.muscle_clock);
-        self.world.step.dt = dt;
+        self.world.set_time_step(dt);
         Ok(&self.world)
     }
 
@@ -35,7 +35,7 @@ impl Simulation {
 
     /// The `FLAG_*` bits of the arrays.
     pub(crate) fn packed_flags(&self) -> u32 {
-        self.world.step.flags
+        self.world.step.constants.flags
     }
 
     /// Takes the state after steps that ran elsewhere, which `copy` writes to the arrays.

@@ -110,7 +110,7 @@ impl Simulation {
             let sides = [(a, touch.a), (b, touch.b)].map(|(id, parameter)| side(view, view.object(id), parameter));
             let threshold = collision_velocity(view.step, &sides[0], &sides[1]);
             let rests = sides.iter().all(|side| side.inverse_mass == 0.0 || side.velocity.length() <= threshold);
-            let has_force = || view.step.law != LAW_THESIS || contact_force(view, a, b, touch).force != Vec3::ZERO;
+            let has_force = || view.step.layout.law != LAW_THESIS || contact_force(view, a, b, touch).force != Vec3::ZERO;
             rests && entry.word & ENTRY_COLLIDES == 0 && has_force()
         }))
     }
@@ -170,20 +170,20 @@ impl Simulation {
             }
             values
         };
-        Ok((0..world.step.spheres).into_par_iter().map(of_sphere).collect())
+        Ok((0..world.step.layout.spheres).into_par_iter().map(of_sphere).collect())
     }
 
     /// Elastic energy of all contacts: sum of Cc m* o² / 2, or that of the normal forces of a law with history.
     pub(super) fn contact_energy(&mut self) -> Result<f64> {
         let (_, world) = self.observed(Detail::Pairs)?;
         let (view, lists) = view_and_lists(world);
-        let stiffness = f64::from(world.step.contact_force);
+        let stiffness = f64::from(world.step.constants.contact_force);
         let histories = Histories::of(world);
         let of_mover = |mover: u32| -> f64 {
             let own = visible_row(&view, &lists, mover).filter(|entry| entry.id() > mover);
             own.filter_map(|entry| {
                 let touch = contact(&view, &histories, mover, entry.id(), entry.feature())?;
-                if view.step.law != LAW_THESIS {
+                if view.step.layout.law != LAW_THESIS {
                     return Some(normal_energy(&view, mover, entry.id(), &touch));
                 }
                 let side = |id, parameter| f64::from(side(&view, view.object(id), parameter).inverse_mass);
@@ -250,13 +250,13 @@ fn action(
     let touch = contact(view, &histories, a, b, entry.feature())?;
     let collision = Collision::with_touch(view, [a, b], entry.feature(), touch);
     // With a law that has no impulses, the force acts in collisions too.
-    let has_impulses = view.step.law == LAW_THESIS || view.step.flags & FLAG_COLLISIONS != 0;
+    let has_impulses = view.step.layout.law == LAW_THESIS || view.step.constants.flags & FLAG_COLLISIONS != 0;
     if entry.word & ENTRY_COLLIDES != 0 && has_impulses {
         let impulse = impulse_in(impulses, collision.key(view)).map_or(Vec3::ZERO, |known| known.size * known.direction);
         return Some((collision, ContactAction::Impulse(impulse), None));
     }
     let Collision { a, b, feature, touch, .. } = &collision;
-    if view.step.law == LAW_THESIS {
+    if view.step.layout.law == LAW_THESIS {
         let force = contact_force(view, *a, *b, touch).force;
         return Some((collision, ContactAction::Force(-force), None));
     }
@@ -267,7 +267,7 @@ fn action(
 
 /// The point at the end of A's arm: from A's centre or axis along the normal.
 fn contact_point(view: &View, collision: &Collision) -> Vec3 {
-    let (touch, static_b) = (&collision.touch, collision.b >= view.step.spheres + view.step.rods);
+    let (touch, static_b) = (&collision.touch, collision.b >= view.step.layout.spheres + view.step.layout.rods);
     let shared = if static_b { touch.overlap } else { 0.5 * touch.overlap };
     let (centre, radius) = match view.object(collision.a) {
         Object::Rod(rod) => {

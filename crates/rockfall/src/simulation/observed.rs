@@ -18,7 +18,7 @@ use crate::physics::travel::outside;
 use crate::scene::Scene;
 use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::drive::MAX_ATTEMPTS;
-use crate::simulation::lists::{margin_after_escape, room_for};
+use crate::simulation::lists::{room_for, widen_after_escape};
 use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine};
 use crate::step::collisions::{find_collisions, synchronise};
@@ -63,7 +63,7 @@ impl Simulation {
             }
         };
         // With JKR cohesion, the spring of a contact tells whether a neck connects its bodies.
-        if detail >= Detail::Springs || world.step.neck > 0.0 {
+        if detail >= Detail::Springs || world.step.layout.neck > 0.0 {
             let device = self.engine.waiter();
             let springs = engine::block_on(device, self.springs())?;
             put_springs(&mut world, &self.scene, &springs);
@@ -84,9 +84,8 @@ impl Simulation {
         world.status = Status::default();
         world.set_spheres(&self.scene);
         world.set_muscles(&self.scene, &self.muscle_clock);
-        world.step.dt = self.time_step;
-        // Lists that hold more pairs do not change results. These last as long as those of the simulation.
-        world.step.lookahead = self.lists.settings().lookahead.max(1.0);
+        world.set_time_step(self.time_step);
+        self.put_lists_of_observation(world);
     }
 }
 
@@ -102,9 +101,9 @@ pub(crate) fn observe(
     let mut world = World::build_with(scene, laws.clone())?;
     world.set_integrator(methods.0);
     world.set_muscles(scene, clock);
-    world.step.dt = dt;
+    world.set_time_step(dt);
     // The contacts of the present state, and not those within the last step.
-    world.step.flags &= !FLAG_CONTINUOUS;
+    world.set_flags(FLAG_CONTINUOUS, 0);
     find(&mut world, methods, step)?;
     Ok(world)
 }
@@ -119,7 +118,7 @@ pub(crate) fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
 /// because an edit may move them.
 fn holds_pairs(world: &World) -> bool {
     let view = View::new(&world.step, &world.topology, &world.states[0]);
-    let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
+    let spheres = (0..world.step.layout.spheres).into_par_iter().with_min_len(GRAIN);
     spheres.all(|sphere| {
         let aabb = &world.aabbs[sphere as usize];
         outside(&world.step, aabb, view.position(sphere), view.radius(sphere)) <= 0.0
@@ -140,7 +139,7 @@ fn find(world: &mut World, methods: Methods, step: u64) -> Result<()> {
     for attempts in 0..=MAX_ATTEMPTS {
         world.status = Status::default();
         cpu::run(world, &stages);
-        let status = &world.status;
+        let status = world.status;
         if status.rejected == 0 {
             return Ok(());
         }
@@ -148,14 +147,14 @@ fn find(world: &mut World, methods: Methods, step: u64) -> Result<()> {
         // rounding takes a body out of its own AABB.
         if status.rejected & REJECTED_ESCAPED != 0 {
             let escape = f32::from_bits(status.escape_ratio);
-            world.step.margin_scale = margin_after_escape(world.step.margin_scale, escape, attempts);
+            widen_after_escape(world, escape, attempts);
         }
         if status.rejected & (REJECTED_PAIRS | REJECTED_COUNT) != 0 {
             let too_many = status.rejected & REJECTED_COUNT != 0;
             world.set_pair_rows(room_for(if too_many { u32::MAX } else { status.pair_rows_needed })?);
         }
     }
-    let reason = format!("the contacts cannot be found, AABB margin {}", world.step.margin_scale);
+    let reason = format!("the contacts cannot be found, AABB margin {}", world.step.lists.margin_scale);
     Err(Error::Stuck { step, attempts: MAX_ATTEMPTS, reason })
 }
 

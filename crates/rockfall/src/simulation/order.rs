@@ -102,7 +102,7 @@ impl Simulation {
         self.world.status = Status { rejected: 0, order_entries: 0, order_digits: 0, ..self.status };
         self.engine.run(&mut self.world, MEASURE_ORDER).await?;
         let Status { order_entries, order_digits, .. } = self.world.status;
-        let sampled = self.world.step.spheres.min(ORDER_SAMPLE) / 2;
+        let sampled = self.world.step.layout.spheres.min(ORDER_SAMPLE) / 2;
         // If few spheres have neighbours, disorder costs nothing and cannot be measured.
         let digits = (order_entries >= sampled.max(1)).then(|| order_digits as f32 / order_entries as f32);
         if self.disorder.look(step, digits) {

@@ -12,7 +12,7 @@ type Rates = [f32; RATE_WORDS as usize];
 
 /// Gives a world the rates of a checkpoint. Where they do not belong to its spheres, the next step evaluates the forces again.
 pub(super) fn put_rates(world: &mut World, rates: &[Rates]) {
-    let fits = world.step.flags & FLAG_VERLET != 0 && rates.len() == world.step.spheres as usize;
+    let fits = world.step.constants.flags & FLAG_VERLET != 0 && rates.len() == world.step.layout.spheres as usize;
     if fits {
         cast_slice_mut(&mut world.rates).copy_from_slice(rates);
     }
@@ -22,7 +22,7 @@ pub(super) fn put_rates(world: &mut World, rates: &[Rates]) {
 impl Simulation {
     /// The rates of all spheres in insertion order, if the next step uses them.
     pub(super) async fn rates(&mut self) -> Result<Vec<Rates>> {
-        if self.status.forces_due != 0 || self.world.step.flags & FLAG_VERLET == 0 {
+        if self.status.forces_due != 0 || self.world.step.constants.flags & FLAG_VERLET == 0 {
             return Ok(Vec::new());
         }
         self.engine.download_rates(&mut self.world).await?;

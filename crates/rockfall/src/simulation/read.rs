@@ -69,7 +69,7 @@ impl Simulation {
     /// addition.
     pub fn slot(&self, sphere: usize) -> usize {
         let step = &self.world.step;
-        match step.slots_at {
+        match step.layout.slots_at {
             0 => sphere,
             at => self.world.topology[at as usize + sphere] as usize,
         }

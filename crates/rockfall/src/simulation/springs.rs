@@ -36,7 +36,7 @@ pub(super) fn put_springs(world: &mut World, scene: &Scene, springs: &[KeptSprin
     let mut chains: Vec<Vec<Record>> = vec![Vec::new(); world.movers() as usize];
     let view = View::new(&world.step, &world.topology, &world.states[0]);
     let mut slots: Vec<u32> = (0..world.movers()).collect();
-    (0..world.step.spheres).for_each(|slot| slots[view.insertion_index(slot) as usize] = slot);
+    (0..world.step.layout.spheres).for_each(|slot| slots[view.insertion_index(slot) as usize] = slot);
     let id_of = |number: u32| slots.get(number as usize).copied().unwrap_or(number);
     for kept in springs {
         let (Some(a), Some(b)) = (scene.number_of(kept.a), scene.number_of(kept.b)) else { continue };
@@ -65,7 +65,7 @@ impl Simulation {
 
     /// Makes the pool of blocks of springs a quarter larger than a rejected step needed.
     pub(super) async fn grow_histories(&mut self) -> Result<()> {
-        let (needed, before) = (self.status.history_needed, self.world.step.history_pool);
+        let (needed, before) = (self.status.history_needed, self.world.step.layout.history_pool);
         let most = largest_pool(self.world.movers());
         if needed > most {
             let bytes = |blocks: u32| 8 * BLOCK_WORDS as u64 * (u64::from(self.world.movers()) + u64::from(blocks));

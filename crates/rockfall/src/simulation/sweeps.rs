@@ -3,10 +3,11 @@
 //! A step that needs sweeps, or more room for collisions, is rejected and repeated with them. Results do not depend on it.
 
 use crate::error::Result;
-use crate::model::layout::{FEW_COLLISIONS, SWEEPS_FEW, SWEEPS_ON};
+use crate::model::layout::{FEW_COLLISIONS, SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_ON};
 use crate::model::status::{REJECTED_MANY, Status};
 use crate::options::Optimization;
 use crate::simulation::Simulation;
+use crate::step::collisions::sweep_at_once;
 
 /// Number of steps without collisions that share bodies after which sweeps are left out.
 const CALM: u64 = 128;
@@ -21,20 +22,20 @@ impl Simulation {
     pub(super) fn begin_sweeps(&mut self) -> Result<()> {
         (self.calm_steps, self.few_steps) = (0, 0);
         let needed = self.status.listed.max(self.status.total_counters().collisions);
-        if needed.max(1) > self.world.step.collision_room {
+        if needed.max(1) > self.world.step.layout.collision_room {
             let usual = (self.world.step.movers() / MOVERS_A_COLLISION).max(LEAST_ROOM);
-            self.world.step.collision_room = needed.saturating_mul(2).max(usual);
+            self.world.set_collision_records(needed.saturating_mul(2).max(usual));
             self.engine.resize_collisions(&self.world)?;
         }
         let at_once = self.may_sweep_at_once() && needed <= FEW_COLLISIONS && self.status.rejected & REJECTED_MANY == 0;
-        let step = &mut self.world.step;
-        step.sweeps = if at_once { SWEEPS_FEW.max(step.sweeps) } else { SWEEPS_ON };
+        let present = self.world.step.constants.sweeps;
+        self.world.set_sweeps(if at_once { SWEEPS_FEW.max(present) } else { SWEEPS_ON });
         Ok(())
     }
 
     /// Whether one workgroup may do all sweeps when there are few collisions.
     fn may_sweep_at_once(&self) -> bool {
-        self.world.step.may_sweep_at_once() && self.options.uses(Optimization::SweepsAtOnce)
+        sweep_at_once::fits(&self.world.step.traits()) && self.options.uses(Optimization::SweepsAtOnce)
     }
 
     /// Counts the steps without collisions that share bodies, and those without many of them. After enough such steps, sweeps
@@ -45,11 +46,10 @@ impl Simulation {
         self.calm_steps = count(self.calm_steps, status.clustered_steps != before.clustered_steps);
         self.few_steps = count(self.few_steps, status.many_steps != before.many_steps);
         let at_once = self.may_sweep_at_once();
-        let step = &mut self.world.step;
         if self.calm_steps >= CALM {
-            step.sweeps = step.calm_sweeps();
-        } else if self.few_steps >= CALM && step.sweeps == SWEEPS_ON && at_once {
-            step.sweeps = SWEEPS_FEW;
+            self.world.set_sweeps(SWEEPS_LISTED);
+        } else if self.few_steps >= CALM && self.world.step.constants.sweeps == SWEEPS_ON && at_once {
+            self.world.set_sweeps(SWEEPS_FEW);
         }
     }
 }

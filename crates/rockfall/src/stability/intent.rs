@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::model::view::PolygonRecord;
-use crate::physics::geometry::point_polygon;
+use crate::physics::geometry::point_over_polygon;
 use crate::scene::{Polygon, Scene, Sphere};
 
 /// Largest number of spheres times polygons that are compared.
@@ -53,7 +53,7 @@ impl Scene {
         let of_face = |(number, face): (usize, &Polygon)| {
             let record = PolygonRecord { corner: face.corner, left: face.left, right: face.right };
             let is_behind = |sphere: &Sphere| {
-                let (_, height, inside) = point_polygon(&record, sphere.position);
+                let (_, height, inside) = point_over_polygon(&record, sphere.position);
                 inside && height < 0.0 && height > -sphere.radius && sphere.group == face.group
             };
             let (index, _) = movers().find(|(_, sphere)| is_behind(sphere))?;

@@ -1,6 +1,6 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
-use crate::model::layout::{FLAG_CONTINUOUS, RESTORING, SWEEPS, SWEEPS_FEW, SWEEPS_ON};
+use crate::model::layout::{RESTORING, SWEEPS, SWEEPS_FEW, SWEEPS_ON};
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
@@ -62,17 +62,18 @@ pub struct Run {
 impl Run {
     /// Returns whether the run is part of a step with these parameters.
     pub fn applies(&self, step: &Step) -> bool {
+        let (traits, sweeps) = (step.traits(), step.constants.sweeps);
         match self.when {
             When::Always => true,
-            When::Rods => step.rods > 0,
-            When::Networks => step.networks > 0 && step.sweeps == SWEEPS_ON,
-            When::Swept => step.sweeps == SWEEPS_ON,
-            When::SweptAtOnce => step.sweeps == SWEEPS_FEW,
-            When::LargeSwept => step.large > 0 && step.sweeps == SWEEPS_ON,
-            When::FrictionImpulses => step.has_friction_impulses(),
-            When::Continuous => step.flags & FLAG_CONTINUOUS != 0,
-            When::Accelerated => step.needs_synchronising(),
-            When::LongMovers => step.long_at != 0,
+            When::Rods => traits.rods,
+            When::Networks => traits.networks && sweeps == SWEEPS_ON,
+            When::Swept => sweeps == SWEEPS_ON,
+            When::SweptAtOnce => sweeps == SWEEPS_FEW,
+            When::LargeSwept => traits.large && sweeps == SWEEPS_ON,
+            When::FrictionImpulses => traits.friction_impulses,
+            When::Continuous => traits.continuous,
+            When::Accelerated => synchronise::is_needed(&traits),
+            When::LongMovers => traits.long_movers,
         }
     }
 

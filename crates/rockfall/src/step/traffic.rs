@@ -16,7 +16,7 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
         return 0;
     }
     let moves = (run.stage.moves)(run.pass);
-    let (spheres, rods) = (u64::from(step.spheres), u64::from(step.rods));
+    let (spheres, rods) = (u64::from(step.layout.spheres), u64::from(step.layout.rods));
     let (movers, objects) = (u64::from(step.movers()), u64::from(step.objects()));
     moves.rows * 16 * spheres
         + moves.sphere_aabbs * 32 * spheres
@@ -24,7 +24,7 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
         + moves.tags * 4 * objects
         + moves.counts * 4 * (movers + movers.div_ceil(u64::from(SLICE)))
         + moves.entries * 4 * words_of_rows(status.pair_rows_needed)
-        + moves.cells * 4 * u64::from(step.cells)
+        + moves.cells * 4 * u64::from(step.layout.cells)
         + moves.keys * 4 * objects
         + moves.extents * 16 * objects
         + moves.rods * 16 * rods
@@ -35,11 +35,13 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::step::Layout;
     use crate::settings::{BroadPhase, Integrator};
     use crate::step::schedule::Phase;
 
     fn per_sphere(integrator: Integrator) -> u64 {
-        let step = Step { spheres: 1 << 20, cells: 1 << 20, ..Step::default() };
+        let layout = Layout { spheres: 1 << 20, cells: 1 << 20, ..Layout::default() };
+        let step = Step { layout, ..Step::default() };
         // Six entries per sphere.
         let status = Status { pair_rows_needed: (6 << 20) / SLICE, ..Status::default() };
         let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, BroadPhase::Grid));

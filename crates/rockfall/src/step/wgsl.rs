@@ -14,15 +14,13 @@
 use std::sync::LazyLock;
 
 use crate::model::declared;
-use crate::model::layout::{
-    FLAG_COHESION, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_RESISTANCE, FLAG_VERLET, MANY_OBJECTS,
-};
 use crate::model::part::{Part, part};
 use crate::model::status::COUNTER_BLOCKS;
 use crate::model::step::Step;
 pub use crate::model::world_batch::WorldBatch;
 pub use crate::model::world_sizes::WorldSizes;
 use crate::physics::forces;
+use crate::settings::Integrator;
 
 /// Names that a shared file uses without requiring a file that declares them, each with its meaning. The stage's own file
 /// declares them, or requires one of several files that do.
@@ -235,21 +233,21 @@ pub struct Variant {
 impl Variant {
     /// Returns the variant for a scene with these counts.
     pub fn of(step: &Step) -> Self {
-        let Step { rods, large, muscles_at, materials, law, flags, .. } = *step;
+        let traits = step.traits();
         Self {
-            law,
-            rods: rods > 0,
-            large: large > 0,
-            muscles: muscles_at > 0,
-            materials: materials > 0,
-            resistance: flags & FLAG_RESISTANCE != 0,
-            cohesion: flags & FLAG_COHESION != 0,
-            verlet: flags & FLAG_VERLET != 0,
-            half_step: flags & FLAG_HALF_STEP != 0,
-            free_table: step.free_at != 0,
-            double: flags & FLAG_DOUBLE != 0,
-            continuous: flags & FLAG_CONTINUOUS != 0,
-            many: step.objects() >= MANY_OBJECTS,
+            law: traits.law,
+            rods: traits.rods,
+            large: traits.large,
+            muscles: traits.muscles,
+            materials: traits.materials,
+            resistance: traits.resistance,
+            cohesion: traits.cohesion,
+            verlet: traits.integrator == Integrator::VelocityVerlet,
+            half_step: traits.integrator == Integrator::SymplecticEuler,
+            free_table: traits.free_table,
+            double: traits.double,
+            continuous: traits.continuous,
+            many: traits.many,
             worlds: None,
         }
     }

@@ -29,9 +29,9 @@ fn step_stages(integrator: Integrator) -> Vec<Run> {
 
 fn world(scene: &Scene) -> World {
     let mut world = World::build(scene).unwrap();
-    world.step.dt = 0.02;
+    world.step.constants.dt = 0.02;
     // A wide margin, so that no step is rejected because a body left its AABB.
-    world.step.margin_scale = 30.0;
+    world.step.lists.margin_scale = 30.0;
     world
 }
 
@@ -119,8 +119,8 @@ fn lists_that_do_not_fit_reject_the_step_and_grow() {
 #[test]
 fn plates_take_no_room_in_the_lists_of_grains_far_from_them() {
     let mut world = World::build_in_space(&Drum::new(2000).scene(0).unwrap()).unwrap();
-    world.step.dt = Drum::STEP;
-    assert!(world.step.boxes + world.step.polygons > FEW_STATICS, "the plates are in the grid");
+    world.step.constants.dt = Drum::STEP;
+    assert!(world.step.layout.boxes + world.step.layout.polygons > FEW_STATICS, "the plates are in the grid");
     let lists = [Phase::UpdateAabbs, Phase::BroadPhase].into_iter();
     let runs: Vec<Run> = lists.flat_map(|phase| phase.stages(Integrator::VelocityVerlet, BroadPhase::Grid)).copied().collect();
     let gpu = open();
@@ -188,7 +188,7 @@ fn arrays_that_do_not_fit_are_rejected_before_allocation() {
     let gpu = Gpu::on_device(device, queue);
     let mut world = world(&heap(10));
     // 16 GiB of list entries. The host does not allocate them.
-    world.step.pair_rows = 1 << 27;
+    world.step.layout.pair_rows = 1 << 27;
     let refused = GpuWorld::new(&gpu, &world).map(|_| ());
     assert!(matches!(refused, Err(Error::DeviceLimit { what: "the pair lists", .. })), "{refused:?}");
 }
@@ -197,11 +197,11 @@ fn arrays_that_do_not_fit_are_rejected_before_allocation() {
 fn indices_out_of_range_are_rejected() {
     let gpu = open();
     let mut world = world(&heap(10));
-    world.topology[world.step.rods_at as usize] = world.step.spheres;
+    world.topology[world.step.layout.rods_at as usize] = world.step.layout.spheres;
     let refused = GpuWorld::new(&gpu, &world).map(|_| ());
     assert!(matches!(&refused, Err(Error::Device(text)) if text.contains("rod")), "{refused:?}");
     let mut world = self::world(&heap(10));
-    world.step.large = world.step.spheres + 1;
+    world.step.layout.large = world.step.layout.spheres + 1;
     let refused = GpuWorld::new(&gpu, &world).map(|_| ());
     assert!(matches!(&refused, Err(Error::Device(text)) if text.contains("large")), "{refused:?}");
 }
@@ -212,11 +212,11 @@ fn a_run_does_not_change_the_counts_of_a_world() {
     let world = world(&heap(10));
     let mut device = GpuWorld::new(&gpu, &world).unwrap();
     let mut step = world.step;
-    step.spheres += 1000;
-    step.dt = 0.01;
+    step.layout.spheres += 1000;
+    step.constants.dt = 0.01;
     device.run(&step_stages(Integrator::Rk4), &step, 1).unwrap();
-    assert_eq!(device.step().spheres, world.step.spheres);
-    assert_eq!(device.step().dt, 0.01);
+    assert_eq!(device.step().layout.spheres, world.step.layout.spheres);
+    assert_eq!(device.step().constants.dt, 0.01);
 }
 
 #[test]

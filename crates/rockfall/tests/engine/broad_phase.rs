@@ -144,7 +144,7 @@ const SCENES: [(&str, Make); 10] = [
 
 fn world(scene: &Scene) -> World {
     let mut world = World::build(scene).unwrap();
-    world.step.dt = 0.02;
+    world.step.constants.dt = 0.02;
     world
 }
 
@@ -161,7 +161,7 @@ fn detect(world: &mut World, method: BroadPhase, mut run: impl FnMut(&mut World,
         }
         assert_eq!(world.status.rejected, rockfall::model::status::REJECTED_PAIRS);
         let needed = world.status.pair_rows_needed;
-        assert!(needed > world.step.pair_rows);
+        assert!(needed > world.step.layout.pair_rows);
         world.set_pair_rows(needed);
     }
 }
@@ -170,8 +170,8 @@ fn detect(world: &mut World, method: BroadPhase, mut run: impl FnMut(&mut World,
 fn lists(world: &World) -> Vec<Vec<u32>> {
     let step = &world.step;
     let row = |mover: u32| {
-        let offset = world.lists[(step.slices_at + mover / SLICE) as usize];
-        let word = |place: u32| world.lists[(step.entries_at + (offset + place) * SLICE + mover % SLICE) as usize];
+        let offset = world.lists[(step.layout.slices_at + mover / SLICE) as usize];
+        let word = |place: u32| world.lists[(step.layout.entries_at + (offset + place) * SLICE + mover % SLICE) as usize];
         (0..world.lists[mover as usize] & LIST_COUNT_MASK).map(word).collect()
     };
     (0..world.movers()).map(row).collect()
@@ -182,7 +182,7 @@ fn lists(world: &World) -> Vec<Vec<u32>> {
 /// listed.
 fn balls_meet(world: &World, one: u32, entry: u32) -> Option<bool> {
     let other = entry & world.step.entry_id_mask();
-    if one.max(other) >= world.step.spheres {
+    if one.max(other) >= world.step.layout.spheres {
         return Some(true);
     }
     let [a, b] = [one, other].map(|id| {
@@ -319,8 +319,8 @@ fn lists_of_rods_with_many_neighbours_equal_those_of_brute_force() {
         }
         let brute = on_cpu(&scene, BroadPhase::BruteForce);
         let expected = lists(&brute);
-        assert_eq!(brute.step.long_at, 0, "every list must be built by one thread");
-        lengths.extend(expected[brute.step.spheres as usize..].iter().map(Vec::len));
+        assert_eq!(brute.step.layout.long_at, 0, "every list must be built by one thread");
+        lengths.extend(expected[brute.step.layout.spheres as usize..].iter().map(Vec::len));
         for world in [on_cpu(&scene, BroadPhase::Grid), on_gpu(&gpu, &scene, BroadPhase::Grid)] {
             assert_grid_lists(&format!("a crowd of {crowd}"), &brute, &expected, &lists(&world));
         }

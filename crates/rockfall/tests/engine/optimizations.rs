@@ -69,7 +69,7 @@ fn a_list_interval_saves_dispatches() {
 
 #[test]
 fn aabbs_may_be_placed_without_lead() {
-    let lead = with_and_without(Optimization::Lead, pile, &options(), |simulation| step(simulation).lead);
+    let lead = with_and_without(Optimization::Lead, pile, &options(), |simulation| step(simulation).lists.lead);
     assert_eq!(lead, [0.5, 0.0]);
 }
 
@@ -109,13 +109,13 @@ fn memory_may_stay_in_insertion_order() {
 
 #[test]
 fn large_spheres_may_have_one_thread() {
-    let large = |simulation: &Simulation| step(simulation).large > 0;
+    let large = |simulation: &Simulation| step(simulation).layout.large > 0;
     assert_eq!(with_and_without(Optimization::LargeSpheres, radii, &options(), large), [true, false]);
 }
 
 #[test]
 fn lists_of_long_movers_may_be_built_by_one_thread() {
-    let long = |simulation: &Simulation| step(simulation).long_at > 0;
+    let long = |simulation: &Simulation| step(simulation).layout.long_at > 0;
     assert_eq!(with_and_without(Optimization::LongMovers, radii, &options(), long), [true, false]);
 }
 
@@ -127,7 +127,7 @@ fn lists_may_keep_room_for_motion() {
         let scene = Benchmark::Pile.generate(1100, 3).expect("a scene");
         let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
         simulation.run(170, DT).expect("steps");
-        let lookahead = simulation.cpu_view().expect("the CPU backend").step.lookahead;
+        let lookahead = simulation.cpu_view().expect("the CPU backend").step.lists.lookahead;
         (lookahead, Run::of(&mut simulation))
     });
     assert_bitwise_identical(&runs[0].1, &runs[1].1);

@@ -93,12 +93,12 @@ fn vector(row: Vec4) -> DVec3 {
 
 /// Factor of a spring's rest length at the start of the step (docs/physics.md section 4.9).
 fn muscle(world: &World, spring: u32) -> f64 {
-    if world.step.muscles_at == 0 {
+    if world.step.layout.muscles_at == 0 {
         return 1.0;
     }
-    let record = &world.topology[(world.step.muscles_at + spring * MUSCLE_WORDS) as usize..];
+    let record = &world.topology[(world.step.layout.muscles_at + spring * MUSCLE_WORDS) as usize..];
     let turns = |low: usize| (f64::from(record[low]) / 4_294_967_296.0 + f64::from(record[low + 1])) / 4_294_967_296.0;
-    let half_steps = 2.0 * (f64::from(world.step.muscle_step) + f64::from(world.status.steps));
+    let half_steps = 2.0 * (f64::from(world.step.constants.muscle_step) + f64::from(world.status.steps));
     1.0 + f64::from(f32::from_bits(record[0])) * (std::f64::consts::TAU * (turns(1) + half_steps * turns(3))).sin()
 }
 
@@ -107,15 +107,15 @@ impl Bodies {
     pub(crate) fn new(world: &World, state: usize) -> Self {
         let step = &world.step;
         let rows = &world.states[state];
-        let n = step.spheres as usize;
+        let n = step.layout.spheres as usize;
         let word = |at: u32, index: u32, words: u32, place: u32| world.topology[(at + index * words + place) as usize];
         let float = |at, index, words, place| f64::from(f32::from_bits(word(at, index, words, place)));
         let triple = |at, index, words, place| DVec3::from_array([0, 1, 2].map(|k: u32| float(at, index, words, place + k)));
-        let bars: Vec<Bar> = (0..step.rods)
+        let bars: Vec<Bar> = (0..step.layout.rods)
             .map(|rod| Bar {
-                ends: [0, 1].map(|k| word(step.rods_at, rod, ROD_WORDS, k) as usize),
-                radius: float(step.rods_at, rod, ROD_WORDS, 2),
-                length: float(step.rods_at, rod, ROD_WORDS, 3),
+                ends: [0, 1].map(|k| word(step.layout.rods_at, rod, ROD_WORDS, k) as usize),
+                radius: float(step.layout.rods_at, rod, ROD_WORDS, 2),
+                length: float(step.layout.rods_at, rod, ROD_WORDS, 3),
             })
             .collect();
         let mut bars_of = vec![Vec::new(); n];
@@ -124,7 +124,7 @@ impl Bodies {
                 bars_of[end].push(number);
             }
         }
-        let objects = step.spheres + step.rods + step.boxes + step.polygons;
+        let objects = step.layout.spheres + step.layout.rods + step.layout.boxes + step.layout.polygons;
         let balls: Vec<Ball> = (0..n)
             .map(|k| Ball {
                 x: vector(rows[k]),
@@ -137,33 +137,33 @@ impl Bodies {
             })
             .collect();
         let mut bodies = Self {
-            blocks: (0..step.boxes)
+            blocks: (0..step.layout.boxes)
                 .map(|k| Block {
-                    corner: triple(step.boxes_at, k, BOX_WORDS, 0),
-                    edges: [3, 6, 9].map(|place| triple(step.boxes_at, k, BOX_WORDS, place)),
+                    corner: triple(step.layout.boxes_at, k, BOX_WORDS, 0),
+                    edges: [3, 6, 9].map(|place| triple(step.layout.boxes_at, k, BOX_WORDS, place)),
                 })
                 .collect(),
-            faces: (0..step.polygons)
+            faces: (0..step.layout.polygons)
                 .map(|k| Face {
-                    corner: triple(step.polygons_at, k, POLYGON_WORDS, 0),
-                    left: triple(step.polygons_at, k, POLYGON_WORDS, 3),
-                    right: triple(step.polygons_at, k, POLYGON_WORDS, 6),
+                    corner: triple(step.layout.polygons_at, k, POLYGON_WORDS, 0),
+                    left: triple(step.layout.polygons_at, k, POLYGON_WORDS, 3),
+                    right: triple(step.layout.polygons_at, k, POLYGON_WORDS, 6),
                 })
                 .collect(),
-            groups: (0..objects).map(|id| world.topology[(step.tags_at + id) as usize] & 0xffff).collect(),
+            groups: (0..objects).map(|id| world.topology[(step.layout.tags_at + id) as usize] & 0xffff).collect(),
             body_of: Vec::new(),
             springs: Vec::new(),
             balls,
             bars,
             bars_of,
-            dt: f64::from(step.dt),
-            threshold: f64::from(step.activation_threshold),
-            gravity: f64::from(step.gravity_size),
-            restitution: f64::from(step.restitution),
-            coulomb: f64::from(step.coulomb_friction),
-            stiffness: f64::from(step.contact_force),
-            damping: f64::from(step.contact_damping),
-            collisions: step.flags & FLAG_COLLISIONS != 0,
+            dt: f64::from(step.constants.dt),
+            threshold: f64::from(step.constants.activation_threshold),
+            gravity: f64::from(step.constants.gravity_size),
+            restitution: f64::from(step.constants.restitution),
+            coulomb: f64::from(step.constants.coulomb_friction),
+            stiffness: f64::from(step.constants.contact_force),
+            damping: f64::from(step.constants.contact_damping),
+            collisions: step.constants.flags & FLAG_COLLISIONS != 0,
         };
         bodies.set_accelerations(world);
         bodies.find_bodies();
@@ -179,19 +179,19 @@ impl Bodies {
             let n = d.normalize_or_zero();
             (constants.x * (d.length() - constants.y) + constants.z * (other.1 - one.1).dot(n)) * n
         };
-        let gravity = DVec3::from_array(step.gravity.map(f64::from));
+        let gravity = DVec3::from_array(step.constants.gravity.map(f64::from));
         let mut springs = Vec::new();
         for k in (0..self.balls.len()).filter(|k| self.balls[*k].w > 0.0).collect::<Vec<_>>() {
-            let at = step.adjacency_at as usize + 2 * k;
+            let at = step.layout.adjacency_at as usize + 2 * k;
             let words =
-                if step.adjacency_at == 0 { 0..0 } else { world.topology[at] as usize..world.topology[at + 1] as usize };
+                if step.layout.adjacency_at == 0 { 0..0 } else { world.topology[at] as usize..world.topology[at + 1] as usize };
             let own = (self.balls[k].x, self.balls[k].v);
             let mut force = DVec3::ZERO;
             for word in &world.topology[words] {
                 let index = word & ((1 << KIND_SHIFT) - 1);
                 match word >> KIND_SHIFT {
                     KIND_SPRING => {
-                        let at = (step.springs_at + index * SPRING_WORDS) as usize;
+                        let at = (step.layout.springs_at + index * SPRING_WORDS) as usize;
                         let ends = [at, at + 1].map(|end| world.topology[end] as usize);
                         let other = &self.balls[ends[usize::from(ends[0] == k)]];
                         let mut constants = triple(at + 2);
@@ -204,12 +204,12 @@ impl Bodies {
                         }
                     }
                     KIND_TETHER => {
-                        let at = (step.tethers_at + index * TETHER_WORDS) as usize;
+                        let at = (step.layout.tethers_at + index * TETHER_WORDS) as usize;
                         let constants = triple(at + 4);
                         force += spring(own, (triple(at + 1), DVec3::ZERO), constants);
                         springs.push(([Some(k), None], triple(at + 1) - own.0, constants.x, constants.y));
                     }
-                    KIND_FORCE => force += triple((step.forces_at + index * FORCE_WORDS) as usize),
+                    KIND_FORCE => force += triple((step.layout.forces_at + index * FORCE_WORDS) as usize),
                     _ => {}
                 }
             }

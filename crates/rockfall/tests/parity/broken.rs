@@ -562,11 +562,11 @@ fn likely<'a>(trials: &'a [Trial], Mistake(stage, pass, ..): &Mistake) -> Vec<&'
     let all: Vec<&Trial> = trials.iter().filter(runs_stage).collect();
     let first = |is_meant: fn(&World) -> bool| all.iter().find(move |trial| is_meant(&trial.scenario.before));
     let with_long_movers = first(|before| before.cells[3] > 0);
-    let with_large = first(|before| before.step.large > 0);
-    let large_without_rods = first(|before| before.step.large > 0 && before.step.rods == 0);
-    let without_sweeps = first(|before| before.step.sweeps == SWEEPS_LISTED);
-    let with_rods = first(|before| before.step.rods > 0);
-    let with_networks = first(|before| before.step.networks > 0);
+    let with_large = first(|before| before.step.layout.large > 0);
+    let large_without_rods = first(|before| before.step.layout.large > 0 && before.step.layout.rods == 0);
+    let without_sweeps = first(|before| before.step.constants.sweeps == SWEEPS_LISTED);
+    let with_rods = first(|before| before.step.layout.rods > 0);
+    let with_networks = first(|before| before.step.layout.networks > 0);
     let mut chosen: Vec<&Trial> = Vec::new();
     let likely = [all.first(), without_sweeps, large_without_rods, with_large, with_long_movers, with_rods, with_networks];
     for trial in likely.into_iter().flatten().chain(&all) {

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::bodies::{Ball, Bodies, Body, Kind};
 use crate::decisions::{Contact, Findings};
-use crate::narrow::{Touch, signed};
+use crate::narrow::{Touch, face_slack, is_on_face, signed};
 
 /// Largest |n n'| at which two normals count as perpendicular (section 3.5).
 const RIGHT_ANGLE: f64 = 0.001;
@@ -234,7 +234,13 @@ fn closing(
     findings: &mut Findings,
 ) -> Option<(Touch, Vec<Share>, f64, Bodies)> {
     let back = moved_back(now, k, tau, with_acceleration);
-    let touch = signed(&back, k.a, k.b, &k.touch);
+    findings.decide("over a face", k.a, face_slack(now, k.a, k.b));
+    let touch = if is_on_face(&k.touch) {
+        let moved = back.balls[k.a].x - now.balls[k.a].x;
+        Touch { overlap: k.touch.overlap + moved.dot(k.touch.n), line: f64::INFINITY, sure: f64::INFINITY, ..k.touch }
+    } else {
+        signed(&back, k.a, k.b, &k.touch)
+    };
     findings.decide("a contact line", k.a, touch.line);
     if touch.line < 0.0 {
         findings.count("without a contact line before".to_owned());

@@ -14,7 +14,7 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::model::buffer::Buffer;
 use rockfall::model::layout::{HISTORY_BLOCK, HISTORY_WORDS, LINK_KEY, NO_KEY};
 use rockfall::model::status::{COUNTER_BLOCKS, Counters, Status};
-use rockfall::model::step::Step;
+use rockfall::model::step::Layout;
 use rockfall::model::world::World;
 use rockfall::step::schedule::Run;
 
@@ -81,7 +81,7 @@ pub(crate) fn springs(world: &World) -> Vec<(u32, [f32; HISTORY_WORDS as usize -
 fn floats(world: &World) -> Vec<Floats> {
     let mut all = Vec::new();
     let mut field = |buffer, what, values| all.push(Floats { buffer, what, values });
-    let n = world.step.spheres as usize;
+    let n = world.step.layout.spheres as usize;
     let states = [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4];
     for (buffer, state) in states.into_iter().zip(&world.states) {
         // Low parts are compared in double.rs.
@@ -110,7 +110,7 @@ fn floats(world: &World) -> Vec<Floats> {
 
 /// The sizes of free accelerations, which are floats in the topology buffer.
 fn free(world: &World) -> Vec<f32> {
-    let Step { free_at, spheres, .. } = world.step;
+    let Layout { free_at, spheres, .. } = world.step.layout;
     let count = if free_at == 0 { 0 } else { spheres as usize };
     world.topology[free_at as usize..][..count].iter().copied().map(f32::from_bits).collect()
 }
@@ -118,13 +118,13 @@ fn free(world: &World) -> Vec<f32> {
 /// The topology buffer with zeros in place of them.
 fn without_free(world: &World) -> Vec<u32> {
     let mut words = world.topology.clone();
-    words[world.step.free_at as usize..][..free(world).len()].fill(0);
+    words[world.step.layout.free_at as usize..][..free(world).len()].fill(0);
     words
 }
 
 fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     let tags = world.aabbs.iter().flat_map(|aabb| [aabb.id, aabb.tag]).collect();
-    let head = world.lists[..world.step.entries_at as usize].to_vec();
+    let head = world.lists[..world.step.layout.entries_at as usize].to_vec();
     let lists = entries(world).into_iter().map(|entry| entry.word).collect();
     // The workgroup that counts an event may differ between devices, so only the sums are compared.
     let mut counters = [Counters::default(); COUNTER_BLOCKS as usize];

@@ -66,7 +66,7 @@ fn scene(seed: u64, rods: bool) -> Scene {
 
 fn world_after_step(seed: u64, rods: bool) -> World {
     let mut world = with_step_settings(World::build(&scene(seed, rods)).unwrap());
-    world.step.dt = LONG;
+    world.step.constants.dt = LONG;
     world.set_pair_rows(world.movers() * 4);
     world.status.lengths_due = 0;
     world
@@ -116,14 +116,14 @@ fn backends_agree_on_crossings() {
         let trace = trace(seed, rods);
         trace.scenarios.iter().for_each(|scenario| assert_scenario_matches(seed, scenario));
         let found = after(&trace, "find_crossings");
-        let n = found.step.spheres as usize;
+        let n = found.step.layout.spheres as usize;
         let (low, high) = (&found.states[2][..n], &found.states[2][2 * n..]);
         let count = |range: std::ops::Range<u32>| {
             let others = low.iter().zip(high).filter(|(low, _)| low.w >= 0.0);
             others.filter(|(low, high)| range.contains(&(low.w as u32 | (high.w as u32 % 65536) << 16))).count()
         };
-        let (spheres, boxes) = (found.step.spheres, found.step.spheres + found.step.rods);
-        let kinds = [0..spheres, boxes..boxes + found.step.boxes, boxes + found.step.boxes..u32::MAX].map(count);
+        let (spheres, boxes) = (found.step.layout.spheres, found.step.layout.spheres + found.step.layout.rods);
+        let kinds = [0..spheres, boxes..boxes + found.step.layout.boxes, boxes + found.step.layout.boxes..u32::MAX].map(count);
         assert!(kinds.iter().all(|kind| *kind >= 8), "crossings of spheres, boxes and polygons: {kinds:?}");
         let [before, committed] = ["commit_collisions", "loads"].map(|stage| {
             let scenario = trace.scenarios.iter().rfind(|scenario| scenario.is(stage)).expect("the stage");
@@ -139,7 +139,7 @@ fn crossings_put_off_other_collisions() {
     let trace = trace(1, false);
     let put_off = entries(&after(&trace, "find_collisions"));
     let mut without = trace.scenarios.iter().find(|scenario| scenario.is("find_collisions")).expect("the stage").before.clone();
-    let n = without.step.spheres as usize;
+    let n = without.step.layout.spheres as usize;
     without.states[2][..n].iter_mut().for_each(|row| row.w = -1.0);
     let run = trace.scenarios.iter().find(|scenario| scenario.is("find_collisions")).expect("the stage").runs[0];
     run.on_cpu(&mut without);

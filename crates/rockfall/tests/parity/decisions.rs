@@ -227,11 +227,11 @@ pub(crate) fn entries(world: &World) -> Vec<Entry> {
     let step = &world.step;
     let mut all = Vec::new();
     for mover in 0..world.movers() {
-        let slice = world.lists[(step.slices_at + mover / SLICE) as usize];
+        let slice = world.lists[(step.layout.slices_at + mover / SLICE) as usize];
         for place in 0..world.lists[mover as usize] & LIST_COUNT_MASK {
             let slot = ((slice + place) * SLICE + mover % SLICE) as usize;
             // Lists that did not fit are incomplete.
-            let Some(word) = world.lists.get(step.entries_at as usize + slot).copied() else {
+            let Some(word) = world.lists.get(step.layout.entries_at as usize + slot).copied() else {
                 return all;
             };
             all.push(Entry {

@@ -92,13 +92,13 @@ type Stages = (Vec<Run>, World);
 fn stages(kind: Kind, precision: Precision, integrator: Integrator) -> Vec<Stages> {
     let mut world = World::build(&scene(kind, precision, 5)).unwrap();
     world.set_integrator(integrator);
-    world.step.dt = 2e-3;
+    world.step.constants.dt = 2e-3;
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
     if kind != Kind::Collisions {
         world.set_history_pool(256);
     }
-    world.step.collision_room = 1024;
-    world.step.sweeps = SWEEPS_ON;
+    world.step.layout.collision_room = 1024;
+    world.step.constants.sweeps = SWEEPS_ON;
     let step = world.step;
     let mut all = Vec::new();
     let phases = [Phase::UpdateAabbs, Phase::BroadPhase, Phase::HandleCollisions, Phase::UpdatePositions];
@@ -142,7 +142,7 @@ fn distance_between(scene: &Scene, one: SphereId, other: SphereId) -> f32 {
 
 /// Positions of a state with their low parts.
 fn centres(world: &World, state: usize) -> Vec<f64> {
-    let n = world.step.spheres as usize;
+    let n = world.step.layout.spheres as usize;
     let (high, low) = (&world.states[state][..n], &world.states[state][3 * n..]);
     let sums = high.iter().zip(low).map(|(high, low)| (high.truncate().as_dvec3() + low.truncate().as_dvec3()).to_array());
     sums.flatten().collect()
@@ -169,7 +169,7 @@ fn differences(cpu: &World, gpu: &World, place: f64) -> Vec<(Buffer, String)> {
         let most = one.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
         found.extend(differs(&one, &other, relative * most).map(|text| (buffer, text)));
     };
-    let n = cpu.step.spheres as usize;
+    let n = cpu.step.layout.spheres as usize;
     for (state, buffer) in [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4].into_iter().enumerate() {
         compare(buffer, centres(cpu, state), centres(gpu, state), place);
         for region in [1, 2] {

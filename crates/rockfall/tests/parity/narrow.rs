@@ -85,6 +85,9 @@ pub(crate) fn signed(bodies: &Bodies, a: usize, b: usize, found: &Touch) -> Touc
     }
 }
 
+/// The kind of a touch of a ball and the face of a polygon.
+const FACE: &str = "sphere-polygon face";
+
 /// Number of edges of a box. In the list of touches of a rod and a box, the edges come before the vertices.
 pub(crate) const EDGES: usize = 12;
 
@@ -177,9 +180,39 @@ fn sphere_polygon(bodies: &Bodies, ball: usize, face: usize) -> Touch {
     let (tl, tr) = (t.dot(face.left), t.dot(face.right));
     let det = ll * rr - lr * lr;
     let (l, k) = ((tl * rr - tr * lr) / det, (tr * ll - tl * lr) / det);
-    let d = t.dot(n);
-    let holds = inside(l).min(inside(k)).min(d).min(ball.radius - d);
-    Touch::new("sphere-polygon", -n, ball.radius - d, holds)
+    let height = t.dot(n);
+    let over = inside(l).min(inside(k));
+    let (kind, normal, distance) = if over >= 0.0 {
+        (FACE, -n, height)
+    } else {
+        // The nearest of the points of all four edges.
+        let edges = [(DVec3::ZERO, face.left), (face.right, face.left), (DVec3::ZERO, face.right), (face.left, face.right)];
+        let to = edges.map(|(from, edge)| {
+            let along = (t - from).dot(edge) / edge.length_squared();
+            from + along.clamp(0.0, 1.0) * edge - t
+        });
+        let d = to.into_iter().min_by(|one, other| one.length().total_cmp(&other.length())).unwrap_or_default();
+        ("sphere-polygon edge", d.normalize(), d.length())
+    };
+    let overlap = ball.radius - distance;
+    let touch = Touch::new(kind, normal, overlap, overlap.min(height));
+    Touch { line: height, sure: over.abs(), ..touch }
+}
+
+/// Whether a contact is that of a ball over a face, whose plane it keeps when it is moved back (docs/physics.md section 2.10).
+pub(crate) fn is_on_face(touch: &Touch) -> bool {
+    ["sphere-box face", FACE].contains(&touch.kind)
+}
+
+/// Slack of the decision whether a ball is over a face of a box: the smallest distance of a parameter from an end.
+pub(crate) fn face_slack(bodies: &Bodies, a: usize, b: usize) -> f64 {
+    match (bodies.kind(a), bodies.kind(b)) {
+        (Kind::Ball(ball), Kind::Block(block)) => {
+            let t = parameters(&bodies.blocks[block], bodies.balls[ball].x);
+            t.map(|t| inside(t).abs()).into_iter().fold(f64::INFINITY, f64::min)
+        }
+        _ => f64::INFINITY,
+    }
 }
 
 /// Returns the ends of one of the twelve edges of a box, numbered as in list entries: edge f runs along edge vector f/4.

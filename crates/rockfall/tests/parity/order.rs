@@ -27,21 +27,21 @@ pub(crate) fn canonical(world: &World, stage: &str) -> World {
 
 /// Sorts the long movers, whose order is arbitrary.
 fn order_long_movers(world: &mut World) {
-    if world.step.long_at != 0 {
+    if world.step.layout.long_at != 0 {
         let count = world.cells[3] as usize;
-        world.cells[world.step.long_at as usize..][..count].sort_unstable();
+        world.cells[world.step.layout.long_at as usize..][..count].sort_unstable();
     }
 }
 
 /// Clears the lists of long movers. At this point their room is reserved, but the entries are not written yet.
 fn clear_long_lists(world: &mut World) {
-    if world.step.long_at == 0 {
+    if world.step.layout.long_at == 0 {
         return;
     }
     let step = world.step;
-    for mover in world.cells[step.long_at as usize..][..world.cells[3] as usize].iter().copied() {
-        let row = world.lists[(step.slices_at + mover / SLICE) as usize];
-        let first = step.entries_at + row * SLICE + mover % SLICE;
+    for mover in world.cells[step.layout.long_at as usize..][..world.cells[3] as usize].iter().copied() {
+        let row = world.lists[(step.layout.slices_at + mover / SLICE) as usize];
+        let first = step.layout.entries_at + row * SLICE + mover % SLICE;
         for place in 0..world.lists[mover as usize] {
             world.lists[(first + place * SLICE) as usize] = 0;
         }
@@ -50,8 +50,8 @@ fn clear_long_lists(world: &mut World) {
 
 /// Sorts the objects of each cell, whose order is arbitrary, together with their extents.
 fn order_cells(world: &mut World) {
-    let (cells, sorted) = world.cells.split_at_mut(world.step.sorted_at as usize);
-    let ends = &cells[CELLS_AT as usize..][..world.step.cells as usize];
+    let (cells, sorted) = world.cells.split_at_mut(world.step.layout.sorted_at as usize);
+    let ends = &cells[CELLS_AT as usize..][..world.step.layout.cells as usize];
     let mut start = 0;
     for end in ends.iter().map(|end| *end as usize) {
         let extents = &mut world.extents[start..end];
@@ -68,8 +68,8 @@ fn order_cells(world: &mut World) {
 /// overlap.
 fn order_slices(world: &mut World) {
     let step = world.step;
-    let (index, entries) = world.lists.split_at_mut(step.entries_at as usize);
-    let (counts, offsets) = index.split_at_mut(step.slices_at as usize);
+    let (index, entries) = world.lists.split_at_mut(step.layout.entries_at as usize);
+    let (counts, offsets) = index.split_at_mut(step.layout.slices_at as usize);
     let offsets = &mut offsets[..counts.len() / SLICE as usize];
     let widths = counts.chunks(SLICE as usize).map(|slice| slice.iter().map(|count| count & LIST_COUNT_MASK).max().unwrap());
     let mut slices: Vec<(u32, u32)> = offsets.iter().copied().zip(widths.clone()).collect();

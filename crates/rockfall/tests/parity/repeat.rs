@@ -69,7 +69,7 @@ fn aabbs_of_repeated_steps_are_larger() {
         assert!(cpu.abs() < 1e-5 && gpu.abs() < 1e-5, "{cpu} {gpu}");
     }
     // Elsewhere new lists suffice.
-    let others: [fn(&mut World); 2] = [|world| world.step.list_interval = 2.0, |world| world.step.lookahead = 0.0];
+    let others: [fn(&mut World); 2] = [|world| world.step.lists.list_interval = 2.0, |world| world.step.lists.lookahead = 0.0];
     for change in others {
         assert_eq!(width(4.0, change, None), width(0.0, change, None));
     }

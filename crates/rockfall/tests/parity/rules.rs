@@ -32,8 +32,8 @@ fn assert_steps_match_with_kernels(
     kernel: &dyn Fn(Run) -> Run,
 ) -> World {
     let mut world = World::build(scene).unwrap();
-    world.step.dt = 0.005;
-    world.step.margin_scale = margin;
+    world.step.constants.dt = 0.005;
+    world.step.lists.margin_scale = margin;
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 100);
     enable_sweeps(&mut world);
     let groups = grouped(runs);
@@ -283,7 +283,7 @@ fn both_backends_agree_on_thousands_of_spheres_in_2d_dispatches() {
     for phases in [collide, integrate] {
         let runs = stages(&phases, Integrator::SymplecticEuler);
         let World { step, status, .. } = assert_steps_match(&gpu, &scene, &runs, 1, 15.0);
-        assert!(step.spheres.div_ceil(WORKGROUP) > 10 * 13, "{step:?}");
+        assert!(step.layout.spheres.div_ceil(WORKGROUP) > 10 * 13, "{step:?}");
         assert!(status.rejected == 0 && status.total_counters().collisions + status.last_contacts > 1000, "{status:?}");
     }
 }
@@ -297,8 +297,8 @@ fn escapes_reject_the_step_on_both_backends() {
         let mut scene = Scene::new();
         add_degenerate_spheres_and_rods(&mut scene);
         let mut world = World::build(&scene).unwrap();
-        world.step.dt = 0.02;
-        world.step.margin_scale = 1e-3;
+        world.step.constants.dt = 0.02;
+        world.step.lists.margin_scale = 1e-3;
         world.set_pair_rows(1 << 9);
         let mut rejected = 0;
         enable_sweeps(&mut world);

@@ -22,14 +22,14 @@ enum Rule {
 
 /// Evaluates the decisions of `constrain` before the integration.
 pub(crate) fn restore(world: &World, findings: &mut Findings) {
-    for batch in 0..world.step.batches {
+    for batch in 0..world.step.layout.batches {
         Sweeps::new(world, batch).run(Rule::Lengths, findings);
     }
 }
 
 /// Evaluates the decisions of `constrain` after the integration.
 pub(crate) fn constrain(world: &World, findings: &mut Findings) {
-    for batch in 0..world.step.batches {
+    for batch in 0..world.step.layout.batches {
         let mut sweeps = Sweeps::new(world, batch);
         sweeps.run(Rule::Shake, findings);
         sweeps.run(Rule::Rattle, findings);
@@ -45,7 +45,7 @@ struct Sweeps {
 impl Sweeps {
     fn new(world: &World, batch: u32) -> Self {
         let word = |at: usize| world.topology[at] as usize;
-        let first = word((world.step.batches_at + batch) as usize);
+        let first = word((world.step.layout.batches_at + batch) as usize);
         let colours = (0..word(first)).map(|colour| {
             let range = word(first + 1 + colour)..word(first + 2 + colour);
             range.map(word).collect()

@@ -47,7 +47,7 @@ impl Scenario {
         let [first, last] = [&self.runs[0], &self.runs[self.runs.len() - 1]];
         match self.runs.len() {
             1 => format!("{} pass {}", first.stage.name, first.pass),
-            _ => format!("{} to {}, sweeps {}", first.stage.name, last.stage.name, self.before.step.sweeps),
+            _ => format!("{} to {}, sweeps {}", first.stage.name, last.stage.name, self.before.step.constants.sweeps),
         }
     }
 }
@@ -76,8 +76,8 @@ pub(crate) fn grouped(runs: &[Run]) -> Vec<Vec<Run>> {
 
 /// Makes a world sweep over its collisions.
 pub(crate) fn enable_sweeps(world: &mut World) {
-    world.step.sweeps = SWEEPS_ON;
-    world.step.collision_room = 8192;
+    world.step.constants.sweeps = SWEEPS_ON;
+    world.step.layout.collision_room = 8192;
 }
 
 /// One step of a random scene.
@@ -181,10 +181,10 @@ fn build(drawn: &Clusters, plan: &Plan) -> World {
 }
 
 pub(crate) fn with_step_settings(mut world: World) -> World {
-    world.step.dt = DT;
+    world.step.constants.dt = DT;
     // The attraction of JKR cohesion moves small spheres further.
-    world.step.margin_scale = if world.step.neck > 0.0 { 2.0 * MARGIN } else { MARGIN };
-    world.step.lead = 0.5;
+    world.step.lists.margin_scale = if world.step.layout.neck > 0.0 { 2.0 * MARGIN } else { MARGIN };
+    world.step.lists.lead = 0.5;
     enable_sweeps(&mut world);
     world.set_pair_rows(world.movers().div_ceil(SLICE) * 64);
     // Not 0, so that a word that a stage fails to write is noticed.
@@ -201,9 +201,9 @@ fn add_springs(world: &mut World, plan: &Plan) {
     let mut early = world.clone();
     // One evaluation of the present state advances the springs.
     early.set_integrator(Integrator::Rk4);
-    if early.step.neck > 0.0 {
+    if early.step.layout.neck > 0.0 {
         // Some pairs that are apart have touched before, so that necks connect them. Others have not.
-        let spheres = early.step.spheres as usize;
+        let spheres = early.step.layout.spheres as usize;
         early.states[0][..spheres].iter_mut().step_by(2).for_each(|place| place.w *= 1.02);
     }
     let lists = [Phase::UpdateAabbs, Phase::BroadPhase].into_iter();
@@ -236,7 +236,7 @@ fn add_springs(world: &mut World, plan: &Plan) {
 
 fn run(drawn: &Clusters, plan: &Plan) -> Trace {
     let mut world = build(drawn, plan);
-    if world.step.law != LAW_THESIS {
+    if world.step.layout.law != LAW_THESIS {
         world.set_history_pool(256);
         add_springs(&mut world, plan);
     }
@@ -268,7 +268,7 @@ fn run(drawn: &Clusters, plan: &Plan) -> Trace {
             // Other stages of a group cannot be compared alone. With networks, neither can `commit_collisions`: the GPU commits
             // all spheres of a network, the CPU only those that collide.
             let is_comparable = match run.stage.name {
-                "commit_collisions" => world.step.networks == 0,
+                "commit_collisions" => world.step.layout.networks == 0,
                 "find_collisions" | "commit_friction_impulses" => true,
                 _ => group.len() == 1,
             };
@@ -308,11 +308,11 @@ fn collision_scenarios(world: &World, group: &[Run], plan: &Plan) -> Vec<Scenari
     }
     let last = group.iter().position(|run| run.stage.name == "commit_collisions").expect("the stage");
     let mut ends = vec![last + 1];
-    ends.extend(world.step.has_friction_impulses().then_some(group.len()));
+    ends.extend(world.step.traits().friction_impulses.then_some(group.len()));
     let all = modes.into_iter().flat_map(|sweeps| ends.iter().map(move |end| (sweeps, *end)));
     all.map(|(sweeps, end)| {
         let mut before = world.clone();
-        before.step.sweeps = sweeps;
+        before.step.constants.sweeps = sweeps;
         Scenario { runs: group[..end].to_vec(), before }
     })
     .collect()
@@ -352,8 +352,8 @@ fn memory_order_scenarios(drawn: &Clusters) -> Vec<Scenario> {
 
 /// Swaps the old positions of the ends of every ninth rod, as if the rod had turned by 180 degrees within the step.
 fn reverse_some_rods(world: &mut World) {
-    for rod in (0..world.step.rods).step_by(9) {
-        let at = (world.step.rods_at + rod * ROD_WORDS) as usize;
+    for rod in (0..world.step.layout.rods).step_by(9) {
+        let at = (world.step.layout.rods_at + rod * ROD_WORDS) as usize;
         let [one, two] = [world.topology[at], world.topology[at + 1]].map(|end| end as usize);
         world.states[2].swap(one, two);
     }

@@ -141,7 +141,7 @@ fn check_size(benchmark: Benchmark, most: &Bounds) {
 /// The present state with newly built lists.
 fn listed(simulation: &mut Simulation, build: fn(&Scene) -> rockfall::Result<World>) -> World {
     let mut world = build(simulation.sync().unwrap()).unwrap();
-    world.step.dt = DT;
+    world.step.constants.dt = DT;
     for phase in [Phase::UpdateAabbs, Phase::BroadPhase] {
         let stages = phase.stages(Integrator::Rk4, simulation.broad_phase_method());
         cpu::run(&mut world, stages);

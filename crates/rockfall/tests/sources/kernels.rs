@@ -6,7 +6,7 @@ use rockfall::model::dispatch::Threads;
 use rockfall::model::layout;
 use rockfall::model::layout::{LAW_HERTZ_MINDLIN, LAW_LINEAR, LAW_THESIS, LAW_USER};
 use rockfall::model::status::{Counters, Status};
-use rockfall::model::step::{Aabb, Pass, Step};
+use rockfall::model::step::{Aabb, Layout, Pass, Step};
 use rockfall::step::catalog::{ALL, OUTSIDE};
 use rockfall::step::stage::{Access, Stage};
 use rockfall::step::wgsl::{Variant, WorldBatch, WorldSizes};
@@ -264,11 +264,10 @@ fn wgsl_fields(module: &Module, name: &str) -> (Fields, u32) {
 /// The rules of alignment differ in Rust and in WGSL.
 #[test]
 fn the_structs_are_laid_out_as_in_rust() {
-    let own = |fields: &[(&str, usize, usize)]| -> Fields {
-        fields.iter().map(|(name, at, size)| ((*name).to_owned(), *at as u32, *size as u32)).collect()
-    };
+    let named = |(name, at, size): (&str, usize, usize)| (name.to_owned(), at as u32, size as u32);
+    let own = |fields: &[(&'static str, usize, usize)]| -> Fields { fields.iter().copied().map(named).collect() };
     // The size of a uniform block is rounded up to the alignment of vec3f.
-    let step = (own(Step::FIELDS), (size_of::<Step>() as u32).next_multiple_of(16));
+    let step = (Step::fields().map(named).collect::<Fields>(), (size_of::<Step>() as u32).next_multiple_of(16));
     let pass = (own(Pass::FIELDS), size_of::<Pass>() as u32);
     let aabb = (own(Aabb::FIELDS), size_of::<Aabb>() as u32);
     for stage in ALL {
@@ -289,7 +288,8 @@ fn the_structs_are_laid_out_as_in_rust() {
 #[test]
 fn the_bits_of_a_list_entry_equal_those_of_layout() {
     for rods in [false, true] {
-        let step = Step { rods: u32::from(rods), ..Step::default() };
+        let layout = Layout { rods: u32::from(rods), ..Layout::default() };
+        let step = Step { layout, ..Step::default() };
         let feature_bits = layout::ENTRY_BITS - step.entry_id_bits();
         for (name, expected) in [
             ("ENTRY_ID_BITS", step.entry_id_bits()),

@@ -3,3 +3,4 @@
 mod citations;
 mod kernels;
 mod wgsl;
+mod writers;

@@ -107,8 +107,15 @@ impl World {
     fn lone(&self, contact: &mut Pressed, accelerations: &[DVec3], change: &mut Motion, moved: &mut [DVec3]) {
         let pair = contact.pair;
         let bodies = self.touched(&pair, &contact.line);
+        let face = self.on_face(&pair);
         let closing = |world: &Self| {
-            let line = world.line(&pair)?;
+            let line = match face {
+                Some(ball) => {
+                    let moved = world.balls[ball].x - self.balls[ball].x;
+                    Line { o: contact.line.o + moved.dot(contact.line.n), ..contact.line }
+                }
+                None => world.line(&pair)?,
+            };
             let u = world.approach(&pair, &line, &Motion::of(world));
             (u > 0.0).then_some((line, u))
         };

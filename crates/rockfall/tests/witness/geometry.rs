@@ -153,14 +153,43 @@ fn sphere_box(ball: &Ball, block: &Block) -> Line {
     Line { n: way.1, o: ball.radius + way.0, at: [0.0; 2] }
 }
 
-/// Contact with the plane of a polygon, and the parameters of the sphere's centre in that plane.
-fn sphere_face(ball: &Ball, face: &Face) -> (Line, [f64; 2]) {
+/// Parameters of a sphere's centre in the plane of a polygon, along L and R, and the unit normal.
+fn place_over(ball: &Ball, face: &Face) -> ([f64; 2], DVec3) {
     let n = face.left.cross(face.right);
     let p = ball.x - face.corner;
     let l = p.cross(face.right).dot(n) / n.length_squared();
     let k = face.left.cross(p).dot(n) / n.length_squared();
-    let up = n.normalize();
-    (Line { n: -up, o: ball.radius - p.dot(up), at: [0.0; 2] }, [l, k])
+    ([l, k], n.normalize())
+}
+
+/// Contact with the nearest point of a polygon. There is none behind its plane.
+fn sphere_face(ball: &Ball, face: &Face) -> Option<Line> {
+    let (place, up) = place_over(ball, face);
+    let height = (ball.x - face.corner).dot(up);
+    if height < 0.0 {
+        return None;
+    }
+    if place.into_iter().all(on_segment) {
+        return Some(Line { n: -up, o: ball.radius - height, at: [0.0; 2] });
+    }
+    let mut nearest: Option<DVec3> = None;
+    for (at, side, edge) in [(place[0], face.left, face.right), (place[1], face.right, face.left)] {
+        if on_segment(at) {
+            continue;
+        }
+        let start = face.corner + if at > 1.0 { side } else { DVec3::ZERO };
+        let along = (ball.x - start).dot(edge) / edge.length_squared();
+        let mut d = start + along.clamp(0.0, 1.0) * edge - ball.x;
+        if (0.0..=1.0).contains(&along) {
+            d -= d.dot(edge) / edge.length_squared() * edge;
+        }
+        if nearest.is_none_or(|known| d.length() < known.length()) {
+            nearest = Some(d);
+        }
+    }
+    let d = without_rounding(nearest?, face.left.length_squared().max(face.right.length_squared()), ball.radius);
+    let n = if d == DVec3::ZERO { -up } else { d.normalize() };
+    Some(Line { n, o: ball.radius - d.length(), at: [0.0; 2] })
 }
 
 /// Ends of an edge of a box, and the outward direction there. There are four edges along each of I, J and K.
@@ -218,13 +247,28 @@ impl World {
             (Thing::Ball(a), Thing::Ball(b)) => Some(sphere_sphere(&self.balls[a], &self.balls[b])),
             (Thing::Ball(a), Thing::Bar(b)) => sphere_rod(&self.balls[a], &self.bars[b], self.ends(b)),
             (Thing::Ball(a), Thing::Block(b)) => Some(sphere_box(&self.balls[a], &self.blocks[b])),
-            (Thing::Ball(a), Thing::Face(b)) => Some(sphere_face(&self.balls[a], &self.faces[b]).0),
+            (Thing::Ball(a), Thing::Face(b)) => sphere_face(&self.balls[a], &self.faces[b]),
             (Thing::Bar(a), Thing::Bar(b)) => rod_rod(&self.bars[a], self.ends(a), &self.bars[b], self.ends(b)),
             (Thing::Bar(a), Thing::Block(b)) => {
                 rod_box(&self.bars[a], self.ends(a), &self.blocks[b], pair.feature, self.slack).map(|found| found.0)
             }
             _ => None,
         }
+    }
+
+    /// The ball of a contact with a face, over which its centre is. Such a contact keeps the plane of the face when it is moved back
+    /// (docs/physics.md section 2.10).
+    pub(crate) fn on_face(&self, pair: &Pair) -> Option<usize> {
+        let Thing::Ball(ball) = pair.a else { return None };
+        let is_over = match pair.b {
+            Thing::Face(face) => place_over(&self.balls[ball], &self.faces[face]).0.into_iter().all(on_segment),
+            Thing::Block(block) => {
+                let beside = in_box(&self.blocks[block], self.balls[ball].x).into_iter().filter(|t| !(0.0..=1.0).contains(t));
+                beside.count() == 1
+            }
+            _ => false,
+        };
+        is_over.then_some(ball)
     }
 
     /// Contact line of a pair after a collision. For a rod that has moved away from a box it is that of the edge or the
@@ -297,13 +341,6 @@ impl World {
     fn touch(&self, a: Thing, b: Thing, found: &mut Vec<(Pair, Line)>) {
         let plain = Pair { a, b, feature: Feature::None };
         match (a, b) {
-            (Thing::Ball(ball), Thing::Face(face)) => {
-                let (line, inside) = sphere_face(&self.balls[ball], &self.faces[face]);
-                let over = inside.into_iter().all(|t| (0.0..=1.0).contains(&t));
-                if over && line.o > 0.0 && line.o <= self.balls[ball].radius {
-                    found.push((plain, line));
-                }
-            }
             (Thing::Bar(bar), Thing::Block(block)) => {
                 let (rod, ends) = (&self.bars[bar], self.ends(bar));
                 let hit = |feature: Feature| {

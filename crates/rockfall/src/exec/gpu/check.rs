@@ -40,58 +40,58 @@ fn slice<'a>(world: &'a World, at: u32, count: u64, what: &str) -> Result<&'a [u
 
 fn check_topology(world: &World) -> Result<()> {
     let step = &world.step;
-    ensure(step.large <= step.spheres, "the number of large spheres")?;
-    let rods = slice(world, step.rods_at, u64::from(step.rods) * u64::from(ROD_WORDS), "rods")?;
+    ensure(step.layout.large <= step.layout.spheres, "the number of large spheres")?;
+    let rods = slice(world, step.layout.rods_at, u64::from(step.layout.rods) * u64::from(ROD_WORDS), "rods")?;
     for rod in rods.chunks_exact(ROD_WORDS as usize) {
-        ensure(rod[0] < step.spheres && rod[1] < step.spheres, "the end of a rod")?;
+        ensure(rod[0] < step.layout.spheres && rod[1] < step.layout.spheres, "the end of a rod")?;
     }
-    slice(world, step.boxes_at, u64::from(step.boxes) * u64::from(BOX_WORDS), "boxes")?;
-    slice(world, step.polygons_at, u64::from(step.polygons) * u64::from(POLYGON_WORDS), "polygons")?;
-    let tags = slice(world, step.tags_at, u64::from(world.objects()), "tags")?;
-    if step.materials > 0 {
-        let pairs = u64::from(step.materials) * u64::from(step.materials);
-        slice(world, step.pairs_at, pairs * u64::from(PAIR_WORDS), "pairs of materials")?;
-        ensure(tags.iter().all(|tag| tag >> MATERIAL_SHIFT < step.materials), "the material of an object")?;
+    slice(world, step.layout.boxes_at, u64::from(step.layout.boxes) * u64::from(BOX_WORDS), "boxes")?;
+    slice(world, step.layout.polygons_at, u64::from(step.layout.polygons) * u64::from(POLYGON_WORDS), "polygons")?;
+    let tags = slice(world, step.layout.tags_at, u64::from(world.objects()), "tags")?;
+    if step.layout.materials > 0 {
+        let pairs = u64::from(step.layout.materials) * u64::from(step.layout.materials);
+        slice(world, step.layout.pairs_at, pairs * u64::from(PAIR_WORDS), "pairs of materials")?;
+        ensure(tags.iter().all(|tag| tag >> MATERIAL_SHIFT < step.layout.materials), "the material of an object")?;
     }
-    let contact_laws = world.user_laws.contact_values_at(step.materials * step.materials);
-    slice(world, step.laws_at, contact_laws.into(), "the parameters of laws")?;
-    if step.free_at != 0 {
-        slice(world, step.free_at, u64::from(step.spheres), "free accelerations")?;
+    let contact_laws = world.user_laws.contact_values_at(step.layout.materials * step.layout.materials);
+    slice(world, step.layout.laws_at, contact_laws.into(), "the parameters of laws")?;
+    if step.layout.free_at != 0 {
+        slice(world, step.layout.free_at, u64::from(step.layout.spheres), "free accelerations")?;
     }
-    if step.adjacency_at != 0 {
+    if step.layout.adjacency_at != 0 {
         check_adjacency(world)?;
     }
-    if step.rods > 0 {
-        ensure(step.adjacency_at != 0 && step.ends_at != 0, "the offsets of ends and adjacency")?;
-        for end in slice(world, step.ends_at, u64::from(step.spheres), "ends")? {
-            ensure(*end < step.rods || [NO_ROD, SOME_RODS].contains(end), "an end")?;
+    if step.layout.rods > 0 {
+        ensure(step.layout.adjacency_at != 0 && step.layout.ends_at != 0, "the offsets of ends and adjacency")?;
+        for end in slice(world, step.layout.ends_at, u64::from(step.layout.spheres), "ends")? {
+            ensure(*end < step.layout.rods || [NO_ROD, SOME_RODS].contains(end), "an end")?;
         }
         check_networks(world)?;
     }
-    ensure(step.rods > 0 || step.networks == 0, "the number of networks")?;
+    ensure(step.layout.rods > 0 || step.layout.networks == 0, "the number of networks")?;
     check_batches(world)
 }
 
 fn check_networks(world: &World) -> Result<()> {
     let step = &world.step;
-    let table = step.networks_at.checked_sub(step.rods).ok_or_else(|| wrong("networks"))?;
-    for network in slice(world, table, u64::from(step.rods), "networks of rods")? {
-        ensure(*network < step.networks || *network == NO_NETWORK, "the network of a rod")?;
+    let table = step.layout.networks_at.checked_sub(step.layout.rods).ok_or_else(|| wrong("networks"))?;
+    for network in slice(world, table, u64::from(step.layout.rods), "networks of rods")? {
+        ensure(*network < step.layout.networks || *network == NO_NETWORK, "the network of a rod")?;
     }
-    for at in slice(world, step.networks_at, u64::from(step.networks), "networks")? {
+    for at in slice(world, step.layout.networks_at, u64::from(step.layout.networks), "networks")? {
         let counts = slice(world, *at, 2, "a network")?;
         // `slice` has checked that there are two counts.
         let names = slice(world, at + 2, u64::from(counts[0]) + u64::from(counts[1]), "members of a network")?;
         let (spheres, rods) = names.split_at(counts[0] as usize);
-        ensure(spheres.iter().all(|end| end / 2 < step.rods), "a sphere of a network")?;
-        ensure(rods.iter().all(|rod| *rod < step.rods), "a rod of a network")?;
+        ensure(spheres.iter().all(|end| end / 2 < step.layout.rods), "a sphere of a network")?;
+        ensure(rods.iter().all(|rod| *rod < step.layout.rods), "a rod of a network")?;
     }
     Ok(())
 }
 
 fn check_adjacency(world: &World) -> Result<()> {
     let step = &world.step;
-    let ranges = slice(world, step.adjacency_at, 2 * u64::from(step.spheres), "adjacency ranges")?;
+    let ranges = slice(world, step.layout.adjacency_at, 2 * u64::from(step.layout.spheres), "adjacency ranges")?;
     for pair in ranges.chunks_exact(2) {
         ensure(pair[0] <= pair[1], "adjacency ranges")?;
         for word in slice(world, pair[0], u64::from(pair[1] - pair[0]), "adjacency")? {
@@ -110,28 +110,31 @@ fn check_attached(world: &World, word: u32) -> Result<()> {
         slice(world, from, u64::from(words), what)
     };
     match word >> KIND_SHIFT {
-        KIND_ROD => ensure(index < step.rods, "a rod in the adjacency"),
+        KIND_ROD => ensure(index < step.layout.rods, "a rod in the adjacency"),
         KIND_SPRING => {
-            let spring = record(step.springs_at, SPRING_WORDS, "a spring in the adjacency")?;
-            ensure(spring[0] < step.spheres && spring[1] < step.spheres, "the end of a spring")?;
-            ensure(step.muscles_at == 0 || record(step.muscles_at, MUSCLE_WORDS, "a muscle").is_ok(), "the muscle of a spring")
+            let spring = record(step.layout.springs_at, SPRING_WORDS, "a spring in the adjacency")?;
+            ensure(spring[0] < step.layout.spheres && spring[1] < step.layout.spheres, "the end of a spring")?;
+            ensure(
+                step.layout.muscles_at == 0 || record(step.layout.muscles_at, MUSCLE_WORDS, "a muscle").is_ok(),
+                "the muscle of a spring",
+            )
         }
-        KIND_TETHER => record(step.tethers_at, TETHER_WORDS, "a tether in the adjacency").map(|_| ()),
-        KIND_FORCE => record(step.forces_at, FORCE_WORDS, "a force in the adjacency").map(|_| ()),
+        KIND_TETHER => record(step.layout.tethers_at, TETHER_WORDS, "a tether in the adjacency").map(|_| ()),
+        KIND_FORCE => record(step.layout.forces_at, FORCE_WORDS, "a force in the adjacency").map(|_| ()),
         _ => Err(wrong("the kind of an adjacency word")),
     }
 }
 
 fn check_batches(world: &World) -> Result<()> {
     let step = &world.step;
-    for at in slice(world, step.batches_at, u64::from(step.batches), "batches")? {
+    for at in slice(world, step.layout.batches_at, u64::from(step.layout.batches), "batches")? {
         let colours = slice(world, *at, 1, "a batch")?[0];
         let first = at.checked_add(1).ok_or_else(|| wrong("a batch"))?;
         let offsets = slice(world, first, u64::from(colours) + 1, "colours of a batch")?;
         for pair in offsets.windows(2) {
             ensure(pair[0] <= pair[1], "colours of a batch")?;
             for rod in slice(world, pair[0], u64::from(pair[1] - pair[0]), "rods of a batch")? {
-                ensure(*rod < step.rods, "a rod of a batch")?;
+                ensure(*rod < step.layout.rods, "a rod of a batch")?;
             }
         }
     }
@@ -172,7 +175,8 @@ fn check_lists(world: &World) -> Result<()> {
     let movers = world.movers();
     let slices = movers.div_ceil(SLICE);
     ensure(
-        step.slices_at == slices * SLICE && step.entries_at == (step.slices_at + slices + 1).next_multiple_of(LINE),
+        step.layout.slices_at == slices * SLICE
+            && step.layout.entries_at == (step.layout.slices_at + slices + 1).next_multiple_of(LINE),
         "offsets of the pair lists",
     )?;
     if world.lists.is_empty() {
@@ -184,9 +188,9 @@ fn check_lists(world: &World) -> Result<()> {
         // The pairs did not fit. No stage reads the lists until they are rebuilt.
         return Ok(());
     }
-    let (head, entries) = world.lists.split_at(step.entries_at as usize);
+    let (head, entries) = world.lists.split_at(step.layout.entries_at as usize);
     for (mover, count) in head[..movers as usize].iter().enumerate() {
-        let slice = words_of_rows(head[step.slices_at as usize + mover / SLICE as usize]);
+        let slice = words_of_rows(head[step.layout.slices_at as usize + mover / SLICE as usize]);
         for entry in 0..u64::from(*count & LIST_COUNT_MASK) {
             let slot = slice + entry * u64::from(SLICE) + mover as u64 % u64::from(SLICE);
             let word = usize::try_from(slot).ok().and_then(|slot| entries.get(slot));
@@ -208,9 +212,9 @@ mod tests {
         let mut scene = Scene::new();
         scene.add_sphere(Sphere::new([0.0; 3], 1.0)).expect("a sphere");
         let mut world = World::build(&scene).expect("arrays");
-        world.step.spheres = MAX_HISTORY_BLOCKS + 1;
+        world.step.layout.spheres = MAX_HISTORY_BLOCKS + 1;
         check_buffer(&world, Buffer::Histories).expect("no springs are needed");
-        world.step.law = crate::model::layout::LAW_LINEAR;
+        world.step.layout.law = crate::model::layout::LAW_LINEAR;
         assert!(check_buffer(&world, Buffer::Histories).is_err());
     }
 }

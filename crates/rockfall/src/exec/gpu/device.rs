@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use crate::error::{Error, Result};
 use crate::exec::gpu::exchangers::Exchangers;
@@ -26,11 +26,13 @@ struct Inner {
     device: wgpu::Device,
     queue: wgpu::Queue,
     faults: Faults,
-    kernels: Mutex<HashMap<KernelKey, Arc<Kernel>>>,
+    kernels: Mutex<HashMap<KernelKey, KernelSlot>>,
     exchangers: OnceLock<Arc<Exchangers>>,
 }
 
 /// Name of the stage, variant, number of chunks of each array, text of the program's laws.
+/// A kernel, once it is compiled. A thread that compiles it holds the lock, so that no other one does the same.
+type KernelSlot = Arc<Mutex<Option<Arc<Kernel>>>>;
 type KernelKey = (&'static str, Variant, Vec<u32>, KernelLaws);
 
 /// A limit of a device: its name in WebGPU, and a function that reads it.
@@ -253,10 +255,15 @@ impl Gpu {
         Ok(Arc::clone(self.inner.exchangers.get_or_init(|| made)))
     }
 
+    fn kernels(&self) -> MutexGuard<'_, HashMap<KernelKey, KernelSlot>> {
+        self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Number of kernels compiled so far.
     #[cfg(test)]
     pub(crate) fn compiled(&self) -> usize {
-        self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner).len()
+        let slots: Vec<KernelSlot> = self.kernels().values().cloned().collect();
+        slots.iter().filter(|slot| slot.lock().unwrap_or_else(PoisonError::into_inner).is_some()).count()
     }
 
     /// The kernel of a stage for a variant, compiled at its first use. `chunks` holds the number of chunks of each array, in
@@ -268,14 +275,15 @@ impl Gpu {
         chunks: Vec<u32>,
         laws: &KernelLaws,
     ) -> Result<Arc<Kernel>> {
-        let mut kernels = self.inner.kernels.lock().unwrap_or_else(PoisonError::into_inner);
         let laws = laws.used_by(|| stage.parts().iter().map(|part| part.text).collect());
         let key = (stage.name, variant, chunks, laws);
-        if let Some(kernel) = kernels.get(&key) {
+        let slot = Arc::clone(self.kernels().entry(key.clone()).or_default());
+        let mut slot = slot.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kernel) = &*slot {
             return Ok(Arc::clone(kernel));
         }
         let kernel = Arc::new(Kernel::new(self.device(), stage, variant, &key.2, &key.3)?);
-        kernels.insert(key, Arc::clone(&kernel));
+        *slot = Some(Arc::clone(&kernel));
         Ok(kernel)
     }
 }

@@ -96,7 +96,7 @@ impl GpuWorld {
     pub(crate) fn write_table(&self, table: Table, from: &wgpu::Buffer) -> Result<wgpu::SubmissionIndex> {
         let mut encoder = self.encoder();
         if table == Table::Forces {
-            let (bytes, at) = (self.check_size(table, from)?, 4 * u64::from(self.step().forces_at));
+            let (bytes, at) = (self.check_size(table, from)?, 4 * u64::from(self.step().layout.forces_at));
             let topology = self.buffer(Buffer::Topology)?;
             catch(self.gpu().device(), || encoder.copy_buffer_to_buffer(from, 0, topology, at, bytes))?;
         } else {
@@ -132,7 +132,7 @@ impl GpuWorld {
 
     /// Number of bytes of a table, after a check that the buffer holds as many.
     fn check_size(&self, table: Table, buffer: &wgpu::Buffer) -> Result<u64> {
-        let bytes = table.bytes(self.step().spheres as usize);
+        let bytes = table.bytes(self.step().layout.spheres as usize);
         if buffer.size() < bytes {
             return Err(Error::Invalid {
                 field: "table",
@@ -156,13 +156,13 @@ impl GpuWorld {
         // `check` does not read the array.
         let (array, region) = table.place().unwrap_or((Buffer::Start, 0));
         let block = Exchange {
-            spheres: step.spheres,
-            first: region * step.spheres,
+            spheres: step.layout.spheres,
+            first: region * step.layout.spheres,
             columns: table.columns(),
-            slots_at: step.slots_at,
+            slots_at: step.layout.slots_at,
             // Rows hold x, y, z, w.
             component: if table == Table::Orientations { 3 } else { 0 },
-            lows: if table == Table::Positions { 3 * step.spheres } else { 0 },
+            lows: if table == Table::Positions { 3 * step.layout.spheres } else { 0 },
             padding: [0; 2],
         };
         let (device, queue) = (self.gpu().device(), self.gpu().queue());
@@ -185,7 +185,7 @@ impl GpuWorld {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(kernel(&kernels));
             pass.set_bind_group(0, &group, &[]);
-            let [x, y, z] = rows(step.spheres.div_ceil(THREADS), across);
+            let [x, y, z] = rows(step.layout.spheres.div_ceil(THREADS), across);
             pass.dispatch_workgroups(x, y, z);
         })
     }

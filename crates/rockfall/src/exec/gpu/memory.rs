@@ -29,11 +29,11 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * world.list_words(),
         Buffer::CollisionIndices => 4 * world.collision_index_words(),
-        Buffer::Collisions => 4 * u64::from(COLLISION_WORDS) * u64::from(step.collision_room),
+        Buffer::Collisions => 4 * u64::from(COLLISION_WORDS) * u64::from(step.layout.collision_room),
         // Rows are read four at a time, so there is room for three more.
         Buffer::Extents => vectors(u64::from(world.objects()) + 3),
         Buffer::Wrenches => vectors(world.wrench_count() as u64),
-        Buffer::Orientations => vectors(u64::from(step.spheres)),
+        Buffer::Orientations => vectors(u64::from(step.layout.spheres)),
     };
     addressed.max(world.bytes(buffer).len() as u64).max(LEAST_BYTES)
 }

@@ -1,11 +1,15 @@
 //! Compiles, binds, records and submits stages.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use bytemuck::bytes_of;
+#[cfg(not(target_family = "wasm"))]
+use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::exec::gpu::fault::catch;
+use crate::exec::gpu::kernel::Kernel;
 use crate::exec::gpu::memory::{READ_BACK, make_buffer};
 use crate::exec::gpu::split::binding_numbers;
 use crate::exec::gpu::timer::Timer;
@@ -15,7 +19,8 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
 use crate::model::layout::{SWEEPS_FEW, SWEEPS_ON};
 use crate::model::status::Status;
-use crate::model::step::{Pass, Step};
+use crate::model::step::{Constants, Pass, Step};
+use crate::step::collisions::sweep_at_once;
 use crate::step::schedule::Run;
 use crate::step::wgsl::Variant;
 
@@ -55,18 +60,28 @@ impl GpuWorld {
     pub fn prepare(&mut self, runs: &[Run]) -> Result<()> {
         // Kernels of other stages would only cost compile time.
         let step = *self.step();
-        for run in runs.iter().filter(|run| run.applies(&step)) {
-            let key = (run.stage.name, run.pass);
-            if !self.ready.contains_key(&key) {
-                let slots = run.stage.bindings.iter().map(|binding| binding.slot.buffer(run.pass));
-                let chunks: Vec<u32> = slots.map(|buffer| self.chunks(buffer).len() as u32).collect();
-                let kernel = self.gpu().kernel(run.stage, Variant::of(&step), chunks.clone(), &self.laws)?;
-                let block = self.pass_block(run.pass)?;
-                let group = catch(self.gpu().device(), || self.make_group(run, &block, &chunks, &kernel.layout))?;
-                self.ready.insert(key, (kernel, group));
-            }
+        let is_missing = |run: &&Run| run.applies(&step) && !self.ready.contains_key(&(run.stage.name, run.pass));
+        let missing: Vec<&Run> = runs.iter().filter(is_missing).collect();
+        for (run, (kernel, chunks)) in missing.iter().zip(self.compile(&missing, Variant::of(&step))?) {
+            let block = self.pass_block(run.pass)?;
+            let group = catch(self.gpu().device(), || self.make_group(run, &block, &chunks, &kernel.layout))?;
+            self.ready.insert((run.stage.name, run.pass), (kernel, group));
         }
         Ok(())
+    }
+
+    /// Compiles the kernels of runs, several at a time. Returns each with the number of chunks of each of its arrays.
+    fn compile(&self, runs: &[&Run], variant: Variant) -> Result<Vec<(Arc<Kernel>, Vec<u32>)>> {
+        let of = |run: &&Run| {
+            let slots = run.stage.bindings.iter().map(|binding| binding.slot.buffer(run.pass));
+            let chunks: Vec<u32> = slots.map(|buffer| self.chunks(buffer).len() as u32).collect();
+            Ok((self.gpu().kernel(run.stage, variant, chunks.clone(), &self.laws)?, chunks))
+        };
+        #[cfg(not(target_family = "wasm"))]
+        return runs.par_iter().map(of).collect();
+        // A device of a browser belongs to one thread.
+        #[cfg(target_family = "wasm")]
+        runs.iter().map(of).collect()
     }
 
     /// Records the stages of `steps` into a compute pass. The numbers of the steps are those of [`Run::is_in`].
@@ -127,12 +142,12 @@ impl GpuWorld {
     /// Like [`GpuWorld::prepare`], for the dispatches of runs without timestamps, also of those that run only once several
     /// collisions share a body.
     pub(crate) fn prepare_plain(&mut self, runs: &[Run]) -> Result<()> {
-        let sweeps = self.step.sweeps;
+        let present = self.step.constants;
         for wanted in [SWEEPS_FEW, SWEEPS_ON] {
-            if wanted > sweeps && (wanted == SWEEPS_ON || self.step.may_sweep_at_once()) {
-                self.step.sweeps = wanted;
+            if wanted > present.sweeps && (wanted == SWEEPS_ON || sweep_at_once::fits(&self.step.traits())) {
+                self.step.constants = Constants { sweeps: wanted, ..present };
                 let prepared = self.prepare(runs);
-                self.step.sweeps = sweeps;
+                self.step.constants = present;
                 prepared?;
             }
         }

@@ -21,7 +21,7 @@ impl GpuWorld {
         let device = self.gpu().device();
         catch(device, || {
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            for piece in self.array(Buffer::Lists).pieces(4 * u64::from(self.step().entries_at), u64::MAX) {
+            for piece in self.array(Buffer::Lists).pieces(4 * u64::from(self.step().layout.entries_at), u64::MAX) {
                 encoder.clear_buffer(piece.buffer, piece.offset, Some(piece.range.end - piece.range.start));
             }
             self.gpu().queue().submit([encoder.finish()]);

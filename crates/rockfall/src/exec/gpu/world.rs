@@ -14,7 +14,7 @@ use crate::exec::gpu::kernel::Kernel;
 use crate::exec::gpu::memory::{bytes_needed, check_sizes, chunk_bytes, make_buffer};
 use crate::model::buffer::Buffer;
 use crate::model::status::Status;
-use crate::model::step::Step;
+use crate::model::step::{Layout, Step};
 use crate::model::world::World;
 use crate::profile::BufferSize;
 use crate::step::schedule::Run;
@@ -168,7 +168,7 @@ impl GpuWorld {
     /// [`Error::Device`] when the world is another one or its indices point outside of it, or for the device's reasons.
     pub fn upload_buffer(&mut self, world: &World, buffer: Buffer) -> Result<()> {
         self.gpu.faults().check()?;
-        if self.step.with_constants_of(&world.step) != world.step {
+        if self.step.layout != world.step.layout {
             return Err(Error::Device("the world's counts or offsets changed: upload it as a whole".to_owned()));
         }
         check_buffer(world, buffer)?;
@@ -183,7 +183,9 @@ impl GpuWorld {
     /// As for [`GpuWorld::upload_buffer`].
     pub fn upload_topology(&mut self, world: &World) -> Result<()> {
         self.gpu.faults().check()?;
-        let counts = |step: &Step| (step.spheres, step.rods, step.boxes, step.polygons, step.pair_rows);
+        let counts = |step: &Step| {
+            (step.layout.spheres, step.layout.rods, step.layout.boxes, step.layout.polygons, step.layout.pair_rows)
+        };
         if counts(&world.step) != counts(&self.step) {
             return Err(Error::Device("the world's counts changed: upload it as a whole".to_owned()));
         }
@@ -220,13 +222,8 @@ impl GpuWorld {
     /// As for [`GpuWorld::new`].
     pub fn resize_lists(&mut self, world: &World) -> Result<()> {
         self.gpu.faults().check()?;
-        let sized = Step { pair_rows: world.step.pair_rows, ..self.step };
-        if sized.entries_at != world.step.entries_at || sized.slices_at != world.step.slices_at {
-            return Err(Error::Device("the world's movers changed: upload it as a whole".to_owned()));
-        }
-        self.fit(world, Buffer::Lists)?;
-        self.fit(world, Buffer::CollisionIndices)?;
-        self.step = sized;
+        let sized = Layout { pair_rows: world.step.layout.pair_rows, ..self.step.layout };
+        self.take_sizes(world, sized, &[Buffer::Lists, Buffer::CollisionIndices])?;
         self.clear_lists()
     }
 
@@ -236,10 +233,8 @@ impl GpuWorld {
     /// As for [`GpuWorld::new`].
     pub(crate) fn resize_collisions(&mut self, world: &World) -> Result<()> {
         self.gpu.faults().check()?;
-        self.fit(world, Buffer::CollisionIndices)?;
-        self.fit(world, Buffer::Collisions)?;
-        self.step.collision_room = world.step.collision_room;
-        Ok(())
+        let sized = Layout { collision_room: world.step.layout.collision_room, ..self.step.layout };
+        self.take_sizes(world, sized, &[Buffer::CollisionIndices, Buffer::Collisions])
     }
 
     /// Takes over the room for springs of contacts of `world`, and the springs.
@@ -249,9 +244,21 @@ impl GpuWorld {
     pub(crate) fn resize_histories(&mut self, world: &World) -> Result<()> {
         self.gpu.faults().check()?;
         check_buffer(world, Buffer::Histories)?;
-        self.fit(world, Buffer::Histories)?;
-        self.step.history_pool = world.step.history_pool;
+        let sized = Layout { history_pool: world.step.layout.history_pool, ..self.step.layout };
+        self.take_sizes(world, sized, &[Buffer::Histories])?;
         self.write(Buffer::Histories, world.bytes(Buffer::Histories))
+    }
+
+    /// Takes over the layout of `world`, which differs from the present one in the size of some buffers alone.
+    fn take_sizes(&mut self, world: &World, sized: Layout, buffers: &[Buffer]) -> Result<()> {
+        if sized != world.step.layout {
+            return Err(Error::Device("the world's counts or offsets changed: upload it as a whole".to_owned()));
+        }
+        for buffer in buffers {
+            self.fit(world, *buffer)?;
+        }
+        self.step.layout = sized;
+        Ok(())
     }
 
     fn fit(&mut self, world: &World, buffer: Buffer) -> Result<()> {
@@ -273,13 +280,12 @@ impl GpuWorld {
         Ok(())
     }
 
-    /// Takes the constants (gravity to `flags`) from `step`; counts, offsets and capacity stay those of the upload, for
-    /// the kernels rely on them.
+    /// Takes the constants and the list settings from `step`. The layout stays that of the upload, on which the kernels rely.
     ///
     /// # Errors
     /// [`Error::Device`] when the device is lost.
     pub fn write_uniforms(&mut self, step: &Step) -> Result<()> {
-        let step = self.step.with_constants_of(step);
+        let step = Step { layout: self.step.layout, ..*step };
         if Variant::of(&step) != Variant::of(&self.step) {
             // A setting has changed that kernels are compiled for.
             self.ready.clear();

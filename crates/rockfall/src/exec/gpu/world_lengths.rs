@@ -53,7 +53,7 @@ impl Lengths {
 }
 
 fn put_row(row: &mut [u32], slot: u32, world: &World) {
-    let (at, count) = (world.step.springs_at, world.step.spring_count());
+    let (at, count) = (world.step.layout.springs_at, world.step.spring_count());
     // The kernel has the records field by field.
     row[..HEAD].copy_from_slice(&[slot, at + LENGTH_WORD as u32 * count, count]);
     let records = world.topology[at as usize..].chunks_exact(SPRING_WORDS as usize).take(count as usize);

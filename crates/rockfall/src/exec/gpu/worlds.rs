@@ -144,7 +144,7 @@ impl DeviceWorlds {
                 for buffer in [Buffer::Start, Buffer::Topology, Buffer::Orientations] {
                     check_buffer(world, buffer)?;
                 }
-                let rows = world.step.spheres as usize;
+                let rows = world.step.layout.spheres as usize;
                 let room = starts.len() / 4;
                 for region in 0..4 {
                     put(&mut starts[region * room..], cast_slice(&world.states[0][region * rows..][..rows]));
@@ -290,16 +290,16 @@ const _: () = assert!(WorldSizes::MOST.springs <= END_B as u32 && WorldSizes::MO
 fn kernel_topology(world: &World) -> Vec<u32> {
     let step = &world.step;
     let mut words = world.topology.clone();
-    if step.adjacency_at != 0 {
-        (0..step.spheres).for_each(|sphere| name_springs(world, sphere, &mut words));
+    if step.layout.adjacency_at != 0 {
+        (0..step.layout.spheres).for_each(|sphere| name_springs(world, sphere, &mut words));
     }
     let springs = step.spring_count();
-    let muscles = if step.muscles_at == 0 { 0 } else { springs };
+    let muscles = if step.layout.muscles_at == 0 { 0 } else { springs };
     let tables = [
-        (step.boxes_at, step.boxes, BOX_WORDS),
-        (step.polygons_at, step.polygons, POLYGON_WORDS),
-        (step.springs_at, springs, SPRING_WORDS),
-        (step.muscles_at, muscles, MUSCLE_WORDS),
+        (step.layout.boxes_at, step.layout.boxes, BOX_WORDS),
+        (step.layout.polygons_at, step.layout.polygons, POLYGON_WORDS),
+        (step.layout.springs_at, springs, SPRING_WORDS),
+        (step.layout.muscles_at, muscles, MUSCLE_WORDS),
     ];
     for (first, count, fields) in tables.map(|(first, count, fields)| (first as usize, count as usize, fields as usize)) {
         for field in 0..fields {
@@ -314,12 +314,12 @@ fn kernel_topology(world: &World) -> Vec<u32> {
 /// Replaces the springs in the adjacency of a sphere by their names. Its first word says how many there are.
 fn name_springs(world: &World, sphere: u32, words: &mut [u32]) {
     let step = &world.step;
-    let range = (step.adjacency_at + 2 * sphere) as usize;
+    let range = (step.layout.adjacency_at + 2 * sphere) as usize;
     let [first, end] = [range, range + 1].map(|at| world.topology[at] as usize);
     let is_spring = |word: &&u32| **word >> KIND_SHIFT == KIND_SPRING;
     let name = |word: &u32| {
         let index = word & ((1 << KIND_SHIFT) - 1);
-        let is_end_a = world.topology[(step.springs_at + index * SPRING_WORDS) as usize] == sphere;
+        let is_end_a = world.topology[(step.layout.springs_at + index * SPRING_WORDS) as usize] == sphere;
         index as u8 | if is_end_a { 0 } else { END_B }
     };
     let names: Vec<u8> = world.topology[first..end].iter().take_while(is_spring).map(name).collect();
@@ -348,7 +348,7 @@ impl States<'_> {
 
     /// Copies the state of a world into a host's world of as many spheres.
     pub(crate) fn copy_to(&self, slot: usize, world: &mut World) {
-        let spheres = world.step.spheres as usize;
+        let spheres = world.step.layout.spheres as usize;
         let copy = |to: &mut [Vec4], from: &[[f32; 4]]| {
             to.iter_mut().zip(from).for_each(|(to, from)| *to = Vec4::from_array(*from));
         };

@@ -4,15 +4,12 @@ use glam::Vec4;
 
 use crate::error::Result;
 use crate::fine::Fine;
-use crate::model::layout::{
-    CELL_BLOCK, CELLS_AT, FEW_MOVERS, FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUE, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_GROUPS,
-    FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_PULL, FLAG_RESISTANCE, FLAG_VERLET, LEVEL_BIAS, LINE, SLICE, SUM_WORDS,
-};
-use crate::model::step::Step;
+use crate::model::layout::{CELL_BLOCK, CELLS_AT, FEW_MOVERS, LEVEL_BIAS, LINE, SLICE, SUM_WORDS, SWEEPS_LISTED};
+use crate::model::step::{ListSettings, Step};
 use crate::model::world::World;
 use crate::model::world::order::{size_class, spatial_order};
 use crate::scene::{Rod, Scene, Sphere, SphereId};
-use crate::settings::{BroadPhase, Precision, Settings};
+use crate::settings::BroadPhase;
 use crate::user_laws::set::UserLaws;
 use crate::user_laws::{ContactForceLaw, ForceLaw};
 
@@ -20,11 +17,6 @@ use crate::user_laws::{ContactForceLaw, ForceLaw};
 const FIRST_ENTRIES: u32 = 16;
 /// Initial room for list entries per mover when there are at most [`FEW_MOVERS`] movers.
 const FIRST_ENTRIES_OF_FEW: u32 = 24;
-/// Initial value of [`Step::margin_scale`].
-const FIRST_MARGIN: f32 = 2.0;
-/// Initial value of [`Step::lookahead`], in steps.
-const FIRST_LOOKAHEAD: f32 = 1.0;
-
 /// Cell size per median radius. Cells are a little larger than the AABB of a sphere at rest, because moving spheres have larger
 /// AABBs.
 const CELL_PER_RADIUS: f32 = 2.4;
@@ -90,40 +82,18 @@ impl World {
     }
 
     fn pack(scene: &Scene, order: Vec<u32>, user_laws: UserLaws) -> Result<Self> {
-        let step = Step { margin_scale: FIRST_MARGIN, lookahead: FIRST_LOOKAHEAD, list_interval: 1.0, ..Step::default() };
+        let step = Step { lists: ListSettings::FIRST, ..Step::default() };
         let mut world = Self { step, order, user_laws, ..Self::default() };
         world.set_settings(&scene.settings);
         world.set_topology(scene)?;
         world.set_spheres(scene);
         world.set_grid(scene);
-        world.step.large = world.large_spheres(scene);
+        world.step.layout.large = world.large_spheres(scene);
         world.set_history_pool(0);
         world.set_collision_room();
         let entries = if world.movers() <= FEW_MOVERS { FIRST_ENTRIES_OF_FEW } else { FIRST_ENTRIES };
         world.set_pair_room((entries * world.movers().div_ceil(SLICE)).max(1));
         Ok(world)
-    }
-
-    /// Writes the settings to the uniform block.
-    pub fn set_settings(&mut self, settings: &Settings) {
-        let Settings { gravity, gravity_direction, collisions, contact_pull, contact_law, precision, .. } = *settings;
-        let is_continuous = collisions && settings.continuous_collisions;
-        let step = &mut self.step;
-        step.set_constants(settings);
-        step.law = contact_law.number();
-        if contact_law.has_history() {
-            // Friction is part of the law.
-            step.coulomb_friction = 0.0;
-        }
-        step.gravity = (gravity * gravity_direction).to_array();
-        step.gravity_size = gravity.abs() * gravity_direction.length();
-        let bit = |on: bool, flag: u32| if on { flag } else { 0 };
-        // These flags follow from the table of pairs and the options.
-        let kept =
-            FLAG_CONTINUE | FLAG_GROUPS | FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION | FLAG_VERLET | FLAG_HALF_STEP;
-        let chosen = bit(collisions, FLAG_COLLISIONS) | bit(is_continuous, FLAG_CONTINUOUS) | bit(contact_pull, FLAG_PULL);
-        step.flags = step.flags & kept | chosen | bit(precision == Precision::Double, FLAG_DOUBLE);
-        step.sweeps = step.sweeps.max(step.calm_sweeps());
     }
 
     /// Packs the state of the spheres.
@@ -144,35 +114,44 @@ impl World {
     /// Chooses the size and number of the grid's cells. Cells are a little larger than most spheres. The table has at least
     /// twice as many cells as objects, so that rows of cells seldom share places in the table.
     fn set_grid(&mut self, scene: &Scene) {
-        (self.step.cell_size, self.step.least_level) = typical_cell(scene);
-        self.place_cells(2 * self.objects(), has_long_movers(scene, self.step.cell_size));
+        (self.step.layout.cell_size, self.step.layout.least_level) = typical_cell(scene);
+        self.place_cells(2 * self.objects(), has_long_movers(scene, self.step.layout.cell_size));
     }
 
     /// Gives room for collisions from the start when bodies may have long lists. Solves them by sweeps when there are networks.
     fn set_collision_room(&mut self) {
-        let step = &mut self.step;
-        if step.has_long_lists() {
-            step.collision_room = (step.movers() / MOVERS_PER_COLLISION).max(MIN_COLLISION_ROOM);
+        if self.step.traits().has_long_lists() {
+            self.set_collision_records((self.movers() / MOVERS_PER_COLLISION).max(MIN_COLLISION_ROOM));
         }
-        step.sweeps = step.calm_sweeps();
+        self.set_sweeps(SWEEPS_LISTED);
+    }
+
+    /// Sets the number of collisions that there is room for. The device allocates it.
+    pub(crate) fn set_collision_records(&mut self, records: u32) {
+        self.step.layout.collision_room = records;
+    }
+
+    /// Gives large spheres no workgroups of their own.
+    pub(crate) fn leave_out_large_spheres(&mut self) {
+        self.step.layout.large = 0;
     }
 
     /// Number of large spheres at the end of memory. It is limited, because each of them gets a workgroup.
     fn large_spheres(&self, scene: &Scene) -> u32 {
-        let from_last = (0..self.step.spheres as usize).rev().map(|place| &scene.spheres()[self.insertion_index(place)]);
-        let is_large = |sphere: &&Sphere| size_class(sphere.radius, self.step.cell_size) > 0;
-        from_last.take((self.step.spheres / SPHERES_PER_LARGE) as usize).take_while(is_large).count() as u32
+        let from_last = (0..self.step.layout.spheres as usize).rev().map(|place| &scene.spheres()[self.insertion_index(place)]);
+        let is_large = |sphere: &&Sphere| size_class(sphere.radius, self.step.layout.cell_size) > 0;
+        from_last.take((self.step.layout.spheres / SPHERES_PER_LARGE) as usize).take_while(is_large).count() as u32
     }
 
     /// Allocates a grid table of at least `cells` cells. The contents of the table are lost.
     pub fn set_cells(&mut self, cells: u32) {
-        self.place_cells(cells, self.step.long_at != 0);
+        self.place_cells(cells, self.step.layout.long_at != 0);
         self.resize_cells();
     }
 
     /// Gives up the room for long movers, so that one thread builds each list.
     pub(crate) fn leave_out_long_movers(&mut self) {
-        self.place_cells(self.step.cells, false);
+        self.place_cells(self.step.layout.cells, false);
     }
 
     fn resize_cells(&mut self) {
@@ -181,19 +160,19 @@ impl World {
 
     /// Number of words in the buffer `cells`.
     pub(crate) fn cell_words(&self) -> u64 {
-        let long_movers = if self.step.long_at == 0 { 0 } else { self.movers() };
-        u64::from(self.step.sorted_at) + u64::from(self.objects()) + u64::from(long_movers)
+        let long_movers = if self.step.layout.long_at == 0 { 0 } else { self.movers() };
+        u64::from(self.step.layout.sorted_at) + u64::from(self.objects()) + u64::from(long_movers)
     }
 
     /// Sets the sizes and offsets of the grid, but does not allocate the table. `long_movers` adds room for long movers.
     fn place_cells(&mut self, cells: u32, long_movers: bool) {
         let objects = self.objects();
-        let step = &mut self.step;
-        step.cells = cells.max(CELL_BLOCK).next_power_of_two();
-        step.sums_at = CELLS_AT + step.cells;
-        step.keys_at = (step.sums_at + SUM_WORDS * (step.cells / CELL_BLOCK)).next_multiple_of(LINE);
-        step.sorted_at = (step.keys_at + objects).next_multiple_of(LINE);
-        step.long_at = if long_movers { step.sorted_at + objects } else { 0 };
+        let layout = &mut self.step.layout;
+        layout.cells = cells.max(CELL_BLOCK).next_power_of_two();
+        layout.sums_at = CELLS_AT + layout.cells;
+        layout.keys_at = (layout.sums_at + SUM_WORDS * (layout.cells / CELL_BLOCK)).next_multiple_of(LINE);
+        layout.sorted_at = (layout.keys_at + objects).next_multiple_of(LINE);
+        layout.long_at = if long_movers { layout.sorted_at + objects } else { 0 };
     }
 
     /// Adds the scratch arrays that the CPU backend needs. Their sizes follow from the object counts.
@@ -211,14 +190,15 @@ impl World {
         self.resize_cells();
         self.extents.resize(self.objects() as usize, Vec4::ZERO);
         self.wrenches.resize(self.wrench_count(), Vec4::ZERO);
-        self.set_pair_rows(self.step.pair_rows);
+        self.set_pair_rows(self.step.layout.pair_rows);
     }
 
     /// Writes the external forces back to the scene that was packed with a force for each sphere. `packed` are the handles of
     /// the spheres at that time.
     #[cfg(feature = "gpu")]
     pub(crate) fn read_forces(&self, scene: &mut Scene, packed: &[SphereId]) {
-        let forces = self.topology[self.step.forces_at as usize..].chunks_exact(crate::model::layout::FORCE_WORDS as usize);
+        let forces =
+            self.topology[self.step.layout.forces_at as usize..].chunks_exact(crate::model::layout::FORCE_WORDS as usize);
         for (id, force) in packed.iter().zip(forces) {
             // Skips spheres that have been removed since.
             if let Ok(sphere) = scene.spheres.get_mut(*id) {
@@ -302,17 +282,17 @@ mod tests {
         let scene = Benchmark::Radii.generate(2000, 0).unwrap();
         let in_space = World::build_in_space(&scene).unwrap();
         let is_large = |sphere: &&Sphere| sphere.radius > 0.3;
-        assert_eq!(in_space.step.large as usize, scene.spheres().iter().filter(is_large).count());
-        assert!(in_space.step.large > 3 && in_space.step.has_long_lists());
+        assert_eq!(in_space.step.layout.large as usize, scene.spheres().iter().filter(is_large).count());
+        assert!(in_space.step.layout.large > 3 && in_space.step.traits().has_long_lists());
         // In insertion order the last sphere is a small one.
-        assert_eq!(World::build(&scene).unwrap().step.large, 0);
+        assert_eq!(World::build(&scene).unwrap().step.layout.large, 0);
         // The number is limited, because a workgroup for each of many large spheres would be too much.
         let mut mixed = Scene::new();
         for k in 0..100_u8 {
             let radius = if k < 60 { 0.1 } else { 1.0 };
             mixed.add_sphere(Sphere::new([f32::from(k), 0.0, 0.0], radius)).unwrap();
         }
-        assert_eq!(World::build(&mixed).unwrap().step.large, 100 / SPHERES_PER_LARGE);
+        assert_eq!(World::build(&mixed).unwrap().step.layout.large, 100 / SPHERES_PER_LARGE);
     }
 
     #[test]
@@ -325,7 +305,7 @@ mod tests {
         assert!(world.lists.is_empty());
         // Sizes follow from the counts, not from the previous capacity.
         let whole = world.with_scratch();
-        assert_eq!(whole.lists.len(), (whole.step.entries_at + 64) as usize);
+        assert_eq!(whole.lists.len(), (whole.step.layout.entries_at + 64) as usize);
         assert_eq!(whole.aabbs.len(), whole.objects() as usize);
         assert_eq!(whole.states[2].len(), whole.states[0].len());
     }

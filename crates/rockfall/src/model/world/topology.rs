@@ -10,7 +10,7 @@ use crate::model::layout::{
 };
 #[cfg(not(target_family = "wasm"))]
 use crate::model::layout::{LENGTH_WORD, SPRING_WORDS};
-use crate::model::step::Step;
+use crate::model::step::Layout;
 use crate::model::world::World;
 use crate::model::world::build::in_order;
 use crate::model::world::frames::{batches, networks};
@@ -34,13 +34,14 @@ impl World {
         let index = |id: SphereId| slot_of(scene, &slots, id);
         let mut adjacency = Adjacency::default();
         let mut topology = Vec::new();
-        let step = &mut self.step;
-        step.spheres = counts.spheres as u32;
-        step.rods = counts.rods as u32;
-        step.boxes = counts.boxes as u32;
-        step.polygons = counts.polygons as u32;
+        let layout = &mut self.step.layout;
+        layout.law = scene.settings.contact_law.number();
+        layout.spheres = counts.spheres as u32;
+        layout.rods = counts.rods as u32;
+        layout.boxes = counts.boxes as u32;
+        layout.polygons = counts.polygons as u32;
 
-        step.rods_at = topology.len() as u32;
+        layout.rods_at = topology.len() as u32;
         let mut fixed_rods = Vec::new();
         for (rod, number) in scene.rods().iter().zip(0..) {
             let ends = [index(rod.end1)?, index(rod.end2)?];
@@ -50,27 +51,29 @@ impl World {
                 fixed_rods.push((number, ends));
             }
         }
-        pack_attachments(scene, &slots, step, &mut topology, &mut adjacency)?;
-        pack_forces(scene, &slots, self.has_force_on_each, step, &mut topology, &mut adjacency);
-        pack_muscles(scene, step, &mut topology);
-        let has_forces = topology.len() as u32 > step.springs_at || !self.user_laws.forces.is_empty();
-        step.free_at = if has_forces { topology.len() as u32 } else { 0 };
+        pack_attachments(scene, &slots, layout, &mut topology, &mut adjacency)?;
+        pack_forces(scene, &slots, self.has_force_on_each, layout, &mut topology, &mut adjacency);
+        pack_muscles(scene, layout, &mut topology);
+        let has_forces = topology.len() as u32 > layout.springs_at || !self.user_laws.forces.is_empty();
+        layout.free_at = if has_forces { topology.len() as u32 } else { 0 };
         topology.resize(topology.len() + if has_forces { counts.spheres } else { 0 }, 0);
-        step.laws_at = topology.len() as u32;
+        layout.laws_at = topology.len() as u32;
         topology.extend(self.user_laws.values(&scene.material_names())?.iter().map(|value| value.to_bits()));
-        pack_static(scene, &self.order, step, &mut topology)?;
-        pack_pairs(scene, step, &mut topology);
-        pack_order(&self.order, &slots, step, &mut topology);
+        let groups = pack_static(scene, &self.order, layout, &mut topology)?;
+        let pairs = pack_pairs(scene, layout, &mut topology);
+        pack_order(&self.order, &slots, layout, &mut topology);
 
         let fixed: Vec<bool> = in_order(scene, &self.order).map(|sphere| sphere.fixed).collect();
         let batches = batches(&fixed, &fixed_rods);
-        step.batches = batches.len() as u32;
-        step.batches_at = topology.len() as u32;
+        layout.batches = batches.len() as u32;
+        layout.batches_at = topology.len() as u32;
         push_batches(&mut topology, &batches);
-        step.ends_at = push_ends(step, &mut topology);
-        push_networks(step, &fixed, &fixed_rods, &mut topology);
-        step.adjacency_at = adjacency.push(&mut topology, step.spheres);
+        layout.ends_at = push_ends(layout, &mut topology);
+        push_networks(layout, &fixed, &fixed_rods, &mut topology);
+        layout.adjacency_at = adjacency.push(&mut topology, layout.spheres);
         self.topology = topology;
+        self.set_flags_of_scene(groups | pairs);
+        self.set_sweeps(self.step.constants.sweeps);
         let clock = self.muscles_for.take().unwrap_or_default();
         self.set_muscles(scene, &clock);
         Ok(())
@@ -83,15 +86,15 @@ fn slot_of(scene: &Scene, slots: &[u32], id: SphereId) -> Result<u32> {
 }
 
 /// Appends the insertion index of every slot and the slot of every insertion index, unless spheres are in insertion order.
-fn pack_order(order: &[u32], slots: &[u32], step: &mut Step, topology: &mut Vec<u32>) {
-    (step.insertion_indices_at, step.slots_at) = (0, 0);
+fn pack_order(order: &[u32], slots: &[u32], layout: &mut Layout, topology: &mut Vec<u32>) {
+    (layout.insertion_indices_at, layout.slots_at) = (0, 0);
     let mut append = |table: &[u32]| {
         topology.resize(topology.len().next_multiple_of(LINE as usize), 0);
         topology.extend(table);
         (topology.len() - table.len()) as u32
     };
     if !order.is_empty() {
-        (step.insertion_indices_at, step.slots_at) = (append(order), append(slots));
+        (layout.insertion_indices_at, layout.slots_at) = (append(order), append(slots));
     }
 }
 
@@ -99,7 +102,7 @@ impl World {
     /// Writes the rest lengths of all springs, in order of addition, to the topology buffer.
     #[cfg(not(target_family = "wasm"))]
     pub(crate) fn set_rest_lengths(&mut self, lengths: &[f32]) {
-        let springs = self.topology[self.step.springs_at as usize..].chunks_exact_mut(SPRING_WORDS as usize);
+        let springs = self.topology[self.step.layout.springs_at as usize..].chunks_exact_mut(SPRING_WORDS as usize);
         springs.zip(lengths).for_each(|(spring, length)| spring[LENGTH_WORD] = length.to_bits());
     }
 }
@@ -108,18 +111,18 @@ impl World {
 fn pack_attachments(
     scene: &Scene,
     slots: &[u32],
-    step: &mut Step,
+    layout: &mut Layout,
     topology: &mut Vec<u32>,
     adjacency: &mut Adjacency,
 ) -> Result<()> {
-    step.springs_at = topology.len() as u32;
+    layout.springs_at = topology.len() as u32;
     for (spring, number) in scene.springs().iter().zip(0..) {
         let ends = [slot_of(scene, slots, spring.a)?, slot_of(scene, slots, spring.b)?];
         topology.extend(ends);
         topology.extend([spring.stiffness, spring.length, spring.damping].map(f32::to_bits));
         adjacency.attach(KIND_SPRING, number, &ends);
     }
-    step.tethers_at = topology.len() as u32;
+    layout.tethers_at = topology.len() as u32;
     for (tether, number) in scene.tethers().iter().zip(0..) {
         let sphere = slot_of(scene, slots, tether.sphere)?;
         topology.push(sphere);
@@ -132,10 +135,10 @@ fn pack_attachments(
 
 /// Appends an empty table of muscles, which [`World::set_muscles`] fills. It stands apart from the springs and tethers, because the
 /// kernel that sorts memory takes what is between their offsets for records of one kind.
-fn pack_muscles(scene: &Scene, step: &mut Step, topology: &mut Vec<u32>) {
-    step.muscles_at = 0;
+fn pack_muscles(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) {
+    layout.muscles_at = 0;
     if scene.springs().iter().any(|spring| spring.muscle.is_some()) {
-        step.muscles_at = topology.len() as u32;
+        layout.muscles_at = topology.len() as u32;
         topology.resize(topology.len() + scene.springs().len() * MUSCLE_WORDS as usize, 0);
     }
 }
@@ -145,11 +148,11 @@ fn pack_forces(
     scene: &Scene,
     slots: &[u32],
     on_each: bool,
-    step: &mut Step,
+    layout: &mut Layout,
     topology: &mut Vec<u32>,
     adjacency: &mut Adjacency,
 ) {
-    step.forces_at = topology.len() as u32;
+    layout.forces_at = topology.len() as u32;
     let pushed = scene.spheres().iter().zip(0..).filter(|(sphere, _)| on_each || sphere.force != Vec3::ZERO);
     for ((sphere, number), force) in pushed.zip(0..) {
         push_vectors(topology, &[sphere.force]);
@@ -157,18 +160,18 @@ fn pack_forces(
     }
 }
 
-/// Appends boxes, polygons, and the tags of all objects.
-fn pack_static(scene: &Scene, order: &[u32], step: &mut Step, topology: &mut Vec<u32>) -> Result<()> {
-    step.boxes_at = topology.len() as u32;
+/// Appends boxes, polygons, and the tags of all objects. Returns the flag of groups.
+fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut Vec<u32>) -> Result<u32> {
+    layout.boxes_at = topology.len() as u32;
     for cuboid in scene.boxes() {
         let [i, j, k] = cuboid.edges;
         push_vectors(topology, &[cuboid.corner, i, j, k]);
     }
-    step.polygons_at = topology.len() as u32;
+    layout.polygons_at = topology.len() as u32;
     for polygon in scene.polygons() {
         push_vectors(topology, &[polygon.corner, polygon.left, polygon.right]);
     }
-    step.tags_at = topology.len() as u32;
+    layout.tags_at = topology.len() as u32;
     let tags_at = topology.len();
     let spheres = in_order(scene, order).map(|sphere| (sphere.group, sphere.material));
     let rods = scene.rods().iter().map(|rod| (rod.group, rod.material));
@@ -177,27 +180,24 @@ fn pack_static(scene: &Scene, order: &[u32], step: &mut Step, topology: &mut Vec
     for (group, material) in spheres.chain(rods).chain(boxes).chain(polygons) {
         topology.push(u32::from(group) | u32::from(scene.material_number(material)?) << MATERIAL_SHIFT);
     }
-    step.flags &= !FLAG_GROUPS;
-    if topology[tags_at..].windows(2).any(|tags| (tags[0] ^ tags[1]) & GROUP_MASK != 0) {
-        step.flags |= FLAG_GROUPS;
-    }
-    Ok(())
+    let differ = topology[tags_at..].windows(2).any(|tags| (tags[0] ^ tags[1]) & GROUP_MASK != 0);
+    Ok(if differ { FLAG_GROUPS } else { 0 })
 }
 
-/// Appends the table of pairs, unless no properties of pairs are given.
-fn pack_pairs(scene: &Scene, step: &mut Step, topology: &mut Vec<u32>) {
+/// Appends the table of pairs, unless no properties of pairs are given. Returns the flags of pairs.
+fn pack_pairs(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) -> u32 {
     /// Stands for the constant of the scene.
     const OF_SCENE: f32 = -1.0;
-    step.flags &= !(FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION);
-    (step.materials, step.pairs_at) = (0, 0);
+    (layout.materials, layout.pairs_at) = (0, 0);
     // Rounded up, so that the AABBs hold every contact.
-    step.neck = (scene.neck() * (1.0 + 1e-5)) as f32;
+    layout.neck = (scene.neck() * (1.0 + 1e-5)) as f32;
     let law = scene.settings.contact_law;
     if scene.pairs.is_empty() && !law.has_history() {
-        return;
+        return 0;
     }
+    let mut flags = 0;
     let numbers = 0..=scene.materials().len() as u16;
-    (step.materials, step.pairs_at) = (numbers.len() as u32, topology.len() as u32);
+    (layout.materials, layout.pairs_at) = (numbers.len() as u32, topology.len() as u32);
     let mut dampings = Dampings::default();
     for (one, other) in numbers.clone().flat_map(|one| numbers.clone().map(move |other| (one, other))) {
         let Pair { restitution, friction, .. } = scene.pair_of_numbers(one, other);
@@ -209,16 +209,16 @@ fn pack_pairs(scene: &Scene, step: &mut Step, topology: &mut Vec<u32>) {
         let constants = scene.law_constants(one, other, &mut dampings);
         topology.extend(constants.map(f32::to_bits));
         if constants[4] > 0.0 || constants[6] > 0.0 {
-            step.flags |= FLAG_RESISTANCE;
+            flags |= FLAG_RESISTANCE;
         }
         if constants[7] != 0.0 {
-            step.flags |= FLAG_COHESION;
+            flags |= FLAG_COHESION;
         }
         if in_contacts > 0.0 || in_collisions > 0.0 && scene.settings.collisions {
-            step.flags |= FLAG_PAIR_FRICTION;
+            flags |= FLAG_PAIR_FRICTION;
         }
     }
-    step.sweeps = step.sweeps.max(step.calm_sweeps());
+    flags
 }
 
 fn push_vectors(topology: &mut Vec<u32>, vectors: &[Vec3]) {
@@ -241,13 +241,13 @@ fn push_batches(topology: &mut Vec<u32>, batches: &[Vec<Vec<u32>>]) {
     }
 }
 
-/// Appends the table of ends, one word per sphere (see [`Step::ends_at`]). Returns its offset, 0 without rods.
-fn push_ends(step: &Step, topology: &mut Vec<u32>) -> u32 {
-    if step.rods == 0 {
+/// Appends the table of ends, one word per sphere (see [`Layout::ends_at`]). Returns its offset, 0 without rods.
+fn push_ends(layout: &Layout, topology: &mut Vec<u32>) -> u32 {
+    if layout.rods == 0 {
         return 0;
     }
-    let mut ends = vec![NO_ROD; step.spheres as usize];
-    let rods = &topology[step.rods_at as usize..][..(step.rods * ROD_WORDS) as usize];
+    let mut ends = vec![NO_ROD; layout.spheres as usize];
+    let rods = &topology[layout.rods_at as usize..][..(layout.rods * ROD_WORDS) as usize];
     for (rod, number) in rods.chunks_exact(ROD_WORDS as usize).zip(0..) {
         let is_fixed = f32::from_bits(rod[3]) > 0.0;
         for end in &rod[..2] {
@@ -260,25 +260,25 @@ fn push_ends(step: &Step, topology: &mut Vec<u32>) -> u32 {
     at
 }
 
-/// Appends the network of each rod and the network table (see [`Step::networks_at`]). A fixed-length rod belongs to a rigid
+/// Appends the network of each rod and the network table (see [`Layout::networks_at`]). A fixed-length rod belongs to a rigid
 /// capsule when both its ends move and have no other rod.
-fn push_networks(step: &mut Step, fixed: &[bool], fixed_rods: &[(u32, [u32; 2])], topology: &mut Vec<u32>) {
-    (step.networks, step.networks_at) = (0, 0);
-    if step.rods == 0 {
+fn push_networks(layout: &mut Layout, fixed: &[bool], fixed_rods: &[(u32, [u32; 2])], topology: &mut Vec<u32>) {
+    (layout.networks, layout.networks_at) = (0, 0);
+    if layout.rods == 0 {
         return;
     }
-    let ends_at = step.ends_at as usize;
+    let ends_at = layout.ends_at as usize;
     let is_end = |end: u32, rod: u32| topology[ends_at + end as usize] == rod && !fixed[end as usize];
     let capsules: std::collections::HashSet<u32> =
         fixed_rods.iter().filter(|(rod, ends)| ends.iter().all(|end| is_end(*end, *rod))).map(|(rod, _)| *rod).collect();
     let networks = networks(fixed, fixed_rods, |rod| capsules.contains(&rod));
     let ends_of: std::collections::HashMap<u32, [u32; 2]> = fixed_rods.iter().copied().collect();
-    let mut network_of = vec![NO_NETWORK; step.rods as usize];
+    let mut network_of = vec![NO_NETWORK; layout.rods as usize];
     for (number, rods) in networks.iter().enumerate() {
         rods.iter().for_each(|rod| network_of[*rod as usize] = number as u32);
     }
     topology.extend(network_of);
-    (step.networks, step.networks_at) = (networks.len() as u32, topology.len() as u32);
+    (layout.networks, layout.networks_at) = (networks.len() as u32, topology.len() as u32);
     let table = topology.len();
     topology.resize(table + networks.len(), 0);
     for (place, rods) in networks.iter().enumerate() {

@@ -37,15 +37,15 @@ impl Body {
             Self::Sphere(sphere) => sphere_rows(view, sphere).for_each(take),
             Self::Capsule(rod) => {
                 let [one, two] = view.rod(rod).ends;
-                [one, two, view.step.spheres + rod].into_iter().for_each(take);
+                [one, two, view.step.layout.spheres + rod].into_iter().for_each(take);
             }
             Self::Network(network) => {
                 let (spheres, rods) = view.network(network);
-                rods.iter().for_each(|rod| take(view.step.spheres + rod));
+                rods.iter().for_each(|rod| take(view.step.layout.spheres + rod));
                 for sphere in spheres {
                     take(sphere);
                     let free = view.rods_of(sphere).filter(|rod| view.network_of(*rod) != Some(network));
-                    free.for_each(|rod| take(view.step.spheres + rod));
+                    free.for_each(|rod| take(view.step.layout.spheres + rod));
                 }
             }
         }
@@ -54,7 +54,7 @@ impl Body {
 
 /// The movers whose contacts touch a sphere: itself and its rods.
 pub(crate) fn sphere_rows(view: &View, sphere: u32) -> impl Iterator<Item = u32> {
-    let spheres = view.step.spheres;
+    let spheres = view.step.layout.spheres;
     std::iter::once(sphere).chain(view.rods_of(sphere).map(move |rod| spheres + rod))
 }
 
@@ -185,7 +185,7 @@ pub(crate) struct TakingPart<'a> {
 
 impl<'a> TakingPart<'a> {
     pub(crate) fn new(view: &'a View<'a>, lists: &'a Lists<'a>) -> Self {
-        let networks = (0..view.step.networks).map(|network| collides(view, lists, Body::Network(network))).collect();
+        let networks = (0..view.step.layout.networks).map(|network| collides(view, lists, Body::Network(network))).collect();
         Self { view, lists, networks }
     }
 
@@ -194,7 +194,7 @@ impl<'a> TakingPart<'a> {
         let Self { view, lists, networks } = self;
         // The sphere's own list decides in nearly all cases.
         lists.collides(sphere)
-            || view.step.rods > 0
+            || view.step.layout.rods > 0
                 && match Body::of(view, sphere) {
                     None => false,
                     Some(Body::Network(network)) => networks[network as usize],

@@ -12,7 +12,7 @@ use crate::physics::collision::{Change, Collision, lone};
 use crate::physics::contact::collision_velocity;
 use crate::physics::first_contact::{Earlier, time_of_beginning};
 use crate::physics::side::side;
-use crate::physics::touch::line;
+use crate::physics::touch::{Feature, line};
 
 /// In place of the low half of an id, where there is no crossing.
 const NO_ID: f32 = -1.0;
@@ -48,7 +48,7 @@ impl Crossing {
         let outcome = lone::solve_crossing(view, &collision, time);
         let none = Change { sphere, ..Change::default() };
         let change = outcome.and_then(|outcome| outcome.changes().iter().find(|change| change.sphere == sphere).copied());
-        let is_alone = other >= view.step.spheres || view.is_fixed(other);
+        let is_alone = other >= view.step.layout.spheres || view.is_fixed(other);
         Some(Self { other, is_alone, change: change.unwrap_or(none) })
     }
 
@@ -80,13 +80,14 @@ fn colliding(view: &View, one: u32, other: u32) -> Option<(f32, Collision)> {
 
 fn contact_before(view: &View, a: u32, b: u32, time: f32) -> Option<Collision> {
     let earlier = Earlier { view, time };
-    let touch = line(view, &earlier, view.object(a), view.object(b), None)?;
+    let (object_a, object_b) = (view.object(a), view.object(b));
+    let touch = line(view, &earlier, object_a, object_b, Feature::of_crossing(object_b))?;
     Some(Collision::of(view, &earlier, [a, b], 0, touch))
 }
 
 /// Whether the objects of a contact move apart. The motion of the surface of a fixed sphere does not count.
 fn separates(view: &View, k: &Collision) -> bool {
-    let velocity = |id: u32| if id < view.step.spheres { view.own_velocity(id) } else { Vec3::ZERO };
+    let velocity = |id: u32| if id < view.step.layout.spheres { view.own_velocity(id) } else { Vec3::ZERO };
     k.touch.normal.dot(velocity(k.b) - velocity(k.a)) > 0.0
 }
 
@@ -99,7 +100,7 @@ pub(crate) struct Crossings<'a> {
 
 impl<'a> Crossings<'a> {
     pub(crate) fn new(step: &Step, rows: &'a [Vec4]) -> Self {
-        Self { rows, spheres: step.spheres }
+        Self { rows, spheres: step.layout.spheres }
     }
 
     /// The crossing that counts for a sphere.

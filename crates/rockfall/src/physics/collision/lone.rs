@@ -16,7 +16,7 @@ use crate::physics::collision::{Change, Collision};
 use crate::physics::first_contact::time_of_beginning;
 use crate::physics::forces::attached::{attached_curvature, attached_force};
 use crate::physics::pairs::Surface;
-use crate::physics::touch::{Feature, Motions, line};
+use crate::physics::touch::{Feature, Motions, Touch, is_over_face, line};
 
 /// Number of iterations for the time of contact.
 const ITERATIONS: u32 = 4;
@@ -63,7 +63,7 @@ impl MovingBody {
                 capsule.ends.map(|end| attached_force(view, end)).into_iter().sum::<Vec3>() / capsule.mass
             }
         };
-        Vec3::from_array(view.step.gravity) + pulled
+        Vec3::from_array(view.step.constants.gravity) + pulled
     }
 }
 
@@ -110,6 +110,16 @@ impl<'a> EarlierState<'a> {
         self.len += 1;
     }
 
+    /// The displacement of a sphere from the present to the earlier state.
+    fn moved(&self, sphere: u32) -> Vec3 {
+        let now = if self.view.step.is_double() {
+            self.view.fine(sphere)
+        } else {
+            Fine { high: self.view.position(sphere), low: Vec3::ZERO }
+        };
+        self.find(sphere).map_or(Vec3::ZERO, |known| known.1.minus(now))
+    }
+
     fn find(&self, sphere: u32) -> Option<&(u32, Fine, Vec3)> {
         self.spheres[..self.len].iter().find(|known| known.0 == sphere)
     }
@@ -145,7 +155,8 @@ fn turned(d: Vec3, q: Vec3, time: f32) -> (Vec3, Vec3) {
 pub(super) fn solve(view: &View, k: &Collision) -> Outcome {
     let movers = movers_of(view, k);
     let movers = &movers[..k.parts().len()];
-    let (tau, hit) = time_of_contact(view, k, movers, start_of(view, k)).unwrap_or((0.0, *k));
+    let kept = Kept::of(view, k);
+    let (tau, hit) = time_of_contact(view, k, kept, movers, start_of(view, k)).unwrap_or((0.0, *k));
     solved(view, &hit, movers, tau)
 }
 
@@ -154,14 +165,15 @@ pub(super) fn solve(view: &View, k: &Collision) -> Outcome {
 pub(super) fn solve_crossing(view: &View, k: &Collision, tau: f32) -> Option<Outcome> {
     let movers = movers_of(view, k);
     let movers = &movers[..k.parts().len()];
-    let (tau, hit) = time_of_contact(view, k, movers, tau)?;
+    let kept = Kept::Feature(Feature::of_crossing(view.object(k.b)));
+    let (tau, hit) = time_of_contact(view, k, kept, movers, tau)?;
     Some(solved(view, &hit, movers, tau))
 }
 
 /// The time that the iteration begins with: where contacts within a step are handled, the time of the first contact on straight
 /// paths, if it is within the step (docs/physics.md section 3.10).
 fn start_of(view: &View, k: &Collision) -> f32 {
-    let is_continuous = view.step.flags & FLAG_CONTINUOUS != 0;
+    let is_continuous = view.step.constants.flags & FLAG_CONTINUOUS != 0;
     let began = || time_of_beginning(view, k.a, k.b, k.threshold(view));
     is_continuous.then(began).flatten().unwrap_or(0.0)
 }
@@ -227,24 +239,55 @@ fn effective_inverse_mass(view: &View, hit: &Collision, movers: &[(MovingBody, V
     (inverse_mass + tau * tau * curvature).max(0.5 * inverse_mass)
 }
 
+/// What a lone collision keeps when it is moved back in time (docs/physics.md section 2.10).
+#[derive(Clone, Copy)]
+enum Kept {
+    /// The part of a static object.
+    Feature(Option<Feature>),
+    /// The plane of the face that a sphere touches now.
+    Face { sphere: u32, present: Touch },
+}
+
+impl Kept {
+    fn of(view: &View, k: &Collision) -> Self {
+        let (a, b) = (view.object(k.a), view.object(k.b));
+        match a {
+            Object::Sphere(sphere) if is_over_face(view, a, b) => Self::Face { sphere, present: k.touch },
+            _ => Self::Feature(Feature::of(view, a, b, k.feature)),
+        }
+    }
+
+    /// The contact line of a collision at an earlier time.
+    fn line(self, view: &View, k: &Collision, before: &EarlierState) -> Option<Touch> {
+        match self {
+            Self::Feature(feature) => line(view, before, view.object(k.a), view.object(k.b), feature),
+            Self::Face { sphere, present } => {
+                let moved = before.moved(sphere);
+                Some(Touch { overlap: present.overlap + moved.dot(present.normal), ..present })
+            }
+        }
+    }
+}
+
 /// The time since the two objects began to overlap, and the collision as it was then. The iteration begins with the time `start`.
 /// `None` if the objects had no contact line then, or did not approach each other.
-fn time_of_contact(view: &View, k: &Collision, movers: &[(MovingBody, Vec3)], start: f32) -> Option<(f32, Collision)> {
-    let (a, b) = (view.object(k.a), view.object(k.b));
-    let feature = match (a, b) {
-        (Object::Rod(rod), Object::Cuboid(cuboid)) => Some(Feature::of(view, rod, cuboid, k.feature)),
-        _ => None,
-    };
+fn time_of_contact(
+    view: &View,
+    k: &Collision,
+    kept: Kept,
+    movers: &[(MovingBody, Vec3)],
+    start: f32,
+) -> Option<(f32, Collision)> {
     let closing = |tau: f32, along_parabolas: bool| {
         let before = EarlierState::of(view, movers, tau, along_parabolas);
-        let touch = line(view, &before, a, b, feature)?;
+        let touch = kept.line(view, k, &before)?;
         let collision = Collision::of(view, &before, [k.a, k.b], k.feature, touch);
         (collision.approach > 0.0).then_some(collision)
     };
     let mut tau = start;
     for _ in 0..ITERATIONS {
         let Some(collision) = closing(tau, true) else { break };
-        tau = (tau + collision.touch.overlap / collision.approach).clamp(0.0, view.step.dt);
+        tau = (tau + collision.touch.overlap / collision.approach).clamp(0.0, view.step.constants.dt);
     }
     closing(tau, false).map(|hit| (tau, hit))
 }

@@ -135,12 +135,16 @@ fn solve_from(a_id: u32, b_id: u32, feature: u32, found: Touch, start: f32, is_c
     let a_pull = pull_on(a);
     let b_pull = pull_on(b);
     let by_vertex = meets_by_vertex(a, b, a_now, feature);
+    // What a sphere crosses is the plane of a polygon.
+    let is_polygon = b_id >= step.spheres + step.rods + step.boxes;
+    let on_face = select(is_over_face(a, b, a_now), is_polygon, is_crossing);
+    let face = OnFace(on_face, centre_of(a, a_now).xyz, found);
     var tau = start;
     var at_contact: Placed;
     // The last round evaluates the contact at the time found. It is part of the loop so that compilers make one copy of `placed`.
     for (var round = 0u; round <= CONTACT_ROUNDS; round++) {
         let is_last = round == CONTACT_ROUNDS;
-        at_contact = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, !is_last, feature, by_vertex);
+        at_contact = placed(&a, &b, a_now, b_now, a_pull, b_pull, tau, !is_last, feature, by_vertex, face);
         if is_last {
             break;
         }
@@ -244,6 +248,13 @@ struct Placed {
     closing: ApproachSpeed,
 }
 
+// The present contact of a sphere at `centre`, if it keeps the plane of the face that it touches when it is moved back in time.
+struct OnFace {
+    is_kept: bool,
+    centre: vec3f,
+    present: Touch,
+}
+
 // Evaluates the contact of a pair at the time `tau` earlier. Also sets the parameters of rods in `a` and `b`.
 fn placed(
     a: ptr<function, ContactSide>,
@@ -256,10 +267,16 @@ fn placed(
     with_acceleration: bool,
     feature: u32,
     by_vertex: bool,
+    face: OnFace,
 ) -> Placed {
     let a_back = moved_back(*a, a_now, a_pull, tau, with_acceleration);
     let b_back = moved_back(*b, b_now, b_pull, tau, with_acceleration);
-    let found = signed_touch(*a, *b, a_back, b_back, feature, by_vertex);
+    var found = face.present;
+    if face.is_kept {
+        found.overlap += dot(centre_of(*a, a_back).xyz - face.centre, found.n);
+    } else {
+        found = signed_touch(*a, *b, a_back, b_back, feature, by_vertex);
+    }
     if RODS {
         if (*a).id >= step.spheres {
             (*a).at = found.a;

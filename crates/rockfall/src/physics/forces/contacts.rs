@@ -36,7 +36,7 @@ impl Contacts<'_> {
     /// history. Returns `None` if the objects do not touch.
     fn evaluate(&self, a: u32, b: u32, feature: u32) -> Option<(Touch, ContactForce<Vec3>, Option<Spring>)> {
         let Self { view, histories, .. } = self;
-        if view.step.law == LAW_THESIS {
+        if view.step.layout.law == LAW_THESIS {
             let touch = touch(view, a, b, feature)?;
             return Some((touch, contact_force(view, a, b, &touch), None));
         }
@@ -74,7 +74,7 @@ impl Contacts<'_> {
     /// Returns the loads on both ends of a rod. Each contact is evaluated once, and its load is shared by 1 - a and a.
     pub(crate) fn rod_loads(&self, rod: u32, owned: &mut Owned, tally: Option<&mut Tally>) -> [Load; 2] {
         let mut ends = [Load::default(); 2];
-        self.each(self.view.step.spheres + rod, 0, owned, tally, |load, parameter| {
+        self.each(self.view.step.layout.spheres + rod, 0, owned, tally, |load, parameter| {
             for (end, share) in ends.iter_mut().zip([1.0 - parameter, parameter]) {
                 end.force += share * load.force;
                 end.torque += share * load.torque;
@@ -91,7 +91,7 @@ impl Contacts<'_> {
             return Load::default();
         }
         let mut sums = [Vec4::ZERO; 2];
-        let is_plain = self.view.step.law == LAW_THESIS;
+        let is_plain = self.view.step.layout.law == LAW_THESIS;
         let done = Ball::new(self.view, sphere).filter(|_| is_plain).map_or(0, |ball| {
             ball.for_each_near(count, list, |others| add_ball_loads(&ball, others, tally.as_deref_mut(), &mut sums))
         });
@@ -122,7 +122,7 @@ fn add_ball_loads(ball: &Ball, others: &[Entry], tally: Option<&mut Tally>, [for
     let Meeting { a, b, touches } = ball.meet(others);
     let loads = contact_forces(ball.view.step, &a, &b, &touches, &ball.surfaces(others));
     let mut touch = touches.overlap.cmpgt(Vec4::ZERO) & first_lanes(others.len());
-    if ball.view.step.flags & FLAG_CONTINUOUS != 0 {
+    if ball.view.step.constants.flags & FLAG_CONTINUOUS != 0 {
         touch &= ball.have_lasted(others);
     }
     *force = loads.force.or_zero(touch).add_lanes_to(*force);

@@ -6,5 +6,5 @@ use crate::model::view::View;
 use crate::physics::forces::rates::Rates;
 
 pub(super) fn add(view: &View, _sphere: u32, rates: &mut Rates) {
-    rates.acceleration += Vec3::from_array(view.step.gravity);
+    rates.acceleration += Vec3::from_array(view.step.constants.gravity);
 }

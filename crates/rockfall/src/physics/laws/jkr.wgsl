@@ -57,26 +57,7 @@ fn touch_apart(a: u32, b: u32, feature: u32, found: Touch) -> Touch {
         return found;
     }
     if a < step.spheres {
-        if b < boxes + step.boxes {
-            return found;
-        }
-        // A sphere whose centre is over the face of a polygon.
-        let wall = polygon(b - boxes - step.boxes);
-        let centre = state[position_at(a)];
-        if DOUBLE {
-            let over = over_finely(a, wall);
-            if over.is_inside & (over.height >= centre.w) {
-                return Touch(-over.n_face, centre.w - over.height - over.height_low, 0.0, 0.0);
-            }
-            return no_touch();
-        }
-        let face = face_of(wall);
-        let from_corner = centre.xyz - wall.corner;
-        let d = dot(from_corner, face.n);
-        if on_face(along_edges(face, from_corner)) & (d >= centre.w) {
-            return Touch(-face.n, centre.w - d, 0.0, 0.0);
-        }
-        return no_touch();
+        return found;
     }
     if !RODS | (b < boxes) {
         return found;

@@ -13,7 +13,7 @@ pub(crate) fn contact(view: &View, histories: &Histories, a: u32, b: u32, featur
 }
 
 fn neck(view: &View, histories: &Histories, a: u32, b: u32, feature: u32) -> Option<Touch> {
-    if view.step.neck == 0.0 {
+    if view.step.layout.neck == 0.0 {
         return None;
     }
     let constants = Constants::of(view, a, b);

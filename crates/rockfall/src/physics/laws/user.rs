@@ -24,7 +24,7 @@ pub(super) fn answer(
             let old = law.evaluate(&ContactInput { overlap: before, ..*contact }).tangential_stiffness;
             if old > tangential { tangential / old } else { 1.0 }
         });
-        let normal = if view.step.flags & FLAG_RESISTANCE == 0 {
+        let normal = if view.step.constants.flags & FLAG_RESISTANCE == 0 {
             0.0
         } else {
             let elastic = |overlap| at_least_zero(law.evaluate(&ContactInput { overlap, speed: 0.0, ..*contact }).normal_force);

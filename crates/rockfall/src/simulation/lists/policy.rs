@@ -32,7 +32,7 @@ const MARGIN_DECAY_OF_LONG: f32 = 0.99;
 
 /// How lists are built. [`Step`](crate::model::step::Step) describes the first three.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::simulation) struct ListSettings {
+pub(in crate::simulation) struct ListPlan {
     pub(in crate::simulation) lookahead: f32,
     pub(in crate::simulation) interval: u32,
     pub(in crate::simulation) margin: f32,
@@ -81,9 +81,9 @@ impl ListPolicy {
         self.may_wait = may_wait;
     }
 
-    pub(in crate::simulation) fn settings(&self) -> ListSettings {
+    pub(in crate::simulation) fn settings(&self) -> ListPlan {
         let lookahead = self.trials.steps;
-        ListSettings { lookahead, interval: self.interval(), margin: self.margin, version: self.version }
+        ListPlan { lookahead, interval: self.interval(), margin: self.margin, version: self.version }
     }
 
     /// Whether lists are exact.
@@ -247,7 +247,7 @@ mod tests {
     fn lists_that_last_are_built_for_longer() {
         let mut policy = policy(1.0);
         run(&mut policy, 20, 32, 0, 0.0);
-        let ListSettings { lookahead, interval, margin, .. } = policy.settings();
+        let ListPlan { lookahead, interval, margin, .. } = policy.settings();
         assert_eq!((lookahead, interval, margin), (32.0, LONGEST, MIN_MARGIN));
     }
 
@@ -281,7 +281,7 @@ mod tests {
             policy.rejected_with = policy.version;
             policy.escaped(0.5 * NEAR, 1);
         }
-        let ListSettings { lookahead, interval, margin, .. } = policy.settings();
+        let ListPlan { lookahead, interval, margin, .. } = policy.settings();
         assert_eq!((lookahead, interval, margin), (3.0, 2, MIN_MARGIN));
     }
 
@@ -289,7 +289,7 @@ mod tests {
     fn an_exception_raises_margins_where_lists_last_longest() {
         let mut policy = policy(32.0);
         policy.escaped(0.5 * NEAR, 1);
-        let ListSettings { lookahead, margin, .. } = policy.settings();
+        let ListPlan { lookahead, margin, .. } = policy.settings();
         assert_eq!((lookahead, margin), (32.0, MIN_MARGIN + 0.5 * NEAR + NEAR_STEP));
         run(&mut policy, 100, 4, 0, 0.0);
         assert_eq!(policy.margin, MIN_MARGIN, "it decays");

@@ -90,7 +90,7 @@ fn aabb(view: &View, repeat: f32, id: u32) -> Aabb {
 
 /// Returns the bounds of all places that a ball of this radius about the centre of a sphere may reach before lists are rebuilt.
 fn ball_bounds(view: &View, margin: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
-    let reach = radius + view.step.neck * radius + margin;
+    let reach = radius + view.step.layout.neck * radius + margin;
     let middle = position_ahead(view.step, view.position(sphere), view.motion(sphere));
     grown((middle - reach, middle + reach))
 }
@@ -104,7 +104,7 @@ fn grown((min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
 /// Part of the margin of a step that is repeated, in units of r.
 fn repeat_margin(world: &World) -> f32 {
     let World { step, status, .. } = world;
-    if status.rejected != REJECTED_ESCAPED || step.list_interval != 1.0 || step.has_exact_lists() {
+    if status.rejected != REJECTED_ESCAPED || step.lists.list_interval != 1.0 || step.has_exact_lists() {
         return 0.0;
     }
     0.02 * margin_for_escape(f32::from_bits(status.escape_ratio)).min(MOST_OF_REPEAT)
@@ -115,11 +115,11 @@ fn margin(view: &View, repeat: f32, sphere: u32) -> f32 {
         return 0.0;
     }
     let radius = view.radius(sphere);
-    let travel = travel_bound(view.step, view.velocity(sphere), radius, view.step.lookahead);
-    let is_continuous = view.step.flags & FLAG_CONTINUOUS != 0;
+    let travel = travel_bound(view.step, view.velocity(sphere), radius, view.step.lists.lookahead);
+    let is_continuous = view.step.constants.flags & FLAG_CONTINUOUS != 0;
     let travel = if is_continuous { travel.max(trail(view.step, view.velocity(sphere), radius)) } else { travel };
     let exact = view.step.has_exact_lists();
-    let spare = if exact { EXACT_MARGIN } else { (view.step.margin_scale - 1.0) * 0.02 };
+    let spare = if exact { EXACT_MARGIN } else { (view.step.lists.margin_scale - 1.0) * 0.02 };
     travel + (spare + repeat) * radius
 }
 

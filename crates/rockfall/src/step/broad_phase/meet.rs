@@ -26,7 +26,7 @@ pub(crate) fn for_each_near(
     mut take: impl FnMut(u32),
 ) {
     let own = &aabbs[mover as usize];
-    let order = &cells[step.sorted_at as usize..][..aabbs.len()];
+    let order = &cells[step.layout.sorted_at as usize..][..aabbs.len()];
     for (block, interval) in order.chunks(WORKGROUP as usize).zip(intervals) {
         if interval.x > own.max[0] || own.min[0] > interval.y {
             continue;
@@ -55,8 +55,8 @@ pub(crate) fn same_group(a: &Aabb, b: &Aabb) -> bool {
 /// feature in the list of a rod. A mover makes none in its own list. A polygon makes none in the list of a rod, because the
 /// end spheres of the rod meet it.
 pub(crate) fn entries(step: &Step, mover: u32, id: u32, mut take: impl FnMut(u32)) {
-    let is_rod = mover >= step.spheres;
-    let boxes = step.spheres + step.rods..step.spheres + step.rods + step.boxes;
+    let is_rod = mover >= step.layout.spheres;
+    let boxes = step.layout.spheres + step.layout.rods..step.layout.spheres + step.layout.rods + step.layout.boxes;
     if id == mover || (is_rod && id >= boxes.end) {
         return;
     }

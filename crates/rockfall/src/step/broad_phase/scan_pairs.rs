@@ -29,7 +29,7 @@ fn scan_pairs(world: &mut World, _pass: u32) {
     if !world.status.builds_lists(REBUILD_UNDER_WAY) {
         return;
     }
-    let (counts, offsets) = world.lists.split_at_mut(world.step.slices_at as usize);
+    let (counts, offsets) = world.lists.split_at_mut(world.step.layout.slices_at as usize);
     let mut total = 0u32;
     for (slice, offset) in counts.chunks(SLICE as usize).zip(&mut *offsets) {
         *offset = total;
@@ -39,7 +39,7 @@ fn scan_pairs(world: &mut World, _pass: u32) {
     world.status.pair_rows_needed = total;
     count_builds(&mut world.status);
     world.status.rebuild = REBUILD_DONE;
-    if total > world.step.pair_rows {
+    if total > world.step.layout.pair_rows {
         world.status.rejected |= REJECTED_PAIRS;
     }
 }

@@ -64,7 +64,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
         return;
     }
     let taking_part = TakingPart::new(&view, &lists);
-    let tally = Rows::of(y2, world.step.spheres)
+    let tally = Rows::of(y2, world.step.layout.spheres)
         .map(|mut rows| {
             let mut tally = Tally::default();
             for sphere in rows.spheres().filter(|sphere| taking_part.has(*sphere)) {

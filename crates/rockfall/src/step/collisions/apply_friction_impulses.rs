@@ -48,7 +48,7 @@ fn apply_friction_impulses(world: &mut World, _pass: u32) {
     let view = View::new(&world.step, &world.topology, start);
     let lists = Lists::new(&world.step, &world.lists);
     let friction = FrictionImpulses::new(&view, &lists, &world.impulses);
-    let tally = Rows::of(y2, world.step.spheres)
+    let tally = Rows::of(y2, world.step.layout.spheres)
         .map(|mut rows| {
             let mut tally = Tally::default();
             for sphere in rows.spheres() {

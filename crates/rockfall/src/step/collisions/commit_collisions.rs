@@ -53,7 +53,7 @@ fn commit_collisions(world: &mut World, _pass: u32) {
     if world.status.collides != 0 {
         commit_changes(world);
     }
-    if world.step.flags & FLAG_CONTINUOUS != 0 {
+    if world.step.constants.flags & FLAG_CONTINUOUS != 0 {
         commit_crossings(world);
     }
 }
@@ -63,7 +63,7 @@ fn commit_changes(world: &mut World) {
     let lists = Lists::new(step, lists);
     let view = View::new(step, topology, start).in_collisions();
     let taking_part = TakingPart::new(&view, &lists);
-    let n = step.spheres as usize;
+    let n = step.layout.spheres as usize;
     let spheres = (0..n).into_par_iter().with_min_len(GRAIN);
     let changed: Vec<usize> = spheres.filter(|sphere| taking_part.has(*sphere as u32)).collect();
     let regions = step.state_regions(0) as usize;
@@ -76,7 +76,7 @@ fn commit_crossings(world: &mut World) {
     let World { step, topology, states: [start, _, y3, _], aabbs, status, .. } = world;
     let view = View::new(step, topology, start).in_collisions();
     let crossings = Crossings::new(step, y3);
-    let spheres = (0..step.spheres).into_par_iter().with_min_len(GRAIN);
+    let spheres = (0..step.layout.spheres).into_par_iter().with_min_len(GRAIN);
     let handled: Vec<(u32, Crossing)> = spheres.filter_map(|sphere| Some((sphere, crossings.handled(sphere)?))).collect();
     let mut tally = Tally::default();
     let after: Vec<(u32, Motion, Vec3)> = handled
@@ -93,7 +93,7 @@ fn commit_crossings(world: &mut World) {
             (sphere, after, view.own_velocity_after(sphere, after.velocity))
         })
         .collect();
-    let n = step.spheres as usize;
+    let n = step.layout.spheres as usize;
     for (sphere, after, own_velocity) in after {
         let place = sphere as usize;
         start[place] = after.position.extend(start[place].w);

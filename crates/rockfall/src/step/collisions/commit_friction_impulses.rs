@@ -41,10 +41,10 @@ fn commit_friction_impulses(world: &mut World, _pass: u32) {
 fn commit(world: &mut World) {
     let [start, y2, ..] = &mut world.states;
     // The velocities at the time of the positions are computed anew in the next phase of collisions.
-    let regions = 4 * world.step.spheres as usize;
+    let regions = 4 * world.step.layout.spheres as usize;
     start[..regions].copy_from_slice(&y2[..regions]);
     let view = View::new(&world.step, &world.topology, start);
-    let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
+    let spheres = (0..world.step.layout.spheres).into_par_iter().with_min_len(GRAIN);
     if spheres.any(|sphere| needs_rebuild(&view, &world.aabbs, sphere, view.position(sphere), view.velocity(sphere))) {
         world.status.rebuild |= REBUILD_REQUESTED;
     }

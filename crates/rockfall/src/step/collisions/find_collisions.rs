@@ -66,7 +66,7 @@ fn find_collisions(world: &mut World, _pass: u32) {
     }
     let World { step, topology, states: [state, _, y3, _], lists, aabbs, status, .. } = world;
     let view = View::new(step, topology, state).in_collisions();
-    let crossings = (step.flags & FLAG_CONTINUOUS != 0).then_some(Crossings::new(step, y3));
+    let crossings = (step.constants.flags & FLAG_CONTINUOUS != 0).then_some(Crossings::new(step, y3));
     let tally = slices(step, lists)
         .into_par_iter()
         .with_min_len(GRAIN / SLICE as usize)
@@ -74,7 +74,7 @@ fn find_collisions(world: &mut World, _pass: u32) {
             let mut tally = Tally::default();
             for place in 0..slice.counts.len() {
                 let mover = slice.first + place as u32;
-                if mover < step.spheres {
+                if mover < step.layout.spheres {
                     tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, aabbs, mover));
                 }
                 mark(&view, crossings, &mut slice, place, &mut tally);
@@ -138,7 +138,7 @@ fn classify_group(ball: &Ball, mover: u32, others: &[Entry], set: &mut impl FnMu
 
 /// The bits of a contact that is pressed or not, and whose approach velocity exceeds the threshold or not.
 fn entry_bits(view: &View, is_pressed: bool, collides: bool) -> u32 {
-    match (is_pressed, collides && view.step.flags & FLAG_COLLISIONS != 0) {
+    match (is_pressed, collides && view.step.constants.flags & FLAG_COLLISIONS != 0) {
         (false, _) => 0,
         (true, false) => ENTRY_OVERLAPS,
         (true, true) => ENTRY_OVERLAPS | ENTRY_COLLIDES,

@@ -50,7 +50,7 @@ fn find_crossings(world: &mut World, _pass: u32) {
     let view = View::new(step, topology, start).at_evaluation(status, 0).in_collisions();
     let lists = Lists::new(step, lists);
     let has_moved = status.lengths_due == 0;
-    let n = step.spheres as usize;
+    let n = step.layout.spheres as usize;
     let (positions, rest) = y3.split_at_mut(n);
     let rows = positions.par_iter_mut().zip(&mut rest[n..]).enumerate().with_min_len(GRAIN);
     let escape_ratio = rows
@@ -58,7 +58,7 @@ fn find_crossings(world: &mut World, _pass: u32) {
             let sphere = place as u32;
             let crossing = if has_moved { Crossing::of(&view, &lists, sphere) } else { None };
             [*position, *velocity] = Crossing::rows(crossing);
-            let before = view.position(sphere) - step.dt * view.own_velocity(sphere);
+            let before = view.position(sphere) - step.constants.dt * view.own_velocity(sphere);
             let of_path = if has_moved && !view.is_fixed(sphere) {
                 outside(step, &aabbs[place], before, view.radius(sphere))
             } else {

@@ -4,6 +4,7 @@
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::part::part;
+use crate::model::traits::Traits;
 use crate::model::world::World;
 use crate::step::moves::NONE;
 use crate::step::stage::{Stage, write};
@@ -19,6 +20,11 @@ pub(crate) const STAGE: Stage = Stage {
     moves: |_| NONE,
     cpu: sweep_at_once,
 };
+
+/// Whether one workgroup may do all sweeps when there are few collisions.
+pub(crate) fn fits(traits: &Traits) -> bool {
+    !(traits.networks || traits.large)
+}
 
 /// Does nothing: on the CPU, `apply_collisions` solves all collisions.
 fn sweep_at_once(_world: &mut World, _pass: u32) {}

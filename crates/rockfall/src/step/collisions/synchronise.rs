@@ -11,9 +11,11 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::part::part;
+use crate::model::traits::Traits;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::forces::free_acceleration;
+use crate::settings::Integrator;
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -29,20 +31,25 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: synchronise,
 };
 
+/// Whether the stage has something to do.
+pub(crate) fn is_needed(traits: &Traits) -> bool {
+    traits.free_table || traits.integrator == Integrator::SymplecticEuler
+}
+
 fn synchronise(world: &mut World, _pass: u32) {
     if world.status.rejected != 0 || world.status.collided != 0 {
         return;
     }
     let view =
         View::new(&world.step, &world.topology, &world.states[0]).at_evaluation(&world.status, 0).with_laws(&world.user_laws);
-    let (n, dt) = (world.step.spheres as usize, world.step.dt);
-    let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
+    let (n, dt) = (world.step.layout.spheres as usize, world.step.constants.dt);
+    let spheres = (0..world.step.layout.spheres).into_par_iter().with_min_len(GRAIN);
     // A body whose forces are not finite is stopped by the integration.
     let finite = |a: Vec3| if a.is_finite() { a } else { Vec3::ZERO };
     let of = |sphere: u32| if view.is_fixed(sphere) { Vec3::ZERO } else { finite(free_acceleration(&view, sphere)) };
     let accelerations: Vec<Vec3> = spheres.map(of).collect();
-    if world.step.free_at != 0 {
-        let table = &mut world.topology[world.step.free_at as usize..][..n];
+    if world.step.layout.free_at != 0 {
+        let table = &mut world.topology[world.step.layout.free_at as usize..][..n];
         table.iter_mut().zip(&accelerations).for_each(|(word, acceleration)| *word = acceleration.length().to_bits());
     }
     if world.step.is_half_step() {

@@ -63,9 +63,9 @@ fn loads(world: &mut World, pass: u32) {
         world.status.lengths_due = 0;
     }
     if world.needs_forces(pass) {
-        evaluate(world, pass, 0..world.step.spheres, |contacts, rod_loads, sphere, rows, owned, tally| {
+        evaluate(world, pass, 0..world.step.layout.spheres, |contacts, rod_loads, sphere, rows, owned, tally| {
             let is_fixed = contacts.view.is_fixed(sphere);
-            if is_fixed && contacts.view.step.law == LAW_THESIS {
+            if is_fixed && contacts.view.step.layout.law == LAW_THESIS {
                 tally.into_iter().for_each(|tally| contacts.count(sphere, tally));
                 return;
             }
@@ -96,7 +96,7 @@ pub(super) fn evaluate(
     let lists = Lists::new(step, lists);
     let contacts = Contacts { view: &view, lists: &lists, histories: Histories::new(before) };
     let mut blocks = blocks_of(&view, movers.clone(), if counts { &mut *after } else { &mut [] });
-    let (rods, spheres) = wrenches.split_at_mut(4 * step.rods as usize);
+    let (rods, spheres) = wrenches.split_at_mut(4 * step.layout.rods as usize);
     let (rod_loads, rows, width) = if movers.start == 0 { (&*rods, spheres, 2) } else { (&[][..], rods, 4) };
     let (tally, long) = rows
         .par_chunks_mut(width)
@@ -119,7 +119,7 @@ pub(super) fn evaluate(
     let mut chains = Chains::new(after, step.movers(), status.history_blocks);
     long.iter().for_each(|(mover, records)| chains.put(*mover, records));
     status.history_blocks = chains.blocks();
-    if status.history_blocks > step.history_pool {
+    if status.history_blocks > step.layout.history_pool {
         status.rejected |= REJECTED_HISTORY;
     }
     tally.add_to(status);
@@ -137,7 +137,7 @@ fn blocks_of<'a>(view: &View, movers: Range<u32>, table: &'a mut [u32]) -> Vec<&
 
 fn check_places(world: &mut World, pass: u32) {
     let view = View::new(&world.step, &world.topology, &world.states[pass as usize]);
-    let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
+    let spheres = (0..world.step.layout.spheres).into_par_iter().with_min_len(GRAIN);
     let of = |mut tally: Tally, sphere: u32| {
         note_place(&view, &world.aabbs, pass, sphere, &mut tally);
         tally

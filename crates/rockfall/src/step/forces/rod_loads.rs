@@ -31,9 +31,9 @@ fn rod_loads(world: &mut World, pass: u32) {
     if world.status.rejected != 0 || !world.needs_forces(pass) {
         return;
     }
-    let rods = world.step.spheres..world.step.movers();
+    let rods = world.step.layout.spheres..world.step.movers();
     evaluate(world, pass, rods, |contacts, _, mover, rows, owned, tally| {
-        let [one, two] = contacts.rod_loads(mover - contacts.view.step.spheres, owned, tally);
+        let [one, two] = contacts.rod_loads(mover - contacts.view.step.layout.spheres, owned, tally);
         rows.copy_from_slice(&[one.force, one.torque, two.force, two.torque].map(|vector| vector.extend(0.0)));
     });
 }

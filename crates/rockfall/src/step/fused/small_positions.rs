@@ -11,6 +11,7 @@ use crate::model::layout::{GRAIN, KIND_FORCE, KIND_TETHER, LAW_THESIS, MUSCLE_WO
 use crate::model::lists::Lists;
 use crate::model::muscles::MusclesOfFour;
 use crate::model::state::Motion;
+use crate::model::traits::Traits;
 use crate::model::view::{TINY, View};
 use crate::model::world::World;
 use crate::physics::forces::attached::tether_force;
@@ -25,15 +26,17 @@ use crate::step::integrate::finish::finished;
 use crate::step::integrate::turn::turn_for;
 use crate::step::schedule::{Phase, Run};
 
-/// Returns how many of the stages of a step come before the phase of positions, if [`update_positions`] can replace that phase. The
-/// stages of larger scenes are divided among threads.
+/// Whether [`update_positions`] computes the phase of positions of a scene. The stages of larger scenes are divided among threads.
+fn fits(traits: &Traits) -> bool {
+    traits.law == LAW_THESIS && !traits.rods && (1..2 * GRAIN as u32).contains(&traits.spheres)
+}
+
+/// Returns how many of the stages of a step come before the phase of positions, if [`update_positions`] can replace that phase.
 pub(crate) fn stages_before(world: &World, stages: &[Run]) -> Option<usize> {
-    let step = &world.step;
     let replaced = Phase::UpdatePositions.stages(Integrator::Rk4, BroadPhase::BruteForce);
     let first = stages.len().checked_sub(replaced.len())?;
     let is_same = |(one, other): (&Run, &Run)| one.stage.is(other.stage) && one.pass == other.pass;
-    let fits = step.law == LAW_THESIS && step.rods == 0 && step.spheres > 0 && (step.spheres as usize) < 2 * GRAIN;
-    (world.joins_steps && fits && stages[first..].iter().zip(replaced).all(is_same)).then_some(first)
+    (world.joins_steps && fits(&world.step.traits()) && stages[first..].iter().zip(replaced).all(is_same)).then_some(first)
 }
 
 /// Runs the phase.
@@ -65,7 +68,7 @@ fn advance(world: &mut World, springs: &mut Springs, pass: u32) {
     let mut tally = Tally::default();
     // Stages 2 and 3 are at the same time.
     springs.evaluate(&Contacts { view: &view, lists: &lists, histories: Histories::new(&[]) }, pass, pass != 2, &mut tally);
-    for sphere in 0..world.step.spheres {
+    for sphere in 0..world.step.layout.spheres {
         let next = if view.is_fixed(sphere) {
             Motion::of(&start, sphere)
         } else {
@@ -87,29 +90,29 @@ fn finish(world: &mut World, springs: &mut Springs) {
     let last = &views[2];
     let lists = Lists::new(&world.step, &world.lists);
     let mut tally = Tally::default();
-    (0..world.step.spheres).for_each(|sphere| note_place(last, &world.aabbs, 3, sphere, &mut tally));
+    (0..world.step.layout.spheres).for_each(|sphere| note_place(last, &world.aabbs, 3, sphere, &mut tally));
     tally.add_to(&mut world.status);
     if world.status.rejected != 0 {
         return;
     }
     let mut tally = Tally::default();
     springs.evaluate(&Contacts { view: last, lists: &lists, histories: Histories::new(&[]) }, 3, true, &mut tally);
-    let n = world.step.spheres as usize;
-    for sphere in 0..world.step.spheres {
+    let n = world.step.layout.spheres as usize;
+    for sphere in 0..world.step.layout.spheres {
         let place = sphere as usize;
         let [position, velocity, angular_momentum, low] = [0, n, 2 * n, 3 * n].map(|region| start[region + place].truncate());
         let before = Motion { position, low, velocity, angular_momentum };
         let rates = || rates_of(last, sphere, &springs.loads[place]);
         let (motion, spin) = finished(before, &views, sphere, rates, &mut tally);
         set(start, last, sphere, motion);
-        turn_for(&mut world.orientations[place], spin, world.step.dt);
+        turn_for(&mut world.orientations[place], spin, world.step.constants.dt);
     }
     tally.add_to(&mut world.status);
 }
 
 /// Writes a motion, with the radius, inverse mass and inverse inertia that the sphere has in `view`.
 fn set(state: &mut [Vec4], view: &View, sphere: u32, motion: Motion) {
-    let (place, n) = (sphere as usize, view.step.spheres as usize);
+    let (place, n) = (sphere as usize, view.step.layout.spheres as usize);
     state[place] = motion.position.extend(view.radius(sphere));
     state[n + place] = motion.velocity.extend(view.inverse_mass(sphere));
     state[2 * n + place] = motion.angular_momentum.extend(view.inverse_inertia(sphere));
@@ -155,18 +158,18 @@ impl Springs {
                 four.damping[lane] = record.damping;
             }
             four.length = four.constant_length;
-            if step.muscles_at != 0 {
+            if step.layout.muscles_at != 0 {
                 let mut records = [[0; MUSCLE_WORDS as usize]; LANES];
                 records.iter_mut().zip(springs).for_each(|(record, spring)| *record = view.muscle(spring));
                 four.muscles = MusclesOfFour::of(&records);
             }
         }
         // Every other attachment has a word of adjacency, which ends the topology buffer. A spring has two.
-        let words = match step.adjacency_at {
+        let words = match step.layout.adjacency_at {
             0 => 0,
-            at => world.topology.len() as u32 - at - 2 * step.spheres,
+            at => world.topology.len() as u32 - at - 2 * step.layout.spheres,
         };
-        Self { fours, loads: vec![Load::default(); step.spheres as usize], has_others: words > 2 * count }
+        Self { fours, loads: vec![Load::default(); step.layout.spheres as usize], has_others: words > 2 * count }
     }
 
     /// Computes the loads. Contacts come first, then springs, tethers and external forces, on every sphere in the order of its
@@ -182,7 +185,7 @@ impl Springs {
                 contacts.count(sphere, tally);
             }
         }
-        let has_muscles = view.step.muscles_at != 0;
+        let has_muscles = view.step.layout.muscles_at != 0;
         for four in &mut self.fours {
             if has_muscles && has_new_time {
                 four.length = four.muscles.lengths(four.constant_length, view.half_steps());

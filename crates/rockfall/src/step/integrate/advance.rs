@@ -58,8 +58,8 @@ fn advance(world: &mut World, pass: u32) {
     };
     // Stage states have low parts of positions only where geometry uses them.
     let regions = if world.step.is_double() { 4 } else { 3 };
-    let stage = &mut todo[0][..(regions * world.step.spheres) as usize];
-    let tally = Rows::of(stage, world.step.spheres)
+    let stage = &mut todo[0][..(regions * world.step.layout.spheres) as usize];
+    let tally = Rows::of(stage, world.step.layout.spheres)
         .map(|mut rows| {
             let mut tally = Tally::default();
             for sphere in rows.spheres() {
@@ -74,7 +74,7 @@ fn advance(world: &mut World, pass: u32) {
 /// The next stage state of a moving sphere, from its rates of change in the evaluated one.
 #[inline]
 pub(crate) fn next_state(start: &View, view: &View, pass: u32, sphere: u32, rates: &Rates, tally: &mut Tally) -> Motion {
-    let (origin, dt) = (Motion::of(start, sphere), view.step.dt);
+    let (origin, dt) = (Motion::of(start, sphere), view.step.constants.dt);
     let h = dt * [0.5, 0.5, 1.0][pass as usize];
     let by = h * view.velocity(sphere);
     let (position, low) = if view.step.is_double() { origin.moved(by) } else { (origin.position + by, Vec3::ZERO) };

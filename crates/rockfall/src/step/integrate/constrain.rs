@@ -41,14 +41,14 @@ fn constrain(world: &mut World, pass: u32) {
     }
     let World { step, topology, states: [start, _, old, y4], .. } = world;
     let state = if pass == 3 { y4 } else { start };
-    for batch in 0..step.batches {
+    for batch in 0..step.layout.batches {
         let batch = Batch::new(step, topology, batch);
         if restores {
             batch.sweep(step, state, |ends, _| along_axis(ends));
             continue;
         }
         let was = |end: u32| old[end as usize].truncate();
-        batch.sweep(step, state, |ends, [one, two]| shake(ends, was(two) - was(one), step.dt));
-        batch.sweep(step, state, |ends, _| rattle(ends, step.dt));
+        batch.sweep(step, state, |ends, [one, two]| shake(ends, was(two) - was(one), step.constants.dt));
+        batch.sweep(step, state, |ends, _| rattle(ends, step.constants.dt));
     }
 }

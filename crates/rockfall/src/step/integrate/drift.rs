@@ -48,7 +48,7 @@ fn drift(world: &mut World, pass: u32) {
     }
     let [start, _, y3, y4] = &mut world.states;
     let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, pass).with_laws(&world.user_laws);
-    let dt = view.step.dt;
+    let dt = view.step.constants.dt;
     let are_due = world.status.forces_due != 0;
     let kept_rates = |sphere: u32| {
         let at = (view.insertion_index(sphere) * RATE_WORDS) as usize;
@@ -68,14 +68,14 @@ fn drift(world: &mut World, pass: u32) {
         let next = Motion { position, low, velocity, angular_momentum };
         next.or_stopped(&y, BadStage::Forces1, view.insertion_index(sphere), tally)
     };
-    let tally = Rows::of(y4, world.step.spheres)
-        .zip(Rows::of(y3, world.step.spheres))
+    let tally = Rows::of(y4, world.step.layout.spheres)
+        .zip(Rows::of(y3, world.step.layout.spheres))
         .map(|(mut rows, mut memory)| {
             let mut tally = Tally::default();
             for sphere in rows.spheres() {
                 let next = next(sphere, &mut tally);
                 rows.set(&view, sphere, next);
-                if view.step.rods > 0 {
+                if view.step.layout.rods > 0 {
                     memory.remember(sphere, view.position(sphere), next.angular_momentum * view.inverse_inertia(sphere));
                 }
             }

@@ -28,7 +28,7 @@ pub(crate) const STAGE: Stage = Stage {
 pub(crate) fn end_step(world: &mut World, _pass: u32) {
     let status = &mut world.status;
     let blocks = std::mem::take(&mut status.history_blocks);
-    if blocks > world.step.history_pool {
+    if blocks > world.step.layout.history_pool {
         status.history_needed = blocks;
     }
     if status.may_repeat() && status.rebuild == REBUILD_DONE {
@@ -64,7 +64,7 @@ pub(crate) fn end_step(world: &mut World, _pass: u32) {
             status.first_bad = bad;
             status.bad_step = status.steps;
         }
-        if world.step.flags & FLAG_CONTINUE == 0 {
+        if world.step.constants.flags & FLAG_CONTINUE == 0 {
             status.rejected |= REJECTED_NON_FINITE;
         }
     }

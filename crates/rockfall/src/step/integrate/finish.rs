@@ -51,12 +51,12 @@ fn finish(world: &mut World, _pass: u32) {
     }
     let done = finish_all(world);
     let step = &world.step;
-    if step.rods == 0 {
+    if step.layout.rods == 0 {
         let turning = world.orientations.par_iter_mut().zip(&done).with_min_len(GRAIN);
-        turning.for_each(|(orientation, done)| turn_for(orientation, done.spin, step.dt));
+        turning.for_each(|(orientation, done)| turn_for(orientation, done.spin, step.constants.dt));
         return;
     }
-    Rows::of(&mut world.states[2], step.spheres).for_each(|mut memory| {
+    Rows::of(&mut world.states[2], step.layout.spheres).for_each(|mut memory| {
         for sphere in memory.spheres() {
             let Finished { old_position, spin } = done[sphere as usize];
             memory.remember(sphere, old_position, spin);
@@ -78,8 +78,8 @@ fn finish_all(world: &mut World) -> Vec<Finished> {
     let views = [&*y2, y3, y4].map(|state| {
         View::new(&world.step, &world.topology, state).at_evaluation(&world.status, 3).with_laws(&world.user_laws)
     });
-    let mut all = vec![Finished::default(); world.step.spheres as usize];
-    let tally = Rows::of(start, world.step.spheres)
+    let mut all = vec![Finished::default(); world.step.layout.spheres as usize];
+    let tally = Rows::of(start, world.step.layout.spheres)
         .zip(all.par_chunks_mut(SLICE as usize))
         .map(|(mut rows, all)| {
             let mut tally = Tally::default();
@@ -114,7 +114,7 @@ pub(crate) fn finished(
     }
     let spin = (w1 + 2.0 * w2 + 2.0 * w3 + w4) / 6.0;
     let Rates { acceleration, torque } = rates();
-    let dt = last.step.dt;
+    let dt = last.step.constants.dt;
     let changes = |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3| (y2 - y) + 2.0 * (y3 - y) + (y4 - y);
     // y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 k4. The stage states hold k1, k2 and k3.
     let mean = |y: Vec3, y2: Vec3, y3: Vec3, y4: Vec3, k4: Vec3| y + changes(y, y2, y3, y4) / 3.0 + (dt / 6.0) * k4;

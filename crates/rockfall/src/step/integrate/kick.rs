@@ -45,9 +45,9 @@ fn kick(world: &mut World, pass: u32) {
         return;
     }
     let spins = kick_all(world, pass);
-    if world.step.rods == 0 {
+    if world.step.layout.rods == 0 {
         let turning = world.orientations.par_iter_mut().zip(&spins).with_min_len(GRAIN);
-        turning.for_each(|(orientation, spin)| turn_for(orientation, *spin, world.step.dt));
+        turning.for_each(|(orientation, spin)| turn_for(orientation, *spin, world.step.constants.dt));
     }
 }
 
@@ -55,14 +55,14 @@ fn kick(world: &mut World, pass: u32) {
 fn kick_all(world: &mut World, pass: u32) -> Vec<Vec3> {
     let [start, .., y4] = &mut world.states;
     let view = View::new(&world.step, &world.topology, y4).at_evaluation(&world.status, pass).with_laws(&world.user_laws);
-    let mut all = vec![(None, Vec3::ZERO); world.step.spheres as usize];
+    let mut all = vec![(None, Vec3::ZERO); world.step.layout.spheres as usize];
     let kick = |sphere: u32, old: Motion, tally: &mut Tally| {
         let y = Motion::of(&view, sphere);
         if view.is_fixed(sphere) {
             return (old, (None, view.spin(sphere)));
         }
         let rates = sphere_rates(&view, &world.wrenches, sphere);
-        let half = 0.5 * view.step.dt;
+        let half = 0.5 * view.step.constants.dt;
         let next = Motion {
             position: y.position,
             low: y.low,
@@ -75,7 +75,7 @@ fn kick_all(world: &mut World, pass: u32) -> Vec<Vec3> {
         let stopped = next.or_stopped(&old, BadStage::Forces2, view.insertion_index(sphere), tally);
         (stopped, (Some(Rates { acceleration: Vec3::ZERO, torque: Vec3::ZERO }), Vec3::ZERO))
     };
-    let tally = Rows::of(start, world.step.spheres)
+    let tally = Rows::of(start, world.step.layout.spheres)
         .zip(all.par_chunks_mut(SLICE as usize))
         .map(|(mut rows, all)| {
             let mut tally = Tally::default();

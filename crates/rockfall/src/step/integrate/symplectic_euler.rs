@@ -48,7 +48,7 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
     }
     let [start, _, y3, _] = &mut world.states;
     let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, 0).with_laws(&world.user_laws);
-    let (dt, rods) = (world.step.dt, world.step.rods);
+    let (dt, rods) = (world.step.constants.dt, world.step.layout.rods);
     let next = |sphere: u32, y: Motion, tally: &mut Tally| {
         if view.is_fixed(sphere) {
             return y;
@@ -61,11 +61,11 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
         tally.rebuild |= needs_rebuild(&view, &world.aabbs, sphere, next.position, next.velocity);
         next
     };
-    let spheres = (0..world.step.spheres).into_par_iter().with_min_len(GRAIN);
+    let spheres = (0..world.step.layout.spheres).into_par_iter().with_min_len(GRAIN);
     let mut all: Vec<Motion> = spheres.map(|sphere| Motion::of(&view, sphere)).collect();
     let tally = all
         .par_chunks_mut(SLICE as usize)
-        .zip(Rows::of(y3, world.step.spheres))
+        .zip(Rows::of(y3, world.step.layout.spheres))
         .map(|(all, mut memory)| {
             let mut tally = Tally::default();
             for (sphere, motion) in memory.spheres().zip(all) {
@@ -78,7 +78,7 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
         })
         .reduce(Tally::default, Tally::merge);
     tally.add_to(&mut world.status);
-    Rows::of(start, world.step.spheres).for_each(|mut rows| {
+    Rows::of(start, world.step.layout.spheres).for_each(|mut rows| {
         rows.spheres().for_each(|sphere| rows.replace(sphere, all[sphere as usize]));
     });
     if rods == 0 {

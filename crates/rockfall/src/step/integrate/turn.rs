@@ -56,12 +56,12 @@ fn turn(world: &mut World, _pass: u32) {
         return;
     }
     let World { step, topology, states: [state, _, memory, _], orientations, .. } = world;
-    let n = step.spheres as usize;
+    let n = step.layout.spheres as usize;
     // Before any end moves: far from the origin the ends of a capsule may coincide afterwards.
     let view = View::new(step, topology, state);
     let ends_of = |sphere: u32| view.capsule_of(sphere).map(|rod| view.rod(rod).ends);
-    let capsules: Vec<Option<[u32; 2]>> = (0..step.spheres).map(ends_of).collect();
-    for (sphere, ends) in (0..step.spheres).zip(capsules) {
+    let capsules: Vec<Option<[u32; 2]>> = (0..step.layout.spheres).map(ends_of).collect();
+    for (sphere, ends) in (0..step.layout.spheres).zip(capsules) {
         let view = View::new(step, topology, state);
         match ends {
             // The first end handles both.
@@ -81,7 +81,7 @@ fn turn(world: &mut World, _pass: u32) {
             }
             Some(_) => {}
             None => {
-                turn_for(&mut orientations[sphere as usize], memory[2 * n + sphere as usize].truncate(), step.dt);
+                turn_for(&mut orientations[sphere as usize], memory[2 * n + sphere as usize].truncate(), step.constants.dt);
             }
         }
     }
@@ -140,10 +140,10 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
     if view.step.is_half_step() {
         // Forces and torques change the spins at the start of the step, across the axis of that time. Their excess acts for
         // the whole step. The rest, which is due to the rotation of the axis, acts for half of it, as with other integrators.
-        let first_axis = axis_before(axis, view.step.dt / d.length() * velocity);
+        let first_axis = axis_before(axis, view.step.constants.dt / d.length() * velocity);
         excess += (spins - own_inertia / whole_inertia * whole).reject_from_normalized(first_axis);
     }
-    let shift = 0.5 * view.step.dt * excess.cross(axis) / (reduced_mass * d.length());
+    let shift = 0.5 * view.step.constants.dt * excess.cross(axis) / (reduced_mass * d.length());
     let moved = (d + shift) * (d.length() / (d + shift).length());
     let moved_axis = moved / d.length();
 
@@ -158,7 +158,8 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
     let momentum = reduced_mass * (turn.cross(moved) + velocity.dot(axis) * moved_axis - velocity);
 
     let old_axis = d_old.try_normalize().unwrap_or(axis);
-    let rotation = shortest_arc(old_axis, moved_axis) * Quat::from_axis_angle(old_axis, roll.dot(moved_axis) * view.step.dt);
+    let rotation =
+        shortest_arc(old_axis, moved_axis) * Quat::from_axis_angle(old_axis, roll.dot(moved_axis) * view.step.constants.dt);
     let share = |end: u32| reduced_mass * view.inverse_mass(end) * (moved - d);
     let pushed = |end: u32, momentum: Vec3| view.velocity(end) + view.inverse_mass(end) * momentum;
     Capsule {

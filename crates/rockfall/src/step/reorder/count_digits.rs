@@ -34,7 +34,7 @@ fn count_digits(world: &mut World, pass: u32) {
         return;
     }
     let pairs: &[[u32; 2]] = cast_slice(&world.states[1 + pass as usize % 2]);
-    let spheres = world.step.spheres as usize;
+    let spheres = world.step.layout.spheres as usize;
     let blocks = spheres.div_ceil(DIGIT_BLOCK as usize);
     let cells = &mut world.cells[CELLS_AT as usize..];
     cells[..DIGITS as usize * blocks].fill(0);

@@ -31,12 +31,12 @@ fn key_spheres(world: &mut World, _pass: u32) {
     if world.status.rejected != 0 {
         return;
     }
-    let n = world.step.spheres;
+    let n = world.step.layout.spheres;
     let [start, y2, ..] = &mut world.states;
     let pairs: &mut [[u32; 2]] = cast_slice_mut(y2);
     for ((position, slot), pair) in start.iter().zip(0..n).zip(pairs) {
-        let cell = |x: f32| ((x / world.step.cell_size).floor() as i32).clamp(-(1 << 30), 1 << 30);
+        let cell = |x: f32| ((x / world.step.layout.cell_size).floor() as i32).clamp(-(1 << 30), 1 << 30);
         let axes = position.truncate().to_array().map(|x| spread(cell(x) as u64 & 0x3ff) as u32);
-        *pair = [axes[0] | axes[1] << 1 | axes[2] << 2 | size_class(position.w, world.step.cell_size) << 30, slot];
+        *pair = [axes[0] | axes[1] << 1 | axes[2] << 2 | size_class(position.w, world.step.layout.cell_size) << 30, slot];
     }
 }

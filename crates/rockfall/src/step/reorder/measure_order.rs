@@ -29,7 +29,7 @@ fn measure_order(world: &mut World, _pass: u32) {
     if world.status.rejected != 0 {
         return;
     }
-    let spheres = world.step.spheres;
+    let spheres = world.step.layout.spheres;
     let lists = Lists::new(&world.step, &world.lists);
     for slot in (0..spheres).step_by(1 + (spheres / ORDER_SAMPLE) as usize) {
         for other in lists.row(slot).map(|entry| entry.id()).filter(|id| *id < spheres) {

@@ -40,7 +40,7 @@ fn permute_spheres(world: &mut World, _pass: u32) {
         return;
     }
     let World { step, topology, states: [start, y2, y3, y4], orientations, .. } = world;
-    let n = step.spheres as usize;
+    let n = step.layout.spheres as usize;
     let pairs: &[[u32; 2]] = cast_slice(y2);
     let memory: &mut [[u32; 4]] = cast_slice_mut(y4);
     let word = |at: u32, place: usize| topology[at as usize + place];
@@ -49,13 +49,14 @@ fn permute_spheres(world: &mut World, _pass: u32) {
         for region in 0..step.state_regions(2) as usize {
             y3[region * n + slot] = start[region * n + old];
         }
-        let attached = match step.adjacency_at {
+        let attached = match step.layout.adjacency_at {
             0 => [0, 0],
             at => [word(at, 2 * old), word(at, 2 * old + 1)],
         };
         memory[slot] = orientations[old].to_array().map(f32::to_bits);
-        memory[n + slot] = [word(step.tags_at, old), word(step.insertion_indices_at, old), attached[0], attached[1]];
-        let end = if step.ends_at == 0 { 0 } else { word(step.ends_at, old) };
+        memory[n + slot] =
+            [word(step.layout.tags_at, old), word(step.layout.insertion_indices_at, old), attached[0], attached[1]];
+        let end = if step.layout.ends_at == 0 { 0 } else { word(step.layout.ends_at, old) };
         memory[2 * n + old] = [slot as u32, end, 0, 0];
     }
 }

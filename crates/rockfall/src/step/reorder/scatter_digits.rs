@@ -37,7 +37,7 @@ fn scatter_digits(world: &mut World, pass: u32) {
     let [_, y2, y3, _] = &mut world.states;
     let (pairs, sorted) = if pass.is_multiple_of(2) { (y2, y3) } else { (y3, y2) };
     let (pairs, sorted): (&mut [[u32; 2]], &mut [[u32; 2]]) = (cast_slice_mut(pairs), cast_slice_mut(sorted));
-    let spheres = world.step.spheres as usize;
+    let spheres = world.step.layout.spheres as usize;
     let blocks = spheres.div_ceil(DIGIT_BLOCK as usize);
     let mut next: Vec<u32> = world.cells[CELLS_AT as usize..].to_vec();
     for (pair, place) in pairs[..spheres].iter().zip(0..) {

@@ -36,7 +36,7 @@ fn settle_spheres(world: &mut World, _pass: u32) {
         return;
     }
     let World { step, topology, states: [start, _, y3, y4], orientations, .. } = world;
-    let n = step.spheres as usize;
+    let n = step.layout.spheres as usize;
     let memory: &[[u32; 4]] = cast_slice(y4);
     // What follows is computed anew in the next phase of collisions.
     start[..y3.len()].copy_from_slice(y3);
@@ -44,25 +44,25 @@ fn settle_spheres(world: &mut World, _pass: u32) {
     for (slot, (orientation, [tag, insertion_index, begin, end])) in records.enumerate() {
         orientations[slot] = Vec4::from_array(orientation.map(f32::from_bits));
         let mut set = |at: u32, place: usize, word: u32| topology[at as usize + place] = word;
-        set(step.tags_at, slot, *tag);
-        set(step.insertion_indices_at, slot, *insertion_index);
-        set(step.slots_at, *insertion_index as usize, slot as u32);
-        if step.adjacency_at != 0 {
-            set(step.adjacency_at, 2 * slot, *begin);
-            set(step.adjacency_at, 2 * slot + 1, *end);
+        set(step.layout.tags_at, slot, *tag);
+        set(step.layout.insertion_indices_at, slot, *insertion_index);
+        set(step.layout.slots_at, *insertion_index as usize, slot as u32);
+        if step.layout.adjacency_at != 0 {
+            set(step.layout.adjacency_at, 2 * slot, *begin);
+            set(step.layout.adjacency_at, 2 * slot + 1, *end);
         }
     }
-    if step.ends_at != 0 {
+    if step.layout.ends_at != 0 {
         for [slot, end, ..] in &memory[2 * n..3 * n] {
-            topology[(step.ends_at + slot) as usize] = *end;
+            topology[(step.layout.ends_at + slot) as usize] = *end;
         }
     }
     // For each kind of record: its first word, its end, the words of a record, and how many of these, at its start, are
     // spheres.
     let referring = [
-        (step.rods_at, step.rods_at + step.rods * ROD_WORDS, ROD_WORDS, 2),
-        (step.springs_at, step.tethers_at, SPRING_WORDS, 2),
-        (step.tethers_at, step.forces_at, TETHER_WORDS, 1),
+        (step.layout.rods_at, step.layout.rods_at + step.layout.rods * ROD_WORDS, ROD_WORDS, 2),
+        (step.layout.springs_at, step.layout.tethers_at, SPRING_WORDS, 2),
+        (step.layout.tethers_at, step.layout.forces_at, TETHER_WORDS, 1),
     ];
     for (first, end, size, spheres) in referring {
         for record in topology[first as usize..end as usize].chunks_exact_mut(size as usize) {

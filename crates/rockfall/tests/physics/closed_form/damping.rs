@@ -72,7 +72,7 @@ fn large_sphere_slows_like_small_ones(backend: Backend) {
     for sphere in small.chain([moving([0.0, 0.0, 100.0], 20.0).mass(3.0)]) {
         scene.add_sphere(sphere).expect("a valid sphere");
     }
-    assert_eq!(World::build_in_space(&scene).expect("a world").step.large, 1);
+    assert_eq!(World::build_in_space(&scene).expect("a world").step.layout.large, 1);
     let mut simulation = simulation(scene, backend);
     simulation.run(STEPS, DT).expect("steps");
     for state in simulation.spheres().expect("states") {

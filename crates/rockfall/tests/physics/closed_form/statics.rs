@@ -77,17 +77,30 @@ fn over_the_skew_polygon(x: f32, z: f32) -> Scene {
     scene
 }
 
-/// At z = 1.5 the slanted edges are at x = 0.75 and x = 2.75. A ball slightly inside of them collides, and one slightly
-/// outside does not, although both positions are above the bounding rectangle. The same holds at the straight edges z = 0
-/// and z = 2.
+/// At z = 1.5 the slanted edges are at x = 0.75 and x = 2.75. A ball inside of them collides. One whose distance from the nearest edge
+/// exceeds sqrt(0.3^2 - 0.25^2) = 0.166 does not, although its position is above the bounding rectangle. The same holds at the straight
+/// edges z = 0 and z = 2.
 fn a_skew_polygon_ends_at_its_edges(backend: Backend) {
     for (x, z) in [(0.77, 1.5), (2.73, 1.5), (1.5, 0.02), (1.5, 1.98)] {
         let after = collide(over_the_skew_polygon(x, z), backend);
         velocities(&after, [[0.0, 1.5, 0.0]]);
     }
-    for (x, z) in [(0.73, 1.5), (2.77, 1.5), (1.5, -0.02), (1.5, 2.02), (2.3, 0.5)] {
+    for (x, z) in [(0.55, 1.5), (2.95, 1.5), (1.5, -0.18), (1.5, 2.18), (2.5, 0.5)] {
         untouched(over_the_skew_polygon(x, z), backend);
     }
+}
+
+/// Beside a polygon, a ball touches the nearest point of an edge or a corner. At rest the force is Cc m o = 1000 o away from that point:
+/// o = 0.5 - 0.4 at the edge z = 0, o = 0.5 - 0.3 at the corner 0.
+fn a_ball_touches_the_edge_and_the_corner_of_a_polygon(backend: Backend) {
+    let at = |place: [f32; 3]| {
+        let mut scene = weightless();
+        scene.add_polygon(Polygon::new([0.0; 3], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0])).expect("a valid polygon");
+        spheres(&mut scene, [Sphere::new(place, 0.5)]);
+        loads(scene, backend)
+    };
+    forces(&at([1.0, 0.24, -0.32]), [[0.0, 60.0, -80.0]], 1e-4);
+    forces(&at([-0.2, 0.2, -0.1]), [[-400.0 / 3.0, 400.0 / 3.0, -200.0 / 3.0]], 1e-4);
 }
 
 /// A polygon collides only where 0 <= d < r: not from behind, and not beyond the radius of the ball.
@@ -206,6 +219,7 @@ both!(
     a_ball_on_a_box_vertex_collides_along_the_line_to_the_vertex,
     a_ball_rebounds_along_the_normal_of_a_rotated_box,
     a_skew_polygon_ends_at_its_edges,
+    a_ball_touches_the_edge_and_the_corner_of_a_polygon,
     a_polygon_has_one_solid_side,
     a_fast_ball_from_behind_passes_through_a_polygon,
     an_elastic_ball_leaves_a_corner_at_its_speed,

@@ -189,11 +189,9 @@ fn e27_hits_of_tiles_keep_the_energy(backend: Backend) {
     }
 }
 
-/// They change the velocity across the floor only. Section 3.6 moves a ball back in time, perhaps to where another shape is nearer
-/// than the one that it overlaps now. The normal there is that of an edge within the floor: it turned 15 of 400 velocities, one of
-/// them by half of the speed.
+/// They change the velocity across the floor only. Section 3.6 moves a ball back in time, perhaps to where another tile is nearer. When
+/// the normal there was that of an edge within the floor, it turned 15 of 400 velocities, one of them by half of the speed.
 #[test]
-#[ignore = "docs/physics.md section 3.6 looks at one shape only in the state at the time of contact"]
 fn e27_hits_of_tiles_keep_the_velocity_along_the_floor() {
     let mut random = Random::new(28);
     for number in 0..300 {

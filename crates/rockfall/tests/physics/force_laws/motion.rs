@@ -134,7 +134,7 @@ fn runs_are_repeatable(backend: Backend) {
 #[cfg(feature = "gpu")]
 #[test]
 fn backends_agree_in_a_crowd() {
-    assert_eq!(World::build_in_space(&crowd()).expect("a world").step.large, 1);
+    assert_eq!(World::build_in_space(&crowd()).expect("a world").step.layout.large, 1);
     for integrator in Integrator::ALL {
         let open = |backend: Backend| {
             let options = Options::new().backend(backend).integrator(integrator).broad_phase(BroadPhase::Grid);

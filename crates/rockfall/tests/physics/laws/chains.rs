@@ -61,9 +61,9 @@ fn opened(scene: &Scene, backend: Backend, method: BroadPhase, integrator: Integ
 fn pool(simulation: &Simulation) -> u32 {
     #[cfg(feature = "gpu")]
     if let Some(world) = simulation.gpu_view() {
-        return world.step().history_pool;
+        return world.step().layout.history_pool;
     }
-    simulation.cpu_view().expect("the CPU backend").step.history_pool
+    simulation.cpu_view().expect("the CPU backend").step.layout.history_pool
 }
 
 /// The largest number of contacts that a ball has with boxes. It owns them all.

@@ -29,8 +29,8 @@ fn wild() -> impl Strategy<Value = Vec<Thing>> {
 /// Runs the stages of the CPU backend with AABBs that contain everything, so that every pair is listed.
 fn with_all_pairs(scene: &Scene, steps: u32, dt: f32) -> World {
     let mut world = World::build(scene).unwrap();
-    world.step.dt = dt;
-    world.step.margin_scale = 1e9;
+    world.step.constants.dt = dt;
+    world.step.lists.margin_scale = 1e9;
     world.set_pair_rows(world.movers().div_ceil(SLICE) * world.objects() * 12);
     let phases = Phase::STEP.iter().flat_map(|phase| phase.stages(Integrator::Rk4, BroadPhase::BruteForce));
     let stages: Vec<_> = phases.copied().collect();

@@ -34,8 +34,8 @@ fn count_pairs(world: &mut World, _pass: u32) {
         return;
     }
     let (step, aabbs) = (&world.step, &world.aabbs);
-    let movers = world.step.spheres + world.step.rods;
-    let (counts, padding) = world.lists[..step.slices_at as usize].split_at_mut(movers as usize);
+    let movers = world.step.layout.spheres + world.step.layout.rods;
+    let (counts, padding) = world.lists[..step.layout.slices_at as usize].split_at_mut(movers as usize);
     counts.par_iter_mut().enumerate().with_min_len(GRAIN).for_each(|(mover, count)| {
         *count = 0;
         for_each_pair(step, aabbs, mover as u32, |_| *count += 1);

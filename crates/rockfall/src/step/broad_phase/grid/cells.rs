@@ -47,13 +47,13 @@ struct Level {
 fn key(step: &Step, x: i32, y: i32, z: i32, level: u32) -> u32 {
     let row =
         (y as u32).wrapping_mul(ROW_Y).wrapping_add((z as u32).wrapping_mul(ROW_Z)).wrapping_add(level.wrapping_mul(ROW_LEVEL));
-    row.wrapping_add(x as u32) & (step.cells - 1)
+    row.wrapping_add(x as u32) & (step.layout.cells - 1)
 }
 
 /// Returns the place in the table of the cell of an object, the level of the cell, and the largest edge of the object.
 pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32, f32) {
     let largest = largest_edge(aabb);
-    let levels = (step.least_level..TOP_LEVEL).map(|number| Level::new(step, number));
+    let levels = (step.layout.least_level..TOP_LEVEL).map(|number| Level::new(step, number));
     let level = levels.into_iter().find(|level| largest <= level.size).unwrap_or(Level::new(step, TOP_LEVEL));
     let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
     let IVec3 { x, y, z } = level.cell(0.5 * min + 0.5 * max);
@@ -68,18 +68,18 @@ pub(crate) fn greatest_coordinate(aabb: &Aabb) -> f32 {
 /// Returns whether an object is a box or polygon and these are few. Every mover then tests them one by one, because levels of
 /// their own would cost more.
 pub(crate) fn is_tested_apart(step: &Step, object: u32) -> bool {
-    object >= step.spheres + step.rods && step.boxes + step.polygons <= FEW_STATICS
+    object >= step.layout.spheres + step.layout.rods && step.layout.boxes + step.layout.polygons <= FEW_STATICS
 }
 
 /// Returns whether a mover with this AABB is long: it is on `LONG_LEVEL` or above, so that it has to test hundreds of objects.
 pub(crate) fn is_long(step: &Step, aabb: &Aabb) -> bool {
-    step.long_at != 0 && largest_edge(aabb) > Level::new(step, LONG_LEVEL - 1).size
+    step.layout.long_at != 0 && largest_edge(aabb) > Level::new(step, LONG_LEVEL - 1).size
 }
 
 /// Returns the extent of a sorted object. The sign of its size distinguishes spheres from other objects.
 pub(crate) fn sorted_extent(step: &Step, object: u32, aabb: &Aabb) -> Vec4 {
     let extent = extent(aabb);
-    if object < step.spheres { extent } else { extent.truncate().extend(-extent.w) }
+    if object < step.layout.spheres { extent } else { extent.truncate().extend(-extent.w) }
 }
 
 /// Returns the centre and the largest half extent of an AABB. The half extent is slightly enlarged, so that rounding cannot
@@ -130,8 +130,8 @@ impl<'a> Grid<'a> {
             step,
             aabbs,
             levels: levels.map(|level| Level::new(step, level).with_data(cells)).collect(),
-            ends: &cells[CELLS_AT as usize..][..step.cells as usize],
-            sorted: &cells[step.sorted_at as usize..][..aabbs.len()],
+            ends: &cells[CELLS_AT as usize..][..step.layout.cells as usize],
+            sorted: &cells[step.layout.sorted_at as usize..][..aabbs.len()],
             long_movers: long_movers(step, cells),
             extents: &extents[..aabbs.len()],
         }
@@ -214,7 +214,7 @@ impl<'a> Grid<'a> {
         spans.clear();
         for level in &self.levels {
             let block = level.around(aabb);
-            if block.covers_too_much(all, self.step.cells) {
+            if block.covers_too_much(all, self.step.layout.cells) {
                 if level.is_within(aabb) {
                     continue;
                 }
@@ -243,7 +243,7 @@ impl Around {
     /// Collects the objects in `spans` that may meet an AABB, judged by their extents.
     fn gather(&mut self, grid: &Grid, aabb: &Aabb) {
         self.others.clear();
-        let movers = grid.step.spheres + grid.step.rods;
+        let movers = grid.step.layout.spheres + grid.step.layout.rods;
         if is_tested_apart(grid.step, movers) {
             self.others.extend(movers..grid.aabbs.len() as u32);
         }
@@ -256,7 +256,7 @@ impl Around {
         for (start, end) in &self.spans {
             let span = *start as usize..*end as usize;
             for (extent, id) in grid.extents[span.clone()].iter().zip(&grid.sorted[span]) {
-                if *id >= grid.step.spheres {
+                if *id >= grid.step.layout.spheres {
                     if !is_tested_apart(grid.step, *id) {
                         self.others.push(*id);
                     }
@@ -282,7 +282,7 @@ impl Around {
         *tests += (ids.len() + others.len()) as u64;
         let own = &grid.aabbs[mover as usize];
         found.clear();
-        let is_sphere = mover < grid.step.spheres;
+        let is_sphere = mover < grid.step.layout.spheres;
         if is_sphere {
             let (centre, half) = centre_and_half(own);
             let (centre, half) = (Vec3x4::splat(centre.truncate()), Vec4::splat(half));
@@ -300,7 +300,7 @@ impl Around {
             if let Some(own) = found.iter().position(|id| *id == mover) {
                 found.swap_remove(own);
             }
-            if grid.step.flags & FLAG_GROUPS != 0 {
+            if grid.step.constants.flags & FLAG_GROUPS != 0 {
                 found.retain(|id| same_group(own, &grid.aabbs[*id as usize]));
             }
         }
@@ -315,8 +315,8 @@ impl Around {
 
 /// Returns the long movers of the grid that the lists were built with, in any order.
 pub(crate) fn long_movers<'a>(step: &Step, cells: &'a [u32]) -> &'a [u32] {
-    let count = if step.long_at == 0 { 0 } else { cells[3].min(step.spheres + step.rods) };
-    &cells[step.long_at as usize..][..count as usize]
+    let count = if step.layout.long_at == 0 { 0 } else { cells[3].min(step.layout.spheres + step.layout.rods) };
+    &cells[step.layout.long_at as usize..][..count as usize]
 }
 
 /// Returns the number of pairs of objects that are compared to build the lists of a world whose grid is built.
@@ -376,7 +376,7 @@ impl Block {
 
 impl Level {
     fn new(step: &Step, number: u32) -> Self {
-        let usual = if step.has_exact_lists() { EXACT_CELL * step.cell_size } else { step.cell_size };
+        let usual = if step.has_exact_lists() { EXACT_CELL * step.layout.cell_size } else { step.layout.cell_size };
         let size = usual * 2f32.powi(number as i32 - LEVEL_BIAS as i32);
         Self { number, size, edge: size, farthest: f32::INFINITY }
     }

@@ -27,6 +27,6 @@ fn clear_cells(world: &mut World, _pass: u32) {
     }
     world.cells[0] = 0;
     world.cells[3] = 0;
-    world.cells[EDGES_AT as usize..(CELLS_AT + world.step.cells) as usize].fill(0);
+    world.cells[EDGES_AT as usize..(CELLS_AT + world.step.layout.cells) as usize].fill(0);
     world.status.pair_rows_needed = 0;
 }

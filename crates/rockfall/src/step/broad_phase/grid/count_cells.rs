@@ -43,12 +43,12 @@ fn count_cells(world: &mut World, _pass: u32) {
             let far = &mut world.cells[(FARTHEST_AT + level) as usize];
             *far = (*far).max(greatest_coordinate(&world.aabbs[object]).to_bits());
         }
-        if (object as u32) < step.spheres + step.rods && is_long(step, &world.aabbs[object]) {
-            let at = step.long_at + world.cells[3];
+        if (object as u32) < step.layout.spheres + step.layout.rods && is_long(step, &world.aabbs[object]) {
+            let at = step.layout.long_at + world.cells[3];
             world.cells[at as usize] = object as u32;
             world.cells[3] += 1;
         }
         world.cells[(CELLS_AT + key) as usize] += 1;
-        world.cells[step.keys_at as usize + object] = key;
+        world.cells[step.layout.keys_at as usize + object] = key;
     }
 }

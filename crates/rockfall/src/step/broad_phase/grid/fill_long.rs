@@ -58,7 +58,7 @@ fn fill_long(world: &mut World, _pass: u32) {
         .collect();
     for (mover, entries) in grid.long_movers().iter().zip(found) {
         world.lists[*mover as usize] = entries.len() as u32;
-        let first = step.entries_at as usize + slot(step, &world.lists, *mover, 0);
+        let first = step.layout.entries_at as usize + slot(step, &world.lists, *mover, 0);
         for (place, entry) in entries.into_iter().enumerate() {
             world.lists[first + place * SLICE as usize] = entry;
         }

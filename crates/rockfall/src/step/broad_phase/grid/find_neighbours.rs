@@ -53,7 +53,7 @@ fn find_neighbours(world: &mut World, _pass: u32) {
     let view = View::new(&world.step, &world.topology, &world.states[0]);
     let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
     let is_long = |mover: u32| grid.is_long(&world.aabbs[mover as usize]);
-    let movers = world.step.spheres + world.step.rods;
+    let movers = world.step.layout.spheres + world.step.layout.rods;
     let found: Vec<Found> = (0..movers.div_ceil(SLICE))
         .into_par_iter()
         .with_min_len(GRAIN / SLICE as usize)
@@ -75,7 +75,7 @@ fn find_neighbours(world: &mut World, _pass: u32) {
     // Exact lists may be rebuilt a second time in a step.
     count_builds(status);
     status.rebuild = REBUILD_DONE;
-    let (counts, offsets) = world.lists.split_at_mut(step.slices_at as usize);
+    let (counts, offsets) = world.lists.split_at_mut(step.layout.slices_at as usize);
     for ((found, counts), offset) in found.iter().zip(counts.chunks_mut(SLICE as usize)).zip(offsets) {
         counts.copy_from_slice(&found.counts);
         *offset = status.pair_rows_needed;
@@ -85,7 +85,7 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         if wrapped {
             status.rejected |= REJECTED_COUNT;
         }
-        if needed > step.pair_rows {
+        if needed > step.layout.pair_rows {
             status.rejected |= REJECTED_PAIRS;
         }
     }

@@ -28,7 +28,7 @@ pub(crate) const PLACE: Stage = Stage { name: "place_cells", moves: |_| Moves { 
 
 /// Returns the cells of each block together with the words of its sum.
 fn blocks(world: &mut World) -> impl Iterator<Item = (&mut [u32], &mut [u32])> {
-    let (cells, sums) = world.cells.split_at_mut(world.step.sums_at as usize);
+    let (cells, sums) = world.cells.split_at_mut(world.step.layout.sums_at as usize);
     cells[CELLS_AT as usize..].chunks_mut(CELL_BLOCK as usize).zip(sums.chunks_mut(SUM_WORDS as usize))
 }
 

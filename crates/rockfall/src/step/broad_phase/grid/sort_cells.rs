@@ -36,11 +36,11 @@ fn sort_cells(world: &mut World, _pass: u32) {
     }
     let step = &world.step;
     for object in 0..world.aabbs.len() {
-        let key = world.cells[step.keys_at as usize + object];
+        let key = world.cells[step.layout.keys_at as usize + object];
         let cell = (CELLS_AT + key) as usize;
         let place = world.cells[cell];
         world.cells[cell] += 1;
-        world.cells[(step.sorted_at + place) as usize] = object as u32;
+        world.cells[(step.layout.sorted_at + place) as usize] = object as u32;
         world.extents[place as usize] = sorted_extent(step, object as u32, &world.aabbs[object]);
     }
 }

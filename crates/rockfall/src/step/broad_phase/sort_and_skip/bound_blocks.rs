@@ -32,7 +32,7 @@ fn bound_blocks(world: &mut World, _pass: u32) {
         return;
     }
     world.cells[2] = world.objects();
-    let order = &world.cells[world.step.sorted_at as usize..][..world.aabbs.len()];
+    let order = &world.cells[world.step.layout.sorted_at as usize..][..world.aabbs.len()];
     for (block, interval) in order.chunks(WORKGROUP as usize).zip(&mut world.extents) {
         let aabbs = || block.iter().map(|id| &world.aabbs[*id as usize]);
         let least = aabbs().map(|aabb| aabb.min[0]).fold(f32::INFINITY, f32::min);

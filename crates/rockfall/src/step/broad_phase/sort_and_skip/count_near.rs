@@ -35,8 +35,9 @@ fn count_near(world: &mut World, _pass: u32) {
         return;
     }
     let World { step, cells, extents, aabbs, lists, .. } = world;
-    let (counts, padding) = lists[..step.slices_at as usize].split_at_mut((step.spheres + step.rods) as usize);
-    counts.par_iter_mut().zip(0..step.spheres + step.rods).with_min_len(GRAIN).for_each(|(count, mover)| {
+    let (counts, padding) =
+        lists[..step.layout.slices_at as usize].split_at_mut((step.layout.spheres + step.layout.rods) as usize);
+    counts.par_iter_mut().zip(0..step.layout.spheres + step.layout.rods).with_min_len(GRAIN).for_each(|(count, mover)| {
         *count = 0;
         for_each_near(step, aabbs, cells, extents, mover, |_| *count += 1);
     });

@@ -31,7 +31,7 @@ fn sort_axis(world: &mut World, pass: u32) {
     }
     let objects = world.objects();
     let is_ordered = world.cells[2] == objects;
-    let order = &mut world.cells[world.step.sorted_at as usize..][..objects as usize];
+    let order = &mut world.cells[world.step.layout.sorted_at as usize..][..objects as usize];
     if pass == 0 && !is_ordered {
         order.iter_mut().zip(0..).for_each(|(place, id)| *place = id);
     }
