@@ -1,4 +1,5 @@
-// Measures steps in Chromium: node bench.mjs DIST [--software] [--portions STEPSxDEPTH,...] [N ...]. `scripts/web-bench` calls it.
+// Measures steps in Chromium: node bench.mjs DIST [--software] [--portions STEPSxDEPTH,...] [--backends] [N ...].
+// `scripts/web-bench` calls it.
 import path from "node:path";
 import { openChromium, serve } from "./browser.mjs";
 
@@ -9,17 +10,22 @@ const LONE = 1025;
 // Steps per portion, portions under way.
 const EMPTY = [[1, 1], [4, 1], [4, 2], [8, 2], [16, 2], [32, 2], [4, 4], [8, 4], [16, 4]];
 const EMPTY_STEPS = 1600;
+// Sizes of piles for the comparison of backends.
+const COMPARED = [1, 16, 64, 256, 1024, 4096, 16_384];
+// Time in ms after which such a measurement ends.
+const LONGEST = 2000;
 
 function read(words) {
     const [dist, ...rest] = words;
-    const found = { dist, software: false, portions: [null], counts: [] };
+    const found = { dist, software: false, portions: [null], backends: false, counts: [] };
     for (let word = rest.shift(); word !== undefined; word = rest.shift()) {
         if (word === "--software") found.software = true;
+        else if (word === "--backends") found.backends = true;
         else if (word === "--portions") found.portions = rest.shift().split(",").map(pair => pair.split("x").map(Number));
         else if (Number(word) > 0) found.counts.push(Number(word));
         else throw new Error(`unknown argument ${word}`);
     }
-    if (found.counts.length === 0) found.counts = [10_000, 100_000, 1_000_000];
+    if (found.counts.length === 0) found.counts = found.backends ? COMPARED : [10_000, 100_000, 1_000_000];
     return found;
 }
 
@@ -162,7 +168,86 @@ const rounds = ([text, count, dt, steps, times, portion]) => (async () => {
     return { found, replays, bits };
 })();
 
-const { dist, software, portions: lengths, counts } = read(process.argv.slice(2));
+// In the page: ms per step of a pile on one backend: in rounds of `steps` steps, in calls of one step, and in calls of four.
+const onBackend = ([backend, count, dt, steps, times, longest]) => (async () => {
+    const rockfall = await import("/rockfall.js");
+    await rockfall.default();
+    const simulation = await rockfall.Simulation.create(rockfall.Scene.generate("pile", count, 1), backend);
+    await simulation.run(20, dt);
+    // The clock of a page may be as coarse as 0.1 ms, so calls are measured together.
+    const measure = async (calls, each) => {
+        const start = performance.now();
+        let done = 0;
+        while (done < calls && performance.now() - start < longest) {
+            await simulation.run(each, dt);
+            done += 1;
+        }
+        return (performance.now() - start) / done / each;
+    };
+    const [start, found] = [performance.now(), []];
+    for (let k = 0; k < times && performance.now() - start < 2 * longest; k += 1) found.push(await measure(1, steps));
+    const calls = [await measure(steps, 1), await measure(steps, 4)];
+    simulation.free();
+    return { found, calls };
+})();
+
+// In the page itself: ms per frame of one step and one picture, on the main thread.
+const frames = ([count, longest]) => window.rockfallPage.stage.do(async () => {
+    const { stage, setRunning } = window.rockfallPage;
+    setRunning(false);
+    const measure = async () => {
+        const start = performance.now();
+        let done = 0;
+        while (done < count && performance.now() - start < longest) {
+            await stage.run(1);
+            await stage.draw();
+            done += 1;
+        }
+        return (performance.now() - start) / done;
+    };
+    await measure();
+    return measure();
+});
+
+async function measureSteps() {
+    console.log("\nsteps of 30 dispatches of no workgroup, three runs:\nportions   ms per step   of which the page records and submits");
+    for (const portion of EMPTY) {
+        const runs = [];
+        for (let k = 0; k < 3; k += 1) runs.push(await page.evaluate(emptySteps, [EMPTY_STEPS, ...portion]));
+        console.log(`${portion.join("x")}   ${ms(runs.map(run => run.ms))}   ${ms(runs.map(run => run.recorded))}`);
+    }
+    console.log(`\n${LONE} spheres that never touch, one portion at a time, medians in ms:`);
+    console.log("steps   recorded and submitted   until the status is read   dispatches of a step");
+    for (const steps of [1, 4, 8, 16, 32]) {
+        const { recorded, whole, dispatches } = await page.evaluate(portions, [lone(LONE), DT, steps, SAMPLES]);
+        console.log(`${steps}   ${median(recorded).toFixed(3)}   ${median(whole).toFixed(3)}   ${dispatches.toFixed(1)}`);
+    }
+    for (const [kind, sizes] of [["lone", [LONE]], ["pile", counts]]) {
+        console.log(`\n${kind}: ms per step of ${ROUNDS} times ${STEPS} steps after the first 20; replays; hash of the final positions`);
+        for (const count of sizes) {
+            for (const portion of lengths) {
+                const { found, replays, bits } = await page.evaluate(rounds, [kind === "lone" ? lone(count) : "", count, DT, STEPS, ROUNDS, portion]);
+                console.log(`${count}   ${portion ? portion.join("x") : "default"}   ${ms(found)}   ${replays.join(" ")}   ${bits.toString(16)}`);
+            }
+        }
+    }
+}
+
+async function compareBackends(sizes) {
+    console.log(`\npile: ms per step of ${ROUNDS} times ${STEPS} steps after the first 20; in calls of one and of four steps; ms per frame of the page`);
+    for (const count of sizes) {
+        for (const backend of ["cpu", "gpu"]) {
+            const { found, calls } = await page.evaluate(onBackend, [backend, count, DT, STEPS, ROUNDS, LONGEST]);
+            await page.goto(`${address}?backend=${backend}&grains=${count}`);
+            await page.waitForFunction(() => window.rockfallPage?.stage.view);
+            const frame = await page.evaluate(frames, [STEPS / 4, LONGEST]);
+            await page.goto(`${address}check.html`);
+            console.log(`${count}   ${backend}   ${ms(found)}   ${ms(calls)}   ${ms([frame])}`);
+        }
+    }
+}
+
+const { dist, software, portions: lengths, backends, counts } = read(process.argv.slice(2));
 // A GPU in software takes most of a second for some steps.
 const [STEPS, ROUNDS] = software ? [64, 1] : [200, 5];
 const { server, address } = await serve(path.resolve(dist));
@@ -174,26 +259,7 @@ const ms = values => values.map(value => value.toFixed(4)).join(" ");
 const idle = await page.evaluate(roundTrips, SAMPLES);
 console.log(`Chromium ${browser.version()}, ${idle.adapter}`);
 console.log(`copy of 256 bytes on an idle device, until the page reads it: median ${median(idle.times).toFixed(3)} ms`);
-console.log("\nsteps of 30 dispatches of no workgroup, three runs:\nportions   ms per step   of which the page records and submits");
-for (const portion of EMPTY) {
-    const runs = [];
-    for (let k = 0; k < 3; k += 1) runs.push(await page.evaluate(emptySteps, [EMPTY_STEPS, ...portion]));
-    console.log(`${portion.join("x")}   ${ms(runs.map(run => run.ms))}   ${ms(runs.map(run => run.recorded))}`);
-}
-console.log(`\n${LONE} spheres that never touch, one portion at a time, medians in ms:`);
-console.log("steps   recorded and submitted   until the status is read   dispatches of a step");
-for (const steps of [1, 4, 8, 16, 32]) {
-    const { recorded, whole, dispatches } = await page.evaluate(portions, [lone(LONE), DT, steps, SAMPLES]);
-    console.log(`${steps}   ${median(recorded).toFixed(3)}   ${median(whole).toFixed(3)}   ${dispatches.toFixed(1)}`);
-}
-for (const [kind, sizes] of [["lone", [LONE]], ["pile", counts]]) {
-    console.log(`\n${kind}: ms per step of ${ROUNDS} times ${STEPS} steps after the first 20; replays; hash of the final positions`);
-    for (const count of sizes) {
-        for (const portion of lengths) {
-            const { found, replays, bits } = await page.evaluate(rounds, [kind === "lone" ? lone(count) : "", count, DT, STEPS, ROUNDS, portion]);
-            console.log(`${count}   ${portion ? portion.join("x") : "default"}   ${ms(found)}   ${replays.join(" ")}   ${bits.toString(16)}`);
-        }
-    }
-}
+if (backends) await compareBackends(counts);
+else await measureSteps();
 await browser.close();
 server.close();

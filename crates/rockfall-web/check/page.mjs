@@ -210,6 +210,35 @@ export async function pageRunsOnGpu(address) {
     await browser.close();
 }
 
+// The CPU for few bodies, the GPU for more. WebGPU draws both. The GPU in software passes for hardware.
+export async function autoChoosesTheBackend(address) {
+    const { browser, page, problems } = await open(address, { gpu: true, viewport: { width: 400, height: 300 } });
+    await page.addInitScript(() => {
+        for (const type of [window.GPUAdapterInfo, window.GPUAdapter]) {
+            if (type) Object.defineProperty(type.prototype, "isFallbackAdapter", { get: () => false });
+        }
+    });
+    const few = 128;
+    for (const [count, backend, text] of [
+        [few, "cpu", /on CPU, 1 thread: it is faster than a GPU for up to 128 spheres and rods\.$/],
+        [few + 1, "gpu", /webgpu.*\.$/],
+    ]) {
+        await page.goto(`${address}?grains=${count}`);
+        await waitForScene(page, "Grains");
+        await waitForSteps(page, 2);
+        const found = await page.evaluate(() => {
+            const { stage } = window.rockfallPage;
+            return stage.do(() => [stage.simulation.spheres, stage.simulation.backend, stage.view.constructor.name]);
+        });
+        assert.deepEqual(found, [count, backend, "View"]);
+        assert.match(await page.textContent("#device"), text);
+        assert.ok((await colours(page)) > 100, "bodies are drawn");
+        await picture(page, `auto-${backend}`);
+    }
+    assert.deepEqual(problems, []);
+    await browser.close();
+}
+
 // Chromium that reports lower limits than the adapter has.
 async function withLimits(address, limits, query) {
     const { browser, page } = await open(address, { gpu: true });

@@ -51,7 +51,8 @@ async function open(request) {
 
 stage.opened = () => {
     const { simulation, scene } = stage;
-    const why = simulation.backend === "cpu" ? `: ${simulation.reason}. WebGPU would be faster` : "";
+    const { reason } = simulation;
+    const why = simulation.backend === "cpu" ? `: ${reason}${reason.startsWith("no ") ? ". WebGPU would be faster" : ""}` : "";
     find("device").textContent = `${scene.spheres.toLocaleString("en")} spheres, ${scene.objects.toLocaleString("en")} objects, on ${simulation.device}${why}.`;
     editor.set(scene.objects <= LARGEST_TEXT ? (stage.text ?? scene.toText()) : " ".repeat(1e6));
     showConstants();

@@ -42,8 +42,10 @@ export class Stage {
         this.close();
         const own = scene ? undefined : parsed.timeStep;
         Object.assign(this, { scene: parsed, simulation, name, dt: own ?? dt, colours, settings: new Map(), owed: 0 });
-        this.makeCanvas();
+        const focused = this.makeCanvas();
         this.camera = new Camera(camera ?? parsed.camera(this.canvas.width / this.canvas.height));
+        await this.makeView();
+        if (focused) this.canvas.focus();
         this.opened?.();
     }
 
@@ -54,7 +56,7 @@ export class Stage {
         this.view = this.simulation = this.scene = null;
     }
 
-    // A canvas keeps the kind of its first context, so every simulation gets its own.
+    // A canvas keeps the kind of its first context, so every simulation gets its own. Returns whether the last one had the focus.
     makeCanvas() {
         const focused = document.activeElement === this.canvas;
         this.canvas?.remove();
@@ -64,13 +66,21 @@ export class Stage {
         this.canvas.setAttribute("aria-label", `Simulation: ${this.name}`);
         this.fit();
         this.place.prepend(this.canvas);
-        const onGpu = this.simulation.backend === "gpu";
-        this.view = onGpu ? View.create(this.canvas, this.scene, this.simulation) : new FlatView(this.canvas, this.simulation);
+        return focused;
+    }
+
+    // Draws with WebGPU where there is a GPU, also what the CPU simulates.
+    async makeView() {
+        try {
+            this.view = await View.create(this.canvas, this.scene, this.simulation);
+        } catch (error) {
+            if (this.simulation.backend === "gpu") throw error;
+            this.view = new FlatView(this.canvas, this.simulation);
+        }
         this.view.setDark(this.dark);
         // A GPU in software draws slowly.
         this.view.setShadows?.(!this.simulation.device.includes("software"));
         if (this.colours) this.view.setColours(this.colours);
-        if (focused) this.canvas.focus();
     }
 
     fit() {

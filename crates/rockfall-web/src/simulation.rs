@@ -71,8 +71,8 @@ pub struct Energy {
 
 #[wasm_bindgen]
 impl Simulation {
-    /// Opens a simulation of a copy of the scene. `backend` is `auto`, `gpu` or `cpu`. `auto` (the default) uses a hardware
-    /// GPU if the browser offers one, otherwise the CPU.
+    /// Opens a simulation of a copy of the scene. `backend` is `auto`, `gpu` or `cpu`. `auto` (the default) uses the
+    /// CPU for up to 128 spheres and rods, otherwise a hardware GPU if the browser offers one.
     ///
     /// Rejects with a `NoAdapterError` for `gpu` without WebGPU, and with a `DeviceLimitError` when the scene exceeds a limit
     /// of the GPU.

@@ -1,6 +1,7 @@
 //! The viewer's renderer on a canvas.
 
 use rockfall::glam::Vec3;
+use rockfall::gpu::{Gpu, instance};
 use rockfall::wgpu;
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::{Background, ColourBy, Renderer, Style};
@@ -21,7 +22,7 @@ extern "C" {
     fn preferred_format() -> String;
 }
 
-/// Draws a simulation that runs on WebGPU onto a canvas.
+/// Draws a simulation onto a canvas with WebGPU.
 #[wasm_bindgen]
 pub struct View {
     surface: wgpu::Surface<'static>,
@@ -31,19 +32,26 @@ pub struct View {
     camera: Camera,
     style: Style,
     format: wgpu::TextureFormat,
+    /// Whether only this view uses the device.
+    owns: bool,
 }
 
 #[wasm_bindgen]
 impl View {
-    /// Creates a view of a simulation on a canvas of the page. The canvas must not have another context.
+    /// Creates a view of a simulation on a canvas of the page. The canvas must not have another context. A simulation on the CPU is
+    /// drawn by a device of its own.
     ///
-    /// Throws for a simulation on the CPU, which has no device to draw with.
-    pub fn create(canvas: HtmlCanvasElement, scene: &Scene, simulation: &Simulation) -> Result<View, JsValue> {
-        let no_device = || js_sys::Error::new("a simulation on the CPU has no device to draw with");
-        let gpu = simulation.inner.gpu_view().ok_or_else(no_device)?.gpu();
+    /// Rejects for a simulation on the CPU if no hardware GPU can be opened. The canvas has no context then.
+    pub async fn create(canvas: HtmlCanvasElement, scene: &Scene, simulation: &Simulation) -> Result<View, JsValue> {
+        let shared = simulation.inner.gpu_view().map(|view| view.gpu().clone());
+        let owns = shared.is_none();
+        let gpu = match shared {
+            Some(gpu) => gpu,
+            None => Gpu::open(false).await.map_err(thrown)?,
+        };
         let (device, queue) = (gpu.device().clone(), gpu.queue().clone());
         let (width, height) = (canvas.width(), canvas.height());
-        let surface = rockfall::gpu::instance()
+        let surface = instance()
             .create_surface(wgpu::SurfaceTarget::Canvas(canvas))
             .map_err(|error| js_sys::Error::new(&error.to_string()))?;
         // A preferred format is one of these two in WebGPU.
@@ -52,7 +60,7 @@ impl View {
         let mut renderer = Renderer::new(&device, &queue, format).map_err(thrown)?;
         renderer.set_scene(&simulation.inner);
         let camera = Camera::of_scene(&scene.inner, width as f32 / height.max(1) as f32);
-        let mut view = Self { surface, device, queue, renderer, camera, style: Style::default(), format };
+        let mut view = Self { surface, device, queue, renderer, camera, style: Style::default(), format, owns };
         view.resize(width, height);
         Ok(view)
     }
@@ -122,5 +130,14 @@ impl View {
         self.queue.submit([encoder.finish()]);
         self.queue.present(frame);
         Ok(())
+    }
+}
+
+impl Drop for View {
+    /// Releases the memory of the GPU at once. A browser would do so only when it collects garbage.
+    fn drop(&mut self) {
+        if self.owns {
+            self.device.destroy();
+        }
     }
 }

@@ -10,8 +10,8 @@ use crate::user_laws::{ContactForceLaw, ForceLaw};
 /// The backend that runs a simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Backend {
-    /// The CPU for a scene of up to 64 spheres and rods, which it computes faster than a GPU. Otherwise a hardware GPU if there is one,
-    /// and the CPU if there is none.
+    /// The CPU for a scene of up to 64 spheres and rods (128 in a browser), which it computes faster than a GPU. Otherwise a hardware
+    /// GPU if there is one, and the CPU if there is none.
     #[default]
     Auto,
     /// A GPU, or software Vulkan if there is no hardware.

@@ -71,9 +71,10 @@ macro_rules! on_gpu {
 }
 
 /// Number of spheres and rods up to which [`Backend::Auto`] chooses the CPU: launching the stages of a step on a GPU then takes longer
-/// than computing it. Measured with 16 cores and an H200 (docs/performance.md).
+/// than computing it. Measured with 16 cores and an H200 (docs/performance.md). A browser has one thread, but learns milliseconds late
+/// that a GPU has finished, and pages run a few steps per picture (docs/browser.md).
 #[cfg(feature = "gpu")]
-const FEW: u32 = 64;
+const FEW: u32 = if cfg!(target_family = "wasm") { 128 } else { 64 };
 
 impl Engine {
     #[cfg(feature = "gpu")]
