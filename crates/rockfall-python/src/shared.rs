@@ -15,6 +15,7 @@ use rockfall::gpu::Table;
 use rockfall::wgpu;
 
 use crate::errors::{Raise, SimulationError};
+use crate::fork::detached;
 use crate::states::Field;
 
 mod memory;
@@ -236,7 +237,7 @@ impl SharedArray {
 
     /// A copy on the host, of shape (rows, columns).
     fn host<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let numbers = py.detach(|| {
+        let numbers = detached(py, || {
             let mut numbers = vec![0.0; self.rows * self.columns];
             self.memory.download(&mut numbers).map(|()| numbers)
         });
