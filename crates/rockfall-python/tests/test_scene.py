@@ -63,7 +63,7 @@ def test_every_kind_of_object_is_added_in_bulk() -> None:
 def test_objects_are_removed_and_changed() -> None:
     scene = rf.Scene()
     ids = scene.add_spheres(np.arange(12).reshape(4, 3), 0.1)
-    rods = scene.add_rods(ids[:-1], ids[1:], 0.05)
+    rods = scene.add_rods(ids[:-1], ids[1:], 0.05, 0)
     springs = scene.add_springs(ids[:-1], ids[1:], 1)
     tethers = scene.add_tethers(ids, [0, 0, 0], 1)
     scene.update_rods(rods[1], radius=0.02, length=3)
@@ -236,3 +236,29 @@ def test_how_a_scene_is_run_can_be_set() -> None:
     with pytest.raises(TypeError, match=r"run: expected a rockfall.RunDefaults"):
         scene.run = (0.1,)  # type: ignore[assignment]
     assert scene.run == rf.RunDefaults(dt=4e-5, every=10)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("spher 1 2 3", "scene:1: 'spher 1 2 3' is not a line of a scene.*not one of S, R, C"),
+        ("# balls\n\nball 0 0 0\nbox 1", "scene:3: 'ball 0 0 0' is not a line.*a line `S reference"),
+        ("set gravty 9.81", "scene:1: .*set 'gravty' is an unknown setting, did you mean gravity"),
+        ("s 1  0 1 0  0 0 0  0 0 0  1 0.5", "scene:1: "),
+    ],
+)
+def test_a_text_that_yields_nothing_is_an_error(text: str, message: str, tmp_path: pathlib.Path) -> None:
+    with pytest.raises(ValueError, match=message):
+        rf.Scene.parse(text)
+    (tmp_path / "scene").write_text(text)
+    with pytest.raises(ValueError, match=message):
+        rf.Scene.load(tmp_path / "scene")
+    with pytest.raises(ValueError, match="Scene.load reads a file"):
+        rf.Scene.parse(str(tmp_path / "scene"))
+
+
+def test_texts_without_objects_that_are_meant_so_are_scenes() -> None:
+    for text in ("", " \n", "# nothing\n", rf.Scene().to_text(), "set gravity 0\n", "@use -\nnothing yet"):
+        assert not any(rf.Scene.parse(text).counts)
+    # Comments beside what is understood are allowed, as in the files of the thesis.
+    assert rf.Scene.parse("a ball\nS 1 0 1 0  0 0 0  0 0 0  1 0.5").counts.spheres == 1
