@@ -4,25 +4,32 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
 from rockfall._arrays import FloatArray, IntArray, floats, integers, quaternions, time_step, whole
+from rockfall._attributes import Strict
 from rockfall._picture import Picture
 from rockfall._progress import Progress
 from rockfall._reports import WORLD_REPORTS, Backend
 from rockfall._scene import Scene
 from rockfall._simulation import Simulation
+from rockfall.typing import BackendName, BroadPhaseName, FieldName, IntegratorName
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from rockfall._options import LookOptions
 
 #: Fields of spheres with their columns.
 _STATES = {"positions": ("position", 3), "velocities": ("velocity", 3), "orientations": ("orientation", 4),
            "angular_momenta": ("angular_momentum", 3)}
 
 
-class Worlds:
+class Worlds(Strict):
     """Many small scenes that advance side by side, each in its own world.
 
     Worlds do not affect each other. Each has its own bodies, static objects and settings, and advances exactly as in a
@@ -79,9 +86,9 @@ class Worlds:
         dt: float | None = None,
         *,
         count: int | None = None,
-        backend: str = "auto",
-        integrator: str = "auto",
-        broad_phase: str = "auto",
+        backend: BackendName = "auto",
+        integrator: IntegratorName = "auto",
+        broad_phase: BroadPhaseName = "auto",
         keep_going: bool = False,
     ) -> None:
         scenes = scenes if isinstance(scenes, Scene) else _scenes("scenes", scenes)
@@ -93,7 +100,7 @@ class Worlds:
         self._native: Any = _rockfall.Worlds(natives, worlds, backend, integrator, broad_phase, bool(keep_going))
 
     @classmethod
-    def resume(cls, path: str | os.PathLike[str], dt: float = 0.02, *, backend: str | None = None) -> Worlds:
+    def resume(cls, path: str | os.PathLike[str], dt: float = 0.02, *, backend: BackendName | None = None) -> Worlds:
         """Continue from a checkpoint, with results that are bitwise identical to those of a run without interruption.
 
         Parameters
@@ -120,6 +127,19 @@ class Worlds:
     def save_checkpoint(self, path: str | os.PathLike[str]) -> None:
         """Write everything that determines the following steps, and the starts of all worlds, to a file for :meth:`resume`."""
         self._native.save_checkpoint(os.fspath(path))
+
+    def copy(self) -> Worlds:
+        """Other worlds in the same state, which take the same steps to the same bits."""
+        return _from_bytes(self._native.to_bytes(), self._dt)
+
+    def __copy__(self) -> Worlds:
+        raise TypeError("worlds have no shallow copy: call worlds.copy(), which makes independent worlds in the same state")
+
+    def __deepcopy__(self, memo: Any) -> Worlds:
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        return (_from_bytes, (self._native.to_bytes(), self._dt))
 
     # Steps
 
@@ -187,7 +207,7 @@ class Worlds:
                     self._native.put("force", everyone, forces[row].ravel())
                 self._native.run(min(every, left - row * every), self._dt, advance)
 
-    def record(self, steps: int, every: int = 1, field: str = "positions") -> FloatArray:
+    def record(self, steps: int, every: int = 1, field: FieldName = "positions") -> FloatArray:
         """Run steps in all worlds that are not stopped, and return a state of all spheres after every ``every`` steps.
 
         On a GPU this is faster than calls of :meth:`run` in a loop: the device runs the next steps while states are copied.
@@ -505,7 +525,7 @@ class Worlds:
         """A scene with the current state of a world, from which a simulation can continue."""
         return Scene._of(self._native.scene(int(self._numbers(whole("world", world))[0])))
 
-    def render(self, world: int, size: tuple[int, int] = (1280, 720), **look: Any) -> Picture:
+    def render(self, world: int, size: tuple[int, int] = (1280, 720), **look: Unpack[LookOptions]) -> Picture:
         """Draw a world. Arguments are those of :meth:`Simulation.render`."""
         return Simulation(self.scene(world), self._dt, backend="cpu").render(size, **look)
 
@@ -556,6 +576,13 @@ class Worlds:
             raise ValueError(f"{name}: expected shape ({rows}, {inner}), got {array.shape}")
         converted = [self._rows(name, row, everyone, columns) for row in array]
         return np.stack(converted) if converted else np.zeros((0, len(self), 0), np.float32)
+
+
+def _from_bytes(data: bytes, dt: float) -> Worlds:
+    worlds = Worlds.__new__(Worlds)
+    worlds._dt = dt
+    worlds._native = _rockfall.Worlds.from_bytes(data)
+    return worlds
 
 
 def _frozen(array: FloatArray) -> FloatArray:
