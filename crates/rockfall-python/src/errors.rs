@@ -69,7 +69,8 @@ fn options(text: &str) -> String {
     let mut parts = text.split("--");
     let mut found = parts.next().unwrap_or_default().to_owned();
     for part in parts {
-        let given = part.split_once(' ').filter(|(name, _)| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_lowercase()));
+        let given =
+            part.split_once(' ').filter(|(name, _)| !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_lowercase()));
         match given {
             Some((name, rest)) => {
                 let end = rest.find([' ', ',', ';', '`', ')']).unwrap_or(rest.len());

@@ -153,7 +153,8 @@ pub(crate) fn add_rods(
         let materials = materials_of(ids, material)?;
         let held = |k: usize| {
             let held = length_or_distance(doors.objects(), pairs[k], length[k])?;
-            let text = || format!("row {k}: length: both spheres are at the same place, expected a length, or 0 for a free rod");
+            let text =
+                || format!("row {k}: length: both spheres are at the same place, expected a length, or 0 for a free rod");
             if held == 0.0 && length[k] < 0.0 { Err(PyValueError::new_err(text())) } else { Ok(held) }
         };
         let lengths: Vec<f32> = (0..count).map(held).collect::<PyResult<_>>()?;
