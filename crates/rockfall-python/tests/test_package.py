@@ -29,7 +29,8 @@ def public() -> list[str]:
             # The constants have tests of their own.
             found += [f"Settings.{member}" for member in ("items", "keys", "update")]
         elif inspect.isclass(cls) and not issubclass(cls, (tuple, Exception)):
-            found += [f"{name}.{member}" for member in vars(cls) if not member.startswith("_")]
+            own = [base for base in cls.__mro__ if base.__module__.startswith("rockfall")]
+            found += sorted({f"{name}.{member}" for base in own for member in vars(base) if not member.startswith("_")})
     return found
 
 
