@@ -10,6 +10,7 @@ use rockfall::{
 };
 
 use crate::errors::Raise;
+use crate::fork::detached;
 use crate::ids::Ids;
 use crate::scene::Scene;
 use crate::simulation::Simulation;
@@ -89,7 +90,7 @@ pub(crate) fn with<R: Send>(
 ) -> PyResult<R> {
     if let Ok(scene) = target.cast::<Scene>() {
         let scene = scene.get();
-        return target.py().detach(|| {
+        return detached(target.py(), || {
             let mut built = scene.0.lock().unwrap_or_else(PoisonError::into_inner);
             let built = &mut *built;
             call(&mut built.scene, &mut built.ids)
@@ -99,6 +100,17 @@ pub(crate) fn with<R: Send>(
         return simulation.get().edit(target.py(), |running| call(&mut running.simulation, &mut running.ids));
     }
     Err(PyTypeError::new_err("target: expected a Scene or a Simulation"))
+}
+
+/// Calls a function as [`with`] does, with spheres in their present states.
+pub(crate) fn with_states<R: Send>(
+    target: &Bound<'_, PyAny>,
+    call: impl FnOnce(&mut dyn Doors, &mut Ids) -> PyResult<R> + Send,
+) -> PyResult<R> {
+    if let Ok(simulation) = target.cast::<Simulation>() {
+        simulation.get().read(target.py(), |running| running.simulation.sync().map(drop).or_raise())?;
+    }
+    with(target, call)
 }
 
 /// Calls a function with the objects of a native scene or simulation that it does not change. The states of the spheres may be

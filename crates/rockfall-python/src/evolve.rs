@@ -6,15 +6,17 @@ use std::sync::{Mutex, PoisonError};
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rockfall::Backend;
 use rockfall_evolve::{Genome, Ground, Outcome, Plan};
 
 use crate::errors::Raise;
+use crate::fork::{Owned, check_graphics, detached, graphics_opened};
 use crate::scene::Scene;
 
 /// An evolution.
 #[pyclass(frozen, module = "rockfall._rockfall")]
 #[derive(Debug)]
-pub(crate) struct Evolution(Mutex<rockfall_evolve::Evolution>);
+pub(crate) struct Evolution(Mutex<Owned<rockfall_evolve::Evolution>>);
 
 /// The report on a generation.
 #[derive(Debug, IntoPyObject)]
@@ -82,8 +84,26 @@ impl Evolution {
         py: Python<'_>,
         call: impl FnOnce(&mut rockfall_evolve::Evolution) -> PyResult<R> + Send,
     ) -> PyResult<R> {
-        py.detach(|| call(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner)))
+        detached(py, || {
+            let mut evolution = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            if evolution.trial().options.backend != Backend::Cpu {
+                check_graphics()?;
+            }
+            call(&mut evolution)
+        })
     }
+}
+
+/// Notes the use of a graphics adapter by an evolution with this backend. An error if a fork has made that impossible.
+fn open_graphics(backend: Backend) -> PyResult<()> {
+    if backend == Backend::Cpu {
+        return Ok(());
+    }
+    check_graphics()?;
+    if backend == Backend::Gpu || rockfall::devices().iter().any(|device| !device.software) {
+        graphics_opened();
+    }
+    Ok(())
 }
 
 fn creature(evolution: &rockfall_evolve::Evolution, genome: &Genome, outcome: &Outcome) -> PyResult<Creature> {
@@ -119,9 +139,10 @@ impl Evolution {
         ground: Option<Py<Scene>>,
         backend: &str,
     ) -> PyResult<Self> {
-        let (body, goal, backend) = (named("body", body)?, named("goal", goal)?, backend.parse().or_raise()?);
+        let (body, goal, backend) = (named("body", body)?, named("goal", goal)?, backend.parse::<Backend>().or_raise()?);
         let integrator = integrator.parse::<rockfall::Integrator>().or_raise()?.to_string();
-        py.detach(|| {
+        open_graphics(backend)?;
+        detached(py, || {
             let ground = match ground {
                 Some(scene) => Ground::of(scene.get().lock().scene.clone()),
                 None => Ground::level(seconds).or_raise()?,
@@ -129,16 +150,17 @@ impl Evolution {
             let ground = ground.scene().to_text();
             let plan = Plan { population, seed, body, goal, seconds, dt, integrator, ground };
             let trial = plan.trial(backend).or_raise()?;
-            Ok(Self(Mutex::new(rockfall_evolve::Evolution::new(plan, trial))))
+            Ok(Self(Mutex::new(Owned::new(rockfall_evolve::Evolution::new(plan, trial)))))
         })
     }
 
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf, backend: &str) -> PyResult<Self> {
-        let backend = backend.parse().or_raise()?;
+        let backend = backend.parse::<Backend>().or_raise()?;
+        open_graphics(backend)?;
         let trial = |plan: &Plan| plan.trial(backend).map_err(std::io::Error::other);
-        let found = py.detach(|| rockfall_evolve::Evolution::load(&path, trial));
-        found.map(|evolution| Self(Mutex::new(evolution))).map_err(|error| {
+        let found = detached(py, || rockfall_evolve::Evolution::load(&path, trial));
+        found.map(|evolution| Self(Mutex::new(Owned::new(evolution)))).map_err(|error| {
             let text = format!("{}: {error}", path.display());
             match error.kind() {
                 std::io::ErrorKind::InvalidData | std::io::ErrorKind::Other => PyValueError::new_err(text),

@@ -6,6 +6,7 @@ use pyo3::types::PyDict;
 use rockfall_trajectory::fields::{Kernel, Smoothing, Sources};
 
 use crate::errors::Raise;
+use crate::fork::detached;
 use crate::simulation::Simulation;
 
 /// The fields of the current state by name, with `origin` and `spacing` of the grid.
@@ -19,7 +20,7 @@ pub(crate) fn fields<'py>(
     let py = simulation.py();
     let kernel: Kernel = kernel.parse().or_raise()?;
     let sources = simulation.get().read(py, |running| Sources::of(&mut running.simulation).or_raise())?;
-    let found = py.detach(|| {
+    let found = detached(py, || {
         let smoothing = Smoothing::new(kernel, width.unwrap_or(sources.widest())).or_raise()?;
         let grid = sources.grid(smoothing, spacing.unwrap_or(smoothing.width())).or_raise()?;
         PyResult::Ok(sources.fields(grid, smoothing))

@@ -11,6 +11,7 @@ use rockfall_viewer::film::{Follower, Format, Moment, Player, Reel, Shot, Timing
 use rockfall_viewer::survey::Survey;
 
 use crate::errors::Raise;
+use crate::fork::{Owned, detached};
 use crate::ids::handle;
 use crate::picture::{Look, Picture, Tools};
 use crate::simulation::Simulation;
@@ -18,7 +19,7 @@ use crate::simulation::Simulation;
 /// A film that is being taken. First [`Filming::survey`] is called until it returns false, then [`Filming::rewind`], then
 /// [`Filming::take`] until it returns false, then [`Filming::finish`]. Python calls them in turn to handle signals in between.
 #[pyclass(frozen, module = "rockfall._rockfall")]
-pub(crate) struct Filming(Mutex<Shooting>);
+pub(crate) struct Filming(Mutex<Owned<Shooting>>);
 
 struct Shooting {
     tools: Tools,
@@ -154,7 +155,7 @@ impl Shooting {
 }
 
 impl Filming {
-    fn lock(&self) -> MutexGuard<'_, Shooting> {
+    fn lock(&self) -> MutexGuard<'_, Owned<Shooting>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -163,7 +164,11 @@ impl Filming {
         simulation: &Bound<'_, Simulation>,
         call: impl FnOnce(&mut Shooting, &mut rockfall::Simulation) -> PyResult<R> + Send,
     ) -> PyResult<R> {
-        simulation.get().change(simulation.py(), |simulation| call(&mut self.lock(), simulation))
+        simulation.get().change(simulation.py(), |simulation| {
+            let mut shooting = self.lock();
+            shooting.check(true)?;
+            call(&mut shooting, simulation)
+        })
     }
 }
 
@@ -184,7 +189,8 @@ impl Filming {
         let timing = Timing { steps, dt, fps, speed };
         simulation.get().read(simulation.py(), |running| {
             let follow = follow.map(|number| handle(&running.ids.spheres, "sphere", number)).transpose()?;
-            Ok(Self(Mutex::new(Shooting::new(&mut running.simulation, look, timing, follow, orbit)?)))
+            let shooting = Shooting::new(&mut running.simulation, look, timing, follow, orbit)?;
+            Ok(Self(Mutex::new(Owned::new(shooting))))
         })
     }
 
@@ -230,7 +236,7 @@ impl Film {
     }
 
     fn picture(&self, py: Python<'_>, index: usize) -> PyResult<Picture> {
-        let picture = py.detach(|| self.0.picture(index));
+        let picture = detached(py, || self.0.picture(index));
         picture.map(Picture).ok_or_else(|| PyIndexError::new_err(format!("there is no picture {index}")))
     }
 
@@ -245,6 +251,6 @@ impl Film {
         if format == Format::Gif && fps > 50 {
             return Err(PyValueError::new_err(format!("fps: a GIF has at most 50 pictures per second, got {fps}")));
         }
-        py.detach(|| self.0.write(&path, format, fps)).or_raise()
+        detached(py, || self.0.write(&path, format, fps)).or_raise()
     }
 }

@@ -33,11 +33,11 @@ pub(crate) fn set_force_law_parameter(
 
 /// The laws of a simulation, with the present values of their parameters.
 #[pyfunction]
-pub(crate) fn force_laws(simulation: &Bound<'_, Simulation>) -> Vec<Law> {
+pub(crate) fn force_laws(simulation: &Bound<'_, Simulation>) -> PyResult<Vec<Law>> {
     simulation.get().locked(simulation.py(), |running| {
         let law =
             |law: &ForceLaw| (law.name().to_owned(), law.wgsl_text().unwrap_or_default().to_owned(), law.parameters().to_vec());
-        running.simulation.force_laws().iter().map(law).collect()
+        Ok(running.simulation.force_laws().iter().map(law).collect())
     })
 }
 
@@ -60,7 +60,7 @@ pub(crate) fn set_contact_law_parameter(
 
 /// The contact law of a simulation, with the present values of its parameters.
 #[pyfunction]
-pub(crate) fn contact_law(simulation: &Bound<'_, Simulation>) -> Option<ContactLaw> {
+pub(crate) fn contact_law(simulation: &Bound<'_, Simulation>) -> PyResult<Option<ContactLaw>> {
     simulation.get().locked(simulation.py(), |running| {
         let law = |law: &ContactForceLaw| {
             let pairs = law.pair_parameters().iter().map(|pair| {
@@ -70,7 +70,7 @@ pub(crate) fn contact_law(simulation: &Bound<'_, Simulation>) -> Option<ContactL
             let text = law.wgsl_text().unwrap_or_default().to_owned();
             (law.name().to_owned(), text, law.parameters().to_vec(), pairs.collect())
         };
-        running.simulation.contact_force_law().map(law)
+        Ok(running.simulation.contact_force_law().map(law))
     })
 }
 

@@ -9,6 +9,7 @@ mod errors;
 mod evolve;
 mod fields;
 mod film;
+mod fork;
 mod ids;
 mod laws;
 mod materials;
@@ -40,6 +41,8 @@ mod _rockfall {
     use crate::fields::fields;
     #[pymodule_export]
     use crate::film::{Film, Filming};
+    #[pymodule_export]
+    use crate::fork::forked;
     #[pymodule_export]
     use crate::laws::{
         add_force_law, contact_law, force_laws, impact, remove_force_law, set_contact_law_parameter, set_force_law_parameter,

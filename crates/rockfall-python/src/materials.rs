@@ -39,6 +39,20 @@ pub(crate) fn number_of(ids: &Ids, material: Option<MaterialId>) -> i64 {
 /// energy; the models of rolling resistance and cohesion.
 type Properties = ([Option<f32>; 8], [Option<String>; 2]);
 
+/// The numbers among the properties of a pair, in the order of [`Properties`].
+fn numbers_of(pair: &mut Pair) -> [&mut Option<f32>; 8] {
+    [
+        &mut pair.restitution,
+        &mut pair.friction,
+        &mut pair.stiffness,
+        &mut pair.characteristic_velocity,
+        &mut pair.rolling_friction,
+        &mut pair.rolling_damping,
+        &mut pair.twisting_friction,
+        &mut pair.surface_energy,
+    ]
+}
+
 /// Adds a material and returns its number. The constants are density, Young's modulus and Poisson's ratio.
 #[pyfunction]
 pub(crate) fn add_material(target: &Bound<'_, PyAny>, name: &str, constants: Known) -> PyResult<usize> {
@@ -65,17 +79,19 @@ pub(crate) fn update_material(target: &Bound<'_, PyAny>, number: i64, constants:
     })
 }
 
-/// Sets the properties of the contacts between two materials.
+/// Sets the properties of the contacts between two materials that are given. Others keep their values.
 #[pyfunction]
 pub(crate) fn set_pair(target: &Bound<'_, PyAny>, one: i64, other: i64, properties: Properties) -> PyResult<()> {
     with(target, |doors, ids| {
         let [one, other] = [known(ids, one)?, known(ids, other)?];
-        let mut pair = Pair::default();
+        let mut pair = doors.objects().given_pair(one, other).or_raise()?.unwrap_or_default();
         let (numbers, [rolling_model, cohesion]) = properties;
-        [pair.restitution, pair.friction, pair.stiffness, pair.characteristic_velocity, ..] = numbers;
-        [.., pair.rolling_friction, pair.rolling_damping, pair.twisting_friction, pair.surface_energy] = numbers;
-        pair.rolling_model = rolling_model.map(|model| model.parse()).transpose().or_raise()?;
-        pair.cohesion = cohesion.map(|model| model.parse()).transpose().or_raise()?;
+        let fields = numbers_of(&mut pair);
+        fields.into_iter().zip(numbers).for_each(|(field, number)| *field = number.or(*field));
+        let rolling_model = rolling_model.map(|model| model.parse()).transpose().or_raise()?;
+        let cohesion = cohesion.map(|model| model.parse()).transpose().or_raise()?;
+        pair.rolling_model = rolling_model.or(pair.rolling_model);
+        pair.cohesion = cohesion.or(pair.cohesion);
         doors.set_pair(one, other, pair).or_raise()
     })
 }
@@ -84,17 +100,8 @@ pub(crate) fn set_pair(target: &Bound<'_, PyAny>, one: i64, other: i64, properti
 #[pyfunction]
 pub(crate) fn pair(target: &Bound<'_, PyAny>, one: i64, other: i64) -> PyResult<Properties> {
     look(target, |scene, ids| {
-        let pair = scene.pair(material_of(ids, one)?, material_of(ids, other)?).or_raise()?;
-        let numbers = [
-            pair.restitution,
-            pair.friction,
-            pair.stiffness,
-            pair.characteristic_velocity,
-            pair.rolling_friction,
-            pair.rolling_damping,
-            pair.twisting_friction,
-            pair.surface_energy,
-        ];
+        let mut pair = scene.pair(material_of(ids, one)?, material_of(ids, other)?).or_raise()?;
+        let numbers = numbers_of(&mut pair).map(|number| *number);
         let models = [pair.rolling_model.map(|model| model.to_string()), pair.cohesion.map(|model| model.to_string())];
         Ok((numbers, models))
     })

@@ -7,7 +7,7 @@ use rockfall::glam::Vec3;
 use rockfall::{Capsule, Cuboid, MaterialId, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 
 use crate::arguments::{Floats, Groups, Numbers, Rows, Switches, check, quaternion, vector};
-use crate::doors::{Doors, with};
+use crate::doors::{Doors, with, with_states};
 use crate::errors::{Raise, raise};
 use crate::ids::{Ids, handle};
 use crate::materials::materials_of;
@@ -127,7 +127,16 @@ pub(crate) fn add_spheres(
     })
 }
 
-/// Adds rods and returns the number of the first. A length of 0 is free.
+/// The length of a row. A negative one stands for the distance of the spheres.
+fn length_or_distance(scene: &Scene, (a, b): (SphereId, SphereId), length: f32) -> PyResult<f32> {
+    if length >= 0.0 {
+        return Ok(length);
+    }
+    let place = |sphere: SphereId| scene.sphere(sphere).map(|sphere| sphere.position).or_raise();
+    Ok(place(a)?.distance(place(b)?))
+}
+
+/// Adds rods and returns the number of the first. A length of 0 is free, a negative one is the distance of the spheres.
 #[pyfunction]
 pub(crate) fn add_rods(
     target: &Bound<'_, PyAny>,
@@ -139,12 +148,19 @@ pub(crate) fn add_rods(
     material: Numbers<'_>,
 ) -> PyResult<usize> {
     rows!(count: end1 / 1, end2 / 1, radius / 1, length / 1, group / 1, material / 1);
-    with(target, |doors, ids| {
+    with_states(target, |doors, ids| {
         let pairs = pairs(doors.objects(), ids, end1, end2)?;
         let materials = materials_of(ids, material)?;
+        let held = |k: usize| {
+            let held = length_or_distance(doors.objects(), pairs[k], length[k])?;
+            let text =
+                || format!("row {k}: length: both spheres are at the same place, expected a length, or 0 for a free rod");
+            if held == 0.0 && length[k] < 0.0 { Err(PyValueError::new_err(text())) } else { Ok(held) }
+        };
+        let lengths: Vec<f32> = (0..count).map(held).collect::<PyResult<_>>()?;
         let rod = |k: usize| {
             let mut rod = Rod::new(pairs[k].0, pairs[k].1, radius[k]).group(group[k]);
-            rod.length = (length[k] > 0.0).then_some(length[k]);
+            rod.length = (lengths[k] > 0.0).then_some(lengths[k]);
             with_material!(rod, materials[k])
         };
         add_all(doors, &mut ids.rods, (0..count).map(rod), Doors::add_rod)
@@ -169,14 +185,12 @@ pub(crate) fn add_springs(
     muscle: Rows<'_>,
 ) -> PyResult<usize> {
     rows!(count: a / 1, b / 1, stiffness / 1, length / 1, damping / 1, muscle / 3);
-    with(target, |doors, ids| {
+    with_states(target, |doors, ids| {
         let scene = doors.objects();
-        let place = |sphere: SphereId| scene.sphere(sphere).map(|sphere| sphere.position).or_raise();
         let pairs = pairs(scene, ids, a, b)?;
         let spring = |k: usize| {
             let (a, b) = pairs[k];
-            // A negative length stands for the distance of the spheres.
-            let rest = if length[k] >= 0.0 { length[k] } else { place(a)?.distance(place(b)?) };
+            let rest = length_or_distance(scene, (a, b), length[k])?;
             let mut spring = Spring::new(a, b, stiffness[k], rest).damping(damping[k]);
             spring.muscle = self::muscle(muscle, k);
             Ok(spring)

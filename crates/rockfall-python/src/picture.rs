@@ -11,6 +11,7 @@ use rockfall_viewer::picture::{Canvas, FORMAT};
 use rockfall_viewer::survey::Survey;
 
 use crate::errors::{Raise, SimulationError};
+use crate::fork::{Owned, check_graphics, detached, graphics_opened};
 use crate::simulation::Simulation;
 
 /// A picture in host memory.
@@ -31,7 +32,7 @@ impl Picture {
     }
 
     fn png<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = py.detach(|| {
+        let bytes = detached(py, || {
             let mut bytes = Vec::new();
             self.0.write_png(&mut bytes).map(|()| bytes)
         })?;
@@ -39,7 +40,7 @@ impl Picture {
     }
 
     fn jpeg<'py>(&self, py: Python<'py>, quality: u8) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = py.detach(|| {
+        let bytes = detached(py, || {
             let mut bytes = Vec::new();
             self.0.write_jpeg(&mut bytes, quality).map(|()| bytes)
         })?;
@@ -100,6 +101,8 @@ pub(crate) struct Tools {
 impl Tools {
     /// The device is that of the simulation, or for one on the CPU any adapter, including software.
     pub(crate) fn new(simulation: &rockfall::Simulation, size: (u32, u32)) -> PyResult<Self> {
+        check_graphics()?;
+        graphics_opened();
         let gpu = match simulation.gpu_view() {
             Some(view) => view.gpu().clone(),
             None => Gpu::open_blocking(true).map_err(|error| {
@@ -133,7 +136,7 @@ impl Tools {
 
 /// Draws pictures. Kept between pictures, because creating the tools takes longer than drawing.
 #[pyclass(frozen, module = "rockfall._rockfall")]
-pub(crate) struct Studio(std::sync::Mutex<Option<Tools>>);
+pub(crate) struct Studio(std::sync::Mutex<Option<Owned<Tools>>>);
 
 #[pymethods]
 impl Studio {
@@ -149,11 +152,12 @@ impl Studio {
             let mut tools = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             let own = &mut running.simulation;
             if tools.is_none() {
-                *tools = Some(Tools::new(own, look.size)?);
+                *tools = Some(Owned::new(Tools::new(own, look.size)?));
             }
             let Some(tools) = tools.as_mut() else {
                 return Err(SimulationError::new_err("nothing to draw with"));
             };
+            tools.check(true)?;
             tools.resize(look.size)?;
             let camera = look.framing(own)?;
             tools.renderer.update(own, &style).or_raise()?;

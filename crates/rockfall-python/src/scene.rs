@@ -6,7 +6,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use pyo3::prelude::*;
 use rockfall::{IntegratorChoice, RunDefaults};
 
-use crate::errors::Raise;
+use crate::errors::{Raise, in_python};
+use crate::fork::detached;
 use crate::ids::Ids;
 
 /// Time step in s, integrator, steps, every, substeps.
@@ -53,24 +54,24 @@ impl Scene {
 
     #[staticmethod]
     fn parse(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
-        py.detach(|| rockfall::Scene::parse(text, Path::new(name)).or_raise().map(Self::read))
+        detached(py, || rockfall::Scene::parse(text, Path::new(name)).or_raise().map(Self::read))
     }
 
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        py.detach(|| rockfall::Scene::load(path).or_raise().map(Self::read))
+        detached(py, || rockfall::Scene::load(path).or_raise().map(Self::read))
     }
 
     fn to_text(&self, py: Python<'_>) -> String {
-        py.detach(|| self.lock().scene.to_text())
+        detached(py, || self.lock().scene.to_text())
     }
 
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        py.detach(|| self.lock().scene.save(path).or_raise())
+        detached(py, || self.lock().scene.save(path).or_raise())
     }
 
     fn copy(&self, py: Python<'_>) -> Self {
-        py.detach(|| {
+        detached(py, || {
             let built = self.lock();
             Self(Mutex::new(Built { scene: built.scene.clone(), ids: built.ids.clone(), warnings: built.warnings.clone() }))
         })
@@ -98,16 +99,16 @@ impl Scene {
     }
 
     fn warnings(&self, py: Python<'_>) -> Vec<(usize, String)> {
-        py.detach(|| self.lock().warnings.clone())
+        detached(py, || self.lock().warnings.clone())
     }
 
     /// Warnings about an unsuitable time step or contact force, and about bodies that overlap.
     fn check(&self, py: Python<'_>, dt: f32, integrator: &str) -> PyResult<Vec<String>> {
         let integrator: IntegratorChoice = integrator.parse().or_raise()?;
-        py.detach(|| {
+        detached(py, || {
             let scene = &self.lock().scene;
             let integrator = scene.integrator(integrator);
-            let mut found: Vec<String> = scene.concerns(dt, integrator).iter().map(ToString::to_string).collect();
+            let mut found: Vec<String> = scene.concerns(dt, integrator).iter().map(|concern| in_python(concern)).collect();
             let placement = scene.placement().or_raise()?;
             found.extend(placement.overlaps.iter().map(|overlap| format!("{} at the start", overlap.describe(scene))));
             Ok(found)

@@ -15,6 +15,7 @@ use rockfall::gpu::Table;
 use rockfall::wgpu;
 
 use crate::errors::{Raise, SimulationError};
+use crate::fork::{Owned, detached};
 use crate::states::Field;
 
 mod memory;
@@ -86,7 +87,7 @@ impl Sharing {
         let memory = self.memory(table.bytes(rows)).map_err(failed)?;
         let submission = simulation.read_table(table, &memory.buffer).or_raise()?;
         self.wait_for_vulkan(submission)?;
-        Ok(Some(SharedArray { memory, rows, columns: table.columns() as usize }))
+        Ok(Some(SharedArray { memory: Owned::new(memory), rows, columns: table.columns() as usize }))
     }
 
     /// Sets a field from an array on the device, and waits for the copy.
@@ -173,17 +174,18 @@ impl Given {
 #[pyclass(frozen, module = "rockfall._rockfall")]
 #[derive(Debug)]
 pub(crate) struct SharedArray {
-    memory: Arc<Memory>,
+    memory: Owned<Arc<Memory>>,
     rows: usize,
     columns: usize,
 }
 
 impl SharedArray {
     fn tensor<M: ManagedTensorBase>(&self) -> PyResult<Managed<M>> {
+        self.memory.check(true)?;
         let (rows, columns) = (self.rows as i64, self.columns as i64);
         let prepared = Fixed::new([rows, columns], [columns, 1]).prepare_as::<M>();
         let prepared = prepared.map_err(|error| PyBufferError::new_err(error.to_string()))?;
-        let mut made = prepared.initialize(Arc::clone(&self.memory));
+        let mut made = prepared.initialize(Arc::clone(&*self.memory));
         made.set_device(self.device());
         made.set_dtype(f32::DTYPE);
         made.set_data(self.memory.address() as *mut _);
@@ -236,7 +238,8 @@ impl SharedArray {
 
     /// A copy on the host, of shape (rows, columns).
     fn host<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let numbers = py.detach(|| {
+        self.memory.check(true)?;
+        let numbers = detached(py, || {
             let mut numbers = vec![0.0; self.rows * self.columns];
             self.memory.download(&mut numbers).map(|()| numbers)
         });

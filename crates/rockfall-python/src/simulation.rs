@@ -8,10 +8,12 @@ use std::time::{Duration, Instant};
 use numpy::{PyArray1, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rockfall::{Checkpoint, IntegratorChoice, Options};
+use pyo3::types::PyBytes;
+use rockfall::{Backend, Checkpoint, IntegratorChoice, Options};
 
 use crate::arguments::{ContactLaw, Law, Numbers, Rows, contact_law, law};
-use crate::errors::{Raise, raise_in_step};
+use crate::errors::{Raise, in_python, raise_in_step};
+use crate::fork::{Owned, check_graphics, detached, graphics_opened};
 use crate::ids::{Ids, handle};
 use crate::memory::{Lender, Views};
 use crate::scene::Scene;
@@ -51,23 +53,39 @@ impl Drop for Running {
 #[pyclass(frozen, module = "rockfall._rockfall")]
 #[derive(Debug)]
 pub(crate) struct Simulation {
-    running: Mutex<Running>,
+    running: Mutex<Owned<Running>>,
     /// Number of threads that wait for the simulation.
     waiting: AtomicUsize,
 }
 
 impl Simulation {
     fn of(simulation: rockfall::Simulation, ids: Ids) -> Self {
+        if simulation.backend().kind == Backend::Gpu {
+            graphics_opened();
+        }
         let running = Running { simulation, ids, lender: Lender::default(), sharing: None, edited: false };
-        Self { running: Mutex::new(running), waiting: AtomicUsize::new(0) }
+        Self { running: Mutex::new(Owned::new(running)), waiting: AtomicUsize::new(0) }
+    }
+
+    /// Continues from a checkpoint with these laws. Objects are numbered from 0.
+    fn go_on(mut checkpoint: Checkpoint, laws: Vec<Law>, contact: Option<ContactLaw>) -> PyResult<Self> {
+        if checkpoint.options.backend != Backend::Cpu {
+            check_graphics()?;
+        }
+        laws.into_iter().map(law).try_for_each(|law| checkpoint.give_force_law(law)).or_raise()?;
+        contact.map(contact_law).into_iter().try_for_each(|law| checkpoint.give_contact_force_law(law)).or_raise()?;
+        let simulation = rockfall::Simulation::resume(checkpoint).or_raise()?;
+        let ids = Ids::of(simulation.scene());
+        Ok(Self::of(simulation, ids))
     }
 
     /// Calls a function without the GIL, while no other thread uses the simulation. Threads that wait for it do not hold the GIL.
-    pub(crate) fn locked<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut Running) -> R + Send) -> R {
-        py.detach(|| {
+    pub(crate) fn locked<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut Running) -> PyResult<R> + Send) -> PyResult<R> {
+        detached(py, || {
             self.waiting.fetch_add(1, Ordering::Relaxed);
             let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
             self.waiting.fetch_sub(1, Ordering::Relaxed);
+            running.check(running.simulation.backend().kind == Backend::Gpu)?;
             call(&mut running)
         })
     }
@@ -119,8 +137,12 @@ impl Simulation {
 
 /// Options from their names.
 pub(crate) fn options(backend: &str, integrator: &str, broad_phase: &str, keep_going: bool) -> PyResult<Options> {
+    let backend = backend.parse().or_raise()?;
+    if backend != Backend::Cpu {
+        check_graphics()?;
+    }
     Ok(Options::new()
-        .backend(backend.parse().or_raise()?)
+        .backend(backend)
         .integrator(integrator.parse::<IntegratorChoice>().or_raise()?)
         .broad_phase(broad_phase.parse().or_raise()?)
         .keep_going(keep_going))
@@ -142,7 +164,7 @@ impl Simulation {
         let options = options(backend, integrator, broad_phase, keep_going)?;
         let options = laws.into_iter().map(law).fold(options, Options::force_law);
         let options = contact.map(contact_law).into_iter().fold(options, Options::contact_force_law);
-        scene.py().detach(|| {
+        detached(scene.py(), || {
             let (objects, ids) = {
                 let built = own.lock();
                 (built.scene.clone(), built.ids.clone())
@@ -160,15 +182,30 @@ impl Simulation {
         contact: Option<ContactLaw>,
     ) -> PyResult<Self> {
         let backend = backend.map(str::parse).transpose().or_raise()?;
-        py.detach(|| {
+        detached(py, || {
             let mut checkpoint = Checkpoint::load(path).or_raise()?;
             checkpoint.options.backend = backend.unwrap_or(checkpoint.options.backend);
-            laws.into_iter().map(law).try_for_each(|law| checkpoint.give_force_law(law)).or_raise()?;
-            contact.map(contact_law).into_iter().try_for_each(|law| checkpoint.give_contact_force_law(law)).or_raise()?;
-            let simulation = rockfall::Simulation::resume(checkpoint).or_raise()?;
-            let ids = Ids::of(simulation.scene());
-            Ok(Self::of(simulation, ids))
+            Self::go_on(checkpoint, laws, contact)
         })
+    }
+
+    /// Continues from what [`Simulation::to_bytes`] returned.
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, bytes: &[u8], laws: Vec<Law>, contact: Option<ContactLaw>) -> PyResult<Self> {
+        detached(py, || Self::go_on(Checkpoint::from_bytes(bytes, "pickle").or_raise()?, laws, contact))
+    }
+
+    /// The bytes of a checkpoint.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let checkpoint = self.read(py, |running| running.simulation.checkpoint().or_raise())?;
+        Ok(PyBytes::new(py, &detached(py, || checkpoint.to_bytes())))
+    }
+
+    /// Another simulation in the same state, in which objects have the same numbers.
+    fn copy(&self, py: Python<'_>) -> PyResult<Self> {
+        let (checkpoint, ids) =
+            self.read(py, |running| Ok((running.simulation.checkpoint().or_raise()?, running.ids.clone())))?;
+        detached(py, || Ok(Self::of(rockfall::Simulation::resume(checkpoint).or_raise()?, ids)))
     }
 
     /// Runs steps in portions, and handles signals between them.
@@ -213,31 +250,35 @@ impl Simulation {
         self.change(py, |simulation| simulation.sort_memory().or_raise())
     }
 
-    fn report(&self, py: Python<'_>) -> Report {
-        self.locked(py, |running| running.simulation.report().into())
+    fn report(&self, py: Python<'_>) -> PyResult<Report> {
+        self.locked(py, |running| Ok(running.simulation.report().into()))
     }
 
     /// Warnings about a time step or constants that do not suit the scene.
-    fn concerns(&self, py: Python<'_>, dt: f32) -> Vec<String> {
-        self.locked(py, |running| running.simulation.scene().concerns(dt, running.simulation.integrator()))
-    }
-
-    fn backend(&self, py: Python<'_>) -> BackendInfo {
-        self.locked(py, |running| running.simulation.backend().into())
-    }
-
-    fn methods(&self, py: Python<'_>) -> (String, String) {
+    fn concerns(&self, py: Python<'_>, dt: f32) -> PyResult<Vec<String>> {
         self.locked(py, |running| {
-            (running.simulation.integrator().to_string(), running.simulation.broad_phase_method().to_string())
+            let found = running.simulation.scene().concerns(dt, running.simulation.integrator());
+            Ok(found.iter().map(|concern| in_python(concern)).collect())
         })
     }
 
-    fn device_memory(&self, py: Python<'_>) -> u64 {
-        self.locked(py, |running| running.simulation.device_memory())
+    fn backend(&self, py: Python<'_>) -> PyResult<BackendInfo> {
+        self.locked(py, |running| Ok(running.simulation.backend().into()))
     }
 
-    fn time_step(&self, py: Python<'_>) -> f32 {
-        self.locked(py, |running| running.simulation.time_step())
+    fn methods(&self, py: Python<'_>) -> PyResult<(String, String)> {
+        self.locked(py, |running| {
+            let simulation = &running.simulation;
+            Ok((simulation.integrator().to_string(), simulation.broad_phase_method().to_string()))
+        })
+    }
+
+    fn device_memory(&self, py: Python<'_>) -> PyResult<u64> {
+        self.locked(py, |running| Ok(running.simulation.device_memory()))
+    }
+
+    fn time_step(&self, py: Python<'_>) -> PyResult<f32> {
+        self.locked(py, |running| Ok(running.simulation.time_step()))
     }
 
     /// Sets the time step that observations before the next step assume.
@@ -245,8 +286,8 @@ impl Simulation {
         self.locked(py, |running| running.simulation.set_time_step(dt).or_raise())
     }
 
-    fn memory_version(&self, py: Python<'_>) -> u64 {
-        self.locked(py, |running| running.simulation.memory_version())
+    fn memory_version(&self, py: Python<'_>) -> PyResult<u64> {
+        self.locked(py, |running| Ok(running.simulation.memory_version()))
     }
 
     fn save_checkpoint(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
@@ -254,7 +295,7 @@ impl Simulation {
     }
 
     fn restore(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let checkpoint = py.detach(|| Checkpoint::load(path)).or_raise()?;
+        let checkpoint = detached(py, || Checkpoint::load(path)).or_raise()?;
         self.edit(py, |running| {
             running.lender.release(&mut running.simulation);
             running.simulation.restore(&checkpoint).or_raise()?;
@@ -301,8 +342,8 @@ impl Simulation {
     }
 
     /// Why arrays on the device cannot be used by other libraries there; `None` where they can.
-    fn not_shared(&self, py: Python<'_>) -> Option<String> {
-        self.locked(py, |running| running.sharing().err().map(str::to_owned))
+    fn not_shared(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        self.locked(py, |running| Ok(running.sharing().err().map(str::to_owned)))
     }
 
     /// A field of all spheres on the device, in order of addition; `None` where memory cannot be shared.
@@ -317,7 +358,7 @@ impl Simulation {
     /// Sets a field of all spheres from an array on the device. Returns whether the array is there.
     fn put_shared(&self, py: Python<'_>, field: &str, array: &Bound<'_, PyAny>) -> PyResult<bool> {
         let field: Field = field.parse()?;
-        let device = self.locked(py, |running| running.sharing().ok().map(|(sharing, _)| sharing.device()));
+        let device = self.locked(py, |running| Ok(running.sharing().ok().map(|(sharing, _)| sharing.device())))?;
         let Some(given) = device.map(|device| Given::take(array, device)).transpose()?.flatten() else { return Ok(false) };
         self.read(py, |running| match running.sharing() {
             Ok((sharing, simulation)) => sharing.write(simulation, field, &given).map(|()| true),

@@ -4,6 +4,8 @@ use pyo3::prelude::*;
 use rockfall::profile::StageTime;
 use rockfall::step::schedule::Phase;
 
+use crate::fork::{check_graphics, detached};
+
 /// Counts and times of all steps so far.
 #[derive(Debug, IntoPyObject)]
 pub(crate) struct Report {
@@ -126,7 +128,8 @@ pub(crate) struct DeviceInfo {
 
 /// All graphics adapters.
 #[pyfunction]
-pub(crate) fn devices(py: Python<'_>) -> Vec<DeviceInfo> {
+pub(crate) fn devices(py: Python<'_>) -> PyResult<Vec<DeviceInfo>> {
+    check_graphics()?;
     let info = |info: rockfall::DeviceInfo| DeviceInfo {
         name: info.name,
         backend: info.backend,
@@ -134,7 +137,7 @@ pub(crate) fn devices(py: Python<'_>) -> Vec<DeviceInfo> {
         driver: info.driver,
         software: info.software,
     };
-    py.detach(|| rockfall::devices().into_iter().map(info).collect())
+    Ok(detached(py, || rockfall::devices().into_iter().map(info).collect()))
 }
 
 /// Name, default, unit and meaning of every constant.

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use rockfall_trajectory::{Format, Reader, States, Writer};
 
 use crate::errors::Raise;
+use crate::fork::{Owned, detached};
 use crate::scene::Scene;
 use crate::simulation::Simulation;
 
@@ -15,7 +16,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 
 /// A trajectory that is being written. `None` once it is finished.
 #[pyclass(frozen, module = "rockfall._rockfall")]
-pub(crate) struct TrajectoryWriter(Mutex<Option<Writer>>);
+pub(crate) struct TrajectoryWriter(Mutex<Option<Owned<Writer>>>);
 
 fn finished() -> PyErr {
     PyValueError::new_err("the recording is finished")
@@ -30,20 +31,25 @@ impl TrajectoryWriter {
                 format!("path: {} is not a trajectory, expected a name that ends in .npz, .pvd, .vtp or .csv", path.display());
             return Err(PyValueError::new_err(text));
         };
-        py.detach(|| Ok(Self(Mutex::new(Some(Writer::create(path, format).or_raise()?)))))
+        detached(py, || Ok(Self(Mutex::new(Some(Owned::new(Writer::create(path, format).or_raise()?))))))
     }
 
     fn frame(&self, simulation: &Bound<'_, Simulation>) -> PyResult<()> {
         simulation.get().read(simulation.py(), |running| {
             let mut writer = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-            writer.as_mut().ok_or_else(finished)?.frame(&mut running.simulation).or_raise()
+            let writer = writer.as_mut().ok_or_else(finished)?;
+            // The file belongs to the process that began it.
+            if writer.is_inherited() { Ok(()) } else { writer.frame(&mut running.simulation).or_raise() }
         })
     }
 
     fn finish(&self, simulation: &Bound<'_, Simulation>) -> PyResult<()> {
         simulation.get().read(simulation.py(), |running| {
             let writer = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
-            writer.ok_or_else(finished)?.finish(running.simulation.scene()).or_raise()
+            match writer.ok_or_else(finished)?.into_own() {
+                Some(writer) => writer.finish(running.simulation.scene()).or_raise(),
+                None => Ok(()),
+            }
         })
     }
 }
@@ -58,16 +64,16 @@ type Frame<'py> = [Bound<'py, PyArray2<f32>>; 4];
 impl TrajectoryReader {
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        py.detach(|| Ok(Self(Mutex::new(Reader::open(path).or_raise()?))))
+        detached(py, || Ok(Self(Mutex::new(Reader::open(path).or_raise()?))))
     }
 
     fn scene(&self, py: Python<'_>) -> Scene {
-        py.detach(|| Scene::of(self.0.lock().unwrap_or_else(PoisonError::into_inner).scene().clone()))
+        detached(py, || Scene::of(self.0.lock().unwrap_or_else(PoisonError::into_inner).scene().clone()))
     }
 
     /// Step and time of every frame.
     fn moments(&self, py: Python<'_>) -> Vec<(u64, f64)> {
-        py.detach(|| {
+        detached(py, || {
             let reader = self.0.lock().unwrap_or_else(PoisonError::into_inner);
             reader.moments().iter().map(|moment| (moment.step, moment.time)).collect()
         })
@@ -75,7 +81,7 @@ impl TrajectoryReader {
 
     /// Positions, velocities, orientations w, x, y, z, and angular momenta.
     fn frame<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Frame<'py>> {
-        let states = py.detach(|| self.0.lock().unwrap_or_else(PoisonError::into_inner).frame(index)).or_raise()?;
+        let states = detached(py, || self.0.lock().unwrap_or_else(PoisonError::into_inner).frame(index)).or_raise()?;
         let States { positions, velocities, orientations, angular_momenta } = states;
         let rows = |numbers: Vec<f32>, columns: usize| {
             let count = numbers.len() / columns;

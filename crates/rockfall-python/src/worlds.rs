@@ -8,12 +8,14 @@ use std::time::Instant;
 use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use rayon::prelude::*;
 use rockfall::glam::Vec3;
-use rockfall::{Result, SphereState};
+use rockfall::{Backend, Result, SphereState};
 
 use crate::arguments::{Floats, Numbers, quaternion, vector};
 use crate::errors::Raise;
+use crate::fork::{Owned, check_graphics, detached, graphics_opened};
 use crate::scene::Scene;
 use crate::simulation::{PATIENCE, options};
 use crate::states::Field;
@@ -22,7 +24,7 @@ use crate::tables::{BackendInfo, Report};
 /// Worlds, as arrays with room for the largest of them: a row of numbers per world.
 #[pyclass(frozen, module = "rockfall._rockfall")]
 #[derive(Debug)]
-pub(crate) struct Worlds(Mutex<rockfall::Worlds>);
+pub(crate) struct Worlds(Mutex<Owned<rockfall::Worlds>>);
 
 /// A report, whether a workgroup runs the world, the sphere that has escaped, why the world is stopped, and whether it sleeps.
 type WorldReport = (Report, bool, Option<usize>, Option<String>, bool);
@@ -30,7 +32,18 @@ type WorldReport = (Report, bool, Option<usize>, Option<String>, bool);
 impl Worlds {
     /// Calls a function without the GIL, while no other thread uses the worlds.
     fn locked<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut rockfall::Worlds) -> Result<R> + Send) -> PyResult<R> {
-        py.detach(|| call(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))).or_raise()
+        detached(py, || {
+            let mut worlds = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            worlds.check(worlds.backend().kind == Backend::Gpu)?;
+            call(&mut worlds).or_raise()
+        })
+    }
+
+    fn of(worlds: rockfall::Worlds) -> Self {
+        if worlds.backend().kind == Backend::Gpu {
+            graphics_opened();
+        }
+        Self(Mutex::new(Owned::new(worlds)))
     }
 }
 
@@ -74,20 +87,34 @@ impl Worlds {
         keep_going: bool,
     ) -> PyResult<Self> {
         let options = options(backend, integrator, broad_phase, keep_going)?;
-        py.detach(|| {
+        detached(py, || {
             let scenes: Vec<_> = scenes.iter().map(|scene| scene.get().lock().scene.clone()).collect();
             let built = match count {
                 Some(count) => rockfall::Worlds::new(scenes.iter().cycle().take(count).cloned(), options),
                 None => rockfall::Worlds::new(scenes, options),
             };
-            Ok(Self(Mutex::new(built.or_raise()?)))
+            Ok(Self::of(built.or_raise()?))
         })
     }
 
     #[staticmethod]
     fn resume(py: Python<'_>, path: PathBuf, backend: Option<&str>) -> PyResult<Self> {
         let backend = backend.map(str::parse).transpose().or_raise()?;
-        py.detach(|| Ok(Self(Mutex::new(rockfall::Worlds::resume(path, backend).or_raise()?))))
+        if backend != Some(Backend::Cpu) {
+            check_graphics()?;
+        }
+        detached(py, || Ok(Self::of(rockfall::Worlds::resume(path, backend).or_raise()?)))
+    }
+
+    /// Continues from what [`Worlds::to_bytes`] returned.
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
+        detached(py, || Ok(Self::of(rockfall::Worlds::from_bytes(bytes, "pickle", None).or_raise()?)))
+    }
+
+    /// The bytes of a checkpoint.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &self.locked(py, rockfall::Worlds::to_bytes)?))
     }
 
     fn save_checkpoint(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {

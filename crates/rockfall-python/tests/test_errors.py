@@ -86,7 +86,7 @@ SCENE: list[tuple[Callable[[rf.Scene], Any], type[Exception], str]] = [
     (lambda s: setattr(s.settings, "collisions", 1), TypeError, "collisions: expected True or False"),
     (lambda s: setattr(s.settings, "gravity_direction", [0, 0, 0]), ValueError, "gravity_direction"),
     (lambda s: setattr(s.settings, "gravitation", 1), AttributeError, "gravitation"),
-    (lambda s: s.settings.update(gravitation=1), AttributeError, "gravitation: expected one of"),
+    (lambda s: s.settings.update(gravitation=1), AttributeError, "gravitation: did you mean .*gravity"),
     (lambda s: s.settings["gravitation"], KeyError, "gravitation"),
     (lambda s: s.check(dt=0), ValueError, "dt: expected"),
     (lambda s: s.check(integrator="euler"), ValueError, "integrator"),

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import gc
+import os
 import pathlib
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -64,3 +68,105 @@ def test_a_csv_file_has_a_line_per_sphere(sim: rf.Simulation, tmp_path: pathlib.
     with sim.record(tmp_path / "film.csv", every=10):
         sim.run(20)
     assert len((tmp_path / "film.csv").read_text().splitlines()) == 1 + 3 * 45
+
+
+SCRIPT = """
+import rockfall as rf
+scene = rf.Scene()
+scene.add_spheres([[0, 0, 0], [5, 0, 0]], 0.5)
+sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+sim.record("film.npz", every=10)
+sim.run(50)
+{end}
+"""
+
+
+@pytest.mark.parametrize("end", ["", "raise SystemExit(0)", "del sim"])
+def test_a_recording_without_with_is_complete_at_the_end_of_the_program(end: str, tmp_path: pathlib.Path) -> None:
+    script = SCRIPT.format(end=end)
+    found = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (found.returncode, found.stderr) == (0, "")
+    assert rf.Trajectory(tmp_path / "film.npz").steps == [0, 10, 20, 30, 40, 50]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked on Unix")
+def test_a_forked_process_leaves_the_file_to_its_parent(tmp_path: pathlib.Path) -> None:
+    script = SCRIPT.format(end="import os, sys\nif os.fork() == 0: sys.exit(0)\nos.wait()\nsim.run(10)")
+    found = subprocess.run([sys.executable, "-W", "ignore", "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (found.returncode, found.stderr) == (0, "")
+    assert len(rf.Trajectory(tmp_path / "film.npz")) == 7
+
+
+def test_a_recording_is_complete_when_nothing_refers_to_it(scene: rf.Scene, tmp_path: pathlib.Path) -> None:
+    sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+    recording = sim.record(tmp_path / "film.npz", every=10)
+    sim.run(20)
+    assert "film.npz" in repr(recording) and "3 frames" in repr(recording)
+    del sim, recording
+    gc.collect()
+    assert len(rf.Trajectory(tmp_path / "film.npz")) == 3
+
+
+def test_spheres_stay_the_same_while_a_file_with_fixed_rows_is_recorded(sim: rf.Simulation, tmp_path: pathlib.Path) -> None:
+    with sim.record(tmp_path / "film.npz", every=5):
+        sim.run(5)
+        for change in (
+            lambda: sim.add_sphere([9, 9, 9], 0.1),
+            lambda: sim.add_capsules([9, 9, 9], [9, 10, 9], 0.1),
+            lambda: sim.remove("sphere", 0),
+        ):
+            with pytest.raises(ValueError, match="film.npz is being recorded.* finish the recording before"):
+                change()
+        with pytest.raises(ValueError, match="finish the recording first"):
+            sim.restore(tmp_path / "any.ckpt")
+        sim.remove("spring", 0)
+        sim.run(5)
+    assert sim.counts.spheres == 45 and len(rf.Trajectory(tmp_path / "film.npz")) == 3
+    with sim.record(tmp_path / "film.csv"):
+        sim.add_sphere([9, 9, 9], 0.1)
+        sim.run(1)
+    assert len((tmp_path / "film.csv").read_text().splitlines()) == 1 + 45 + 46
+
+
+@pytest.fixture
+def trajectory(sim: rf.Simulation, tmp_path: pathlib.Path) -> rf.Trajectory:
+    with sim.record(tmp_path / "film.npz", every=2):
+        sim.run(10)
+    return rf.Trajectory(tmp_path / "film.npz")
+
+
+def test_a_trajectory_has_arrays_of_all_frames_and_slices(trajectory: rf.Trajectory) -> None:
+    assert trajectory.positions.shape == trajectory.velocities.shape == trajectory.angular_momenta.shape == (6, 45, 3)
+    assert trajectory.orientations.shape == (6, 45, 4) and trajectory.positions.dtype == np.float32
+    for name in ("positions", "velocities", "orientations", "angular_momenta"):
+        np.testing.assert_array_equal(getattr(trajectory, name), [getattr(frame, name) for frame in trajectory])
+    part = trajectory[1:-1:2]
+    assert (len(part), part.steps, part[-1].step) == (2, [2, 6], 6)
+    assert part.times == [trajectory.times[1], trajectory.times[3]] and part[1:].steps == [6]
+    np.testing.assert_array_equal(part.positions, trajectory.positions[1:-1:2])
+    assert trajectory[:0].positions.shape == (0, 45, 3) and trajectory[:0].orientations.shape == (0, 45, 4)
+    assert [frame.step for frame in reversed(trajectory)] == [10, 8, 6, 4, 2, 0]
+    assert "6 frames from 0 to 0.1 s" in repr(trajectory) and "45 spheres" in repr(trajectory[0])
+
+
+def test_a_trajectory_goes_to_pandas_and_xarray(trajectory: rf.Trajectory, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pandas")
+    table = trajectory[2:4].to_pandas()
+    assert list(table.columns[:6]) == ["step", "time", "sphere", "x", "y", "z"] and len(table) == 2 * 45
+    row = table.iloc[45 + 7]
+    assert (row.step, row.sphere, row.time) == (6, 7, trajectory.times[3])
+    frame = trajectory[3]
+    np.testing.assert_array_equal(row["x":"lz"], [*frame.positions[7], *frame.velocities[7], *frame.orientations[7], *frame.angular_momenta[7]])
+    assert len(trajectory[:0].to_pandas()) == 0
+    pytest.importorskip("xarray")
+    data = trajectory.to_xarray()
+    np.testing.assert_array_equal(data.positions.sel(axis="y").isel(time=3), frame.positions[:, 1])
+    assert dict(data.sizes) == {"time": 6, "sphere": 45, "axis": 3, "component": 4} and data.step[3] == 6
+    for name, method in (("pandas", trajectory.to_pandas), ("xarray", trajectory.to_xarray)):
+        monkeypatch.setitem(sys.modules, name, None)
+        with pytest.raises(ImportError, match=f"needs {name}: pip install {name}"):
+            method()
+
+
+def test_fields_have_a_short_text(sim: rf.Simulation) -> None:
+    assert len(repr(sim.fields())) < 200

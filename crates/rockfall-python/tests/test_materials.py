@@ -192,3 +192,18 @@ def test_errors_name_the_argument_and_change_nothing(number: int) -> None:
     with pytest.raises(kind, match=message):
         call(scene)
     assert scene.to_text() == before
+
+
+def test_set_pair_changes_what_it_is_given_and_keeps_the_rest() -> None:
+    scene = rf.Scene()
+    scene.add_material("sand", density=2500, young=1e7, poisson=0.25)
+    scene.set_pair("sand", "sand", restitution=0.25, friction=0.5, rolling_model="a", cohesion="jkr")
+    scene.set_pair("sand", "sand", friction=0.75, rolling_friction=0.125)
+    pair = scene.pair("sand", "sand")
+    assert (pair.restitution, pair.friction, pair.rolling_friction) == (0.25, 0.75, 0.125)
+    assert (pair.rolling_model, pair.cohesion) == ("a", "jkr")
+    # What is not set for a pair is still mixed from both materials.
+    scene.add_material("steel", density=7800, young=1e8, poisson=0.25)
+    scene.set_pair("sand", "steel", friction=0.1)
+    scene.set_pair("sand", "sand", restitution=0.5)
+    assert scene.pair("sand", "steel").restitution == 0.5

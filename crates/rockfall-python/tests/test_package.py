@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import ast
 import inspect
+import os
 import pathlib
 import re
+import subprocess
+import sys
 
 import pytest
 
@@ -26,7 +29,8 @@ def public() -> list[str]:
             # The constants have tests of their own.
             found += [f"Settings.{member}" for member in ("items", "keys", "update")]
         elif inspect.isclass(cls) and not issubclass(cls, (tuple, Exception)):
-            found += [f"{name}.{member}" for member in vars(cls) if not member.startswith("_")]
+            own = [base for base in cls.__mro__ if base.__module__.startswith("rockfall")]
+            found += sorted({f"{name}.{member}" for base in own for member in vars(base) if not member.startswith("_")})
     return found
 
 
@@ -35,6 +39,20 @@ def test_info_names_the_versions_and_devices() -> None:
     assert info.version == rf.__version__ == _rockfall.__version__
     assert info.devices == rf.devices()
     assert info.backend in ("cpu", "gpu") and "arrays" in str(info)
+
+
+def test_dir_shows_what_is_public() -> None:
+    assert [name for name in dir(rf) if not name.startswith("__")] == sorted([*rf.__all__, "gym", "typing"])
+    assert all(hasattr(rf, name) for name in dir(rf))
+
+
+def test_gym_is_there_after_the_import_and_names_what_is_missing() -> None:
+    script = "import sys; sys.modules['gymnasium'] = None; import rockfall as rf; assert 'gym' not in dir(rf); rf.gym"
+    found = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert found.stderr.endswith("ImportError: rockfall.gym needs Gymnasium: pip install 'rockfall[gym]'\n")
+    script = "import rockfall as rf, sys; assert 'gymnasium' not in sys.modules; print(rf.gym.make_vec.__name__)"
+    found = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert (found.stdout, found.stderr) == ("make_vec\n", "")
 
 
 def test_everything_public_is_documented() -> None:
@@ -92,14 +110,16 @@ def test_the_example_of_the_package_runs() -> None:
     assert isinstance(sim, rf.Simulation) and sim.positions.shape == (1000, 3)
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
-def test_the_examples_of_the_documentation_run(page: str, tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/python-pitfalls.md"])
+def test_the_examples_of_the_documentation_run_as_a_file(page: str, tmp_path: pathlib.Path) -> None:
     text = (TESTS.parents[2] / page).read_text()
     marked = re.findall(r"(<!-- not run: [^>]*-->\n)?```python\n(.*?)```", text, re.DOTALL)
     # check_device.py runs what needs an NVIDIA card.
     blocks = [block for mark, block in marked if not mark]
     assert len(blocks) > len(marked) / 2
-    monkeypatch.chdir(tmp_path)
-    names: dict[str, object] = {}
-    for block in blocks:
-        exec(block, names)  # noqa: S102
+    script = tmp_path / "page.py"
+    script.write_text("\n".join(blocks))
+    environment = {**os.environ, "MPLBACKEND": "agg"}
+    command = [sys.executable, "-W", "ignore", script]
+    found = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (found.returncode, found.stderr) == (0, "")

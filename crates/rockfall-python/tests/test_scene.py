@@ -63,7 +63,7 @@ def test_every_kind_of_object_is_added_in_bulk() -> None:
 def test_objects_are_removed_and_changed() -> None:
     scene = rf.Scene()
     ids = scene.add_spheres(np.arange(12).reshape(4, 3), 0.1)
-    rods = scene.add_rods(ids[:-1], ids[1:], 0.05)
+    rods = scene.add_rods(ids[:-1], ids[1:], 0.05, 0)
     springs = scene.add_springs(ids[:-1], ids[1:], 1)
     tethers = scene.add_tethers(ids, [0, 0, 0], 1)
     scene.update_rods(rods[1], radius=0.02, length=3)
@@ -236,3 +236,78 @@ def test_how_a_scene_is_run_can_be_set() -> None:
     with pytest.raises(TypeError, match=r"run: expected a rockfall.RunDefaults"):
         scene.run = (0.1,)  # type: ignore[assignment]
     assert scene.run == rf.RunDefaults(dt=4e-5, every=10)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("spher 1 2 3", "scene:1: 'spher 1 2 3' is not a line of a scene.*not one of S, R, C"),
+        ("# balls\n\nball 0 0 0\nbox 1", "scene:3: 'ball 0 0 0' is not a line.*a line `S reference"),
+        ("set gravty 9.81", "scene:1: .*set 'gravty' is an unknown setting, did you mean gravity"),
+        ("s 1  0 1 0  0 0 0  0 0 0  1 0.5", "scene:1: "),
+    ],
+)
+def test_a_text_that_yields_nothing_is_an_error(text: str, message: str, tmp_path: pathlib.Path) -> None:
+    with pytest.raises(ValueError, match=message):
+        rf.Scene.parse(text)
+    (tmp_path / "scene").write_text(text)
+    with pytest.raises(ValueError, match=message):
+        rf.Scene.load(tmp_path / "scene")
+    with pytest.raises(ValueError, match="Scene.load reads a file"):
+        rf.Scene.parse(str(tmp_path / "scene"))
+
+
+def test_texts_without_objects_that_are_meant_so_are_scenes() -> None:
+    for text in ("", " \n", "# nothing\n", rf.Scene().to_text(), "set gravity 0\n", "@use -\nnothing yet"):
+        assert not any(rf.Scene.parse(text).counts)
+    # Comments beside what is understood are allowed, as in the files of the thesis.
+    assert rf.Scene.parse("a ball\nS 1 0 1 0  0 0 0  0 0 0  1 0.5").counts.spheres == 1
+
+
+def test_rods_without_a_length_are_held_at_the_distance_of_their_spheres() -> None:
+    scene = rf.Scene()
+    ids = scene.add_spheres([[0, 0, 0], [2, 0, 0], [2, 3, 0]], 0.1)
+    scene.add_rods(ids[:-1], ids[1:], 0.05)
+    scene.add_rod(0, 2, 0.05, length=0)
+    assert scene.table("rod")["length"].tolist() == [2, 3, 0]
+    scene.add_sphere([2, 3, 0], 0.1)
+    with pytest.raises(ValueError, match="row 1: length: both spheres are at the same place"):
+        scene.add_rods([0, 2], [1, 3], 0.05)
+    assert scene.counts.rods == 3
+    scene.add_rod(2, 3, 0.05, 0)
+
+
+def test_rods_and_springs_of_a_simulation_take_the_present_distance() -> None:
+    scene = rf.Scene()
+    scene.settings.gravity = 0
+    scene.add_spheres([[0, 0, 0], [2, 0, 0]], 0.1, velocity=[[0, 0, 0], [1, 0, 0]])
+    sim = rf.Simulation(scene, 0.125, backend="cpu")
+    sim.run(8)
+    sim.add_rod(0, 1, 0.05)
+    sim.positions[1, 0] = 5
+    sim.add_spring(0, 1, 10.0)
+    assert sim.table("rod")["length"].tolist() == [3] and sim.table("spring")["length"].tolist() == [5]
+
+
+def test_messages_have_the_words_of_python() -> None:
+    scene = rf.Scene()
+    scene.settings.gravity = 9.81
+    scene.add_box([-5, -1, -5], [5, 0, 5])
+    scene.add_spheres(np.arange(60)[:, None] * [0.001, 0.2, 0] + [0, 0.1, 0], 0.1)
+    found = "\n".join(scene.check(0.005))
+    assert "`scene.settings.resting_overlap = 0.02` chooses" in found and "`set " not in found
+    sim = rf.Simulation(scene, 0.005, backend="cpu")
+    with pytest.warns(rf.SceneWarning, match=r"`scene.settings.resting_overlap = 0.02`"):
+        sim.step()
+    slippery = rf.Scene()
+    slippery.settings.contact_law = "hertz-mindlin"
+    slippery.add_material("glass", density=2500, young=1e7, poisson=0.2)
+    slippery.add_spheres([[0, 0, 0], [5, 0, 0]], 0.1, material="glass")
+    assert any("give `friction` to `scene.set_pair`" in text for text in slippery.check(1e-4))
+    muscles = rf.Scene()
+    muscles.add_spheres([[0, 0, 0], [1, 0, 0]], 0.1)
+    muscles.add_springs(0, 1, 10.0, muscle=[0.5, 20, 0])
+    assert any("so use dt=" in text and "--" not in text for text in muscles.check(0.02))
+    # Messages about a scene text speak of its lines.
+    with pytest.raises(ValueError, match="`set gravity 1`"):
+        rf.Scene.parse("set gravity = 1\nset restitution 1")

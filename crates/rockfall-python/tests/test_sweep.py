@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 from pathlib import Path
 
@@ -58,6 +59,40 @@ PARAMETERS = {"height": HEIGHTS, "restitution": RESTITUTIONS}
 def test_all_combinations_in_order(expected):
     result = rf.sweep(make_scene, PARAMETERS, run, backend="cpu", workers=2, progress=False)
     assert list(result) == expected
+
+
+SCRIPT = """
+import sys
+{before}
+import rockfall as rf
+
+def make_scene(height):
+    scene = rf.Scene()
+    scene.add_spheres([[0, height, 0]], radius=0.2)
+    return scene
+
+def run(scene, backend, height):
+    sim = rf.Simulation(scene, dt=0.01, backend=backend)
+    sim.run(10)
+    return {{"y": round(float(sim.positions[0, 1]), 3)}}
+
+result = rf.sweep(make_scene, {{"height": [1.0, 2.0]}}, run, backend="cpu", workers=2, progress=False)
+print(result.columns()["y"])
+"""
+
+
+@pytest.mark.parametrize("before", ["", "sys.modules['cloudpickle'] = None"])
+def test_a_script_without_a_guard_runs_its_sweep(before: str, tmp_path: Path):
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT.format(before=before))
+    found = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False, timeout=120)
+    assert (found.stdout, found.stderr, found.returncode) == ("[0.995, 1.995]\n", "", 0)
+
+
+def test_functions_without_a_script_need_cloudpickle(tmp_path: Path):
+    script = SCRIPT.format(before="sys.modules['cloudpickle'] = None")
+    found = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, timeout=120)
+    assert found.stderr.endswith("need cloudpickle: pip install cloudpickle\n") and len(found.stderr.splitlines()) < 12
 
 
 def test_a_list_of_parameters_is_taken_as_it_is(expected):

@@ -13,6 +13,8 @@
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
 import os
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +23,7 @@ if "XDG_RUNTIME_DIR" not in os.environ:
     os.environ.setdefault("NODEVICE_SELECT", "1")
 
 from rockfall import _rockfall
+from rockfall import typing as typing
 from rockfall._bodies import Capsules
 from rockfall._contact_law import ContactLaw, Impact
 from rockfall._device import DeviceArray
@@ -47,6 +50,9 @@ if TYPE_CHECKING:
     from rockfall import gym as gym
 
 __version__: str = _rockfall.__version__
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_rockfall.forked)
 
 __all__ = [
     "Backend",
@@ -93,10 +99,14 @@ __all__ = [
 ]
 
 
+def __dir__() -> list[str]:
+    """What is public."""
+    has_gym = importlib.util.find_spec("gymnasium") is not None
+    return sorted([*__all__, "typing", *(["gym"] if has_gym else []), *(name for name in globals() if name.startswith("__"))])
+
+
 def __getattr__(name: str) -> Any:
     """Imports :mod:`rockfall.gym` when it is used, because it needs Gymnasium."""
     if name == "gym":
-        import importlib
-
         return importlib.import_module("rockfall.gym")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +26,11 @@ from rockfall._arrays import (
 )
 from rockfall._materials import Materials, MaterialTable
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from rockfall._options import SphereOptions, SpringOptions, StaticOptions
+
 _ZERO = (0.0, 0.0, 0.0)
 
 
@@ -47,9 +52,14 @@ def numbers_from(first: int, count: int) -> IntArray:
 class Bodies(MaterialTable):
     """Adds what can move. A base of :class:`Objects`."""
 
+    def _before_other_spheres(self) -> None:
+        """Called before spheres are added or removed."""
+
     def _add(self, add: Callable[..., Any], **arguments: tuple[Any, Kind]) -> tuple[int, Any]:
         """Adds objects with a native function. Returns their number and what the function returns."""
         count, arrays = columns(**arguments)
+        if add in (_rockfall.add_spheres, _rockfall.add_capsules):
+            self._before_other_spheres()
         self._edited()
         return count, add(self._native, *arrays)
 
@@ -123,7 +133,9 @@ class Bodies(MaterialTable):
             material=(self._material_numbers("material", material), MATERIAL),
         )
 
-    def add_sphere(self, position: npt.ArrayLike, radius: float, mass: float | None = 1.0, **options: Any) -> int:
+    def add_sphere(
+        self, position: npt.ArrayLike, radius: float, mass: float | None = 1.0, **options: Unpack[SphereOptions]
+    ) -> int:
         """Add one sphere and return its number. The options are those of :meth:`add_spheres`."""
         _check_single("add_spheres", position=(position, (3,)), radius=(radius, ()), mass=(mass, ()))
         return first_of(self.add_spheres(position, radius, mass, **options))
@@ -147,7 +159,8 @@ class Bodies(MaterialTable):
         radius : array_like, shape (N,) or ()
             Radii in units, greater than 0.
         length : array_like, shape (N,) or (), optional
-            Lengths at which the rods are held, in units. 0, and None, leave a rod free.
+            Lengths at which the rods are held, in units; by default the present distance of the spheres. 0 leaves a rod free: its
+            ends move apart and together.
         group : array_like of int, shape (N,) or ()
             Collision groups from 0 to 65535.
         material : int, str or array_like of them, shape (N,) or (), optional
@@ -161,7 +174,7 @@ class Bodies(MaterialTable):
         Raises
         ------
         ValueError, TypeError
-            As for :meth:`add_spheres`, and for a rod from a sphere to itself.
+            As for :meth:`add_spheres`, for a rod from a sphere to itself, and for one without a length between spheres at the same place.
         LookupError
             For a sphere that does not exist.
         """
@@ -170,12 +183,14 @@ class Bodies(MaterialTable):
             end1=(end1, NUMBER),
             end2=(end2, NUMBER),
             radius=(radius, POSITIVE),
-            length=(0.0 if length is None else length, NOT_NEGATIVE),
+            length=(-1.0, REAL) if length is None else (length, NOT_NEGATIVE),
             group=(group, GROUP),
             material=(self._material_numbers("material", material), MATERIAL),
         )
 
-    def add_rod(self, end1: int, end2: int, radius: float, length: float | None = None, **options: Any) -> int:
+    def add_rod(
+        self, end1: int, end2: int, radius: float, length: float | None = None, **options: Unpack[StaticOptions]
+    ) -> int:
         """Add one rod and return its number. The options are those of :meth:`add_rods`."""
         _check_single("add_rods", end1=(end1, ()), end2=(end2, ()), radius=(radius, ()), length=(length, ()))
         return first_of(self.add_rods(end1, end2, radius, length, **options))
@@ -277,7 +292,15 @@ class Bodies(MaterialTable):
             muscle=(_ZERO if muscle is None else muscle, VECTOR),
         )
 
-    def add_spring(self, a: int, b: int, stiffness: float, length: float | None = None, damping: float = 0.0, **options: Any) -> int:
+    def add_spring(
+        self,
+        a: int,
+        b: int,
+        stiffness: float,
+        length: float | None = None,
+        damping: float = 0.0,
+        **options: Unpack[SpringOptions],
+    ) -> int:
         """Add one spring and return its number. The options are those of :meth:`add_springs`."""
         _check_single("add_springs", a=(a, ()), b=(b, ()), stiffness=(stiffness, ()), length=(length, ()))
         return first_of(self.add_springs(a, b, stiffness, length, damping, **options))

@@ -6,15 +6,22 @@ import os
 import pathlib
 import tempfile
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
 from rockfall._arrays import floats, time_step, whole
+from rockfall._attributes import Strict
 from rockfall._progress import Progress
 from rockfall._scene import Scene
+from rockfall.typing import BackendName, BodyName, GoalName, IntegratorName
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from rockfall._options import EvolutionOptions
 
 _HISTORY = np.dtype(
     [
@@ -52,7 +59,7 @@ class Creature:
     masses: int
 
 
-class Evolution:
+class Evolution(Strict):
     """Creatures that evolve, generation by generation. ``rockfall evolve`` on the command line does the same.
 
     A creature has 4 to 20 masses, joined by springs that are muscles. Every generation is made from the best creatures of each kind
@@ -93,12 +100,12 @@ class Evolution:
         *,
         seconds: float = 10.0,
         dt: float = 0.005,
-        goal: str = "distance",
-        body: str = "lattice",
+        goal: GoalName = "distance",
+        body: BodyName = "lattice",
         ground: Scene | None = None,
         seed: int = 0,
-        integrator: str = "rk4",
-        backend: str = "auto",
+        integrator: IntegratorName = "rk4",
+        backend: BackendName = "auto",
     ) -> None:
         for name, value in (("goal", goal), ("body", body), ("integrator", integrator), ("backend", backend)):
             if not isinstance(value, str):
@@ -125,7 +132,7 @@ class Evolution:
         )
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], *, backend: str = "auto") -> Evolution:
+    def load(cls, path: str | os.PathLike[str], *, backend: BackendName = "auto") -> Evolution:
         """Continue a saved evolution. On the same device, the results are those of a run without interruption.
 
         Parameters
@@ -249,7 +256,7 @@ def evolve(
     *,
     checkpoint: str | os.PathLike[str] | None = None,
     progress: bool = True,
-    **options: Any,
+    **options: Unpack[EvolutionOptions],
 ) -> Evolution:
     """Evolve creatures. ``rockfall evolve`` on the command line gives the same champion.
 
@@ -295,7 +302,7 @@ def evolve(
     return evolution
 
 
-def _revive(saved: bytes, backend: str) -> Evolution:
+def _revive(saved: bytes, backend: BackendName) -> Evolution:
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "evolution.json"
         path.write_bytes(saved)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Fields:
     """Density, velocity, stress and temperature on a grid of points (:meth:`Simulation.fields`).
 
@@ -37,6 +37,10 @@ class Fields:
     kinetic_stress: npt.NDArray[np.float64]
     #: Force density of boxes, polygons and fixed bodies, in mass/(units² s²); shape (Z, Y, X, 3).
     wall_force: npt.NDArray[np.float64]
+
+    def __repr__(self) -> str:
+        z, y, x = self.density.shape
+        return f"<rockfall.Fields: {x} x {y} x {z} points from {self.origin.tolist()}, spacing {self.spacing:g}>"
 
     @property
     def points(self) -> npt.NDArray[np.float64]:

@@ -16,6 +16,7 @@ from rockfall._arrays import whole
 from rockfall._look import look, number
 from rockfall._picture import Picture
 from rockfall._progress import Progress
+from rockfall.typing import ColourName
 
 if TYPE_CHECKING:
     from rockfall._simulation import Simulation
@@ -121,7 +122,7 @@ def film(
     *,
     speed: float = 1.0,
     size: tuple[int, int] = (1280, 720),
-    colour_by: str | None = None,
+    colour_by: ColourName | None = None,
     range: tuple[float, float] | None = None,
     camera: npt.ArrayLike | None = None,
     look_at: npt.ArrayLike | None = None,

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from rockfall import _rockfall
 from rockfall._arrays import IntArray, floats
+from rockfall.typing import CohesionName, RollingModelName
 
 #: Materials of objects: numbers or names, one for all or one per object. None stands for no material.
 Materials: TypeAlias = npt.ArrayLike | str | None | Sequence[str | None]
@@ -54,9 +55,9 @@ class Pair(NamedTuple):
     #: Surface energy of these laws, in mass/s².
     surface_energy: float | None = None
     #: Model of the resistance to rolling: "a", a constant torque, or "c", a spring and a dashpot. "c" where it is None.
-    rolling_model: str | None = None
+    rolling_model: RollingModelName | None = None
     #: Model of the cohesion: "dmt", a constant attraction in contacts, or "jkr", necks. "dmt" where it is None.
-    cohesion: str | None = None
+    cohesion: CohesionName | None = None
 
 
 class MaterialTable:
@@ -126,13 +127,13 @@ class MaterialTable:
         stiffness: float | None = None,
         characteristic_velocity: float | None = None,
         rolling_friction: float | None = None,
-        rolling_model: str | None = None,
+        rolling_model: RollingModelName | None = None,
         rolling_damping: float | None = None,
         twisting_friction: float | None = None,
         surface_energy: float | None = None,
-        cohesion: str | None = None,
+        cohesion: CohesionName | None = None,
     ) -> None:
-        """Set the properties of the contacts between two materials, or of a material with itself. Replaces those set before.
+        """Set properties of the contacts between two materials, or of a material with itself. Those that are not given stay as they are.
 
         Parameters
         ----------

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
 from rockfall._arrays import GROUP, MATERIAL, MATRIX, NOT_NEGATIVE, POSITIVE, VECTOR, IntArray, Kind, floats, integers
+from rockfall._attributes import Strict
 from rockfall._bodies import Bodies, first_of
 from rockfall._materials import Materials
-from rockfall._settings import Settings
+from rockfall._settings import SETTINGS, Settings
+from rockfall.typing import KindName
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from rockfall._options import StaticOptions
 
 #: Names of the kinds of objects.
 KINDS = ("sphere", "rod", "capsule", "spring", "tether", "box", "polygon")
@@ -39,7 +47,7 @@ class Counts(NamedTuple):
     polygons: int
 
 
-class Objects(Bodies):
+class Objects(Bodies, Strict):
     """Objects that can be added, removed and changed. The base of :class:`Scene` and :class:`Simulation`.
 
     Every ``add`` method takes N objects at once. An argument with one value instead of N counts for all of them. It returns
@@ -52,6 +60,9 @@ class Objects(Bodies):
 
     Lengths are in arbitrary units, masses in arbitrary mass units, times in seconds.
     """
+
+    def _further_names(self) -> Iterable[str]:
+        return [f"settings.{name}" for name in SETTINGS]
 
     @property
     def settings(self) -> Settings:
@@ -103,7 +114,7 @@ class Objects(Bodies):
             material=(self._material_numbers("material", material), MATERIAL),
         )
 
-    def add_box(self, min: npt.ArrayLike, max: npt.ArrayLike, **options: Any) -> int:
+    def add_box(self, min: npt.ArrayLike, max: npt.ArrayLike, **options: Unpack[StaticOptions]) -> int:
         """Add a static box with edges along the axes, between two opposite corners of shape (3,), in units.
 
         The options are those of :meth:`add_boxes`.
@@ -158,7 +169,7 @@ class Objects(Bodies):
             material=(self._material_numbers("material", material), MATERIAL),
         )
 
-    def remove(self, kind: str, ids: npt.ArrayLike) -> None:
+    def remove(self, kind: KindName, ids: npt.ArrayLike) -> None:
         """Remove objects.
 
         A sphere is removed with its rods, capsules, springs and tethers, and a capsule with its spheres and its rod. If a rod
@@ -181,6 +192,8 @@ class Objects(Bodies):
         """
         _check_kind(kind)
         numbers = np.unique(integers("ids", ids))
+        if kind in ("sphere", "capsule"):
+            self._before_other_spheres()
         self._edited()
         _rockfall.remove(self._native, kind, numbers)
 
@@ -230,7 +243,7 @@ class Objects(Bodies):
             damping=(damping, NOT_NEGATIVE),
         )
 
-    def _update(self, kind: str, ids: npt.ArrayLike, **fields: tuple[Any, Kind]) -> None:
+    def _update(self, kind: KindName, ids: npt.ArrayLike, **fields: tuple[Any, Kind]) -> None:
         numbers = integers("ids", ids)
         given: list[tuple[str, Any]] = []
         for name, (value, rows) in fields.items():
@@ -240,7 +253,7 @@ class Objects(Bodies):
         self._edited()
         _rockfall.update(self._native, kind, numbers, given)
 
-    def table(self, kind: str) -> npt.NDArray[Any]:
+    def table(self, kind: KindName) -> npt.NDArray[Any]:
         """All objects of a kind and their parameters.
 
         Parameters

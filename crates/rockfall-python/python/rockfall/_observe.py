@@ -10,6 +10,7 @@ from rockfall._arrays import floats
 from rockfall._fields import Fields
 from rockfall._reports import BODY_KINDS, CONTACT, DIAGNOSTICS, RAY_HIT, Energy, Overlap
 from rockfall._states import States
+from rockfall.typing import KernelName
 
 
 class Observed(States):
@@ -49,7 +50,7 @@ class Observed(States):
         found["force"] = np.where(is_impulse, 0, real[:, 6:9])
         return found
 
-    def fields(self, width: float | None = None, *, spacing: float | None = None, kernel: str = "gaussian") -> Fields:
+    def fields(self, width: float | None = None, *, spacing: float | None = None, kernel: KernelName = "gaussian") -> Fields:
         """Coarse-grained density, velocity, stress and temperature of the current state on a grid.
 
         Forces of contacts count; impulses of collisions, springs and external forces do not. Fixed bodies, boxes and polygons are

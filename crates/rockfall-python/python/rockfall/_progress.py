@@ -49,5 +49,5 @@ class Progress:
     ) -> None:
         if self._bar is not None:
             self._bar.close()
-        elif self._done:
+        elif self._done and self._total is not None:
             print(file=sys.stderr)

@@ -10,6 +10,7 @@ import numpy as np
 from rockfall import _rockfall
 from rockfall._arrays import time_step, whole
 from rockfall._objects import Objects
+from rockfall.typing import IntegratorName
 
 #: Time step of scenes that have none, in s.
 _TIME_STEP = 0.02
@@ -21,7 +22,7 @@ class RunDefaults(NamedTuple):
     #: Time step, in s.
     dt: float | None = None
     #: "auto", "rk4", "symplectic-euler" or "velocity-verlet".
-    integrator: str | None = None
+    integrator: IntegratorName | None = None
     #: Number of steps, for ``rockfall run`` and films of ``rockfall render``.
     steps: int | None = None
     #: Number of steps between two frames that ``rockfall run`` writes.
@@ -60,14 +61,20 @@ class Scene(Objects):
     def parse(cls, text: str, name: str = "scene") -> Scene:
         """Read a scene text. ``name`` names its source in messages.
 
+        Lines that are no objects, constants or ``@`` words are comments, also without ``#``. A text of nothing but such comments
+        is an error. A text that is empty, or in which every line begins with ``#``, is an empty scene.
+
         Raises
         ------
         ValueError
-            For the first wrong line, with its number, the field and what was expected.
+            For the first wrong line, with its number, the field and what was expected. For a text that yields nothing.
         """
         if not isinstance(text, str):
             raise TypeError(f"text: expected a str, got {type(text).__name__}")
-        return cls._of(_rockfall.Scene.parse(text, name))
+        found = cls._of(_rockfall.Scene.parse(text, name))
+        if found._is_blank():
+            _refuse_comments(text, found.warnings, name, "; Scene.load reads a file" if os.path.exists(text.strip()) else "")
+        return found
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Scene:
@@ -80,7 +87,15 @@ class Scene(Objects):
         ValueError
             As for :meth:`parse`.
         """
-        return cls._of(_rockfall.Scene.load(os.fspath(path)))
+        found = cls._of(_rockfall.Scene.load(os.fspath(path)))
+        if found._is_blank():
+            with open(path, encoding="utf-8", errors="replace") as file:
+                _refuse_comments(file.read(), found.warnings, os.fspath(path))
+        return found
+
+    def _is_blank(self) -> bool:
+        """Whether the scene is that of an empty text."""
+        return not any(self.counts) and self.to_text() == Scene().to_text()
 
     def to_text(self) -> str:
         """The scene as text, which :meth:`parse` reads back to the same bits."""
@@ -127,7 +142,7 @@ class Scene(Objects):
         """Warnings about the text that the scene was read from: line number and text."""
         return list(self._native.warnings())
 
-    def check(self, dt: float | None = None, integrator: str = "auto") -> list[str]:
+    def check(self, dt: float | None = None, integrator: IntegratorName = "auto") -> list[str]:
         """Warnings about a time step (in s) or constants that do not suit the scene, and about bodies that overlap.
 
         Without a time step, that of :attr:`run` is checked, or 0.02 s.
@@ -151,6 +166,22 @@ class Scene(Objects):
     def __repr__(self) -> str:
         counts = ", ".join(f"{count} {kind}" for kind, count in self.counts._asdict().items() if count)
         return f"<rockfall.Scene: {counts or 'empty'}>"
+
+
+def _refuse_comments(text: str, warnings: list[tuple[int, str]], name: str, hint: str = "") -> None:
+    """Raises an error for a text that yields nothing, unless it is empty, says so by ``#``, or sets constants to their defaults."""
+    taken = "taken for a comment; "
+    reasons = {number: text[len(taken) :].split("; begin a comment")[0] for number, text in warnings if text.startswith(taken)}
+    lines = [line.strip() for line in text.lstrip("\ufeff").splitlines()]
+    words = {number: line.split()[0] for number, line in enumerate(lines, 1) if line and not line.startswith("#")}
+    is_understood = not reasons and any(word == "set" or word.startswith("@") for word in words.values())
+    if not words or is_understood:
+        return
+    number = min(reasons or words)
+    line = lines[number - 1]
+    shown = line if len(line) <= 40 else line[:40] + "..."
+    reason = reasons.get(number, "expected for example 'S 1  0 1 0  0 0 0  0 0 0  1 0.5', a sphere")
+    raise ValueError(f"{name}:{number}: {shown!r} is not a line of a scene, and the text has no other one: {reason}{hint}")
 
 
 def _written(number: float | None) -> float | None:

@@ -9,6 +9,13 @@ import numpy as np
 
 from rockfall import _rockfall
 from rockfall._arrays import floats
+from rockfall._attributes import Strict, hint
+from rockfall.typing import ContactLawName, PrecisionName
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from rockfall._options import SettingValues
 
 
 def _to_text(name: str, value: Any, default: str) -> str:
@@ -42,7 +49,7 @@ def _from_text(text: str) -> bool | float | str | tuple[float, ...]:
         return text
 
 
-class Settings:
+class Settings(Strict):
     """The physical constants of a scene or a simulation, as attributes.
 
     ``settings.gravity = 9.81`` changes a constant from the next step on. Every attribute has a docstring with its unit:
@@ -58,7 +65,9 @@ class Settings:
         For a constant that does not exist.
     """
 
-    __slots__ = ("_native",)
+    if not TYPE_CHECKING:
+        # Type checkers would refuse to set the attributes below.
+        __slots__ = ("_native",)
 
     if TYPE_CHECKING:
         activation_threshold: float
@@ -70,47 +79,47 @@ class Settings:
         collision_friction: float
         linear_damping: float
         angular_damping: float
-        contact_law: str
+        contact_law: ContactLawName
         gravity: float
         collisions: bool
         continuous_collisions: bool
         gravity_direction: tuple[float, float, float]
         contact_pull: bool
         resting_overlap: float
-        precision: str
+        precision: PrecisionName
 
     def __init__(self, native: Any) -> None:
         self._native = native
 
     def __iter__(self) -> Iterator[str]:
-        return iter(_NAMES)
+        return iter(SETTINGS)
 
     def __len__(self) -> int:
-        return len(_NAMES)
+        return len(SETTINGS)
 
     def __getitem__(self, name: str) -> Any:
-        if name not in _NAMES:
+        if name not in SETTINGS:
             raise KeyError(name)
         return getattr(self, name)
 
     def __setitem__(self, name: str, value: Any) -> None:
-        if name not in _NAMES:
-            raise KeyError(f"{name}: expected one of {', '.join(_NAMES)}")
+        if name not in SETTINGS:
+            raise KeyError(f"{name}: {hint(name, SETTINGS)}")
         setattr(self, name, value)
 
     def keys(self) -> tuple[str, ...]:
         """The names of all constants."""
-        return _NAMES
+        return SETTINGS
 
     def items(self) -> list[tuple[str, Any]]:
         """The names and values of all constants."""
-        return [(name, getattr(self, name)) for name in _NAMES]
+        return [(name, getattr(self, name)) for name in SETTINGS]
 
-    def update(self, **values: Any) -> None:
+    def update(self, **values: Unpack[SettingValues]) -> None:
         """Sets several constants by name."""
         for name, value in values.items():
-            if name not in _NAMES:
-                raise AttributeError(f"{name}: expected one of {', '.join(_NAMES)}")
+            if name not in SETTINGS:
+                raise AttributeError(f"{name}: {hint(name, SETTINGS)}")
             setattr(self, name, value)
 
     def __repr__(self) -> str:
@@ -130,4 +139,5 @@ def _add_property(name: str, default: str, unit: str, doc: str) -> None:
 
 for _name, _default, _unit, _doc in _rockfall.constants():
     _add_property(_name, _default, _unit, _doc)
-_NAMES: tuple[str, ...] = tuple(row[0] for row in _rockfall.constants())
+#: The names of all constants.
+SETTINGS: tuple[str, ...] = tuple(row[0] for row in _rockfall.constants())

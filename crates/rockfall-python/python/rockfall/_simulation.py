@@ -15,13 +15,13 @@ from rockfall._arrays import time_step, whole
 from rockfall._contact_law import ContactLaw, ContactLawOf, native_contact_law
 from rockfall._laws import ForceLaw, LawTable, native_laws
 from rockfall._look import look
-from rockfall._observe import Observed
 from rockfall._picture import Picture
 from rockfall._progress import Progress
 from rockfall._reports import Backend, Profile, Report, StageTime
 from rockfall._scene import Scene
-from rockfall._trajectory import Recording
+from rockfall._stored import Stored
 from rockfall._vtk import to_pyvista
+from rockfall.typing import BackendName, BroadPhaseName, ColourName, IntegratorName
 
 if TYPE_CHECKING:
     import pyvista
@@ -31,7 +31,7 @@ class SceneWarning(UserWarning):
     """A time step or constants do not suit a scene, so that results are likely wrong. :meth:`Scene.check` lists the same."""
 
 
-class Simulation(Observed, LawTable, ContactLawOf):
+class Simulation(Stored, LawTable, ContactLawOf):
     """A scene that advances in time.
 
     Parameters
@@ -92,9 +92,9 @@ class Simulation(Observed, LawTable, ContactLawOf):
         scene: Scene,
         dt: float | None = None,
         *,
-        backend: str = "auto",
-        integrator: str = "auto",
-        broad_phase: str = "auto",
+        backend: BackendName = "auto",
+        integrator: IntegratorName = "auto",
+        broad_phase: BroadPhaseName = "auto",
         keep_going: bool = False,
         check: bool = True,
         force_laws: Iterable[ForceLaw] = (),
@@ -117,7 +117,7 @@ class Simulation(Observed, LawTable, ContactLawOf):
         native.set_time_step(dt)
         self._checked = checked
         self._live = {}
-        self._recordings: list[Recording] = []
+        self._recordings = []
         self._studio: Any = None
 
     @classmethod
@@ -125,7 +125,7 @@ class Simulation(Observed, LawTable, ContactLawOf):
         cls,
         path: str | os.PathLike[str],
         *,
-        backend: str | None = None,
+        backend: BackendName | None = None,
         force_laws: Iterable[ForceLaw] = (),
         contact_law: ContactLaw | None = None,
     ) -> Simulation:
@@ -312,50 +312,13 @@ class Simulation(Observed, LawTable, ContactLawOf):
         self._commit()
         return Scene._of(self._native.scene())
 
-    # Files
-
-    def save_checkpoint(self, path: str | os.PathLike[str]) -> None:
-        """Write everything that determines the following steps to a file, for :meth:`resume` and :meth:`restore`."""
-        self._commit()
-        self._native.save_checkpoint(os.fspath(path))
-
-    def restore(self, path: str | os.PathLike[str]) -> None:
-        """Replace the state by that of a checkpoint. The backend and the options stay. Objects are numbered from 0 again."""
-        self._commit()
-        self._native.restore(os.fspath(path))
-        self._native.set_time_step(self._dt)
-
-    def record(self, path: str | os.PathLike[str], every: int = 1) -> Recording:
-        """Begin a trajectory that :meth:`run` and :meth:`step` add frames to: now, and after every ``every``-th step.
-
-        Parameters
-        ----------
-        path : path
-            A name that ends in ``.npz`` (NumPy), ``.pvd`` (ParaView) or ``.csv``.
-        every : int
-            Number of steps from frame to frame.
-
-        Returns
-        -------
-        Recording
-            A context manager, which completes the file at its end.
-
-        Examples
-        --------
-        >>> with sim.record("column.npz", every=10):  # doctest: +SKIP
-        ...     sim.run(1000)
-        """
-        recording = Recording(self, path, every)
-        self._recordings.append(recording)
-        return recording
-
     # Pictures
 
     def render(
         self,
         size: tuple[int, int] = (1280, 720),
         *,
-        colour_by: str | None = None,
+        colour_by: ColourName | None = None,
         range: tuple[float, float] | None = None,
         camera: npt.ArrayLike | None = None,
         look_at: npt.ArrayLike | None = None,

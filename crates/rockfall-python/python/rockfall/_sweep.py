@@ -6,37 +6,18 @@ import itertools
 import os
 import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
 from typing import Any, cast, overload
 
 from rockfall._info import devices
 from rockfall._progress import Progress
+from rockfall._workers import SweepError, call, failed, on_processes, script_of, stop_if_reading
+from rockfall.typing import BackendName
 
 __all__ = ["SweepError", "SweepResult", "sweep"]
 
 Parameters = Mapping[str, Any]
 
-
-class SweepError(RuntimeError):
-    """A run of a sweep failed.
-
-    Attributes
-    ----------
-    index : int
-        Number of the run, in the order of the parameters, from 0.
-    parameters : dict
-        Parameters of the run.
-    """
-
-    def __init__(self, message: str, index: int, parameters: dict[str, Any]) -> None:
-        super().__init__(message, index, parameters)
-        self.index = index
-        self.parameters = parameters
-
-    def __str__(self) -> str:
-        return str(self.args[0])
+_NEEDS_CLOUDPICKLE = "functions of a notebook, and functions in functions, need cloudpickle: pip install cloudpickle"
 
 
 class SweepResult(Sequence[dict[str, Any]]):
@@ -99,7 +80,7 @@ def sweep(
     parameters: Mapping[str, Iterable[Any]] | Iterable[Parameters],
     run: Callable[..., Mapping[str, Any]],
     *,
-    backend: str = "auto",
+    backend: BackendName = "auto",
     workers: int | None = None,
     retries: int = 3,
     progress: bool = True,
@@ -147,7 +128,8 @@ def sweep(
     -----
     Every run is a call of its own with the same arguments, so its results do not depend on where it ran or what ran beside it:
     they are bitwise equal on the CPU, and on GPUs of one kind. Functions travel to the workers by ``cloudpickle``, so they may be
-    defined in a notebook.
+    defined in a notebook or a script. A script needs no ``if __name__ == "__main__"``. Without ``cloudpickle``, each worker runs
+    the script up to its first sweep to find the functions.
 
     Examples
     --------
@@ -162,6 +144,7 @@ def sweep(
     >>> rf.sweep(make_scene, {"height": [1.0, 2.0]}, run, progress=False).columns()["height"]
     [1.0, 2.0]
     """
+    stop_if_reading()
     if backend not in ("auto", "cpu", "gpu"):
         raise ValueError(f"backend: expected one of auto, cpu, gpu, got {backend!r}")
     runs = list(_combinations(parameters))
@@ -171,13 +154,13 @@ def sweep(
         raise ValueError(f"retries: expected a number from 0, got {retries}")
     if workers is not None and workers < 1:
         raise ValueError(f"workers: expected a number from 1, got {workers}")
-    task = _dumps((make_scene, run, backend))
+    task, script = _dumps((make_scene, run, backend))
     with Progress(len(runs) if progress else None, unit="run") as shown:
         if ray:
             found = _on_ray(task, runs, address=ray, retries=retries, gpus=gpus, cpus=cpus, advance=shown.advance)
         else:
             count = workers or _default_workers(backend)
-            found = _on_processes(task, runs, workers=min(count, len(runs)), retries=retries, advance=shown.advance)
+            found = on_processes(task, script, runs, workers=min(count, len(runs)), retries=retries, advance=shown.advance)
     return SweepResult([{**parameters, **result} for parameters, result in zip(runs, found)])
 
 
@@ -202,88 +185,21 @@ def _default_workers(backend: str) -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _dumps(task: Any) -> bytes:
+def _dumps(task: tuple[Any, ...]) -> tuple[bytes, str | None]:
+    """The functions as bytes, and the script that a worker finds them in if they are there by name only."""
     try:
         import cloudpickle
     except ImportError:
+        script = script_of(task)
+        in_notebook = script is None and any(getattr(part, "__module__", None) == "__main__" for part in task)
         try:
-            return pickle.dumps(task)
+            found = pickle.dumps(task)
         except (pickle.PicklingError, AttributeError) as error:
-            message = "functions of a notebook or of __main__ need cloudpickle: pip install cloudpickle"
-            raise TypeError(message) from error
-    return bytes(cloudpickle.dumps(task))
-
-
-def _call(task: bytes, parameters: dict[str, Any]) -> dict[str, Any]:
-    """Do one run. Runs in a worker."""
-    make_scene, run, backend = pickle.loads(task)
-    result = run(make_scene(**parameters), backend=backend, **parameters)
-    if not isinstance(result, Mapping):
-        raise TypeError(f"run: expected a dict of results, got {type(result).__name__}")
-    both = set(result) & set(parameters)
-    if both:
-        raise ValueError(f"run: these names are parameters and results: {', '.join(sorted(both))}")
-    return dict(result)
-
-
-def _failed(index: int, parameters: dict[str, Any], why: str) -> SweepError:
-    return SweepError(f"run {index} with {parameters} {why}", index, parameters)
-
-
-def _in_one_thread() -> None:
-    """Leave one core to every worker, so that workers do not compete. Results do not depend on the number of threads."""
-    os.environ.setdefault("RAYON_NUM_THREADS", "1")
-
-
-def _on_processes(
-    task: bytes, runs: list[dict[str, Any]], *, workers: int, retries: int, advance: Callable[[int], None]
-) -> list[dict[str, Any]]:
-    results: dict[int, dict[str, Any]] = {}
-    losses = [0] * len(runs)
-    while len(results) < len(runs):
-        waiting = [index for index in range(len(runs)) if index not in results]
-        # A fork would copy the threads' locks in whatever state they are.
-        setup = _in_one_thread if workers > 1 else None
-        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=setup)
-        try:
-            _drain(pool, task, runs, waiting, workers, results, losses, retries, advance)
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
-    return [results[index] for index in range(len(runs))]
-
-
-def _drain(
-    pool: ProcessPoolExecutor,
-    task: bytes,
-    runs: list[dict[str, Any]],
-    waiting: list[int],
-    workers: int,
-    results: dict[int, dict[str, Any]],
-    losses: list[int],
-    retries: int,
-    advance: Callable[[int], None],
-) -> None:
-    """Run what is waiting until all is done or a process is lost."""
-    queue = iter(waiting)
-    # Few runs are submitted at a time, so that only those under way are lost with a process.
-    under_way = {pool.submit(_call, task, runs[index]): index for index in itertools.islice(queue, workers)}
-    while under_way:
-        done, _ = wait(under_way, return_when=FIRST_COMPLETED)
-        for future in done:
-            index = under_way.pop(future)
-            try:
-                results[index] = future.result()
-            except BrokenProcessPool as error:
-                for lost in [index, *under_way.values()]:
-                    losses[lost] += 1
-                    if losses[lost] > retries:
-                        raise _failed(lost, runs[lost], f"lost its process {losses[lost]} times") from error
-                return
-            except Exception as error:
-                raise _failed(index, runs[index], f"failed: {type(error).__name__}: {error}") from error
-            advance(1)
-            for index in itertools.islice(queue, 1):
-                under_way[pool.submit(_call, task, runs[index])] = index
+            raise TypeError(_NEEDS_CLOUDPICKLE) from error
+        if in_notebook:
+            raise TypeError(_NEEDS_CLOUDPICKLE) from None
+        return found, script
+    return bytes(cloudpickle.dumps(task)), None
 
 
 def _on_ray(
@@ -304,7 +220,7 @@ def _on_ray(
     if not ray.is_initialized():
         ray.init(address=address if isinstance(address, str) else None, log_to_driver=False)
     # Ray itself starts a run again when its worker is lost, and not when it raises an exception.
-    remote = ray.remote(num_cpus=cpus, num_gpus=gpus, max_retries=retries, retry_exceptions=False)(_call)
+    remote = ray.remote(num_cpus=cpus, num_gpus=gpus, max_retries=retries, retry_exceptions=False)(call)
     shared = ray.put(task)
     indices = {remote.remote(shared, parameters): index for index, parameters in enumerate(runs)}
     results: dict[int, dict[str, Any]] = {}
@@ -319,8 +235,8 @@ def _on_ray(
                 cause = error.cause if isinstance(error.cause, Exception) else error
                 for left in waiting:
                     ray.cancel(left, force=False)
-                raise _failed(index, runs[index], f"failed: {type(cause).__name__}: {cause}") from cause
+                raise failed(index, runs[index], f"failed: {type(cause).__name__}: {cause}") from cause
             except (ray.exceptions.WorkerCrashedError, ray.exceptions.NodeDiedError) as error:
-                raise _failed(index, runs[index], f"lost its worker more than {retries} times") from error
+                raise failed(index, runs[index], f"lost its worker more than {retries} times") from error
             advance(1)
     return [results[index] for index in range(len(runs))]

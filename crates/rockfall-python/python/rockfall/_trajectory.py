@@ -2,32 +2,45 @@
 
 from __future__ import annotations
 
+import importlib
 import os
-from collections.abc import Iterator
+import weakref
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
 
 from rockfall import _rockfall
 from rockfall._arrays import FloatArray, whole
+from rockfall._attributes import Strict
 from rockfall._scene import Scene
 
 if TYPE_CHECKING:
     from rockfall._simulation import Simulation
 
+_ARRAYS = ("positions", "velocities", "orientations", "angular_momenta")
+#: Names of the columns of these arrays in tables.
+_COLUMNS = (("x", "y", "z"), ("vx", "vy", "vz"), ("qw", "qx", "qy", "qz"), ("lx", "ly", "lz"))
 
-class Recording:
+
+class Recording(Strict):
     """A trajectory that is being written; :meth:`Simulation.record` begins one. A context manager.
 
-    The file appears under its name when the recording is finished.
+    The file appears under its name when the recording is finished: by :meth:`finish`, at the end of a ``with`` block, when nothing
+    refers to the recording and its simulation any more, or at the end of the program. A forked process writes nothing to it.
     """
 
     def __init__(self, simulation: Simulation, path: str | os.PathLike[str], every: int) -> None:
         self._every = whole("every", every, least=1)
-        self._writer = _rockfall.TrajectoryWriter(os.fspath(path))
+        self._path = os.fspath(path)
+        self._writer = _rockfall.TrajectoryWriter(self._path)
         self._simulation: Simulation | None = simulation
         self._start = simulation.steps
+        self._frames = 0
         self.frame()
+        self._left = weakref.finalize(self, self._writer.finish, simulation._native)
 
     def frame(self) -> None:
         """Write the current state as a further frame.
@@ -43,6 +56,11 @@ class Recording:
             raise ValueError("the recording is finished")
         self._simulation._commit()
         self._writer.frame(self._simulation._native)
+        self._frames += 1
+
+    def _needs_same_spheres(self) -> bool:
+        """Whether all frames must have the same spheres."""
+        return os.path.splitext(self._path)[1].lower() == ".npz"
 
     def _steps_until_frame(self, steps: int) -> int:
         return self._every - (steps - self._start) % self._every
@@ -56,6 +74,7 @@ class Recording:
         simulation, self._simulation = self._simulation, None
         if simulation is not None:
             simulation._recordings.remove(self)
+            self._left.detach()
             self._writer.finish(simulation._native)
 
     def __enter__(self) -> Recording:
@@ -67,7 +86,12 @@ class Recording:
         self.finish()
 
 
-@dataclass(frozen=True)
+    def __repr__(self) -> str:
+        state = "" if self._simulation is not None else ", finished"
+        return f"<rockfall.Recording to {self._path!r}: {self._frames} frames{state}>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Frame:
     """One frame of a trajectory: arrays in order of addition."""
 
@@ -84,9 +108,15 @@ class Frame:
     #: Angular momenta of shape (N, 3), in mass units²/s.
     angular_momenta: FloatArray
 
+    def __repr__(self) -> str:
+        return f"<rockfall.Frame: step {self.step}, {self.time:g} s, {len(self.positions)} spheres>"
 
-class Trajectory:
+
+class Trajectory(Strict, Sequence[Frame]):
     """A trajectory file, ``.npz`` or ``.pvd``, as a sequence of frames that are read when they are used.
+
+    ``trajectory[-1]`` is a frame, and ``trajectory[::10]`` a trajectory of every tenth one. :attr:`positions` and the other arrays
+    hold all frames at once.
 
     Raises
     ------
@@ -95,8 +125,10 @@ class Trajectory:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self._native = _rockfall.TrajectoryReader(os.fspath(path))
-        self._moments: list[tuple[int, float]] = self._native.moments()
+        self._path = os.fspath(path)
+        self._native = _rockfall.TrajectoryReader(self._path)
+        self._all: list[tuple[int, float]] = self._native.moments()
+        self._places: Sequence[int] = range(len(self._all))
 
     @property
     def scene(self) -> Scene:
@@ -106,22 +138,101 @@ class Trajectory:
     @property
     def steps(self) -> list[int]:
         """Number of steps at each frame."""
-        return [step for step, _ in self._moments]
+        return [self._all[place][0] for place in self._places]
 
     @property
     def times(self) -> list[float]:
         """Simulated time of each frame, in s."""
-        return [time for _, time in self._moments]
+        return [self._all[place][1] for place in self._places]
+
+    def _stack(self, field: int, columns: int) -> FloatArray:
+        frames = [self._native.frame(place)[field] for place in self._places]
+        return np.stack(frames) if frames else np.zeros((0, self.scene.counts.spheres, columns), np.float32)
+
+    @property
+    def positions(self) -> FloatArray:
+        """Centres in all frames, of shape (T, N, 3), in units. Reads the file."""
+        return self._stack(0, 3)
+
+    @property
+    def velocities(self) -> FloatArray:
+        """Velocities in all frames, of shape (T, N, 3), in units/s. Reads the file."""
+        return self._stack(1, 3)
+
+    @property
+    def orientations(self) -> FloatArray:
+        """Unit quaternions w, x, y, z in all frames, of shape (T, N, 4). Reads the file."""
+        return self._stack(2, 4)
+
+    @property
+    def angular_momenta(self) -> FloatArray:
+        """Angular momenta in all frames, of shape (T, N, 3), in mass units²/s. Reads the file."""
+        return self._stack(3, 3)
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with a row for each sphere in each frame. Needs pandas.
+
+        The columns are ``step``, ``time``, ``sphere`` (its row) and, as in the CSV files of ``rockfall run``, ``x`` to ``lz``.
+        """
+        pandas = needed("pandas", "Trajectory.to_pandas")
+        frames, spheres = len(self), self.scene.counts.spheres
+        columns: dict[str, Any] = {
+            "step": np.repeat(np.array(self.steps, np.int64), spheres),
+            "time": np.repeat(np.array(self.times, np.float64), spheres),
+            "sphere": np.tile(np.arange(spheres), frames),
+        }
+        for names, array in zip(_COLUMNS, self._arrays().values(), strict=True):
+            for place, name in enumerate(names):
+                columns[name] = array[:, :, place].ravel()
+        return pandas.DataFrame(columns)
+
+    def to_xarray(self) -> Any:
+        """An ``xarray.Dataset`` with the arrays over ``time``, ``sphere`` and ``axis`` or ``component``. Needs xarray."""
+        xarray = needed("xarray", "Trajectory.to_xarray")
+        last = {"orientations": "component"}
+        arrays = {name: (("time", "sphere", last.get(name, "axis")), array) for name, array in self._arrays().items()}
+        places = {"time": self.times, "step": ("time", self.steps), "axis": list("xyz"), "component": list("wxyz")}
+        return xarray.Dataset(arrays, coords=places)
+
+    def _arrays(self) -> dict[str, FloatArray]:
+        frames = [self._native.frame(place) for place in self._places]
+        if not frames:
+            return {name: self._stack(0, len(names)) for name, names in zip(_ARRAYS, _COLUMNS, strict=True)}
+        return {name: np.stack([frame[field] for frame in frames]) for field, name in enumerate(_ARRAYS)}
 
     def __len__(self) -> int:
-        return len(self._moments)
+        return len(self._places)
 
-    def __getitem__(self, index: int) -> Frame:
+    @overload
+    def __getitem__(self, index: int) -> Frame: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Trajectory: ...
+
+    def __getitem__(self, index: int | slice) -> Frame | Trajectory:
+        if isinstance(index, slice):
+            part = Trajectory.__new__(Trajectory)
+            part._path, part._native, part._all, part._places = self._path, self._native, self._all, self._places[index]
+            return part
         place = index.__index__()
         place += len(self) if place < 0 else 0
         if not 0 <= place < len(self):
             raise IndexError(f"frame {index} does not exist: the trajectory has {len(self)} frames")
-        return Frame(*self._moments[place], *self._native.frame(place))
+        number = self._places[place]
+        return Frame(*self._all[number], *self._native.frame(number))
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[index] for index in range(len(self)))
+
+    def __repr__(self) -> str:
+        times = self.times
+        ends = f" from {times[0]:g} to {times[-1]:g} s" if times else ""
+        return f"<rockfall.Trajectory {self._path!r}: {len(self)} frames{ends}>"
+
+
+def needed(name: str, by: str) -> Any:
+    """A module that the package does not need otherwise."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise ImportError(f"{by} needs {name}: pip install {name}") from error

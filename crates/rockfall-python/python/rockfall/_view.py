@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import importlib.util
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from rockfall._window import open_window
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from rockfall._options import ViewOptions
     from rockfall._simulation import Simulation
 
 
@@ -21,7 +24,7 @@ def in_notebook() -> bool:
     return shell is not None and hasattr(shell, "kernel")
 
 
-def view(sim: Simulation, kind: str = "auto", **options: Any) -> Any:
+def view(sim: Simulation, kind: Literal["auto", "widget", "window"] = "auto", **options: Unpack[ViewOptions]) -> Any:
     """Open an interactive view of a simulation.
 
     In a notebook, this is a widget, which steps the simulation itself. Elsewhere it is the window of the program ``rockfall`` in a

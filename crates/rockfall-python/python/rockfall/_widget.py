@@ -15,6 +15,7 @@ import traitlets
 from rockfall import _rockfall
 from rockfall._arrays import FloatArray, whole
 from rockfall._look import look
+from rockfall.typing import ColourName
 
 if TYPE_CHECKING:
     from rockfall._simulation import Simulation
@@ -54,7 +55,7 @@ class Viewer(anywidget.AnyWidget):
         *,
         steps: int = 1,
         size: tuple[int, int] = (640, 400),
-        colour_by: str | None = None,
+        colour_by: ColourName | None = None,
         range: tuple[float, float] | None = None,
         camera: npt.ArrayLike | None = None,
         look_at: npt.ArrayLike | None = None,

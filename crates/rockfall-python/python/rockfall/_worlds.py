@@ -4,25 +4,28 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import FloatArray, IntArray, floats, integers, quaternions, time_step, whole
+from rockfall._arrays import FloatArray, floats, time_step, whole
 from rockfall._picture import Picture
 from rockfall._progress import Progress
 from rockfall._reports import WORLD_REPORTS, Backend
 from rockfall._scene import Scene
 from rockfall._simulation import Simulation
+from rockfall._world_states import STATES, WorldStates, frozen
+from rockfall.typing import BackendName, BroadPhaseName, FieldName, IntegratorName
 
-#: Fields of spheres with their columns.
-_STATES = {"positions": ("position", 3), "velocities": ("velocity", 3), "orientations": ("orientation", 4),
-           "angular_momenta": ("angular_momentum", 3)}
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from rockfall._options import LookOptions
 
 
-class Worlds:
+class Worlds(WorldStates):
     """Many small scenes that advance side by side, each in its own world.
 
     Worlds do not affect each other. Each has its own bodies, static objects and settings, and advances exactly as in a
@@ -79,9 +82,9 @@ class Worlds:
         dt: float | None = None,
         *,
         count: int | None = None,
-        backend: str = "auto",
-        integrator: str = "auto",
-        broad_phase: str = "auto",
+        backend: BackendName = "auto",
+        integrator: IntegratorName = "auto",
+        broad_phase: BroadPhaseName = "auto",
         keep_going: bool = False,
     ) -> None:
         scenes = scenes if isinstance(scenes, Scene) else _scenes("scenes", scenes)
@@ -93,7 +96,7 @@ class Worlds:
         self._native: Any = _rockfall.Worlds(natives, worlds, backend, integrator, broad_phase, bool(keep_going))
 
     @classmethod
-    def resume(cls, path: str | os.PathLike[str], dt: float = 0.02, *, backend: str | None = None) -> Worlds:
+    def resume(cls, path: str | os.PathLike[str], dt: float = 0.02, *, backend: BackendName | None = None) -> Worlds:
         """Continue from a checkpoint, with results that are bitwise identical to those of a run without interruption.
 
         Parameters
@@ -120,6 +123,19 @@ class Worlds:
     def save_checkpoint(self, path: str | os.PathLike[str]) -> None:
         """Write everything that determines the following steps, and the starts of all worlds, to a file for :meth:`resume`."""
         self._native.save_checkpoint(os.fspath(path))
+
+    def copy(self) -> Worlds:
+        """Other worlds in the same state, which take the same steps to the same bits."""
+        return _from_bytes(self._native.to_bytes(), self._dt)
+
+    def __copy__(self) -> Worlds:
+        raise TypeError("worlds have no shallow copy: call worlds.copy(), which makes independent worlds in the same state")
+
+    def __deepcopy__(self, memo: Any) -> Worlds:
+        return self.copy()
+
+    def __reduce__(self) -> Any:
+        return (_from_bytes, (self._native.to_bytes(), self._dt))
 
     # Steps
 
@@ -187,7 +203,7 @@ class Worlds:
                     self._native.put("force", everyone, forces[row].ravel())
                 self._native.run(min(every, left - row * every), self._dt, advance)
 
-    def record(self, steps: int, every: int = 1, field: str = "positions") -> FloatArray:
+    def record(self, steps: int, every: int = 1, field: FieldName = "positions") -> FloatArray:
         """Run steps in all worlds that are not stopped, and return a state of all spheres after every ``every`` steps.
 
         On a GPU this is faster than calls of :meth:`run` in a loop: the device runs the next steps while states are copied.
@@ -215,10 +231,10 @@ class Worlds:
         KeyboardInterrupt
             After Ctrl-C. All worlds have done the same number of steps and can go on.
         """
-        if field not in _STATES:
-            raise ValueError(f"field: expected one of {', '.join(_STATES)}, got {field!r}")
-        native, _ = _STATES[field]
-        return _frozen(self._native.record(whole("steps", steps), self._dt, whole("every", every, least=1), native))
+        if field not in STATES:
+            raise ValueError(f"field: expected one of {', '.join(STATES)}, got {field!r}")
+        native, _ = STATES[field]
+        return frozen(self._native.record(whole("steps", steps), self._dt, whole("every", every, least=1), native))
 
     def reset(self, worlds: npt.ArrayLike | None = None) -> None:
         """Return worlds to the state in which they were created or replaced, at time 0. Stopped worlds advance again.
@@ -308,148 +324,6 @@ class Worlds:
             raise ValueError(f"steps: expected less than 2**32, got {number}")
         self._native.set_sleep(limit, number, bool(skip))
 
-    # States
-
-    @property
-    def sphere_counts(self) -> IntArray:
-        """Number of spheres in each world, of shape (W,)."""
-        counts: IntArray = self._native.counts()[0]
-        return counts
-
-    @property
-    def spring_counts(self) -> IntArray:
-        """Number of springs in each world, of shape (W,)."""
-        counts: IntArray = self._native.counts()[1]
-        return counts
-
-    @property
-    def mask(self) -> npt.NDArray[np.bool_]:
-        """Which rows of arrays of spheres exist, of shape (W, N)."""
-        return _mask(self.sphere_counts)
-
-    @property
-    def spring_mask(self) -> npt.NDArray[np.bool_]:
-        """Which rows of arrays of springs exist, of shape (W, M)."""
-        return _mask(self.spring_counts)
-
-    @property
-    def positions(self) -> FloatArray:
-        """Centres of the spheres of shape (W, N, 3), in units. Can be set."""
-        return self._get("position")
-
-    @positions.setter
-    def positions(self, value: npt.ArrayLike) -> None:
-        self.set(positions=value)
-
-    @property
-    def velocities(self) -> FloatArray:
-        """Velocities of the spheres of shape (W, N, 3), in units/s. Can be set."""
-        return self._get("velocity")
-
-    @velocities.setter
-    def velocities(self, value: npt.ArrayLike) -> None:
-        self.set(velocities=value)
-
-    @property
-    def orientations(self) -> FloatArray:
-        """Unit quaternions w, x, y, z of shape (W, N, 4). Can be set."""
-        return self._get("orientation")
-
-    @orientations.setter
-    def orientations(self, value: npt.ArrayLike) -> None:
-        self.set(orientations=value)
-
-    @property
-    def angular_momenta(self) -> FloatArray:
-        """Angular momenta of shape (W, N, 3), in mass units²/s. Can be set."""
-        return self._get("angular_momentum")
-
-    @angular_momenta.setter
-    def angular_momenta(self, value: npt.ArrayLike) -> None:
-        self.set(angular_momenta=value)
-
-    @property
-    def external_forces(self) -> FloatArray:
-        """External forces of shape (W, N, 3), in mass units/s². They act until they are changed. Can be set."""
-        return self._get("force")
-
-    @external_forces.setter
-    def external_forces(self, value: npt.ArrayLike) -> None:
-        self.set(external_forces=value)
-
-    @property
-    def rest_lengths(self) -> FloatArray:
-        """Rest lengths of the springs of shape (W, M), in units. That of a muscle oscillates about it. Can be set."""
-        return _frozen(self._native.rest_lengths())
-
-    @rest_lengths.setter
-    def rest_lengths(self, value: npt.ArrayLike) -> None:
-        self.set(rest_lengths=value)
-
-    def set(
-        self,
-        worlds: npt.ArrayLike | None = None,
-        *,
-        positions: npt.ArrayLike | None = None,
-        velocities: npt.ArrayLike | None = None,
-        orientations: npt.ArrayLike | None = None,
-        angular_momenta: npt.ArrayLike | None = None,
-        external_forces: npt.ArrayLike | None = None,
-        rest_lengths: npt.ArrayLike | None = None,
-    ) -> None:
-        """Change states and controls of some worlds.
-
-        Parameters
-        ----------
-        worlds : array_like of int, shape (K,) or (), or of bool, shape (W,), optional
-            The worlds, by number or by a mask; all by default.
-        positions, velocities, angular_momenta, external_forces : array_like, shape (K, N, 3) or (N, 3), optional
-            States and forces of the spheres, in the units of the attributes of these names.
-        orientations : array_like, shape (K, N, 4) or (N, 4), optional
-            Unit quaternions w, x, y, z.
-        rest_lengths : array_like, shape (K, M) or (M,), optional
-            Rest lengths of the springs, in units, not negative.
-
-        Raises
-        ------
-        ValueError, TypeError
-            For a wrong shape, type or value. Nothing is changed then.
-        LookupError
-            For a world that does not exist. Nothing is changed then.
-        """
-        numbers = self._numbers(worlds)
-        given = {"positions": positions, "velocities": velocities, "orientations": orientations, "angular_momenta": angular_momenta}
-        arrays = []
-        for name, value in given.items():
-            if value is not None:
-                field, columns = _STATES[name]
-                arrays.append((field, self._rows(name, value, numbers, (columns,))))
-        if external_forces is not None:
-            arrays.append(("force", self._rows("external_forces", external_forces, numbers, (3,))))
-        lengths = None if rest_lengths is None else self._rows("rest_lengths", rest_lengths, numbers, ())
-        for field, array in arrays:
-            self._native.put(field, numbers, array.ravel())
-        if lengths is not None:
-            self._native.put_rest_lengths(numbers, lengths.ravel())
-
-    @property
-    def masses(self) -> FloatArray:
-        """Masses of the spheres of shape (W, N), in mass units."""
-        return self._get("mass")[:, :, 0]
-
-    @property
-    def radii(self) -> FloatArray:
-        """Radii of the spheres of shape (W, N), in units."""
-        return self._get("radius")[:, :, 0]
-
-    @property
-    def centres(self) -> npt.NDArray[np.float64]:
-        """Centre of mass of all spheres of each world, float64 of shape (W, 3), in units; 0 for a world without spheres."""
-        masses = self.masses.astype(np.float64)
-        total = masses.sum(axis=1, keepdims=True)
-        moments: npt.NDArray[np.float64] = np.einsum("wn,wni->wi", masses, self.positions, dtype=np.float64)
-        return moments / np.where(total > 0, total, 1.0)
-
     # Reports
 
     def report(self, bounds: tuple[npt.ArrayLike, npt.ArrayLike] | None = None) -> npt.NDArray[Any]:
@@ -505,77 +379,19 @@ class Worlds:
         """A scene with the current state of a world, from which a simulation can continue."""
         return Scene._of(self._native.scene(int(self._numbers(whole("world", world))[0])))
 
-    def render(self, world: int, size: tuple[int, int] = (1280, 720), **look: Any) -> Picture:
+    def render(self, world: int, size: tuple[int, int] = (1280, 720), **look: Unpack[LookOptions]) -> Picture:
         """Draw a world. Arguments are those of :meth:`Simulation.render`."""
         return Simulation(self.scene(world), self._dt, backend="cpu").render(size, **look)
-
-    def __len__(self) -> int:
-        return int(self._native.len())
 
     def __repr__(self) -> str:
         return f"<rockfall.Worlds: {len(self)} worlds, {int(self.sphere_counts.sum())} spheres, {self.backend.kind}>"
 
-    # Conversions
 
-    def _get(self, field: str) -> FloatArray:
-        return _frozen(self._native.get(field))
-
-    def _numbers(self, worlds: npt.ArrayLike | None) -> IntArray:
-        count = len(self)
-        if worlds is None:
-            return np.arange(count, dtype=np.int64)
-        array = np.asarray(worlds)
-        if array.dtype.kind == "b":
-            if array.shape != (count,):
-                raise ValueError(f"worlds: expected a mask of shape ({count},), got {array.shape}")
-            return np.flatnonzero(array).astype(np.int64)
-        numbers: IntArray = integers("worlds", worlds)
-        if (numbers >= count).any():
-            raise LookupError(f"worlds: there is no world {int(numbers.max())}, expected numbers below {count}")
-        return numbers
-
-    def _rows(self, name: str, value: Any, numbers: IntArray, columns: tuple[int, ...]) -> FloatArray:
-        """An array with a row for each of some worlds, of the same size for all, in which rows that do not exist are 0."""
-        counts = self.sphere_counts if columns else self.spring_counts
-        room = int(counts.max(initial=0))
-        array = floats(name, _hidden(value, _mask(counts)[numbers], columns), (room, *columns), len(numbers))
-        exists = np.arange(room) < counts[numbers, None]
-        if columns == (4,):
-            quaternions(name, array[exists])
-        if not columns and (array < 0).any():
-            raise ValueError(f"{name}: expected numbers that are not negative, got {array.min()}")
-        return array
-
-    def _controls(self, name: str, value: Any, columns: tuple[int, ...], rows: int) -> FloatArray:
-        """An array of shape (T, W, ...) of which each row is a control of all worlds."""
-        everyone = np.arange(len(self), dtype=np.int64)
-        array = np.asarray(value)
-        if array.ndim not in (2 + len(columns), 3 + len(columns)) or len(array) != rows:
-            counts = self.sphere_counts if columns else self.spring_counts
-            inner = ", ".join(str(size) for size in (len(self), int(counts.max(initial=0)), *columns))
-            raise ValueError(f"{name}: expected shape ({rows}, {inner}), got {array.shape}")
-        converted = [self._rows(name, row, everyone, columns) for row in array]
-        return np.stack(converted) if converted else np.zeros((0, len(self), 0), np.float32)
-
-
-def _frozen(array: FloatArray) -> FloatArray:
-    array.flags.writeable = False
-    return array
-
-
-def _mask(counts: IntArray) -> npt.NDArray[np.bool_]:
-    mask: npt.NDArray[np.bool_] = np.arange(int(counts.max(initial=0))) < counts[:, None]
-    return mask
-
-
-def _hidden(value: Any, exists: npt.NDArray[np.bool_], columns: tuple[int, ...]) -> Any:
-    """A value with zeros in the rows that do not exist, if it has the right shape and some rows do not exist."""
-    if exists.all():
-        return value
-    array = np.asarray(value)
-    if array.dtype.kind not in "fiu" or array.shape not in ((*exists.shape, *columns), (exists.shape[1], *columns)):
-        return value
-    return np.where(exists.reshape(*exists.shape, *(1 for _ in columns)), array, 0)
+def _from_bytes(data: bytes, dt: float) -> Worlds:
+    worlds = Worlds.__new__(Worlds)
+    worlds._dt = dt
+    worlds._native = _rockfall.Worlds.from_bytes(data)
+    return worlds
 
 
 def _natives(scenes: Sequence[Scene] | Scene, count: int | None) -> tuple[list[Any], int | None]:

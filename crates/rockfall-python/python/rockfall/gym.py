@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -29,6 +29,12 @@ from gymnasium.vector.utils import batch_space
 from rockfall._arrays import FloatArray, floats, time_step, whole
 from rockfall._scene import Scene
 from rockfall._worlds import Worlds
+from rockfall.typing import BackendName, IntegratorName
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from rockfall._options import EnvOptions, VectorOptions
 
 __all__ = ["Look", "WorldEnv", "WorldsVectorEnv", "make", "make_vec", "walker"]
 
@@ -149,8 +155,8 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
         render_size: tuple[int, int] = (640, 360),
-        backend: str = "auto",
-        integrator: str = "auto",
+        backend: BackendName = "auto",
+        integrator: IntegratorName = "auto",
     ) -> None:
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"render_mode: expected None or 'rgb_array', got {render_mode!r}")
@@ -342,7 +348,7 @@ class WorldEnv(gymnasium.Env[FloatArray, FloatArray]):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
 
-    def __init__(self, body: Scene | None = None, **options: Any) -> None:
+    def __init__(self, body: Scene | None = None, **options: Unpack[EnvOptions]) -> None:
         for name in ("num_envs", "autoreset_mode"):
             if name in options:
                 raise TypeError(f"{name}: make_vec has this argument, a single environment has not")
@@ -376,17 +382,19 @@ class WorldEnv(gymnasium.Env[FloatArray, FloatArray]):
         return None if pictures is None else pictures[0]
 
 
-def make_vec(bodies: Scene | Sequence[Scene] | None = None, num_envs: int | None = None, **options: Any) -> WorldsVectorEnv:
+def make_vec(
+    bodies: Scene | Sequence[Scene] | None = None, num_envs: int | None = None, **options: Unpack[VectorOptions]
+) -> WorldsVectorEnv:
     """Environments that step together, one world each. Arguments are those of :class:`WorldsVectorEnv`."""
     return WorldsVectorEnv(bodies, num_envs, **options)
 
 
-def make(body: Scene | None = None, **options: Any) -> WorldEnv:
+def make(body: Scene | None = None, **options: Unpack[EnvOptions]) -> WorldEnv:
     """A single environment. The arguments are those of :class:`WorldsVectorEnv` without ``num_envs`` and ``autoreset_mode``."""
     return WorldEnv(body, **options)
 
 
-def _worlds(bodies: Any, num_envs: Any, dt: float, backend: str, integrator: str) -> Worlds:
+def _worlds(bodies: Any, num_envs: Any, dt: float, backend: BackendName, integrator: IntegratorName) -> Worlds:
     if bodies is None or isinstance(bodies, Scene):
         count = 1 if num_envs is None else whole("num_envs", num_envs, least=1)
         return Worlds(walker() if bodies is None else bodies, dt, count=count, backend=backend, integrator=integrator)

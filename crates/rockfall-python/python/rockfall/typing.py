@@ -1,0 +1,40 @@
+"""Types of arguments that are names, for annotations: ``backend: rf.typing.BackendName = "cpu"``."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+__all__ = [
+    "BackendName",
+    "BodyName",
+    "BroadPhaseName",
+    "CohesionName",
+    "ColourName",
+    "ContactLawName",
+    "FieldName",
+    "GoalName",
+    "IntegratorName",
+    "KernelName",
+    "KindName",
+    "PrecisionName",
+    "RollingModelName",
+]
+
+BackendName = Literal["auto", "gpu", "cpu"]
+IntegratorName = Literal["auto", "rk4", "symplectic-euler", "velocity-verlet"]
+BroadPhaseName = Literal["auto", "brute-force", "sort-and-skip", "grid"]
+#: Kinds of objects, for :meth:`Objects.remove` and :meth:`Objects.table`.
+KindName = Literal["sphere", "rod", "capsule", "spring", "tether", "box", "polygon"]
+#: What the colours of pictures show.
+ColourName = Literal["kind", "speed", "contacts", "overlap", "force", "body", "contact-force"]
+ContactLawName = Literal["thesis", "linear", "hertz-mindlin", "user"]
+PrecisionName = Literal["auto", "single", "double"]
+RollingModelName = Literal["a", "c"]
+#: Bodies and goals of :func:`evolve`.
+BodyName = Literal["lattice", "free"]
+GoalName = Literal["distance", "speed", "height", "jump", "climb"]
+CohesionName = Literal["dmt", "jkr"]
+#: Smoothing functions of :meth:`Simulation.fields`.
+KernelName = Literal["gaussian", "heaviside"]
+#: States that :meth:`Worlds.record` records.
+FieldName = Literal["positions", "velocities", "orientations", "angular_momenta"]
