@@ -25,6 +25,7 @@ pub mod palette;
 pub mod picture;
 mod pixels;
 mod read_back;
+mod sheet;
 pub mod survey;
 #[cfg(feature = "window")]
 pub mod window;
