@@ -11,6 +11,7 @@
 //! the simulation.
 #![cfg(feature = "gpu")]
 
+mod block;
 mod bounds;
 pub mod camera;
 pub mod draw;
