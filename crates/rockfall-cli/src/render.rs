@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use rockfall::Simulation;
 use rockfall::glam::Vec3;
+use rockfall_viewer::camera::Direction;
 use rockfall_viewer::draw::{Background, ColourBy, Range, Style};
 use rockfall_viewer::film::Format;
 use rockfall_viewer::palette::Rgb;
@@ -64,6 +65,9 @@ pub(crate) struct Arguments {
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
     size: [u32; 2],
+    /// Direction from which the camera looks, if its position is not given: front, side, top or iso [default: obliquely from above]
+    #[arg(long, value_name = "NAME", value_parser = Direction::named, conflicts_with = "camera")]
+    view: Option<Direction>,
     /// Position of the camera [default: chosen so that all that happens is in view]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     camera: Option<[f32; 3]>,

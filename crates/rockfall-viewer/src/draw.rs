@@ -54,12 +54,12 @@ use walls::Walls;
 /// ```no_run
 /// # fn main() -> rockfall::Result<()> {
 /// # use rockfall::{wgpu, Scene, Simulation};
-/// # use rockfall_viewer::{camera::Camera, draw::{Renderer, Style}};
+/// # use rockfall_viewer::{camera::{Camera, Direction}, draw::{Renderer, Style}};
 /// # let (device, queue, mut simulation, target): (wgpu::Device, wgpu::Queue, Simulation, wgpu::TextureView) = todo!();
 /// let mut renderer = Renderer::new(&device, &queue, wgpu::TextureFormat::Bgra8Unorm)?;
 /// renderer.resize(800, 600);
 /// renderer.set_scene(&simulation);
-/// let camera = Camera::of_scene(simulation.scene(), 800.0 / 600.0);
+/// let camera = Camera::of_scene(simulation.scene(), 800.0 / 600.0, Direction::Oblique);
 /// let style = Style::default();
 /// // For every frame:
 /// simulation.step(0.02)?;

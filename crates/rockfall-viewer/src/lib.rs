@@ -14,6 +14,7 @@
 mod block;
 mod bounds;
 pub mod camera;
+mod direction;
 pub mod draw;
 mod extent;
 #[cfg(not(target_family = "wasm"))]

@@ -16,10 +16,13 @@ fn coded(colour: Option<palette::Rgb>) -> f32 {
 }
 
 impl Renderer {
-    /// Takes what the bodies do over a film. Walls that hide a body in any of its states are then removed in all pictures, and
-    /// bodies that are far away do not count for the scale.
+    /// Takes what the bodies do over a film. Walls that hide a body in any of its states are then removed in all pictures, bodies
+    /// that are far away do not count for the scale, and without static objects the ground is below all places of the bodies.
     pub fn set_survey(&mut self, survey: Survey) {
         self.set_region(&survey);
+        if let (Some(summary), Some(extent)) = (&mut self.summary, survey.extent()) {
+            summary.lower_ground(extent);
+        }
         self.survey = Some(survey);
     }
 

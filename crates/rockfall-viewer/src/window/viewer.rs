@@ -14,7 +14,7 @@ use super::navigation::{self, Arrows, Limits};
 use super::rates::Rates;
 use super::session::Session;
 use crate::bounds::bounds;
-use crate::camera::Camera;
+use crate::camera::{Camera, Direction};
 use crate::draw::Style;
 use crate::legend::Legend;
 
@@ -145,6 +145,11 @@ impl Viewer {
             Command::Reset => session.reset(),
             Command::ResetCamera => self.frame_scene(),
             Command::FrameAll => self.frame_all(),
+            Command::LookFrom(direction) => {
+                let distance = self.camera.eye.distance(self.camera.target);
+                self.camera.eye = self.camera.target + distance * direction.to_camera();
+                self.frame_all();
+            }
             Command::ChangeSpeed { faster } => session.pace.change_speed(faster),
         }
         self.frame_if_new_scene();
@@ -244,7 +249,7 @@ impl Viewer {
 }
 
 fn framing(scene: &Scene, size: Vec2) -> Camera {
-    Camera::of_scene(scene, size.x / size.y)
+    Camera::of_scene(scene, size.x / size.y, Direction::Oblique)
 }
 
 /// Returns the working directory and the folder of the program.
