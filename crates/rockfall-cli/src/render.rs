@@ -19,10 +19,12 @@ use crate::run::Given;
 use crate::source::Source;
 
 mod camera;
+pub(crate) mod captions;
 mod colours;
 mod footage;
 mod studio;
 
+use captions::Captions;
 use colours::Paint;
 use footage::{Cut, Footage, Live, Recorded};
 use studio::Studio;
@@ -95,6 +97,8 @@ pub(crate) struct Arguments {
     /// Direction from the scene towards the sun [default: -0.45,0.8,0.4]
     #[arg(long, value_name = "X,Y,Z", value_parser = light, allow_hyphen_values = true)]
     light: Option<[f32; 3]>,
+    #[command(flatten)]
+    captions: Captions,
     /// Draw without shadows and ambient occlusion
     #[arg(long)]
     plain: bool,
@@ -194,6 +198,9 @@ impl Arguments {
             ),
             (Product::Png | Product::Jpeg, None) if self.orbit.is_some() => {
                 format!("--out {path} is a single picture, but --orbit asks for a film")
+            }
+            _ if self.orbit.is_some() && self.view == Some(Direction::Top) => {
+                "--orbit turns the camera around the vertical, along which --view top looks".to_owned()
             }
             _ => return Ok(product),
         };

@@ -23,6 +23,7 @@ pub mod film;
 pub mod grasp;
 mod groups;
 pub mod legend;
+pub mod overlay;
 pub mod palette;
 pub mod picture;
 mod pixels;

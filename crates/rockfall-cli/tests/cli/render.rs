@@ -344,6 +344,17 @@ fn options_of_the_style_change_the_picture_and_jpeg_is_written() {
         "--colour fixed-spheres=yellow",
         "--colour-by body",
         "--colour-by contact-force",
+        "--view front",
+        "--view side",
+        "--view top",
+        "--view iso",
+        "--title Fall",
+        "--clock",
+        "--scale-bar",
+        "--label",
+        "--at 9 --arrows velocity",
+        "--at 9 --arrows force",
+        "--at 9 --trails 1",
     ] {
         folder.render(&format!("--out a.PNG --size 96x64 {more}"), 0);
         let picture = folder.picture("a.PNG").0;
@@ -433,6 +444,11 @@ fn wrong_arguments_are_refused_and_leave_no_files() {
         ("--out a.png --colour walls=red", "boxes polygons"),
         ("--out a.png --background ff88", "six hexadecimal digits"),
         ("--out a.png --light 0,0,0", "not all 0"),
+        ("--out a.png --view below", "front, side, top, iso"),
+        ("--out a.png --view top --camera 1,2,3", "cannot be used with"),
+        ("--out a.gif --steps 5 --view top --orbit 9", "around the vertical"),
+        ("--out a.png --arrows spin", "velocity, force"),
+        ("--out a.png --trails 0", "greater than 0"),
         ("--out a.png --colour-by speed --range 2,1", "the first less than the second"),
     ] {
         let err = folder.render(arguments, 2);

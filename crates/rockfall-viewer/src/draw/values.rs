@@ -4,7 +4,8 @@ use rockfall::{Result, Simulation};
 
 use crate::draw::range::{RecentPercentile, percentile, percentile_in};
 use crate::draw::style::{ColourBy, Range, Style};
-use crate::draw::{Renderer, palette};
+use crate::draw::{Motion, Renderer, palette};
+use crate::overlay::Overlay;
 use crate::survey::Survey;
 
 /// Distance from the bodies of a scene up to which others count for the scale, divided by the extent of the bodies.
@@ -31,6 +32,26 @@ impl Renderer {
     pub fn set_colours(&mut self, colours: Vec<Option<palette::Rgb>>) {
         self.colours = colours;
         self.colours_due = true;
+    }
+
+    /// Takes what an overlay needs of the states of the following [`Renderer::update`].
+    pub fn set_overlay(&mut self, overlay: &Overlay) {
+        self.motion.want(overlay);
+    }
+
+    /// What an overlay shows.
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// Sets the time of the state of the last [`Renderer::update`], in s, which a trajectory knows and its simulation does not.
+    pub fn set_time(&mut self, time: f64) {
+        self.motion.set_time(time);
+    }
+
+    /// Adds the state that is shown to the trails of an overlay.
+    pub fn record_trails(&mut self) {
+        self.motion.record();
     }
 
     pub(super) fn set_region(&mut self, survey: &Survey) {

@@ -4,7 +4,7 @@ use egui::Ui;
 
 use super::controls::{Command, Controls};
 use super::viewer::Viewer;
-use super::panel;
+use super::{overlay, panel};
 use crate::camera::Direction;
 use crate::film::Format;
 
@@ -108,5 +108,7 @@ fn view(ui: &mut Ui, viewer: &mut Viewer) -> Option<Command> {
     ui.radio_value(&mut viewer.controls, Controls::Thesis, "Mouse of the thesis");
     ui.separator();
     panel::style_switches(ui, viewer);
+    ui.separator();
+    overlay::switches(ui, viewer);
     asked
 }

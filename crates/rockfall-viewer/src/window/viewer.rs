@@ -17,6 +17,7 @@ use crate::bounds::bounds;
 use crate::camera::{Camera, Direction};
 use crate::draw::Style;
 use crate::legend::Legend;
+use crate::overlay::Overlay;
 
 mod files;
 mod mouse;
@@ -68,6 +69,8 @@ pub struct Viewer {
     pub capture: Capture,
     /// Style of the picture.
     pub style: Style,
+    /// Text, arrows and trails over the picture.
+    pub overlay: Overlay,
     /// Legend of the last picture.
     pub legend: Option<Legend>,
     /// Frames and steps per second.
@@ -105,6 +108,7 @@ impl Viewer {
             dialog: Dialog::default(),
             capture: Capture::default(),
             style: Style::default(),
+            overlay: Overlay::default(),
             legend: None,
             rates: Rates::default(),
             pointer: None,
