@@ -10,8 +10,10 @@ use crate::overlay::{Arrows, Overlay};
 
 /// Number of spheres that have trails. In larger scenes only some have.
 const MOST_TRAILS: usize = 1000;
-/// Number of past states of the trails.
-const MOST_STATES: usize = 400;
+/// Number of states during the time of the trails.
+const STATES: f64 = 200.0;
+/// Greatest number of past states that are kept. Pictures add some to those that trails need.
+const MOST_STATES: usize = 1000;
 
 /// What an overlay shows of the spheres, between the last two states of a renderer.
 #[derive(Debug, Default)]
@@ -99,6 +101,11 @@ impl Motion {
         while self.past.len() > MOST_STATES || self.past.get(1).is_some_and(|state| state.time <= oldest) {
             self.past.pop_front();
         }
+    }
+
+    /// Time between the states that trails need, in s; `None` without trails.
+    pub fn trail_interval(&self) -> Option<f64> {
+        (self.wanted && self.seconds > 0.0).then(|| self.seconds / STATES)
     }
 
     fn is_between(&self) -> bool {

@@ -49,6 +49,17 @@ impl Renderer {
         self.motion.set_time(time);
     }
 
+    /// Adds the present state of a simulation to the trails of an overlay, without a picture of it.
+    ///
+    /// # Errors
+    /// [`rockfall::Error::Device`] when the device failed.
+    pub fn observe(&mut self, simulation: &mut Simulation) -> Result<()> {
+        self.motion.set_blend(1.0);
+        self.motion.update(simulation)?;
+        self.motion.record();
+        Ok(())
+    }
+
     /// Adds the state that is shown to the trails of an overlay.
     pub fn record_trails(&mut self) {
         self.motion.record();

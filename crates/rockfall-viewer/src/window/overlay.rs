@@ -48,8 +48,9 @@ pub(super) fn switches(ui: &mut Ui, viewer: &mut Viewer) {
     ui.checkbox(&mut overlay.scale_bar, "Scale bar");
     ui.checkbox(&mut overlay.labels, "Numbers of spheres");
     let mut has_trails = overlay.trails > 0.0;
-    if ui.checkbox(&mut has_trails, format!("Trails of {TRAILS} s")).changed() {
-        overlay.trails = if has_trails { TRAILS } else { 0.0 };
+    let seconds = if has_trails { overlay.trails } else { TRAILS };
+    if ui.checkbox(&mut has_trails, format!("Trails of {seconds} s")).changed() {
+        overlay.trails = if has_trails { seconds } else { 0.0 };
     }
     ui.radio_value(&mut overlay.arrows, None, "No arrows");
     ui.radio_value(&mut overlay.arrows, Some(Arrows::Velocity), "Arrows of velocity");
