@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use rockfall::Simulation;
 use rockfall::glam::Vec3;
+use rockfall_viewer::camera::Direction;
 use rockfall_viewer::draw::{Background, ColourBy, Range, Style};
 use rockfall_viewer::film::Format;
 use rockfall_viewer::palette::Rgb;
@@ -18,10 +19,12 @@ use crate::run::Given;
 use crate::source::Source;
 
 mod camera;
+pub(crate) mod captions;
 mod colours;
 mod footage;
 mod studio;
 
+use captions::Captions;
 use colours::Paint;
 use footage::{Cut, Footage, Live, Recorded};
 use studio::Studio;
@@ -64,6 +67,9 @@ pub(crate) struct Arguments {
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
     size: [u32; 2],
+    /// Direction from which the camera looks, if its position is not given: front, side, top or iso [default: obliquely from above]
+    #[arg(long, value_name = "NAME", value_parser = Direction::named, conflicts_with = "camera")]
+    view: Option<Direction>,
     /// Position of the camera [default: chosen so that all that happens is in view]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     camera: Option<[f32; 3]>,
@@ -91,6 +97,8 @@ pub(crate) struct Arguments {
     /// Direction from the scene towards the sun [default: -0.45,0.8,0.4]
     #[arg(long, value_name = "X,Y,Z", value_parser = light, allow_hyphen_values = true)]
     light: Option<[f32; 3]>,
+    #[command(flatten)]
+    captions: Captions,
     /// Draw without shadows and ambient occlusion
     #[arg(long)]
     plain: bool,
@@ -190,6 +198,9 @@ impl Arguments {
             ),
             (Product::Png | Product::Jpeg, None) if self.orbit.is_some() => {
                 format!("--out {path} is a single picture, but --orbit asks for a film")
+            }
+            _ if self.orbit.is_some() && self.view == Some(Direction::Top) => {
+                "--orbit turns the camera around the vertical, along which --view top looks".to_owned()
             }
             _ => return Ok(product),
         };

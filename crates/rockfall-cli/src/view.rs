@@ -11,6 +11,7 @@ use rockfall_viewer::window::{self, Launch};
 use crate::failure::Failure;
 use crate::input::Input;
 use crate::options::{Engine, Physics};
+use crate::render::captions::Captions;
 use crate::run::Given;
 use crate::source::Source;
 
@@ -25,6 +26,8 @@ pub(crate) struct Arguments {
     /// What the mouse does: standard (left drag orbits, right drag pans), or thesis
     #[arg(long, default_value_t)]
     controls: Controls,
+    #[command(flatten)]
+    captions: Captions,
     /// Write the state of the window as JSON after every frame
     #[arg(long, value_name = "FILE", hide = true)]
     report: Option<PathBuf>,
@@ -99,6 +102,7 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         keeps_time_step: given.has("dt"),
         overrides: arguments.physics.overrides(),
         controls: arguments.controls,
+        overlay: arguments.captions.overlay(),
         report: arguments.report.clone(),
         lose_device_after: arguments.lose_device_after,
     })

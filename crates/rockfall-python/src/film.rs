@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use rockfall::{Checkpoint, SphereId};
 use rockfall_viewer::draw::{Range, Style};
 use rockfall_viewer::film::{Follower, Format, Moment, Player, Reel, Shot, Timing, View, surveyed};
+use rockfall_viewer::overlay::Overlay;
 use rockfall_viewer::survey::Survey;
 
 use crate::errors::Raise;
@@ -25,6 +26,7 @@ struct Shooting {
     tools: Tools,
     look: Look,
     style: Style,
+    overlay: Overlay,
     view: View,
     timing: Timing,
     moments: Vec<Moment>,
@@ -51,8 +53,9 @@ impl Shooting {
         follow: Option<SphereId>,
         orbit: f32,
     ) -> PyResult<Self> {
-        let style = look.style()?;
+        let (style, overlay) = (look.style()?, look.overlay()?);
         let view = View {
+            from: look.direction()?,
             camera: look.camera.map(Into::into),
             look_at: look.look_at.map(Into::into),
             follow,
@@ -63,13 +66,20 @@ impl Shooting {
         let scene = simulation.sync().or_raise()?;
         let has_camera = view.camera.is_some() && (view.look_at.is_some() || view.follow.is_some());
         // Static objects that hide bodies are found by the survey too.
-        let is_known = has_camera && scale.is_none() && scene.boxes().is_empty() && scene.polygons().is_empty();
+        let is_known = has_camera
+            && scale.is_none()
+            && overlay.arrows.is_none()
+            && scene.boxes().is_empty()
+            && scene.polygons().is_empty();
         let mut to_survey: Vec<_> = if is_known { Vec::new() } else { surveyed(&moments).collect() };
         to_survey.reverse();
         let survey = is_known.then(|| Survey::new(scene));
         let start = if is_known { None } else { Some(simulation.checkpoint().or_raise()?) };
+        let mut tools = Tools::new(simulation, look.size)?;
+        tools.renderer.set_overlay(&overlay);
         Ok(Self {
-            tools: Tools::new(simulation, look.size)?,
+            tools,
+            overlay,
             player: Player::new(timing.dt),
             first_step: simulation.report().steps,
             surveyed_steps: 0,
@@ -95,9 +105,16 @@ impl Shooting {
         };
         simulation.run(moment.step - self.surveyed_steps, self.timing.dt).or_raise()?;
         self.surveyed_steps = moment.step;
-        if let Some(scale) = &mut self.scale {
+        let has_arrows = self.overlay.arrows.is_some();
+        if self.scale.is_some() || has_arrows {
             self.tools.renderer.update(simulation, &self.style).or_raise()?;
+        }
+        if let Some(scale) = &mut self.scale {
             *scale = scale.max(self.tools.renderer.range(&self.style)[1]);
+        }
+        if has_arrows {
+            let key = self.tools.renderer.motion().arrow_key();
+            self.overlay.arrow_key = Some(self.overlay.arrow_key.map_or(key, |before| before.max(key)));
         }
         let scene = simulation.sync().or_raise()?;
         match &mut self.survey {
@@ -130,7 +147,7 @@ impl Shooting {
             }
         };
         let camera = shot.at(index as f64 / f64::from(self.timing.fps), followed.or_raise()?);
-        let picture = self.tools.take(&camera, &self.style, self.look.colour_by.is_some())?;
+        let picture = self.tools.take(&camera, &self.style, &self.overlay, self.look.colour_by.is_some())?;
         self.reel.push(&picture).or_raise()?;
         Ok(true)
     }

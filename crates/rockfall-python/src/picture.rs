@@ -5,8 +5,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rockfall::exec::gpu::Gpu;
-use rockfall_viewer::camera::Camera;
+use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::draw::{ColourBy, Range, Renderer, Style};
+use rockfall_viewer::overlay::{Arrows, Overlay};
 use rockfall_viewer::picture::{Canvas, FORMAT};
 use rockfall_viewer::survey::Survey;
 
@@ -58,7 +59,14 @@ pub(crate) struct Look {
     pub(crate) range: Option<[f32; 2]>,
     pub(crate) camera: Option<[f32; 3]>,
     pub(crate) look_at: Option<[f32; 3]>,
+    pub(crate) view: Option<String>,
     pub(crate) plain: bool,
+    title: Option<String>,
+    clock: bool,
+    scale_bar: bool,
+    label: bool,
+    arrows: Option<String>,
+    trails: f64,
 }
 
 impl Look {
@@ -76,11 +84,33 @@ impl Look {
         Ok(style)
     }
 
+    /// The direction from which the camera looks, unless its position is given.
+    pub(crate) fn direction(&self) -> PyResult<Direction> {
+        let Some(name) = &self.view else { return Ok(Direction::default()) };
+        Direction::named(name).map_err(|expected| PyValueError::new_err(format!("view: {name:?} is not known, {expected}")))
+    }
+
+    /// The text, arrows and trails over the picture.
+    pub(crate) fn overlay(&self) -> PyResult<Overlay> {
+        let arrows = self.arrows.as_deref().map(|name| {
+            Arrows::named(name).map_err(|expected| PyValueError::new_err(format!("arrows: {name:?} is not known, {expected}")))
+        });
+        Ok(Overlay {
+            title: self.title.clone(),
+            clock: self.clock,
+            scale_bar: self.scale_bar,
+            labels: self.label,
+            arrows: arrows.transpose()?,
+            arrow_key: None,
+            trails: self.trails,
+        })
+    }
+
     /// The camera for the state of a simulation.
     fn framing(&self, simulation: &mut rockfall::Simulation) -> PyResult<Camera> {
         let (width, height) = self.size;
         let survey = Survey::new(simulation.sync().or_raise()?);
-        let framing = Camera::of_survey(&survey, simulation.scene(), width as f32 / height as f32, false);
+        let framing = Camera::of_survey(&survey, simulation.scene(), width as f32 / height as f32, self.direction()?, false);
         let eye = self.camera.map_or(framing.eye, Into::into);
         let target = self.look_at.map_or(framing.target, Into::into);
         if eye == target {
@@ -125,11 +155,19 @@ impl Tools {
     }
 
     /// Draws what the renderer has.
-    pub(crate) fn take(&mut self, camera: &Camera, style: &Style, legend: bool) -> PyResult<rockfall_viewer::picture::Picture> {
+    pub(crate) fn take(
+        &mut self,
+        camera: &Camera,
+        style: &Style,
+        overlay: &Overlay,
+        legend: bool,
+    ) -> PyResult<rockfall_viewer::picture::Picture> {
         let mut picture = self.canvas.take(&mut self.renderer, camera, style).or_raise()?;
         if legend {
             self.renderer.legend(style).draw(&mut picture).or_raise()?;
         }
+        self.renderer.record_trails();
+        overlay.draw(self.renderer.motion(), camera, &mut picture).or_raise()?;
         Ok(picture)
     }
 }
@@ -147,7 +185,7 @@ impl Studio {
 
     /// Draws the state of a simulation.
     fn take(&self, simulation: &Bound<'_, Simulation>, look: Look) -> PyResult<Picture> {
-        let style = look.style()?;
+        let (style, overlay) = (look.style()?, look.overlay()?);
         simulation.get().read(simulation.py(), |running| {
             let mut tools = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             let own = &mut running.simulation;
@@ -160,8 +198,9 @@ impl Studio {
             tools.check(true)?;
             tools.resize(look.size)?;
             let camera = look.framing(own)?;
+            tools.renderer.set_overlay(&overlay);
             tools.renderer.update(own, &style).or_raise()?;
-            tools.take(&camera, &style, look.colour_by.is_some()).map(Picture)
+            tools.take(&camera, &style, &overlay, look.colour_by.is_some()).map(Picture)
         })
     }
 }

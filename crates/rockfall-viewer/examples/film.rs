@@ -4,7 +4,7 @@
 
 use rockfall::exec::gpu::Gpu;
 use rockfall::{Cuboid, Options, Scene, Simulation, Sphere};
-use rockfall_viewer::camera::Camera;
+use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::draw::{Renderer, Style};
 use rockfall_viewer::film::{self, Format, Player, Timing};
 use rockfall_viewer::picture::{Canvas, FORMAT};
@@ -16,7 +16,7 @@ fn main() -> rockfall::Result<()> {
         scene.add_sphere(Sphere::new([0.02 * place as f32, 0.3 + 0.6 * place as f32, 0.0], 0.3))?;
     }
     scene.add_sphere(Sphere::new([0.1, 4.0, 0.0], 0.5).mass(5.0))?;
-    let camera = Camera::of_scene(&scene, 16.0 / 9.0);
+    let camera = Camera::of_scene(&scene, 16.0 / 9.0, Direction::Oblique);
 
     // Software Vulkan is sufficient.
     let gpu = Gpu::open_blocking(true)?;

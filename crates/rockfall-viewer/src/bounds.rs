@@ -1,15 +1,19 @@
 //! Bounding boxes of the parts of a scene.
 
-use rockfall::Scene;
 use rockfall::glam::Vec3;
+use rockfall::{Scene, Sphere};
 
+use crate::block::Block;
 use crate::extent::{Extent, extents_of_static_objects};
 use crate::survey::Survey;
 
 /// Static objects larger than this times the extent of the spheres are surroundings and need not be in the picture.
 const SURROUNDINGS: f32 = 0.6;
-/// The same in a film, whose extent contains all that the spheres reach.
+/// The same in a film, whose extent contains all that the spheres reach, and for objects on which a sphere lies.
 const SURROUNDINGS_OF_FILM: f32 = 0.2;
+const CARRIERS_OF_FILM: f32 = 1.5;
+/// Greatest number of tests whether a sphere lies on an object.
+const MOST_TESTS: usize = 2_000_000;
 /// Distance that the spheres may fall without leaving the picture, divided by their extent.
 const FALL_DISTANCE: f32 = 1.0;
 /// Distance below the lowest place of the spheres in a film up to which the ground is shown, divided by their extent.
@@ -24,7 +28,10 @@ pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
 
 /// Returns what [`bounds`] returns, for all states of a survey of the scene.
 pub(crate) fn bounds_of_survey(survey: &Survey, scene: &Scene) -> (Vec3, Vec3) {
-    let parts = survey.extent().map(|spheres| surroundings(spheres, survey.moves(), scene).fold(spheres, Extent::with));
+    let parts = survey.extent().map(|spheres| {
+        let carriers = carriers(survey, spheres, scene).into_iter().filter_map(Extent::of);
+        surroundings(spheres, survey.moves(), scene).chain(carriers).fold(spheres, Extent::with)
+    });
     let all = || extents_of_static_objects(scene).reduce(Extent::with);
     let shown = parts.or_else(all).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
     (shown.min, shown.max)
@@ -40,7 +47,33 @@ pub(crate) fn balls_to_show(survey: &Survey, scene: &Scene) -> Vec<(Vec3, f32)> 
     let below: Vec<_> = balls.iter().map(|(place, _)| (place.with_y(bottom), 0.0)).collect();
     balls.extend(below);
     balls.extend(objects.iter().flat_map(|object| object.corners()).map(|corner| (corner, 0.0)));
+    balls.extend(carriers(survey, spheres, scene).into_iter().flatten().map(|corner| (corner, 0.0)));
     balls
+}
+
+/// Corners of the objects on which spheres lie in a film, if these are not much larger than all that the spheres reach. A level
+/// floor may be cut off, a slope may not.
+fn carriers(survey: &Survey, spheres: Extent, scene: &Scene) -> Vec<[Vec3; 8]> {
+    if !survey.moves() {
+        return Vec::new();
+    }
+    let is_candidate = |extent: Extent| extent.size() < CARRIERS_OF_FILM * spheres.size() && !is_under(extent, spheres);
+    let extents = extents_of_static_objects(scene);
+    let blocks: Vec<Block> =
+        Block::all(scene).zip(extents).filter(|(_, extent)| is_candidate(*extent)).map(|(block, _)| block).collect();
+    let balls = survey.balls();
+    let stride = (blocks.len() * balls.len()).div_ceil(MOST_TESTS) | 1;
+    let carries = |block: &&Block| balls.iter().step_by(stride).any(|(place, radius)| block.carries(*place, *radius));
+    blocks.iter().filter(carries).map(Block::corners).collect()
+}
+
+/// Whether an object is below all that the spheres reach.
+fn is_under(object: Extent, spheres: Extent) -> bool {
+    object.max.y <= spheres.min.y + 0.1 * spheres.size()
+        && object.min.x < spheres.max.x
+        && object.max.x > spheres.min.x
+        && object.min.z < spheres.max.z
+        && object.max.z > spheres.min.z
 }
 
 /// Extents of what a picture should show in addition to the spheres: the points of tethers, nearby objects that are not much
@@ -50,12 +83,7 @@ fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<It
     let size = spheres.size();
     let (fall, most) = if moves { (GROUND_DISTANCE, SURROUNDINGS_OF_FILM) } else { (FALL_DISTANCE, SURROUNDINGS) };
     let objects = extents_of_static_objects(scene).filter_map(move |object| {
-        let under = object.max.y <= spheres.min.y + 0.1 * size
-            && object.min.x < spheres.max.x
-            && object.max.x > spheres.min.x
-            && object.min.z < spheres.max.z
-            && object.max.z > spheres.min.z;
-        if under {
+        if is_under(object, spheres) {
             let middle = 0.5 * (spheres.min + spheres.max);
             return Extent::of([middle.with_y(object.max.y.max(spheres.min.y - fall * size)), middle]);
         }
@@ -65,9 +93,36 @@ fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<It
     objects.chain(Extent::of(scene.tethers().iter().map(|tether| tether.point)))
 }
 
+/// Extents of the places to which bodies may swing that rods, springs and tethers hold: their places mirrored at the middle of all
+/// that holds them, because a cradle swings to both sides, and the lowest point of every pendulum.
+pub(crate) fn room_to_swing(scene: &Scene) -> impl Iterator<Item = Extent> {
+    let sets = scene.bonded_sets(|_| true);
+    let spheres = scene.spheres().iter().enumerate().filter(|(body, _)| sets.is_held(*body)).map(|(_, sphere)| sphere);
+    let extent = |sphere: &Sphere| Extent::around(sphere.position, sphere.radius);
+    let (fixed, bodies): (Vec<&Sphere>, Vec<&Sphere>) = spheres.partition(|sphere| sphere.fixed);
+    let points = scene.tethers().iter().map(|tether| Extent::around(tether.point, 0.0));
+    let holders = fixed.into_iter().map(extent).chain(points).reduce(Extent::with);
+    let bodies = bodies.into_iter().map(extent).reduce(Extent::with);
+    let swung = bodies.zip(holders).map(|(bodies, holders)| mirrored(bodies, holders));
+    let lowest = scene.rods().iter().filter_map(|rod| {
+        let [one, two] = [scene.sphere(rod.end1).ok()?, scene.sphere(rod.end2).ok()?];
+        let (pivot, bob) = if one.fixed { (one, two) } else { (two, one) };
+        let length = pivot.position.distance(bob.position);
+        (pivot.fixed && !bob.fixed).then(|| Extent::around(pivot.position - length * Vec3::Y, bob.radius))
+    });
+    swung.into_iter().chain(lowest)
+}
+
+/// An extent mirrored at the vertical line through the middle of another one.
+fn mirrored(extent: Extent, at: Extent) -> Extent {
+    let both = at.min + at.max;
+    let [min, max] = [extent.max, extent.min].map(|corner| both - corner);
+    Extent { min: min.with_y(extent.min.y), max: max.with_y(extent.max.y) }
+}
+
 #[cfg(test)]
 pub(crate) mod tests {
-    use rockfall::{Cuboid, Sphere};
+    use rockfall::{Cuboid, Rod};
 
     use super::*;
 
@@ -108,6 +163,39 @@ pub(crate) mod tests {
             film.add(&scene);
             assert_eq!(bounds_of_survey(&film, &scene).1.x, right);
         }
+    }
+
+    #[test]
+    fn in_a_film_a_slope_on_which_a_sphere_rolls_counts() {
+        let along = Vec3::new(4.0, 2.0, 0.0);
+        let slope = Cuboid::new([0.0, 0.0, -1.0], along, [-0.05, 0.1, 0.0], [0.0, 0.0, 2.0]);
+        let scene = |part: f32| {
+            let mut scene = Scene::new();
+            let up = Vec3::new(-1.0, 2.0, 0.0).normalize();
+            let foot = slope.corner + slope.edges[1] + Vec3::Z;
+            scene.add_sphere(Sphere::new(foot + part * along + 0.2 * up, 0.2)).unwrap();
+            scene.add_box(slope).unwrap();
+            scene
+        };
+        let mut film = Survey::new(&scene(0.9));
+        film.add(&scene(0.2));
+        let (min, max) = bounds_of_survey(&film, &scene(0.9));
+        assert_eq!((min.z, max.z, max.x), (-1.0, 1.0, 4.0));
+    }
+
+    #[test]
+    fn a_cradle_has_room_to_swing_to_both_sides() {
+        let mut scene = Scene::new();
+        for (pivot, ball) in [(0.0, Vec3::new(-3.0, 4.0, 0.0)), (1.0, Vec3::X), (2.0, 2.0 * Vec3::X)] {
+            let pivot = scene.add_sphere(Sphere::new([pivot, 4.0, 0.0], 0.1).fixed()).unwrap();
+            let ball = scene.add_sphere(Sphere::new(ball, 0.5)).unwrap();
+            scene.add_rod(Rod::new(pivot, ball, 0.03)).unwrap();
+        }
+        let room = room_to_swing(&scene).reduce(Extent::with).unwrap();
+        assert!((room.max.x - 5.5).abs() < 1e-5 && (room.min.y + 0.5).abs() < 1e-5, "{room:?}");
+        // A pendulum that begins level swings down.
+        assert!(room_to_swing(&scene).any(|extent| extent.min.abs_diff_eq(Vec3::new(-0.5, 0.5, -0.5), 1e-5)));
+        assert_eq!(room_to_swing(&tests::scene(&[])).count(), 0);
     }
 
     #[test]

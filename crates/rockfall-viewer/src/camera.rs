@@ -3,13 +3,12 @@
 use rockfall::Scene;
 use rockfall::glam::{Mat4, Quat, Vec3, Vec4};
 
+pub use crate::direction::Direction;
 use crate::extent::Extent;
 use crate::survey::Survey;
 
 /// The default vertical field of view, in rad.
 const FIELD_OF_VIEW: f32 = 0.6;
-/// Direction from the target to the default camera: to the right, above, in front.
-const DIRECTION_TO_CAMERA: Vec3 = Vec3::new(0.45, 0.50, 1.0);
 /// Distance of a camera that frames something, divided by the least distance.
 const MARGIN: f32 = 1.12;
 /// Distance of the near plane divided by the distance of the target.
@@ -43,11 +42,11 @@ impl Camera {
         Self { eye: eye.into(), target: target.into(), field_of_view: FIELD_OF_VIEW }
     }
 
-    /// Creates a camera that looks slightly down and shows the whole of a bounding box; `aspect` is the width of the picture
+    /// Creates a camera that looks from a direction and shows the whole of a bounding box; `aspect` is the width of the picture
     /// divided by its height.
-    pub fn framing(min: Vec3, max: Vec3, aspect: f32) -> Self {
+    pub fn framing(min: Vec3, max: Vec3, aspect: f32, from: Direction) -> Self {
         let middle = (min + max) * 0.5;
-        let camera = Self::new(middle + DIRECTION_TO_CAMERA.normalize(), middle);
+        let camera = Self::new(middle + from.to_camera(), middle);
         let Axes { right, up, forward } = camera.axes();
         let tangent = (0.5 * camera.field_of_view).tan();
         let half = (max - min) * 0.5;
@@ -63,10 +62,10 @@ impl Camera {
         Self { eye: middle - distance * forward, ..camera }
     }
 
-    /// Creates the camera nearest to some balls, given by centre and radius, that shows all of them with a margin and looks in
-    /// the direction of [`Camera::framing`]. `None` if there are no balls, or if they have no size.
-    pub(crate) fn fitting(balls: &[(Vec3, f32)], aspect: f32) -> Option<Self> {
-        let camera = Self::new(DIRECTION_TO_CAMERA.normalize(), Vec3::ZERO);
+    /// Creates the camera nearest to some balls, given by centre and radius, that looks from a direction and shows all of them
+    /// with a margin. `None` if there are no balls, or if they have no size.
+    pub(crate) fn fitting(balls: &[(Vec3, f32)], aspect: f32, from: Direction) -> Option<Self> {
+        let camera = Self::new(from.to_camera(), Vec3::ZERO);
         let Axes { right, up, forward } = camera.axes();
         let tangent = (0.5 * camera.field_of_view).tan();
         // For the sides of the picture along an axis: the place of the eye across, and how far forward it may be. A ball is
@@ -95,30 +94,30 @@ impl Camera {
     }
 
     /// Creates a camera that shows the whole of a bounding box from all sides, when it orbits around its target.
-    pub fn framing_all_around(min: Vec3, max: Vec3, aspect: f32) -> Self {
+    pub fn framing_all_around(min: Vec3, max: Vec3, aspect: f32, from: Direction) -> Self {
         let middle = 0.5 * (min + max);
         let half = 0.5 * (max - min);
         // The box around the box at every angle of its turn.
         let across = half.x.hypot(half.z);
         let half = Vec3::new(across, half.y, across);
         // A box with these corners is a little too large, because its turn is a cylinder.
-        let wide = Self::framing(middle - half, middle + half, aspect);
+        let wide = Self::framing(middle - half, middle + half, aspect, from);
         Self { eye: middle + 0.85 * (wide.eye - middle), ..wide }
     }
 
     /// Creates a camera that shows what the moving bodies of a scene do in all states of a survey, and what they lie on. With
     /// `all_around`, it does so from all sides.
-    pub fn of_survey(survey: &Survey, scene: &Scene, aspect: f32, all_around: bool) -> Self {
+    pub fn of_survey(survey: &Survey, scene: &Scene, aspect: f32, from: Direction, all_around: bool) -> Self {
         let (min, max) = crate::bounds::bounds_of_survey(survey, scene);
         if all_around {
-            return Self::framing_all_around(min, max, aspect);
+            return Self::framing_all_around(min, max, aspect, from);
         }
         if !survey.moves() {
             // Bodies need room to move.
-            return Self::framing(min, max, aspect);
+            return Self::framing(min, max, aspect, from);
         }
         let balls = crate::bounds::balls_to_show(survey, scene);
-        Self::fitting(&balls, aspect).unwrap_or_else(|| Self::framing(min, max, aspect))
+        Self::fitting(&balls, aspect, from).unwrap_or_else(|| Self::framing(min, max, aspect, from))
     }
 
     /// Returns the camera turned around the vertical through its target by an angle in rad. Seen from above, a positive angle
@@ -132,9 +131,12 @@ impl Camera {
         Self { eye: self.eye + (target - self.target), target, ..self }
     }
 
-    /// Creates a camera that shows the moving bodies of a scene and what they lie on or may fall onto.
-    pub fn of_scene(scene: &Scene, aspect: f32) -> Self {
-        Self::of_survey(&Survey::new(scene), scene, aspect, false)
+    /// Creates a camera that looks from a direction and shows the moving bodies of a scene, what they lie on or may fall onto, and
+    /// the places to which hanging bodies may swing.
+    pub fn of_scene(scene: &Scene, aspect: f32, from: Direction) -> Self {
+        let (min, max) = crate::bounds::bounds(scene);
+        let shown = crate::bounds::room_to_swing(scene).fold(Extent { min, max }, Extent::with);
+        Self::framing(shown.min, shown.max, aspect, from)
     }
 
     /// Returns the unit vectors of the camera.
@@ -213,7 +215,7 @@ mod tests {
             for aspect in [0.5, 1.0, 2.5] {
                 let mut greatest = 0.0_f32;
                 for step in 0..36 {
-                    let camera = Camera::framing_all_around(min, max, aspect).orbited(step as f32 * 0.1745);
+                    let camera = Camera::framing_all_around(min, max, aspect, Direction::Oblique).orbited(step as f32 * 0.1745);
                     let projection = camera.view_projection(aspect);
                     for corner in 0..8 {
                         let pick = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 1 { high } else { low };
@@ -232,7 +234,7 @@ mod tests {
         let balls: Vec<_> =
             (0..40).map(|k| (Vec3::new(k as f32, (k % 7) as f32, (k % 3) as f32), 0.1 * (k % 5) as f32)).collect();
         for aspect in [0.5, 1.0, 2.5] {
-            let camera = Camera::fitting(&balls, aspect).unwrap();
+            let camera = Camera::fitting(&balls, aspect, Direction::Oblique).unwrap();
             let Axes { forward, .. } = camera.axes();
             let projection = camera.view_projection(aspect);
             let reach = |(centre, radius): &(Vec3, f32)| {
@@ -243,12 +245,12 @@ mod tests {
             let greatest = balls.iter().map(reach).fold(0.0, f32::max);
             assert!((0.7..=1.0).contains(&greatest), "{aspect}: {greatest}");
         }
-        assert_eq!(Camera::fitting(&[], 1.0), None);
-        assert_eq!(Camera::fitting(&[(Vec3::ONE, 0.0)], 1.0), None);
+        assert_eq!(Camera::fitting(&[], 1.0, Direction::Oblique), None);
+        assert_eq!(Camera::fitting(&[(Vec3::ONE, 0.0)], 1.0, Direction::Oblique), None);
         // A thin row along the line of sight is nearer than its bounding box would allow.
         let row: Vec<_> = (0..30).map(|k| (Vec3::new(k as f32, 0.0, -(k as f32)), 0.5)).collect();
-        let boxed = Camera::framing(Vec3::new(-0.5, -0.5, -29.5), Vec3::new(29.5, 0.5, 0.5), 1.6);
-        let fitted = Camera::fitting(&row, 1.6).unwrap();
+        let boxed = Camera::framing(Vec3::new(-0.5, -0.5, -29.5), Vec3::new(29.5, 0.5, 0.5), 1.6, Direction::Oblique);
+        let fitted = Camera::fitting(&row, 1.6, Direction::Oblique).unwrap();
         assert!(fitted.eye.distance(fitted.target) < boxed.eye.distance(boxed.target));
     }
 
@@ -256,7 +258,7 @@ mod tests {
     fn a_framed_box_fits_the_picture_and_fills_it() {
         for (min, max) in [(Vec3::splat(-1.0), Vec3::ONE), (Vec3::new(-9.0, 0.0, 2.0), Vec3::new(30.0, 1.0, 3.0))] {
             for aspect in [0.5, 1.0, 2.5] {
-                let projection = Camera::framing(min, max, aspect).view_projection(aspect);
+                let projection = Camera::framing(min, max, aspect, Direction::Oblique).view_projection(aspect);
                 let mut extent = 0.0_f32;
                 for corner in 0..8 {
                     let pick = |bit: u32, low: f32, high: f32| if corner >> bit & 1 == 1 { high } else { low };
@@ -267,5 +269,25 @@ mod tests {
                 assert!((0.85..=1.0).contains(&extent), "{min} {max} {aspect}: {extent}");
             }
         }
+    }
+
+    #[test]
+    fn named_views_show_the_axes_and_the_whole_box() {
+        let expected = [
+            (Direction::Front, Vec3::X, Vec3::Y),
+            (Direction::Side, Vec3::NEG_Z, Vec3::Y),
+            (Direction::Top, Vec3::X, Vec3::NEG_Z),
+        ];
+        for (from, right, up) in expected {
+            let camera = Camera::framing(Vec3::splat(-1.0), Vec3::ONE, ASPECT, from);
+            let axes = camera.axes();
+            assert!(axes.right.distance(right) < 1e-6 && axes.up.distance(up) < 1e-6, "{from:?} {axes:?}");
+            let corner = camera.view_projection(ASPECT).project_point3(right + up + from.to_camera());
+            assert!((0.85..1.0).contains(&corner.y), "{from:?} {corner}");
+        }
+        for from in Direction::NAMED {
+            assert_eq!(Direction::named(from.name()), Ok(from));
+        }
+        assert_eq!(Direction::named("below").unwrap_err(), "expected one of: front, side, top, iso");
     }
 }

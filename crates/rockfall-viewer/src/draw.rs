@@ -22,6 +22,7 @@ mod cull;
 mod formats;
 mod frame;
 mod layouts;
+mod motion;
 mod passes;
 mod pipelines;
 mod pyramid;
@@ -39,6 +40,7 @@ use coil::{CoilMesh, Resolution};
 use cull::Cull;
 use frame::Frame;
 use layouts::Layouts;
+pub use motion::Motion;
 use pipelines::Pipelines;
 use pyramid::PyramidBuilder;
 use range::{RecentPercentile, SpeedPercentile};
@@ -54,12 +56,12 @@ use walls::Walls;
 /// ```no_run
 /// # fn main() -> rockfall::Result<()> {
 /// # use rockfall::{wgpu, Scene, Simulation};
-/// # use rockfall_viewer::{camera::Camera, draw::{Renderer, Style}};
+/// # use rockfall_viewer::{camera::{Camera, Direction}, draw::{Renderer, Style}};
 /// # let (device, queue, mut simulation, target): (wgpu::Device, wgpu::Queue, Simulation, wgpu::TextureView) = todo!();
 /// let mut renderer = Renderer::new(&device, &queue, wgpu::TextureFormat::Bgra8Unorm)?;
 /// renderer.resize(800, 600);
 /// renderer.set_scene(&simulation);
-/// let camera = Camera::of_scene(simulation.scene(), 800.0 / 600.0);
+/// let camera = Camera::of_scene(simulation.scene(), 800.0 / 600.0, Direction::Oblique);
 /// let style = Style::default();
 /// // For every frame:
 /// simulation.step(0.02)?;
@@ -107,6 +109,7 @@ pub struct Renderer {
     coloured_by: ColourBy,
     step: Step,
     blend: f32,
+    motion: Motion,
 }
 
 impl Renderer {
@@ -153,6 +156,7 @@ impl Renderer {
             coloured_by: ColourBy::Kind,
             step: Step::default(),
             blend: 1.0,
+            motion: Motion::default(),
         }
     }
 
@@ -201,6 +205,7 @@ impl Renderer {
         }
         self.step = self.buffers.update(&self.device, &self.queue, simulation)?;
         self.update_values(simulation, style)?;
+        self.motion.update(simulation)?;
         if self.buffers.bind(&self.device, &self.layouts.bodies, &self.uniform) {
             self.cull.bind(&self.device, &self.uniform, self.buffers.bound_buffers(), self.step.layout.spheres);
         }
@@ -230,6 +235,7 @@ impl Renderer {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.buffers.remember(&mut encoder, self.step.layout.spheres);
         self.queue.submit([encoder.finish()]);
+        self.motion.remember();
     }
 
     /// Sets the blend factor of the next [`Renderer::draw`]: 0 shows the bodies where they were at the last
@@ -237,6 +243,7 @@ impl Renderer {
     /// shown where they are now.
     pub fn set_blend(&mut self, blend: f32) {
         self.blend = blend.clamp(0.0, 1.0);
+        self.motion.set_blend(self.blend);
     }
 
     /// Draws the state of the last [`Renderer::update`] onto the whole of `target`, whose size must be that of

@@ -1,7 +1,7 @@
 //! Axis-aligned bounding boxes of objects.
 
 use rockfall::glam::Vec3;
-use rockfall::{Scene, Sphere};
+use rockfall::{Polygon, Scene, Sphere};
 
 /// An axis-aligned bounding box.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,6 +31,10 @@ impl Extent {
 
     pub(crate) fn contains(self, point: Vec3) -> bool {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
+    pub(crate) fn overlaps(self, other: Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
     pub(crate) fn corners(self) -> impl Iterator<Item = Vec3> {
@@ -67,9 +71,11 @@ pub(crate) fn extents_of_static_objects(scene: &Scene) -> impl Iterator<Item = E
         };
         Extent::of((0..8).map(corner))
     });
-    let polygons = scene.polygons().iter().filter_map(|polygon| {
-        let (corner, left, right) = (polygon.corner, polygon.left, polygon.right);
-        Extent::of([corner, corner + left, corner + right, corner + left + right])
-    });
-    boxes.chain(polygons)
+    boxes.chain(scene.polygons().iter().map(extent_of_polygon))
+}
+
+pub(crate) fn extent_of_polygon(polygon: &Polygon) -> Extent {
+    let Polygon { corner, left, right, .. } = *polygon;
+    let far = [corner + left, corner + right, corner + left + right];
+    far.into_iter().fold(Extent::around(corner, 0.0), |extent, corner| extent.with(Extent::around(corner, 0.0)))
 }

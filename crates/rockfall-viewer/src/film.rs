@@ -79,6 +79,20 @@ impl Player {
         simulation.run(steps, self.dt / self.parts as f32).map(drop)
     }
 
+    /// Runs up to a step. For trails, which would have corners otherwise, the renderer also takes states in between.
+    fn run_to(&mut self, simulation: &mut Simulation, renderer: &mut Renderer, step: u64) -> Result<()> {
+        let stride = renderer.motion().trail_interval().map(|seconds| (seconds / f64::from(self.dt)).ceil().max(1.0) as u64);
+        while self.done < step {
+            if stride.is_some() {
+                renderer.observe(simulation)?;
+            }
+            let steps = stride.unwrap_or(u64::MAX).min(step - self.done);
+            self.run(simulation, steps)?;
+            self.done += steps;
+        }
+        Ok(())
+    }
+
     /// Runs the simulation up to a moment, which must not be before the last one, and updates the renderer.
     ///
     /// # Errors
@@ -86,8 +100,7 @@ impl Player {
     pub fn show(&mut self, simulation: &mut Simulation, renderer: &mut Renderer, style: &Style, moment: Moment) -> Result<()> {
         let Moment { step, blend } = moment;
         if self.done <= step {
-            self.run(simulation, step - self.done)?;
-            self.done = step;
+            self.run_to(simulation, renderer, step)?;
             renderer.update(simulation, style)?;
         }
         if blend > 0.0 && self.done == step {

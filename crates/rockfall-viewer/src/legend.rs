@@ -1,10 +1,10 @@
 //! The legend of a picture: the meaning of its colours.
 
-use ab_glyph::{Font as _, FontRef, PxScale, ScaleFont as _};
 use rockfall::Result;
 
 use crate::palette::{Kind, Rgb, SCALE};
 use crate::pixels::Picture;
+use crate::sheet::{INK, SMALL, Sheet};
 
 /// The meaning of the colours of a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,30 +22,25 @@ pub enum Legend {
     },
 }
 
-const INK: [f32; 3] = [0.13, 0.16, 0.20];
-const BACKGROUND: [f32; 3] = [1.0, 1.0, 1.0];
-/// Opacity of the background.
-const OPACITY: f32 = 0.82;
-
 impl Legend {
     /// Creates a legend with the viridis scale.
     pub fn scale(title: &'static str, range: [f32; 2]) -> Self {
         Self::Scale { title, range, colours: SCALE }
     }
 
-    /// Draws the legend into the lower left corner of a picture.
+    /// Draws the legend into the lower left corner of a picture. In a picture of less than 286 pixels of height it is a strip
+    /// at the lower edge. A strip of kinds that would cover more than half of the picture is left out.
     ///
     /// # Errors
     /// [`rockfall::Error::Device`] when the built-in font cannot be read, which does not happen in practice.
     pub fn draw(&self, picture: &mut Picture) -> Result<()> {
-        let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
-            .map_err(|error| rockfall::Error::Device(format!("the built-in font: {error}")))?;
-        let em = (picture.height as f32 / 26.0).clamp(11.0, 40.0);
-        let mut sheet = Sheet { picture, font, em };
+        let is_small = picture.height < SMALL;
+        let mut sheet = Sheet::new(picture)?;
         match self {
             // Colours without a meaning need no explanation.
             Self::Kinds(kinds) if kinds.is_empty() => {}
-            Self::Kinds(kinds) => sheet.kinds(kinds),
+            Self::Kinds(kinds) => sheet.kinds(kinds, is_small),
+            Self::Scale { title, range, colours } if is_small => sheet.strip(title, *range, colours),
             Self::Scale { title, range, colours } => sheet.scale(title, *range, colours),
         }
         Ok(())
@@ -87,20 +82,23 @@ fn round_values(range: [f32; 2], step: f64) -> Vec<f64> {
     (first..=last.min(first.saturating_add(100))).map(|multiple| multiple as f64 * step).collect()
 }
 
-/// A picture with a font; lengths are in pixels.
-struct Sheet<'a> {
-    picture: &'a mut Picture,
-    font: FontRef<'a>,
-    em: f32,
-}
-
 impl Sheet<'_> {
-    fn kinds(&mut self, kinds: &[Kind]) {
+    /// Draws the kinds in one column, or in a strip in as many columns as fit.
+    fn kinds(&mut self, kinds: &[Kind], is_strip: bool) {
         let em = self.em;
-        let widest = kinds.iter().map(|kind| self.width(kind.name)).fold(0.0, f32::max);
-        let [left, top] = self.background(widest + 1.4 * em, 1.35 * em * kinds.len() as f32 - 0.35 * em);
-        for (row, kind) in kinds.iter().enumerate() {
-            let y = top + 1.35 * em * row as f32;
+        let widest = kinds.iter().map(|kind| self.width(kind.name)).fold(0.0, f32::max) + 1.4 * em;
+        let room = self.room() + 0.8 * em;
+        let columns = if is_strip { ((room / (widest + 0.8 * em)) as usize).clamp(1, kinds.len()) } else { 1 };
+        let rows = kinds.len().div_ceil(columns);
+        let high = 1.35 * em * rows as f32 - 0.35 * em;
+        if is_strip && high > 0.5 * self.picture.height as f32 {
+            return;
+        }
+        let [left, top] = self.background((widest + 0.8 * em) * columns as f32 - 0.8 * em, high);
+        let corner = left;
+        for (index, kind) in kinds.iter().enumerate() {
+            let left = corner + (widest + 0.8 * em) * (index % columns) as f32;
+            let y = top + 1.35 * em * (index / columns) as f32;
             let middle = [left + 0.45 * em, y + 0.5 * em];
             let ink = kind.colour.map(|channel| f32::from(channel) / 255.0);
             self.fill([left, y, left + em, y + em], ink, |x, y| {
@@ -116,17 +114,8 @@ impl Sheet<'_> {
         let long = (12.0 * em).max(self.width(title));
         let [left, top] = self.background(long, 3.5 * em);
         self.text(title, left, top);
-        let [bar, end] = [top + 1.45 * em, top + 2.25 * em];
-        for x in 0..long as u32 {
-            let part = (x as f32 + 0.5) / long * (colours.len() - 1) as f32;
-            let stop = (part as usize).min(colours.len() - 2);
-            let channel = |k: usize| {
-                let [low, high] = [colours[stop][k], colours[stop + 1][k]].map(|c| f32::from(c) / 255.0);
-                low + (high - low) * (part - stop as f32)
-            };
-            let x = left + x as f32;
-            self.fill([x, bar, x + 1.0, end], [channel(0), channel(1), channel(2)], |_, _| 1.0);
-        }
+        let end = top + 2.25 * em;
+        self.bar([left, top + 1.45 * em, left + long, end], colours);
         // There is no half of a contact.
         let least = if title == CONTACTS { 1.0 } else { 0.0 };
         for (part, label) in self.ticks(range, long, least) {
@@ -137,6 +126,40 @@ impl Sheet<'_> {
             // The first and the last label stay within the sheet.
             let x = (x - 0.5 * width).clamp(left - 0.3 * em, left + long - width + 0.3 * em);
             self.text(&label, x, top + 2.55 * em);
+        }
+    }
+
+    /// Draws a scale in one line: the first value, the colours, the last value, the title.
+    fn strip(&mut self, title: &str, range: [f32; 2], colours: &[Rgb]) {
+        let em = self.em;
+        let [first, last] = range.map(number);
+        let [first_width, last_width] = [&first, &last].map(|value| self.width(value) + 0.4 * em);
+        let long = (5.0 * em).min(self.room() - first_width - last_width).max(em);
+        let short = first_width + long + last_width;
+        let with_title = short + 0.5 * em + self.width(title);
+        let has_room = with_title <= self.room();
+        let [left, top] = self.background(if has_room { with_title } else { short }, em);
+        self.text(&first, left, top);
+        let bar = left + first_width;
+        self.bar([bar, top + 0.1 * em, bar + long, top + 0.9 * em], colours);
+        self.text(&last, bar + long + 0.4 * em, top);
+        if has_room {
+            self.text(title, left + short + 0.5 * em, top);
+        }
+    }
+
+    /// Fills a rectangle (left, top, right, bottom) with colours from left to right.
+    fn bar(&mut self, [left, top, right, bottom]: [f32; 4], colours: &[Rgb]) {
+        let long = right - left;
+        for x in 0..long as u32 {
+            let part = (x as f32 + 0.5) / long * (colours.len() - 1) as f32;
+            let stop = (part as usize).min(colours.len() - 2);
+            let channel = |k: usize| {
+                let [low, high] = [colours[stop][k], colours[stop + 1][k]].map(|c| f32::from(c) / 255.0);
+                low + (high - low) * (part - stop as f32)
+            };
+            let x = left + x as f32;
+            self.fill([x, top, x + 1.0, bottom], [channel(0), channel(1), channel(2)], |_, _| 1.0);
         }
     }
 
@@ -156,67 +179,6 @@ impl Sheet<'_> {
             // No two round values fit, so the ends of the range have to do.
             vec![(0.0, number(range[0])), (1.0, number(range[1]))]
         })
-    }
-
-    /// Draws a background for contents of this size and returns the upper left corner of the contents.
-    fn background(&mut self, width: f32, height: f32) -> [f32; 2] {
-        let (em, bottom) = (self.em, self.picture.height as f32);
-        let margin = 0.7 * em;
-        let sheet = [em, bottom - em - height - 2.0 * margin, em + width + 2.0 * margin, bottom - em];
-        let middle = [0.5 * (sheet[0] + sheet[2]), 0.5 * (sheet[1] + sheet[3])];
-        let half = [0.5 * (sheet[2] - sheet[0]), 0.5 * (sheet[3] - sheet[1])];
-        let round = 0.45 * em;
-        self.fill(sheet, BACKGROUND, |x, y| {
-            let aside =
-                [((x - middle[0]).abs() - half[0] + round).max(0.0), ((y - middle[1]).abs() - half[1] + round).max(0.0)];
-            OPACITY * (round - aside[0].hypot(aside[1]) + 0.5).clamp(0.0, 1.0)
-        });
-        [sheet[0] + margin, sheet[1] + margin]
-    }
-
-    /// Blends a colour into a rectangle (left, top, right, bottom); `cover` returns the opacity at the centre of each pixel.
-    fn fill(&mut self, [left, top, right, bottom]: [f32; 4], ink: [f32; 3], cover: impl Fn(f32, f32) -> f32) {
-        for y in top.max(0.0) as u32..(bottom.ceil().max(0.0) as u32).min(self.picture.height) {
-            for x in left.max(0.0) as u32..(right.ceil().max(0.0) as u32).min(self.picture.width) {
-                self.mix(x, y, ink, cover(x as f32 + 0.5, y as f32 + 0.5));
-            }
-        }
-    }
-
-    fn mix(&mut self, x: u32, y: u32, ink: [f32; 3], part: f32) {
-        let index = y as usize * self.picture.width as usize + x as usize;
-        let Some(pixel) = self.picture.pixels.get_mut(index).filter(|_| x < self.picture.width) else {
-            return;
-        };
-        for (channel, ink) in pixel.iter_mut().zip(ink) {
-            *channel = (f32::from(*channel) * (1.0 - part) + 255.0 * ink * part).round() as u8;
-        }
-    }
-
-    fn width(&self, text: &str) -> f32 {
-        let font = self.font.as_scaled(PxScale::from(self.em));
-        text.chars().map(|letter| font.h_advance(font.glyph_id(letter))).sum()
-    }
-
-    /// Draws a line of text whose upper left corner is given.
-    fn text(&mut self, text: &str, left: f32, top: f32) {
-        let scale = PxScale::from(self.em);
-        let font = self.font.clone();
-        let scaled = font.as_scaled(scale);
-        let mut x = left;
-        for letter in text.chars() {
-            let id = scaled.glyph_id(letter);
-            let glyph = id.with_scale_and_position(scale, ab_glyph::point(x, top + 0.9 * scaled.ascent()));
-            x += scaled.h_advance(id);
-            let Some(outline) = font.outline_glyph(glyph) else { continue };
-            let corner = outline.px_bounds().min;
-            outline.draw(|dx, dy, part| {
-                let (px, py) = (corner.x + dx as f32, corner.y + dy as f32);
-                if px >= 0.0 && py >= 0.0 {
-                    self.mix(px as u32, py as u32, INK, part.min(1.0));
-                }
-            });
-        }
     }
 }
 
@@ -251,8 +213,8 @@ mod tests {
     #[test]
     fn ticks_are_at_round_values() {
         let mut picture = blank();
-        let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT).unwrap();
-        let sheet = Sheet { picture: &mut picture, font, em: 12.0 };
+        let mut sheet = Sheet::new(&mut picture).unwrap();
+        sheet.em = 12.0;
         let spaced = |range, least| sheet.ticks(range, 150.0, least).into_iter().map(|(_, label)| label).collect::<Vec<_>>();
         let ticks = |range| spaced(range, 0.0);
         assert_eq!(spaced([0.0, 2.0], 1.0), ["0", "1", "2"]);
@@ -262,6 +224,22 @@ mod tests {
         assert_eq!(ticks([-3.0, 4.0]), ["-2", "0", "2", "4"]);
         assert_eq!(ticks([0.0, 2e-7]), ["0", "5e-8", "1e-7", "1.5e-7", "2e-7"]);
         assert_eq!(ticks([1.00001, 1.00002]).len(), 2);
+    }
+
+    #[test]
+    fn the_legend_of_a_small_picture_covers_little_of_it() {
+        for (width, height) in [(400, 225), (320, 180), (220, 124)] {
+            let clear = Picture { width, height, pixels: vec![[90, 90, 90, 255]; (width * height) as usize] };
+            for legend in
+                [Legend::scale("contact force, mass units/s²", [0.0, 2.0]), Legend::Kinds(crate::palette::KINDS[..4].to_vec())]
+            {
+                let mut picture = clear.clone();
+                legend.draw(&mut picture).unwrap();
+                let changed = picture.pixels.iter().filter(|pixel| **pixel != [90, 90, 90, 255]).count();
+                let part = changed as f32 / picture.pixels.len() as f32;
+                assert!((0.01..0.22).contains(&part), "{width}x{height}: {part}");
+            }
+        }
     }
 
     #[test]

@@ -11,8 +11,10 @@
 //! the simulation.
 #![cfg(feature = "gpu")]
 
+mod block;
 mod bounds;
 pub mod camera;
+mod direction;
 pub mod draw;
 mod extent;
 #[cfg(not(target_family = "wasm"))]
@@ -21,10 +23,12 @@ pub mod film;
 pub mod grasp;
 mod groups;
 pub mod legend;
+pub mod overlay;
 pub mod palette;
 pub mod picture;
 mod pixels;
 mod read_back;
+mod sheet;
 pub mod survey;
 #[cfg(feature = "window")]
 pub mod window;

@@ -66,8 +66,38 @@ impl Picture {
         })
     }
 
+    /// Returns the picture with an even number of rows and columns. The last row and the last column are repeated where that is
+    /// necessary.
+    #[cfg(not(target_family = "wasm"))]
+    pub(crate) fn with_even_sides(self) -> Self {
+        let [width, height] = [self.width, self.height].map(|side| side.next_multiple_of(2));
+        if [width, height] == [self.width, self.height] {
+            return self;
+        }
+        let row = |y: u32| {
+            let start = (y.min(self.height - 1) * self.width) as usize;
+            (0..width).map(move |x| start + x.min(self.width - 1) as usize)
+        };
+        let pixels = (0..height).flat_map(row).map(|index| self.pixels[index]).collect();
+        Self { width, height, pixels }
+    }
+
     /// Returns red, green and blue of every pixel, one after the other.
     pub fn rgb(&self) -> Vec<u8> {
         self.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odd_sides_become_even_with_the_colours_at_the_edges() {
+        let grey = |value: u8| [value, value, value, 255];
+        let odd = Picture { width: 3, height: 1, pixels: [1, 2, 3].map(grey).to_vec() };
+        let even = Picture { width: 4, height: 2, pixels: [1, 2, 3, 3, 1, 2, 3, 3].map(grey).to_vec() };
+        assert_eq!(odd.with_even_sides(), even);
+        assert_eq!(even.clone().with_even_sides(), even);
     }
 }

@@ -12,6 +12,10 @@ const MOST_BODIES: usize = 1000;
 const MANY: usize = 20;
 /// Of many bodies, those that leave the majority are outliers farther from it than this times its extent.
 const OUTLIER_DISTANCE: f32 = 0.6;
+/// Of many bodies, none is an outlier if all of them need less room than this times the extent of the majority.
+const ROOM_FOR_ALL: f32 = 2.5;
+/// A body that falls below all static objects is shown for this part of the extent of the places above.
+const FALL_SHOWN: f32 = 0.3;
 /// A body that comes back from an excursion is shown up to this distance from the majority, divided by its extent.
 const EXCURSION: f32 = 2.0;
 /// One of a few bodies that leaves the others is an outlier if it is farther from them than their extent times this: a body that
@@ -45,6 +49,8 @@ pub struct Survey {
     down: Vec3,
     /// Height of the lowest point of the static objects. Bodies that fall below it do so for ever.
     lowest: f32,
+    /// Extent of all places above that.
+    above: Option<Extent>,
 }
 
 impl Survey {
@@ -63,6 +69,7 @@ impl Survey {
             anchors: Extent::of(scene.tethers().iter().map(|tether| tether.point)),
             down: scene.settings.gravity_direction,
             lowest: lowest.unwrap_or(f32::NEG_INFINITY),
+            above: None,
         };
         survey.add(scene);
         survey
@@ -74,6 +81,10 @@ impl Survey {
         for ((path, velocity), sphere) in self.paths.iter_mut().zip(&mut self.velocities).zip(spheres) {
             path.push(sphere.position);
             velocity[1] = sphere.velocity;
+            if sphere.position.y >= self.lowest && sphere.position.is_finite() && !sphere.fixed {
+                let place = Extent::around(sphere.position, sphere.radius);
+                self.above = Some(self.above.map_or(place, |above| above.with(place)));
+            }
         }
     }
 
@@ -114,11 +125,12 @@ impl Survey {
         [path[0], path[path.len() - 1]]
     }
 
-    /// The places of a body with its radius, without those from which it falls for ever.
+    /// The places of a body with its radius, without those far below all static objects from which it falls for ever.
     fn path(&self, body: usize, held: bool) -> impl Iterator<Item = (Vec3, f32)> {
         let (velocity, depth) = (self.velocities[body][1], self.lowest - self.ends(body)[1].y);
         let falls = !held && depth > 0.0 && velocity.dot(self.down) > LEAVES * depth;
-        let lowest = if falls { self.lowest } else { f32::NEG_INFINITY };
+        let shown = FALL_SHOWN * self.above.map_or(0.0, Extent::size);
+        let lowest = if falls { self.lowest - shown } else { f32::NEG_INFINITY };
         let places = self.paths[body].iter().filter(move |place| place.is_finite() && place.y >= lowest);
         places.map(move |place| (*place, self.radii[body]))
     }
@@ -128,11 +140,15 @@ impl Survey {
         bodies.flat_map(|(body, held)| self.path(body, held))
     }
 
-    /// All places of many bodies, without those outside the majority of bodies that leave it. The majority is between the 5 % and
+    /// All places of many bodies, without those outside the majority of bodies that leave it, if all need far more room. The majority is between the 5 % and
     /// the 95 % quantile of each coordinate, or nearer to that than [`OUTLIER_DISTANCE`] times its size.
     fn without_outliers(&self, groups: &[&Group]) -> Vec<(Vec3, f32)> {
-        let places: Vec<Vec3> = self.paths(groups.iter().copied()).map(|(place, _)| place).collect();
+        let all: Vec<(Vec3, f32)> = self.paths(groups.iter().copied()).collect();
+        let places: Vec<Vec3> = all.iter().map(|(place, _)| *place).collect();
         let Some(core) = central(&places) else { return Vec::new() };
+        if Extent::of(places).is_some_and(|extent| extent.size() < ROOM_FOR_ALL * core.size()) {
+            return all;
+        }
         let [near, far] = [OUTLIER_DISTANCE, EXCURSION].map(|room| core.grown(room * core.size()));
         let mut shown = Vec::new();
         for group in groups {

@@ -22,6 +22,7 @@ pub mod message;
 pub mod names;
 pub mod navigation;
 pub mod new_name;
+mod overlay;
 pub mod pace;
 mod panel;
 pub mod past;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rockfall::generate::Benchmark;
-use rockfall_viewer::camera::Camera;
+use rockfall_viewer::camera::{Camera, Direction};
 use wasm_bindgen::prelude::*;
 
 use crate::errors::thrown;
@@ -66,7 +66,7 @@ impl Scene {
     /// A camera that shows the bodies of the scene in a picture with this aspect ratio (width divided by height): x, y, z of
     /// the eye, then of the point that it looks at, in units. Its vertical field of view is 0.6 rad, and up is +y.
     pub fn camera(&self, aspect: f32) -> Vec<f32> {
-        let camera = Camera::of_scene(&self.inner, aspect);
+        let camera = Camera::of_scene(&self.inner, aspect, Direction::Oblique);
         [camera.eye, camera.target].into_iter().flat_map(|point| point.to_array()).collect()
     }
 

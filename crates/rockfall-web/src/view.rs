@@ -3,7 +3,7 @@
 use rockfall::glam::Vec3;
 use rockfall::gpu::{Gpu, instance};
 use rockfall::wgpu;
-use rockfall_viewer::camera::Camera;
+use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::draw::{Background, ColourBy, Renderer, Style};
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
@@ -59,7 +59,7 @@ impl View {
         let format = if is_rgba { wgpu::TextureFormat::Rgba8Unorm } else { wgpu::TextureFormat::Bgra8Unorm };
         let mut renderer = Renderer::new(&device, &queue, format).map_err(thrown)?;
         renderer.set_scene(&simulation.inner);
-        let camera = Camera::of_scene(&scene.inner, width as f32 / height.max(1) as f32);
+        let camera = Camera::of_scene(&scene.inner, width as f32 / height.max(1) as f32, Direction::Oblique);
         let mut view = Self { surface, device, queue, renderer, camera, style: Style::default(), format, owns };
         view.resize(width, height);
         Ok(view)

@@ -21,6 +21,7 @@ impl Shot {
         let [width, height] = arguments.size.map(|side| side as f32);
         let scene = simulation.sync()?;
         let view = View {
+            from: arguments.view.unwrap_or_default(),
             camera: arguments.camera.map(Into::into),
             look_at: arguments.look_at.map(Into::into),
             follow: arguments.follow.map(|number| body(scene, number)).transpose()?,

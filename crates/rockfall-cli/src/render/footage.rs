@@ -18,6 +18,12 @@ pub(super) enum Footage {
     Recorded(Box<Recorded>),
 }
 
+/// Greatest number of states before the first one that are looked at, for trails.
+const PAST: u64 = 200;
+
+/// Is called with states and their times.
+type Look<'a> = &'a mut dyn FnMut(&mut Simulation, f64) -> rockfall::Result<()>;
+
 /// Which part of the states a film shows.
 #[derive(Clone, Copy)]
 pub(super) struct Cut {
@@ -36,11 +42,25 @@ impl Footage {
         }
     }
 
-    /// Goes to the first state: after `at` steps, or at step `at` of a trajectory. `None` is the start.
-    pub(super) fn go_to(&mut self, at: Option<u64>) -> Result<(), Failure> {
+    /// Goes to the first state: after `at` steps, or at step `at` of a trajectory. `None` is the start. `look` is called with states
+    /// of the last `seconds` before it, and their times.
+    pub(super) fn go_to(
+        &mut self,
+        at: Option<u64>,
+        seconds: f64,
+        mut look: impl FnMut(&mut Simulation, f64) -> rockfall::Result<()>,
+    ) -> Result<(), Failure> {
         match self {
-            Self::Live(live) => live.advance(at.unwrap_or(0)),
-            Self::Recorded(recorded) => recorded.go_to(at),
+            Self::Live(live) => live.go_to(at.unwrap_or(0), seconds, &mut look),
+            Self::Recorded(recorded) => recorded.go_to(at, seconds, &mut look),
+        }
+    }
+
+    /// The time of the first state.
+    pub(super) fn start_time(&self) -> f64 {
+        match self {
+            Self::Live(live) => live.simulation.report().time,
+            Self::Recorded(recorded) => recorded.reader.moments()[recorded.start.step as usize].time,
         }
     }
 
@@ -142,8 +162,21 @@ impl Live {
         moved.map(drop).map_err(|error| Failure::of(error, self.simulation.scene()))
     }
 
-    fn advance(&mut self, steps: u64) -> Result<(), Failure> {
-        self.advance_with(steps, &mut Progress::new(steps))
+    /// Runs the steps before the first state. `look` is called with at most about [`PAST`] states of the last `seconds`.
+    fn go_to(&mut self, at: u64, seconds: f64, look: Look<'_>) -> Result<(), Failure> {
+        let mut progress = Progress::new(at);
+        let past = ((seconds / f64::from(self.dt)).ceil() as u64).min(at);
+        self.advance_with(at - past, &mut progress)?;
+        let stride = past.div_ceil(PAST).max(1);
+        let mut left = past;
+        while left > 0 {
+            let time = self.simulation.report().time;
+            look(&mut self.simulation, time)?;
+            let steps = stride.min(left);
+            self.advance_with(steps, &mut progress)?;
+            left -= steps;
+        }
+        Ok(())
     }
 
     fn advance_with(&mut self, steps: u64, progress: &mut Progress) -> Result<(), Failure> {
@@ -226,14 +259,23 @@ impl Recorded {
         Moment { step: frame as u64, blend: if blend < 1e-4 { 0.0 } else { blend as f32 } }
     }
 
-    fn go_to(&mut self, at: Option<u64>) -> Result<(), Failure> {
+    fn go_to(&mut self, at: Option<u64>, seconds: f64, look: Look<'_>) -> Result<(), Failure> {
         let [first, last] = self.ends().map(|end| end.step);
         let at = at.unwrap_or(first);
         if !(first..=last).contains(&at) {
             return Err(self.outside(&format!("--at {at}"), first, last));
         }
         self.start = self.moment_of(at as f64, |frame| frame.step as f64);
-        Ok(self.apply(self.start.step as usize)?)
+        let start = self.start.step as usize;
+        let oldest = self.reader.moments()[start].time - seconds;
+        let past = self.reader.moments()[..start].iter().filter(|frame| frame.time >= oldest).count();
+        if seconds > 0.0 {
+            for frame in (start - past..start).step_by(past.div_ceil(PAST as usize).max(1)) {
+                self.apply(frame)?;
+                look(&mut self.simulation, self.reader.moments()[frame].time)?;
+            }
+        }
+        Ok(self.apply(start)?)
     }
 
     fn outside(&self, what: &str, first: u64, last: u64) -> Failure {
@@ -281,10 +323,15 @@ impl Recorded {
     fn show(&mut self, renderer: &mut Renderer, style: &Style, moment: Moment) -> rockfall::Result<()> {
         self.apply(moment.step as usize)?;
         renderer.update(&mut self.simulation, style)?;
+        let time = |frame: usize| self.reader.moments()[frame].time;
+        renderer.set_time(time(moment.step as usize));
         if moment.blend > 0.0 {
             renderer.remember();
-            self.apply(moment.step as usize + 1)?;
+            let next = moment.step as usize + 1;
+            let next_time = time(next);
+            self.apply(next)?;
             renderer.update(&mut self.simulation, style)?;
+            renderer.set_time(next_time);
         }
         renderer.set_blend(if moment.blend > 0.0 { moment.blend } else { 1.0 });
         Ok(())

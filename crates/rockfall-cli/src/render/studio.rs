@@ -6,6 +6,7 @@ use rockfall::output::AtomicFile;
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::{FrameTimes, Pass, Range, Renderer, Style};
 use rockfall_viewer::film::{self, Follower, Format, Moment};
+use rockfall_viewer::overlay::Overlay;
 use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
 use rockfall_viewer::survey::Survey;
 
@@ -27,6 +28,7 @@ pub(super) struct Studio {
     renderer: Renderer,
     canvas: Canvas,
     style: Style,
+    overlay: Overlay,
     interrupt: &'static Interrupt,
 }
 
@@ -39,18 +41,22 @@ impl Studio {
         let mut style = arguments.style();
         let scene = footage.simulation().scene();
         renderer.set_colours(colours::apply(&arguments.colour, scene, &mut style)?);
-        Ok(Self { footage, renderer, canvas, style, interrupt })
+        let overlay = arguments.captions.overlay();
+        renderer.set_overlay(&overlay);
+        Ok(Self { footage, renderer, canvas, style, overlay, interrupt })
     }
 
     pub(super) fn picture(mut self, arguments: &Arguments, product: Product) -> Result<(), Failure> {
         let path = &arguments.out;
         let mut file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?;
-        self.footage.go_to(arguments.at)?;
+        self.go_to_start(arguments)?;
         let simulation = self.footage.simulation();
         let survey = Survey::new(simulation.sync()?);
         let shot = Shot::new(arguments, &survey, simulation)?;
         let camera = shot.at(0.0, None);
+        self.renderer.set_scene(simulation);
         self.renderer.update(simulation, &self.style)?;
+        self.renderer.set_time(self.footage.start_time());
         let picture = self.take(&camera, arguments)?;
         if let Some(frames) = arguments.bench {
             self.bench(arguments, &camera, frames)?;
@@ -62,6 +68,17 @@ impl Studio {
         written.and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))?;
         let [width, height] = arguments.size;
         self.finish(arguments, &shot, &format!("{width}x{height} pixels"))
+    }
+
+    /// Goes to the first state, and takes the trails before it.
+    fn go_to_start(&mut self, arguments: &Arguments) -> Result<(), Failure> {
+        let Self { footage, renderer, style, .. } = self;
+        footage.go_to(arguments.at, self.overlay.trails, |simulation, time| {
+            renderer.update(simulation, style)?;
+            renderer.set_time(time);
+            renderer.record_trails();
+            Ok(())
+        })
     }
 
     /// Prints what was written and the options that give the camera, then the warnings of the run.
@@ -78,11 +95,13 @@ impl Studio {
         if arguments.colour_by.is_some() {
             self.renderer.legend(&self.style).draw(&mut picture)?;
         }
+        self.renderer.record_trails();
+        self.overlay.draw(self.renderer.motion(), camera, &mut picture)?;
         Ok(picture)
     }
 
     pub(super) fn film(mut self, arguments: &Arguments, format: Format) -> Result<(), Failure> {
-        self.footage.go_to(arguments.at)?;
+        self.go_to_start(arguments)?;
         let moments = self.footage.moments(arguments.cut())?;
         let survey = self.survey(arguments, &moments)?;
         let shot = Shot::new(arguments, &survey, self.footage.simulation())?;
@@ -139,19 +158,22 @@ impl Studio {
     fn survey(&mut self, arguments: &Arguments, moments: &[Moment]) -> Result<Survey, Failure> {
         let has_camera = arguments.camera.is_some() && (arguments.look_at.is_some() || arguments.follow.is_some());
         let has_scale = arguments.range.is_some() || self.style.colour_by.title().is_none();
+        let has_arrows = self.overlay.arrows.is_some();
         let scene = self.footage.simulation().scene();
-        if has_camera && has_scale && scene.boxes().is_empty() && scene.polygons().is_empty() {
+        if has_camera && has_scale && !has_arrows && scene.boxes().is_empty() && scene.polygons().is_empty() {
             return Ok(Survey::new(scene));
         }
-        let mut end = 0.0_f32;
+        let (mut end, mut key) = (0.0_f32, 0.0_f32);
         let Self { footage, renderer, style, .. } = self;
         let survey = footage.survey(moments, |simulation| {
-            if !has_scale {
+            if !has_scale || has_arrows {
                 renderer.update(simulation, style)?;
                 end = end.max(renderer.range(style)[1]);
+                key = key.max(renderer.motion().arrow_key());
             }
             Ok(())
         })?;
+        self.overlay.arrow_key = has_arrows.then_some(key);
         if !has_scale {
             // The colours mean the same in all pictures.
             style.range = Range::Given([0.0, end]);

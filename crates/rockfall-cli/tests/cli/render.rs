@@ -344,6 +344,17 @@ fn options_of_the_style_change_the_picture_and_jpeg_is_written() {
         "--colour fixed-spheres=yellow",
         "--colour-by body",
         "--colour-by contact-force",
+        "--view front",
+        "--view side",
+        "--view top",
+        "--view iso",
+        "--title Fall",
+        "--clock",
+        "--scale-bar",
+        "--label",
+        "--at 9 --arrows velocity",
+        "--at 9 --arrows force",
+        "--at 9 --trails 1",
     ] {
         folder.render(&format!("--out a.PNG --size 96x64 {more}"), 0);
         let picture = folder.picture("a.PNG").0;
@@ -369,7 +380,7 @@ fn mp4_needs_ffmpeg_and_reports_when_it_is_missing_or_fails() {
     };
     let run = |code| {
         let path = format!("{}:/usr/bin:/bin", folder.path("bin").display());
-        let arguments = "--out a.mp4 --steps 10 --size 65x48";
+        let arguments = "--out a.mp4 --steps 10 --size 65x47";
         finish(&folder.command(arguments).env("PATH", path).output().unwrap(), arguments, code)
     };
     // A stand-in for ffmpeg that writes the number of bytes of its input to the file in its last argument.
@@ -388,7 +399,8 @@ fn mp4_needs_ffmpeg_and_reports_when_it_is_missing_or_fails() {
     fs::remove_file(folder.path("a.WebM")).unwrap();
     run(0);
     fs::remove_file(folder.path("arguments")).unwrap();
-    assert_eq!(fs::read_to_string(folder.path("a.mp4")).unwrap().trim(), (6 * 65 * 48 * 3).to_string());
+    // The codecs need even sides.
+    assert_eq!(fs::read_to_string(folder.path("a.mp4")).unwrap().trim(), (6 * 66 * 48 * 3).to_string());
     // An existing file is kept when the next film fails.
     program("for last; do :; done; [ \"$last\" = -version ] && exit 0; cat > /dev/null; echo no such codec >&2; exit 3");
     let err = run(1);
@@ -433,6 +445,11 @@ fn wrong_arguments_are_refused_and_leave_no_files() {
         ("--out a.png --colour walls=red", "boxes polygons"),
         ("--out a.png --background ff88", "six hexadecimal digits"),
         ("--out a.png --light 0,0,0", "not all 0"),
+        ("--out a.png --view below", "front, side, top, iso"),
+        ("--out a.png --view top --camera 1,2,3", "cannot be used with"),
+        ("--out a.gif --steps 5 --view top --orbit 9", "around the vertical"),
+        ("--out a.png --arrows spin", "velocity, force"),
+        ("--out a.png --trails 0", "greater than 0"),
         ("--out a.png --colour-by speed --range 2,1", "the first less than the second"),
     ] {
         let err = folder.render(arguments, 2);

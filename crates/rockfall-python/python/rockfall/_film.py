@@ -128,7 +128,14 @@ def film(
     look_at: npt.ArrayLike | None = None,
     follow: int | None = None,
     orbit: float = 0.0,
+    view: str | None = None,
     plain: bool = False,
+    title: str | None = None,
+    clock: bool = False,
+    scale_bar: bool = False,
+    label: bool = False,
+    arrows: str | None = None,
+    trails: float = 0.0,
     progress: bool = False,
 ) -> Film:
     """Run steps of a simulation and film them.
@@ -159,8 +166,22 @@ def film(
         Number of a sphere that stays in the middle of the pictures, instead of ``look_at``.
     orbit : float
         Turns the camera around the middle of the pictures, in degrees per second of film.
+    view : str, optional
+        Direction from which the camera looks: front, side, top or iso; by default obliquely from above.
     plain : bool
         Whether to draw without shadows and ambient occlusion.
+    title : str, optional
+        A line of text at the upper edge.
+    clock : bool
+        Whether to show the time of the simulation.
+    scale_bar : bool
+        Whether to show the length of a round number of units at the distance of the middle of the picture.
+    label : bool
+        Whether to write its number on every sphere.
+    arrows : str, optional
+        What an arrow at every sphere shows, with a key: velocity or force.
+    trails : float
+        Length of the trails of the spheres, in s of the simulation.
     progress : bool
         Whether to show a progress bar, by tqdm where it is installed.
 
@@ -201,7 +222,8 @@ def film(
     if follow is not None and look_at is not None:
         raise ValueError("look_at, follow: expected only one of them")
     followed = None if follow is None else whole("follow", follow)
-    shown = look(size, colour_by, range, camera, look_at, plain)
+    captions: dict[str, Any] = {"title": title, "clock": clock, "scale_bar": scale_bar, "label": label, "arrows": arrows}
+    shown = look(size, colour_by, range, camera, look_at, plain, view=view, trails=trails, **captions)
     if sim._recordings:
         raise ValueError("sim: a trajectory is being recorded, and a film has no frames for it; finish the recording first")
     sim._commit()

@@ -12,13 +12,33 @@ from rockfall._arrays import FloatArray, floats, whole
 _MOST_PIXELS = 1 << 16
 
 
-def look(size: Any, colour_by: Any, range: Any, camera: Any, look_at: Any, plain: Any) -> dict[str, Any]:
+def look(
+    size: Any,
+    colour_by: Any = None,
+    range: Any = None,
+    camera: Any = None,
+    look_at: Any = None,
+    plain: Any = False,
+    *,
+    view: Any = None,
+    title: Any = None,
+    clock: Any = False,
+    scale_bar: Any = False,
+    label: Any = False,
+    arrows: Any = None,
+    trails: Any = 0.0,
+) -> dict[str, Any]:
     """Checks the arguments of pictures and films, and returns them as the native module takes them."""
     if np.shape(size) != (2,):
         raise ValueError(f"size: expected width and height, got {size!r}")
     width, height = (whole("size", side, least=1) for side in size)
     if max(width, height) > _MOST_PIXELS:
         raise ValueError(f"size: expected sides up to {_MOST_PIXELS} pixels, got {width}x{height}")
+    if view is not None and camera is not None:
+        raise ValueError("view, camera: expected only one of them")
+    length = number("trails", trails)
+    if length < 0:
+        raise ValueError(f"trails: expected a number of at least 0, got {length:g}")
     ends = None
     if range is not None:
         if np.shape(range) != (2,) or not range[0] < range[1]:
@@ -30,7 +50,14 @@ def look(size: Any, colour_by: Any, range: Any, camera: Any, look_at: Any, plain
         "range": ends,
         "camera": None if camera is None else _one_row("camera", camera).tolist(),
         "look_at": None if look_at is None else _one_row("look_at", look_at).tolist(),
+        "view": view,
         "plain": bool(plain),
+        "title": title,
+        "clock": bool(clock),
+        "scale_bar": bool(scale_bar),
+        "label": bool(label),
+        "arrows": arrows,
+        "trails": length,
     }
 
 

@@ -322,7 +322,13 @@ class Simulation(Stored, LawTable, ContactLawOf):
         range: tuple[float, float] | None = None,
         camera: npt.ArrayLike | None = None,
         look_at: npt.ArrayLike | None = None,
+        view: str | None = None,
         plain: bool = False,
+        title: str | None = None,
+        clock: bool = False,
+        scale_bar: bool = False,
+        label: bool = False,
+        arrows: str | None = None,
     ) -> Picture:
         """Draw the current state. The picture shows itself in a notebook.
 
@@ -338,17 +344,30 @@ class Simulation(Stored, LawTable, ContactLawOf):
             Position of the camera, in units; by default chosen so that all bodies are in view.
         look_at : array_like, shape (3,), optional
             Point in the middle of the picture, in units.
+        view : str, optional
+            Direction from which the camera looks: front, side, top or iso; by default obliquely from above.
         plain : bool
             Whether to draw without shadows and ambient occlusion.
+        title : str, optional
+            A line of text at the upper edge.
+        clock : bool
+            Whether to show the time of the simulation.
+        scale_bar : bool
+            Whether to show the length of a round number of units at the distance of the middle of the picture.
+        label : bool
+            Whether to write its number on every sphere.
+        arrows : str, optional
+            What an arrow at every sphere shows, with a key: velocity or force.
 
         Raises
         ------
         ValueError
-            For a wrong size, an unknown ``colour_by``, or a camera at the point it looks at.
+            For a wrong size, an unknown ``colour_by``, ``view`` or ``arrows``, or a camera at the point it looks at.
         SimulationError
             If there is no graphics adapter. Software Vulkan is enough.
         """
-        shown = look(size, colour_by, range, camera, look_at, plain)
+        captions: dict[str, Any] = {"title": title, "clock": clock, "scale_bar": scale_bar, "label": label, "arrows": arrows}
+        shown = look(size, colour_by, range, camera, look_at, plain, view=view, **captions)
         self._commit()
         if self._studio is None:
             self._studio = _rockfall.Studio()

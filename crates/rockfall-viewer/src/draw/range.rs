@@ -12,6 +12,8 @@ use crate::read_back::read_back;
 const DECAY: f32 = 0.98;
 /// Part of the values that the scale contains, so that a few extreme ones do not make all others look alike.
 const PART: f64 = 0.99;
+/// Round numbers at which a scale ends, up to a power of ten. At least three quarters of the scale are in use.
+const ENDS: [f32; 11] = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 
 /// The 99th percentile of the values of the last frames.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,14 +26,14 @@ impl RecentPercentile {
         self.value = value.max(DECAY * self.value);
     }
 
-    /// Returns the range from 0 to the next of 1, 2, 5, 10, ... times a power of ten.
+    /// Returns the range from 0 to the next of [`ENDS`] times a power of ten.
     pub(crate) fn range(self) -> [f32; 2] {
         if !(self.value > 0.0 && self.value.is_finite()) {
             return [0.0, 1.0];
         }
         let power = 10_f32.powf(self.value.log10().floor());
-        let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
-        [0.0, steps.into_iter().find(|step| *step >= 0.999 * self.value).unwrap_or(10.0 * power)]
+        let ends = ENDS.map(|end| end * power);
+        [0.0, ends.into_iter().find(|end| *end >= 0.999 * self.value).unwrap_or(10.0 * power)]
     }
 }
 
@@ -181,11 +183,15 @@ mod tests {
     #[test]
     fn ranges_end_at_round_values_and_shrink_slowly() {
         let range = |value: f32| RecentPercentile { value }.range()[1];
-        assert_eq!([0.0, 0.3, 1.0, 1.2, 4.9, 5.5, 123.0].map(range), [1.0, 0.5, 1.0, 2.0, 5.0, 10.0, 200.0]);
+        assert_eq!([0.0, 0.29, 1.0, 1.3, 4.9, 5.5, 123.0].map(range), [1.0, 0.3, 1.0, 1.5, 5.0, 6.0, 150.0]);
+        for k in 1..1000 {
+            let value = 0.013 * k as f32;
+            assert!((0.999..1.34).contains(&(range(value) / value)), "{value}: {}", range(value));
+        }
         let mut recent = RecentPercentile::default();
         recent.record(4.0);
         recent.record(1.0);
-        assert_eq!(recent.range(), [0.0, 5.0]);
+        assert_eq!(recent.range(), [0.0, 4.0]);
     }
 
     #[test]

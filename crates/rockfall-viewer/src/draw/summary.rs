@@ -10,13 +10,15 @@ pub(crate) struct SceneSummary {
     /// Height of the ground: the bottom of all static objects. Without static objects it is 0 if that is a short distance
     /// below the spheres, else the bottom of the spheres.
     pub(crate) ground: f32,
+    /// Whether the ground depends on the spheres, because there are no static objects.
+    pub(crate) is_below_spheres: bool,
     /// Median radius of the spheres.
     pub(crate) typical_radius: f32,
 }
 
 impl Default for SceneSummary {
     fn default() -> Self {
-        Self { ground: 0.0, typical_radius: 1.0 }
+        Self { ground: 0.0, is_below_spheres: true, typical_radius: 1.0 }
     }
 }
 
@@ -28,18 +30,29 @@ impl SceneSummary {
             0 => 1.0,
             _ => *radii.select_nth_unstable_by(middle, f32::total_cmp).1,
         };
-        let ground = match (extents_of_static_objects(scene).reduce(Extent::with), extent_of_spheres(scene)) {
-            (Some(all), _) => all.min.y,
-            (None, Some(spheres)) if spheres.min.y >= 0.0 && spheres.min.y <= 2.0 * spheres.size() => 0.0,
-            (None, Some(spheres)) => spheres.min.y,
-            (None, None) => 0.0,
-        };
-        Self { ground, typical_radius }
+        let objects = extents_of_static_objects(scene).reduce(Extent::with);
+        let below = || extent_of_spheres(scene).map_or(0.0, ground_below);
+        let ground = objects.map_or_else(below, |objects| objects.min.y);
+        Self { ground, is_below_spheres: objects.is_none(), typical_radius }
     }
+
+    /// Moves a ground that depends on the spheres below this extent, which they have over the time of a film.
+    pub(crate) fn lower_ground(&mut self, spheres: Extent) {
+        if self.is_below_spheres {
+            self.ground = ground_below(spheres);
+        }
+    }
+}
+
+/// Height of the ground of a scene without static objects.
+fn ground_below(spheres: Extent) -> f32 {
+    let is_near = spheres.min.y >= 0.0 && spheres.min.y <= 2.0 * spheres.size();
+    if is_near { 0.0 } else { spheres.min.y }
 }
 
 #[cfg(test)]
 mod tests {
+    use rockfall::glam::Vec3;
     use rockfall::{Cuboid, Sphere};
 
     use super::*;
@@ -52,5 +65,17 @@ mod tests {
         let mut deep = Scene::new();
         deep.add_sphere(Sphere::new([0.0, -7.0, 0.0], 0.5)).unwrap();
         assert_eq!((SceneSummary::of(&deep).ground, SceneSummary::of(&deep).typical_radius), (-7.5, 0.5));
+    }
+
+    #[test]
+    fn in_a_film_the_ground_is_below_all_places_of_the_bodies() {
+        let film = Extent { min: Vec3::splat(-3.0), max: Vec3::ONE };
+        let lowered = |boxes: &[Cuboid]| {
+            let mut summary = SceneSummary::of(&scene(boxes));
+            summary.lower_ground(film);
+            summary.ground
+        };
+        assert_eq!(lowered(&[]), -3.0);
+        assert_eq!(lowered(&[Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])]), -1.0);
     }
 }

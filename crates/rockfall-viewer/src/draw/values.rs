@@ -4,7 +4,8 @@ use rockfall::{Result, Simulation};
 
 use crate::draw::range::{RecentPercentile, percentile, percentile_in};
 use crate::draw::style::{ColourBy, Range, Style};
-use crate::draw::{Renderer, palette};
+use crate::draw::{Motion, Renderer, palette};
+use crate::overlay::Overlay;
 use crate::survey::Survey;
 
 /// Distance from the bodies of a scene up to which others count for the scale, divided by the extent of the bodies.
@@ -16,10 +17,13 @@ fn coded(colour: Option<palette::Rgb>) -> f32 {
 }
 
 impl Renderer {
-    /// Takes what the bodies do over a film. Walls that hide a body in any of its states are then removed in all pictures, and
-    /// bodies that are far away do not count for the scale.
+    /// Takes what the bodies do over a film. Walls that hide a body in any of its states are then removed in all pictures, bodies
+    /// that are far away do not count for the scale, and without static objects the ground is below all places of the bodies.
     pub fn set_survey(&mut self, survey: Survey) {
         self.set_region(&survey);
+        if let (Some(summary), Some(extent)) = (&mut self.summary, survey.extent()) {
+            summary.lower_ground(extent);
+        }
         self.survey = Some(survey);
     }
 
@@ -28,6 +32,37 @@ impl Renderer {
     pub fn set_colours(&mut self, colours: Vec<Option<palette::Rgb>>) {
         self.colours = colours;
         self.colours_due = true;
+    }
+
+    /// Takes what an overlay needs of the states of the following [`Renderer::update`].
+    pub fn set_overlay(&mut self, overlay: &Overlay) {
+        self.motion.want(overlay);
+    }
+
+    /// What an overlay shows.
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// Sets the time of the state of the last [`Renderer::update`], in s, which a trajectory knows and its simulation does not.
+    pub fn set_time(&mut self, time: f64) {
+        self.motion.set_time(time);
+    }
+
+    /// Adds the present state of a simulation to the trails of an overlay, without a picture of it.
+    ///
+    /// # Errors
+    /// [`rockfall::Error::Device`] when the device failed.
+    pub fn observe(&mut self, simulation: &mut Simulation) -> Result<()> {
+        self.motion.set_blend(1.0);
+        self.motion.update(simulation)?;
+        self.motion.record();
+        Ok(())
+    }
+
+    /// Adds the state that is shown to the trails of an overlay.
+    pub fn record_trails(&mut self) {
+        self.motion.record();
     }
 
     pub(super) fn set_region(&mut self, survey: &Survey) {

@@ -1,9 +1,11 @@
 //! Boxes and polygons between the camera and the bodies, like the near walls of a pit. They are not drawn, except for their
 //! edges.
 
-use rockfall::glam::{Mat3, Vec3};
+use rockfall::glam::Vec3;
 use rockfall::{Cuboid, Polygon, Scene};
 
+use crate::block::Block;
+use crate::extent::{Extent, extent_of_polygon};
 use crate::survey::Survey;
 
 /// Number of lines of sight that are tested in a frame. In larger scenes only some of the bodies are tested.
@@ -21,8 +23,14 @@ const FLOOR_NORMAL: f32 = 0.3;
 /// A floor is removed only if it hides more than this part of the bodies. It may hide some that fall past it, and without it
 /// the bodies on it would float.
 const FLOOR_SHARE: f32 = 0.1;
-/// Distance from a box up to which a body lies on it, divided by its radius.
-const TOUCH: f32 = 1.1;
+
+/// A polygon that is not drawn casts its shadow if it is one of many that make up a surface, such as a bowl, whose shadow would
+/// have a hole. It is one of many if it touches another one, and if its area is less than this part of that of all polygons.
+const PART_OF_SURFACE: f32 = 0.125;
+/// Distance up to which polygons touch, divided by the extent of one.
+const TOUCHING: f32 = 0.01;
+/// Number of polygons from which on all are parts of surfaces.
+const MANY_POLYGONS: usize = 2000;
 
 /// Number of frames for which a wall stays away, so that it does not flicker when bodies move behind it.
 const HELD: u32 = 45;
@@ -30,9 +38,7 @@ const HELD: u32 = 45;
 /// A box.
 #[derive(Debug)]
 struct Wall {
-    cuboid: Cuboid,
-    /// Transforms an offset from the corner to coordinates along the edges.
-    into: Mat3,
+    block: Block,
     /// Number of bodies that lie on the box.
     carried: usize,
 }
@@ -42,6 +48,8 @@ struct Wall {
 pub(crate) struct Walls {
     boxes: Vec<Wall>,
     polygons: Vec<Polygon>,
+    /// Whether each polygon is one of many that make up a surface.
+    parts: Vec<bool>,
     /// For how many calls each box and each polygon is not drawn.
     held: Vec<u32>,
     /// The centre and radius of every body.
@@ -51,12 +59,10 @@ pub(crate) struct Walls {
 impl Walls {
     /// Takes the boxes and polygons of a scene.
     pub(crate) fn set_scene(&mut self, scene: &Scene) {
-        let wall = |cuboid: &Cuboid| {
-            let [i, j, k] = cuboid.edges;
-            Wall { cuboid: *cuboid, into: Mat3::from_cols(i, j, k).inverse(), carried: 0 }
-        };
+        let wall = |cuboid: &Cuboid| Wall { block: Block::of_box(cuboid), carried: 0 };
         self.boxes = scene.boxes().iter().map(wall).collect();
         self.polygons = scene.polygons().to_vec();
+        self.parts = parts_of_surfaces(&self.polygons);
         self.held.clear();
     }
 
@@ -75,13 +81,13 @@ impl Walls {
         // An odd stride does not always meet the same body or the same state.
         let stride = stride | 1;
         for wall in &mut self.boxes {
-            wall.carried = balls.iter().step_by(stride).filter(|(place, radius)| wall.carries(*place, *radius)).count();
+            wall.carried = balls.iter().step_by(stride).filter(|(place, radius)| wall.block.carries(*place, *radius)).count();
         }
         self.balls = balls.into_iter().step_by(stride).collect();
     }
 
-    /// Returns for each box, then for each polygon, 1 if it is drawn and 0 if it hides a body. With `hold`, a wall that has
-    /// hidden a body stays away for the next [`HELD`] calls.
+    /// Returns for each box, then for each polygon, 1 if it is drawn and 0 or 2 if it hides a body. It still casts its shadow if
+    /// that is 2. With `hold`, a wall that has hidden a body stays away for the next [`HELD`] calls.
     pub(crate) fn drawn(&mut self, eye: Vec3, hold: bool) -> Vec<u32> {
         let boxes = self.boxes.iter().map(|wall| self.is_before(wall, eye));
         let polygons = self.polygons.iter().map(|polygon| self.is_polygon_before(polygon, eye));
@@ -94,11 +100,13 @@ impl Walls {
                 false => 0,
             };
         }
-        self.held.iter().map(|held| u32::from(*held == 0)).collect()
+        let parts = self.parts.iter().map(|part| if *part { 2 } else { 0 });
+        let hidden = std::iter::repeat_n(0, self.boxes.len()).chain(parts);
+        self.held.iter().zip(hidden).map(|(held, hidden)| if *held == 0 { 1 } else { hidden }).collect()
     }
 
     fn is_before(&self, wall: &Wall, eye: Vec3) -> bool {
-        let local = |point: Vec3| wall.into * (point - wall.cuboid.corner);
+        let local = |point: Vec3| wall.block.local(point);
         let from = local(eye);
         if is_in_unit_cube(from) {
             // Everything is behind the faces of a box around the eye.
@@ -124,20 +132,26 @@ impl Walls {
 impl Wall {
     /// Whether the box is flat and seen from above.
     fn is_flat(&self, eye: Vec3) -> bool {
-        let edges = &self.cuboid.edges;
+        let edges = &self.block.edges;
         let extent = edges.iter().fold(Vec3::ZERO, |sum, edge| sum + edge.abs());
-        let top = self.cuboid.corner.y + edges.iter().map(|edge| edge.y.max(0.0)).sum::<f32>();
+        let top = self.block.corner.y + edges.iter().map(|edge| edge.y.max(0.0)).sum::<f32>();
         extent.y < FLOOR_HEIGHT * extent.x.min(extent.z) && eye.y > top
     }
+}
 
-    /// Whether a ball lies on the box.
-    fn carries(&self, place: Vec3, radius: f32) -> bool {
-        let [i, j, k] = self.cuboid.edges;
-        let local = (self.into * (place - self.cuboid.corner)).clamp(Vec3::ZERO, Vec3::ONE);
-        let nearest = self.cuboid.corner + local.x * i + local.y * j + local.z * k;
-        let down = place - nearest;
-        down.length() < TOUCH * radius && down.y > 0.5 * radius
+/// Returns whether each polygon is one of many that make up a surface.
+fn parts_of_surfaces(polygons: &[Polygon]) -> Vec<bool> {
+    if polygons.len() > MANY_POLYGONS {
+        return vec![true; polygons.len()];
     }
+    let area = |polygon: &Polygon| polygon.left.cross(polygon.right).length();
+    let all: f32 = polygons.iter().map(area).sum();
+    let extents: Vec<Extent> = polygons.iter().map(extent_of_polygon).collect();
+    let touches = |at: usize| {
+        let room = extents[at].grown(TOUCHING * extents[at].size());
+        extents.iter().enumerate().any(|(other, extent)| other != at && room.overlaps(*extent))
+    };
+    (0..polygons.len()).map(|at| area(&polygons[at]) < PART_OF_SURFACE * all && touches(at)).collect()
 }
 
 /// The centre of a body, and the point where it would touch the ground.
@@ -319,6 +333,16 @@ mod tests {
         // A body on a wall that hides two others does not keep it.
         let two = [behind - 0.5 * Vec3::Y, behind - 0.5 * Vec3::Y + 0.3 * Vec3::X];
         assert_eq!(drawn(&[low], &[], &[&on_it[..1], &two].concat()), [0]);
+    }
+
+    #[test]
+    fn a_pane_that_is_not_drawn_casts_no_shadow_and_a_part_of_a_bowl_does() {
+        let pane = |x: f32, width: f32| Polygon::new([x, 0.0, 3.0], [width, 0.0, 0.0], [0.0, 2.0, 0.0]);
+        assert_eq!(drawn(&[], &[pane(-5.0, 10.0)], &[]), [0]);
+        let strips: Vec<Polygon> = (0..20).map(|k| pane(-5.0 + 0.5 * k as f32, 0.5)).collect();
+        assert!(drawn(&[], &strips, &[]).contains(&2));
+        let apart: Vec<Polygon> = (0..20).map(|k| pane(-5.0 + 0.5 * k as f32, 0.4)).collect();
+        assert!(!drawn(&[], &apart, &[]).contains(&2));
     }
 
     #[test]

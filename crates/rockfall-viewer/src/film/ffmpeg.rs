@@ -34,7 +34,7 @@ pub(super) fn write(path: &Path, encoding: &Encoding, fps: u32, pictures: impl I
     let mut to = ffmpeg.stdin.take();
     let mut result = Ok(());
     for picture in pictures {
-        let bytes = picture?.rgb();
+        let bytes = picture?.with_even_sides().rgb();
         let written = to.as_mut().map_or(Ok(()), |to| to.write_all(&bytes));
         if written.is_err() {
             // The message of ffmpeg, read below, explains more than the broken pipe.
@@ -72,10 +72,11 @@ fn check(encoding: &Encoding) -> io::Result<()> {
 }
 
 fn start(path: &Path, encoding: &Encoding, first: &Picture, fps: u32) -> io::Result<Child> {
-    let size = format!("{}x{}", first.width, first.height);
+    let [width, height] = [first.width, first.height].map(|side| side.next_multiple_of(2));
+    let size = format!("{width}x{height}");
     command()
         .args(["-y", "-f", "rawvideo", "-pixel_format", "rgb24", "-video_size", &size, "-framerate", &fps.to_string()])
-        .args(["-i", "-", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"])
+        .args(["-i", "-", "-pix_fmt", "yuv420p"])
         .args(encoding.options)
         .args(["-f", encoding.name])
         .arg(path)

@@ -3,7 +3,7 @@
 use rockfall::glam::Vec3;
 use rockfall::{Result, Scene, SphereId};
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Direction};
 use crate::film::Moment;
 use crate::survey::Survey;
 
@@ -14,6 +14,8 @@ const FOLLOW_PART: f32 = 0.45;
 /// What is known of the camera of a film. The rest is chosen so that the bodies are in view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct View {
+    /// Direction from which the camera looks, unless its position is given.
+    pub from: Direction,
     /// Position of the camera, in units.
     pub camera: Option<Vec3>,
     /// Point in the middle of the picture, in units.
@@ -39,7 +41,7 @@ impl Shot {
     /// # Errors
     /// [`rockfall::Error::StaleHandle`] when the followed body is not in the scene.
     pub fn new(view: &View, survey: &Survey, scene: &Scene, aspect: f32) -> Result<Option<Self>> {
-        let framing = Camera::of_survey(survey, scene, aspect, view.orbit != 0.0);
+        let framing = Camera::of_survey(survey, scene, aspect, view.from, view.orbit != 0.0);
         let mut eye = framing.eye;
         let mut target = view.look_at.unwrap_or(framing.target);
         if let Some(sphere) = view.follow {
@@ -115,7 +117,7 @@ mod tests {
         assert_eq!(shot(View { camera: Some(Vec3::X), look_at: Some(Vec3::X), ..View::default() }), None);
         let follow = shot(View { follow: Some(followed), ..View::default() }).unwrap();
         assert_eq!(follow.camera().target, Vec3::new(1.0, 2.0, 3.0));
-        let framing = Camera::of_survey(&survey, &scene, 1.5, false);
+        let framing = Camera::of_survey(&survey, &scene, 1.5, Direction::Oblique, false);
         let part = FOLLOW_PART * framing.eye.distance(framing.target);
         let distance = follow.camera().eye.distance(follow.camera().target);
         assert!((distance - part.max(FOLLOW_RADII * 0.5)).abs() < 1e-3, "{distance} {part}");

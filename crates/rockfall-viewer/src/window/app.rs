@@ -88,6 +88,7 @@ struct OpenWindow {
 struct Drawn {
     camera: crate::camera::Camera,
     style: crate::draw::Style,
+    overlay: crate::overlay::Overlay,
     size: [u32; 2],
     steps: u64,
     objects: u64,
@@ -169,6 +170,7 @@ impl OpenWindow {
         let widgets = widgets(&window);
         let mut viewer = Viewer::new(session, Vec2::new(size.width as f32, size.height as f32).max(Vec2::ONE));
         viewer.controls = launch.controls;
+        viewer.overlay.clone_from(&launch.overlay);
         window.request_redraw();
         let (last_frame, first_frame, drawn) = (None, None, None);
         Ok(Self {
@@ -243,7 +245,9 @@ impl OpenWindow {
         // Asked for before this frame, so that the picture of this frame has its full resolution.
         let wants_picture = self.viewer.capture.wants_picture();
         let output = context.run_ui(input, |ui| {
-            ui::show(ui, &mut self.viewer, &mut |size, moving| graphics.picture(size, moving));
+            ui::show(ui, &mut self.viewer, &mut |size, moving, marks| {
+                (graphics.picture(size, moving), marks(graphics.renderer.motion()))
+            });
         });
         self.widgets.handle_platform_output(&self.window, output.platform_output);
         let widgets = Widgets {
@@ -265,7 +269,11 @@ impl OpenWindow {
     fn capture(&mut self, wanted: bool) {
         if let Some(graphics) = self.graphics.as_ref().filter(|_| wanted && !self.viewer.session.device_failed()) {
             match graphics.read_picture() {
-                Ok(picture) => self.viewer.captured(picture),
+                Ok(mut picture) => {
+                    // The font is built in, so this cannot fail.
+                    let _ = self.viewer.overlay.draw(graphics.renderer.motion(), &self.viewer.camera, &mut picture);
+                    self.viewer.captured(picture);
+                }
                 Err(error) => self.viewer.session.fail(&error),
             }
         }
@@ -288,6 +296,7 @@ impl OpenWindow {
         let drawn = Drawn {
             camera: self.viewer.camera,
             style: self.viewer.style,
+            overlay: self.viewer.overlay.clone(),
             size,
             steps: session.simulation_ref().report().steps,
             objects: session.objects_version(),
@@ -303,11 +312,13 @@ impl OpenWindow {
             renderer.set_scene(session.simulation_ref());
             self.window.set_title(&title(&session.source().name));
         }
+        renderer.set_overlay(&drawn.overlay);
         if let Err(error) = renderer.update(session.simulation(), &drawn.style) {
             session.fail(&error);
             return false;
         }
         renderer.set_blend(drawn.blend);
+        renderer.record_trails();
         let legend = Some(renderer.legend(&drawn.style));
         if self.viewer.legend != legend {
             self.viewer.legend = legend;

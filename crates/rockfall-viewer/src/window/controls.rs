@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::constants::CONSTANTS;
+use crate::camera::Direction;
 
 /// What the mouse and the key F do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -115,6 +116,8 @@ pub enum Command {
     ResetCamera,
     /// Show the whole scene from the present direction.
     FrameAll,
+    /// Show the whole scene from this direction.
+    LookFrom(Direction),
     /// Change the speed.
     ChangeSpeed {
         /// Whether to go faster.
@@ -168,6 +171,7 @@ pub fn command(key: Key, held: Modifiers, controls: Controls) -> Option<Command>
         Key::Char('l') => Command::Throw,
         Key::Char('t') => Command::ToggleRealTime,
         Key::Char('p') => Command::TogglePanel,
+        Key::Char(digit @ '1'..='4') => Command::LookFrom(Direction::NAMED[digit as usize - '1' as usize]),
         Key::Char('-') => Command::ChangeSpeed { faster: false },
         Key::Char('+' | '=') => Command::ChangeSpeed { faster: true },
         Key::Char(letter) => {
@@ -217,7 +221,7 @@ pub fn key_rows(controls: Controls) -> impl Iterator<Item = (String, String)> {
     KEYS.into_iter().chain([(frame, "show the whole scene")]).map(row).chain(constants)
 }
 
-const KEYS: [(&str, &str); 18] = [
+const KEYS: [(&str, &str); 19] = [
     ("space, A", "start and stop"),
     ("S", "make one step"),
     (", .", "back and forward in the last seconds"),
@@ -235,6 +239,7 @@ const KEYS: [(&str, &str); 18] = [
     ("P", "show or hide the panel"),
     ("F1", "this table"),
     ("Esc", "close what is open, or else quit"),
+    ("1 2 3 4", "look from the front, the side, the top, along the diagonal"),
     ("Home", "reset the camera"),
 ];
 
@@ -301,16 +306,16 @@ mod tests {
     /// Space and A both start and stop.
     #[test]
     fn no_two_other_keys_have_the_same_command() {
-        let keys = ('a'..='z').chain("-+,.".chars()).map(Key::Char);
+        let keys = ('a'..='z').chain("-+,.1234".chars()).map(Key::Char);
         let keys = keys.chain([Key::F1, Key::F12, Key::Escape, Key::Backspace, Key::Home]);
         let mut commands: Vec<Command> = Vec::new();
         for command in keys.filter_map(|key| command(key, NONE, Controls::Thesis)) {
             assert!(!commands.contains(&command), "{command:?}");
             commands.push(command);
         }
-        assert_eq!(commands.len(), 5 + 12 + 2 + 4 + 5);
+        assert_eq!(commands.len(), 5 + 12 + 2 + 4 + 5 + 4);
         assert_eq!(command(Key::Space, NONE, Controls::Standard), Some(Command::ToggleRunning));
-        for letter in "eioquwy1".chars() {
+        for letter in "eioquwy5".chars() {
             assert_eq!(command(Key::Char(letter), NONE, Controls::Standard), None, "{letter}");
         }
     }
@@ -343,7 +348,7 @@ mod tests {
     fn the_table_names_every_key() {
         for controls in Controls::ALL {
             let table: String = key_rows(controls).map(|(keys, _)| format!(" {} ", keys.replace(',', " , "))).collect();
-            for key in ('a'..='z').chain("-+,.".chars()).filter(|key| command(Key::Char(*key), NONE, controls).is_some()) {
+            for key in ('a'..='z').chain("-+,.1234".chars()).filter(|key| command(Key::Char(*key), NONE, controls).is_some()) {
                 let name = format!(" {} ", key.to_ascii_uppercase());
                 assert!(table.contains(&name), "{controls}: {key} is missing in {table}");
             }

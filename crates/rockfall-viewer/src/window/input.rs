@@ -124,7 +124,7 @@ fn key_of(key: egui::Key) -> Option<Key> {
         other => {
             let mut name = other.name().chars();
             match (name.next(), name.next()) {
-                (Some(letter), None) if letter.is_ascii_alphabetic() => Key::Char(letter.to_ascii_lowercase()),
+                (Some(letter), None) if letter.is_ascii_alphanumeric() => Key::Char(letter.to_ascii_lowercase()),
                 _ => return None,
             }
         }
@@ -143,6 +143,6 @@ mod tests {
         }
         assert_eq!(key_of(egui::Key::F1), Some(Key::F1));
         assert_eq!(key_of(egui::Key::F2), None);
-        assert_eq!(key_of(egui::Key::Num1), None);
+        assert_eq!(key_of(egui::Key::Num1), Some(Key::Char('1')));
     }
 }

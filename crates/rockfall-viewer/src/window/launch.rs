@@ -9,6 +9,7 @@ use rockfall::{Error, Options};
 use super::controls::Controls;
 use super::session::Source;
 use super::session::playback::Playback;
+use crate::overlay::Overlay;
 
 /// Arguments of [`run`](super::run).
 pub struct Launch {
@@ -28,6 +29,8 @@ pub struct Launch {
     pub overrides: Vec<(String, String)>,
     /// What the mouse does.
     pub controls: Controls,
+    /// Text, arrows and trails over the picture.
+    pub overlay: Overlay,
     /// File to write the state to after every frame and on exit, as JSON.
     pub report: Option<PathBuf>,
     /// Number of frames after which the device is destroyed, for tests.

@@ -3,8 +3,9 @@
 use egui::Ui;
 
 use super::controls::{Command, Controls};
-use super::panel;
 use super::viewer::Viewer;
+use super::{overlay, panel};
+use crate::camera::Direction;
 use crate::film::Format;
 
 /// Shows the menu and executes what is chosen.
@@ -92,6 +93,10 @@ fn view(ui: &mut Ui, viewer: &mut Viewer) -> Option<Command> {
         ui,
         &[
             ("Show the whole scene", frame, Command::FrameAll),
+            ("From the front", "1", Command::LookFrom(Direction::Front)),
+            ("From the side", "2", Command::LookFrom(Direction::Side)),
+            ("From the top", "3", Command::LookFrom(Direction::Top)),
+            ("Along the diagonal", "4", Command::LookFrom(Direction::Iso)),
             ("Reset the camera", "Home", Command::ResetCamera),
             ("Panel", "P", Command::TogglePanel),
             ("Messages", "", Command::ToggleMessages),
@@ -103,5 +108,7 @@ fn view(ui: &mut Ui, viewer: &mut Viewer) -> Option<Command> {
     ui.radio_value(&mut viewer.controls, Controls::Thesis, "Mouse of the thesis");
     ui.separator();
     panel::style_switches(ui, viewer);
+    ui.separator();
+    overlay::switches(ui, viewer);
     asked
 }

@@ -209,6 +209,7 @@ impl Limits {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::Direction;
 
     fn camera() -> Camera {
         Camera::new([0.0, 2.0, 10.0], [0.0, 2.0, 0.0])
@@ -351,7 +352,7 @@ mod tests {
     fn no_movement_loses_the_scene() {
         let scene = scene();
         let limits = Limits::of(&scene);
-        let mut camera = Camera::of_scene(&scene, ASPECT);
+        let mut camera = Camera::of_scene(&scene, ASPECT, Direction::Oblique);
         for step in 0..2000_u32 {
             // Long runs of the same movement, with a direction that changes.
             let kind = step / 40 * 7 % 6;
@@ -378,7 +379,7 @@ mod tests {
     #[test]
     fn a_camera_within_the_limits_stays() {
         let scene = scene();
-        let mut camera = Camera::of_scene(&scene, ASPECT);
+        let mut camera = Camera::of_scene(&scene, ASPECT, Direction::Oblique);
         let before = camera;
         Limits::of(&scene).keep(&mut camera);
         assert!(camera.eye.distance(before.eye) < 1e-4 && camera.target.distance(before.target) < 1e-4);

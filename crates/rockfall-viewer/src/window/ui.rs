@@ -5,11 +5,19 @@ use rockfall::glam::Vec2;
 
 use super::message::Level;
 use super::viewer::Viewer;
-use super::{controls, file_window, input, marks, menu, panel, picked_window, transport};
+use super::{controls, file_window, input, marks, menu, overlay, panel, picked_window, transport};
+use crate::draw::Motion;
+use crate::overlay::Mark;
 
-/// Shows all widgets of a frame. `picture` takes the size of the picture in pixels and whether it is moving, and returns the
-/// texture that the scene will be drawn onto.
-pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer, picture: &mut dyn FnMut([u32; 2], bool) -> TextureId) {
+/// Height of letters over the picture, in points.
+const LETTERS: f32 = 15.0;
+
+/// Takes the size of the picture in pixels, whether it is moving, and what makes marks over it. Returns the texture that the scene
+/// will be drawn onto, and the marks.
+pub(super) type PictureOf<'a> = dyn FnMut([u32; 2], bool, &dyn Fn(&Motion) -> Vec<Mark>) -> (TextureId, Vec<Mark>) + 'a;
+
+/// Shows all widgets of a frame.
+pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer, picture: &mut PictureOf<'_>) {
     for file in ui.input(|input| input.raw.dropped_files.clone()) {
         viewer.load(file.path());
     }
@@ -27,10 +35,13 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer, picture: &mut dyn FnMut([u3
     input::handle(ui, area, viewer);
     // A software device draws moving scenes coarsely, but not for a film.
     let moving = (viewer.is_moving() || viewer.is_dragging()) && !viewer.capture.wants_picture();
-    let texture = picture([viewer.size().x as u32, viewer.size().y as u32], moving);
+    let size = viewer.size();
+    let marks_of = |motion: &Motion| viewer.overlay.marks(motion, &viewer.camera, size.to_array(), LETTERS * pixels);
+    let (texture, over_picture) = picture([size.x as u32, size.y as u32], moving, &marks_of);
     let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
     ui.painter().image(texture, area, whole, Color32::WHITE);
     let over = ui.painter().with_clip_rect(area);
+    overlay::show(&over, area.min, 1.0 / pixels, &over_picture);
     marks::show(&over, area, viewer);
     hint(&over, area, viewer);
     picked_window::show(ui, area, viewer);

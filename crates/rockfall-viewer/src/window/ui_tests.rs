@@ -38,7 +38,7 @@ impl Screen {
         let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1280.0, 800.0)));
         let input = RawInput { screen_rect, focused: true, ..input };
         let viewer = &mut self.viewer;
-        let mut output = self.context.run_ui(input, |ui| show(ui, viewer, &mut |_, _| TextureId::default()));
+        let mut output = self.context.run_ui(input, |ui| show(ui, viewer, &mut |_, _, _| (TextureId::default(), Vec::new())));
         output.textures_delta.clear();
     }
 }

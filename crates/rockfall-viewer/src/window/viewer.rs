@@ -14,9 +14,10 @@ use super::navigation::{self, Arrows, Limits};
 use super::rates::Rates;
 use super::session::Session;
 use crate::bounds::bounds;
-use crate::camera::Camera;
+use crate::camera::{Camera, Direction};
 use crate::draw::Style;
 use crate::legend::Legend;
+use crate::overlay::Overlay;
 
 mod files;
 mod mouse;
@@ -68,6 +69,8 @@ pub struct Viewer {
     pub capture: Capture,
     /// Style of the picture.
     pub style: Style,
+    /// Text, arrows and trails over the picture.
+    pub overlay: Overlay,
     /// Legend of the last picture.
     pub legend: Option<Legend>,
     /// Frames and steps per second.
@@ -105,6 +108,7 @@ impl Viewer {
             dialog: Dialog::default(),
             capture: Capture::default(),
             style: Style::default(),
+            overlay: Overlay::default(),
             legend: None,
             rates: Rates::default(),
             pointer: None,
@@ -145,6 +149,11 @@ impl Viewer {
             Command::Reset => session.reset(),
             Command::ResetCamera => self.frame_scene(),
             Command::FrameAll => self.frame_all(),
+            Command::LookFrom(direction) => {
+                let distance = self.camera.eye.distance(self.camera.target);
+                self.camera.eye = self.camera.target + distance * direction.to_camera();
+                self.frame_all();
+            }
             Command::ChangeSpeed { faster } => session.pace.change_speed(faster),
         }
         self.frame_if_new_scene();
@@ -244,7 +253,7 @@ impl Viewer {
 }
 
 fn framing(scene: &Scene, size: Vec2) -> Camera {
-    Camera::of_scene(scene, size.x / size.y)
+    Camera::of_scene(scene, size.x / size.y, Direction::Oblique)
 }
 
 /// Returns the working directory and the folder of the program.

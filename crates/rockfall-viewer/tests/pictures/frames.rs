@@ -3,7 +3,7 @@
 use rockfall::generate::Kind;
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{Backend, BroadPhase, Cuboid, Options, Scene, Simulation, Sphere};
-use rockfall_viewer::camera::Camera;
+use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::draw::{ColourBy, Style};
 use rockfall_viewer::survey::Survey;
 
@@ -62,7 +62,7 @@ fn the_memory_order_does_not_change_the_picture() {
     let style = Style::default();
     let pictures = [BroadPhase::BruteForce, BroadPhase::Grid].map(|broad_phase| {
         let scene = Kind::Mixed.generate(300, 1).unwrap();
-        let camera = Camera::of_scene(&scene, crate::common::ASPECT);
+        let camera = Camera::of_scene(&scene, crate::common::ASPECT, Direction::Oblique);
         let options = Options::new().backend(Backend::Gpu).broad_phase(broad_phase);
         let mut simulation = Simulation::on_device(scene, options, gpu().device(), gpu().queue()).unwrap();
         take(&mut simulation, &camera, &style)

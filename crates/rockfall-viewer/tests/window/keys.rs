@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use rockfall::Settings;
 use rockfall::glam::{Vec2, Vec3};
+use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::window::constants::CONSTANTS;
 use rockfall_viewer::window::controls::Command;
 use rockfall_viewer::window::viewer::Viewer;
@@ -48,6 +49,17 @@ fn changes(viewer: &mut Viewer, command: Command, expected: &[(&str, &str)]) {
         .map(|(name, value)| (name.as_str(), value.as_str()))
         .collect();
     assert_eq!(changed, expected, "{command:?}");
+}
+
+#[test]
+fn the_numbers_look_along_the_axes() {
+    let mut viewer = viewer("S 1 0 5 0 0 0 0 0 0 0 1 0.5\nS 2 3 5 1 0 0 0 0 0 0 1 0.5\n");
+    for direction in Direction::NAMED {
+        viewer.command(Command::LookFrom(direction));
+        let Camera { eye, target, .. } = viewer.camera;
+        assert!((eye - target).normalize().distance(direction.to_camera()) < 1e-5, "{direction:?}: {eye} {target}");
+        assert_eq!(target, Vec3::new(1.5, 5.0, 0.5));
+    }
 }
 
 #[test]

@@ -69,7 +69,7 @@ fn box_corner(index: u32, number: u32) -> FlatVertex {
 @vertex
 fn polygon_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = polygon_corner(index, number);
-    if !is_polygon_drawn(number) {
+    if polygon_drawn(number) != 1u {
         vertex.place = NOWHERE;
     }
     return vertex;
@@ -78,7 +78,7 @@ fn polygon_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) nu
 @vertex
 fn polygon_edges_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = polygon_corner(index, number);
-    if is_polygon_drawn(number) {
+    if polygon_drawn(number) == 1u {
         vertex.place = NOWHERE;
     }
     return vertex;

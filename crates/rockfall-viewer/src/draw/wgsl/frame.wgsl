@@ -75,7 +75,7 @@ const KIND_POLYGON: u32 = 7u;
 @group(0) @binding(5) var<storage, read> old_orientations: array<vec4f>;
 @group(0) @binding(6) var<storage, read> values: array<f32>;
 @group(0) @binding(7) var<storage, read> capsule_bits: array<u32>;
-/// For each box, then for each polygon: 1 if it is drawn, 0 if only its edges are.
+/// For each box, then for each polygon: 1 if it is drawn, 0 if only its edges are, 2 if only its edges and its shadow are.
 @group(0) @binding(8) var<storage, read> drawn: array<u32>;
 
 fn topology_float(at: u32) -> f32 {
@@ -116,9 +116,9 @@ fn is_fixed(slot: u32) -> bool {
     return state[frame.spheres + slot].w == 0.0;
 }
 
-/// Whether polygon `number` is drawn. The words of the polygons follow those of the boxes.
-fn is_polygon_drawn(number: u32) -> bool {
-    return drawn[(frame.polygons_at - frame.boxes_at) / 12u + number] != 0u;
+/// Returns how polygon `number` is drawn. The words of the polygons follow those of the boxes.
+fn polygon_drawn(number: u32) -> u32 {
+    return drawn[(frame.polygons_at - frame.boxes_at) / 12u + number];
 }
 
 /// Returns bit `index` of the bits in `capsule_bits` that begin at word `at`.

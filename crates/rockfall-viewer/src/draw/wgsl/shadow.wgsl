@@ -110,7 +110,9 @@ fn box_shadow(vertex: FlatShadow) -> @builtin(frag_depth) f32 {
 
 @vertex
 fn polygon_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatShadow {
-    // Also of a polygon that hides a body, because its neighbours, such as the rest of a bowl, would show a hole in the shadow.
+    if polygon_drawn(number) == 0u {
+        return FlatShadow(NOWHERE, 1.0);
+    }
     return flat_in_map(polygon_corner(index, number).point);
 }
 

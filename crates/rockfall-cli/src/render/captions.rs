@@ -1,0 +1,44 @@
+//! Options of text, arrows and trails over pictures.
+
+use rockfall_viewer::overlay::{Arrows, Overlay};
+
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Captions {
+    /// Write a line of text at the upper edge
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+    /// Show the time of the simulation
+    #[arg(long)]
+    clock: bool,
+    /// Show the length of a round number of units at the distance of the middle of the picture
+    #[arg(long)]
+    scale_bar: bool,
+    /// Write its number on every sphere
+    #[arg(long)]
+    label: bool,
+    /// Draw an arrow at every sphere, with a key: velocity or force
+    #[arg(long, value_name = "WHAT", value_parser = Arrows::named)]
+    arrows: Option<Arrows>,
+    /// Draw the path of every sphere in the last S seconds of the simulation
+    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
+    trails: Option<f64>,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds > 0.0);
+    found.ok_or_else(|| "expected a finite number of seconds greater than 0".to_owned())
+}
+
+impl Captions {
+    pub(crate) fn overlay(&self) -> Overlay {
+        Overlay {
+            title: self.title.clone(),
+            clock: self.clock,
+            scale_bar: self.scale_bar,
+            labels: self.label,
+            arrows: self.arrows,
+            arrow_key: None,
+            trails: self.trails.unwrap_or(0.0),
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! The places of the spheres on the host, for text, arrows and trails.
+
+use std::collections::VecDeque;
+
+use rockfall::glam::Vec3;
+use rockfall::{Result, Scene, Simulation, SphereId};
+
+use crate::draw::range::{RecentPercentile, percentile};
+use crate::overlay::{Arrows, Overlay};
+
+/// Number of spheres that have trails. In larger scenes only some have.
+const MOST_TRAILS: usize = 1000;
+/// Number of states during the time of the trails.
+const STATES: f64 = 200.0;
+/// Greatest number of past states that are kept. Pictures add some to those that trails need.
+const MOST_STATES: usize = 1000;
+
+/// What an overlay shows of the spheres, between the last two states of a renderer.
+#[derive(Debug, Default)]
+pub struct Motion {
+    wanted: bool,
+    arrows: Option<Arrows>,
+    seconds: f64,
+    before: State,
+    now: State,
+    /// How much the state before is shown, from 0 to 1.
+    back: f32,
+    labels: Vec<String>,
+    recent: RecentPercentile,
+    past: VecDeque<State>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct State {
+    time: f64,
+    places: Vec<Vec3>,
+    arrows: Vec<Vec3>,
+}
+
+impl Motion {
+    /// Takes what an overlay needs.
+    pub(crate) fn want(&mut self, overlay: &Overlay) {
+        if (self.arrows, self.seconds) != (overlay.arrows, overlay.trails) {
+            self.recent = RecentPercentile::default();
+            self.past.clear();
+        }
+        (self.wanted, self.arrows, self.seconds) = (overlay.needs_places(), overlay.arrows, overlay.trails);
+    }
+
+    /// Takes the present state.
+    pub(crate) fn update(&mut self, simulation: &mut Simulation) -> Result<()> {
+        self.now.time = simulation.report().time;
+        if !self.wanted {
+            self.now.places.clear();
+            return Ok(());
+        }
+        let values = if self.arrows == Some(Arrows::Force) { simulation.diagnostics()? } else { Vec::new() };
+        let scene = simulation.sync()?;
+        self.now.places = scene.spheres().iter().map(|sphere| sphere.position).collect();
+        if let Some(arrows) = self.arrows {
+            let spheres = scene.spheres().iter().enumerate();
+            self.now.arrows = spheres.map(|(index, sphere)| arrows.of(sphere, values.get(index))).collect();
+            self.recent.record(percentile(self.now.arrows.iter().map(|arrow| arrow.length())));
+        }
+        if self.labels.len() != self.now.places.len() {
+            self.labels = labels(scene);
+        }
+        Ok(())
+    }
+
+    /// Sets the time of the present state, which a trajectory knows and its simulation does not.
+    pub(crate) fn set_time(&mut self, time: f64) {
+        self.now.time = time;
+    }
+
+    pub(crate) fn remember(&mut self) {
+        self.before = self.now.clone();
+    }
+
+    pub(crate) fn set_blend(&mut self, blend: f32) {
+        self.back = 1.0 - blend;
+    }
+
+    /// Adds the state that is shown to the trails.
+    pub(crate) fn record(&mut self) {
+        if self.seconds <= 0.0 || !self.wanted {
+            return;
+        }
+        let state = State { time: self.time(), places: self.places().collect(), arrows: Vec::new() };
+        let is_later = self.past.back().is_none_or(|last| last.time < state.time && last.places.len() == state.places.len());
+        if !is_later {
+            // The same state again, or another run.
+            let is_same = self.past.back().is_some_and(|last| last.time == state.time && last.places == state.places);
+            if is_same {
+                return;
+            }
+            self.past.clear();
+        }
+        self.past.push_back(state);
+        let oldest = self.time() - self.seconds;
+        while self.past.len() > MOST_STATES || self.past.get(1).is_some_and(|state| state.time <= oldest) {
+            self.past.pop_front();
+        }
+    }
+
+    /// Time between the states that trails need, in s; `None` without trails.
+    pub fn trail_interval(&self) -> Option<f64> {
+        (self.wanted && self.seconds > 0.0).then(|| self.seconds / STATES)
+    }
+
+    fn is_between(&self) -> bool {
+        self.back > 0.0 && self.before.places.len() == self.now.places.len()
+    }
+
+    /// The time that is shown, in s.
+    pub fn time(&self) -> f64 {
+        let back = f64::from(self.back);
+        if back > 0.0 { self.now.time + back * (self.before.time - self.now.time) } else { self.now.time }
+    }
+
+    fn places(&self) -> impl Iterator<Item = Vec3> {
+        let between = |index: usize, now: Vec3| match self.is_between() {
+            true => now.lerp(self.before.places[index], self.back),
+            false => now,
+        };
+        self.now.places.iter().enumerate().map(move |(index, now)| between(index, *now))
+    }
+
+    pub(crate) fn arrows(&self) -> impl Iterator<Item = (Vec3, Vec3)> {
+        let between = |index: usize, now: Vec3| match self.is_between() && self.before.arrows.len() == self.now.arrows.len() {
+            true => now.lerp(self.before.arrows[index], self.back),
+            false => now,
+        };
+        let arrows = self.now.arrows.iter().enumerate().map(move |(index, now)| between(index, *now));
+        self.places().zip(arrows)
+    }
+
+    pub(crate) fn labels(&self) -> impl Iterator<Item = (Vec3, &str)> {
+        self.places().zip(&self.labels).map(|(place, label)| (place, label.as_str())).filter(|(_, label)| !label.is_empty())
+    }
+
+    /// A round number above the 99th percentile of the lengths of the arrows of the last states.
+    pub fn arrow_key(&self) -> f32 {
+        self.recent.range()[1]
+    }
+
+    /// The lines between past places, with their age from 0 to 1, the oldest first.
+    pub(crate) fn trails(&self) -> impl Iterator<Item = ([Vec3; 2], f32)> {
+        let (end, seconds) = (self.time(), self.seconds.max(f64::MIN_POSITIVE));
+        let pairs = self.past.iter().zip(self.past.iter().skip(1));
+        pairs.flat_map(move |(from, to)| {
+            let age = ((end - to.time) / seconds).clamp(0.0, 1.0) as f32;
+            let stride = to.places.len().div_ceil(MOST_TRAILS).max(1);
+            let ends = from.places.iter().zip(&to.places).step_by(stride).filter(|(from, to)| from != to);
+            ends.map(move |(from, to)| ([*from, *to], age))
+        })
+    }
+}
+
+/// The numbers of the spheres: references, or in a scene without references the order of addition.
+fn labels(scene: &Scene) -> Vec<String> {
+    let has_references = scene.sphere_ids().any(|sphere| scene.reference(sphere).is_some());
+    let label = |(index, sphere): (usize, SphereId)| match has_references {
+        true => scene.reference(sphere).map_or_else(String::new, |reference| reference.to_string()),
+        false => index.to_string(),
+    };
+    scene.sphere_ids().enumerate().map(label).collect()
+}

@@ -1,0 +1,216 @@
+//! Text, arrows and trails over a picture.
+
+use rockfall::glam::Vec3;
+use rockfall::{Result, Sphere, SphereDiagnostics};
+
+use crate::camera::Camera;
+use crate::draw::Motion;
+use crate::legend::number;
+use crate::palette::Rgb;
+use crate::pixels::Picture;
+use crate::sheet::{Sheet, letters};
+
+mod marks;
+
+pub use marks::Mark;
+use marks::Projection;
+
+/// What is written and drawn over a picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Overlay {
+    /// A line of text at the upper edge.
+    pub title: Option<String>,
+    /// Whether the time of the simulation is shown.
+    pub clock: bool,
+    /// Whether a bar shows the length of a round number of units at the distance of the middle of the picture.
+    pub scale_bar: bool,
+    /// Whether spheres have their numbers: their references in the scene text, or else the order of addition.
+    pub labels: bool,
+    /// The vector of every sphere that an arrow shows.
+    pub arrows: Option<Arrows>,
+    /// The value that the arrow of the key shows; by default a round number that follows from the last states.
+    pub arrow_key: Option<f32>,
+    /// Length of the trails of the spheres, in s of the simulation; 0 for none.
+    pub trails: f64,
+}
+
+/// A vector of every sphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arrows {
+    /// Velocity, in units/s.
+    Velocity,
+    /// Net force, in mass units/s².
+    Force,
+}
+
+impl Arrows {
+    /// All values.
+    pub const ALL: [Self; 2] = [Self::Velocity, Self::Force];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Velocity => "velocity",
+            Self::Force => "force",
+        }
+    }
+
+    /// Returns the vector with this name.
+    ///
+    /// # Errors
+    /// A text with the names, if this is none of them.
+    pub fn named(name: &str) -> std::result::Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|arrows| arrows.name() == name);
+        found.ok_or_else(|| format!("expected one of: {}", Self::ALL.map(Self::name).join(", ")))
+    }
+
+    fn unit(self) -> &'static str {
+        match self {
+            Self::Velocity => "units/s",
+            Self::Force => "mass units/s²",
+        }
+    }
+
+    pub(crate) fn of(self, sphere: &Sphere, values: Option<&SphereDiagnostics>) -> Vec3 {
+        match self {
+            Self::Velocity => sphere.velocity,
+            Self::Force => values.map_or(Vec3::ZERO, |values| values.net_force),
+        }
+    }
+}
+
+const DARK: Rgb = [0x21, 0x29, 0x33];
+const ARROW: Rgb = [0xd5, 0x5e, 0x00];
+const TRAIL: Rgb = [0x00, 0x72, 0xb2];
+/// Length of the arrow of the key, divided by the height of the picture.
+const KEY: f32 = 0.12;
+/// Greatest length of the scale bar, divided by the width of the picture.
+const BAR: f32 = 0.2;
+/// Length of the head of an arrow, in heights of letters.
+const HEAD: f32 = 0.7;
+
+impl Overlay {
+    /// Whether it needs the places of the spheres.
+    pub fn needs_places(&self) -> bool {
+        self.labels || self.arrows.is_some() || self.trails > 0.0
+    }
+
+    /// Draws the overlay for the state that a renderer has.
+    ///
+    /// # Errors
+    /// [`rockfall::Error::Device`] when the built-in font cannot be read, which does not happen in practice.
+    pub fn draw(&self, motion: &Motion, camera: &Camera, picture: &mut Picture) -> Result<()> {
+        let size = [picture.width, picture.height].map(|side| side as f32);
+        let marks = self.marks(motion, camera, size, letters(picture.height));
+        let mut sheet = Sheet::new(picture)?;
+        marks.iter().for_each(|mark| mark.draw(&mut sheet));
+        Ok(())
+    }
+
+    /// Returns the marks on a picture of this size, with letters of this height, in pixels.
+    pub fn marks(&self, motion: &Motion, camera: &Camera, size: [f32; 2], em: f32) -> Vec<Mark> {
+        let projection = Projection::new(camera, size);
+        let mut marks = Vec::new();
+        if self.trails > 0.0 {
+            trails(motion, &projection, 0.12 * em, &mut marks);
+        }
+        if self.arrows.is_some() {
+            let end = self.arrow_key.unwrap_or_else(|| motion.arrow_key());
+            let length = KEY * size[1] / projection.pixels_per_unit() / end;
+            for (place, arrow) in motion.arrows() {
+                if let (Some(from), Some(to)) = (projection.place(place), projection.place(place + length * arrow)) {
+                    marks.extend(pointed([from, to], em));
+                }
+            }
+        }
+        if self.labels {
+            let labels = motion.labels().filter_map(|(place, label)| Some((projection.place(place)?, label)));
+            marks.extend(labels.map(|(at, label)| Mark::Text {
+                text: label.to_owned(),
+                at,
+                align: [0.5, 0.5],
+                em: 0.75 * em,
+                panel: true,
+            }));
+        }
+        self.captions(motion, &projection, size, em, &mut marks);
+        marks
+    }
+
+    /// The title, the clock, and the keys of arrows and lengths in the corners.
+    fn captions(&self, motion: &Motion, projection: &Projection, [width, height]: [f32; 2], em: f32, marks: &mut Vec<Mark>) {
+        let edge = 0.9 * em;
+        let text = |text: String, at: [f32; 2], align: [f32; 2], em: f32| Mark::Text { text, at, align, em, panel: true };
+        if let Some(title) = &self.title {
+            marks.push(text(title.clone(), [edge, edge], [0.0, 0.0], 1.2 * em));
+        }
+        if self.clock {
+            marks.push(text(clock(motion.time()), [width - edge, edge], [1.0, 0.0], em));
+        }
+        let mut bottom = height - edge;
+        if self.scale_bar {
+            let length = round_below(BAR * width / projection.pixels_per_unit());
+            let pixels = length * projection.pixels_per_unit();
+            let [left, right] = [width - edge - pixels, width - edge];
+            let unit = if length == 1.0 { "unit" } else { "units" };
+            marks.push(text(format!("{} {unit}", number(length)), [right, bottom - 0.6 * em], [1.0, 1.0], em));
+            let line = |ends: [[f32; 2]; 2]| Mark::Line { ends, width: 0.14 * em, colour: DARK, opacity: 1.0 };
+            let tick = |x: f32| line([[x, bottom - 0.25 * em], [x, bottom + 0.25 * em]]);
+            marks.extend([line([[left, bottom], [right, bottom]]), tick(left), tick(right)]);
+            bottom -= 3.2 * em;
+        }
+        if let Some(arrows) = self.arrows {
+            let end = self.arrow_key.unwrap_or_else(|| motion.arrow_key());
+            let right = width - edge;
+            let label = format!("{} {}", number(end), arrows.unit());
+            marks.push(text(label, [right, bottom - 0.6 * em], [1.0, 1.0], em));
+            marks.extend(pointed([[right - KEY * height, bottom], [right, bottom]], em));
+        }
+    }
+}
+
+/// A line with a head at its end. Arrows shorter than 1 pixel are left out.
+fn pointed([from, to]: [[f32; 2]; 2], em: f32) -> Vec<Mark> {
+    let along = [to[0] - from[0], to[1] - from[1]];
+    let length = along[0].hypot(along[1]);
+    if length < 1.0 {
+        return Vec::new();
+    }
+    let unit = along.map(|part| part / length);
+    let head = (HEAD * em).min(0.6 * length);
+    let neck = [0, 1].map(|axis| to[axis] - head * unit[axis]);
+    let side = |sign: f32| [neck[0] - sign * 0.4 * head * unit[1], neck[1] + sign * 0.4 * head * unit[0]];
+    let line = Mark::Line { ends: [from, neck], width: (0.14 * em).max(1.2), colour: ARROW, opacity: 1.0 };
+    vec![line, Mark::Triangle { corners: [to, side(1.0), side(-1.0)], colour: ARROW }]
+}
+
+/// Lines through the past places of the spheres, which fade with age.
+fn trails(motion: &Motion, projection: &Projection, width: f32, marks: &mut Vec<Mark>) {
+    for (ends, age) in motion.trails() {
+        if let [Some(from), Some(to)] = ends.map(|place| projection.place(place)) {
+            marks.push(Mark::Line {
+                ends: [from, to],
+                width: width.max(1.0),
+                colour: TRAIL,
+                opacity: 0.9 * (1.0 - age) + 0.05,
+            });
+        }
+    }
+}
+
+/// Formats a time in s with the digits that a film needs.
+fn clock(time: f64) -> String {
+    format!("t = {time:.2} s")
+}
+
+/// The greatest of 1, 2, 5, 10, ... times a power of ten that is not above a length.
+fn round_below(length: f32) -> f32 {
+    if !(length > 0.0 && length.is_finite()) {
+        return 1.0;
+    }
+    let power = 10_f32.powf(length.log10().floor());
+    [5.0, 2.0, 1.0].into_iter().map(|step| step * power).find(|step| *step <= length).unwrap_or(power)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,105 @@
+//! Marks on a picture.
+
+use rockfall::glam::{Mat4, Vec3};
+
+use crate::camera::{Axes, Camera};
+use crate::palette::Rgb;
+use crate::sheet::Sheet;
+
+/// A mark on a picture; lengths are in pixels from its upper left corner.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mark {
+    /// A straight line.
+    Line {
+        /// Its ends.
+        ends: [[f32; 2]; 2],
+        /// Its width.
+        width: f32,
+        /// Its colour.
+        colour: Rgb,
+        /// Its opacity, from 0 to 1.
+        opacity: f32,
+    },
+    /// A filled triangle.
+    Triangle {
+        /// Its corners.
+        corners: [[f32; 2]; 3],
+        /// Its colour.
+        colour: Rgb,
+    },
+    /// A line of text.
+    Text {
+        /// The text.
+        text: String,
+        /// The place that the text is aligned to.
+        at: [f32; 2],
+        /// Which part of the width and the height is to the left of the place and above it: 0, 0.5 or 1.
+        align: [f32; 2],
+        /// Height of the letters.
+        em: f32,
+        /// Whether there is a light background.
+        panel: bool,
+    },
+}
+
+impl Mark {
+    pub(super) fn draw(&self, sheet: &mut Sheet<'_>) {
+        match self {
+            Self::Line { ends, width, colour, opacity } => sheet.line(*ends, *width, *colour, *opacity),
+            Self::Triangle { corners, colour } => sheet.triangle(*corners, *colour),
+            Self::Text { text, at, align, em, panel } => {
+                let old = std::mem::replace(&mut sheet.em, *em);
+                let width = sheet.width(text);
+                let margin = if *panel { 0.3 * em } else { 0.0 };
+                // The place is that of the background, if there is one.
+                let left = at[0] - align[0] * (width + 2.0 * margin);
+                let top = at[1] - align[1] * (em + 2.0 * margin);
+                if *panel {
+                    sheet.panel([left, top, left + width + 2.0 * margin, top + em + 2.0 * margin]);
+                }
+                sheet.text(text, left + margin, top + margin);
+                sheet.em = old;
+            }
+        }
+    }
+}
+
+/// The projection of points to a picture.
+pub(super) struct Projection {
+    matrix: Mat4,
+    size: [f32; 2],
+    eye: Vec3,
+    forward: Vec3,
+    near: f32,
+    pixels_per_unit: f32,
+}
+
+impl Projection {
+    pub(super) fn new(camera: &Camera, size: [f32; 2]) -> Self {
+        let Axes { forward, .. } = camera.axes();
+        let distance = camera.eye.distance(camera.target);
+        Self {
+            matrix: camera.view_projection(size[0] / size[1]),
+            size,
+            eye: camera.eye,
+            forward,
+            near: camera.near(),
+            pixels_per_unit: 0.5 * size[1] / ((0.5 * camera.field_of_view).tan() * distance),
+        }
+    }
+
+    /// Length of a unit at the distance of the middle of the picture, in pixels.
+    pub(super) fn pixels_per_unit(&self) -> f32 {
+        self.pixels_per_unit
+    }
+
+    /// The place of a point on the picture; `None` if it is not in front of the camera, or far outside.
+    pub(super) fn place(&self, point: Vec3) -> Option<[f32; 2]> {
+        if !point.is_finite() || (point - self.eye).dot(self.forward) <= self.near {
+            return None;
+        }
+        let ndc = self.matrix.project_point3(point);
+        let is_near = ndc.x.abs() < 4.0 && ndc.y.abs() < 4.0;
+        is_near.then(|| [0.5 * (ndc.x + 1.0) * self.size[0], 0.5 * (1.0 - ndc.y) * self.size[1]])
+    }
+}

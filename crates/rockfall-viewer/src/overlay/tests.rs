@@ -1,0 +1,78 @@
+use rockfall::{Backend, Options, Scene, Simulation};
+
+use super::*;
+
+/// The motion after the states of two balls, of which the second moves to the right by 1 unit/s.
+fn motion(overlay: &Overlay, states: usize) -> Motion {
+    let mut scene = Scene::new();
+    scene.settings.gravity = 0.0;
+    scene.add_sphere(Sphere::new([-1.0, 0.0, 0.0], 0.2)).unwrap();
+    scene.add_sphere(Sphere::new([0.0, 0.0, 0.0], 0.2).velocity([1.0, 0.0, 0.0])).unwrap();
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
+    let mut motion = Motion::default();
+    motion.want(overlay);
+    motion.set_blend(1.0);
+    for state in 0..states {
+        if state > 0 {
+            simulation.run(1, 0.1).unwrap();
+        }
+        motion.update(&mut simulation).unwrap();
+        motion.record();
+    }
+    motion
+}
+
+/// At the distance of the target, 240 pixels are 4 units.
+fn camera() -> Camera {
+    Camera::new([0.0, 0.0, 2.0 / (0.3_f32).tan()], [0.0; 3])
+}
+
+const SIZE: [f32; 2] = [320.0, 240.0];
+
+fn texts(marks: &[Mark]) -> Vec<&str> {
+    marks.iter().filter_map(|mark| if let Mark::Text { text, .. } = mark { Some(text.as_str()) } else { None }).collect()
+}
+
+#[test]
+fn captions_have_the_title_the_time_and_a_round_length() {
+    let overlay = Overlay { title: Some("A title".to_owned()), clock: true, scale_bar: true, ..Overlay::default() };
+    let marks = overlay.marks(&motion(&overlay, 4), &camera(), SIZE, 11.0);
+    assert_eq!(texts(&marks), ["A title", "t = 0.30 s", "1 unit"]);
+    let bar = marks.iter().find_map(|mark| if let Mark::Line { ends, .. } = mark { Some(ends) } else { None }).unwrap();
+    assert!((bar[1][0] - bar[0][0] - 60.0).abs() < 1e-3, "{bar:?}");
+    assert_eq!([0.7, 1.0, 3.9, 51.0].map(round_below), [0.5, 1.0, 2.0, 50.0]);
+}
+
+#[test]
+fn arrows_and_labels_are_at_the_spheres() {
+    let overlay = Overlay { labels: true, arrows: Some(Arrows::Velocity), ..Overlay::default() };
+    let marks = overlay.marks(&motion(&overlay, 3), &camera(), SIZE, 11.0);
+    assert_eq!(texts(&marks), ["0", "1", "1 units/s"]);
+    // The ball is at x = 0.2, the arrow is as long as that of the key.
+    let tip = marks.iter().find_map(|mark| if let Mark::Triangle { corners, .. } = mark { Some(corners[0]) } else { None });
+    let expected = [160.0 + 0.2 * 60.0 + KEY * 240.0, 120.0];
+    assert!(tip.unwrap().iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 0.01), "{tip:?}");
+}
+
+#[test]
+fn trails_are_as_long_as_their_time() {
+    let overlay = Overlay { trails: 0.25, ..Overlay::default() };
+    let marks = overlay.marks(&motion(&overlay, 9), &camera(), SIZE, 11.0);
+    let lines: Vec<_> =
+        marks.iter().filter_map(|mark| if let Mark::Line { ends, .. } = mark { Some(ends) } else { None }).collect();
+    // Three steps of 0.1 s, of the ball that moves.
+    assert_eq!(lines.len(), 3);
+    assert!((lines[2][1][0] - 160.0 - 0.8 * 60.0).abs() < 0.01, "{lines:?}");
+}
+
+#[test]
+fn marks_change_the_pixels_where_they_are() {
+    let overlay = Overlay { title: Some("Title".to_owned()), arrows: Some(Arrows::Velocity), ..Overlay::default() };
+    let mut picture = Picture { width: 320, height: 240, pixels: vec![[90, 90, 90, 255]; 320 * 240] };
+    overlay.draw(&motion(&overlay, 1), &camera(), &mut picture).unwrap();
+    let at = |x: usize, y: usize| picture.pixels[y * 320 + x];
+    let [red, _, blue, _] = at(165, 120);
+    assert!(red > 150 && blue < 60, "{red} {blue}");
+    assert_eq!(at(165, 140), [90, 90, 90, 255]);
+    assert!(at(11, 16)[0] > 150);
+}
