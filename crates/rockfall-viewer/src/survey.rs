@@ -125,12 +125,17 @@ impl Survey {
         [path[0], path[path.len() - 1]]
     }
 
+    /// Whether a body falls for ever, below all static objects.
+    fn falls(&self, body: usize, held: bool) -> bool {
+        let (velocity, depth) = (self.velocities[body][1], self.lowest - self.ends(body)[1].y);
+        !held && depth > 0.0 && velocity.dot(self.down) > LEAVES * depth
+    }
+
     /// The places of a body with its radius, without those far below all static objects from which it falls for ever.
     fn path(&self, body: usize, held: bool) -> impl Iterator<Item = (Vec3, f32)> {
-        let (velocity, depth) = (self.velocities[body][1], self.lowest - self.ends(body)[1].y);
-        let falls = !held && depth > 0.0 && velocity.dot(self.down) > LEAVES * depth;
-        let shown = FALL_SHOWN * self.above.map_or(0.0, Extent::size);
-        let lowest = if falls { self.lowest - shown } else { f32::NEG_INFINITY };
+        // One of many bodies is not worth the room.
+        let shown = if self.paths.len() < MANY { FALL_SHOWN * self.above.map_or(0.0, Extent::size) } else { 0.0 };
+        let lowest = if self.falls(body, held) { self.lowest - shown } else { f32::NEG_INFINITY };
         let places = self.paths[body].iter().filter(move |place| place.is_finite() && place.y >= lowest);
         places.map(move |place| (*place, self.radii[body]))
     }
@@ -143,10 +148,14 @@ impl Survey {
     /// All places of many bodies, without those outside the majority of bodies that leave it, if all need far more room. The majority is between the 5 % and
     /// the 95 % quantile of each coordinate, or nearer to that than [`OUTLIER_DISTANCE`] times its size.
     fn without_outliers(&self, groups: &[&Group]) -> Vec<(Vec3, f32)> {
-        let all: Vec<(Vec3, f32)> = self.paths(groups.iter().copied()).collect();
-        let places: Vec<Vec3> = all.iter().map(|(place, _)| *place).collect();
+        let places: Vec<Vec3> = self.paths(groups.iter().copied()).map(|(place, _)| place).collect();
         let Some(core) = central(&places) else { return Vec::new() };
-        if Extent::of(places).is_some_and(|extent| extent.size() < ROOM_FOR_ALL * core.size()) {
+        let falls = |group: &&Group| group.bodies.iter().any(|body| self.falls(*body, group.held));
+        let (falling, staying): (Vec<&Group>, Vec<&Group>) = groups.iter().copied().partition(falls);
+        let mut all: Vec<(Vec3, f32)> = self.paths(staying).collect();
+        let extent = Extent::of(all.iter().map(|(place, _)| *place));
+        if let Some(extent) = extent.filter(|extent| extent.size() < ROOM_FOR_ALL * core.size()) {
+            all.extend(self.paths(falling).filter(|(place, _)| extent.contains(*place)));
             return all;
         }
         let [near, far] = [OUTLIER_DISTANCE, EXCURSION].map(|room| core.grown(room * core.size()));
