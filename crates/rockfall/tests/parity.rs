@@ -135,7 +135,7 @@ fn assert_seen(traces: &[Trace], wanted: &[&str]) {
 }
 
 /// Cases that must occur in the traces of the RK4 test. The first four must also occur with symplectic Euler.
-const CASES: [&str; 48] = [
+const CASES: [&str; 50] = [
     "sphere-sphere overlapping",
     "sphere-sphere colliding",
     "sphere-sphere pressing",
@@ -157,10 +157,12 @@ const CASES: [&str; 48] = [
     "sphere-box vertex pressing",
     "sphere-box inside colliding",
     "sphere-box inside pressing",
-    "sphere-polygon colliding",
-    "sphere-polygon pressing",
-    "sphere-polygon leaving",
-    "sphere-polygon fresh",
+    "sphere-polygon face colliding",
+    "sphere-polygon face pressing",
+    "sphere-polygon edge colliding",
+    "sphere-polygon edge pressing",
+    "sphere-polygon face leaving",
+    "sphere-polygon face fresh",
     "rod-box edge colliding",
     "rod-box edge pressing",
     "rod-box edge inside colliding",
@@ -181,7 +183,7 @@ const CASES: [&str; 48] = [
     "sphere-box edge hidden",
     "sphere-box vertex hidden",
     "sphere-box inside hidden",
-    "sphere-polygon hidden",
+    "sphere-polygon edge hidden",
     "several surfaces",
     "equal distances",
 ];
@@ -275,7 +277,7 @@ fn backends_agree_on_every_stage_with_friction_impulses() {
         "sphere-sphere friction impulse",
         "sphere-rod friction impulse",
         "rod-rod friction impulse",
-        "sphere-polygon friction impulse",
+        "sphere-polygon face friction impulse",
         "rod-box edge friction impulse",
     ];
     assert_seen(&traces, &wanted);
@@ -363,7 +365,7 @@ fn all_sweep_modes_solve_lone_collisions_identically() {
     let traces = plans.map(|(seed, rods, settings)| {
         assert_parity(&Plan { rods, only: Only::Lone, settings, ..plan(seed, Integrator::SymplecticEuler) })
     });
-    assert_seen(&traces, &["lone", "capsule hit", "at a right angle", "sphere-rod colliding", "sphere-polygon colliding"]);
+    assert_seen(&traces, &["lone", "capsule hit", "at a right angle", "sphere-rod colliding", "sphere-polygon face colliding"]);
     assert!(traces.iter().all(|trace| !trace.findings.seen.contains_key("clustered")));
     traces.iter().for_each(assert_sweep_modes_agree);
 }

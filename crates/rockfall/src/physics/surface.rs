@@ -84,6 +84,9 @@ impl Hidden {
             Some(Candidate { id, distance: radius - touch.overlap, normal: touch.normal })
         };
         let mut candidates: Vec<Candidate> = (first..count).filter_map(|place| candidate(list(place).id())).collect();
+        if candidates.len() < 2 {
+            return hidden;
+        }
         candidates.sort_by(|one, other| order(view, one, other));
         let mut kept: Vec<Candidate> = Vec::new();
         for candidate in candidates {

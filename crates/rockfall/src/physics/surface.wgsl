@@ -18,6 +18,8 @@ struct Candidate {
     distance: f32,
     // From the centre to the nearest point, if the distance is positive.
     n: vec3f,
+    // Number of overlaps among the objects that it was chosen from.
+    overlaps: u32,
 }
 
 // The chosen candidates of a sphere. A variable of a function: those of a module would be set to zero in every thread.
@@ -93,27 +95,27 @@ fn is_first_shape(one: u32, other: u32) -> bool {
 // The better one of a candidate and a box or polygon: nearer, and not hidden by the chosen ones.
 fn nearer_candidate(best: Candidate, i: u32, own: vec4f, id: u32, chosen: ptr<function, Surfaces>) -> Candidate {
     let found = touch_static(i, id, own);
-    let one = Candidate(id, own.w - found.overlap, found.n);
-    if !(found.overlap > 0.0) || is_behind(one, own, chosen) {
+    if !(found.overlap > 0.0) {
         return best;
     }
-    if best.id == NONE {
+    var kept = best;
+    kept.overlaps++;
+    let one = Candidate(id, own.w - found.overlap, found.n, kept.overlaps);
+    if is_behind(one, own, chosen) {
+        return kept;
+    }
+    var is_nearer = (best.id == NONE) | (one.distance < best.distance);
+    if !is_nearer & (one.distance == best.distance) {
+        is_nearer = is_first_shape(id, best.id);
+    }
+    if is_nearer {
         return one;
     }
-    if one.distance != best.distance {
-        if one.distance < best.distance {
-            return one;
-        }
-        return best;
-    }
-    if is_first_shape(id, best.id) {
-        return one;
-    }
-    return best;
+    return kept;
 }
 
 fn no_candidate() -> Candidate {
-    return Candidate(NONE, 0.0, vec3f(0.0));
+    return Candidate(NONE, 0.0, vec3f(0.0), 0u);
 }
 
 // Whether a sphere overlaps a box or polygon that a chosen candidate hides. All candidates have been chosen from.
@@ -124,7 +126,7 @@ fn is_hidden(i: u32, own: vec4f, id: u32, chosen: ptr<function, Surfaces>) -> bo
         }
     }
     let found = touch_static(i, id, own);
-    return (found.overlap > 0.0) && is_behind(Candidate(id, own.w - found.overlap, found.n), own, chosen);
+    return (found.overlap > 0.0) && is_behind(Candidate(id, own.w - found.overlap, found.n, 0u), own, chosen);
 }
 
 fn choose_surface(one: Candidate, chosen: ptr<function, Surfaces>) {

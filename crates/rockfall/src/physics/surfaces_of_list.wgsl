@@ -30,15 +30,15 @@ fn hidden_among_several(i: u32, own: vec4f, first: vec2u, begin: u32, count: u32
         for (var e = statics; e < count; e++) {
             best = nearer_candidate(best, i, own, entry_id(entry_at(slot_at(first, e))), &chosen);
         }
+        if best.overlaps < 2u {
+            return 0u;
+        }
         if best.id == NONE {
             break;
         }
         choose_surface(best, &chosen);
     }
     var hidden = 0u;
-    if chosen.count == 0u {
-        return hidden;
-    }
     for (var e = max(begin, statics); e < min(begin + ENTRIES_PER_MASK, count); e++) {
         if is_hidden(i, own, entry_id(entry_at(slot_at(first, e))), &chosen) {
             hidden |= 1u << (e - begin);

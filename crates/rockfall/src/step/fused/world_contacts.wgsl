@@ -141,6 +141,9 @@ fn visible_statics(i: u32, own: vec4f) -> vec2u {
         while any(statics != vec2u(0u)) {
             best = nearer_candidate(best, i, own, take_lowest(&statics), &chosen);
         }
+        if best.overlaps < 2u {
+            return visible;
+        }
         if best.id == NONE {
             break;
         }
