@@ -62,6 +62,10 @@ impl GpuWorld {
         let step = *self.step();
         let is_missing = |run: &&Run| run.applies(&step) && !self.ready.contains_key(&(run.stage.name, run.pass));
         let missing: Vec<&Run> = runs.iter().filter(is_missing).collect();
+        if missing.is_empty() {
+            // Threads that compile nothing would still be woken up.
+            return Ok(());
+        }
         for (run, (kernel, chunks)) in missing.iter().zip(self.compile(&missing, Variant::of(&step))?) {
             let block = self.pass_block(run.pass)?;
             let group = catch(self.gpu().device(), || self.make_group(run, &block, &chunks, &kernel.layout))?;
