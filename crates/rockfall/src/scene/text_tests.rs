@@ -1,6 +1,9 @@
+use glam::Quat;
 use proptest::prelude::*;
 
 use super::*;
+use crate::scene::{Cuboid, Muscle, Polygon, Rod, Sphere, Spring, Tether};
+use crate::settings::Settings;
 
 const EXAMPLE: &str = include_str!("../../../../scenes/thesis-example.txt");
 const REUSED: &str = include_str!("../../../../scenes/thesis-example-reused.txt");
