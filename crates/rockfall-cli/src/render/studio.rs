@@ -39,8 +39,7 @@ impl Studio {
         let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;
         let mut renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT)?;
         let mut style = arguments.style();
-        let scene = footage.simulation().scene();
-        renderer.set_colours(colours::apply(&arguments.colour, scene, &mut style)?);
+        colours::apply(&arguments.colour, footage.simulation(), &mut style)?;
         let overlay = arguments.captions.overlay();
         renderer.set_overlay(&overlay);
         Ok(Self { footage, renderer, canvas, style, overlay, interrupt })

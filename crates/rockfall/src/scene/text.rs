@@ -18,12 +18,15 @@
 //! | `@material NAME density=D young=E poisson=N` | nothing: defines a material; each constant may be left out |
 //! | `@pair NAME NAME restitution=e friction=mu stiffness=k characteristic_velocity=V rolling_friction=mu rolling_model=c rolling_damping=eta twisting_friction=mu surface_energy=gamma cohesion=jkr` | nothing: sets properties of the contacts between two materials |
 //! | `@use NAME` | nothing: the objects of the lines below are of this material; `@use -`: of none |
+//! | `@name NAME` | nothing: the name of the objects of the lines below; `@name -`: none |
+//! | `@colour COLOUR` | nothing: the colour of the objects of the lines below ([`Colour`](crate::Colour)); `@colour -`: that of their kind |
+//! | `@label TEXT` | nothing: text beside the objects of the lines below; `@label -`: none |
 //! | `@run dt=S integrator=NAME steps=N every=K substeps=N` | nothing: how the scene is meant to be run ([`RunDefaults`](crate::RunDefaults)) |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twelve kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last fifteen kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
-//! the line.
+//! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
 //! `-` in place of the mass of a sphere or capsule stands for its volume times the density of the material in use.
 //!
@@ -35,6 +38,7 @@
 use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::Vec3;
 
@@ -45,13 +49,14 @@ mod objects;
 mod repeat;
 mod run;
 mod set;
+mod tags;
 
 use comment::{Title, has_number_sign, is_extension, looks_like, may_be_prose, without_comment};
 use line::{GROUP, Line, TETHER, Wrong};
 
 use repeat::{Block, Copy};
 
-use super::{MaterialId, Scene, SphereId};
+use super::{MaterialId, Scene, SphereId, Tag};
 use crate::error::{Error, Result, nearest, quoted};
 use crate::settings::Precision;
 
@@ -135,8 +140,22 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 11] =
-    ["@group", "@orientation", "@force", "@capsule", "@muscle", "@material", "@pair", "@use", "@run", "@repeat", "@end"];
+const AT_WORDS: [&str; 14] = [
+    "@group",
+    "@orientation",
+    "@force",
+    "@capsule",
+    "@muscle",
+    "@material",
+    "@pair",
+    "@use",
+    "@name",
+    "@colour",
+    "@label",
+    "@run",
+    "@repeat",
+    "@end",
+];
 
 struct Reader<'a> {
     /// The whole text.
@@ -163,6 +182,8 @@ struct Reader<'a> {
     group: u16,
     /// The material of the following objects.
     material: Option<MaterialId>,
+    /// The name, colour and label of the following objects.
+    tag: Option<Arc<Tag>>,
 }
 
 impl<'a> Reader<'a> {
@@ -181,6 +202,7 @@ impl<'a> Reader<'a> {
             references: HashMap::new(),
             group: 0,
             material: None,
+            tag: None,
         }
     }
 
@@ -208,6 +230,9 @@ impl<'a> Reader<'a> {
             "@material" => self.material(line),
             "@pair" => self.properties(line, number),
             "@use" => self.use_material(line),
+            "@name" => self.name(line, number),
+            "@colour" => self.colour(line, number),
+            "@label" => self.label(line, number),
             "@run" => self.run(line, number),
             "@end" => {
                 let message = "no `@repeat` above, expected one before the lines to repeat".to_owned();

@@ -50,7 +50,7 @@ impl Reader<'_> {
         let id = self.scene.add_sphere(sphere).map_err(|error| SPHERE.refused(&error))?;
         self.references.insert(reference, id);
         self.scene.references.set(id, reference);
-        Ok(())
+        self.tag_object(&SPHERE, id)
     }
 
     pub(super) fn rod(&mut self, line: &str) -> Line<()> {
@@ -59,8 +59,8 @@ impl Reader<'_> {
         let mut rod = Rod::new(end1, end2, radius).group(self.group);
         rod.length = (length > 0.0).then_some(length);
         rod.material = self.material;
-        self.scene.add_rod(rod).map_err(|error| ROD.refused(&error))?;
-        Ok(())
+        let id = self.scene.add_rod(rod).map_err(|error| ROD.refused(&error))?;
+        self.tag_object(&ROD, id)
     }
 
     pub(super) fn capsule(&mut self, line: &str) -> Line<()> {
@@ -69,32 +69,32 @@ impl Reader<'_> {
             Capsule::new(self.point(&n[0..3]), self.point(&n[3..6]), n[10]).velocity(vector(&n[6..9])).group(self.group);
         let mass = self.mass(&CAPSULE, n[9], |density| capsule.density(density).mass)?;
         let capsule = Capsule { material: self.material, ..capsule.mass(mass) };
-        self.scene.add_capsule(capsule).map_err(|error| CAPSULE.refused(&error))?;
-        Ok(())
+        let id = self.scene.add_capsule(capsule).map_err(|error| CAPSULE.refused(&error))?;
+        self.tag_object(&CAPSULE, id)
     }
 
     pub(super) fn polygon(&mut self, line: &str) -> Line<()> {
         let ([], n) = POLYGON.read::<0, 9>(line)?;
         let polygon = Polygon::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9])).group(self.group);
         let polygon = Polygon { material: self.material, ..polygon };
-        self.scene.add_polygon(polygon).map_err(|error| POLYGON.refused(&error))?;
-        Ok(())
+        let id = self.scene.add_polygon(polygon).map_err(|error| POLYGON.refused(&error))?;
+        self.tag_object(&POLYGON, id)
     }
 
     pub(super) fn spring(&mut self, line: &str) -> Line<()> {
         let (references, [stiffness, length, damping]) = SPRING.read::<2, 3>(line)?;
         let (a, b) = self.pair(&SPRING, references)?;
         let spring = Spring::new(a, b, stiffness, length).damping(damping);
-        self.scene.add_spring(spring).map_err(|error| SPRING.refused(&error))?;
-        Ok(())
+        let id = self.scene.add_spring(spring).map_err(|error| SPRING.refused(&error))?;
+        self.tag_object(&SPRING, id)
     }
 
     pub(super) fn cuboid(&mut self, line: &str) -> Line<()> {
         let ([], n) = BOX.read::<0, 12>(line)?;
         let cuboid = Cuboid::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9]), vector(&n[9..12])).group(self.group);
         let cuboid = Cuboid { material: self.material, ..cuboid };
-        self.scene.add_box(cuboid).map_err(|error| BOX.refused(&error))?;
-        Ok(())
+        let id = self.scene.add_box(cuboid).map_err(|error| BOX.refused(&error))?;
+        self.tag_object(&BOX, id)
     }
 
     pub(super) fn tether(&mut self, line: &str) -> Line<()> {
@@ -134,8 +134,9 @@ impl Reader<'_> {
         let taken = self.scene.capsules.objects().last().map(|parts| parts.rod);
         match last {
             Some(rod) if fits && taken != last => {
-                self.scene.capsules.add(CapsuleParts { end1, end2, rod });
-                Ok(())
+                let id = self.scene.capsules.add(CapsuleParts { end1, end2, rod });
+                // Its parts have tags of their own.
+                self.scene.put_tag(id.into(), self.tag.clone()).map_err(|error| MARK.refused(&error))
             }
             _ => Err(MARK.wrong("end1", "expected right after the R line, with a length, of these two spheres")),
         }
