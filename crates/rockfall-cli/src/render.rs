@@ -18,9 +18,9 @@ use crate::options::{Engine, Physics, Substeps, whole};
 use crate::run::Given;
 use crate::source::Source;
 
-mod camera;
+pub(crate) mod camera;
 pub(crate) mod captions;
-mod colours;
+pub(crate) mod colours;
 mod footage;
 mod studio;
 

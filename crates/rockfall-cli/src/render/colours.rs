@@ -1,6 +1,6 @@
 //! Colours on the command line.
 
-use rockfall::{Colour, Error, ObjectId, Scene, Simulation};
+use rockfall::{Colour, Error, ObjectId, Scene, Tag};
 use rockfall_viewer::draw::Style;
 use rockfall_viewer::palette::{KINDS, Rgb};
 
@@ -69,32 +69,30 @@ pub(crate) fn paint(text: &str) -> Result<Paint, String> {
     Ok(Paint { what, colour: colour(value)? })
 }
 
-/// Gives the objects of a scene their colours, and the kinds of objects those of a style.
-pub(crate) fn apply(paints: &[Paint], simulation: &mut Simulation, style: &mut Style) -> Result<(), Failure> {
+/// Gives the kinds of objects the colours of a style, and returns the tags of single objects.
+pub(crate) fn apply(paints: &[Paint], scene: &Scene, style: &mut Style) -> Result<Vec<(ObjectId, Tag)>, Failure> {
+    let mut tags = Vec::new();
     for Paint { what, colour } in paints {
         let objects = match what {
-            Painted::Spheres(from, to) => spheres(simulation.scene(), *from, *to)?,
+            Painted::Spheres(from, to) => spheres(scene, *from, *to)?,
             // A name comes before a kind.
-            Painted::Word(word) => match (simulation.scene().named(word), kind(word)) {
+            Painted::Word(word) => match (scene.named(word), kind(word)) {
                 (Ok(objects), _) => objects,
                 (Err(_), Some(kind)) => {
                     style.kinds[kind] = colour.0;
                     continue;
                 }
                 (Err(error), None) => {
-                    return Err(Failure::usage(format!(
-                        "--colour {word}: {error}; or the number of a sphere, or one of: {}",
-                        kinds()
-                    )));
+                    let text = format!("--colour {word}: {error}; or the number of a sphere, or one of: {}", kinds());
+                    return Err(Failure::usage(text));
                 }
             },
         };
         for object in objects {
-            let tag = simulation.scene().tag(object)?.cloned().unwrap_or_default();
-            simulation.set_tag(object, tag.colour(*colour))?;
+            tags.push((object, scene.tag(object)?.cloned().unwrap_or_default().colour(*colour)));
         }
     }
-    Ok(())
+    Ok(tags)
 }
 
 /// The spheres with numbers in a range. A single number must exist; a range may have gaps.
