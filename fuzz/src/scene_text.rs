@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use rockfall::{Error, Integrator, Scene};
+use rockfall::{Error, Integrator, ObjectId, Scene, Tag};
 
 use super::message::{LONGEST_MESSAGE, assert_short};
 
@@ -57,8 +57,11 @@ fn is_told(error: &Error, bytes: &[u8]) {
 /// slots, which are insertion indices in a scene that was just read.
 fn all(scene: &Scene) -> String {
     let spheres = (scene.spheres(), scene.rods(), scene.capsules());
+    let movers = (tags(scene, scene.sphere_ids()), tags(scene, scene.rod_ids()), tags(scene, scene.capsule_ids()));
+    let others = (tags(scene, scene.spring_ids()), tags(scene, scene.box_ids()), tags(scene, scene.polygon_ids()));
+    let tags = (movers, others);
     format!(
-        "{:?} {:?} {:?} {spheres:?} {:?} {:?} {:?} {:?}",
+        "{:?} {:?} {:?} {spheres:?} {:?} {:?} {:?} {:?} {tags:?}",
         scene.settings,
         scene.run,
         scene.materials(),
@@ -67,4 +70,9 @@ fn all(scene: &Scene) -> String {
         scene.boxes(),
         scene.polygons()
     )
+}
+
+/// The names, colours and labels of objects of one kind.
+fn tags(scene: &Scene, ids: impl Iterator<Item = impl Into<ObjectId>>) -> Vec<Option<&Tag>> {
+    ids.map(|id| scene.tag(id).unwrap_or_default()).collect()
 }

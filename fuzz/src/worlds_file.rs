@@ -74,10 +74,16 @@ set precision double
 /// Grains on a plate.
 pub(crate) fn grains(law: &str) -> Scene {
     let objects = "@use one
+@name floor
+@label a floor
 B -5 -1 -5  10 0 0  0 1 0  0 0 10
+@name grain
+@colour red
 S 1  0 0.495 0  1 0 0  0 0 0.1  - 0.5
 S 1  0.99 0.49 0  0 0 0  0 0 0  - 0.5
 @use other
+@name -
+@label -
 S 1  0.5 0.5 0.8  0 -1 0  0 0 0  1 0.5
 P -5 0 -4  10 0 0  0 1 9
 ";

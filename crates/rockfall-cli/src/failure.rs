@@ -47,9 +47,11 @@ impl Failure {
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         match error {
-            Error::Invalid { .. } | Error::UnknownSetting { .. } | Error::TooManyObjects { .. } | Error::PictureSize { .. } => {
-                Self::usage(error)
-            }
+            Error::Invalid { .. }
+            | Error::UnknownSetting { .. }
+            | Error::UnknownName { .. }
+            | Error::TooManyObjects { .. }
+            | Error::PictureSize { .. } => Self::usage(error),
             _ => Self::Run(error.to_string()),
         }
     }

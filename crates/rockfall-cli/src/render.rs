@@ -18,12 +18,13 @@ use crate::options::{Engine, Physics, Substeps, whole};
 use crate::run::Given;
 use crate::source::Source;
 
-mod camera;
+pub(crate) mod camera;
 pub(crate) mod captions;
-mod colours;
+pub(crate) mod colours;
 mod footage;
 mod studio;
 
+use camera::Followed;
 use captions::Captions;
 use colours::Paint;
 use footage::{Cut, Footage, Live, Recorded};
@@ -42,7 +43,9 @@ give this camera. A box or polygon that hides a body is not drawn, except for it
 --substeps N divides every step into N equal parts, as in `rockfall run`; --at and --steps count whole steps. Warnings are those \
 of `rockfall run`.
 
-The number of a body is its reference in the scene text; in a scene without references, the order of addition from 0.";
+The number of a body is its reference in the scene text; in a scene without references, the order of addition from 0. The lines \
+@name NAME, @colour COLOUR and @label TEXT of a scene give the objects below them a name, a colour and a label. --colour overrides \
+the colours of the scene.";
 
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
@@ -76,9 +79,9 @@ pub(crate) struct Arguments {
     /// Point in the middle of the picture [default: chosen so that all that happens is in view]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     look_at: Option<[f32; 3]>,
-    /// Keep this body in the middle of the picture: the number of a sphere
-    #[arg(long, value_name = "BODY", value_parser = whole(0, u32::MAX), conflicts_with = "look_at")]
-    follow: Option<u32>,
+    /// Keep this body in the middle of the picture: a name in the scene, or the number of a sphere
+    #[arg(long, value_name = "BODY", value_parser = Followed::parse, conflicts_with = "look_at")]
+    follow: Option<Followed>,
     /// Turn the camera around the middle of the picture, in degrees per second of film
     #[arg(long, value_name = "DEGREES", value_parser = degrees, allow_negative_numbers = true)]
     orbit: Option<f32>,
@@ -88,7 +91,8 @@ pub(crate) struct Arguments {
     /// Values at the ends of the colour scale [default: from 0 to about the 99th percentile]
     #[arg(long, value_name = "FROM,TO", value_parser = range, allow_hyphen_values = true, requires = "colour_by")]
     range: Option<[f32; 2]>,
-    /// Colour of a sphere, of spheres (1-9) or of a kind (boxes): red, ff8800 and others; may be repeated
+    /// Colour of the objects with a name, of a sphere (3), of spheres (1-9) or of a kind (boxes): red, ff8800 and others; may be
+    /// repeated
     #[arg(long, value_name = "WHAT=COLOUR", value_parser = colours::paint)]
     colour: Vec<Paint>,
     /// Colour of the background, or two: at the horizon and straight up

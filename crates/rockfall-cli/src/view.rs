@@ -1,17 +1,23 @@
 //! `rockfall view`: shows a scene in a window.
 
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use rockfall::{Backend, Options, Scene, Simulation};
 use rockfall_trajectory::Reader;
+use rockfall_viewer::draw::Style;
 use rockfall_viewer::window::controls::Controls;
+use rockfall_viewer::window::follow::Find;
+use rockfall_viewer::window::session::Prepare;
 use rockfall_viewer::window::session::playback::Playback;
 use rockfall_viewer::window::{self, Launch};
 
 use crate::failure::Failure;
 use crate::input::Input;
 use crate::options::{Engine, Physics};
+use crate::render::camera::Followed;
 use crate::render::captions::Captions;
+use crate::render::colours::{self, Paint};
 use crate::run::Given;
 use crate::source::Source;
 
@@ -26,6 +32,13 @@ pub(crate) struct Arguments {
     /// What the mouse does: standard (left drag orbits, right drag pans), or thesis
     #[arg(long, default_value_t)]
     controls: Controls,
+    /// Keep this body where it is in the picture: a name in the scene, or the number of a sphere
+    #[arg(long, value_name = "BODY", value_parser = Followed::parse)]
+    follow: Option<Followed>,
+    /// Colour of the objects with a name, of a sphere (3), of spheres (1-9) or of a kind (boxes): red, ff8800 and others; may be
+    /// repeated
+    #[arg(long, value_name = "WHAT=COLOUR", value_parser = colours::paint)]
+    colour: Vec<Paint>,
     #[command(flatten)]
     captions: Captions,
     /// Write the state of the window as JSON after every frame
@@ -91,8 +104,31 @@ fn playback(name: String, mut reader: Reader) -> Result<(Scene, Playback), Failu
     Ok((scene, Playback { name, moments, show }))
 }
 
+/// Colours scenes that are opened later. What they lack has no effect.
+fn prepare(paints: Vec<Paint>) -> Prepare {
+    Rc::new(move |scene| {
+        for paint in &paints {
+            let tags = colours::apply(std::slice::from_ref(paint), scene, &mut Style::default()).unwrap_or_default();
+            // These objects are in the scene, and the tags were checked.
+            tags.into_iter().for_each(|(object, tag)| drop(scene.set_tag(object, tag)));
+        }
+    })
+}
+
+/// Finds the followed sphere in a scene.
+fn find(followed: Followed) -> Find {
+    Rc::new(move |scene| followed.of(scene).ok())
+}
+
 pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
-    let Shown { name, scene, warnings, options, time_step, playback, path } = Shown::read(arguments, given)?;
+    let Shown { name, mut scene, warnings, options, time_step, playback, path } = Shown::read(arguments, given)?;
+    let mut style = Style::default();
+    for (object, tag) in colours::apply(&arguments.colour, &scene, &mut style)? {
+        scene.set_tag(object, tag)?;
+    }
+    if let Some(followed) = &arguments.follow {
+        followed.of(&scene)?;
+    }
     window::run(Launch {
         source: window::session::Source { name, path, scene },
         warnings,
@@ -103,6 +139,9 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         overrides: arguments.physics.overrides(),
         controls: arguments.controls,
         overlay: arguments.captions.overlay(),
+        style,
+        prepare: Some(prepare(arguments.colour.clone())),
+        follow: arguments.follow.clone().map(find),
         report: arguments.report.clone(),
         lose_device_after: arguments.lose_device_after,
     })

@@ -5,8 +5,8 @@ use std::sync::PoisonError;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use rockfall::{
-    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, Pair, Polygon, PolygonId, Result, Rod, RodId, Settings, Sphere,
-    SphereId, Spring, SpringId, Tether, TetherId,
+    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, ObjectId, Pair, Polygon, PolygonId, Result, Rod, RodId, Settings, Sphere,
+    SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
 
 use crate::errors::Raise;
@@ -81,6 +81,7 @@ doors! {
     add_material(material: Material) -> MaterialId;
     update_material(id: MaterialId, change: Change<Material>) -> ();
     set_pair(one: MaterialId, other: MaterialId, pair: Pair) -> ();
+    set_tag(id: ObjectId, tag: Tag) -> ();
 }
 
 /// Calls a function with the objects of a native scene or simulation, without the GIL.

@@ -1,7 +1,7 @@
 //! Converts the errors of the library to Python exceptions.
 
 use pyo3::create_exception;
-use pyo3::exceptions::{PyLookupError, PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyKeyError, PyLookupError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use rockfall::Error;
 
@@ -22,6 +22,7 @@ pub(crate) fn raise(error: Error) -> PyErr {
         | Error::SceneLine { .. }
         | Error::Checkpoint { .. }
         | Error::Law { .. } => PyValueError::new_err(text),
+        Error::UnknownName { .. } => PyKeyError::new_err(text),
         Error::StaleHandle { .. } => PyLookupError::new_err(text),
         // The kind chooses the exception: FileNotFoundError, PermissionError and others.
         Error::File { source, .. } => std::io::Error::new(source.kind(), text).into(),
@@ -30,7 +31,8 @@ pub(crate) fn raise(error: Error) -> PyErr {
 }
 
 /// Phrases of messages, and what they are in Python.
-const PHRASES: [(&str, &str); 3] = [
+const PHRASES: [(&str, &str); 4] = [
+    ("a line `@name NAME` gives one", "`name=` of the `add` methods gives one"),
     ("`rockfall devices`", "`rockfall.devices()`"),
     ("set friction in its @pair line", "give `friction` to `scene.set_pair`"),
     ("set precision double", "`scene.settings.precision = \"double\"`"),

@@ -14,6 +14,7 @@ mod ids;
 mod laws;
 mod materials;
 mod memory;
+mod names;
 mod objects;
 mod observe;
 mod picture;
@@ -49,6 +50,8 @@ mod _rockfall {
     };
     #[pymodule_export]
     use crate::materials::{add_material, materials, pair, set_pair, update_material};
+    #[pymodule_export]
+    use crate::names::{check_tag, named, names, set_tags, tag};
     #[pymodule_export]
     use crate::objects::{
         add_boxes, add_capsules, add_polygons, add_rods, add_spheres, add_springs, add_tethers, remove, update,

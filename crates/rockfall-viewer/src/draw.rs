@@ -99,8 +99,10 @@ pub struct Renderer {
     chains: Chains,
     /// Colours of single spheres, by insertion index.
     colours: Vec<Option<palette::Rgb>>,
-    /// Whether these colours have to be uploaded.
+    /// Whether colours have to be uploaded.
     colours_due: bool,
+    /// [`Scene::tag_changes`] of the colours that were uploaded.
+    tag_changes: u64,
     /// Whether the scene has objects of each kind of [`palette::KINDS`].
     present: [bool; 8],
     speeds: SpeedPercentile,
@@ -150,6 +152,7 @@ impl Renderer {
             chains: Chains::default(),
             colours: Vec::new(),
             colours_due: false,
+            tag_changes: 0,
             present: [false; 8],
             speeds: SpeedPercentile::new(device, queue),
             recent: RecentPercentile::default(),

@@ -24,7 +24,8 @@ pub struct Overlay {
     pub clock: bool,
     /// Whether a bar shows the length of a round number of units at the distance of the middle of the picture.
     pub scale_bar: bool,
-    /// Whether spheres have their numbers: their references in the scene text, or else the order of addition.
+    /// Whether spheres have their labels ([`rockfall::Tag`]), or else their numbers: their references in the scene text, or the order
+    /// of addition.
     pub labels: bool,
     /// The vector of every sphere that an arrow shows.
     pub arrows: Option<Arrows>,

@@ -12,6 +12,7 @@ mod constants_panel;
 pub mod controls;
 pub mod dialog;
 mod file_window;
+pub mod follow;
 mod graphics;
 pub mod hold;
 mod input;

@@ -34,6 +34,14 @@ pub enum Error {
         /// All known names.
         expected: String,
     },
+    /// No object of the scene has this name.
+    #[error("no object has the name {}: {hint}", quoted(name))]
+    UnknownName {
+        /// The name that was given.
+        name: String,
+        /// A similar name, or the names that are known.
+        hint: String,
+    },
     /// The scene has more objects than the engine supports.
     #[error("{count} objects are too many, the limit is {limit}")]
     TooManyObjects {

@@ -107,9 +107,9 @@ pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time, short_number};
 pub use scene::{
-    Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Counts, Cuboid, LineWarning, Loaded, Material, MaterialId,
-    Muscle, Pair, Polygon, PolygonId, Rod, RodId, RollingModel, RunDefaults, Scene, Sphere, SphereId, Spring, SpringId, Tether,
-    TetherId,
+    Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, LineWarning, Loaded, Material,
+    MaterialId, Muscle, ObjectId, Pair, Polygon, PolygonId, Rod, RodId, RollingModel, RunDefaults, Scene, Sphere, SphereId,
+    Spring, SpringId, Tag, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{Contact, ContactAction, ContactSprings, MaxOverlap, RayHit, Simulation, SphereDiagnostics};

@@ -118,7 +118,7 @@ impl Scene {
     /// The name of the spring with an index: the scene text has no other.
     pub(crate) fn name_of_spring(&self, index: usize) -> String {
         let [a, b] = [self.springs()[index].a, self.springs()[index].b].map(|id| self.name_of(Body::Sphere(id)));
-        format!("the spring from {a} to {b}")
+        format!("the spring{} from {a} to {b}", self.called(self.springs.handle_at(index)))
     }
 
     /// The name of the tether with an index.
@@ -127,20 +127,21 @@ impl Scene {
     }
 
     /// The name of a body for a message: `sphere 7` for the sphere that the scene text calls 7; otherwise its index in order of
-    /// addition, such as `sphere number 3`, `box number 0`.
+    /// addition, such as `sphere number 3`, `box number 0`. The name of an object follows: `sphere 7 ('left')`.
     pub fn name_of(&self, body: Body) -> String {
         let place = |index: Result<usize>| index.map_or_else(|_| "?".to_owned(), |index| index.to_string());
         match body {
-            Body::Sphere(id) => match self.reference(id) {
-                Some(reference) => format!("sphere {reference}"),
-                None => match self.capsules().iter().position(|capsule| [capsule.end1, capsule.end2].contains(&id)) {
+            Body::Sphere(id) => {
+                let capsule = || self.capsules().iter().position(|capsule| [capsule.end1, capsule.end2].contains(&id));
+                let place = || match capsule() {
                     Some(capsule) => format!("capsule number {capsule}"),
                     None => format!("sphere number {}", place(self.spheres.index(id))),
-                },
-            },
-            Body::Rod(id) => format!("rod number {}", place(self.rods.index(id))),
-            Body::Box(id) => format!("box number {}", place(self.boxes.index(id))),
-            Body::Polygon(id) => format!("polygon number {}", place(self.polygons.index(id))),
+                };
+                self.reference(id).map_or_else(place, |reference| format!("sphere {reference}")) + &self.called(id)
+            }
+            Body::Rod(id) => format!("rod number {}{}", place(self.rods.index(id)), self.called(id)),
+            Body::Box(id) => format!("box number {}{}", place(self.boxes.index(id)), self.called(id)),
+            Body::Polygon(id) => format!("polygon number {}{}", place(self.polygons.index(id)), self.called(id)),
         }
     }
 }

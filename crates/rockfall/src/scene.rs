@@ -9,6 +9,7 @@ mod any;
 mod body;
 mod bonded;
 mod checks;
+mod colour;
 mod contact_law;
 mod materials;
 mod muscle;
@@ -18,6 +19,7 @@ mod registry;
 mod restitution;
 mod run;
 mod statics;
+mod tag;
 mod text;
 mod write;
 
@@ -25,6 +27,8 @@ pub(crate) use any::AnyId;
 pub use body::Body;
 pub use bonded::BondedSets;
 pub(crate) use checks::finite;
+pub use colour::Colour;
+pub(crate) use colour::is_hexadecimal;
 pub(crate) use contact_law::{Dampings, TANGENTIAL_RATIO};
 pub(crate) use materials::Pairs;
 pub use materials::{CohesionModel, MAX_MATERIALS, Material, MaterialId, Pair, RollingModel};
@@ -36,6 +40,8 @@ pub(crate) use registry::Registry;
 use registry::new_scene_number;
 pub use run::RunDefaults;
 pub use statics::{BoxId, Cuboid, Polygon, PolygonId};
+pub(crate) use tag::shared;
+pub use tag::{ObjectId, Tag};
 pub use text::{LineWarning, Loaded};
 
 /// Objects and their physical constants.
@@ -55,6 +61,7 @@ pub struct Scene {
     pub(crate) materials: Registry<Material>,
     pub(crate) pairs: Pairs,
     pub(crate) references: References,
+    pub(crate) tag_changes: u64,
 }
 
 impl Default for Scene {
@@ -100,6 +107,7 @@ impl Scene {
             materials: Registry::new(number, "material"),
             pairs: Pairs::new(),
             references: References::default(),
+            tag_changes: 0,
         }
     }
 

@@ -1,7 +1,9 @@
 //! The camera of a picture or a film.
 
+use std::fmt;
+
 use rockfall::glam::Vec3;
-use rockfall::{Scene, Simulation, SphereId};
+use rockfall::{ObjectId, Scene, Simulation, SphereId};
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::film::{self, View};
 use rockfall_viewer::survey::Survey;
@@ -24,7 +26,7 @@ impl Shot {
             from: arguments.view.unwrap_or_default(),
             camera: arguments.camera.map(Into::into),
             look_at: arguments.look_at.map(Into::into),
-            follow: arguments.follow.map(|number| body(scene, number)).transpose()?,
+            follow: arguments.follow.as_ref().map(|what| what.of(scene)).transpose()?,
             orbit: arguments.orbit.unwrap_or(0.0).to_radians(),
         };
         let same = || Failure::usage("--camera and --look-at are the same point, expected two different points");
@@ -42,8 +44,8 @@ impl Shot {
         // About four digits of the distance: the picture does not depend on more.
         let decimals = (3.0 - eye.distance(target).log10().floor()).clamp(0.0, 40.0) as usize;
         let written = |point: Vec3| point.to_array().map(|number| format!("{number:.decimals$}")).join(",");
-        let look_at = match arguments.follow {
-            Some(number) => format!("--follow {number}"),
+        let look_at = match &arguments.follow {
+            Some(what) => format!("--follow {what}"),
             None => format!("--look-at {}", written(target)),
         };
         Some(format!("--camera {} {look_at}", written(eye)))
@@ -57,6 +59,49 @@ impl Shot {
     /// The body that the camera follows.
     pub(super) fn followed(&self) -> Option<SphereId> {
         self.follow
+    }
+}
+
+/// A `--follow` argument: the number of a sphere, or a name in the scene.
+#[derive(Clone, Debug)]
+pub(crate) enum Followed {
+    Number(u32),
+    Name(String),
+}
+
+impl Followed {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        if text.starts_with(char::is_alphabetic) || text.starts_with('_') {
+            return Ok(Self::Name(text.to_owned()));
+        }
+        let expected = |_| format!("expected the number of a sphere from 0 to {}, or a name in the scene", u32::MAX);
+        text.parse().map(Self::Number).map_err(expected)
+    }
+
+    /// The sphere that is followed: of several objects with the name, the first sphere, or else the first end of a rod or a spring.
+    pub(crate) fn of(&self, scene: &Scene) -> Result<SphereId, Failure> {
+        let name = match self {
+            Self::Number(number) => return body(scene, *number),
+            Self::Name(name) => name,
+        };
+        let objects = scene.named(name).map_err(|error| Failure::usage(format!("--follow {name}: {error}")))?;
+        let sphere = |id: &ObjectId| match *id {
+            ObjectId::Sphere(id) => Some(id),
+            ObjectId::Rod(id) => scene.rod(id).ok().map(|rod| rod.end1),
+            ObjectId::Spring(id) => scene.spring(id).ok().map(|spring| spring.a),
+            _ => None,
+        };
+        let still = || Failure::usage(format!("--follow {name}: only static objects have this name, expected a body"));
+        objects.iter().find_map(sphere).ok_or_else(still)
+    }
+}
+
+impl fmt::Display for Followed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => number.fmt(f),
+            Self::Name(name) => name.fmt(f),
+        }
     }
 }
 

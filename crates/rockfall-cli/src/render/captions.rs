@@ -13,7 +13,7 @@ pub(crate) struct Captions {
     /// Show the length of a round number of units at the distance of the middle of the picture
     #[arg(long)]
     scale_bar: bool,
-    /// Write its number on every sphere
+    /// Write its label or its number on every sphere
     #[arg(long)]
     label: bool,
     /// Draw an arrow at every sphere, with a key: velocity or force

@@ -1,108 +1,105 @@
 //! Colours on the command line.
 
-use rockfall::Scene;
+use rockfall::{Colour, Error, ObjectId, Scene, Tag};
 use rockfall_viewer::draw::Style;
 use rockfall_viewer::palette::{KINDS, Rgb};
 
 use super::camera::body;
 use crate::failure::Failure;
 
-/// Names of colours, as in CSS.
-const NAMES: [(&str, Rgb); 14] = [
-    ("black", [0, 0, 0]),
-    ("blue", [0x2f, 0x6f, 0xd0]),
-    ("brown", [0x8b, 0x5a, 0x2b]),
-    ("cyan", [0x2a, 0xb7, 0xca]),
-    ("green", [0x2e, 0x9b, 0x4f]),
-    ("grey", [0x80, 0x80, 0x80]),
-    ("magenta", [0xc0, 0x3f, 0xa8]),
-    ("navy", [0x14, 0x24, 0x4c]),
-    ("orange", [0xee, 0x8a, 0x1d]),
-    ("pink", [0xf2, 0x8f, 0xb5]),
-    ("purple", [0x7a, 0x4a, 0xb5]),
-    ("red", [0xd6, 0x2f, 0x2f]),
-    ("white", [0xff, 0xff, 0xff]),
-    ("yellow", [0xf2, 0xc9, 0x2c]),
-];
-
 /// Parses a colour: a name or six hexadecimal digits.
-pub(super) fn colour(text: &str) -> Result<Rgb, String> {
-    let digits = text.strip_prefix('#').unwrap_or(text);
-    let is_hex = digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
-    let hex = is_hex.then(|| u32::from_str_radix(digits, 16).ok()).flatten();
-    let hex = hex.map(|bits| [(bits >> 16) as u8, (bits >> 8) as u8, bits as u8]);
-    let named = || NAMES.iter().find(|(name, _)| name.eq_ignore_ascii_case(text)).map(|(_, colour)| *colour);
-    hex.or_else(named).ok_or_else(|| {
-        let names: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
-        format!("{text}: expected a colour as six hexadecimal digits, as in ff8800, or one of: {}", names.join(" "))
+pub(super) fn colour(text: &str) -> Result<Colour, String> {
+    text.parse().map_err(|error| match error {
+        Error::Invalid { value, expected, .. } => format!("{value} is not a colour, expected {expected}"),
+        other => other.to_string(),
     })
 }
 
 /// Colours of the background: at the horizon and straight up.
 pub(super) fn background(text: &str) -> Result<[Rgb; 2], String> {
     match text.split_once(',') {
-        Some((horizon, zenith)) => Ok([colour(horizon)?, colour(zenith)?]),
-        None => colour(text).map(|colour| [colour; 2]),
+        Some((horizon, zenith)) => Ok([colour(horizon)?.0, colour(zenith)?.0]),
+        None => colour(text).map(|colour| [colour.0; 2]),
     }
 }
 
 /// A `--colour` argument.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Paint {
+#[derive(Clone, Debug)]
+pub(crate) struct Paint {
     what: Painted,
-    colour: Rgb,
+    colour: Colour,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Painted {
-    Kind(usize),
     /// Spheres with these numbers.
     Spheres(u32, u32),
+    /// A name in the scene, or a kind of object.
+    Word(String),
+}
+
+/// The kind of object that a word means.
+fn kind(word: &str) -> Option<usize> {
+    KINDS.iter().position(|kind| kind.name.replace(' ', "-") == word)
+}
+
+fn kinds() -> String {
+    KINDS.map(|kind| kind.name.replace(' ', "-")).join(" ")
 }
 
 /// Parses `WHAT=COLOUR`.
-pub(super) fn paint(text: &str) -> Result<Paint, String> {
+pub(crate) fn paint(text: &str) -> Result<Paint, String> {
     let expected = || {
-        let kinds = KINDS.map(|kind| kind.name.replace(' ', "-")).join(" ");
-        format!("expected WHAT=COLOUR, where WHAT is the number of a sphere, a range of numbers as in 1-9, or one of: {kinds}")
+        let kinds = kinds();
+        format!(
+            "expected WHAT=COLOUR, where WHAT is a name in the scene, the number of a sphere, a range of numbers as in 1-9, or one \
+             of: {kinds}"
+        )
     };
     let (what, value) = text.split_once('=').ok_or_else(expected)?;
-    let kind = KINDS.iter().position(|kind| kind.name.replace(' ', "-") == what);
-    let what = match (kind, what.split_once('-')) {
-        (Some(kind), _) => Painted::Kind(kind),
-        (None, Some((from, to))) => {
-            let ends = from.parse().ok().zip(to.parse().ok()).filter(|(from, to)| from <= to);
-            ends.map(|(from, to)| Painted::Spheres(from, to)).ok_or_else(expected)?
-        }
-        (None, None) => what.parse().map(|number| Painted::Spheres(number, number)).map_err(|_| expected())?,
+    let what = if what.starts_with(|first: char| first.is_ascii_digit()) {
+        let (from, to) = what.split_once('-').unwrap_or((what, what));
+        let ends = from.parse().ok().zip(to.parse().ok()).filter(|(from, to)| from <= to);
+        ends.map(|(from, to)| Painted::Spheres(from, to)).ok_or_else(expected)?
+    } else if what.is_empty() {
+        return Err(expected());
+    } else {
+        Painted::Word(what.to_owned())
     };
     Ok(Paint { what, colour: colour(value)? })
 }
 
-/// Applies colours to the kinds of a style, and returns those of single spheres by insertion index.
-pub(super) fn apply(paints: &[Paint], scene: &Scene, style: &mut Style) -> Result<Vec<Option<Rgb>>, Failure> {
-    let mut spheres = Vec::new();
+/// Gives the kinds of objects the colours of a style, and returns the tags of single objects.
+pub(crate) fn apply(paints: &[Paint], scene: &Scene, style: &mut Style) -> Result<Vec<(ObjectId, Tag)>, Failure> {
+    let mut tags = Vec::new();
     for Paint { what, colour } in paints {
-        let (from, to) = match *what {
-            Painted::Kind(kind) => {
-                style.kinds[kind] = *colour;
-                continue;
-            }
-            Painted::Spheres(from, to) => (from, to),
+        let objects = match what {
+            Painted::Spheres(from, to) => spheres(scene, *from, *to)?,
+            // A name comes before a kind.
+            Painted::Word(word) => match (scene.named(word), kind(word)) {
+                (Ok(objects), _) => objects,
+                (Err(_), Some(kind)) => {
+                    style.kinds[kind] = colour.0;
+                    continue;
+                }
+                (Err(error), None) => {
+                    let text = format!("--colour {word}: {error}; or the number of a sphere, or one of: {}", kinds());
+                    return Err(Failure::usage(text));
+                }
+            },
         };
-        spheres.resize(scene.counts().spheres, None);
-        if from == to {
-            // A single number must exist; a range may have gaps.
-            let sphere = body(scene, from)?;
-            let index = scene.sphere_ids().position(|id| id == sphere);
-            index.into_iter().for_each(|index| spheres[index] = Some(*colour));
-            continue;
-        }
-        for (index, id) in scene.sphere_ids().enumerate() {
-            if (from..=to).contains(&scene.reference(id).unwrap_or(index as u32)) {
-                spheres[index] = Some(*colour);
-            }
+        for object in objects {
+            tags.push((object, scene.tag(object)?.cloned().unwrap_or_default().colour(*colour)));
         }
     }
-    Ok(spheres)
+    Ok(tags)
+}
+
+/// The spheres with numbers in a range. A single number must exist; a range may have gaps.
+fn spheres(scene: &Scene, from: u32, to: u32) -> Result<Vec<ObjectId>, Failure> {
+    if from == to {
+        return Ok(vec![body(scene, from)?.into()]);
+    }
+    let numbered = scene.sphere_ids().zip(0..).map(|(id, index)| (id, scene.reference(id).unwrap_or(index)));
+    Ok(numbered.filter(|(_, number)| (from..=to).contains(number)).map(|(id, _)| id.into()).collect())
 }

@@ -39,8 +39,10 @@ impl Studio {
         let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;
         let mut renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT)?;
         let mut style = arguments.style();
-        let scene = footage.simulation().scene();
-        renderer.set_colours(colours::apply(&arguments.colour, scene, &mut style)?);
+        let simulation = footage.simulation();
+        for (object, tag) in colours::apply(&arguments.colour, simulation.scene(), &mut style)? {
+            simulation.set_tag(object, tag)?;
+        }
         let overlay = arguments.captions.overlay();
         renderer.set_overlay(&overlay);
         Ok(Self { footage, renderer, canvas, style, overlay, interrupt })

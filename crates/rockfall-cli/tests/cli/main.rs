@@ -7,6 +7,7 @@ mod evolve;
 mod full_disk;
 mod intent;
 mod keep;
+mod names;
 mod newcomers;
 mod odd;
 mod outputs;

@@ -33,6 +33,7 @@ from rockfall._film import Film, film
 from rockfall._info import devices, info
 from rockfall._laws import ForceLaw
 from rockfall._materials import Material, Pair
+from rockfall._names import Named, Tag
 from rockfall._objects import Counts, Objects
 from rockfall._picture import Picture
 from rockfall._reports import Backend, Device, Energy, Overlap, Profile, Report, StageTime, State
@@ -70,6 +71,7 @@ __all__ = [
     "Frame",
     "Impact",
     "Material",
+    "Named",
     "Objects",
     "Overlap",
     "Pair",
@@ -87,6 +89,7 @@ __all__ = [
     "State",
     "SweepError",
     "SweepResult",
+    "Tag",
     "Trajectory",
     "Window",
     "Worlds",

@@ -25,6 +25,7 @@ from rockfall._arrays import (
     rows_of,
 )
 from rockfall._materials import Materials, MaterialTable
+from rockfall._names import Names, Tag, tag_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -32,6 +33,15 @@ if TYPE_CHECKING:
     from rockfall._options import SphereOptions, SpringOptions, StaticOptions
 
 _ZERO = (0.0, 0.0, 0.0)
+_NO_TAG = Tag()
+#: The kinds of objects that can have names, by the functions that add them.
+_TAGGED = {
+    _rockfall.add_spheres: "sphere",
+    _rockfall.add_rods: "rod",
+    _rockfall.add_springs: "spring",
+    _rockfall.add_boxes: "box",
+    _rockfall.add_polygons: "polygon",
+}
 
 
 class Capsules(NamedTuple):
@@ -49,7 +59,7 @@ def numbers_from(first: int, count: int) -> IntArray:
     return np.arange(first, first + count, dtype=np.int64)
 
 
-class Bodies(MaterialTable):
+class Bodies(MaterialTable, Names):
     """Adds what can move. A base of :class:`Objects`."""
 
     def _before_other_spheres(self) -> None:
@@ -63,10 +73,16 @@ class Bodies(MaterialTable):
         self._edited()
         return count, add(self._native, *arrays)
 
-    def _add_kind(self, add: Callable[..., int], **arguments: tuple[Any, Kind]) -> IntArray:
+    def _add_kind(self, tag: Tag, add: Callable[..., int], **arguments: tuple[Any, Kind]) -> IntArray:
         """Adds objects with a native function that returns the number of the first. Returns the numbers of all."""
         count, first = self._add(add, **arguments)
-        return numbers_from(first, count)
+        numbers = numbers_from(first, count)
+        self._put_tag(_TAGGED.get(add, ""), numbers, tag)
+        return numbers
+
+    def _put_tag(self, kind: str, numbers: IntArray, tag: Tag) -> None:
+        if tag != _NO_TAG:
+            _rockfall.set_tags(self._native, kind, numbers, tag)
 
     def add_spheres(
         self,
@@ -81,6 +97,9 @@ class Bodies(MaterialTable):
         fixed: npt.ArrayLike = False,
         group: npt.ArrayLike = 0,
         material: Materials = None,
+        name: str | None = None,
+        colour: str | None = None,
+        label: str | None = None,
     ) -> IntArray:
         """Add solid balls.
 
@@ -106,6 +125,8 @@ class Bodies(MaterialTable):
             Collision groups from 0 to 65535. Objects of different groups never touch.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
+        name, colour, label : str, optional
+            Name, colour and label of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -120,6 +141,7 @@ class Bodies(MaterialTable):
             For an array that does not hold numbers, or that is on a device.
         """
         return self._add_kind(
+            tag_of(name, colour, label),
             _rockfall.add_spheres,
             position=(position, VECTOR),
             radius=(radius, POSITIVE),
@@ -149,6 +171,9 @@ class Bodies(MaterialTable):
         *,
         group: npt.ArrayLike = 0,
         material: Materials = None,
+        name: str | None = None,
+        colour: str | None = None,
+        label: str | None = None,
     ) -> IntArray:
         """Add rods (cylinders without caps and mass) between spheres.
 
@@ -165,6 +190,8 @@ class Bodies(MaterialTable):
             Collision groups from 0 to 65535.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
+        name, colour, label : str, optional
+            Name, colour and label of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -179,6 +206,7 @@ class Bodies(MaterialTable):
             For a sphere that does not exist.
         """
         return self._add_kind(
+            tag_of(name, colour, label),
             _rockfall.add_rods,
             end1=(end1, NUMBER),
             end2=(end2, NUMBER),
@@ -205,6 +233,9 @@ class Bodies(MaterialTable):
         *,
         group: npt.ArrayLike = 0,
         material: Materials = None,
+        name: str | None = None,
+        colour: str | None = None,
+        label: str | None = None,
     ) -> Capsules:
         """Add capsules: rigid bodies of two spheres, each with half the mass, and a rod of fixed length.
 
@@ -222,6 +253,8 @@ class Bodies(MaterialTable):
             Collision groups from 0 to 65535.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
+        name, colour, label : str, optional
+            Name, colour and label of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -233,6 +266,7 @@ class Bodies(MaterialTable):
         ValueError, TypeError
             As for :meth:`add_spheres`, and for ends that coincide.
         """
+        tag = tag_of(name, colour, label)
         count, (capsules, spheres, rods) = self._add(
             _rockfall.add_capsules,
             end1=(end1, VECTOR),
@@ -243,6 +277,7 @@ class Bodies(MaterialTable):
             group=(group, GROUP),
             material=(self._material_numbers("material", material), MATERIAL),
         )
+        self._put_tag("capsule", numbers_from(capsules, count), tag)
         return Capsules(numbers_from(capsules, count), numbers_from(spheres, 2 * count).reshape(count, 2), numbers_from(rods, count))
 
     def add_springs(
@@ -254,6 +289,9 @@ class Bodies(MaterialTable):
         damping: npt.ArrayLike = 0.0,
         *,
         muscle: npt.ArrayLike | None = None,
+        name: str | None = None,
+        colour: str | None = None,
+        label: str | None = None,
     ) -> IntArray:
         """Add damped springs between spheres.
 
@@ -271,6 +309,8 @@ class Bodies(MaterialTable):
             Amplitude A from -1 to 1, frequency F in 1/s and phase P in turns. They make the rest length l of a spring oscillate:
             l (1 + A sin(2 pi (F t + P))), where t is the time since the start of the simulation. A row of zeros is a spring
             without a muscle.
+        name, colour, label : str, optional
+            Name, colour and label of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -283,6 +323,7 @@ class Bodies(MaterialTable):
             As for :meth:`add_rods`.
         """
         return self._add_kind(
+            tag_of(name, colour, label),
             _rockfall.add_springs,
             a=(a, NUMBER),
             b=(b, NUMBER),
@@ -335,6 +376,7 @@ class Bodies(MaterialTable):
             As for :meth:`add_rods`.
         """
         return self._add_kind(
+            _NO_TAG,
             _rockfall.add_tethers,
             sphere=(sphere, NUMBER),
             point=(point, VECTOR),

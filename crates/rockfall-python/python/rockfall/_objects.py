@@ -13,6 +13,7 @@ from rockfall._arrays import GROUP, MATERIAL, MATRIX, NOT_NEGATIVE, POSITIVE, VE
 from rockfall._attributes import Strict
 from rockfall._bodies import Bodies, first_of
 from rockfall._materials import Materials
+from rockfall._names import tag_of
 from rockfall._settings import SETTINGS, Settings
 from rockfall.typing import KindName
 
@@ -81,7 +82,8 @@ class Objects(Bodies, Strict):
         return Counts(*_rockfall.counts(self._native))
 
     def add_boxes(
-        self, corner: npt.ArrayLike, edges: npt.ArrayLike, *, group: npt.ArrayLike = 0, material: Materials = None
+        self, corner: npt.ArrayLike, edges: npt.ArrayLike, *, group: npt.ArrayLike = 0, material: Materials = None,
+        name: str | None = None, colour: str | None = None, label: str | None = None,
     ) -> IntArray:
         """Add static boxes.
 
@@ -95,6 +97,8 @@ class Objects(Bodies, Strict):
             Collision groups from 0 to 65535.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
+        name, colour, label : str, optional
+            Name, colour and label of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -107,6 +111,7 @@ class Objects(Bodies, Strict):
             As for :meth:`add_spheres`, and for edges that are not at right angles.
         """
         return self._add_kind(
+            tag_of(name, colour, label),
             _rockfall.add_boxes,
             corner=(corner, VECTOR),
             edges=(edges, MATRIX),
@@ -136,6 +141,9 @@ class Objects(Bodies, Strict):
         *,
         group: npt.ArrayLike = 0,
         material: Materials = None,
+        name: str | None = None,
+        colour: str | None = None,
+        label: str | None = None,
     ) -> IntArray:
         """Add static parallelograms. Bodies touch them only on the side that left x right points to.
 
@@ -149,6 +157,8 @@ class Objects(Bodies, Strict):
             Collision groups from 0 to 65535.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
+        name, colour, label : str, optional
+            Name, colour and label of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -161,6 +171,7 @@ class Objects(Bodies, Strict):
             As for :meth:`add_spheres`, and for edges that are parallel.
         """
         return self._add_kind(
+            tag_of(name, colour, label),
             _rockfall.add_polygons,
             corner=(corner, VECTOR),
             left=(left, VECTOR),

@@ -18,7 +18,15 @@ if TYPE_CHECKING:
     from rockfall.gym import Look
 
 
-class StaticOptions(TypedDict, total=False):
+class TagOptions(TypedDict, total=False):
+    """Those of all objects with names."""
+
+    name: str | None
+    colour: str | None
+    label: str | None
+
+
+class StaticOptions(TagOptions, total=False):
     """Those of boxes and rods."""
 
     group: npt.ArrayLike
@@ -35,7 +43,7 @@ class SphereOptions(StaticOptions, total=False):
     fixed: npt.ArrayLike
 
 
-class SpringOptions(TypedDict, total=False):
+class SpringOptions(TagOptions, total=False):
     """Those of :meth:`Objects.add_springs`."""
 
     muscle: npt.ArrayLike | None

@@ -18,6 +18,7 @@ __all__ = [
     "KindName",
     "PrecisionName",
     "RollingModelName",
+    "TaggedName",
 ]
 
 BackendName = Literal["auto", "gpu", "cpu"]
@@ -25,6 +26,8 @@ IntegratorName = Literal["auto", "rk4", "symplectic-euler", "velocity-verlet"]
 BroadPhaseName = Literal["auto", "brute-force", "sort-and-skip", "grid"]
 #: Kinds of objects, for :meth:`Objects.remove` and :meth:`Objects.table`.
 KindName = Literal["sphere", "rod", "capsule", "spring", "tether", "box", "polygon"]
+#: Kinds of objects that can have names, for :meth:`Objects.set_tag`.
+TaggedName = Literal["sphere", "rod", "capsule", "spring", "box", "polygon"]
 #: What the colours of pictures show.
 ColourName = Literal["kind", "speed", "contacts", "overlap", "force", "body", "contact-force"]
 ContactLawName = Literal["thesis", "linear", "hertz-mindlin", "user"]

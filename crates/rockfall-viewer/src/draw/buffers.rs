@@ -16,7 +16,7 @@ pub(crate) struct SceneBuffers {
     physics: Vec<wgpu::Buffer>,
     /// Positions and orientations to blend from.
     old: Vec<wgpu::Buffer>,
-    /// One value per sphere, by memory slot.
+    /// One value per sphere, by memory slot, then the colours of rods, springs, boxes and polygons.
     values: Option<wgpu::Buffer>,
     /// One bit per sphere, by insertion index, then from a new word on one bit per rod: whether it is part of a capsule.
     capsule_bits: Option<wgpu::Buffer>,
@@ -64,7 +64,8 @@ impl SceneBuffers {
         let capsule_bits = make(device, "capsules", bytes.len() as u64);
         queue.write_buffer(&capsule_bits, 0, bytes);
         self.capsule_bits = Some(capsule_bits);
-        self.values = Some(make(device, "values", 4 * counts.spheres as u64));
+        let coloured = counts.spheres + counts.rods + counts.springs + counts.boxes + counts.polygons;
+        self.values = Some(make(device, "values", 4 * coloured as u64));
         let [positions, orientations] = ["old positions", "old orientations"];
         self.old = [positions, orientations].map(|label| make(device, label, 16 * counts.spheres as u64)).to_vec();
         self.drawn = Some(make(device, "drawn", 4 * (counts.boxes + counts.polygons) as u64));
@@ -102,6 +103,13 @@ impl SceneBuffers {
         }
         if let Some(buffer) = &self.values {
             queue.write_buffer(buffer, 0, bytemuck::cast_slice(&by_slot));
+        }
+    }
+
+    /// Uploads the colours of rods, springs, boxes and polygons, each in insertion order.
+    pub(crate) fn set_colours(&self, queue: &wgpu::Queue, spheres: usize, colours: &[f32]) {
+        if let Some(buffer) = self.values.as_ref().filter(|_| !colours.is_empty()) {
+            queue.write_buffer(buffer, 4 * spheres as u64, bytemuck::cast_slice(colours));
         }
     }
 

@@ -1,6 +1,6 @@
 //! The places of the spheres on the host, for text, arrows and trails.
 
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 
 use rockfall::glam::Vec3;
 use rockfall::{Result, Scene, Simulation, SphereId};
@@ -26,6 +26,8 @@ pub struct Motion {
     /// How much the state before is shown, from 0 to 1.
     back: f32,
     labels: Vec<String>,
+    /// [`Scene::tag_changes`] of the labels.
+    tag_changes: u64,
     recent: RecentPercentile,
     past: VecDeque<State>,
 }
@@ -62,8 +64,8 @@ impl Motion {
             self.now.arrows = spheres.map(|(index, sphere)| arrows.of(sphere, values.get(index))).collect();
             self.recent.record(percentile(self.now.arrows.iter().map(|arrow| arrow.length())));
         }
-        if self.labels.len() != self.now.places.len() {
-            self.labels = labels(scene);
+        if self.labels.len() != self.now.places.len() || self.tag_changes != scene.tag_changes() {
+            (self.labels, self.tag_changes) = (labels(scene), scene.tag_changes());
         }
         Ok(())
     }
@@ -157,12 +159,17 @@ impl Motion {
     }
 }
 
-/// The numbers of the spheres: references, or in a scene without references the order of addition.
+/// The texts beside the spheres: their labels, or else their numbers, which are references, or in a scene without references the
+/// order of addition. The label of a capsule is at its first end.
 fn labels(scene: &Scene) -> Vec<String> {
     let has_references = scene.sphere_ids().any(|sphere| scene.reference(sphere).is_some());
-    let label = |(index, sphere): (usize, SphereId)| match has_references {
-        true => scene.reference(sphere).map_or_else(String::new, |reference| reference.to_string()),
-        false => index.to_string(),
+    let label_of = |sphere: SphereId| scene.tag(sphere).ok().flatten()?.label.clone();
+    let second: HashSet<SphereId> = scene.capsules().iter().map(|parts| parts.end2).collect();
+    let label = |(index, sphere): (usize, SphereId)| match label_of(sphere) {
+        Some(_) if second.contains(&sphere) => String::new(),
+        Some(label) => label,
+        None if has_references => scene.reference(sphere).map_or_else(String::new, |reference| reference.to_string()),
+        None => index.to_string(),
     };
     scene.sphere_ids().enumerate().map(label).collect()
 }

@@ -1,6 +1,6 @@
 //! The values that the colours show, and the range of their scale.
 
-use rockfall::{Result, Simulation};
+use rockfall::{ObjectId, Result, Scene, Simulation};
 
 use crate::draw::range::{RecentPercentile, percentile, percentile_in};
 use crate::draw::style::{ColourBy, Range, Style};
@@ -16,6 +16,19 @@ fn coded(colour: Option<palette::Rgb>) -> f32 {
     colour.map_or(0.0, |[r, g, b]| (1 + (u32::from(r) << 16) + (u32::from(g) << 8) + u32::from(b)) as f32)
 }
 
+/// The colour that the scene gives to an object.
+fn given(scene: &Scene, id: impl Into<ObjectId>) -> Option<palette::Rgb> {
+    Some(scene.tag(id).ok()??.colour?.0)
+}
+
+/// The coded colours of rods, springs, boxes and polygons, each in insertion order.
+fn colours(scene: &Scene) -> Vec<f32> {
+    let rods = scene.rod_ids().map(|id| given(scene, id));
+    let springs = scene.spring_ids().map(|id| given(scene, id));
+    let statics = scene.box_ids().map(|id| given(scene, id)).chain(scene.polygon_ids().map(|id| given(scene, id)));
+    rods.chain(springs).chain(statics).map(coded).collect()
+}
+
 impl Renderer {
     /// Takes what the bodies do over a film. Walls that hide a body in any of its states are then removed in all pictures, bodies
     /// that are far away do not count for the scale, and without static objects the ground is below all places of the bodies.
@@ -27,8 +40,8 @@ impl Renderer {
         self.survey = Some(survey);
     }
 
-    /// Gives single spheres a colour of their own, by insertion index; those without one are coloured as their kind, as are all
-    /// that are not in the list. These colours are shown with [`ColourBy::Kind`] and [`ColourBy::Body`].
+    /// Gives single spheres a colour of their own, by insertion index. Those without one have that of the scene ([`rockfall::Tag`]),
+    /// or else that of their kind, as have all that are not in the list. These colours are shown with [`ColourBy::Kind`] and [`ColourBy::Body`].
     pub fn set_colours(&mut self, colours: Vec<Option<palette::Rgb>>) {
         self.colours = colours;
         self.colours_due = true;
@@ -90,12 +103,24 @@ impl Renderer {
         {
             self.recent.record(self.speeds.of(state, self.step.layout.spheres, self.region)?);
         }
-        if matches!(by, ColourBy::Kind | ColourBy::Body) && std::mem::take(&mut self.colours_due) {
-            let colour = |index| coded(self.colours.get(index).copied().flatten());
-            let spheres = simulation.scene().counts().spheres;
-            self.buffers.set_values(&self.queue, simulation, (0..spheres).map(colour));
+        if matches!(by, ColourBy::Kind | ColourBy::Body) {
+            self.update_colours(simulation);
         }
         Ok(())
+    }
+
+    /// Uploads the colours that objects were given, if they have changed.
+    fn update_colours(&mut self, simulation: &Simulation) {
+        let scene = simulation.scene();
+        if !self.colours_due && self.tag_changes == scene.tag_changes() {
+            return;
+        }
+        (self.colours_due, self.tag_changes) = (false, scene.tag_changes());
+        let own = |index: usize| self.colours.get(index).copied().flatten();
+        let spheres = scene.sphere_ids().enumerate().map(|(index, id)| coded(own(index).or_else(|| given(scene, id))));
+        let spheres: Vec<f32> = spheres.collect();
+        self.buffers.set_colours(&self.queue, spheres.len(), &colours(scene));
+        self.buffers.set_values(&self.queue, simulation, spheres.into_iter());
     }
 
     /// Returns the range of the colour scale of the next picture.

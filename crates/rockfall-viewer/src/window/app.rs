@@ -16,6 +16,7 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
+use super::follow::Follow;
 use super::graphics::{Graphics, Widgets};
 use super::launch::{Failure, Launch};
 use super::message::Level;
@@ -160,6 +161,7 @@ impl OpenWindow {
         let opener = graphics.opener(&launch.options);
         let mut session = Session::open(launch.source.clone(), launch.overrides.clone(), launch.time_step, opener)?;
         session.keeps_time_step = launch.keeps_time_step;
+        session.prepare.clone_from(&launch.prepare);
         if let Some(playback) = launch.playback.take() {
             session.play(playback);
         }
@@ -171,6 +173,8 @@ impl OpenWindow {
         let mut viewer = Viewer::new(session, Vec2::new(size.width as f32, size.height as f32).max(Vec2::ONE));
         viewer.controls = launch.controls;
         viewer.overlay.clone_from(&launch.overlay);
+        viewer.style = launch.style;
+        viewer.follow = launch.follow.clone().map(Follow::new);
         window.request_redraw();
         let (last_frame, first_frame, drawn) = (None, None, None);
         Ok(Self {
@@ -230,6 +234,7 @@ impl OpenWindow {
         if let Some(error) = error {
             self.viewer.session.fail(&error);
         }
+        self.viewer.follow_body();
         self.viewer.session.sample(false);
         let steps = self.viewer.session.simulation_ref().report().steps;
         self.viewer.rates.frame(now, steps);

@@ -7,8 +7,10 @@ use std::path::PathBuf;
 use rockfall::{Error, Options};
 
 use super::controls::Controls;
-use super::session::Source;
+use super::follow::Find;
 use super::session::playback::Playback;
+use super::session::{Prepare, Source};
+use crate::draw::Style;
 use crate::overlay::Overlay;
 
 /// Arguments of [`run`](super::run).
@@ -31,6 +33,12 @@ pub struct Launch {
     pub controls: Controls,
     /// Text, arrows and trails over the picture.
     pub overlay: Overlay,
+    /// Style of the picture.
+    pub style: Style,
+    /// Changes every scene that is opened later, such as its colours.
+    pub prepare: Option<Prepare>,
+    /// Finds the sphere that the camera follows.
+    pub follow: Option<Find>,
     /// File to write the state to after every frame and on exit, as JSON.
     pub report: Option<PathBuf>,
     /// Number of frames after which the device is destroyed, for tests.

@@ -46,7 +46,7 @@ pub(super) fn switches(ui: &mut Ui, viewer: &mut Viewer) {
     let overlay = &mut viewer.overlay;
     ui.checkbox(&mut overlay.clock, "Time");
     ui.checkbox(&mut overlay.scale_bar, "Scale bar");
-    ui.checkbox(&mut overlay.labels, "Numbers of spheres");
+    ui.checkbox(&mut overlay.labels, "Labels or numbers of spheres");
     let mut has_trails = overlay.trails > 0.0;
     let seconds = if has_trails { overlay.trails } else { TRAILS };
     if ui.checkbox(&mut has_trails, format!("Trails of {seconds} s")).changed() {

@@ -2,6 +2,7 @@
 //! end the session.
 
 use std::path::PathBuf;
+use std::rc::Rc;
 use std::time::Instant;
 
 use rockfall::{Body, Checkpoint, Error, Scene, Settings, Simulation};
@@ -41,12 +42,17 @@ pub struct Source {
     pub scene: Scene,
 }
 
+/// Changes a scene that was read.
+pub type Prepare = Rc<dyn Fn(&mut Scene)>;
+
 /// A scene that is opened, run, changed and saved.
 pub struct Session {
     opener: Opener,
     source: Source,
     /// Constants set on the command line: name and value.
     overrides: Vec<(String, String)>,
+    /// Changes every scene that is opened later.
+    pub prepare: Option<Prepare>,
     /// The file of the command line, which Shift+R loads.
     command_line_file: Option<PathBuf>,
     simulation: Simulation,
@@ -101,6 +107,7 @@ impl Session {
             opener,
             source,
             overrides,
+            prepare: None,
             command_line_file,
             simulation,
             pace: Pace::new(time_step),

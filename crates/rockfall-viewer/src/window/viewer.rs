@@ -9,6 +9,7 @@ use super::capture::Capture;
 use super::constants::CONSTANTS;
 use super::controls::{Command, Controls};
 use super::dialog::Dialog;
+use super::follow::Follow;
 use super::hold::Sight;
 use super::navigation::{self, Arrows, Limits};
 use super::rates::Rates;
@@ -82,6 +83,8 @@ pub struct Viewer {
     /// Position and time, in s, of the last click, to recognise a double click.
     clicked: Option<(Vec2, f64)>,
     scene_seen: u64,
+    /// Keeps a body where it is in the picture.
+    pub follow: Option<Follow>,
 }
 
 impl Viewer {
@@ -115,6 +118,7 @@ impl Viewer {
             drag: None,
             clicked: None,
             scene_seen: 0,
+            follow: None,
         }
     }
 
@@ -190,6 +194,16 @@ impl Viewer {
         self.camera = framing(&self.session.source().scene, self.size);
         self.framed = self.camera;
         self.limits = None;
+    }
+
+    /// Moves the camera with the body that it follows.
+    pub fn follow_body(&mut self) {
+        let version = self.session.scene_version();
+        if let Some(follow) = self.follow.as_mut().filter(|_| !self.session.device_failed())
+            && let Err(error) = follow.update(self.session.simulation(), version, &mut self.camera)
+        {
+            self.session.fail(&error);
+        }
     }
 
     fn frame_all(&mut self) {

@@ -3,9 +3,11 @@
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::error::{Error, Result};
+use crate::scene::Tag;
 
 /// A handle to an object of kind `T`. It stays valid until that object is removed, regardless of what else is added or removed.
 /// A handle to a removed object, or to an object of another scene, causes [`Error::StaleHandle`].
@@ -80,11 +82,13 @@ pub(crate) struct Registry<T> {
     owners: Vec<u32>,
     slots: Vec<Slot>,
     free: Vec<u32>,
+    /// Tags by insertion index. Objects beyond its end have none.
+    tags: Vec<Option<Arc<Tag>>>,
 }
 
 impl<T> Registry<T> {
     pub(crate) fn new(scene: u32, kind: &'static str) -> Self {
-        Self { scene, kind, objects: Vec::new(), owners: Vec::new(), slots: Vec::new(), free: Vec::new() }
+        Self { scene, kind, objects: Vec::new(), owners: Vec::new(), slots: Vec::new(), free: Vec::new(), tags: Vec::new() }
     }
 
     pub(crate) fn add(&mut self, object: T) -> Handle<T> {
@@ -156,6 +160,8 @@ impl<T> Registry<T> {
         self.objects.retain(|_| keep.next().unwrap_or(true));
         let mut keep = flags.iter().map(|flag| !flag);
         self.owners.retain(|_| keep.next().unwrap_or(true));
+        let mut keep = flags.iter().map(|flag| !flag);
+        self.tags.retain(|_| keep.next().unwrap_or(true));
         for (index, owner) in self.owners.iter().enumerate() {
             self.slots[*owner as usize].index = Some(index as u32);
         }
@@ -171,6 +177,27 @@ impl<T> Registry<T> {
 
     pub(crate) fn len(&self) -> usize {
         self.objects.len()
+    }
+
+    /// The tag of the object with an insertion index.
+    pub(crate) fn tag_at(&self, index: usize) -> Option<&Arc<Tag>> {
+        self.tags.get(index)?.as_ref()
+    }
+
+    pub(crate) fn set_tag(&mut self, handle: Handle<T>, tag: Option<Arc<Tag>>) -> Result<()> {
+        let index = self.index(handle)?;
+        if self.tags.len() <= index && tag.is_some() {
+            self.tags.resize(self.objects.len(), None);
+        }
+        if let Some(place) = self.tags.get_mut(index) {
+            *place = tag;
+        }
+        Ok(())
+    }
+
+    /// The tags, with the insertion indices of their objects.
+    pub(crate) fn tags(&self) -> impl Iterator<Item = (usize, &Arc<Tag>)> {
+        self.tags.iter().enumerate().filter_map(|(index, tag)| Some((index, tag.as_ref()?)))
     }
 
     /// The handle of the object with an insertion index.

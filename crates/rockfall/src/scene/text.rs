@@ -18,12 +18,15 @@
 //! | `@material NAME density=D young=E poisson=N` | nothing: defines a material; each constant may be left out |
 //! | `@pair NAME NAME restitution=e friction=mu stiffness=k characteristic_velocity=V rolling_friction=mu rolling_model=c rolling_damping=eta twisting_friction=mu surface_energy=gamma cohesion=jkr` | nothing: sets properties of the contacts between two materials |
 //! | `@use NAME` | nothing: the objects of the lines below are of this material; `@use -`: of none |
+//! | `@name NAME` | nothing: the name of the objects of the lines below; `@name -`: none |
+//! | `@colour COLOUR` | nothing: the colour of the objects of the lines below ([`Colour`](crate::Colour)); `@colour -`: that of their kind |
+//! | `@label TEXT` | nothing: text beside the objects of the lines below; `@label -`: none |
 //! | `@run dt=S integrator=NAME steps=N every=K substeps=N` | nothing: how the scene is meant to be run ([`RunDefaults`](crate::RunDefaults)) |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twelve kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last fifteen kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
-//! the line.
+//! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
 //! `-` in place of the mass of a sphere or capsule stands for its volume times the density of the material in use.
 //!
@@ -35,23 +38,27 @@
 use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 mod comment;
 mod line;
 mod materials;
+mod objects;
 mod repeat;
 mod run;
+mod set;
+mod tags;
 
-use comment::{Title, has_number_sign, is_extension, is_number, looks_like, may_be_prose, without_comment};
-use line::{BOX, CAPSULE, FORCE, GROUP, Kind, Line, MARK, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, Wrong};
+use comment::{Title, has_number_sign, is_extension, looks_like, may_be_prose, without_comment};
+use line::{GROUP, Line, TETHER, Wrong};
 
 use repeat::{Block, Copy};
 
-use super::{Capsule, CapsuleParts, Cuboid, MaterialId, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
+use super::{MaterialId, Scene, SphereId, Tag};
 use crate::error::{Error, Result, nearest, quoted};
-use crate::settings::{Precision, Settings};
+use crate::settings::Precision;
 
 /// A scene that was read, with warnings about its text.
 #[derive(Clone, Debug)]
@@ -132,30 +139,23 @@ impl Scene {
     }
 }
 
-fn vector(numbers: &[f32]) -> Vec3 {
-    Vec3::from_slice(numbers)
-}
-
-/// A value for a message, or a word in place of one that is missing or long.
-fn shown(value: &str) -> &str {
-    if is_number(value) && value.len() < 20 { value } else { "VALUE" }
-}
-
-/// The key of the line `@run` that a word after `set` means.
-fn key_for(word: &str) -> Option<&'static str> {
-    match word.to_ascii_lowercase().replace('-', "_").as_str() {
-        "dt" | "timestep" | "time_step" => Some("`@run dt=SECONDS`"),
-        "steps" => Some("`@run steps=N`"),
-        "time" | "duration" => Some("`@run dt=SECONDS steps=N`"),
-        "integrator" => Some("`@run integrator=NAME`"),
-        "substeps" => Some("`@run substeps=N`"),
-        _ => None,
-    }
-}
-
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 11] =
-    ["@group", "@orientation", "@force", "@capsule", "@muscle", "@material", "@pair", "@use", "@run", "@repeat", "@end"];
+const AT_WORDS: [&str; 14] = [
+    "@group",
+    "@orientation",
+    "@force",
+    "@capsule",
+    "@muscle",
+    "@material",
+    "@pair",
+    "@use",
+    "@name",
+    "@colour",
+    "@label",
+    "@run",
+    "@repeat",
+    "@end",
+];
 
 struct Reader<'a> {
     /// The whole text.
@@ -182,6 +182,8 @@ struct Reader<'a> {
     group: u16,
     /// The material of the following objects.
     material: Option<MaterialId>,
+    /// The name, colour and label of the following objects.
+    tag: Option<Arc<Tag>>,
 }
 
 impl<'a> Reader<'a> {
@@ -200,6 +202,7 @@ impl<'a> Reader<'a> {
             references: HashMap::new(),
             group: 0,
             material: None,
+            tag: None,
         }
     }
 
@@ -227,6 +230,9 @@ impl<'a> Reader<'a> {
             "@material" => self.material(line),
             "@pair" => self.properties(line, number),
             "@use" => self.use_material(line),
+            "@name" => self.name(line, number),
+            "@colour" => self.colour(line, number),
+            "@label" => self.label(line, number),
             "@run" => self.run(line, number),
             "@end" => {
                 let message = "no `@repeat` above, expected one before the lines to repeat".to_owned();
@@ -272,48 +278,6 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn find(&self, kind: &Kind, name: &str, reference: u32) -> Line<SphereId> {
-        let reference = self.counted_on(reference);
-        self.references.get(&reference).copied().ok_or_else(|| {
-            let message = format!("no sphere with reference {reference} yet, expected one that a line above defined");
-            kind.wrong(name, message)
-        })
-    }
-
-    fn pair(&self, kind: &Kind, [a, b]: [u32; 2]) -> Line<(SphereId, SphereId)> {
-        let [first, second] = [0, 1].map(|end| kind.references[end]);
-        let ends = (self.find(kind, first, a)?, self.find(kind, second, b)?);
-        if ends.0 == ends.1 {
-            return Err(kind.wrong(second, format!("{b} is the same sphere as {first}, expected another one")));
-        }
-        Ok(ends)
-    }
-
-    fn sphere(&mut self, line: &str) -> Line<()> {
-        let ([reference], n) = SPHERE.read::<1, 12>(line)?;
-        let reference = self.counted_on(reference);
-        let mut sphere = Sphere::new(self.point(&n[0..3]), n[10])
-            .velocity(vector(&n[3..6]))
-            .angular_momentum(vector(&n[6..9]))
-            .group(self.group);
-        // The digits beyond those of an f32. Which precision the scene has is known at its end.
-        let (digits, offset) = (line.split_ascii_whitespace().skip(2), self.offset());
-        for (axis, word) in digits.take(3).enumerate() {
-            let x = word.parse::<f64>().unwrap_or_default();
-            if offset[axis] != 0.0 {
-                sphere.position[axis] = (x + offset[axis]) as f32;
-            }
-            sphere.position_low[axis] = (x + offset[axis] - f64::from(sphere.position[axis])) as f32;
-        }
-        sphere.mass = self.mass(&SPHERE, n[9], |density| sphere.density(density).mass)?;
-        sphere.fixed = n[11] > 0.0;
-        sphere.material = self.material;
-        let id = self.scene.add_sphere(sphere).map_err(|error| SPHERE.refused(&error))?;
-        self.references.insert(reference, id);
-        self.scene.references.set(id, reference);
-        Ok(())
-    }
-
     /// Rounds positions to `f32`, unless the scene has double precision.
     fn round_positions(&mut self) {
         if self.scene.chosen_precision().precision == Precision::Double {
@@ -327,158 +291,10 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn rod(&mut self, line: &str) -> Line<()> {
-        let (references, [radius, length]) = ROD.read::<2, 2>(line)?;
-        let (end1, end2) = self.pair(&ROD, references)?;
-        let mut rod = Rod::new(end1, end2, radius).group(self.group);
-        rod.length = (length > 0.0).then_some(length);
-        rod.material = self.material;
-        self.scene.add_rod(rod).map_err(|error| ROD.refused(&error))?;
-        Ok(())
-    }
-
-    fn capsule(&mut self, line: &str) -> Line<()> {
-        let ([], n) = CAPSULE.read::<0, 11>(line)?;
-        let capsule =
-            Capsule::new(self.point(&n[0..3]), self.point(&n[3..6]), n[10]).velocity(vector(&n[6..9])).group(self.group);
-        let mass = self.mass(&CAPSULE, n[9], |density| capsule.density(density).mass)?;
-        let capsule = Capsule { material: self.material, ..capsule.mass(mass) };
-        self.scene.add_capsule(capsule).map_err(|error| CAPSULE.refused(&error))?;
-        Ok(())
-    }
-
-    fn polygon(&mut self, line: &str) -> Line<()> {
-        let ([], n) = POLYGON.read::<0, 9>(line)?;
-        let polygon = Polygon::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9])).group(self.group);
-        let polygon = Polygon { material: self.material, ..polygon };
-        self.scene.add_polygon(polygon).map_err(|error| POLYGON.refused(&error))?;
-        Ok(())
-    }
-
-    fn spring(&mut self, line: &str) -> Line<()> {
-        let (references, [stiffness, length, damping]) = SPRING.read::<2, 3>(line)?;
-        let (a, b) = self.pair(&SPRING, references)?;
-        let spring = Spring::new(a, b, stiffness, length).damping(damping);
-        self.scene.add_spring(spring).map_err(|error| SPRING.refused(&error))?;
-        Ok(())
-    }
-
-    fn cuboid(&mut self, line: &str) -> Line<()> {
-        let ([], n) = BOX.read::<0, 12>(line)?;
-        let cuboid = Cuboid::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9]), vector(&n[9..12])).group(self.group);
-        let cuboid = Cuboid { material: self.material, ..cuboid };
-        self.scene.add_box(cuboid).map_err(|error| BOX.refused(&error))?;
-        Ok(())
-    }
-
-    fn tether(&mut self, line: &str) -> Line<()> {
-        let ([reference], n) = TETHER.read::<1, 6>(line)?;
-        let sphere = self.find(&TETHER, "sphere", reference)?;
-        let tether = Tether::new(sphere, self.point(&n[0..3]), n[3]).length(n[4]).damping(n[5]);
-        self.scene.add_tether(tether).map_err(|error| TETHER.refused(&error))?;
-        Ok(())
-    }
-
     fn group(&mut self, line: &str) -> Line<()> {
         let ([group], []) = GROUP.read::<1, 0>(line)?;
         self.group =
             group.try_into().map_err(|_| GROUP.wrong("number", format!("{group} is too large, expected 0 to {}", u16::MAX)))?;
-        Ok(())
-    }
-
-    /// Changes an existing sphere, and checks that it is still valid.
-    fn change(&mut self, kind: &Kind, reference: u32, change: impl FnOnce(&mut Sphere)) -> Line<()> {
-        let id = self.find(kind, "sphere", reference)?;
-        let sphere = self.scene.spheres.get_mut(id).map_err(|error| kind.refused(&error))?;
-        change(sphere);
-        sphere.validate().map_err(|error| kind.refused(&error))
-    }
-
-    fn orientation(&mut self, line: &str) -> Line<()> {
-        let ([reference], [w, x, y, z]) = ORIENTATION.read::<1, 4>(line)?;
-        self.change(&ORIENTATION, reference, |sphere| {
-            sphere.orientation = Quat::from_xyzw(x, y, z, w);
-        })
-    }
-
-    fn force(&mut self, line: &str) -> Line<()> {
-        let ([reference], n) = FORCE.read::<1, 3>(line)?;
-        self.change(&FORCE, reference, |sphere| sphere.force = vector(&n))
-    }
-
-    fn mark(&mut self, line: &str) -> Line<()> {
-        let (references, []) = MARK.read::<2, 0>(line)?;
-        let (end1, end2) = self.pair(&MARK, references)?;
-        let rods = &self.scene.rods;
-        let last = rods.len().checked_sub(1).map(|index| rods.handle_at(index));
-        let fits = rods.objects().last().is_some_and(|rod| rod.end1 == end1 && rod.end2 == end2 && rod.length.is_some());
-        let taken = self.scene.capsules.objects().last().map(|parts| parts.rod);
-        match last {
-            Some(rod) if fits && taken != last => {
-                self.scene.capsules.add(CapsuleParts { end1, end2, rod });
-                Ok(())
-            }
-            _ => Err(MARK.wrong("end1", "expected right after the R line, with a length, of these two spheres")),
-        }
-    }
-
-    fn muscle(&mut self, line: &str) -> Line<()> {
-        let ([], [amplitude, frequency, phase]) = MUSCLE.read::<0, 3>(line)?;
-        let Some(spring) = self.scene.springs.objects_mut().last_mut() else {
-            return Err(MUSCLE.wrong("line", "expected after the K line of a spring"));
-        };
-        if spring.muscle.is_some() {
-            return Err(MUSCLE.wrong("line", "the spring of the last K line has a muscle already, expected one per spring"));
-        }
-        let muscle = Muscle::new(amplitude, frequency, phase);
-        muscle.validate().map_err(|error| MUSCLE.refused(&error))?;
-        spring.muscle = Some(muscle);
-        Ok(())
-    }
-
-    fn set(&mut self, line: &str, number: usize) -> Line<()> {
-        let mut words = line.split_ascii_whitespace().skip(1);
-        let Some(word) = words.next() else {
-            let message = "a setting without a name, expected `set NAME VALUE`".to_owned();
-            return self.not_understood(number, Wrong { field: "set".to_owned(), message });
-        };
-        if let Some((name, value)) = word.split_once('=').filter(|(name, _)| Settings::NAMES.contains(name)) {
-            let message = format!("expected a space in place of `=`: `set {name} {}`", shown(value));
-            return Err(Wrong { field: format!("set {}", quoted(word)), message });
-        }
-        let Some(name) = Settings::NAMES.iter().copied().find(|name| *name == word) else {
-            if let Some(key) = key_for(word) {
-                let message = format!("not a constant, expected {key}");
-                return self.not_understood(number, Wrong { field: format!("set {}", quoted(word)), message });
-            }
-            let known = format!("expected one of {}", Settings::NAMES.join(", "));
-            let message = nearest(word, Settings::NAMES).map_or(known, |near| format!("did you mean {near}?"));
-            let message = format!("an unknown setting, {message}");
-            return self.not_understood(number, Wrong { field: format!("set {}", quoted(word)), message });
-        };
-        if let Some(before) = self.set_at.insert(name, number) {
-            let text = format!("{name} is set again; this replaces line {before}");
-            self.warnings.push(LineWarning { line: number, text });
-        }
-        let value = words.collect::<Vec<_>>().join(" ");
-        let wrong = |error| Wrong {
-            field: format!("set {name}"),
-            message: match error {
-                Error::Invalid { expected, .. } if value.is_empty() => format!("no value, expected {expected}"),
-                Error::Invalid { value: given, .. } if value.starts_with('=') => {
-                    let rest = value.trim_start_matches('=').trim();
-                    format!("{given} is not allowed, expected no `=`: `set {name} {}`", shown(rest))
-                }
-                Error::Invalid { value, expected, .. } => format!("{value} is not allowed, expected {expected}"),
-                other => other.to_string(),
-            },
-        };
-        let given = self.set_at.contains_key("collisions").then_some(self.scene.settings.collisions);
-        self.scene.settings.set(name, &value).map_err(wrong)?;
-        if let Some(collisions) = given.filter(|_| name == "contact_law") {
-            // The order of the lines does not matter.
-            self.scene.settings.collisions = collisions;
-        }
         Ok(())
     }
 }

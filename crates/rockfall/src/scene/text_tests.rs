@@ -1,6 +1,9 @@
+use glam::Quat;
 use proptest::prelude::*;
 
 use super::*;
+use crate::scene::{Cuboid, Muscle, Polygon, Rod, Sphere, Spring, Tether};
+use crate::settings::Settings;
 
 const EXAMPLE: &str = include_str!("../../../../scenes/thesis-example.txt");
 const REUSED: &str = include_str!("../../../../scenes/thesis-example-reused.txt");
@@ -110,7 +113,7 @@ fn a_line_that_is_not_understood_is_an_error_in_a_file_with_extensions() {
         ("@grup 1", "'@grup': an unknown word, did you mean @group?"),
         (
             "@mesh hopper.stl",
-            "'@mesh': an unknown word, expected one of @group, @orientation, @force, @capsule, @muscle, @material, @pair, @use, @run, @repeat, @end",
+            "'@mesh': an unknown word, expected one of @group, @orientation, @force, @capsule, @muscle, @material, @pair, @use, @name, @colour, @label, @run, @repeat, @end",
         ),
     ];
     for (line, expected) in cases {
@@ -360,6 +363,9 @@ fn wild_line() -> impl Strategy<Value = String> {
             "@group",
             "@orientation",
             "@force",
+            "@name",
+            "@colour",
+            "@label",
             "@capsule",
             "@",
             "#",

@@ -3,10 +3,11 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 
-use super::{Material, MaterialId, Pair, Rod, RunDefaults, Scene, Sphere};
+use super::{Material, MaterialId, Pair, Rod, RunDefaults, Scene, Sphere, Tag};
 use crate::error::{Error, Result};
 use crate::output::AtomicFile;
 use crate::settings::{Precision, Settings};
@@ -25,6 +26,7 @@ impl Scene {
             names: self.references.distinct(self.spheres.handles()),
             group: 0,
             material: None,
+            tag: Tag::default(),
             rods_written: 0,
             capsules_written: 0,
             has_low_parts: self.chosen_precision().precision == Precision::Double,
@@ -71,6 +73,7 @@ struct Writer<'a> {
     names: Vec<u32>,
     group: u16,
     material: Option<MaterialId>,
+    tag: Tag,
     /// Rods and capsules are written in insertion order, so these counts show which ones are still missing.
     rods_written: usize,
     capsules_written: usize,
@@ -102,6 +105,21 @@ impl Writer<'_> {
             self.material = material;
             let name = material.and_then(|id| self.scene.material(id).ok()).map_or("-", |material| &material.name);
             let _ = writeln!(self.text, "@use {name}");
+        }
+    }
+
+    /// Writes lines that set the name, colour and label of the following objects, if they change.
+    fn set_tag(&mut self, tag: Option<&Arc<Tag>>) {
+        let tag = tag.map(|tag| Tag::clone(tag)).unwrap_or_default();
+        let before = std::mem::replace(&mut self.tag, tag);
+        let Tag { name, colour, label } = &self.tag;
+        let colours = [before.colour, *colour].map(|colour| colour.map(|colour| colour.to_string()));
+        for (word, old, new) in
+            [("@name", &before.name, name), ("@colour", &colours[0], &colours[1]), ("@label", &before.label, label)]
+        {
+            if old != new {
+                let _ = writeln!(self.text, "{word} {}", new.as_deref().unwrap_or("-"));
+            }
         }
     }
 
@@ -213,11 +231,13 @@ impl Writer<'_> {
             uses[self.index(id)] += 1;
         }
         let mut plain = vec![None; scene.spheres.len()];
-        for parts in scene.capsules() {
+        for (index, parts) in scene.capsules().iter().enumerate() {
             let (one, two) = (self.index(parts.end1), self.index(parts.end2));
             let Ok(rod) = scene.rods.index(parts.rod) else { continue };
             let alone = two == one + 1 && uses[one] == 1 && uses[two] == 1;
-            if alone && is_plain(&scene.spheres()[one], &scene.spheres()[two], &scene.rods()[rod]) {
+            let tag = scene.capsules.tag_at(index);
+            let has_one_tag = [one, two].iter().all(|end| scene.spheres.tag_at(*end) == tag) && scene.rods.tag_at(rod) == tag;
+            if alone && has_one_tag && is_plain(&scene.spheres()[one], &scene.spheres()[two], &scene.rods()[rod]) {
                 plain[one] = Some(rod);
             }
         }
@@ -226,6 +246,7 @@ impl Writer<'_> {
 
     fn capsule(&mut self, first: &Sphere, second: &Sphere) {
         self.set_group(first.group, first.material);
+        self.set_tag(self.scene.capsules.tag_at(self.capsules_written));
         let [a, b, v] = [first.position, second.position, first.velocity];
         let mass = first.mass * 2.0;
         self.line("C", &[], &[a.x, a.y, a.z, b.x, b.y, b.z, v.x, v.y, v.z, mass, first.radius]);
@@ -235,6 +256,7 @@ impl Writer<'_> {
 
     fn sphere(&mut self, index: usize, sphere: &Sphere) {
         self.set_group(sphere.group, sphere.material);
+        self.set_tag(self.scene.spheres.tag_at(index));
         let [p, v, l] = [sphere.position, sphere.velocity, sphere.angular_momentum];
         let fixed = if sphere.fixed { 1.0 } else { 0.0 };
         let rest = [v.x, v.y, v.z, l.x, l.y, l.z, sphere.mass, sphere.radius, fixed];
@@ -263,12 +285,14 @@ impl Writer<'_> {
             let rod = &scene.rods()[self.rods_written];
             let ends = [self.index(rod.end1), self.index(rod.end2)];
             self.set_group(rod.group, rod.material);
+            self.set_tag(scene.rods.tag_at(self.rods_written));
             match rod.length {
                 Some(length) => self.line("R", &ends, &[rod.radius, length]),
                 None => self.line("R", &ends, &[rod.radius]),
             }
             let capsule = scene.capsules().get(self.capsules_written);
             if capsule.is_some_and(|parts| scene.rods.index(parts.rod).is_ok_and(|rod| rod == self.rods_written)) {
+                self.set_tag(scene.capsules.tag_at(self.capsules_written));
                 self.line("@capsule", &ends, &[]);
                 self.capsules_written += 1;
             }
@@ -277,7 +301,8 @@ impl Writer<'_> {
     }
 
     fn springs_and_tethers(&mut self) {
-        for spring in self.scene.springs() {
+        for (index, spring) in self.scene.springs().iter().enumerate() {
+            self.set_tag(self.scene.springs.tag_at(index));
             let ends = [self.index(spring.a), self.index(spring.b)];
             self.line("K", &ends, &[spring.stiffness, spring.length, spring.damping]);
             if let Some(muscle) = spring.muscle {
@@ -292,13 +317,15 @@ impl Writer<'_> {
     }
 
     fn statics(&mut self) {
-        for cuboid in self.scene.boxes() {
+        for (index, cuboid) in self.scene.boxes().iter().enumerate() {
             self.set_group(cuboid.group, cuboid.material);
+            self.set_tag(self.scene.boxes.tag_at(index));
             let [i, j, k] = cuboid.edges;
             self.vectors("B", &[cuboid.corner, i, j, k]);
         }
-        for polygon in self.scene.polygons() {
+        for (index, polygon) in self.scene.polygons().iter().enumerate() {
             self.set_group(polygon.group, polygon.material);
+            self.set_tag(self.scene.polygons.tag_at(index));
             self.vectors("P", &[polygon.corner, polygon.left, polygon.right]);
         }
     }

@@ -7,8 +7,8 @@ use crate::error::{Error, Result};
 use crate::fine::Fine;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
-    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, Pair, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId,
-    Spring, SpringId, Tether, TetherId, finite,
+    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, ObjectId, Pair, Polygon, PolygonId, Rod, RodId, Scene, Sphere,
+    SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
 use crate::simulation::rates::put_rates;
@@ -75,6 +75,8 @@ macro_rules! edits {
 }
 
 edits! {
+    Clean: /// Replaces the name, colour and label of an object.
+        set_tag(id: impl Into<ObjectId>, tag: Tag) -> ();
     Everything: /// Adds a sphere.
         add_sphere(sphere: Sphere) -> SphereId;
     Everything: /// Adds a rod between two spheres.

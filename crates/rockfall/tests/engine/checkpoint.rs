@@ -233,9 +233,9 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    for version in [0, 6, 8] {
+    for version in [0, 7, 9] {
         newer[8] = version;
-        let expected = format!("it has version {version} of the format, this rockfall reads version 7");
+        let expected = format!("it has version {version} of the format, this rockfall reads version 8");
         assert!(assert_rejected(&newer).contains(&expected));
     }
 }

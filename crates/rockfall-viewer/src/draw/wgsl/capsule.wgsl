@@ -52,8 +52,9 @@ fn capsule_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) r
         vertex.colour1 = PALE;
         vertex.colour2 = PALE;
     } else {
+        let own = colour_at(frame.spheres + rod);
         let kind = select(KIND_ROD, KIND_CAPSULE, vertex.whole == 1u);
-        vertex.colour1 = frame.kinds[kind].rgb * (0.9 + 0.2 * hash(rod));
+        vertex.colour1 = select(frame.kinds[kind].rgb * (0.9 + 0.2 * hash(rod)), own.rgb, own.a > 0.0);
         vertex.colour2 = vertex.colour1;
     }
     return vertex;

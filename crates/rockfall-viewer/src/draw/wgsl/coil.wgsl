@@ -91,7 +91,7 @@ fn spring_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) spr
 fn spring_corner(index: u32, spring: u32) -> CoilVertex {
     let at = frame.springs_at + 5u * spring;
     let coil = coil_between(ball(topology[at]), ball(topology[at + 1u]), topology_float(at + 3u));
-    return coil_vertex(coil, index, frame.kinds[KIND_SPRING].rgb);
+    return coil_vertex(coil, index, object_colour(KIND_SPRING, spring));
 }
 
 @vertex

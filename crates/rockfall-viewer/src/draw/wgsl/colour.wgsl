@@ -24,9 +24,9 @@ fn scale_colour(value: f32) -> vec3f {
     return mix(frame.scale[stop].rgb, frame.scale[stop + 1u].rgb, place - f32(stop));
 }
 
-/// Returns the colour that was given to a sphere, and 1 if there is one. A value is 1 + 65536 red + 256 green + blue in sRGB.
-fn own_colour(slot: u32) -> vec4f {
-    let value = values[slot];
+/// Returns the colour in `values` at a place, and 1 if there is one. A value is 1 + 65536 red + 256 green + blue in sRGB.
+fn colour_at(place: u32) -> vec4f {
+    let value = values[place];
     if (frame.colour_by != BY_KIND && frame.colour_by != BY_BODY) || value < 1.0 {
         return vec4f(0.0);
     }
@@ -34,6 +34,26 @@ fn own_colour(slot: u32) -> vec4f {
     let encoded = vec3f(vec3u(bits >> 16u, (bits >> 8u) & 255u, bits & 255u)) / 255.0;
     let linear = select(pow((encoded + 0.055) / 1.055, vec3f(2.4)), encoded / 12.92, encoded <= vec3f(0.04045));
     return vec4f(linear, 1.0);
+}
+
+/// Returns the colour that was given to a sphere, and 1 if there is one.
+fn own_colour(slot: u32) -> vec4f {
+    return colour_at(slot);
+}
+
+/// Returns the colour that was given to an object, or else that of its kind. The colours follow the values of the spheres: those of
+/// rods, springs, boxes and polygons.
+fn object_colour(kind: u32, number: u32) -> vec3f {
+    var place = frame.spheres + number;
+    if kind == KIND_SPRING {
+        place += frame.rods;
+    } else if kind == KIND_BOX {
+        place += frame.rods + frame.springs;
+    } else if kind == KIND_POLYGON {
+        place += frame.rods + frame.springs + (frame.polygons_at - frame.boxes_at) / 12u;
+    }
+    let own = colour_at(place);
+    return select(frame.kinds[kind].rgb, own.rgb, own.a > 0.0);
 }
 
 /// Returns one of many colours that are easy to tell apart for successive numbers.

@@ -62,7 +62,7 @@ fn box_corner(index: u32, number: u32) -> FlatVertex {
     let corner = topology_vector(at) + select(vec3f(0.0), through, far);
     let normal = normalize(select(-through, through, far));
     var vertex = face(corner, edges[(axis + 1u) % 3u], edges[(axis + 2u) % 3u], normal, index % 6u);
-    vertex.colour = frame.kinds[KIND_BOX].rgb;
+    vertex.colour = object_colour(KIND_BOX, number);
     return vertex;
 }
 
@@ -94,7 +94,7 @@ fn polygon_corner(index: u32, number: u32) -> FlatVertex {
     vertex.on_face += more;
     vertex.point += more.x / vertex.sides.x * left + more.y / vertex.sides.y * right;
     vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
-    vertex.colour = frame.kinds[KIND_POLYGON].rgb;
+    vertex.colour = object_colour(KIND_POLYGON, number);
     return vertex;
 }
 

@@ -55,6 +55,9 @@ impl Session {
         if self.ok_or_report(changed).is_none() {
             return false;
         }
+        if let Some(prepare) = &self.prepare {
+            prepare(&mut scene);
+        }
         let source = Source { name: name.clone(), path: Some(path.to_owned()), scene };
         let opened = self.replace(source, "opening of a scene");
         if opened {

@@ -1,7 +1,8 @@
 //! Comments of a scene text, and comments that look like something else.
 
-use super::line::{BOX, CAPSULE, FORCE, GROUP, Kind, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER};
+use super::line::{BOX, CAPSULE, COLOUR, FORCE, GROUP, Kind, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER};
 use crate::error::{nearest, quoted};
+use crate::scene::is_hexadecimal;
 use crate::settings::Settings;
 
 /// Number of words of a comment that are looked at.
@@ -42,10 +43,15 @@ impl Title {
     }
 }
 
-/// Removes a comment from a line: from a `#` at its beginning or after white space.
+/// Removes a comment from a line: from a `#` at its beginning or after white space. The `#` of a colour begins none.
 pub(super) fn without_comment(line: &str) -> &str {
     let begins = |(at, _): &(usize, &str)| line[..*at].chars().next_back().is_none_or(char::is_whitespace);
-    line.match_indices('#').find(begins).map_or(line, |(at, _)| &line[..at])
+    let is_colour = |at: usize| {
+        let word = line[at..].split_ascii_whitespace().next().unwrap_or_default();
+        is_hexadecimal(word) && line[..at].trim() == COLOUR.word
+    };
+    let found = line.match_indices('#').filter(|(at, _)| !is_colour(*at)).find(begins);
+    found.map_or(line, |(at, _)| &line[..at])
 }
 
 /// Whether a line has a comment that begins with `#`, which the thesis's format lacks.

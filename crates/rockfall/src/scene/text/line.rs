@@ -79,6 +79,9 @@ pub(super) const PAIR: Kind = Kind {
     last_is_optional: false,
 };
 pub(super) const USE: Kind = Kind { word: "@use", references: &["NAME"], numbers: &[], last_is_optional: false };
+pub(super) const NAME: Kind = Kind { word: "@name", references: &["NAME"], numbers: &[], last_is_optional: false };
+pub(super) const COLOUR: Kind = Kind { word: "@colour", references: &["COLOUR"], numbers: &[], last_is_optional: false };
+pub(super) const LABEL: Kind = Kind { word: "@label", references: &["TEXT"], numbers: &[], last_is_optional: false };
 pub(super) const RUN: Kind = Kind {
     word: "@run",
     references: &[],

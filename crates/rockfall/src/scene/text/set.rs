@@ -1,0 +1,72 @@
+//! The line `set NAME VALUE`.
+
+use super::comment::is_number;
+use super::line::{Line, Wrong};
+use super::{LineWarning, Reader};
+use crate::error::{Error, nearest, quoted};
+use crate::settings::Settings;
+
+/// A value for a message, or a word in place of one that is missing or long.
+fn shown(value: &str) -> &str {
+    if is_number(value) && value.len() < 20 { value } else { "VALUE" }
+}
+
+/// The key of the line `@run` that a word after `set` means.
+fn key_for(word: &str) -> Option<&'static str> {
+    match word.to_ascii_lowercase().replace('-', "_").as_str() {
+        "dt" | "timestep" | "time_step" => Some("`@run dt=SECONDS`"),
+        "steps" => Some("`@run steps=N`"),
+        "time" | "duration" => Some("`@run dt=SECONDS steps=N`"),
+        "integrator" => Some("`@run integrator=NAME`"),
+        "substeps" => Some("`@run substeps=N`"),
+        _ => None,
+    }
+}
+
+impl Reader<'_> {
+    pub(super) fn set(&mut self, line: &str, number: usize) -> Line<()> {
+        let mut words = line.split_ascii_whitespace().skip(1);
+        let Some(word) = words.next() else {
+            let message = "a setting without a name, expected `set NAME VALUE`".to_owned();
+            return self.not_understood(number, Wrong { field: "set".to_owned(), message });
+        };
+        if let Some((name, value)) = word.split_once('=').filter(|(name, _)| Settings::NAMES.contains(name)) {
+            let message = format!("expected a space in place of `=`: `set {name} {}`", shown(value));
+            return Err(Wrong { field: format!("set {}", quoted(word)), message });
+        }
+        let Some(name) = Settings::NAMES.iter().copied().find(|name| *name == word) else {
+            if let Some(key) = key_for(word) {
+                let message = format!("not a constant, expected {key}");
+                return self.not_understood(number, Wrong { field: format!("set {}", quoted(word)), message });
+            }
+            let known = format!("expected one of {}", Settings::NAMES.join(", "));
+            let message = nearest(word, Settings::NAMES).map_or(known, |near| format!("did you mean {near}?"));
+            let message = format!("an unknown setting, {message}");
+            return self.not_understood(number, Wrong { field: format!("set {}", quoted(word)), message });
+        };
+        if let Some(before) = self.set_at.insert(name, number) {
+            let text = format!("{name} is set again; this replaces line {before}");
+            self.warnings.push(LineWarning { line: number, text });
+        }
+        let value = words.collect::<Vec<_>>().join(" ");
+        let wrong = |error| Wrong {
+            field: format!("set {name}"),
+            message: match error {
+                Error::Invalid { expected, .. } if value.is_empty() => format!("no value, expected {expected}"),
+                Error::Invalid { value: given, .. } if value.starts_with('=') => {
+                    let rest = value.trim_start_matches('=').trim();
+                    format!("{given} is not allowed, expected no `=`: `set {name} {}`", shown(rest))
+                }
+                Error::Invalid { value, expected, .. } => format!("{value} is not allowed, expected {expected}"),
+                other => other.to_string(),
+            },
+        };
+        let given = self.set_at.contains_key("collisions").then_some(self.scene.settings.collisions);
+        self.scene.settings.set(name, &value).map_err(wrong)?;
+        if let Some(collisions) = given.filter(|_| name == "contact_law") {
+            // The order of the lines does not matter.
+            self.scene.settings.collisions = collisions;
+        }
+        Ok(())
+    }
+}
