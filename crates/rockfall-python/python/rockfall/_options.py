@@ -73,6 +73,17 @@ class LookOptions(TypedDict, total=False):
     plain: bool
 
 
+class PictureOptions(LookOptions, total=False):
+    """Those of :meth:`Worlds.render` besides the size."""
+
+    view: str | None
+    title: str | None
+    clock: bool
+    scale_bar: bool
+    label: bool
+    arrows: str | None
+
+
 class ViewOptions(LookOptions, total=False):
     """Those of the widget."""
 
