@@ -144,6 +144,7 @@ def film(
     """Run steps of a simulation or of worlds and film them.
 
     The simulation is then in the same state as after ``sim.run(steps)``. Pictures between two steps show positions in between.
+    :func:`rockfall.gym.film` films an environment of Gymnasium.
 
     Parameters
     ----------
