@@ -77,7 +77,7 @@ def test_unsuitable_time_steps_are_warned_of_once() -> None:
     assert expected
     worlds = rf.Worlds([rf.Scene(), stiff, stiff], dt=0.1, backend="cpu", keep_going=True)
     assert warned(worlds, 0) == []
-    assert warned(worlds) == [f"time step 0.1 s: {text} (in 2 worlds, first in world 1)" for text in expected]
+    assert warned(worlds) == [f"time step 0.1 s: {text} (in 2 of 3 worlds, first in world 1)" for text in expected]
     assert warned(worlds) == [] and warned(worlds.copy()) == [] and warned(pickle.loads(pickle.dumps(worlds))) == []
     worlds.dt = 1e-5
     assert warned(worlds) == []
@@ -88,6 +88,8 @@ def test_unsuitable_time_steps_are_warned_of_once() -> None:
     worlds.replace(0, stiff)
     assert "(in world 0)" in warned(worlds)[0]
     assert warned(rf.Worlds([stiff], dt=0.1, backend="cpu", keep_going=True, check=False)) == []
+    many = rf.Worlds(stiff, dt=0.1, count=150, backend="cpu", keep_going=True)
+    assert "(in 50 of 50 worlds that were checked, first in world 0)" in warned(many)[0]
 
 
 def test_checkpoints_keep_the_time_step(tmp_path: pathlib.Path) -> None:

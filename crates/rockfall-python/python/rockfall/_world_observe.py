@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from rockfall._options import PictureOptions
 
 
+#: Most worlds that are checked for unsuitable time steps. A check of one takes about as long as 25 of its steps.
+_MOST_CHECKED = 64
+
+
 class ObservedWorlds(WorldStates):
     """Worlds that are observed. A base of :class:`Worlds`."""
 
@@ -88,8 +92,12 @@ class ObservedWorlds(WorldStates):
         if not self._checks or self._checked == self._dt:
             return
         self._checked = self._dt
-        for concern, worlds in _rockfall.world_concerns(self._native, self._dt):
-            where = f"world {worlds[0]}" if len(worlds) == 1 else f"{len(worlds)} worlds, first in world {worlds[0]}"
+        count = len(self)
+        stride = max(1, -(-count // _MOST_CHECKED))
+        checked = len(range(0, count, stride))
+        for concern, worlds in _rockfall.world_concerns(self._native, self._dt, stride):
+            several = f"{len(worlds)} of {checked} worlds{' that were checked' if stride > 1 else ''}, first in world {worlds[0]}"
+            where = f"world {worlds[0]}" if len(worlds) == 1 else several
             warnings.warn(f"time step {self._dt} s: {concern} (in {where})", SceneWarning, stacklevel=3)
 
     @property

@@ -38,7 +38,7 @@ class Worlds(ObservedWorlds):
         As for :class:`Simulation`, the same for all worlds. With the integrator "auto", each world has that of its own scene.
     check : bool
         Whether the first steps with a time step, or after a replacement, warn (:class:`SceneWarning`) of what :meth:`Scene.check`
-        finds. A warning that several worlds have is given once.
+        finds. A warning that several worlds have is given once. Of more than 64 worlds, up to 64 are checked, evenly spaced.
 
     Raises
     ------

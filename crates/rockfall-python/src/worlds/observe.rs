@@ -17,22 +17,24 @@ use crate::worlds::Worlds;
 /// Numbers per world in the table of energies.
 const ENERGIES: usize = 10;
 
-/// The warnings of each world.
-fn concerns(worlds: &rockfall::Worlds, dt: f32) -> Result<Vec<Vec<String>>> {
-    (0..worlds.len()).into_par_iter().map(|world| Ok(worlds.scene(world)?.concerns(dt, worlds.integrator(world)?))).collect()
+/// The warnings of every `stride`-th world.
+fn concerns(worlds: &rockfall::Worlds, dt: f32, stride: usize) -> Result<Vec<Vec<String>>> {
+    let some: Vec<usize> = (0..worlds.len()).step_by(stride.max(1)).collect();
+    some.into_par_iter().map(|world| Ok(worlds.scene(world)?.concerns(dt, worlds.integrator(world)?))).collect()
 }
 
-/// Warnings about a time step or constants that do not suit the scenes, each with the worlds that it is about.
+/// Warnings about a time step or constants that do not suit the scenes, each with the worlds that it is about. Only every
+/// `stride`-th world is checked.
 #[pyfunction]
-pub(crate) fn world_concerns(worlds: &Bound<'_, Worlds>, dt: f32) -> PyResult<Vec<(String, Vec<usize>)>> {
-    let found = worlds.get().locked(worlds.py(), |worlds| concerns(worlds, dt))?;
+pub(crate) fn world_concerns(worlds: &Bound<'_, Worlds>, dt: f32, stride: usize) -> PyResult<Vec<(String, Vec<usize>)>> {
+    let found = worlds.get().locked(worlds.py(), |worlds| concerns(worlds, dt, stride))?;
     let (mut texts, mut places): (Vec<(String, Vec<usize>)>, HashMap<String, usize>) = Default::default();
     for (world, text) in found.iter().enumerate().flat_map(|(world, own)| own.iter().map(move |text| (world, text))) {
         let place = *places.entry(in_python(text)).or_insert_with_key(|text| {
             texts.push((text.clone(), Vec::new()));
             texts.len() - 1
         });
-        texts[place].1.push(world);
+        texts[place].1.push(world * stride);
     }
     Ok(texts)
 }
