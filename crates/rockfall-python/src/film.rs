@@ -12,13 +12,18 @@ use rockfall_viewer::overlay::Overlay;
 use rockfall_viewer::survey::Survey;
 
 use crate::errors::Raise;
+use crate::film::live::Seen;
 use crate::fork::{Owned, detached};
 use crate::ids::handle;
 use crate::picture::{Look, Picture, Tools};
 use crate::simulation::Simulation;
 
+mod live;
+
 /// A film that is being taken. First [`Filming::survey`] is called until it returns false, then [`Filming::rewind`], then
 /// [`Filming::take`] until it returns false, then [`Filming::finish`]. Python calls them in turn to handle signals in between.
+///
+/// A live film is of steps that Python runs: [`Filming::see`] is called after [`Filming::due`] steps, then [`Filming::end`].
 #[pyclass(frozen, module = "rockfall._rockfall")]
 pub(crate) struct Filming(Mutex<Owned<Shooting>>);
 
@@ -43,6 +48,7 @@ struct Shooting {
     follower: Follower,
     first_step: u64,
     reel: Reel,
+    seen: Seen,
 }
 
 impl Shooting {
@@ -52,6 +58,7 @@ impl Shooting {
         timing: Timing,
         follow: Option<SphereId>,
         orbit: f32,
+        live: bool,
     ) -> PyResult<Self> {
         let (style, overlay) = (look.style()?, look.overlay()?);
         let view = View {
@@ -61,16 +68,17 @@ impl Shooting {
             follow,
             orbit: orbit.to_radians(),
         };
-        let scale = (look.range.is_none() && style.colour_by.title().is_some()).then_some(0.0);
+        let scale = (!live && look.range.is_none() && style.colour_by.title().is_some()).then_some(0.0);
         let moments: Vec<_> = (0..timing.pictures()).map(|index| timing.moment(index)).collect();
         let scene = simulation.sync().or_raise()?;
         let has_camera = view.camera.is_some() && (view.look_at.is_some() || view.follow.is_some());
         // Static objects that hide bodies are found by the survey too.
-        let is_known = has_camera
-            && scale.is_none()
-            && overlay.arrows.is_none()
-            && scene.boxes().is_empty()
-            && scene.polygons().is_empty();
+        let is_known = live
+            || has_camera
+                && scale.is_none()
+                && overlay.arrows.is_none()
+                && scene.boxes().is_empty()
+                && scene.polygons().is_empty();
         let mut to_survey: Vec<_> = if is_known { Vec::new() } else { surveyed(&moments).collect() };
         to_survey.reverse();
         let survey = is_known.then(|| Survey::new(scene));
@@ -86,6 +94,7 @@ impl Shooting {
             shot: None,
             follower: Follower::default(),
             reel: Reel::new(),
+            seen: Seen::default(),
             look,
             style,
             view,
@@ -202,11 +211,12 @@ impl Filming {
         speed: f64,
         follow: Option<i64>,
         orbit: f32,
+        live: bool,
     ) -> PyResult<Self> {
         let timing = Timing { steps, dt, fps, speed };
         simulation.get().read(simulation.py(), |running| {
             let follow = follow.map(|number| handle(&running.ids.spheres, "sphere", number)).transpose()?;
-            let shooting = Shooting::new(&mut running.simulation, look, timing, follow, orbit)?;
+            let shooting = Shooting::new(&mut running.simulation, look, timing, follow, orbit, live)?;
             Ok(Self(Mutex::new(Owned::new(shooting))))
         })
     }
@@ -230,6 +240,21 @@ impl Filming {
 
     fn take(&self, simulation: &Bound<'_, Simulation>) -> PyResult<bool> {
         self.with(simulation, Shooting::take)
+    }
+
+    /// Number of steps before the next state that a live film must see; `None` when all pictures are taken.
+    fn due(&self) -> Option<u64> {
+        self.lock().due()
+    }
+
+    /// Sees the state after a number of steps. The simulation may be another one each time, with the same objects.
+    fn see(&self, simulation: &Bound<'_, Simulation>, step: u64) -> PyResult<()> {
+        self.with(simulation, |shooting, simulation| shooting.see(simulation, step))
+    }
+
+    /// Returns a live film with the pictures so far.
+    fn end(&self) -> Film {
+        Film(std::mem::take(&mut self.lock().reel))
     }
 
     /// Runs the steps after the last picture, and returns the film.

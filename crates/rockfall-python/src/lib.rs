@@ -18,6 +18,7 @@ mod names;
 mod objects;
 mod observe;
 mod picture;
+mod portions;
 mod scene;
 #[cfg_attr(not(target_os = "linux"), path = "shared/elsewhere.rs")]
 mod shared;
@@ -72,6 +73,10 @@ mod _rockfall {
     use crate::trajectory::{TrajectoryReader, TrajectoryWriter};
     #[pymodule_export]
     use crate::worlds::Worlds;
+    #[pymodule_export]
+    use crate::worlds::observe::{
+        set_worlds_time_step, world_concerns, world_contacts, world_energies, world_simulation, worlds_time_step,
+    };
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

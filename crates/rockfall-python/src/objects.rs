@@ -311,26 +311,25 @@ pub(crate) fn add_polygons(
     })
 }
 
-/// Removes objects of one kind.
+/// Removes objects of one kind in one pass.
 #[pyfunction]
 pub(crate) fn remove(target: &Bound<'_, PyAny>, kind: &str, numbers: Numbers<'_>) -> PyResult<()> {
     let numbers = numbers.as_slice()?;
     with(target, |doors, ids| {
-        macro_rules! each {
-            ($table:ident, $get:ident, $remove:ident) => {{
+        macro_rules! all {
+            ($table:ident, $remove:ident) => {{
                 let handles: Vec<_> = numbers.iter().map(|id| handle(&ids.$table, kind, *id)).collect::<PyResult<_>>()?;
-                handles.iter().try_for_each(|id| doors.objects().$get(*id).map(drop)).or_raise()?;
-                handles.into_iter().try_for_each(|id| doors.$remove(id)).or_raise()
+                doors.$remove(&handles).or_raise()
             }};
         }
         match kind {
-            "sphere" => each!(spheres, sphere, remove_sphere),
-            "rod" => each!(rods, rod, remove_rod),
-            "capsule" => each!(capsules, capsule, remove_capsule),
-            "spring" => each!(springs, spring, remove_spring),
-            "tether" => each!(tethers, tether, remove_tether),
-            "box" => each!(boxes, cuboid, remove_box),
-            "polygon" => each!(polygons, polygon, remove_polygon),
+            "sphere" => all!(spheres, remove_spheres),
+            "rod" => all!(rods, remove_rods),
+            "capsule" => all!(capsules, remove_capsules),
+            "spring" => all!(springs, remove_springs),
+            "tether" => all!(tethers, remove_tethers),
+            "box" => all!(boxes, remove_boxes),
+            "polygon" => all!(polygons, remove_polygons),
             _ => Err(PyValueError::new_err(format!("kind: {kind} is not a kind of object"))),
         }
     })

@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::glam::Vec3;
-use rockfall::{Body, ContactAction, Scene, SphereId, Spring};
+use rockfall::{Body, Contact, ContactAction, Result, Scene, SphereId, Spring};
 
 use crate::arguments::{Rows, vector};
 use crate::doors::look;
@@ -17,6 +17,8 @@ use crate::tables::Energy;
 
 type Column<'py, T> = Bound<'py, PyArray1<T>>;
 type Matrix<'py, T> = Bound<'py, PyArray2<T>>;
+/// Whole numbers and others, a row for each contact.
+pub(crate) type ContactArrays<'py> = (Matrix<'py, i64>, Matrix<'py, f32>);
 
 /// An array with `columns` numbers per row.
 fn matrix<T: numpy::Element>(py: Python<'_>, numbers: Vec<T>, columns: usize) -> PyResult<Matrix<'_, T>> {
@@ -34,34 +36,43 @@ fn kind(body: Body) -> i64 {
     }
 }
 
+/// The tables of contacts: see [`contacts`].
+pub(crate) fn contact_rows(found: Vec<Contact>, scene: &Scene) -> Result<(Vec<i64>, Vec<f32>)> {
+    let (mut whole, mut real) = (Vec::with_capacity(6 * found.len()), Vec::with_capacity(20 * found.len()));
+    for contact in found {
+        let (is_impulse, action) = match contact.action {
+            ContactAction::Impulse(impulse) => (1, impulse),
+            ContactAction::Force(force) => (0, force),
+            _ => (0, Vec3::ZERO),
+        };
+        for body in [contact.a, contact.b] {
+            whole.extend([kind(body), body.index(scene)? as i64]);
+        }
+        whole.push(is_impulse);
+        [contact.point, contact.normal, action].iter().for_each(|vector| real.extend(vector.to_array()));
+        real.extend([contact.overlap, contact.normal_force()]);
+        real.extend(contact.tangential_force().to_array());
+        let springs = contact.springs.map_or([Vec3::ZERO; 2], |springs| [springs.displacement, springs.moment]);
+        springs.iter().for_each(|vector| real.extend(vector.to_array()));
+        whole.push(contact.springs.map_or(-1, |springs| i64::from(springs.slips)));
+    }
+    Ok((whole, real))
+}
+
+/// The arrays of these tables.
+pub(crate) fn contact_arrays(py: Python<'_>, whole: Vec<i64>, real: Vec<f32>) -> PyResult<ContactArrays<'_>> {
+    Ok((matrix(py, whole, 6)?, matrix(py, real, 20)?))
+}
+
 /// All contacts. Whole numbers: kind and index of A, kind and index of B, whether the action is an impulse, and whether the contact
 /// slips (-1 without springs). Others: point, normal, action, overlap, normal force, tangential force, displacement and moment.
 #[pyfunction]
-pub(crate) fn contacts<'py>(simulation: &Bound<'py, Simulation>) -> PyResult<(Matrix<'py, i64>, Matrix<'py, f32>)> {
+pub(crate) fn contacts<'py>(simulation: &Bound<'py, Simulation>) -> PyResult<ContactArrays<'py>> {
     let (whole, real) = simulation.get().read(simulation.py(), |running| {
         let found = running.simulation.contacts().or_raise()?;
-        let scene = running.simulation.scene();
-        let (mut whole, mut real) = (Vec::with_capacity(6 * found.len()), Vec::with_capacity(20 * found.len()));
-        for contact in found {
-            let (is_impulse, action) = match contact.action {
-                ContactAction::Impulse(impulse) => (1, impulse),
-                ContactAction::Force(force) => (0, force),
-                _ => (0, Vec3::ZERO),
-            };
-            for body in [contact.a, contact.b] {
-                whole.extend([kind(body), body.index(scene).or_raise()? as i64]);
-            }
-            whole.push(is_impulse);
-            [contact.point, contact.normal, action].iter().for_each(|vector| real.extend(vector.to_array()));
-            real.extend([contact.overlap, contact.normal_force()]);
-            real.extend(contact.tangential_force().to_array());
-            let springs = contact.springs.map_or([Vec3::ZERO; 2], |springs| [springs.displacement, springs.moment]);
-            springs.iter().for_each(|vector| real.extend(vector.to_array()));
-            whole.push(contact.springs.map_or(-1, |springs| i64::from(springs.slips)));
-        }
-        Ok((whole, real))
+        contact_rows(found, running.simulation.scene()).or_raise()
     })?;
-    Ok((matrix(simulation.py(), whole, 6)?, matrix(simulation.py(), real, 20)?))
+    contact_arrays(simulation.py(), whole, real)
 }
 
 /// Number of contacts, net force and deepest overlap of every sphere.

@@ -183,8 +183,8 @@ impl Studio {
         Self(std::sync::Mutex::new(None))
     }
 
-    /// Draws the state of a simulation.
-    fn take(&self, simulation: &Bound<'_, Simulation>, look: Look) -> PyResult<Picture> {
+    /// Draws the state of a simulation, which may be another one than the last time.
+    fn take(&self, simulation: &Bound<'_, Simulation>, look: Look, is_other: bool) -> PyResult<Picture> {
         let (style, overlay) = (look.style()?, look.overlay()?);
         simulation.get().read(simulation.py(), |running| {
             let mut tools = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -199,6 +199,9 @@ impl Studio {
             tools.resize(look.size)?;
             let camera = look.framing(own)?;
             tools.renderer.set_overlay(&overlay);
+            if is_other {
+                tools.renderer.set_scene(own);
+            }
             tools.renderer.update(own, &style).or_raise()?;
             tools.take(&camera, &style, &overlay, look.colour_by.is_some()).map(Picture)
         })

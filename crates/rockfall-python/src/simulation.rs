@@ -16,13 +16,11 @@ use crate::errors::{Raise, in_python, raise_in_step};
 use crate::fork::{Owned, check_graphics, detached, graphics_opened};
 use crate::ids::{Ids, handle};
 use crate::memory::{Lender, Views};
+use crate::portions::{PATIENCE, in_portions};
 use crate::scene::Scene;
 use crate::shared::{Given, SharedArray, Sharing};
 use crate::states::{Field, Table};
 use crate::tables::{BackendInfo, ProfileOf, Report};
-
-/// Time after which a run looks for signals such as Ctrl-C.
-pub(crate) const PATIENCE: Duration = Duration::from_millis(50);
 
 /// A simulation, the numbers of its objects, and the arrays that use its memory.
 #[derive(Debug)]
@@ -59,7 +57,7 @@ pub(crate) struct Simulation {
 }
 
 impl Simulation {
-    fn of(simulation: rockfall::Simulation, ids: Ids) -> Self {
+    pub(crate) fn of(simulation: rockfall::Simulation, ids: Ids) -> Self {
         if simulation.backend().kind == Backend::Gpu {
             graphics_opened();
         }
@@ -210,24 +208,11 @@ impl Simulation {
 
     /// Runs steps in portions, and handles signals between them.
     fn run(&self, py: Python<'_>, steps: u64, dt: f32, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let (mut left, mut portion) = (steps, 16);
-        while left > 0 {
-            let count = left.min(portion);
-            let start = Instant::now();
+        in_portions(py, steps, |count| {
             self.change(py, |simulation| simulation.run(count, dt).map(drop).map_err(raise_in_step))?;
-            left -= count;
-            if let Some(progress) = progress {
-                progress.call1((count,))?;
-            }
-            match start.elapsed() {
-                taken if taken < PATIENCE / 2 => portion = portion.saturating_mul(2),
-                taken if taken > PATIENCE => portion = (portion / 2).max(1),
-                _ => {}
-            }
-            py.check_signals()?;
             self.make_way(py);
-        }
-        Ok(())
+            progress.map_or(Ok(()), |progress| progress.call1((count,)).map(drop))
+        })
     }
 
     fn phase(&self, py: Python<'_>, phase: &str, dt: f32) -> PyResult<()> {
@@ -242,8 +227,20 @@ impl Simulation {
         })
     }
 
+    /// Measures steps in portions, and handles signals between them.
     fn profile(&self, py: Python<'_>, steps: u64, dt: f32) -> PyResult<ProfileOf> {
-        self.change(py, |simulation| simulation.profile(steps, dt).map(ProfileOf::from).or_raise())
+        let mut whole: Option<rockfall::Profile> = None;
+        in_portions(py, steps, |count| {
+            let part = self.change(py, |simulation| simulation.profile(count, dt).or_raise())?;
+            match &mut whole {
+                Some(whole) => whole.append(part),
+                None => whole = Some(part),
+            }
+            self.make_way(py);
+            Ok(())
+        })?;
+        let whole = whole.ok_or_else(|| PyValueError::new_err("steps: expected a whole number of at least 1, got 0"))?;
+        Ok(whole.into())
     }
 
     fn sort_memory(&self, py: Python<'_>) -> PyResult<()> {

@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
 use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -16,10 +15,13 @@ use rockfall::{Backend, Result, SphereState};
 use crate::arguments::{Floats, Numbers, quaternion, vector};
 use crate::errors::Raise;
 use crate::fork::{Owned, check_graphics, detached, graphics_opened};
+use crate::portions::in_portions;
 use crate::scene::Scene;
-use crate::simulation::{PATIENCE, options};
+use crate::simulation::options;
 use crate::states::Field;
 use crate::tables::{BackendInfo, Report};
+
+pub(crate) mod observe;
 
 /// Worlds, as arrays with room for the largest of them: a row of numbers per world.
 #[pyclass(frozen, module = "rockfall._rockfall")]
@@ -31,7 +33,11 @@ type WorldReport = (Report, bool, Option<usize>, Option<String>, bool);
 
 impl Worlds {
     /// Calls a function without the GIL, while no other thread uses the worlds.
-    fn locked<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut rockfall::Worlds) -> Result<R> + Send) -> PyResult<R> {
+    pub(crate) fn locked<R: Send>(
+        &self,
+        py: Python<'_>,
+        call: impl FnOnce(&mut rockfall::Worlds) -> Result<R> + Send,
+    ) -> PyResult<R> {
         detached(py, || {
             let mut worlds = self.0.lock().unwrap_or_else(PoisonError::into_inner);
             worlds.check(worlds.backend().kind == Backend::Gpu)?;
@@ -141,23 +147,10 @@ impl Worlds {
 
     /// Runs steps in portions, and handles signals between them.
     fn run(&self, py: Python<'_>, steps: u64, dt: f32, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
-        let (mut left, mut portion) = (steps, 16);
-        while left > 0 {
-            let count = left.min(portion);
-            let start = Instant::now();
+        in_portions(py, steps, |count| {
             self.locked(py, |worlds| worlds.run(count, dt))?;
-            left -= count;
-            if let Some(progress) = progress {
-                progress.call1((count,))?;
-            }
-            match start.elapsed() {
-                taken if taken < PATIENCE / 2 => portion = portion.saturating_mul(2),
-                taken if taken > PATIENCE => portion = (portion / 2).max(1),
-                _ => {}
-            }
-            py.check_signals()?;
-        }
-        Ok(())
+            progress.map_or(Ok(()), |progress| progress.call1((count,)).map(drop))
+        })
     }
 
     /// Runs steps. Returns a field of the states of the spheres of all worlds after every `every` steps, of shape (samples, worlds,

@@ -6,6 +6,7 @@ import base64
 import pathlib
 import re
 import subprocess
+from typing import Any
 
 import numpy as np
 import PIL.Image
@@ -148,8 +149,76 @@ def test_wrong_arguments_are_named(sim: rf.Simulation, options: dict[str, object
     assert sim.steps == 0 and sim.positions.tobytes() == before.tobytes()
 
 
+def test_a_function_is_called_after_every_step_of_a_film() -> None:
+    scene = rf.Scene()
+    scene.add_sphere([0, 0, 0], 0.5)
+
+    def push(sim: rf.Simulation) -> None:
+        seen.append(sim.steps)
+        sim.velocities = [[0.1 * sim.steps, 0, 0]]
+
+    seen: list[int] = []
+    sim, twin = (rf.Simulation(scene, dt=0.01, backend="cpu") for _ in range(2))
+    options: dict[str, Any] = {"size": SIZE, "camera": [0, 0, 9], "look_at": [0, 0, 0], "plain": True}
+    film = rf.film(sim, 40, fps=10, on_step=push, **options)
+    assert seen == list(range(1, 41)) and len(film) == 5
+    for _ in range(40):
+        twin.step()
+        push(twin)
+    assert sim.positions.tobytes() == twin.positions.tobytes() and sim.positions[0, 0] > 0.5
+    np.testing.assert_allclose(film[4].numpy().astype(int), sim.render(**options).numpy().astype(int), atol=2)
+    # Pictures between two steps, a camera that follows, trails and progress.
+    more = rf.film(sim, 10, fps=25, speed=0.1, on_step=push, size=SIZE, follow=0, trails=0.1, progress=True)
+    assert len(more) == 26 and not np.array_equal(more[1].numpy(), more[2].numpy())
+    with pytest.raises(ZeroDivisionError):
+        rf.film(sim, 10, on_step=lambda sim: 1 / 0, size=SIZE)
+    with pytest.raises(TypeError, match="on_step: expected a function, got int"):
+        rf.film(sim, 10, on_step=5, size=SIZE)  # type: ignore[arg-type]
+
+
+def test_a_film_of_steps_that_are_run_once_has_the_pictures_of_one_of_steps_that_are_run_twice(sim: rf.Simulation) -> None:
+    options: dict[str, Any] = {"fps": 30, "size": SIZE, "camera": [0, 4, 9], "look_at": [0, 0.5, 0], "colour_by": "speed"}
+    twice, once = (
+        rf.film(own, 30, range=(0, 5), **options, **more)
+        for own, more in ((sim.copy(), {}), (sim, {"on_step": lambda sim: None}))
+    )
+    assert len(twice) == len(once) == 10
+    for one, other in zip(twice, once, strict=True):
+        assert np.abs(one.numpy().astype(int) - other.numpy().astype(int)).max() <= 2
+
+
+def test_worlds_are_filmed(sim: rf.Simulation) -> None:
+    other = rf.Scene()
+    other.add_sphere([0, 5, 0], 0.5)
+    scenes = [other, sim.scene]
+
+    def worlds() -> rf.Worlds:
+        return rf.Worlds(scenes, dt=0.01, backend="cpu")
+
+    options: dict[str, Any] = {"size": SIZE, "fps": 10, "plain": True}
+    expected = rf.film(sim, 40, **options)
+    own, twin = worlds(), worlds()
+    film = rf.film(own, 40, world=1, **options)
+    assert len(film) == len(expected) == 5
+    assert all(np.array_equal(one.numpy(), other.numpy()) for one, other in zip(film, expected, strict=True))
+    twin.run(40)
+    assert own.positions.tobytes() == twin.positions.tobytes() and own.report()["steps"].tolist() == [40, 40]
+    # With a function, which sees all worlds.
+    seen = []
+    assert len(rf.film(own, 20, on_step=lambda worlds: seen.append(worlds.report()["steps"][0]), **options)) == 3
+    assert seen == list(range(41, 61))
+    # A world that sleeps after a step stands still.
+    own.set_sleep(speed=100.0, steps=1, skip=True)
+    asleep = rf.film(own, 20, world=1, **options)
+    assert np.array_equal(asleep[1].numpy(), asleep[2].numpy())
+    with pytest.raises(LookupError, match="there is no world 2"):
+        rf.film(own, 5, world=2)
+    with pytest.raises(TypeError, match="world: expected None for a Simulation"):
+        rf.film(sim, 5, world=0)
+
+
 def test_a_film_needs_a_simulation_and_leaves_a_recording_alone(sim: rf.Simulation, tmp_path: pathlib.Path) -> None:
-    with pytest.raises(TypeError, match=r"sim: expected a rockfall\.Simulation, got Scene"):
+    with pytest.raises(TypeError, match=r"sim: expected a rockfall\.Simulation or rockfall\.Worlds, got Scene"):
         rf.film(sim.scene, 5)  # type: ignore[arg-type]
     with sim.record(tmp_path / "a.npz"), pytest.raises(ValueError, match="finish the recording first"):
         rf.film(sim, 5, size=SIZE)

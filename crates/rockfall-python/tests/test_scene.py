@@ -87,6 +87,22 @@ def test_objects_are_removed_and_changed() -> None:
     assert scene.counts == rf.Counts(4, 0, 0, 0, 2, 0, 0)
 
 
+def test_many_objects_are_removed_in_one_pass() -> None:
+    scene = rf.Scene()
+    ids = scene.add_spheres(np.random.default_rng(1).random((100_000, 3)) * 100, 0.1)
+    sim = rf.Simulation(scene, backend="cpu")
+
+    def seconds(numbers: np.ndarray) -> float:
+        start = time.process_time()
+        sim.remove("sphere", numbers)
+        return time.process_time() - start
+
+    one = min(seconds(ids[k]) for k in range(5))
+    assert seconds(ids[5::100]) < 100 * one, "1,000 spheres took 1,000 times as long as one"
+    assert sim.counts.spheres == 100_000 - 5 - 1000
+    assert sim.table("sphere")["id"][:2].tolist() == [6, 7]
+
+
 def test_arrays_of_any_layout_and_dtype_are_taken() -> None:
     data = np.arange(24, dtype=np.float64).reshape(4, 6)
     data.flags.writeable = False

@@ -309,6 +309,35 @@ def test_profile_measures_the_stages(sim: rf.Simulation) -> None:
     assert all(stage.runs > 0 and stage.seconds >= 0 for stage in profile.stages)
 
 
+def test_ctrl_c_stops_a_long_profile_between_two_steps(sim: rf.Simulation) -> None:
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            sim.profile(100_000)
+    finally:
+        timer.cancel()
+        signal.signal(signal.SIGINT, before)
+    done = sim.steps
+    assert 0 < done < 100_000 and sim.profile(300).steps == 300 and sim.steps == done + 300
+
+
+def test_tables_become_data_frames(sim: rf.Simulation) -> None:
+    pandas = pytest.importorskip("pandas")
+    sim.add_spheres([[9, 9, 9], [9, 9.9, 9]], 0.5)
+    contacts = sim.contacts
+    frame = rf.to_pandas(contacts)
+    assert isinstance(frame, pandas.DataFrame) and len(frame) == len(contacts) > 0
+    assert list(frame)[:7] == ["a_kind", "a", "b_kind", "b", "point_x", "point_y", "point_z"]
+    np.testing.assert_array_equal(frame[["normal_x", "normal_y", "normal_z"]], contacts["normal"])
+    assert set(frame["b_kind"]) <= {"sphere", "rod", "box"}
+    assert list(rf.to_pandas(sim.diagnostics)) == ["contacts", "net_force_x", "net_force_y", "net_force_z", "deepest_overlap"]
+    assert len(rf.to_pandas(sim.table("rod"))) == sim.counts.rods
+    with pytest.raises(TypeError, match="table: expected a structured array"):
+        rf.to_pandas(sim.positions)
+
+
 def test_ctrl_c_stops_a_long_run_between_two_steps(sim: rf.Simulation) -> None:
     # A program that is started in the background ignores Ctrl-C, and the run would never end.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)

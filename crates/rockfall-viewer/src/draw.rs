@@ -177,6 +177,8 @@ impl Renderer {
     pub fn set_scene(&mut self, simulation: &Simulation) {
         self.summary = Some(SceneSummary::of(simulation.scene()));
         self.survey = None;
+        self.recent = RecentPercentile::default();
+        self.motion.forget();
         self.update_objects(simulation);
         self.set_region(&Survey::new(simulation.scene()));
     }

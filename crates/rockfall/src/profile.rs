@@ -78,6 +78,19 @@ impl Profile {
         self.stages.iter().map(|stage| stage.least_bytes).sum()
     }
 
+    /// Adds the times of steps that were measured afterwards, with the same clock.
+    pub fn append(&mut self, later: Self) {
+        for stage in later.stages {
+            let own = stage_of(&mut self.stages, stage.name, stage.phase);
+            own.runs += stage.runs;
+            own.seconds += stage.seconds;
+            own.least_bytes += stage.least_bytes;
+        }
+        self.seconds += later.seconds;
+        self.steps += later.steps;
+        self.rejected_seconds += later.rejected_seconds;
+    }
+
     /// Number of dispatches of all steps.
     pub fn runs(&self) -> u64 {
         self.stages.iter().map(|stage| stage.runs).sum()
@@ -129,19 +142,20 @@ impl Recorder {
                 continue;
             }
             let least_bytes = traffic::least_bytes(run, step, status);
-            let stage = self.stage(run.stage.name, self.phases[index]);
+            let stage = stage_of(&mut self.stages, run.stage.name, self.phases[index]);
             stage.runs += taken.len() as u64;
             stage.seconds += taken.iter().sum::<f64>();
             stage.least_bytes += taken.len() as u64 * least_bytes;
         }
     }
+}
 
-    fn stage(&mut self, name: &'static str, phase: Phase) -> &mut StageTime {
-        let known = self.stages.iter().position(|stage| stage.name == name && stage.phase == phase);
-        let at = known.unwrap_or(self.stages.len());
-        if known.is_none() {
-            self.stages.push(StageTime { name, phase, runs: 0, seconds: 0.0, least_bytes: 0 });
-        }
-        &mut self.stages[at]
+/// The times of a stage, which is added if it is not there.
+fn stage_of<'a>(stages: &'a mut Vec<StageTime>, name: &'static str, phase: Phase) -> &'a mut StageTime {
+    let known = stages.iter().position(|stage| stage.name == name && stage.phase == phase);
+    let at = known.unwrap_or(stages.len());
+    if known.is_none() {
+        stages.push(StageTime { name, phase, runs: 0, seconds: 0.0, least_bytes: 0 });
     }
+    &mut stages[at]
 }

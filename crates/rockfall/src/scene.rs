@@ -16,6 +16,7 @@ mod muscle;
 mod objects;
 mod references;
 mod registry;
+mod remove;
 mod restitution;
 mod run;
 mod statics;
@@ -200,71 +201,6 @@ impl Scene {
         self.spheres.index(a)?;
         self.spheres.index(b)?;
         Ok(())
-    }
-
-    /// Removes a sphere together with its rods, capsules, springs and tethers.
-    ///
-    /// # Errors
-    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
-    pub fn remove_sphere(&mut self, id: SphereId) -> Result<()> {
-        self.spheres.remove(id)?;
-        self.rods.remove_where(|rod| rod.end1 == id || rod.end2 == id);
-        self.capsules.remove_where(|capsule| capsule.end1 == id || capsule.end2 == id);
-        self.springs.remove_where(|spring| spring.a == id || spring.b == id);
-        self.tethers.remove_where(|tether| tether.sphere == id);
-        Ok(())
-    }
-
-    /// Removes a rod. If it is part of a capsule, the two spheres stay.
-    ///
-    /// # Errors
-    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
-    pub fn remove_rod(&mut self, id: RodId) -> Result<()> {
-        self.rods.remove(id)?;
-        self.capsules.remove_where(|capsule| capsule.rod == id);
-        Ok(())
-    }
-
-    /// Removes a capsule with both its spheres and everything attached to them.
-    ///
-    /// # Errors
-    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
-    pub fn remove_capsule(&mut self, id: CapsuleId) -> Result<()> {
-        let parts = *self.capsules.get(id)?;
-        self.remove_sphere(parts.end1)?;
-        self.remove_sphere(parts.end2)
-    }
-
-    /// Removes a spring.
-    ///
-    /// # Errors
-    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
-    pub fn remove_spring(&mut self, id: SpringId) -> Result<()> {
-        self.springs.remove(id)
-    }
-
-    /// Removes a tether.
-    ///
-    /// # Errors
-    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
-    pub fn remove_tether(&mut self, id: TetherId) -> Result<()> {
-        self.tethers.remove(id)
-    }
-
-    /// Removes a box.
-    ///
-    /// # Errors
-    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
-    pub fn remove_box(&mut self, id: BoxId) -> Result<()> {
-        self.boxes.remove(id)
-    }
-
-    /// Removes a polygon.
-    ///
-    /// # Errors
-    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
-    pub fn remove_polygon(&mut self, id: PolygonId) -> Result<()> {
-        self.polygons.remove(id)
     }
 
     /// Changes a spring's constants and its muscle. Its spheres cannot be changed.

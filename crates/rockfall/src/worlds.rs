@@ -12,13 +12,14 @@ use crate::model::world_sizes::WorldSizes;
 use crate::options::{Backend, BackendInfo, Options};
 use crate::report::{Report, SphereState};
 use crate::scene::Scene;
-use crate::settings::Integrator;
+use crate::settings::{DEFAULT_TIME_STEP, Integrator};
 use crate::simulation::Simulation;
 
 mod checkpoint;
 mod control;
 #[cfg(feature = "gpu")]
 mod device;
+mod observe;
 mod sample;
 mod sleep;
 #[cfg(feature = "gpu")]
@@ -47,6 +48,8 @@ pub struct Worlds {
     #[cfg(feature = "gpu")]
     shared: Integrator,
     sleep: Sleep,
+    /// Time step of the last run, in s.
+    dt: f32,
     worlds: Vec<World>,
 }
 
@@ -180,15 +183,16 @@ impl Worlds {
     #[cfg(feature = "gpu")]
     fn empty(options: Options) -> Result<Self> {
         let (gpu, info) = crate::simulation::open_device(&options)?;
-        let options = options.backend(info.kind);
-        Ok(Self { options, info, gpu, batch: None, shared: Integrator::default(), sleep: Sleep::default(), worlds: Vec::new() })
+        let (options, sleep, shared) = (options.backend(info.kind), Sleep::default(), Integrator::default());
+        Ok(Self { options, info, gpu, batch: None, shared, sleep, dt: DEFAULT_TIME_STEP, worlds: Vec::new() })
     }
 
     #[cfg(not(feature = "gpu"))]
     fn empty(options: Options) -> Result<Self> {
         // Another backend is refused in the way of a simulation.
         let info = Simulation::with_options(Scene::new(), options.clone())?.backend().clone();
-        Ok(Self { options: options.backend(info.kind), info, sleep: Sleep::default(), worlds: Vec::new() })
+        let (options, sleep) = (options.backend(info.kind), Sleep::default());
+        Ok(Self { options, info, sleep, dt: DEFAULT_TIME_STEP, worlds: Vec::new() })
     }
 
     fn create_all(&self, scenes: Vec<Scene>) -> Result<Vec<World>> {
@@ -279,10 +283,7 @@ impl Worlds {
     /// [`Error::Invalid`] for a time step that is not positive and finite. Errors of single worlds stop these worlds and are in
     /// their reports. [`Error::Device`] when the GPU fails.
     pub fn run(&mut self, steps: u64, dt: f32) -> Result<()> {
-        if !(dt.is_finite() && dt > 0.0) {
-            let expected = "a time step in seconds, finite and greater than 0";
-            return Err(Error::Invalid { field: "dt", value: dt.to_string(), expected });
-        }
+        self.set_time_step(dt)?;
         #[cfg(feature = "gpu")]
         if let (Some(batch), Some(gpu)) = (&mut self.batch, &self.gpu) {
             batch.run(&mut self.worlds, steps, dt, (self.shared, &self.sleep), |checkpoint| {

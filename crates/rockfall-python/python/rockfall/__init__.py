@@ -42,6 +42,7 @@ from rockfall._scene import RunDefaults, Scene
 from rockfall._settings import Settings
 from rockfall._simulation import SceneWarning, Simulation
 from rockfall._sweep import SweepError, SweepResult, sweep
+from rockfall._tables import to_pandas
 from rockfall._trajectory import Frame, Recording, Trajectory
 from rockfall._view import view
 from rockfall._window import Window
@@ -98,6 +99,7 @@ __all__ = [
     "film",
     "info",
     "sweep",
+    "to_pandas",
     "view",
 ]
 

@@ -6,20 +6,21 @@ import base64
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy.typing as npt
 
-from rockfall import _rockfall
-from rockfall._arrays import whole
-from rockfall._look import look, number
+from rockfall._filming import Shot, rehearsed, watched
+from rockfall._look import look
 from rockfall._picture import Picture
-from rockfall._progress import Progress
 from rockfall.typing import ColourName
 
 if TYPE_CHECKING:
     from rockfall._simulation import Simulation
+    from rockfall._worlds import Worlds
+
+    Filmed = TypeVar("Filmed", Simulation, Worlds)
 
 #: Most pictures per second of a GIF, whose times are in hundredths of a second.
 _GIF_FPS = 50
@@ -116,7 +117,7 @@ class Film:
 
 
 def film(
-    sim: Simulation,
+    sim: Filmed,
     steps: int,
     fps: int = 25,
     *,
@@ -136,16 +137,19 @@ def film(
     label: bool = False,
     arrows: str | None = None,
     trails: float = 0.0,
+    on_step: Callable[[Filmed], object] | None = None,
+    world: int | None = None,
     progress: bool = False,
 ) -> Film:
-    """Run steps of a simulation and film them.
+    """Run steps of a simulation or of worlds and film them.
 
     The simulation is then in the same state as after ``sim.run(steps)``. Pictures between two steps show positions in between.
+    :func:`rockfall.gym.film` films an environment of Gymnasium.
 
     Parameters
     ----------
-    sim : Simulation
-        The simulation. The film starts in its current state.
+    sim : Simulation or Worlds
+        The simulation, or the worlds, of which all advance. The film starts in the current state.
     steps : int
         Number of steps.
     fps : int
@@ -182,6 +186,10 @@ def film(
         What an arrow at every sphere shows, with a key: velocity or force.
     trails : float
         Length of the trails of the spheres, in s of the simulation.
+    on_step : callable, optional
+        ``on_step(sim)`` is called after every step, for example to set forces. The steps are then run once.
+    world : int, optional
+        Number of the world that is filmed, of worlds; by default 0.
     progress : bool
         Whether to show a progress bar, by tqdm where it is installed.
 
@@ -195,7 +203,7 @@ def film(
     ValueError
         For a value that is not allowed, and while a trajectory is recorded.
     LookupError
-        For a sphere to follow that does not exist.
+        For a sphere to follow or a world that does not exist.
     SimulationError
         If there is no graphics adapter (software Vulkan is enough), or as :meth:`Simulation.run`.
     KeyboardInterrupt
@@ -206,34 +214,52 @@ def film(
     The steps are run twice: first to find out what happens, then for the pictures. They are run once if ``camera``, ``look_at``
     (or ``follow``) and the colour scale are given and there are no boxes and polygons, which may hide bodies.
 
+    With ``on_step`` the steps are run once, because a second run might differ from the first. What happens is then not known
+    before: the camera and the walls that are left out fit the first state, and each picture has a colour scale of its own, unless
+    ``camera``, ``look_at`` and ``range`` are given. The same holds for worlds that stand still while they sleep.
+
     Examples
     --------
     >>> rf.film(sim, 500, fps=30, colour_by="speed").save("fall.mp4")  # doctest: +SKIP
+    >>> def push(sim):
+    ...     sim.external_forces = -5 * sim.positions
+    >>> rf.film(sim, 500, on_step=push)  # doctest: +SKIP
     """
-    from rockfall._simulation import Simulation
-
-    if not isinstance(sim, Simulation):
-        raise TypeError(f"sim: expected a rockfall.Simulation, got {type(sim).__name__}")
-    count = whole("steps", steps, least=1)
-    rate = whole("fps", fps, least=1)
-    if rate > 1000:
-        raise ValueError(f"fps: expected up to 1000 pictures per second, got {rate}")
-    pace, turn = number("speed", speed, positive=True), number("orbit", orbit)
-    if follow is not None and look_at is not None:
-        raise ValueError("look_at, follow: expected only one of them")
-    followed = None if follow is None else whole("follow", follow)
     captions: dict[str, Any] = {"title": title, "clock": clock, "scale_bar": scale_bar, "label": label, "arrows": arrows}
     shown = look(size, colour_by, range, camera, look_at, plain, view=view, trails=trails, **captions)
+    native, shot = _taken(sim, shown, (steps, fps, speed, follow, orbit), on_step, world, progress)
+    return Film(native, shot.fps, shown["size"])
+
+
+def _taken(
+    sim: Any, shown: dict[str, Any], timing: tuple[Any, ...], on_step: Callable[[Any], object] | None, world: Any, progress: bool
+) -> tuple[Any, Shot]:
+    """The native film of a simulation or of a world."""
+    from rockfall._simulation import Simulation
+    from rockfall._worlds import Worlds
+
+    if not isinstance(sim, (Simulation, Worlds)):
+        raise TypeError(f"sim: expected a rockfall.Simulation or rockfall.Worlds, got {type(sim).__name__}")
+    steps, fps, *others = timing
+    shot = Shot.checked(shown, steps, sim.dt, fps, *others)
+    if on_step is not None and not callable(on_step):
+        raise TypeError(f"on_step: expected a function, got {type(on_step).__name__}")
+    if isinstance(sim, Worlds):
+        return _of_world(sim, sim._world(0 if world is None else world), shot, on_step, progress), shot
+    if world is not None:
+        raise TypeError("world: expected None for a Simulation")
     if sim._recordings:
         raise ValueError("sim: a trajectory is being recorded, and a film has no frames for it; finish the recording first")
-    sim._commit()
-    filming = _rockfall.Filming(sim._native, shown, count, sim.dt, rate, pace, followed, turn)
-    try:
-        while filming.survey(sim._native):
-            pass
-    finally:
-        filming.rewind(sim._native)
-    with Progress(filming.count() if progress else None, "picture") as bar:
-        while filming.take(sim._native):
-            bar.advance(1)
-    return Film(filming.finish(sim._native), rate, shown["size"])
+    if on_step is not None:
+        return watched(sim, sim._committed, shot, on_step, progress), shot
+    sim._check()
+    return rehearsed(sim._committed(), shot, progress), shot
+
+
+def _of_world(worlds: Worlds, world: int, shot: Shot, on_step: Callable[[Any], object] | None, progress: bool) -> Any:
+    # A world that is stopped, or stands still while it sleeps, does not move as a simulation does.
+    if on_step is not None or worlds.sleep["skip"] or world in worlds.stopped:
+        return watched(worlds, lambda: worlds._alone(world), shot, on_step, progress)
+    film = rehearsed(worlds.simulation(world)._native, shot, progress)
+    worlds.run(shot.steps)
+    return film

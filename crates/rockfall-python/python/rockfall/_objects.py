@@ -184,8 +184,7 @@ class Objects(Bodies, Strict):
         """Remove objects.
 
         A sphere is removed with its rods, capsules, springs and tethers, and a capsule with its spheres and its rod. If a rod
-        of a capsule is removed, the two spheres stay. The time grows with the number of removed objects times the number of
-        objects of the kind.
+        of a capsule is removed, the two spheres stay. A call for many objects takes about as long as a call for one.
 
         Parameters
         ----------

@@ -8,8 +8,9 @@ import numpy.typing as npt
 from rockfall import _rockfall
 from rockfall._arrays import floats
 from rockfall._fields import Fields
-from rockfall._reports import BODY_KINDS, CONTACT, DIAGNOSTICS, RAY_HIT, Energy, Overlap
+from rockfall._reports import BODY_KINDS, DIAGNOSTICS, RAY_HIT, Energy, Overlap
 from rockfall._states import States
+from rockfall._tables import contact_table
 from rockfall.typing import KernelName
 
 
@@ -34,21 +35,11 @@ class Observed(States):
         units/s, of which one is zero. ``normal_force`` is the part of the force along the normal, positive where it pushes the bodies
         apart, and ``tangential_force`` (3) the rest. With a contact law that keeps springs, ``slip`` is 1 at Coulomb's limit and 0
         below it, ``displacement`` (3) is that of the tangential spring in units, and ``moment`` (3) the torque of the springs against
-        rolling and twisting on B in mass units²/s²; otherwise they are -1, 0 and 0.
+        rolling and twisting on B in mass units²/s²; otherwise they are -1, 0 and 0. :func:`rockfall.to_pandas` makes a data frame
+        of them.
         """
         self._commit()
-        whole_numbers, real = _rockfall.contacts(self._native)
-        found = np.zeros(len(whole_numbers), dtype=CONTACT)
-        for place, body in enumerate(("a", "b")):
-            found[f"{body}_kind"] = BODY_KINDS[whole_numbers[:, 2 * place]]
-            found[body] = whole_numbers[:, 2 * place + 1]
-        found["point"], found["normal"], found["overlap"] = real[:, :3], real[:, 3:6], real[:, 9]
-        found["normal_force"], found["tangential_force"] = real[:, 10], real[:, 11:14]
-        found["slip"], found["displacement"], found["moment"] = whole_numbers[:, 5], real[:, 14:17], real[:, 17:20]
-        is_impulse = whole_numbers[:, 4:5] != 0
-        found["impulse"] = np.where(is_impulse, real[:, 6:9], 0)
-        found["force"] = np.where(is_impulse, 0, real[:, 6:9])
-        return found
+        return contact_table(*_rockfall.contacts(self._native))
 
     def fields(self, width: float | None = None, *, spacing: float | None = None, kernel: KernelName = "gaussian") -> Fields:
         """Coarse-grained density, velocity, stress and temperature of the current state on a grid.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy.typing as npt
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from gymnasium.vector import AutoresetMode
 
     from rockfall._scene import Scene
-    from rockfall.gym import Look
+    from rockfall.gym import Force, Look
 
 
 class TagOptions(TypedDict, total=False):
@@ -81,6 +81,17 @@ class LookOptions(TypedDict, total=False):
     plain: bool
 
 
+class PictureOptions(LookOptions, total=False):
+    """Those of :meth:`Worlds.render` and :func:`rockfall.gym.film` besides the size."""
+
+    view: str | None
+    title: str | None
+    clock: bool
+    scale_bar: bool
+    label: bool
+    arrows: str | None
+
+
 class ViewOptions(LookOptions, total=False):
     """Those of the widget."""
 
@@ -108,8 +119,11 @@ class EnvOptions(TypedDict, total=False):
     frame_skip: int
     max_steps: int
     strength: float
+    muscles: bool
+    forces: Iterable[Force]
     clock: float
     noise: float
+    bounds: float | tuple[npt.ArrayLike, npt.ArrayLike]
     observe: Callable[[Look], npt.ArrayLike] | None
     reward: Callable[[Look, Look, FloatArray], npt.ArrayLike] | None
     terminate: Callable[[Look], npt.ArrayLike] | None

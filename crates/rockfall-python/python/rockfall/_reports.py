@@ -62,6 +62,19 @@ WORLD_REPORTS = np.dtype(
     ]
 )
 
+#: Rows of :attr:`Worlds.energies`.
+ENERGIES = np.dtype(
+    [
+        ("kinetic", np.float64),
+        ("potential", np.float64),
+        ("spring", np.float64),
+        ("contact", np.float64),
+        ("total", np.float64),
+        ("momentum", np.float64, (3,)),
+        ("angular_momentum", np.float64, (3,)),
+    ]
+)
+
 #: Kinds of bodies in contacts and ray hits.
 BODY_KINDS = np.array(["sphere", "rod", "box", "polygon", ""])
 

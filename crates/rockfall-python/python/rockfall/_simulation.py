@@ -121,6 +121,13 @@ class Simulation(Stored, LawTable, ContactLawOf):
         self._studio: Any = None
 
     @classmethod
+    def _of(cls, native: Any, dt: float) -> Simulation:
+        """A simulation from a native one, whose scene was checked before."""
+        simulation = cls.__new__(cls)
+        simulation._begin(native, dt, checked=dt)
+        return simulation
+
+    @classmethod
     def resume(
         cls,
         path: str | os.PathLike[str],
@@ -151,12 +158,9 @@ class Simulation(Stored, LawTable, ContactLawOf):
         ValueError
             If it is not a usable checkpoint, or if a law is missing or another one.
         """
-        simulation = cls.__new__(cls)
         native = _rockfall.Simulation.resume(os.fspath(path), backend, native_laws(force_laws), native_contact_law(contact_law))
         # The decimal number that was written as f32.
-        dt = float(str(np.float32(native.time_step())))
-        simulation._begin(native, dt, checked=dt)
-        return simulation
+        return cls._of(native, float(str(np.float32(native.time_step()))))
 
     # Steps
 
@@ -253,7 +257,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         self._native.phase(phase, self._dt)
 
     def profile(self, steps: int) -> Profile:
-        """Run steps and measure the time of every stage. It takes longer than :meth:`run`."""
+        """Run steps and measure the time of every stage. It takes longer than :meth:`run`, and raises as it."""
         self._commit()
         found = self._native.profile(whole("steps", steps, least=1), self._dt)
         found["stages"] = [StageTime(*stage) for stage in found["stages"]]
@@ -311,6 +315,11 @@ class Simulation(Stored, LawTable, ContactLawOf):
         """A copy of the scene with the current state. Its objects are numbered from 0."""
         self._commit()
         return Scene._of(self._native.scene())
+
+    def _committed(self) -> Any:
+        """The native simulation, with what was written to arrays."""
+        self._commit()
+        return self._native
 
     # Pictures
 
@@ -371,7 +380,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         self._commit()
         if self._studio is None:
             self._studio = _rockfall.Studio()
-        return Picture(self._studio.take(self._native, shown))
+        return Picture(self._studio.take(self._native, shown, False))
 
     def to_pyvista(self) -> pyvista.PolyData:
         """The current state as a data set of PyVista, for plots with VTK.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 import weakref
 from collections.abc import Iterator, Sequence
@@ -16,6 +15,7 @@ from rockfall import _rockfall
 from rockfall._arrays import FloatArray, whole
 from rockfall._attributes import Strict
 from rockfall._scene import Scene
+from rockfall._tables import needed
 
 if TYPE_CHECKING:
     from rockfall._simulation import Simulation
@@ -228,11 +228,3 @@ class Trajectory(Strict, Sequence[Frame]):
         times = self.times
         ends = f" from {times[0]:g} to {times[-1]:g} s" if times else ""
         return f"<rockfall.Trajectory {self._path!r}: {len(self)} frames{ends}>"
-
-
-def needed(name: str, by: str) -> Any:
-    """A module that the package does not need otherwise."""
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        raise ImportError(f"{by} needs {name}: pip install {name}") from error

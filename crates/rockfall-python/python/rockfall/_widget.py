@@ -168,7 +168,7 @@ class Viewer(anywidget.AnyWidget):
             sim._commit()
             if sim._studio is None:
                 sim._studio = _rockfall.Studio()
-            self.frame = bytes(sim._studio.take(sim._native, self._look).jpeg(_JPEG_QUALITY))
+            self.frame = bytes(sim._studio.take(sim._native, self._look, False).jpeg(_JPEG_QUALITY))
             self.caption = f"step {step}, {time:.2f} s"
         except (ValueError, RuntimeError) as error:
             self.playing = False

@@ -4,28 +4,21 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
 from rockfall._arrays import FloatArray, floats, time_step, whole
-from rockfall._picture import Picture
 from rockfall._progress import Progress
-from rockfall._reports import WORLD_REPORTS, Backend
 from rockfall._scene import Scene
-from rockfall._simulation import Simulation
-from rockfall._world_states import STATES, WorldStates, frozen
+from rockfall._world_observe import ObservedWorlds
+from rockfall._world_states import STATES, frozen
 from rockfall.typing import BackendName, BroadPhaseName, FieldName, IntegratorName
 
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
-    from rockfall._options import LookOptions
-
-
-class Worlds(WorldStates):
+class Worlds(ObservedWorlds):
     """Many small scenes that advance side by side, each in its own world.
 
     Worlds do not affect each other. Each has its own bodies, static objects and settings, and advances exactly as in a
@@ -42,7 +35,10 @@ class Worlds(WorldStates):
     count : int, optional
         Number of worlds with the same scene.
     backend, integrator, broad_phase, keep_going
-        As for :class:`Simulation`, the same for all worlds.
+        As for :class:`Simulation`, the same for all worlds. With the integrator "auto", each world has that of its own scene.
+    check : bool
+        Whether the first steps with a time step, or after a replacement, warn (:class:`SceneWarning`) of what :meth:`Scene.check`
+        finds. A warning that several worlds have is given once. Of more than 64 worlds, up to 64 are checked, evenly spaced.
 
     Raises
     ------
@@ -86,25 +82,34 @@ class Worlds(WorldStates):
         integrator: IntegratorName = "auto",
         broad_phase: BroadPhaseName = "auto",
         keep_going: bool = False,
+        check: bool = True,
     ) -> None:
         scenes = scenes if isinstance(scenes, Scene) else _scenes("scenes", scenes)
         natives, worlds = _natives(scenes, count)
         for name, value in (("backend", backend), ("integrator", integrator), ("broad_phase", broad_phase)):
             if not isinstance(value, str):
                 raise TypeError(f"{name}: expected a str, got {type(value).__name__}")
-        self._dt = _time_step(scenes, dt)
-        self._native: Any = _rockfall.Worlds(natives, worlds, backend, integrator, broad_phase, bool(keep_going))
+        step = _time_step(scenes, dt)
+        native = _rockfall.Worlds(natives, worlds, backend, integrator, broad_phase, bool(keep_going))
+        self._begin(native, step, bool(check))
+
+    def _begin(self, native: Any, dt: float, check: bool) -> None:
+        self._native = native
+        self._dt = dt
+        _rockfall.set_worlds_time_step(native, dt)
+        self._checks, self._checked = check, None
+        self._studio = None
 
     @classmethod
-    def resume(cls, path: str | os.PathLike[str], dt: float = 0.02, *, backend: BackendName | None = None) -> Worlds:
+    def resume(cls, path: str | os.PathLike[str], dt: float | None = None, *, backend: BackendName | None = None) -> Worlds:
         """Continue from a checkpoint, with results that are bitwise identical to those of a run without interruption.
 
         Parameters
         ----------
         path : path
             A file that :meth:`save_checkpoint` wrote.
-        dt : float
-            Time step of the following steps, in s. The file does not contain it.
+        dt : float, optional
+            Time step of the following steps, in s; by default that of the worlds that were saved.
         backend : {"auto", "gpu", "cpu"}, optional
             Another backend than that of the checkpoint. Results then differ by rounding.
 
@@ -115,9 +120,13 @@ class Worlds(WorldStates):
         ValueError
             If it is not a usable checkpoint of worlds.
         """
+        given = None if dt is None else time_step("dt", dt)
+        native = _rockfall.Worlds.resume(os.fspath(path), backend)
+        # The decimal number that was written as f32.
+        own = float(str(np.float32(_rockfall.worlds_time_step(native))))
         worlds = cls.__new__(cls)
-        worlds._dt = time_step("dt", dt)
-        worlds._native = _rockfall.Worlds.resume(os.fspath(path), backend)
+        worlds._begin(native, own if given is None else given, check=True)
+        worlds._checked = own
         return worlds
 
     def save_checkpoint(self, path: str | os.PathLike[str]) -> None:
@@ -126,7 +135,9 @@ class Worlds(WorldStates):
 
     def copy(self) -> Worlds:
         """Other worlds in the same state, which take the same steps to the same bits."""
-        return _from_bytes(self._native.to_bytes(), self._dt)
+        build, arguments = self.__reduce__()
+        copied: Worlds = build(*arguments)
+        return copied
 
     def __copy__(self) -> Worlds:
         raise TypeError("worlds have no shallow copy: call worlds.copy(), which makes independent worlds in the same state")
@@ -135,7 +146,7 @@ class Worlds(WorldStates):
         return self.copy()
 
     def __reduce__(self) -> Any:
-        return (_from_bytes, (self._native.to_bytes(), self._dt))
+        return (_from_bytes, (self._native.to_bytes(), self._dt, self._checks, self._checked))
 
     # Steps
 
@@ -147,6 +158,7 @@ class Worlds(WorldStates):
     @dt.setter
     def dt(self, value: float) -> None:
         self._dt = time_step("dt", value)
+        _rockfall.set_worlds_time_step(self._native, self._dt)
 
     def run(
         self,
@@ -190,6 +202,8 @@ class Worlds(WorldStates):
             lengths = self._controls("rest_lengths", rest_lengths, (), rows)
         if external_forces is not None:
             forces = self._controls("external_forces", external_forces, (3,), rows)
+        if left > 0:
+            self._check()
         with Progress(left if progress else None) as bar:
             advance = bar.advance if progress else None
             if lengths is None and forces is None:
@@ -234,7 +248,10 @@ class Worlds(WorldStates):
         if field not in STATES:
             raise ValueError(f"field: expected one of {', '.join(STATES)}, got {field!r}")
         native, _ = STATES[field]
-        return frozen(self._native.record(whole("steps", steps), self._dt, whole("every", every, least=1), native))
+        count, stride = whole("steps", steps), whole("every", every, least=1)
+        if count > 0:
+            self._check()
+        return frozen(self._native.record(count, self._dt, stride, native))
 
     def reset(self, worlds: npt.ArrayLike | None = None) -> None:
         """Return worlds to the state in which they were created or replaced, at time 0. Stopped worlds advance again.
@@ -274,6 +291,7 @@ class Worlds(WorldStates):
             found = found * len(numbers)
         if len(found) != len(numbers):
             raise ValueError(f"scenes: expected {len(numbers)} scenes, one per world, got {len(found)}")
+        self._checked = None
         self._native.replace(numbers, [scene._native for scene in found])
 
     def replace_all(self, scenes: Sequence[Scene] | Scene, *, count: int | None = None) -> None:
@@ -288,6 +306,7 @@ class Worlds(WorldStates):
             As for :class:`Worlds`. The worlds are unchanged then.
         """
         self._native.replace_all(*_natives(scenes, count))
+        self._checked = None
 
     # Sleep
 
@@ -324,73 +343,14 @@ class Worlds(WorldStates):
             raise ValueError(f"steps: expected less than 2**32, got {number}")
         self._native.set_sleep(limit, number, bool(skip))
 
-    # Reports
-
-    def report(self, bounds: tuple[npt.ArrayLike, npt.ArrayLike] | None = None) -> npt.NDArray[Any]:
-        """Counts and times of all worlds.
-
-        Parameters
-        ----------
-        bounds : (array_like, array_like), each of shape (3,), optional
-            Least and greatest coordinates of the centres of spheres that have not escaped, in units.
-
-        Returns
-        -------
-        ndarray, structured, shape (W,)
-            ``steps``, ``time``, ``contacts``, ``max_overlap``, ``collisions``, ``total_collisions``, ``replays``, ``list_builds`` and
-            ``non_finite`` as in :class:`Report`, since the world was created, replaced or reset; ``stopped``, whether the world
-            does not advance any more; ``escaped``, the row of the first sphere outside of the bounds, -1 if there is none;
-            ``workgroup``, whether a workgroup of the GPU runs the world, side by side with others; ``sleeping``, whether
-            everything in it rests (:meth:`set_sleep`).
-        """
-        limits = None
-        if bounds is not None:
-            low, high = (floats(f"bounds[{side}]", bounds[side], (3,), 1)[0].tolist() for side in (0, 1))
-            limits = [low, high]
-        found = self._native.reports(limits)
-        table = np.zeros(len(found), WORLD_REPORTS)
-        for row, (report, on_device, escaped, stopped, sleeping) in zip(table, found, strict=True):
-            for name, value in report.items():
-                row[name] = value
-            row["workgroup"] = on_device
-            row["escaped"] = -1 if escaped is None else escaped
-            row["stopped"] = stopped is not None
-            row["sleeping"] = sleeping
-        return table
-
-    @property
-    def stopped(self) -> dict[int, str]:
-        """The worlds that do not advance any more, by number, with the reasons."""
-        found = self._native.reports(None)
-        return {world: report[3] for world, report in enumerate(found) if report[3] is not None}
-
-    @property
-    def backend(self) -> Backend:
-        """The backend that runs the worlds, and why it was chosen."""
-        return Backend(**self._native.backend())
-
-    @property
-    def integrator(self) -> str:
-        """The integrator of all worlds: "rk4", "symplectic-euler" or "velocity-verlet"; "auto" where they have different ones."""
-        name: str = self._native.integrator()
-        return name
-
-    def scene(self, world: int) -> Scene:
-        """A scene with the current state of a world, from which a simulation can continue."""
-        return Scene._of(self._native.scene(int(self._numbers(whole("world", world))[0])))
-
-    def render(self, world: int, size: tuple[int, int] = (1280, 720), **look: Unpack[LookOptions]) -> Picture:
-        """Draw a world. Arguments are those of :meth:`Simulation.render`."""
-        return Simulation(self.scene(world), self._dt, backend="cpu").render(size, **look)
-
     def __repr__(self) -> str:
         return f"<rockfall.Worlds: {len(self)} worlds, {int(self.sphere_counts.sum())} spheres, {self.backend.kind}>"
 
 
-def _from_bytes(data: bytes, dt: float) -> Worlds:
+def _from_bytes(data: bytes, dt: float, checks: bool, checked: float | None) -> Worlds:
     worlds = Worlds.__new__(Worlds)
-    worlds._dt = dt
-    worlds._native = _rockfall.Worlds.from_bytes(data)
+    worlds._begin(_rockfall.Worlds.from_bytes(data), dt, checks)
+    worlds._checked = checked
     return worlds
 
 

@@ -1,7 +1,7 @@
 """Creatures in worlds as environments of Gymnasium: ``pip install 'rockfall[gym]'``.
 
-Each environment is a world with a body of spheres and springs, whose springs are its muscles. All environments of a vector step
-together, on all cores or on the GPU.
+Each environment is a world with a body of spheres and springs. Actions set rest lengths of the springs, its muscles, and forces on
+the spheres (:class:`Force`). All environments of a vector step together, on all cores or on the GPU.
 
 >>> import rockfall as rf
 >>> envs = rf.gym.make_vec(num_envs=16)
@@ -12,374 +12,68 @@ together, on all cores or on the GPU.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 try:
     import gymnasium
 except ImportError as error:
     raise ImportError("rockfall.gym needs Gymnasium: pip install 'rockfall[gym]'") from error
-from gymnasium import spaces
-from gymnasium.vector import AutoresetMode, VectorEnv
-from gymnasium.vector.utils import batch_space
 
-from rockfall._arrays import FloatArray, floats, time_step, whole
+from rockfall._film import Film
+from rockfall._filming import Live, Shot
+from rockfall._gym_actions import Force
+from rockfall._gym_bodies import Look, cart, is_lost, tilt, upright, walker
+from rockfall._gym_env import WorldEnv, WorldsVectorEnv
+from rockfall._look import look
+from rockfall._progress import Progress
 from rockfall._scene import Scene
-from rockfall._worlds import Worlds
-from rockfall.typing import BackendName, IntegratorName
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from rockfall._options import EnvOptions, VectorOptions
+    from rockfall._options import EnvOptions, PictureOptions, VectorOptions
 
-__all__ = ["Look", "WorldEnv", "WorldsVectorEnv", "make", "make_vec", "walker"]
+__all__ = [
+    "CartEnv", "CartVectorEnv", "Force", "Look", "WorldEnv", "WorldsVectorEnv", "cart", "film", "make", "make_vec", "walker",
+]
 
-_Bools = npt.NDArray[np.bool_]
-_Doubles = npt.NDArray[np.float64]
-_Infos = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Look:
-    """The states of all worlds at one time. W is the number of worlds and N the largest number of spheres in one."""
-
-    #: Centres of the spheres of shape (W, N, 3), in units; 0 for spheres that do not exist.
-    positions: FloatArray
-    #: Velocities of the spheres of shape (W, N, 3), in units/s.
-    velocities: FloatArray
-    #: Which spheres exist, bool of shape (W, N).
-    mask: _Bools
-    #: Centres of mass of shape (W, 3), in units.
-    centres: _Doubles
-    #: Times since the start of each episode, of shape (W,), in s.
-    times: _Doubles
+#: Options of environments with a cart. Observations are place and velocity of the cart, angle of the pole and its rate.
+_CART: dict[str, Any] = {
+    "frame_skip": 4,
+    "max_steps": 500,
+    "muscles": False,
+    "forces": (Force([0, 1], [1, 0, 0], 10.0),),
+    "observe": tilt,
+    "reward": upright,
+    "terminate": is_lost,
+    "bounds": ([-10.0, -100.0, -np.pi, -100.0], [10.0, 100.0, np.pi, 100.0]),
+}
 
 
-def walker(length: int = 3, width: int = 2, height: int = 2, *, stiffness: float = 1500.0) -> Scene:
-    """A body to begin with: spheres on a lattice of length x height x width points, joined by springs, on level ground.
+class CartEnv(WorldEnv):
+    """A cart with a pole to balance (:func:`cart`): the environment ``rockfall/Cart-v0``.
 
-    The lattice has a spacing of 0.5 units. Springs run along the edges of its cells, and along the diagonals of faces and
-    cells. Their stiffness is in mass/s². Gravity points down the y axis.
+    The action is the force on the cart along x, from -1 to 1 for -10 to 10 mass units/s². Observations are the place of the cart in
+    units, its velocity in units/s, the angle of the pole in rad and its rate in rad/s. The reward is 1 for each step. An episode
+    ends when the cart is more than 2.4 units from the origin or the pole leans by more than 0.5 rad. Options are those of
+    :class:`WorldsVectorEnv`.
     """
-    numbers = [whole(name, value, least=1) for name, value in (("length", length), ("height", height), ("width", width))]
-    scene = Scene()
-    scene.settings.update(gravity=9.81, collisions=False, contact_force=8000.0, contact_damping=60.0, friction=16000.0)
-    scene.add_box([-200, -1, -200], [200, 0, 200])
-    corners = np.stack(np.meshgrid(*(np.arange(number) for number in numbers), indexing="ij"), -1).reshape(-1, 3)
-    places = (corners - [0.5 * (numbers[0] - 1), 0, 0.5 * (numbers[2] - 1)]) * 0.5 + [0, 0.12, 0]
-    balls = scene.add_spheres(places, radius=0.12)
-    a, b = np.triu_indices(len(balls), 1)
-    near = np.linalg.norm(places[a] - places[b], axis=1) < 0.875
-    if near.any():
-        scene.add_springs(balls[a[near]], balls[b[near]], stiffness=stiffness, damping=8.0)
-    return scene
-
-
-class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
-    """Environments of Gymnasium that step together, one world each. :func:`make_vec` makes them.
-
-    Parameters
-    ----------
-    bodies : Scene or sequence of Scene, optional
-        The body of each environment, or one for all; by default :func:`walker`. Bodies may differ.
-    num_envs : int, optional
-        Number of environments with the same body; 1 by default, or the number of bodies.
-    dt : float
-        Time step, in s.
-    frame_skip : int
-        Number of time steps in a step of the environment.
-    max_steps : int
-        Number of steps of the environment after which an episode is truncated.
-    strength : float
-        Greatest change of a rest length, as a share of it, from 0 to 1.
-    clock : float
-        Frequency of the clock in observations, in 1/s.
-    noise : float
-        Standard deviation of the velocities at the start of an episode about those of the body, in units/s.
-    observe : callable, optional
-        ``observe(look)`` returns the observations, of shape (W, D). By default they have 3 + 6 N numbers: the height of the centre
-        of mass, sin and cos of the clock, positions of the spheres from the centre of mass, and velocities of the spheres.
-    reward : callable, optional
-        ``reward(before, after, actions)`` with the :class:`Look` before and after a step returns rewards, of shape (W,). By
-        default, the distance that the centre of mass moves along x, in units.
-    terminate : callable, optional
-        ``terminate(look)`` returns which episodes end, bool of shape (W,). Episodes of stopped worlds end in any case.
-    autoreset_mode : {"NextStep", "SameStep", "Disabled"} or gymnasium.vector.AutoresetMode
-        When environments whose episode has ended begin the next one. With "Disabled", ``reset(options={"reset_mask": mask})``
-        does it.
-    render_mode : {None, "rgb_array"}
-        Whether :meth:`render` gives pictures.
-    render_size : (int, int)
-        Width and height of the pictures, in pixels.
-    backend, integrator
-        As for :class:`rockfall.Worlds`.
-
-    Raises
-    ------
-    ValueError, TypeError
-        For a value or a type that is not allowed. The message names the argument.
-
-    Notes
-    -----
-    W is the number of environments, N the largest number of spheres in a body, and M the largest number of springs. An action
-    has a number from -1 to 1 for each spring, in order of addition: the rest length becomes
-    ``length * (1 + strength * action)``. Numbers outside of the range are clipped. Bodies with fewer spheres or springs than
-    others have zeros in their observations, and ignore the last numbers of their actions.
-
-    ``reset(seed=5)`` gives the environments the seeds 5, 6, 7 and so on; a list gives each its own. The same seeds and actions give
-    bitwise identical results, and environment k of a vector behaves as a single :class:`WorldEnv` with its body and seed.
-
-    Infos have ``centre``, the centre of mass, of shape (W, 3).
-    """
-
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "autoreset_mode": AutoresetMode.NEXT_STEP}
-
-    def __init__(
-        self,
-        bodies: Scene | Sequence[Scene] | None = None,
-        num_envs: int | None = None,
-        *,
-        dt: float = 0.005,
-        frame_skip: int = 10,
-        max_steps: int = 100,
-        strength: float = 0.25,
-        clock: float = 1.0,
-        noise: float = 0.01,
-        observe: Callable[[Look], npt.ArrayLike] | None = None,
-        reward: Callable[[Look, Look, FloatArray], npt.ArrayLike] | None = None,
-        terminate: Callable[[Look], npt.ArrayLike] | None = None,
-        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
-        render_mode: str | None = None,
-        render_size: tuple[int, int] = (640, 360),
-        backend: BackendName = "auto",
-        integrator: IntegratorName = "auto",
-    ) -> None:
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f"render_mode: expected None or 'rgb_array', got {render_mode!r}")
-        try:
-            self.autoreset_mode = AutoresetMode(autoreset_mode)
-        except ValueError:
-            expected = ", ".join(repr(mode.value) for mode in AutoresetMode)
-            raise ValueError(f"autoreset_mode: expected one of {expected}, got {autoreset_mode!r}") from None
-        self._frame_skip = whole("frame_skip", frame_skip, least=1)
-        self._max_steps = whole("max_steps", max_steps, least=1)
-        self._strength = _number("strength", strength, 1.0)
-        self._clock = _number("clock", clock)
-        self._noise = _number("noise", noise)
-        self._observe, self._reward, self._terminate = observe, reward, terminate
-        #: The worlds, one per environment.
-        self.worlds = _worlds(bodies, num_envs, time_step("dt", dt), backend, integrator)
-        self.num_envs = len(self.worlds)
-        self.render_mode, self._render_size = render_mode, render_size
-        self.metadata = {
-            "render_modes": ["rgb_array"],
-            "render_fps": max(1, round(1.0 / (self.worlds.dt * self._frame_skip))),
-            "autoreset_mode": self.autoreset_mode,
-        }
-        self._mask, self._masses = self.worlds.mask, self.worlds.masses.astype(np.float64)
-        self._lengths, self._velocities = self.worlds.rest_lengths, self.worlds.velocities
-        self._elapsed = np.zeros(self.num_envs, np.int64)
-        self._ended = np.zeros(self.num_envs, np.bool_)
-        self._randoms = [np.random.default_rng() for _ in range(self.num_envs)]
-        self._last = self._look()
-        width = self._observations(self._last).shape[1]
-        self.single_observation_space = spaces.Box(-np.inf, np.inf, (width,), np.float32)
-        self.single_action_space = spaces.Box(-1.0, 1.0, (self._lengths.shape[1],), np.float32)
-        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
-        self.action_space = batch_space(self.single_action_space, self.num_envs)
-
-    def reset(
-        self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[FloatArray, _Infos]:
-        """Begin episodes in all environments, or in those of ``options["reset_mask"]``, a bool array of shape (W,).
-
-        Parameters
-        ----------
-        seed : int or sequence of int, optional
-            Seed of environment 0, of which environment k has ``seed + k``; or the seed of each. Without one, the random numbers
-            continue.
-        options : dict, optional
-            ``{"reset_mask": mask}``.
-
-        Returns
-        -------
-        (ndarray of float32, dict)
-            Observations of shape (W, D), and infos.
-        """
-        chosen = np.ones(self.num_envs, np.bool_)
-        if options is not None and "reset_mask" in options:
-            chosen = _reset_mask(options["reset_mask"], self.num_envs)
-        if isinstance(seed, (int, np.integer)):
-            self._np_random_seed = whole("seed", seed)
-            self._np_random = np.random.default_rng(self._np_random_seed)
-            seed = [self._np_random_seed + place for place in range(self.num_envs)]
-        if seed is not None:
-            if len(seed) != self.num_envs:
-                raise ValueError(f"seed: expected {self.num_envs} seeds, one per environment, got {len(seed)}")
-            for place in np.flatnonzero(chosen).tolist():
-                if seed[place] is not None:
-                    self._randoms[place] = np.random.default_rng(whole("seed", seed[place]))
-        self._begin(chosen)
-        self._last = self._look()
-        return self._observations(self._last), self._infos(self._last, chosen)
-
-    def step(self, actions: npt.ArrayLike) -> tuple[FloatArray, _Doubles, _Bools, _Bools, _Infos]:
-        """Apply an action in every environment.
-
-        Parameters
-        ----------
-        actions : array_like, shape (W, M)
-            Numbers from -1 to 1 for the springs.
-
-        Returns
-        -------
-        (ndarray, ndarray, ndarray, ndarray, dict)
-            Observations of float32 and shape (W, D), rewards of float64, terminations and truncations of bool and shape (W,), and
-            infos.
-        """
-        given = floats("actions", actions, self._lengths.shape[1:], self.num_envs)
-        again = self._ended.copy()
-        if self.autoreset_mode == AutoresetMode.DISABLED and again.any():
-            numbers = np.flatnonzero(again).tolist()
-            raise RuntimeError(f"environments {numbers} have ended: reset them with options={{'reset_mask': mask}}")
-        clipped = np.clip(given, -1.0, 1.0)
-        self.worlds.rest_lengths = self._lengths * (1.0 + self._strength * clipped)
-        self.worlds.run(self._frame_skip)
-        self._elapsed += 1
-        before, after = self._last, self._look()
-        rewards = self._rewards(before, after, clipped)
-        terminations = self._terminations(after)
-        truncations = self._elapsed >= self._max_steps
-        if self.autoreset_mode == AutoresetMode.NEXT_STEP and again.any():
-            self._begin(again)
-            after = self._look()
-            rewards[again], terminations[again], truncations[again] = 0.0, False, False
-        self._ended = terminations | truncations
-        infos: _Infos = {}
-        if self.autoreset_mode == AutoresetMode.SAME_STEP and self._ended.any():
-            ended = self._ended.copy()
-            infos = self._finals(after, ended)
-            self._begin(ended)
-            after = self._look()
-        self._last = after
-        return self._observations(after), rewards, terminations, truncations, {**infos, **self._infos(after)}
-
-    def render(self) -> tuple[npt.NDArray[np.uint8], ...] | None:
-        """A picture of each environment of shape (height, width, 3); None without a render mode."""
-        if self.render_mode is None:
-            return None
-        pictures = (self.worlds.render(world, self._render_size).numpy() for world in range(self.num_envs))
-        return tuple(np.ascontiguousarray(picture[..., :3]) for picture in pictures)
-
-    # Episodes
-
-    def _begin(self, chosen: _Bools) -> None:
-        """Begins the episodes of the chosen environments."""
-        numbers = np.flatnonzero(chosen)
-        self.worlds.reset(numbers)
-        if self._noise > 0.0:
-            velocities = self._velocities[numbers].astype(np.float64)
-            for row, place in zip(velocities, numbers, strict=True):
-                # As many random numbers as the body needs, so that it does not matter how large other bodies are.
-                exists = self._mask[place]
-                row[exists] += self._randoms[place].normal(0.0, self._noise, (int(exists.sum()), 3))
-            self.worlds.set(numbers, velocities=velocities)
-        self._elapsed[chosen] = 0
-        self._ended[chosen] = False
-
-    def _look(self) -> Look:
-        positions, velocities = self.worlds.positions, self.worlds.velocities
-        total = self._masses.sum(axis=1, keepdims=True)
-        centres = np.einsum("wn,wni->wi", self._masses, positions, dtype=np.float64) / np.where(total > 0, total, 1.0)
-        times: _Doubles = self._elapsed.astype(np.float64) * (self._frame_skip * self.worlds.dt)
-        return Look(positions, velocities, self._mask, centres, times)
-
-    def _observations(self, look: Look) -> FloatArray:
-        if self._observe is not None:
-            found = np.asarray(self._observe(look), dtype=np.float32)
-            if found.ndim != 2 or len(found) != self.num_envs:
-                raise ValueError(f"observe: expected an array of shape ({self.num_envs}, D), got {found.shape}")
-            return found.copy()
-        turns = 2.0 * np.pi * self._clock * look.times
-        places = np.where(look.mask[:, :, None], look.positions - look.centres[:, None, :], 0.0)
-        parts = [look.centres[:, 1:2], np.sin(turns)[:, None], np.cos(turns)[:, None]]
-        parts += [places.reshape(self.num_envs, -1), look.velocities.reshape(self.num_envs, -1)]
-        return np.concatenate(parts, axis=1).astype(np.float32)
-
-    def _rewards(self, before: Look, after: Look, actions: FloatArray) -> _Doubles:
-        if self._reward is None:
-            moved: _Doubles = after.centres[:, 0] - before.centres[:, 0]
-            return moved
-        return self._checked("reward", self._reward(before, after, actions)).astype(np.float64)
-
-    def _terminations(self, look: Look) -> _Bools:
-        ended = np.zeros(self.num_envs, np.bool_)
-        ended[list(self.worlds.stopped)] = True
-        if self._terminate is not None:
-            ended |= self._checked("terminate", self._terminate(look)).astype(np.bool_)
-        return ended
-
-    def _checked(self, name: str, value: npt.ArrayLike) -> npt.NDArray[Any]:
-        array = np.array(value)
-        if array.shape != (self.num_envs,):
-            raise ValueError(f"{name}: expected an array of shape ({self.num_envs},), got {array.shape}")
-        return array
-
-    def _infos(self, look: Look, chosen: _Bools | None = None) -> _Infos:
-        mask = np.ones(self.num_envs, np.bool_) if chosen is None else chosen
-        return {"centre": np.where(mask[:, None], look.centres, 0.0), "_centre": mask.copy()}
-
-    def _finals(self, look: Look, ended: _Bools) -> _Infos:
-        """Observations and infos at the end of episodes, as Gymnasium gives them with "SameStep"."""
-        observations = np.full(self.num_envs, None, dtype=object)
-        found = self._observations(look)
-        for place in np.flatnonzero(ended):
-            observations[place] = found[place]
-        final = self._infos(look, ended)
-        return {"final_obs": observations, "_final_obs": ended, "final_info": final, "_final_info": ended.copy()}
-
-
-class WorldEnv(gymnasium.Env[FloatArray, FloatArray]):
-    """One environment of Gymnasium. :func:`make` makes it. The arguments are those of :class:`WorldsVectorEnv`."""
-
-    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 20}
 
     def __init__(self, body: Scene | None = None, **options: Unpack[EnvOptions]) -> None:
-        for name in ("num_envs", "autoreset_mode"):
-            if name in options:
-                raise TypeError(f"{name}: make_vec has this argument, a single environment has not")
-        self._envs = WorldsVectorEnv(body, 1, autoreset_mode=AutoresetMode.DISABLED, **options)
-        self.observation_space = self._envs.single_observation_space
-        self.action_space = self._envs.single_action_space
-        self.render_mode = self._envs.render_mode
-        self.metadata = {**self.metadata, "render_fps": self._envs.metadata["render_fps"]}
+        merged: Any = {**_CART, **options}
+        super().__init__(cart() if body is None else body, **merged)
 
-    @property
-    def worlds(self) -> Worlds:
-        """The world of the environment, in a batch of one."""
-        return self._envs.worlds
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[FloatArray, _Infos]:
-        """Begin an episode. Without a seed, the random numbers continue."""
-        super().reset(seed=seed)
-        observations, infos = self._envs.reset(seed=seed)
-        return observations[0], {"centre": infos["centre"][0]}
+class CartVectorEnv(WorldsVectorEnv):
+    """Environments as :class:`CartEnv` that step together."""
 
-    def step(self, action: npt.ArrayLike) -> tuple[FloatArray, float, bool, bool, _Infos]:
-        """Apply an action. A step after the end of an episode continues the episode."""
-        self._envs._ended[:] = False
-        rows = floats("action", action, self._envs._lengths.shape[1:], 1)
-        observations, rewards, terminations, truncations, infos = self._envs.step(rows)
-        return observations[0], float(rewards[0]), bool(terminations[0]), bool(truncations[0]), {"centre": infos["centre"][0]}
-
-    def render(self) -> Any:
-        """A picture of shape (height, width, 3); None without a render mode."""
-        pictures = self._envs.render()
-        return None if pictures is None else pictures[0]
+    def __init__(
+        self, bodies: Scene | Sequence[Scene] | None = None, num_envs: int | None = None, **options: Unpack[VectorOptions]
+    ) -> None:
+        merged: Any = {**_CART, **options}
+        super().__init__(cart() if bodies is None else bodies, num_envs, **merged)
 
 
 def make_vec(
@@ -394,33 +88,73 @@ def make(body: Scene | None = None, **options: Unpack[EnvOptions]) -> WorldEnv:
     return WorldEnv(body, **options)
 
 
-def _worlds(bodies: Any, num_envs: Any, dt: float, backend: BackendName, integrator: IntegratorName) -> Worlds:
-    if bodies is None or isinstance(bodies, Scene):
-        count = 1 if num_envs is None else whole("num_envs", num_envs, least=1)
-        return Worlds(walker() if bodies is None else bodies, dt, count=count, backend=backend, integrator=integrator)
-    worlds = Worlds(bodies, dt, backend=backend, integrator=integrator)
-    if num_envs is not None and num_envs != len(worlds):
-        raise ValueError(f"num_envs: expected the number of bodies, {len(worlds)}, got {num_envs}")
-    if len(worlds) == 0:
-        raise ValueError("bodies: expected at least one Scene")
-    return worlds
+def film(
+    env: gymnasium.Env[Any, Any] | WorldsVectorEnv,
+    policy: Callable[[Any], Any] | None = None,
+    steps: int | None = None,
+    fps: int = 25,
+    *,
+    world: int = 0,
+    seed: int | None = None,
+    size: tuple[int, int] = (1280, 720),
+    speed: float = 1.0,
+    follow: int | None = None,
+    orbit: float = 0.0,
+    trails: float = 0.0,
+    progress: bool = False,
+    **options: Unpack[PictureOptions],
+) -> Film:
+    """Begin an episode and film it, up to its end.
 
+    Parameters
+    ----------
+    env : gymnasium.Env or WorldsVectorEnv
+        An environment of this module, which may be wrapped, or a vector of them.
+    policy : callable, optional
+        ``policy(observation)`` returns the action; of a vector, those of all environments. By default, actions are random.
+    steps : int, optional
+        Greatest number of steps of the environment; by default its ``max_steps``.
+    fps, size, speed, follow, orbit, trails, progress, **options
+        As for :func:`rockfall.film`. The camera fits the start of the episode, unless it is given.
+    world : int
+        Number of the environment of a vector that is filmed.
+    seed : int, optional
+        As for ``env.reset``.
 
-def _number(name: str, value: Any, most: float | None = None) -> float:
-    number = float(floats(name, value, (), 1, not_negative=True)[0])
-    if most is not None and number > most:
-        raise ValueError(f"{name}: expected a number from 0 to {most:g}, got {value}")
-    return float(value)
+    Returns
+    -------
+    Film
+        The film, in memory. Between two pictures is the same time, also within a step of the environment.
 
-
-def _reset_mask(value: Any, count: int) -> _Bools:
-    if not isinstance(value, np.ndarray) or value.dtype != np.bool_ or value.shape != (count,):
-        raise ValueError(f"options: expected a bool array of shape ({count},) as reset_mask, got {value!r}")
-    if not value.any():
-        raise ValueError("options: expected a reset_mask with at least one True")
-    return value.copy()
+    Raises
+    ------
+    ValueError, TypeError, LookupError
+        As for :func:`rockfall.film`.
+    """
+    base = getattr(env, "unwrapped", env)
+    envs = base._envs if isinstance(base, WorldEnv) else base
+    if not isinstance(envs, WorldsVectorEnv):
+        raise TypeError(f"env: expected an environment of rockfall.gym, got {type(base).__name__}")
+    place = envs.worlds._world(world)
+    count = envs._max_steps if steps is None else steps
+    shown = look(size, trails=trails, **options)
+    shot = Shot.checked(shown, count, envs.worlds.dt, fps, speed, follow, orbit).stretched(envs._frame_skip)
+    observation, _ = env.reset(seed=seed)
+    envs._live = Live(shot, lambda: envs.worlds._alone(place))
+    try:
+        with Progress(int(count) if progress else None) as bar:
+            for _ in range(int(count)):
+                action = env.action_space.sample() if policy is None else policy(observation)
+                observation, _, terminations, truncations, _ = env.step(action)
+                bar.advance(1)
+                if np.ravel(terminations)[place] or np.ravel(truncations)[place]:
+                    break
+        return Film(envs._live.end(), shot.fps, shown["size"])
+    finally:
+        envs._live = None
 
 
 gymnasium.register(
     "rockfall/Walker-v0", entry_point="rockfall.gym:WorldEnv", vector_entry_point="rockfall.gym:WorldsVectorEnv"
 )
+gymnasium.register("rockfall/Cart-v0", entry_point="rockfall.gym:CartEnv", vector_entry_point="rockfall.gym:CartVectorEnv")

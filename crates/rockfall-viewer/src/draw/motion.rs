@@ -49,6 +49,13 @@ impl Motion {
         (self.wanted, self.arrows, self.seconds) = (overlay.needs_places(), overlay.arrows, overlay.trails);
     }
 
+    /// Forgets past states, before another scene is shown.
+    pub(crate) fn forget(&mut self) {
+        self.recent = RecentPercentile::default();
+        self.past.clear();
+        self.labels.clear();
+    }
+
     /// Takes the present state.
     pub(crate) fn update(&mut self, simulation: &mut Simulation) -> Result<()> {
         self.now.time = simulation.report().time;

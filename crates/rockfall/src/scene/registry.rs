@@ -138,10 +138,12 @@ impl<T> Registry<T> {
         self.remove_flagged(&flags);
     }
 
-    pub(crate) fn remove(&mut self, handle: Handle<T>) -> Result<()> {
-        let index = self.index(handle)?;
+    /// Removes objects in one pass. If one of them does not exist, nothing is removed.
+    pub(crate) fn remove(&mut self, handles: &[Handle<T>]) -> Result<()> {
         let mut flags = vec![false; self.objects.len()];
-        flags[index] = true;
+        for handle in handles {
+            flags[self.index(*handle)?] = true;
+        }
         self.remove_flagged(&flags);
         Ok(())
     }
@@ -218,7 +220,7 @@ mod tests {
     fn a_handle_becomes_stale_only_when_its_own_object_is_removed() {
         let mut registry = Registry::new(new_scene_number(), "number");
         let handles: Vec<_> = (0..4).map(|number| registry.add(number)).collect();
-        registry.remove(handles[1]).unwrap();
+        registry.remove(&[handles[1]]).unwrap();
         assert_eq!(registry.objects(), [0, 2, 3]);
         assert_eq!(registry.get(handles[3]).unwrap(), &3);
         assert!(registry.get(handles[1]).is_err());
@@ -226,6 +228,17 @@ mod tests {
         assert!(registry.get(handles[1]).is_err(), "the slot is reused, but the old handle must stay stale");
         assert_eq!(registry.get(reused).unwrap(), &9);
         assert_eq!(registry.objects(), [0, 2, 3, 9]);
+    }
+
+    #[test]
+    fn several_objects_are_removed_at_once_or_not_at_all() {
+        let mut registry = Registry::new(new_scene_number(), "number");
+        let handles: Vec<_> = (0..6).map(|number| registry.add(number)).collect();
+        registry.remove(&[handles[4], handles[1], handles[4]]).unwrap();
+        assert_eq!(registry.objects(), [0, 2, 3, 5]);
+        assert!(registry.remove(&[handles[0], handles[1]]).is_err());
+        assert_eq!(registry.objects(), [0, 2, 3, 5]);
+        assert_eq!(registry.get(handles[5]).unwrap(), &5);
     }
 
     #[test]

@@ -93,18 +93,32 @@ edits! {
         add_polygon(polygon: Polygon) -> PolygonId;
     Everything: /// Removes a sphere together with its rods, capsules, springs and tethers.
         remove_sphere(id: SphereId) -> ();
+    Everything: /// Removes spheres together with their rods, capsules, springs and tethers, in one pass.
+        remove_spheres(ids: &[SphereId]) -> ();
     Everything: /// Removes a rod. If it is part of a capsule, the two spheres stay.
         remove_rod(id: RodId) -> ();
+    Everything: /// Removes rods in one pass. Spheres of capsules that they are part of stay.
+        remove_rods(ids: &[RodId]) -> ();
     Everything: /// Removes a capsule with both its spheres and everything attached to them.
         remove_capsule(id: CapsuleId) -> ();
+    Everything: /// Removes capsules with their spheres and everything attached to them, in one pass.
+        remove_capsules(ids: &[CapsuleId]) -> ();
     Topology: /// Removes a spring.
         remove_spring(id: SpringId) -> ();
+    Topology: /// Removes springs in one pass.
+        remove_springs(ids: &[SpringId]) -> ();
     Topology: /// Removes a tether.
         remove_tether(id: TetherId) -> ();
+    Topology: /// Removes tethers in one pass.
+        remove_tethers(ids: &[TetherId]) -> ();
     Everything: /// Removes a box.
         remove_box(id: BoxId) -> ();
+    Everything: /// Removes boxes in one pass.
+        remove_boxes(ids: &[BoxId]) -> ();
     Everything: /// Removes a polygon.
         remove_polygon(id: PolygonId) -> ();
+    Everything: /// Removes polygons in one pass.
+        remove_polygons(ids: &[PolygonId]) -> ();
     Topology: /// Changes a spring's constants and its muscle. The phase of a muscle follows from its frequency and the time since
         /// the start of the simulation, so another frequency changes the phase at once.
         update_spring(id: SpringId, change: impl FnOnce(&mut Spring)) -> ();

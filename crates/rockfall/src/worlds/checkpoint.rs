@@ -9,6 +9,7 @@
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
 //! | ... | a checkpoint without objects, which has the options of all worlds, as a length of 8 bytes and the bytes of its file |
+//! | 4 | time step in s |
 //! | 4 4 4 | [`Sleep`]: speed, steps, and 1 if sleeping worlds stand still, else 0 |
 //! | 8 | number of worlds |
 //! | ... | per world: the checkpoint of its start and that of its present state; 4 bytes that are 1 if it is stopped, else 0; the reason; 4 bytes with the number of steps without motion |
@@ -32,7 +33,7 @@ use crate::worlds::{Sleep, Worlds};
 /// The first bytes of every file.
 const MAGIC: [u8; 8] = *b"\x89RKW\r\n\x1a\n";
 /// Version of the format. Files of other versions are refused.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// A world in a file: the checkpoints of its start and of its present state, why it is stopped, and its steps without motion.
 type Stored = (Checkpoint, Checkpoint, Option<String>, u32);
@@ -85,6 +86,7 @@ impl Worlds {
         // The length, which is not known yet.
         head.u64(0);
         put(&mut head, &empty.to_bytes());
+        head.f32(self.dt);
         head.f32(self.sleep.speed);
         head.u32(self.sleep.steps);
         head.u32(u32::from(self.sleep.skip));
@@ -110,10 +112,10 @@ impl Worlds {
     /// # Errors
     /// As for [`Worlds::resume`], except for reading the file.
     pub fn from_bytes(bytes: &[u8], name: impl AsRef<Path>, backend: Option<Backend>) -> Result<Self> {
-        let (options, sleep, stored) = read(bytes, name.as_ref())?;
+        let (options, dt, sleep, stored) = read(bytes, name.as_ref())?;
         let options = Options { backend: backend.unwrap_or(options.backend), ..options };
         let mut worlds = Self::new(stored.iter().map(|(start, ..)| start.scene.clone()), options)?;
-        worlds.sleep = sleep;
+        (worlds.dt, worlds.sleep) = (dt, sleep);
         for (world, (start, now, stopped, calm)) in worlds.worlds.iter_mut().zip(stored) {
             world.simulation.restore(&now)?;
             (world.start, world.stopped, world.calm) = (start, stopped, calm);
@@ -133,12 +135,16 @@ fn take<'a>(words: &mut Words<'a>) -> Result<&'a [u8], Damage> {
     words.take(length)
 }
 
-/// The options of all worlds, when they sleep, and the worlds.
-fn read(bytes: &[u8], name: &Path) -> Result<(Options, Sleep, Vec<Stored>)> {
+/// The options of all worlds, their time step, when they sleep, and the worlds.
+fn read(bytes: &[u8], name: &Path) -> Result<(Options, f32, Sleep, Vec<Stored>)> {
     let damaged = |Damage(reason)| Error::Checkpoint { file: name.to_owned(), reason };
     let parts = || -> Result<_, Damage> {
         let mut words = Words::new(content(bytes, &MAGIC, VERSION)?);
         let empty = take(&mut words)?;
+        let dt = words.f32()?;
+        if !(dt.is_finite() && dt > 0.0) {
+            return Err(Damage::new("the time step is not positive and finite"));
+        }
         let sleep = Sleep { speed: words.f32()?, steps: words.u32()?, skip: words.bool()? };
         sleep.validate()?;
         let count = words.u64()?;
@@ -150,10 +156,10 @@ fn read(bytes: &[u8], name: &Path) -> Result<(Options, Sleep, Vec<Stored>)> {
             worlds.push((start, now, is_stopped.then_some(reason), calm));
         }
         words.end()?;
-        Ok((empty, sleep, worlds))
+        Ok((empty, dt, sleep, worlds))
     };
-    let (empty, sleep, worlds) = parts().map_err(damaged)?;
+    let (empty, dt, sleep, worlds) = parts().map_err(damaged)?;
     let part = |bytes: &[u8]| Checkpoint::from_bytes(bytes, PathBuf::from(name));
     let stored = worlds.into_par_iter().map(|(start, now, stopped, calm)| Ok((part(start)?, part(now)?, stopped, calm)));
-    Ok((part(empty)?.options, sleep, stored.collect::<Result<_>>()?))
+    Ok((part(empty)?.options, dt, sleep, stored.collect::<Result<_>>()?))
 }

@@ -48,7 +48,7 @@ fn resumed_worlds_go_on(backend: Backend) {
     whole.run(10, DT).expect("steps");
     whole.save_checkpoint(&path).expect("a file");
     let mut resumed = Worlds::resume(&path, None).expect("worlds");
-    assert_eq!(resumed.options().backend, backend);
+    assert_eq!((resumed.options().backend, resumed.time_step()), (backend, DT));
     assert_eq!(seen(&mut resumed), seen(&mut whole));
     for both in [&mut whole, &mut resumed] {
         both.run(20, DT).expect("steps");

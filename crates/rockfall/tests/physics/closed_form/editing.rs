@@ -179,6 +179,13 @@ fn removing_a_sphere_removes_what_is_attached_to_it(backend: Backend) {
     assert_eq!(simulation.scene().counts().spheres, 3);
     assert_eq!(simulation.scene().counts().rods, 1);
     assert_eq!(states(&mut simulation).len(), 3);
+
+    // Many at once, or none.
+    let some = [balls[3], balls[1]];
+    assert!(matches!(simulation.remove_spheres(&some), Err(Error::StaleHandle { kind: "sphere" })));
+    assert_eq!(states(&mut simulation).len(), 3);
+    simulation.remove_spheres(&[balls[3], balls[0], balls[3]]).expect("spheres");
+    assert_eq!((states(&mut simulation).len(), simulation.scene().counts().rods), (1, 0));
 }
 
 /// An added object takes part at once, and a removed object no longer does: a floor is added under a falling ball and

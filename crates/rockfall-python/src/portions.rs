@@ -1,0 +1,26 @@
+//! Long calls in portions, between which signals are handled.
+
+use std::time::{Duration, Instant};
+
+use pyo3::prelude::*;
+
+/// Time after which a run looks for signals such as Ctrl-C.
+pub(crate) const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Calls a function with numbers of steps that take about [`PATIENCE`], and handles signals in between.
+pub(crate) fn in_portions(py: Python<'_>, steps: u64, mut run: impl FnMut(u64) -> PyResult<()>) -> PyResult<()> {
+    let (mut left, mut portion) = (steps, 16);
+    while left > 0 {
+        let count = left.min(portion);
+        let start = Instant::now();
+        run(count)?;
+        left -= count;
+        match start.elapsed() {
+            taken if taken < PATIENCE / 2 => portion = portion.saturating_mul(2),
+            taken if taken > PATIENCE => portion = (portion / 2).max(1),
+            _ => {}
+        }
+        py.check_signals()?;
+    }
+    Ok(())
+}
