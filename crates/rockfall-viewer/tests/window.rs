@@ -7,6 +7,8 @@ mod common;
 mod device;
 #[path = "window/files.rs"]
 mod files;
+#[path = "window/follow.rs"]
+mod follow;
 #[path = "window/keys.rs"]
 mod keys;
 #[path = "window/past.rs"]

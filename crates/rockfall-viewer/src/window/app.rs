@@ -126,7 +126,10 @@ impl ApplicationHandler for App {
             open.window.request_redraw();
         }
         match event {
-            WindowEvent::CloseRequested => open.viewer.quit = true,
+            WindowEvent::CloseRequested => {
+                open.viewer.leave();
+                open.window.request_redraw();
+            }
             WindowEvent::Resized(size) => {
                 if let Some(graphics) = &mut open.graphics {
                     graphics.resize(size.width, size.height);
@@ -230,6 +233,7 @@ impl OpenWindow {
         if let Some(error) = error {
             self.viewer.session.fail(&error);
         }
+        self.viewer.follow();
         self.viewer.session.sample(false);
         let steps = self.viewer.session.simulation_ref().report().steps;
         self.viewer.rates.frame(now, steps);

@@ -20,9 +20,11 @@ use crate::legend::Legend;
 use crate::overlay::Overlay;
 
 mod files;
+mod follow;
 mod mouse;
 
 use files::SavedFile;
+use follow::Follow;
 pub use mouse::Button;
 use mouse::Drag;
 
@@ -54,6 +56,8 @@ pub struct Viewer {
     pub panel: bool,
     /// Whether a menu is open or a field has the keyboard focus, so that Escape only closes it.
     pub busy: bool,
+    /// Whether the user is asked about unsaved changes, because the window should close.
+    pub leaving: bool,
     /// Whether the window should close.
     pub quit: bool,
     arrows: Arrows,
@@ -82,13 +86,15 @@ pub struct Viewer {
     /// Position and time, in s, of the last click, to recognise a double click.
     clicked: Option<(Vec2, f64)>,
     scene_seen: u64,
+    /// What the camera moves with.
+    follow: Option<Follow>,
 }
 
 impl Viewer {
     /// Creates a viewer with a picture of this size, in pixels, whose camera shows the whole scene.
     pub fn new(session: Session, size: Vec2) -> Self {
         let camera = framing(&session.source().scene, size);
-        Self {
+        let mut viewer = Self {
             session,
             controls: Controls::default(),
             camera,
@@ -100,6 +106,7 @@ impl Viewer {
             messages: false,
             panel: true,
             busy: false,
+            leaving: false,
             quit: false,
             arrows: Arrows::default(),
             input_folders: default_input_folders(),
@@ -115,7 +122,10 @@ impl Viewer {
             drag: None,
             clicked: None,
             scene_seen: 0,
-        }
+            follow: None,
+        };
+        viewer.follow_creatures();
+        viewer
     }
 
     /// Executes a command.
@@ -125,7 +135,8 @@ impl Viewer {
             Command::Help => self.help = !self.help,
             Command::ToggleMessages => self.messages = !self.messages,
             Command::TogglePanel => self.panel = !self.panel,
-            Command::Quit => self.escape(),
+            Command::Close => self.escape(),
+            Command::Quit => self.leave(),
             Command::Open => self.ask_for_file(false),
             Command::Save => self.save(),
             Command::SaveAs => self.ask_for_file(true),
@@ -149,6 +160,7 @@ impl Viewer {
             Command::Reset => session.reset(),
             Command::ResetCamera => self.frame_scene(),
             Command::FrameAll => self.frame_all(),
+            Command::Follow => self.toggle_follow(),
             Command::LookFrom(direction) => {
                 let distance = self.camera.eye.distance(self.camera.target);
                 self.camera.eye = self.camera.target + distance * direction.to_camera();
@@ -159,10 +171,12 @@ impl Viewer {
         self.frame_if_new_scene();
     }
 
-    /// Closes the topmost thing that is open: the file dialog, a menu or field, the tables. If nothing is open, ends a recording
-    /// or else the program.
+    /// Closes the topmost thing that is open: a question, the file dialog, a menu or field, the tables. If nothing is open, ends a
+    /// recording or else the program.
     fn escape(&mut self) {
-        if self.dialog.is_shown() {
+        if self.leaving {
+            self.leaving = false;
+        } else if self.dialog.is_shown() {
             self.dialog.cancel();
         } else if self.busy {
             // The widgets close menus and leave fields by themselves.
@@ -174,8 +188,14 @@ impl Viewer {
         } else if self.capture.is_recording() {
             self.stop_recording();
         } else {
-            self.quit = true;
+            self.leave();
         }
+    }
+
+    /// Ends the program, or asks about unsaved changes. The same command while the question is shown loses them.
+    pub fn leave(&mut self) {
+        let asks = self.session.is_changed() && !self.leaving;
+        (self.leaving, self.quit) = (asks, !asks);
     }
 
     /// Moves the camera if another scene was opened. When the same scene is loaded again, the camera stays.
@@ -183,6 +203,7 @@ impl Viewer {
         if self.session.scene_version() != self.scene_seen {
             self.scene_seen = self.session.scene_version();
             self.frame_scene();
+            self.follow_creatures();
         }
     }
 
@@ -190,6 +211,7 @@ impl Viewer {
         self.camera = framing(&self.session.source().scene, self.size);
         self.framed = self.camera;
         self.limits = None;
+        self.follow_from_start();
     }
 
     fn frame_all(&mut self) {

@@ -111,6 +111,7 @@ impl Session {
         let another = (&source.name, &source.path) != (&self.source.name, &self.source.path);
         self.take_time_step(&source.scene, another);
         self.source = source;
+        self.changed = false;
         self.names = names_of(&self.source);
         self.forget_bodies();
         (self.past, self.watch) = (Past::default(), Watch::default());
@@ -150,6 +151,7 @@ impl Session {
         let saved = synced.and_then(|()| self.scene_to_save().save(path));
         let saved = self.ok_or_report(saved).is_some();
         if saved {
+            self.changed = false;
             self.tell(Level::Note, format!("saved as {}", path.display()));
         }
         saved
