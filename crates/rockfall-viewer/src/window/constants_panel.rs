@@ -34,6 +34,14 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
 }
 
 fn time_step(ui: &mut Ui, viewer: &mut Viewer) {
+    if let Some(playback) = viewer.session.played() {
+        let text =
+            |seconds: Option<f32>| seconds.map_or("none".to_owned(), |seconds| format!("{} ms", short(1000.0 * seconds)));
+        let [step, interval] = [playback.step_of_run(), playback.time_step()].map(text);
+        row(ui, "time step", "Time step of the run that wrote the trajectory.", |ui| drop(ui.label(step)));
+        row(ui, "frame every", "Simulated time between two frames of the trajectory.", |ui| drop(ui.label(interval)));
+        return;
+    }
     let mut milliseconds = viewer.session.pace.time_step * 1000.0;
     row(ui, "time step", "Simulated time of one step.", |ui| {
         let field = egui::DragValue::new(&mut milliseconds).speed(0.1).max_decimals(4).suffix(" ms");
@@ -42,6 +50,11 @@ fn time_step(ui: &mut Ui, viewer: &mut Viewer) {
             repaint_for_warnings(ui);
         }
     });
+}
+
+/// Rounds to six digits, so that rounding errors do not show.
+fn short(number: f32) -> f32 {
+    format!("{number:.5e}").parse().unwrap_or(number)
 }
 
 /// Warnings about a new value appear some time later, when nothing else may cause a frame.

@@ -39,6 +39,7 @@ pub(super) fn report(viewer: &mut Viewer, device: &str, run: &Value) -> Value {
         "real_time": session.pace.real_time,
         "speed": session.pace.speed(),
         "time_step": session.pace.time_step.to_string().parse::<f64>().unwrap_or_default(),
+        "step_of_run": session.played().and_then(|playback| playback.step_of_run()),
         "keeps_up": session.pace.lag().is_none(),
         "steps": report.steps,
         "time": report.time,

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use rockfall::Scene;
 use rockfall::glam::Vec2;
 
 use super::capture::Capture;
@@ -93,7 +92,7 @@ pub struct Viewer {
 impl Viewer {
     /// Creates a viewer with a picture of this size, in pixels, whose camera shows the whole scene.
     pub fn new(session: Session, size: Vec2) -> Self {
-        let camera = framing(&session.source().scene, size);
+        let camera = framing(&session, size);
         let mut viewer = Self {
             session,
             controls: Controls::default(),
@@ -208,7 +207,7 @@ impl Viewer {
     }
 
     fn frame_scene(&mut self) {
-        self.camera = framing(&self.session.source().scene, self.size);
+        self.camera = framing(&self.session, self.size);
         self.framed = self.camera;
         self.limits = None;
         self.follow_from_start();
@@ -227,7 +226,8 @@ impl Viewer {
     fn limits(&mut self) -> Limits {
         let (steps, now) = (self.session.simulation_ref().report().steps, self.session.now());
         let known = self.limits.filter(|(_, at, when)| *at == steps || now - when < LIMITS_INTERVAL);
-        let (limits, ..) = known.unwrap_or_else(|| (Limits::of(self.session.simulation_ref().scene()), steps, now));
+        let survey = self.session.played().and_then(|playback| playback.survey.as_ref());
+        let (limits, ..) = known.unwrap_or_else(|| (Limits::of(self.session.simulation_ref().scene(), survey), steps, now));
         if known.is_none() {
             self.limits = Some((limits, steps, now));
         }
@@ -274,8 +274,13 @@ impl Viewer {
     }
 }
 
-fn framing(scene: &Scene, size: Vec2) -> Camera {
-    Camera::of_scene(scene, size.x / size.y, Direction::Oblique)
+/// A camera that shows the initial scene, or all frames of a trajectory.
+fn framing(session: &Session, size: Vec2) -> Camera {
+    let (scene, aspect) = (&session.source().scene, size.x / size.y);
+    match session.played().and_then(|playback| playback.survey.as_ref()) {
+        Some(survey) => Camera::of_survey(survey, scene, aspect, Direction::Oblique, false),
+        None => Camera::of_scene(scene, aspect, Direction::Oblique),
+    }
 }
 
 /// Returns the working directory and the folder of the program.

@@ -133,7 +133,7 @@ fn a_bad_time_step_or_constant_is_warned_of_when_it_is_set() {
     session.frame(0.2, 0.2, |_| ());
     assert!(messages(&session).is_empty(), "{:?}", messages(&session));
     session.frame(1.0, 0.8, |_| ());
-    assert!(messages(&session)[0].contains("0.0632 s"), "{:?}", messages(&session));
+    assert!(messages(&session).iter().any(|text| text.contains("0.0632 s")), "{:?}", messages(&session));
     // A time step that no simulation can have changes nothing and gives the reason.
     session.set_time_step(-0.01);
     assert_eq!(session.pace.time_step, 0.2);
