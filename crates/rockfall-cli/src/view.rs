@@ -6,6 +6,8 @@ use std::rc::Rc;
 use rockfall::{Backend, Options, Scene, Simulation};
 use rockfall_trajectory::Reader;
 use rockfall_viewer::draw::Style;
+use rockfall_viewer::film::{Moment, surveyed};
+use rockfall_viewer::survey::Survey;
 use rockfall_viewer::window::controls::Controls;
 use rockfall_viewer::window::follow::Find;
 use rockfall_viewer::window::session::Prepare;
@@ -99,9 +101,15 @@ fn playback(name: String, mut reader: Reader) -> Result<(Scene, Playback), Failu
     let mut simulation = Simulation::with_options(reader.scene().clone(), Options::new().backend(Backend::Cpu))?;
     first.apply(&mut simulation)?;
     let scene = simulation.sync()?.clone();
+    let frames: Vec<Moment> = (0..reader.moments().len() as u64).map(|step| Moment { step, blend: 0.0 }).collect();
+    let mut survey = Survey::new(&scene);
+    for moment in surveyed(&frames).skip(1) {
+        reader.frame(moment.step as usize).map_err(Failure::usage)?.apply(&mut simulation)?;
+        survey.add(simulation.sync()?);
+    }
     let moments = reader.moments().iter().map(|moment| (moment.step, moment.time)).collect();
     let show = Box::new(move |index: usize, simulation: &mut Simulation| reader.frame(index)?.apply(simulation));
-    Ok((scene, Playback { name, moments, show }))
+    Ok((scene, Playback { name, moments, show, survey: Some(survey) }))
 }
 
 /// Colours scenes that are opened later. What they lack has no effect.

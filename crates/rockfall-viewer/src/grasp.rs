@@ -6,7 +6,11 @@ use rockfall::{Body, RayHit, Result, RodId, Scene, Simulation, Sphere, SphereId,
 /// Angular frequency of the tether that holds a body, in rad/s.
 const ANGULAR_FREQUENCY: f32 = 10.0;
 /// Damping ratio of that tether.
-const DAMPING_RATIO: f32 = 0.7;
+const DAMPING_RATIO: f32 = 1.0;
+/// Rate at which connected bodies lose velocity relative to the held one, in 1/s, so that they do not swing without end.
+const SWING_RATE: f32 = 4.5;
+/// Number of connected bodies above which their velocities are not damped, because that takes too long.
+const MOST_DAMPED: usize = 1000;
 /// Greatest mass that the tether is designed for, divided by the mass of the held sphere. More would need a shorter time step.
 const GREATEST_MASS_RATIO: f32 = 40.0;
 /// Greatest number of connected bodies that are counted.
@@ -59,7 +63,8 @@ pub fn nearer_end(scene: &Scene, rod: RodId, point: Vec3) -> Result<SphereId> {
 
 /// Returns the tether that holds a sphere where it is, for steps of `time_step` s.
 pub fn holding_tether(scene: &Scene, id: SphereId, sphere: &Sphere, time_step: f32) -> Tether {
-    let mass = connected_mass(scene, id).min(GREATEST_MASS_RATIO * sphere.mass);
+    let of = |id: SphereId| scene.sphere(id).map_or(0.0, |sphere| sphere.mass);
+    let mass = connected(scene, id).into_iter().map(of).sum::<f32>().min(GREATEST_MASS_RATIO * sphere.mass);
     // Damping above sphere.mass / dt would be unstable.
     let damping = (2.0 * DAMPING_RATIO * ANGULAR_FREQUENCY * mass).min(sphere.mass / time_step);
     Tether::new(id, sphere.position, mass * ANGULAR_FREQUENCY * ANGULAR_FREQUENCY).damping(damping)
@@ -81,8 +86,34 @@ pub fn free_place(scene: &Scene, sphere: &Sphere) -> Option<Vec3> {
     (0..MOST_PLACES).map(|number| sphere.position + number as f32 * way).find(|place| !touches(*place))
 }
 
-/// Returns the mass of all moving spheres that rods and springs connect to a sphere, including itself.
-fn connected_mass(scene: &Scene, start: SphereId) -> f32 {
+/// Damps a held body, and the bodies connected to it, for the last `seconds`. A tether damps only along itself, so a body would
+/// circle around the anchor without end, and a capsule would swing below it.
+///
+/// # Errors
+/// Those of [`Simulation::sync`] and [`Simulation::set_velocity`].
+pub fn settle(simulation: &mut Simulation, connected: &[SphereId], anchor: Vec3, seconds: f32) -> Result<()> {
+    if connected.len() > MOST_DAMPED {
+        return Ok(());
+    }
+    let lost = |rate: f32| 1.0 - (-rate * seconds).exp();
+    let (critical, swing) = (lost(2.0 * DAMPING_RATIO * ANGULAR_FREQUENCY), lost(SWING_RATE));
+    let scene = simulation.sync()?;
+    let Some(held) = connected.first().and_then(|id| scene.sphere(*id).ok()) else { return Ok(()) };
+    // The damping of the tether is enough along it for a body alone.
+    let way = if connected.len() == 1 { (anchor - held.position).normalize_or_zero() } else { Vec3::ZERO };
+    let across = held.velocity - held.velocity.dot(way) * way;
+    let velocity = held.velocity;
+    let spheres = connected.iter().filter_map(|id| scene.sphere(*id).ok().map(|sphere| (*id, sphere)));
+    let damped = spheres.map(|(id, sphere)| {
+        // A translation and a shrinking of the velocities relative to each other: no rod is stretched.
+        (id, sphere.velocity - critical * across - swing * (sphere.velocity - velocity))
+    });
+    let damped: Vec<(SphereId, Vec3)> = damped.collect();
+    damped.into_iter().try_for_each(|(id, velocity)| simulation.set_velocity(id, velocity))
+}
+
+/// Returns all moving spheres that rods and springs connect to a sphere, with itself as the first.
+pub fn connected(scene: &Scene, start: SphereId) -> Vec<SphereId> {
     let rods = scene.rods().iter().map(|rod| (rod.end1, rod.end2));
     let springs = scene.springs().iter().map(|spring| (spring.a, spring.b));
     let mut next = std::collections::HashMap::<SphereId, Vec<SphereId>>::new();
@@ -91,14 +122,16 @@ fn connected_mass(scene: &Scene, start: SphereId) -> f32 {
         next.entry(b).or_default().push(a);
     }
     let (mut seen, mut left) = (std::collections::HashSet::from([start]), vec![start]);
-    let mut mass = 0.0;
+    let mut moving = Vec::new();
     while let Some(id) = left.pop() {
-        let Some(sphere) = scene.sphere(id).ok().filter(|sphere| !sphere.fixed) else { continue };
-        mass += sphere.mass;
+        if scene.sphere(id).is_ok_and(|sphere| sphere.fixed) {
+            continue;
+        }
+        moving.push(id);
         let new = next.get(&id).into_iter().flatten().filter(|id| seen.len() < MOST_CONNECTED && seen.insert(**id));
         left.extend(new.copied().collect::<Vec<_>>());
     }
-    mass
+    moving
 }
 
 /// Returns a sphere with the mean radius and density of the moving spheres.

@@ -1,4 +1,4 @@
-//! The mesh of a coil: a tube of segments and sides, whose vertices are positioned by `wgsl/coil.wgsl`.
+//! The mesh of a coil: a strip, which `wgsl/coil.wgsl` bends to the half of a tube that faces the viewer.
 
 use rockfall::wgpu;
 use rockfall::wgpu::util::{BufferInitDescriptor, DeviceExt as _};
@@ -8,7 +8,7 @@ use rockfall::wgpu::util::{BufferInitDescriptor, DeviceExt as _};
 pub(crate) struct Resolution {
     /// Number of segments along the wire.
     pub(crate) segments: u32,
-    /// Number of sides of the wire.
+    /// Number of vertices across the wire, at least two.
     pub(crate) sides: u32,
 }
 
@@ -16,24 +16,25 @@ impl Resolution {
     /// Returns the resolution for a number of coils: the more there are, the coarser each is.
     pub(crate) fn of(coils: u32) -> Self {
         let (segments, sides) = match coils {
-            0..=500 => (112, 7),
-            501..=5_000 => (84, 5),
-            _ => (56, 3),
+            0..=40 => (96, 4),
+            41..=200 => (72, 3),
+            201..=5_000 => (48, 2),
+            _ => (36, 2),
         };
         Self { segments, sides }
     }
 
     pub(crate) fn indices(self) -> u32 {
-        6 * self.segments * self.sides
+        6 * self.segments * (self.sides - 1)
     }
 }
 
-/// Returns the vertex indices of the triangles. Vertices are numbered around the wire first, then along it.
+/// Returns the vertex indices of the triangles. Vertices are numbered across the wire first, then along it.
 fn triangles(Resolution { segments, sides }: Resolution) -> Vec<u32> {
     let mut indices = Vec::new();
     for segment in 0..segments {
-        for side in 0..sides {
-            let next = (side + 1) % sides;
+        for side in 0..sides - 1 {
+            let next = side + 1;
             let corners = [(segment, side), (segment, next), (segment + 1, side), (segment + 1, next)];
             let [a, b, c, d] = corners.map(|(p, s)| p * sides + s);
             indices.extend([a, b, c, c, b, d]);
@@ -63,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_tube_is_closed_except_at_its_two_ends() {
+    fn the_strip_has_one_rim() {
         let resolution = Resolution { segments: 3, sides: 4 };
         let indices = triangles(resolution);
         assert_eq!(indices.len() as u32, resolution.indices());
@@ -76,7 +77,9 @@ mod tests {
         }
         assert!(edges.values().all(|count| *count == 1));
         let open: Vec<_> = edges.keys().filter(|(a, b)| !edges.contains_key(&(*b, *a))).collect();
-        assert_eq!(open.len(), 8);
-        assert!(open.iter().all(|(a, b)| (*a < 4 && *b < 4) || (*a >= 12 && *b >= 12)));
+        // Three edges at each end, and three along each side.
+        assert_eq!(open.len(), 12);
+        let side = |vertex: u32| vertex.is_multiple_of(4) || vertex % 4 == 3;
+        assert!(open.iter().all(|(a, b)| (*a < 4 && *b < 4) || (*a >= 12 && *b >= 12) || side(*a) && side(*b)));
     }
 }

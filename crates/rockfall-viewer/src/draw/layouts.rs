@@ -46,7 +46,7 @@ impl Layouts {
         };
         Self {
             bodies: layout("bodies", &bodies),
-            shadows: layout("shadows", &[fragment(0, depth), fragment(1, nearer)]),
+            shadows: layout("shadows", &[entry(0, stages, depth), entry(1, stages, nearer)]),
             occlusion: layout("occlusion", &[fragment(0, depths)]),
             finish: layout("finish", &[fragment(0, colour), fragment(1, colour), fragment(2, depths)]),
         }

@@ -16,7 +16,6 @@ use winit::event::{StartCause, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
-use super::follow::Follow;
 use super::graphics::{Graphics, Widgets};
 use super::launch::{Failure, Launch};
 use super::message::Level;
@@ -127,7 +126,10 @@ impl ApplicationHandler for App {
             open.window.request_redraw();
         }
         match event {
-            WindowEvent::CloseRequested => open.viewer.quit = true,
+            WindowEvent::CloseRequested => {
+                open.viewer.leave();
+                open.window.request_redraw();
+            }
             WindowEvent::Resized(size) => {
                 if let Some(graphics) = &mut open.graphics {
                     graphics.resize(size.width, size.height);
@@ -174,7 +176,8 @@ impl OpenWindow {
         viewer.controls = launch.controls;
         viewer.overlay.clone_from(&launch.overlay);
         viewer.style = launch.style;
-        viewer.follow = launch.follow.clone().map(Follow::new);
+        viewer.find = launch.follow.clone();
+        viewer.follow_initially();
         window.request_redraw();
         let (last_frame, first_frame, drawn) = (None, None, None);
         Ok(Self {
@@ -234,7 +237,7 @@ impl OpenWindow {
         if let Some(error) = error {
             self.viewer.session.fail(&error);
         }
-        self.viewer.follow_body();
+        self.viewer.follow();
         self.viewer.session.sample(false);
         let steps = self.viewer.session.simulation_ref().report().steps;
         self.viewer.rates.frame(now, steps);

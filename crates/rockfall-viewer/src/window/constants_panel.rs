@@ -6,6 +6,7 @@ use rockfall::{ContactLaw, Precision, Settings};
 
 use super::constants::CONSTANTS;
 use super::controls::Controls;
+use super::session::concerns::SETTLED;
 use super::viewer::Viewer;
 
 /// Shows all entries of [`Settings::TABLE`]: a slider or a field for a number, a switch, three fields for a direction, or
@@ -16,15 +17,11 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     ui.spacing_mut().slider_width = 64.0;
     ui.spacing_mut().interact_size.x = 44.0;
     for entry in Settings::TABLE {
-        constant(ui, &mut settings, entry, viewer.controls);
-    }
-    let mut time_step = viewer.session.pace.time_step * 1000.0;
-    row(ui, "time step", "Simulated time of one step.", |ui| {
-        let field = egui::DragValue::new(&mut time_step).range(0.01..=1000.0).speed(0.1).max_decimals(3).suffix(" ms");
-        if ui.add(field).changed() {
-            viewer.session.set_time_step(time_step / 1000.0);
+        if let Err(error) = constant(ui, &mut settings, entry, viewer.controls) {
+            viewer.session.fail(&error);
         }
-    });
+    }
+    time_step(ui, viewer);
     let defaults = Settings::default();
     let button = egui::Button::new("Defaults").small();
     if ui.add_enabled(settings != defaults, button).on_hover_text("sets all constants to their defaults").clicked() {
@@ -32,7 +29,37 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     }
     if settings != before {
         viewer.session.change_settings(|present| *present = settings);
+        repaint_for_warnings(ui);
     }
+}
+
+fn time_step(ui: &mut Ui, viewer: &mut Viewer) {
+    if let Some(playback) = viewer.session.played() {
+        let text =
+            |seconds: Option<f32>| seconds.map_or("none".to_owned(), |seconds| format!("{} ms", short(1000.0 * seconds)));
+        let [step, interval] = [playback.step_of_run(), playback.time_step()].map(text);
+        row(ui, "time step", "Time step of the run that wrote the trajectory.", |ui| drop(ui.label(step)));
+        row(ui, "frame every", "Simulated time between two frames of the trajectory.", |ui| drop(ui.label(interval)));
+        return;
+    }
+    let mut milliseconds = viewer.session.pace.time_step * 1000.0;
+    row(ui, "time step", "Simulated time of one step.", |ui| {
+        let field = egui::DragValue::new(&mut milliseconds).speed(0.1).max_decimals(4).suffix(" ms");
+        if ui.add(field).changed() {
+            viewer.session.set_time_step(milliseconds / 1000.0);
+            repaint_for_warnings(ui);
+        }
+    });
+}
+
+/// Rounds to six digits, so that rounding errors do not show.
+fn short(number: f32) -> f32 {
+    format!("{number:.5e}").parse().unwrap_or(number)
+}
+
+/// Warnings about a new value appear some time later, when nothing else may cause a frame.
+fn repaint_for_warnings(ui: &Ui) {
+    ui.ctx().request_repaint_after_secs(SETTLED as f32 + 0.1);
 }
 
 /// Shows a label, and widgets to its right.
@@ -48,15 +75,13 @@ fn row(ui: &mut Ui, label: &str, about: &str, add: impl FnOnce(&mut Ui)) {
     });
 }
 
-fn constant(ui: &mut Ui, settings: &mut Settings, entry: &Entry, controls: Controls) {
-    let Some(text) = settings.get(entry.name) else { return };
+/// Shows a constant, and changes it. A value that is not allowed changes nothing and is an error.
+fn constant(ui: &mut Ui, settings: &mut Settings, entry: &Entry, controls: Controls) -> rockfall::Result<()> {
+    let Some(text) = settings.get(entry.name) else { return Ok(()) };
     let about = about(entry, controls);
     let mut changed = None;
     row(ui, &label(entry.name), &about, |ui| changed = value(ui, entry, &text, &about));
-    if let Some(text) = changed {
-        // A value that is not allowed changes nothing, for example a direction of zero length.
-        let _ = settings.set(entry.name, &text);
-    }
+    changed.map_or(Ok(()), |text| settings.set(entry.name, &text))
 }
 
 /// Shows the value of a constant, and returns the text of a new value.

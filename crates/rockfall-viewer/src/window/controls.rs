@@ -116,6 +116,8 @@ pub enum Command {
     ResetCamera,
     /// Show the whole scene from the present direction.
     FrameAll,
+    /// Start or end to follow the picked body, or the creatures of the scene.
+    Follow,
     /// Show the whole scene from this direction.
     LookFrom(Direction),
     /// Change the speed.
@@ -136,6 +138,8 @@ pub enum Command {
     /// Show or hide all messages.
     ToggleMessages,
     /// Close the topmost dialog or table, or else the window.
+    Close,
+    /// Close the window. With unsaved changes, ask first.
     Quit,
 }
 
@@ -149,6 +153,7 @@ pub fn command(key: Key, held: Modifiers, controls: Controls) -> Option<Command>
             Key::Char('z') if held.shift => Some(Command::Redo),
             Key::Char('z') => Some(Command::Undo),
             Key::Char('y') => Some(Command::Redo),
+            Key::Char('q') => Some(Command::Quit),
             _ => None,
         };
     }
@@ -157,7 +162,7 @@ pub fn command(key: Key, held: Modifiers, controls: Controls) -> Option<Command>
     Some(match key {
         Key::F1 => Command::Help,
         Key::F12 => Command::Screenshot,
-        Key::Escape => Command::Quit,
+        Key::Escape => Command::Close,
         Key::Space | Key::Char('a') => Command::ToggleRunning,
         Key::Backspace => Command::Reset,
         Key::Home => Command::ResetCamera,
@@ -171,6 +176,7 @@ pub fn command(key: Key, held: Modifiers, controls: Controls) -> Option<Command>
         Key::Char('l') => Command::Throw,
         Key::Char('t') => Command::ToggleRealTime,
         Key::Char('p') => Command::TogglePanel,
+        Key::Char('w') => Command::Follow,
         Key::Char(digit @ '1'..='4') => Command::LookFrom(Direction::NAMED[digit as usize - '1' as usize]),
         Key::Char('-') => Command::ChangeSpeed { faster: false },
         Key::Char('+' | '=') => Command::ChangeSpeed { faster: true },
@@ -221,7 +227,7 @@ pub fn key_rows(controls: Controls) -> impl Iterator<Item = (String, String)> {
     KEYS.into_iter().chain([(frame, "show the whole scene")]).map(row).chain(constants)
 }
 
-const KEYS: [(&str, &str); 19] = [
+const KEYS: [(&str, &str); 20] = [
     ("space, A", "start and stop"),
     ("S", "make one step"),
     (", .", "back and forward in the last seconds"),
@@ -237,8 +243,9 @@ const KEYS: [(&str, &str); 19] = [
     ("Ctrl+S, Ctrl+Shift+S", "save the present state, save as"),
     ("F12", "save the picture"),
     ("P", "show or hide the panel"),
+    ("W", "follow the picked body, or creatures; again: stop"),
     ("F1", "this table"),
-    ("Esc", "close what is open, or else quit"),
+    ("Esc, Ctrl+Q", "close what is open or else quit, quit; unsaved changes are asked about"),
     ("1 2 3 4", "look from the front, the side, the top, along the diagonal"),
     ("Home", "reset the camera"),
 ];
@@ -286,7 +293,7 @@ mod tests {
         }
         for controls in Controls::ALL {
             assert_eq!(command(Key::F1, NONE, controls), Some(Command::Help));
-            assert_eq!(command(Key::Escape, NONE, controls), Some(Command::Quit));
+            assert_eq!(command(Key::Escape, NONE, controls), Some(Command::Close));
         }
     }
 
@@ -313,9 +320,9 @@ mod tests {
             assert!(!commands.contains(&command), "{command:?}");
             commands.push(command);
         }
-        assert_eq!(commands.len(), 5 + 12 + 2 + 4 + 5 + 4);
+        assert_eq!(commands.len(), 5 + 12 + 2 + 4 + 5 + 5);
         assert_eq!(command(Key::Space, NONE, Controls::Standard), Some(Command::ToggleRunning));
-        for letter in "eioquwy5".chars() {
+        for letter in "eioquy5".chars() {
             assert_eq!(command(Key::Char(letter), NONE, Controls::Standard), None, "{letter}");
         }
     }

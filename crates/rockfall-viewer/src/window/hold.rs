@@ -12,6 +12,8 @@ pub struct Held {
     pub tether: TetherId,
     /// Position of the pointer in the scene, in units.
     pub pointer: Vec3,
+    /// The moving spheres that rods and springs connect to it, with itself.
+    pub(super) connected: Vec<SphereId>,
     /// Vector from the grabbed point to the centre of the sphere.
     pub(super) offset: Vec3,
     /// Distance of the grabbed point from the eye along `forward`.

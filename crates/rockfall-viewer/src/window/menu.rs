@@ -54,7 +54,7 @@ fn scene(ui: &mut Ui, viewer: &mut Viewer) -> Option<Command> {
             ("Reload the file of the command line", "Shift+R", Command::LoadGiven),
             ("Load input.txt", "R", Command::LoadInput),
             ("Reset the scene", "Backspace", Command::Reset),
-            ("Quit", "Esc", Command::Quit),
+            ("Quit", "Ctrl+Q", Command::Quit),
         ],
     ))
 }
@@ -89,6 +89,7 @@ fn edit(ui: &mut Ui, viewer: &Viewer) -> Option<Command> {
 
 fn view(ui: &mut Ui, viewer: &mut Viewer) -> Option<Command> {
     let frame = if viewer.controls == Controls::Standard { "F" } else { "Shift+F" };
+    let follow = if viewer.is_following() { "Follow another body, or none" } else { "Follow the picked body" };
     let asked = entries(
         ui,
         &[
@@ -98,6 +99,7 @@ fn view(ui: &mut Ui, viewer: &mut Viewer) -> Option<Command> {
             ("From the top", "3", Command::LookFrom(Direction::Top)),
             ("Along the diagonal", "4", Command::LookFrom(Direction::Iso)),
             ("Reset the camera", "Home", Command::ResetCamera),
+            (follow, "W", Command::Follow),
             ("Panel", "P", Command::TogglePanel),
             ("Messages", "", Command::ToggleMessages),
             ("Keys and mouse", "F1", Command::Help),

@@ -3,9 +3,10 @@
 use rockfall::Scene;
 use rockfall::glam::{Quat, Vec2, Vec3};
 
-use crate::bounds::bounds;
+use crate::bounds::{bounds, bounds_of_survey};
 use crate::camera::Camera;
 use crate::extent::extents_of_static_objects;
+use crate::survey::Survey;
 
 /// Rotation per pixel of a drag, in rad.
 const TURN: f32 = 0.004;
@@ -164,9 +165,9 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Returns the limits for a scene in its present state.
-    pub fn of(scene: &Scene) -> Self {
-        let (min, max) = bounds(scene);
+    /// Returns the limits for a scene in its present state, or in all states of a survey.
+    pub fn of(scene: &Scene, survey: Option<&Survey>) -> Self {
+        let (min, max) = survey.map_or_else(|| bounds(scene), |survey| bounds_of_survey(survey, scene));
         let radius = (0.5 * (max - min).length()).max(f32::MIN_POSITIVE);
         let smallest = scene.spheres().iter().map(|sphere| sphere.radius).fold(radius, f32::min);
         let floor = extents_of_static_objects(scene).map(|object| object.min.y).reduce(f32::min);
@@ -351,7 +352,7 @@ mod tests {
     #[test]
     fn no_movement_loses_the_scene() {
         let scene = scene();
-        let limits = Limits::of(&scene);
+        let limits = Limits::of(&scene, None);
         let mut camera = Camera::of_scene(&scene, ASPECT, Direction::Oblique);
         for step in 0..2000_u32 {
             // Long runs of the same movement, with a direction that changes.
@@ -381,7 +382,7 @@ mod tests {
         let scene = scene();
         let mut camera = Camera::of_scene(&scene, ASPECT, Direction::Oblique);
         let before = camera;
-        Limits::of(&scene).keep(&mut camera);
+        Limits::of(&scene, None).keep(&mut camera);
         assert!(camera.eye.distance(before.eye) < 1e-4 && camera.target.distance(before.target) < 1e-4);
     }
 }

@@ -12,6 +12,7 @@ fn vector(v: Vec3) -> Value {
 
 /// Returns everything that keys and the mouse can change.
 pub(super) fn report(viewer: &mut Viewer, device: &str, run: &Value) -> Value {
+    let following = viewer.is_following();
     let session = &mut viewer.session;
     let positions: Vec<Value> = match session.simulation().sync() {
         Ok(scene) => scene.spheres().iter().take(100).map(|sphere| vector(sphere.position)).collect(),
@@ -38,6 +39,7 @@ pub(super) fn report(viewer: &mut Viewer, device: &str, run: &Value) -> Value {
         "real_time": session.pace.real_time,
         "speed": session.pace.speed(),
         "time_step": session.pace.time_step.to_string().parse::<f64>().unwrap_or_default(),
+        "step_of_run": session.played().and_then(|playback| playback.step_of_run()),
         "keeps_up": session.pace.lag().is_none(),
         "steps": report.steps,
         "time": report.time,
@@ -47,6 +49,9 @@ pub(super) fn report(viewer: &mut Viewer, device: &str, run: &Value) -> Value {
         "tethers": counts.tethers,
         "positions": positions,
         "picked": session.watch.facts().map(|facts| facts.title.clone()),
+        "following": following,
+        "changed": session.is_changed(),
+        "leaving": viewer.leaving,
         "held": session.held().is_some(),
         "energy_samples": session.watch.energies().len(),
         "phase_samples": session.watch.phases().len(),

@@ -15,7 +15,7 @@ use super::past::Past;
 use super::track::Track;
 use super::watch::Watch;
 
-mod concerns;
+pub(super) mod concerns;
 mod edits;
 mod files;
 mod picked;
@@ -76,6 +76,10 @@ pub struct Session {
     names: Names,
     past: Past,
     edits: Edits,
+    /// Whether the user has changed the scene since it was opened or saved.
+    changed: bool,
+    /// Time at which the user will have stopped changing constants, in s, so that warnings about them are due.
+    warn_at: Option<f64>,
     /// What the last warnings were about.
     checked: Option<Checked>,
     /// Increases whenever objects are added, removed or replaced.
@@ -122,6 +126,8 @@ impl Session {
             names,
             past: Past::default(),
             edits: Edits::default(),
+            changed: false,
+            warn_at: None,
             checked: None,
             objects_version: 0,
             simulation_version: 0,
@@ -178,6 +184,11 @@ impl Session {
     /// Returns a number that increases whenever another scene is opened, so that the camera has to be moved.
     pub fn scene_version(&self) -> u64 {
         self.scene_version
+    }
+
+    /// Whether the user has changed the scene since it was opened or saved. Steps are no changes.
+    pub fn is_changed(&self) -> bool {
+        self.changed
     }
 
     /// Returns the physical constants.
@@ -239,6 +250,7 @@ impl Session {
     /// states.
     pub fn frame(&mut self, now: f64, elapsed: f64, before_last: impl FnOnce(&mut Simulation)) {
         (self.now, self.frame_started) = (now, Instant::now());
+        self.warn_if_settled();
         if !self.running || self.device_failed {
             return;
         }
@@ -256,6 +268,7 @@ impl Session {
                 self.do_steps(1);
             }
         }
+        self.settle_held(due);
         self.pace.note_cost(due, start.elapsed().as_secs_f64());
         self.follow(false);
     }
@@ -330,6 +343,7 @@ impl Session {
         let changed = self.simulation.set_settings(settings);
         if self.ok_or_report(changed).is_some() {
             self.edited_settings(before);
+            self.warn_soon();
         }
     }
 
@@ -340,6 +354,7 @@ impl Session {
             self.pace.time_step = time_step;
             self.pace.forget();
             self.edited_time_step(before);
+            self.warn_soon();
         }
     }
 

@@ -5,7 +5,7 @@ use rockfall::glam::Vec2;
 
 use super::message::Level;
 use super::viewer::Viewer;
-use super::{controls, file_window, input, marks, menu, overlay, panel, picked_window, transport};
+use super::{controls, file_window, input, marks, menu, overlay, panel, picked_window, quit_window, transport};
 use crate::draw::Motion;
 use crate::overlay::Mark;
 
@@ -49,6 +49,7 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer, picture: &mut PictureOf<'_>
     all_messages(ui, viewer);
     help(ui, viewer);
     file_window::show(ui, viewer);
+    quit_window::show(ui, viewer);
     viewer.busy = ui.ctx().egui_wants_keyboard_input() || egui::Popup::is_any_open(ui.ctx());
 }
 

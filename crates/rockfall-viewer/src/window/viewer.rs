@@ -2,14 +2,13 @@
 
 use std::path::PathBuf;
 
-use rockfall::Scene;
 use rockfall::glam::Vec2;
 
 use super::capture::Capture;
 use super::constants::CONSTANTS;
 use super::controls::{Command, Controls};
 use super::dialog::Dialog;
-use super::follow::Follow;
+use super::follow::Find;
 use super::hold::Sight;
 use super::navigation::{self, Arrows, Limits};
 use super::rates::Rates;
@@ -21,9 +20,11 @@ use crate::legend::Legend;
 use crate::overlay::Overlay;
 
 mod files;
+mod follow;
 mod mouse;
 
 use files::SavedFile;
+use follow::Follow;
 pub use mouse::Button;
 use mouse::Drag;
 
@@ -55,6 +56,8 @@ pub struct Viewer {
     pub panel: bool,
     /// Whether a menu is open or a field has the keyboard focus, so that Escape only closes it.
     pub busy: bool,
+    /// Whether the user is asked about unsaved changes, because the window should close.
+    pub leaving: bool,
     /// Whether the window should close.
     pub quit: bool,
     arrows: Arrows,
@@ -83,15 +86,17 @@ pub struct Viewer {
     /// Position and time, in s, of the last click, to recognise a double click.
     clicked: Option<(Vec2, f64)>,
     scene_seen: u64,
-    /// Keeps a body where it is in the picture.
-    pub follow: Option<Follow>,
+    /// Finds the sphere that the camera follows in every scene that is opened.
+    pub find: Option<Find>,
+    /// What the camera moves with.
+    follow: Option<Follow>,
 }
 
 impl Viewer {
     /// Creates a viewer with a picture of this size, in pixels, whose camera shows the whole scene.
     pub fn new(session: Session, size: Vec2) -> Self {
-        let camera = framing(&session.source().scene, size);
-        Self {
+        let camera = framing(&session, size);
+        let mut viewer = Self {
             session,
             controls: Controls::default(),
             camera,
@@ -103,6 +108,7 @@ impl Viewer {
             messages: false,
             panel: true,
             busy: false,
+            leaving: false,
             quit: false,
             arrows: Arrows::default(),
             input_folders: default_input_folders(),
@@ -119,7 +125,10 @@ impl Viewer {
             clicked: None,
             scene_seen: 0,
             follow: None,
-        }
+            find: None,
+        };
+        viewer.follow_initially();
+        viewer
     }
 
     /// Executes a command.
@@ -129,7 +138,8 @@ impl Viewer {
             Command::Help => self.help = !self.help,
             Command::ToggleMessages => self.messages = !self.messages,
             Command::TogglePanel => self.panel = !self.panel,
-            Command::Quit => self.escape(),
+            Command::Close => self.escape(),
+            Command::Quit => self.leave(),
             Command::Open => self.ask_for_file(false),
             Command::Save => self.save(),
             Command::SaveAs => self.ask_for_file(true),
@@ -153,6 +163,7 @@ impl Viewer {
             Command::Reset => session.reset(),
             Command::ResetCamera => self.frame_scene(),
             Command::FrameAll => self.frame_all(),
+            Command::Follow => self.toggle_follow(),
             Command::LookFrom(direction) => {
                 let distance = self.camera.eye.distance(self.camera.target);
                 self.camera.eye = self.camera.target + distance * direction.to_camera();
@@ -163,10 +174,12 @@ impl Viewer {
         self.frame_if_new_scene();
     }
 
-    /// Closes the topmost thing that is open: the file dialog, a menu or field, the tables. If nothing is open, ends a recording
-    /// or else the program.
+    /// Closes the topmost thing that is open: a question, the file dialog, a menu or field, the tables. If nothing is open, ends a
+    /// recording or else the program.
     fn escape(&mut self) {
-        if self.dialog.is_shown() {
+        if self.leaving {
+            self.leaving = false;
+        } else if self.dialog.is_shown() {
             self.dialog.cancel();
         } else if self.busy {
             // The widgets close menus and leave fields by themselves.
@@ -178,8 +191,14 @@ impl Viewer {
         } else if self.capture.is_recording() {
             self.stop_recording();
         } else {
-            self.quit = true;
+            self.leave();
         }
+    }
+
+    /// Ends the program, or asks about unsaved changes. The same command while the question is shown loses them.
+    pub fn leave(&mut self) {
+        let asks = self.session.is_changed() && !self.leaving;
+        (self.leaving, self.quit) = (asks, !asks);
     }
 
     /// Moves the camera if another scene was opened. When the same scene is loaded again, the camera stays.
@@ -187,23 +206,15 @@ impl Viewer {
         if self.session.scene_version() != self.scene_seen {
             self.scene_seen = self.session.scene_version();
             self.frame_scene();
+            self.follow_initially();
         }
     }
 
     fn frame_scene(&mut self) {
-        self.camera = framing(&self.session.source().scene, self.size);
+        self.camera = framing(&self.session, self.size);
         self.framed = self.camera;
         self.limits = None;
-    }
-
-    /// Moves the camera with the body that it follows.
-    pub fn follow_body(&mut self) {
-        let version = self.session.scene_version();
-        if let Some(follow) = self.follow.as_mut().filter(|_| !self.session.device_failed())
-            && let Err(error) = follow.update(self.session.simulation(), version, &mut self.camera)
-        {
-            self.session.fail(&error);
-        }
+        self.follow_from_start();
     }
 
     fn frame_all(&mut self) {
@@ -219,7 +230,8 @@ impl Viewer {
     fn limits(&mut self) -> Limits {
         let (steps, now) = (self.session.simulation_ref().report().steps, self.session.now());
         let known = self.limits.filter(|(_, at, when)| *at == steps || now - when < LIMITS_INTERVAL);
-        let (limits, ..) = known.unwrap_or_else(|| (Limits::of(self.session.simulation_ref().scene()), steps, now));
+        let survey = self.session.played().and_then(|playback| playback.survey.as_ref());
+        let (limits, ..) = known.unwrap_or_else(|| (Limits::of(self.session.simulation_ref().scene(), survey), steps, now));
         if known.is_none() {
             self.limits = Some((limits, steps, now));
         }
@@ -266,8 +278,13 @@ impl Viewer {
     }
 }
 
-fn framing(scene: &Scene, size: Vec2) -> Camera {
-    Camera::of_scene(scene, size.x / size.y, Direction::Oblique)
+/// A camera that shows the initial scene, or all frames of a trajectory.
+fn framing(session: &Session, size: Vec2) -> Camera {
+    let (scene, aspect) = (&session.source().scene, size.x / size.y);
+    match session.played().and_then(|playback| playback.survey.as_ref()) {
+        Some(survey) => Camera::of_survey(survey, scene, aspect, Direction::Oblique, false),
+        None => Camera::of_scene(scene, aspect, Direction::Oblique),
+    }
 }
 
 /// Returns the working directory and the folder of the program.

@@ -1,12 +1,72 @@
-//! A camera that follows a body, and colours of scenes that are opened later.
+//! The camera moves with a body. Colours of scenes that are opened later.
 
 use std::rc::Rc;
 
-use rockfall::glam::Vec3;
-use rockfall::{Colour, ObjectId, Scene, SphereId, Tag};
-use rockfall_viewer::window::follow::Follow;
+use rockfall::glam::{Vec2, Vec3};
+use rockfall::{Body, Colour, ObjectId, Scene, SphereId, Tag};
+use rockfall_viewer::window::controls::Command;
+use rockfall_viewer::window::viewer::Viewer;
 
-use super::common::{session, viewer};
+use crate::common::*;
+
+const STRIDER: &str = include_str!("../../../../scenes/creatures/strider.txt");
+const ROLLING: &str = "set gravity 0\nS 1 0 0 0 20 0 0 0 0 0 1 0.5\nS 2 0 4 0 0 0 0 0 0 0 1 0.5\n";
+
+fn run(viewer: &mut Viewer, steps: u32) {
+    viewer.session.set_running(true);
+    for _ in 0..steps {
+        viewer.session.frame(0.0, 0.0, |_| ());
+        viewer.follow();
+    }
+}
+
+/// Returns the middle of all spheres, and its place in the picture from -1 to 1.
+fn middle(viewer: &mut Viewer) -> (Vec3, Vec2) {
+    let spheres = viewer.session.simulation().spheres().expect("spheres are read");
+    let middle = spheres.iter().map(|sphere| sphere.position).sum::<Vec3>() / spheres.len() as f32;
+    let ndc = viewer.camera.view_projection(viewer.aspect()).project_point3(middle);
+    (middle, ndc.truncate())
+}
+
+#[test]
+fn creatures_are_followed_from_the_start() {
+    let mut viewer = viewer(STRIDER);
+    viewer.session.set_time_step(0.005);
+    assert!(viewer.is_following());
+    let (start, before) = middle(&mut viewer);
+    run(&mut viewer, 1000);
+    let (end, place) = middle(&mut viewer);
+    assert!(end.distance(start) > 5.0, "{start} {end}");
+    assert!(place.distance(before) < 0.15, "{before} {place}");
+    // The initial direction and distance, but around the creature.
+    viewer.command(Command::ResetCamera);
+    viewer.follow();
+    let (_, place) = middle(&mut viewer);
+    assert!(place.distance(before) < 0.15, "{before} {place}");
+    // After a reset the camera is back at the start.
+    viewer.command(Command::Reset);
+    viewer.follow();
+    let (_, place) = middle(&mut viewer);
+    assert!(place.distance(before) < 0.15, "{before} {place}");
+}
+
+#[test]
+fn the_picked_body_is_followed_until_the_key_is_pressed_again() {
+    let mut viewer = viewer(ROLLING);
+    viewer.command(Command::Follow);
+    assert!(!viewer.is_following() && messages(&viewer.session)[0].contains("click the body"));
+    let id = viewer.session.simulation().scene().sphere_ids().next().expect("a sphere");
+    viewer.session.set_picked(Some(Body::Sphere(id)));
+    let start = viewer.camera;
+    viewer.command(Command::Follow);
+    run(&mut viewer, 50);
+    let moved = viewer.camera.eye - start.eye;
+    assert!((moved - Vec3::new(20.0, 0.0, 0.0)).length() < 1e-2, "{moved}");
+    assert!((viewer.camera.target - start.target - moved).length() < 1e-3);
+    viewer.command(Command::Follow);
+    run(&mut viewer, 50);
+    assert!(!viewer.is_following() && viewer.camera.eye == start.eye + moved);
+}
 
 const MOVING: &str = "set gravity 0\nS 1 0 0 0 0 0 0 0 0 0 1 0.5\n@name left\nS 2 3 1 0 5 0 0 0 0 0 1 0.5\n";
 
@@ -20,8 +80,8 @@ fn left(scene: &Scene) -> Option<SphereId> {
 #[test]
 fn the_camera_moves_with_the_body_that_it_follows() {
     let mut viewer = viewer(MOVING);
-    viewer.follow = Some(Follow::new(Rc::new(left)));
-    viewer.follow_body();
+    viewer.find = Some(Rc::new(left));
+    viewer.follow_initially();
     assert_eq!(viewer.camera.target, Vec3::new(3.0, 1.0, 0.0));
     // The camera may be moved, and keeps its distance from the body.
     let up = Vec3::new(0.0, 2.0, 0.0);
@@ -31,13 +91,14 @@ fn the_camera_moves_with_the_body_that_it_follows() {
     for _ in 0..10 {
         viewer.session.single_step();
     }
-    viewer.follow_body();
+    viewer.follow();
     let moved = Vec3::new(1.0, 0.0, 0.0);
     assert!(viewer.camera.target.distance(before.target + moved) < 1e-5, "{:?}", viewer.camera);
     assert!(viewer.camera.eye.distance(before.eye + moved) < 1e-5, "{:?}", viewer.camera);
     // A scene without the body leaves the camera alone.
-    viewer.follow = Some(Follow::new(Rc::new(|_| None)));
-    viewer.follow_body();
+    viewer.find = Some(Rc::new(|_| None));
+    viewer.follow_initially();
+    viewer.follow();
     assert!(viewer.camera.target.distance(before.target + moved) < 1e-5);
 }
 

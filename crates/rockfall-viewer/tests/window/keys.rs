@@ -35,6 +35,8 @@ fn state(viewer: &mut Viewer) -> BTreeMap<String, String> {
     add("style", format!("{:?}", viewer.style));
     add("all messages", viewer.messages.to_string());
     add("quit", viewer.quit.to_string());
+    add("leaving", viewer.leaving.to_string());
+    add("following", viewer.is_following().to_string());
     state
 }
 
@@ -136,12 +138,12 @@ fn escape_closes_what_is_open_before_the_window() {
     viewer.command(Command::Help);
     viewer.busy = true;
     viewer.command(Command::Open);
-    changes(&mut viewer, Command::Quit, &[("dialog", "false")]);
+    changes(&mut viewer, Command::Close, &[("dialog", "false")]);
     // A menu or a field: the widgets close it.
-    changes(&mut viewer, Command::Quit, &[]);
-    changes(&mut viewer, Command::Quit, &[("help", "false")]);
-    changes(&mut viewer, Command::Quit, &[("all messages", "false")]);
-    changes(&mut viewer, Command::Quit, &[("quit", "true")]);
+    changes(&mut viewer, Command::Close, &[]);
+    changes(&mut viewer, Command::Close, &[("help", "false")]);
+    changes(&mut viewer, Command::Close, &[("all messages", "false")]);
+    changes(&mut viewer, Command::Close, &[("quit", "true")]);
 }
 
 #[test]
@@ -189,4 +191,34 @@ fn spheres_that_are_thrown_while_stopped_do_not_overlap() {
         }
     }
     assert!(messages(&viewer.session).iter().any(|text| text.contains("no room")), "{:?}", messages(&viewer.session));
+}
+
+/// Esc never loses changes: it asks, and Esc again goes on. Only Ctrl+Q answers the question.
+#[test]
+fn unsaved_changes_are_asked_about() {
+    let mut viewer = viewer(BALL);
+    viewer.command(Command::SingleStep);
+    assert!(!viewer.session.is_changed(), "steps are no changes");
+    viewer.command(Command::Nudge { constant: 4, up: true });
+    for _ in 0..2 {
+        changes(&mut viewer, Command::Close, &[("leaving", "true")]);
+        changes(&mut viewer, Command::Close, &[("leaving", "false")]);
+    }
+    viewer.command(Command::Undo);
+    viewer.command(Command::Redo);
+    changes(&mut viewer, Command::Quit, &[("leaving", "true")]);
+    changes(&mut viewer, Command::Quit, &[("leaving", "false"), ("quit", "true")]);
+}
+
+#[test]
+fn saved_changes_and_a_reset_scene_are_not_asked_about() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut viewer = viewer(BALL);
+    viewer.command(Command::Throw);
+    assert!(viewer.session.is_changed() && viewer.session.save(&folder.path().join("saved.txt")));
+    assert!(!viewer.session.is_changed());
+    viewer.command(Command::Throw);
+    viewer.command(Command::Reset);
+    assert!(!viewer.session.is_changed());
+    changes(&mut viewer, Command::Close, &[("quit", "true")]);
 }

@@ -63,6 +63,32 @@ fn holding_is_stable() {
     }
 }
 
+/// A tether damps only along itself. A body that moves across it would circle around the pointer.
+#[test]
+fn a_held_body_comes_to_rest_under_the_pointer() {
+    let mut session = session("set gravity 0\nS 1 0 0 0 0 6 0 0 0 0 1 0.5\n");
+    let sight = sight_of(&mut session, 0);
+    session.hold(&sight);
+    let moved = Sight { origin: sight.origin + 2.0 * Vec3::X, ..sight };
+    session.drag(&moved);
+    session.set_running(true);
+    (0..75).for_each(|_| session.frame(0.0, 0.0, |_| ()));
+    let place = positions(&mut session)[0];
+    assert!(place.distance(Vec3::new(2.0, 0.0, 0.0)) < 0.01, "{place}");
+}
+
+/// A capsule that is held at one end hangs below the pointer and does not swing on.
+#[test]
+fn a_held_capsule_comes_to_rest_below_the_pointer() {
+    let mut session = session("set gravity 9.81\nC 0 5 0 2 5 0 0 0 0 1 0.2\n");
+    let sight = Sight { origin: Vec3::new(0.0, 5.0, 9.0), direction: Vec3::NEG_Z, forward: Vec3::NEG_Z };
+    session.hold(&sight);
+    session.set_running(true);
+    (0..250).for_each(|_| session.frame(0.0, 0.0, |_| ()));
+    let [one, two] = positions(&mut session)[..] else { panic!("two ends") };
+    assert!(one.x.abs() < 0.02 && two.x.abs() < 0.02 && two.y < one.y - 1.9, "{one} {two}");
+}
+
 /// Ten balls are connected by springs. The held one carries all of them.
 #[test]
 fn a_held_body_carries_the_bodies_connected_to_it() {

@@ -122,3 +122,20 @@ fn a_scene_that_cannot_work_is_reported_before_it_runs() {
     let session = crate::common::session(sinking);
     assert!(messages(&session).iter().any(|text| text.starts_with("bodies at rest overlap")), "{:?}", messages(&session));
 }
+
+/// A warning of a time step that is too long appears when it is set, as soon as the user has stopped changing it.
+#[test]
+fn a_bad_time_step_or_constant_is_warned_of_when_it_is_set() {
+    let stiff = "S 1 0 0 0 0 0 0 0 0 0 1 0.1\nS 2 1 0 0 0 0 0 0 0 0 1 0.1\nK 1 2 1000 1 0\n";
+    let mut session = session(stiff);
+    assert!(messages(&session).is_empty(), "{:?}", messages(&session));
+    session.set_time_step(0.2);
+    session.frame(0.2, 0.2, |_| ());
+    assert!(messages(&session).is_empty(), "{:?}", messages(&session));
+    session.frame(1.0, 0.8, |_| ());
+    assert!(messages(&session).iter().any(|text| text.contains("0.0632 s")), "{:?}", messages(&session));
+    // A time step that no simulation can have changes nothing and gives the reason.
+    session.set_time_step(-0.01);
+    assert_eq!(session.pace.time_step, 0.2);
+    assert!(messages(&session)[0].contains("-0.01"), "{:?}", messages(&session));
+}

@@ -217,7 +217,7 @@ static MISTAKES: [Mistake; 16] = [
         "apart = fine_sum(apart, product_of(vec3f(c.x)",
         Buffer::Wrenches,
     ),
-    Mistake("loads", 3, "geometry.wgsl", "radius - over.height - over", "radius + over.height - over", Buffer::Wrenches),
+    Mistake("loads", 3, "geometry.wgsl", "radius - height - dot(rest", "radius + height - dot(rest", Buffer::Wrenches),
     Mistake("symplectic_euler", 0, "fine.wgsl", "kept(sum.low + place.low)", "place.low", Buffer::Start),
     Mistake(
         "loads",

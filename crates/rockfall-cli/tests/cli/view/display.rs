@@ -178,12 +178,14 @@ impl Session {
         self.folder.path().join(name)
     }
 
-    /// Closes everything that is open and then the window with Esc, and returns the last report.
+    /// Closes everything that is open and then the window, also with unsaved changes, and returns the last report.
     pub(crate) fn quit(mut self) -> Value {
         let start = Instant::now();
         let status = loop {
             // The window may be gone already.
             self.display.xdotool("key Escape");
+            // The second command answers the question about unsaved changes.
+            self.display.xdotool("key ctrl+q");
             sleep(Duration::from_millis(500));
             if let Some(status) = self.program.try_wait().expect("it is a child") {
                 break status;

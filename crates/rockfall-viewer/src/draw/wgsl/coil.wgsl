@@ -1,11 +1,13 @@
 // Springs and tethers: a wire coiled around the line between the ends. The number of turns does not depend on the length. Far
-// away, where the turns could not be told apart, the coil becomes a thin line.
+// away, where the turns could not be told apart, the coil becomes a thin line. The wire is the half of a tube that faces the viewer,
+// and its vertices are lit, not its pixels: a wire is so thin that software devices would spend most of a frame on the shadows of
+// its pixels.
 
 struct CoilVertex {
     @builtin(position) place: vec4f,
     @location(0) point: vec3f,
     @location(1) normal: vec3f,
-    @location(2) @interpolate(flat) colour: vec3f,
+    @location(2) colour: vec3f,
 }
 
 const TURNS: f32 = 6.0;
@@ -16,6 +18,11 @@ const LINE: f32 = 0.45;
 /// Distance between two turns, and radius of the turns, between which a coil becomes a line, in pixels.
 const PITCH: vec2f = vec2f(3.0, 5.0);
 const TURN_RADIUS: vec2f = vec2f(1.5, 3.0);
+
+/// Part of the angle between the rims of the half tube that its normals have, so that the middle is lit between few vertices.
+const ROUND: f32 = 0.8;
+/// Number of samples of the shadow filter per vertex.
+const COIL_TAPS: u32 = 4u;
 
 /// A coil from one surface to the other.
 struct Coil {
@@ -54,7 +61,8 @@ fn coiled_part(coil: Coil, pixel: f32) -> f32 {
     return smoothstep(PITCH.x, PITCH.y, pitch / pixel) * smoothstep(TURN_RADIUS.x, TURN_RADIUS.y, coil.radius / pixel);
 }
 
-fn coil_vertex(coil: Coil, index: u32, colour: vec3f) -> CoilVertex {
+/// `viewer` is the point (w = 1) or the direction (w = 0) from which the half tube is seen.
+fn coil_vertex(coil: Coil, index: u32, colour: vec3f, viewer: vec4f) -> CoilVertex {
     var vertex: CoilVertex;
     vertex.place = NOWHERE;
     if coil.radius == 0.0 {
@@ -72,12 +80,15 @@ fn coil_vertex(coil: Coil, index: u32, colour: vec3f) -> CoilVertex {
     // The wire begins and ends on the axis.
     let radius = coiled * coil.radius * smoothstep(0.0, 0.08, part) * smoothstep(1.0, 0.92, part);
     let along = normalize(coil.line + TURN * TURNS * radius * around);
-    let side = TURN * f32(index % frame.coil_sides) / f32(frame.coil_sides);
-    vertex.normal = cos(side) * outwards + sin(side) * normalize(cross(along, outwards));
     let middle = coil.start + part * coil.line + radius * outwards;
+    let beside = cross(along, viewer.xyz - viewer.w * middle);
+    let across = select(outwards, normalize(beside), dot(beside, beside) > 0.0);
+    let towards = cross(across, along);
+    let side = TURN * (0.5 * f32(index % frame.coil_sides) / f32(frame.coil_sides - 1u) - 0.25);
+    vertex.normal = cos(ROUND * side) * towards + sin(ROUND * side) * across;
     // Wide enough that the wire stays visible.
     let wire = mix(LINE * pixel, max(coil.wire, WIRE * pixel), coiled);
-    vertex.point = middle + wire * vertex.normal;
+    vertex.point = middle + wire * (cos(side) * towards + sin(side) * across);
     vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
     vertex.colour = colour;
     return vertex;
@@ -85,27 +96,35 @@ fn coil_vertex(coil: Coil, index: u32, colour: vec3f) -> CoilVertex {
 
 @vertex
 fn spring_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) spring: u32) -> CoilVertex {
-    return spring_corner(index, spring);
+    return lit_coil(spring_corner(index, spring, vec4f(frame.eye, 1.0)));
 }
 
-fn spring_corner(index: u32, spring: u32) -> CoilVertex {
+fn spring_corner(index: u32, spring: u32, viewer: vec4f) -> CoilVertex {
     let at = frame.springs_at + 5u * spring;
     let coil = coil_between(ball(topology[at]), ball(topology[at + 1u]), topology_float(at + 3u));
-    return coil_vertex(coil, index, object_colour(KIND_SPRING, spring));
+    return coil_vertex(coil, index, object_colour(KIND_SPRING, spring), viewer);
 }
 
 @vertex
 fn tether_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) tether: u32) -> CoilVertex {
-    return tether_corner(index, tether);
+    return lit_coil(tether_corner(index, tether, vec4f(frame.eye, 1.0)));
 }
 
-fn tether_corner(index: u32, tether: u32) -> CoilVertex {
+fn tether_corner(index: u32, tether: u32, viewer: vec4f) -> CoilVertex {
     let at = frame.tethers_at + 7u * tether;
     let coil = coil_between(ball(topology[at]), vec4f(topology_vector(at + 1u), 0.0), topology_float(at + 5u));
-    return coil_vertex(coil, index, frame.kinds[KIND_TETHER].rgb);
+    return coil_vertex(coil, index, frame.kinds[KIND_TETHER].rgb, viewer);
+}
+
+fn lit_coil(corner: CoilVertex) -> CoilVertex {
+    var vertex = corner;
+    if any(vertex.place != NOWHERE) {
+        vertex.colour = lit_roughly(vertex.colour, vertex.point, vertex.normal, normalize(frame.eye - vertex.point), COIL_TAPS);
+    }
+    return vertex;
 }
 
 @fragment
 fn coil_surface(vertex: CoilVertex) -> @location(0) vec4f {
-    return vec4f(lit(vertex.colour, vertex.point, normalize(vertex.normal), normalize(frame.eye - vertex.point)), 1.0);
+    return vec4f(vertex.colour, 1.0);
 }

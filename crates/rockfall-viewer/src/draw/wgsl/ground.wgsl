@@ -32,7 +32,7 @@ fn ground(@builtin(position) place: vec4f) -> Ground {
     let reach = length(point.xz - frame.centre.xz) / frame.centre_distance;
     let fading = exp(-1.2 * reach * reach);
     let lines = 0.18 * grid_at(point.xz, width);
-    let shade = 0.55 * (1.0 - sunlight(point, vec3f(0.0, 1.0, 0.0)));
+    let shade = 0.55 * (1.0 - sunlight(point, vec3f(0.0, 1.0, 0.0), TAPS));
     let brightness = dot(frame.horizon, vec3f(0.2126, 0.7152, 0.0722));
     let night = 1.0 - smoothstep(0.05, 0.25, brightness);
     let lit = mix(night * DARK_GROUND, mix(INK, LIGHT_INK, night), lines);

@@ -123,12 +123,12 @@ fn polygon_shadow(vertex: FlatShadow) -> @builtin(frag_depth) f32 {
 
 @vertex
 fn spring_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> @builtin(position) vec4f {
-    return coil_in_map(spring_corner(index, number));
+    return coil_in_map(spring_corner(index, number, vec4f(frame.light, 0.0)));
 }
 
 @vertex
 fn tether_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> @builtin(position) vec4f {
-    return coil_in_map(tether_corner(index, number));
+    return coil_in_map(tether_corner(index, number, vec4f(frame.light, 0.0)));
 }
 
 fn coil_in_map(vertex: CoilVertex) -> vec4f {

@@ -84,6 +84,7 @@ impl Session {
     /// Records a change of the constants.
     pub(super) fn edited_settings(&mut self, before: Settings) {
         let name = changed(&before, self.simulation.settings());
+        self.changed |= !name.is_empty();
         if !name.is_empty() && !self.edits.continues(&name, self.now) {
             self.edits.push(Edit { name, before: Before::Settings(Box::new(before)), at: self.now });
         }
@@ -91,6 +92,7 @@ impl Session {
 
     /// Records a change of the time step.
     pub(super) fn edited_time_step(&mut self, before: f32) {
+        self.changed |= before != self.pace.time_step;
         if before != self.pace.time_step && !self.edits.continues("time step", self.now) {
             self.edits.push(Edit { name: "time step".to_owned(), before: Before::TimeStep(before), at: self.now });
         }
@@ -107,6 +109,7 @@ impl Session {
 
     /// Records a change of the bodies.
     pub(super) fn edited_state(&mut self, name: &str, before: Option<Checkpoint>) {
+        self.changed = true;
         if let Some(before) = before {
             // Recorded states from here on do not have this edit.
             self.past.forget_from(self.simulation.report().steps);
@@ -191,6 +194,7 @@ impl Session {
                 Before::Scene(Box::new(present))
             }
         };
+        self.changed = true;
         // A later change of the same constant is another edit.
         Some(Edit { name, before: inverse, at: f64::NEG_INFINITY })
     }

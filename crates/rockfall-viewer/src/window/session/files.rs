@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use rockfall::{Checkpoint, Loaded, Scene};
 
+use super::playback::Playback;
 use super::{Session, Source};
 use crate::window::message::Level;
 use crate::window::names::Names;
@@ -112,8 +113,20 @@ impl Session {
     /// Sets the source of a scene that has replaced another one.
     pub(super) fn replaced(&mut self, source: Source) {
         let another = (&source.name, &source.path) != (&self.source.name, &self.source.path);
+        let played = self.played().is_some();
         self.take_time_step(&source.scene, another);
         self.source = source;
+        let interval = self.played().and_then(Playback::time_step);
+        if let Some(interval) = interval {
+            self.pace.time_step = interval;
+        } else if played && !self.keeps_time_step {
+            // The time between two frames is not the time step of another scene.
+            let time_step = self.source.scene.run.time_step().unwrap_or(DEFAULT_TIME_STEP);
+            if self.apply_time_step(time_step) {
+                self.pace.time_step = time_step;
+            }
+        }
+        self.changed = false;
         self.names = names_of(&self.source);
         self.forget_bodies();
         (self.past, self.watch) = (Past::default(), Watch::default());
@@ -153,6 +166,7 @@ impl Session {
         let saved = synced.and_then(|()| self.scene_to_save().save(path));
         let saved = self.ok_or_report(saved).is_some();
         if saved {
+            self.changed = false;
             self.tell(Level::Note, format!("saved as {}", path.display()));
         }
         saved

@@ -3,6 +3,7 @@
 use rockfall::{Error, Result, Simulation};
 
 use super::Session;
+use crate::survey::Survey;
 use crate::window::message::Level;
 
 /// Gives the states of a frame to a simulation.
@@ -16,6 +17,8 @@ pub struct Playback {
     pub moments: Vec<(u64, f64)>,
     /// Gives the states of a frame to a simulation of the scene of the trajectory.
     pub show: ShowFrame,
+    /// The places of the bodies in all frames, from which the camera is chosen.
+    pub survey: Option<Survey>,
 }
 
 impl Playback {
@@ -24,6 +27,14 @@ impl Playback {
         let frames = self.moments.len() - 1;
         let seconds = self.moments[frames].1 - self.moments[0].1;
         (frames > 0 && seconds > 0.0).then(|| (seconds / frames as f64) as f32)
+    }
+
+    /// The time step of the run that wrote the trajectory, in s; `None` for a single frame.
+    pub fn step_of_run(&self) -> Option<f32> {
+        let (first, last) = (self.moments[0], self.moments[self.moments.len() - 1]);
+        let (steps, seconds) = (last.0.saturating_sub(first.0), last.1 - first.1);
+        // Times have rounding errors of f64, which must not show.
+        (steps > 0 && seconds > 0.0).then(|| format!("{:.6e}", seconds / steps as f64).parse().unwrap_or_default())
     }
 }
 
@@ -36,7 +47,12 @@ impl Session {
 
     /// Whether a trajectory is played.
     pub fn is_playing_back(&self) -> bool {
-        self.playback.as_ref().is_some_and(|playback| playback.name == self.source.name)
+        self.played().is_some()
+    }
+
+    /// The trajectory that is played.
+    pub fn played(&self) -> Option<&Playback> {
+        self.playback.as_ref().filter(|playback| playback.name == self.source.name)
     }
 
     /// Shows the frame that many frames after the present one, and stops at the last one.
@@ -71,7 +87,8 @@ impl Session {
         let shown = show();
         if let Err(Error::Invalid { .. }) = shown {
             // The user added or removed bodies.
-            self.playback = None;
+            let step_of_run = self.playback.take().and_then(|playback| playback.step_of_run());
+            self.pace.time_step = step_of_run.unwrap_or(self.pace.time_step);
             self.tell(Level::Warning, "the trajectory does not have these bodies; from here on the scene is simulated");
             return true;
         }

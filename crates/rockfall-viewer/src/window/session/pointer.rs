@@ -4,7 +4,7 @@ use rockfall::glam::Vec3;
 use rockfall::{Body, Sphere, SphereId};
 
 use super::Session;
-use crate::grasp::{free_place, holding_tether, nearer_end, thrown};
+use crate::grasp::{connected, free_place, holding_tether, nearer_end, settle, thrown};
 use crate::window::hold::{Held, Sight};
 use crate::window::message::Level;
 
@@ -43,7 +43,9 @@ impl Session {
         if let Some(tether) = self.ok_or_report(added) {
             self.before_hold = before;
             let depth = (grabbed - sight.origin).dot(sight.forward);
-            self.held = Some(Held { sphere: id, tether, pointer: grabbed, offset: sphere.position - grabbed, depth });
+            let connected = connected(self.simulation.scene(), id);
+            let offset = sphere.position - grabbed;
+            self.held = Some(Held { sphere: id, tether, pointer: grabbed, connected, offset, depth });
         }
     }
 
@@ -60,14 +62,25 @@ impl Session {
         }
     }
 
+    /// Damps the held body after this number of steps, so that it comes to rest at the pointer.
+    pub(super) fn settle_held(&mut self, steps: u64) {
+        if let Some(held) = &self.held {
+            let seconds = steps as f32 * self.pace.time_step;
+            let settled = settle(&mut self.simulation, &held.connected, held.pointer + held.offset, seconds);
+            self.ok_or_report(settled);
+        }
+    }
+
     /// Releases the held body.
     pub fn release(&mut self) {
         if let Some(held) = self.held.take() {
             let removed = self.simulation.remove_tether(held.tether);
             self.ok_or_report(removed);
             let steps = self.simulation.report().steps;
-            let before = self.before_hold.take().filter(|before| before.report.steps < steps);
-            self.edited_state("pull", before);
+            let before = self.before_hold.take();
+            if before.as_ref().is_none_or(|before| before.report.steps < steps) {
+                self.edited_state("pull", before);
+            }
         }
     }
 

@@ -49,6 +49,13 @@ impl Viewer {
         }
     }
 
+    /// Saves the present state and ends the program. Without a file that the scene was saved to before, only opens the dialog.
+    pub(in crate::window) fn save_and_leave(&mut self) {
+        self.leaving = false;
+        self.save();
+        self.quit = !self.dialog.is_shown() && !self.session.is_changed();
+    }
+
     fn save_to(&mut self, path: &Path) -> bool {
         let saved = self.session.save(path);
         if saved {

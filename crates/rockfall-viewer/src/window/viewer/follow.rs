@@ -1,0 +1,146 @@
+//! Moves the camera with a body, or with the creatures of a scene.
+
+use rockfall::glam::Vec3;
+use rockfall::{Body, Scene, SphereId};
+
+use super::Viewer;
+use crate::window::message::Level;
+use crate::window::track::motion;
+
+/// Number of spheres above which no body is followed, because its place is read back in every frame.
+const MOST_SPHERES: usize = 200_000;
+
+/// What the camera moves with.
+#[derive(Clone, Debug, PartialEq)]
+enum Target {
+    Body(Body),
+    /// The spheres that muscles move.
+    Creatures(Vec<SphereId>),
+}
+
+/// What the camera moves with, and where that was in the last frame.
+#[derive(Clone, Debug)]
+pub(super) struct Follow {
+    target: Target,
+    last: Vec3,
+}
+
+impl Target {
+    /// Returns the ends of all muscles; `None` for a scene without muscles.
+    fn creatures(scene: &Scene) -> Option<Self> {
+        let muscles = scene.springs().iter().filter(|spring| spring.muscle.is_some());
+        let mut ends: Vec<SphereId> = muscles.flat_map(|spring| [spring.a, spring.b]).collect();
+        let mut seen = std::collections::HashSet::new();
+        ends.retain(|end| seen.insert(*end));
+        (!ends.is_empty()).then_some(Self::Creatures(ends))
+    }
+
+    /// Returns position and velocity of the middle; `None` if it is not in the scene any more.
+    fn motion(&self, scene: &Scene) -> Option<(Vec3, Vec3)> {
+        let ends = match self {
+            Self::Body(body) => return motion(scene, *body),
+            Self::Creatures(ends) => ends,
+        };
+        let mut sum = (Vec3::ZERO, Vec3::ZERO);
+        for end in ends {
+            let sphere = scene.sphere(*end).ok()?;
+            sum = (sum.0 + sphere.position, sum.1 + sphere.velocity);
+        }
+        let count = ends.len() as f32;
+        Some((sum.0 / count, sum.1 / count))
+    }
+}
+
+impl Viewer {
+    /// Whether the camera moves with a body.
+    pub fn is_following(&self) -> bool {
+        self.follow.is_some()
+    }
+
+    /// Starts to follow the picked body, or the creatures if none is picked. Ends it if the camera follows that already.
+    pub(super) fn toggle_follow(&mut self) {
+        let scene = self.session.simulation_ref().scene();
+        let picked = self.session.picked().filter(|body| motion(scene, *body).is_some()).map(Target::Body);
+        let target = picked.or_else(|| Target::creatures(scene));
+        let same = self.follow.as_ref().is_some_and(|follow| target.is_none() || target.as_ref() == Some(&follow.target));
+        if same {
+            self.follow = None;
+            self.session.tell(Level::Note, "the camera follows nothing any more");
+        } else if let Some(target) = target {
+            self.follow_target(target);
+        } else {
+            self.session.tell(Level::Note, "click the body that the camera is to follow first");
+        }
+    }
+
+    fn follow_target(&mut self, target: Target) {
+        if self.session.simulation_ref().scene().counts().spheres > MOST_SPHERES {
+            self.session.tell(Level::Note, "the scene is too large to follow a body");
+            return;
+        }
+        self.follow = self.place_of(&target).map(|last| Follow { target, last });
+    }
+
+    /// Follows the sphere that [`Viewer::find`] finds in a scene that was opened, which is then in the middle of the picture, or else
+    /// the creatures of the scene.
+    pub fn follow_initially(&mut self) {
+        self.follow = None;
+        let scene = self.session.simulation_ref().scene();
+        let found = self.find.as_ref().and_then(|find| find(scene)).map(|sphere| Target::Body(Body::Sphere(sphere)));
+        if let Some(target) = found.or_else(|| Target::creatures(scene)) {
+            self.follow_target(target);
+        }
+        self.look_at_found();
+    }
+
+    /// Moves the camera so that a sphere that was found is in the middle of the picture.
+    fn look_at_found(&mut self) {
+        if let (Some(_), Some(Follow { target: Target::Body(_), last })) = (&self.find, &self.follow) {
+            let moved = *last - self.camera.target;
+            self.camera.eye += moved;
+            self.camera.target += moved;
+        }
+    }
+
+    /// The camera shows the initial scene again, so it has to move to where the body is now.
+    pub(super) fn follow_from_start(&mut self) {
+        let scene = &self.session.source().scene;
+        if let Some(follow) = &mut self.follow
+            && let Some((start, _)) = follow.target.motion(scene)
+        {
+            follow.last = start;
+        }
+        self.look_at_found();
+    }
+
+    /// Returns where the body is in the picture, which is drawn between the last two states.
+    fn place_of(&mut self, target: &Target) -> Option<Vec3> {
+        let part = if self.session.running() { 1.0 - self.session.pace.alpha() } else { 0.0 };
+        let before = part * self.session.pace.time_step;
+        let scene = self.session.simulation().sync().ok()?;
+        target.motion(scene).map(|(position, velocity)| position - before * velocity)
+    }
+
+    /// Moves the camera with the body that it follows. Creatures are followed along the ground only.
+    pub fn follow(&mut self) {
+        if self.session.device_failed() {
+            return;
+        }
+        let Some(mut follow) = self.follow.take() else { return };
+        let Some(place) = self.place_of(&follow.target) else { return };
+        let mut moved = place - follow.last;
+        if !moved.is_finite() {
+            return;
+        }
+        if matches!(follow.target, Target::Creatures(_)) && self.session.settings().gravity != 0.0 {
+            moved = moved.reject_from_normalized(self.session.up());
+        }
+        self.camera.eye += moved;
+        self.camera.target += moved;
+        if moved != Vec3::ZERO {
+            self.limits = None;
+        }
+        follow.last = place;
+        self.follow = Some(follow);
+    }
+}
