@@ -80,13 +80,18 @@ fn check_label(label: &str) -> Result<()> {
 /// The handle of an object that can have a [`Tag`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-#[allow(missing_docs)]
 pub enum ObjectId {
+    /// A sphere.
     Sphere(SphereId),
+    /// A rod.
     Rod(RodId),
+    /// A capsule.
     Capsule(CapsuleId),
+    /// A spring.
     Spring(SpringId),
+    /// A static box.
     Box(BoxId),
+    /// A static polygon.
     Polygon(PolygonId),
 }
 
