@@ -17,13 +17,14 @@ use super::watch::Watch;
 pub(super) mod concerns;
 mod edits;
 mod files;
-mod picked;
+pub mod picked;
 pub mod playback;
 mod pointer;
 mod rewind;
 
 use concerns::Checked;
 use edits::Edits;
+use picked::Kept;
 
 use playback::Playback;
 
@@ -66,6 +67,8 @@ pub struct Session {
     picked: Option<Body>,
     /// The motion of the picked body.
     track: Track,
+    /// Bodies that stay in the plots.
+    kept: Vec<Kept>,
     /// Names of the bodies in the file of the scene.
     names: Names,
     past: Past,
@@ -116,6 +119,7 @@ impl Session {
             before_hold: None,
             picked: None,
             track: Track::default(),
+            kept: Vec::new(),
             names,
             past: Past::default(),
             edits: Edits::default(),
@@ -392,6 +396,7 @@ impl Session {
         self.held = None;
         self.picked = None;
         self.track = Track::default();
+        self.kept.clear();
         self.objects_version += 1;
         self.simulation_version += 1;
     }
