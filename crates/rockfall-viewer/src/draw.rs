@@ -183,6 +183,13 @@ impl Renderer {
         self.set_region(&Survey::new(simulation.scene()));
     }
 
+    /// Moves the ground down if a body has fallen below it since [`Renderer::set_scene`], in the state that was read back last.
+    pub fn keep_ground_below(&mut self, simulation: &Simulation) {
+        if let Some(summary) = &mut self.summary {
+            summary.keep_below(simulation.scene());
+        }
+    }
+
     fn update_objects(&mut self, simulation: &Simulation) {
         self.buffers.mark_capsules(&self.device, &self.queue, simulation);
         self.walls.set_scene(simulation.scene());

@@ -44,6 +44,14 @@ impl SceneSummary {
     }
 }
 
+impl SceneSummary {
+    /// Moves the ground down to the lowest of the spheres, if one has fallen below it.
+    pub(crate) fn keep_below(&mut self, scene: &Scene) {
+        let bottoms = scene.spheres().iter().map(|sphere| sphere.position.y - sphere.radius);
+        self.ground = bottoms.filter(|bottom| bottom.is_finite()).fold(self.ground, f32::min);
+    }
+}
+
 /// Height of the ground of a scene without static objects.
 fn ground_below(spheres: Extent) -> f32 {
     let is_near = spheres.min.y >= 0.0 && spheres.min.y <= 2.0 * spheres.size();
@@ -57,6 +65,17 @@ mod tests {
 
     use super::*;
     use crate::bounds::tests::scene;
+
+    #[test]
+    fn the_ground_stays_below_what_falls() {
+        let mut scene = scene(&[Cuboid::between([0.0, -1.0, 0.0], [1.0, 0.0, 1.0])]);
+        let mut summary = SceneSummary::of(&scene);
+        summary.keep_below(&scene);
+        assert_eq!(summary.ground, -1.0);
+        scene.add_sphere(Sphere::new([9.0, -7.0, 0.0], 0.5)).unwrap();
+        summary.keep_below(&scene);
+        assert_eq!(summary.ground, -7.5);
+    }
 
     #[test]
     fn the_ground_is_at_the_bottom_of_the_static_objects() {

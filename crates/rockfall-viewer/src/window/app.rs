@@ -325,6 +325,7 @@ impl OpenWindow {
             session.fail(&error);
             return false;
         }
+        renderer.keep_ground_below(session.simulation_ref());
         renderer.set_blend(drawn.blend);
         renderer.record_trails();
         let legend = Some(renderer.legend(&drawn.style));

@@ -112,6 +112,8 @@ pub enum Command {
     Redo,
     /// Restore the initial scene.
     Reset,
+    /// Restore the initial scene and start it.
+    Restart,
     /// Show the whole scene from the initial direction.
     ResetCamera,
     /// Show the whole scene from the present direction.
@@ -177,6 +179,7 @@ pub fn command(key: Key, held: Modifiers, controls: Controls) -> Option<Command>
         Key::Char('t') => Command::ToggleRealTime,
         Key::Char('p') => Command::TogglePanel,
         Key::Char('w') => Command::Follow,
+        Key::Char('i') => Command::Restart,
         Key::Char(digit @ '1'..='4') => Command::LookFrom(Direction::NAMED[digit as usize - '1' as usize]),
         Key::Char('-') => Command::ChangeSpeed { faster: false },
         Key::Char('+' | '=') => Command::ChangeSpeed { faster: true },
@@ -227,13 +230,14 @@ pub fn key_rows(controls: Controls) -> impl Iterator<Item = (String, String)> {
     KEYS.into_iter().chain([(frame, "show the whole scene")]).map(row).chain(constants)
 }
 
-const KEYS: [(&str, &str); 20] = [
+const KEYS: [(&str, &str); 21] = [
     ("space, A", "start and stop"),
     ("S", "make one step"),
     (", .", "back and forward in the last seconds"),
     ("- +", "slower and faster"),
     ("T", "real time, or one step per frame"),
     ("Backspace", "reset the scene"),
+    ("I", "start again from the initial scene"),
     ("L", "throw a sphere towards the pointer"),
     ("Ctrl+Z, Ctrl+Y", "undo and redo edits"),
     ("K", "turn collisions on or off"),
@@ -320,9 +324,9 @@ mod tests {
             assert!(!commands.contains(&command), "{command:?}");
             commands.push(command);
         }
-        assert_eq!(commands.len(), 5 + 12 + 2 + 4 + 5 + 5);
+        assert_eq!(commands.len(), 5 + 12 + 2 + 4 + 5 + 6);
         assert_eq!(command(Key::Space, NONE, Controls::Standard), Some(Command::ToggleRunning));
-        for letter in "eioquy5".chars() {
+        for letter in "eoquy5".chars() {
             assert_eq!(command(Key::Char(letter), NONE, Controls::Standard), None, "{letter}");
         }
     }

@@ -54,6 +54,7 @@ fn scene(ui: &mut Ui, viewer: &mut Viewer) -> Option<Command> {
             ("Reload the file of the command line", "Shift+R", Command::LoadGiven),
             ("Load input.txt", "R", Command::LoadInput),
             ("Reset the scene", "Backspace", Command::Reset),
+            ("Start again", "I", Command::Restart),
             ("Quit", "Ctrl+Q", Command::Quit),
         ],
     ))

@@ -27,6 +27,10 @@ const PHASES: [(&str, Rgb); 4] = [
     ("positions", [0x00, 0x9e, 0x73]),
 ];
 const PLOT_HEIGHT: f32 = 130.0;
+/// Least range of a vertical axis, divided by the greatest value.
+const LEAST_RANGE: f64 = 0.02;
+/// Least range of the axis of the time, in s.
+const LEAST_TIME: f64 = 1.0;
 /// Least distance of two ticks of a vertical axis, in points. The axis leaves out the numbers of nearer ones.
 const TICK_DISTANCE: f32 = 30.0;
 /// Width of the scroll bar beside the panel.
@@ -103,7 +107,7 @@ fn colours(ui: &mut Ui, viewer: &mut Viewer) {
     }
 }
 
-fn colour(rgb: Rgb) -> Color32 {
+pub(super) fn colour(rgb: Rgb) -> Color32 {
     Color32::from_rgb(rgb[0], rgb[1], rgb[2])
 }
 
@@ -156,6 +160,28 @@ pub(super) fn plot(name: &str, height: f32) -> Plot<'_> {
         .y_grid_spacer(move |input| ticks(input.bounds, f64::from(height / TICK_DISTANCE)))
 }
 
+/// Widens the axes of a plot whose points are nearly one value.
+pub(super) fn widened<'a>(plot: Plot<'a>, points: &[[f64; 2]]) -> Plot<'a> {
+    let [[from, to], [low, high]] = ranges(points);
+    plot.include_x(from).include_x(to).include_y(low).include_y(high)
+}
+
+/// Returns the ranges of both axes. They are so wide that rounding errors do not fill a plot: before the run, and for what stays
+/// the same.
+fn ranges(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    let range = |axis: usize| {
+        let values = points.iter().map(|point| point[axis]).filter(|value| value.is_finite());
+        let [low, high] =
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
+        if low <= high { [low, high] } else { [0.0; 2] }
+    };
+    let ([from, to], [low, high]) = (range(0), range(1));
+    let size = low.abs().max(high.abs());
+    let least = if size > 0.0 { LEAST_RANGE * size } else { 1.0 };
+    let room = (0.5 * (least - (high - low))).max(0.0);
+    [[from, to.max(from + LEAST_TIME)], [low - room, high + room]]
+}
+
 /// Returns at most this number of ticks, and at least two where possible, at multiples of 1, 2 or 5 times a power of ten.
 fn ticks((low, high): (f64, f64), most: f64) -> Vec<GridMark> {
     let least = (high - low) / most.max(1.0);
@@ -175,11 +201,13 @@ fn energies(ui: &mut Ui, viewer: &mut Viewer) {
         // Without contacts the energy is -0; adding 0 makes it 0.
         values(ui, &ENERGIES, all(&last.energy).map(|energy| format!("{:.4}", energy + 0.0)));
     }
-    let lines = ENERGIES.iter().enumerate().map(|(index, (name, colour))| {
-        let points = watch.energies().iter().map(|sample| [sample.time, all(&sample.energy)[index]]);
-        Line::new(*name, points.collect::<PlotPoints>()).stroke(stroke(*colour))
-    });
-    plot("energy", PLOT_HEIGHT).show(ui, |plot| lines.for_each(|line| plot.line(line)));
+    let points = |index: usize| watch.energies().iter().map(move |sample| [sample.time, all(&sample.energy)[index]]);
+    let lines = ENERGIES
+        .iter()
+        .enumerate()
+        .map(|(index, (name, colour))| Line::new(*name, points(index).collect::<PlotPoints>()).stroke(stroke(*colour)));
+    let every: Vec<[f64; 2]> = (0..ENERGIES.len()).flat_map(points).collect();
+    widened(plot("energy", PLOT_HEIGHT), &every).show(ui, |plot| lines.for_each(|line| plot.line(line)));
     if !watch.is_unasked() {
         ui.label(RichText::new("The scene is too large to measure its energy continuously.").weak());
     }
@@ -208,7 +236,9 @@ fn phases(ui: &mut Ui, viewer: &mut Viewer) {
         let points = samples.iter().map(|sample| [sample.time, 1e3 * sample.seconds[index]]);
         Line::new(*name, points.collect::<PlotPoints>()).stroke(stroke(*colour))
     });
-    plot("phases", PLOT_HEIGHT).include_y(0.0).show(ui, |plot| lines.for_each(|line| plot.line(line)));
+    let plot = plot("phases", PLOT_HEIGHT).include_y(0.0);
+    let plot = if samples.is_empty() { widened(plot, &[]) } else { plot };
+    plot.show(ui, |plot| lines.for_each(|line| plot.line(line)));
 }
 
 #[cfg(test)]
@@ -224,6 +254,16 @@ mod tests {
         assert_eq!(values(-1.0, 11.0), [0.0, 5.0, 10.0]);
         assert_eq!(values(100.0, 450.0), [200.0, 400.0]);
         assert!(values(1.0, 1.0).is_empty() && values(f64::NAN, 1.0).is_empty());
+    }
+
+    /// Before the run there is one point; later a value may differ by rounding errors only.
+    #[test]
+    fn plots_of_one_value_have_a_scale() {
+        assert_eq!(ranges(&[]), [[0.0, 1.0], [-0.5, 0.5]]);
+        assert_eq!(ranges(&[[0.0, 200.0]]), [[0.0, 1.0], [198.0, 202.0]]);
+        let [[from, to], [low, high]] = ranges(&[[0.0, 3.0], [4.0, 3.0 + 1e-9]]);
+        assert!((from, to) == (0.0, 4.0) && low < 2.98 && high > 3.02, "{low} {high}");
+        assert_eq!(ranges(&[[1.0, -2.0], [4.0, 5.0]]), [[1.0, 4.0], [-2.0, 5.0]]);
     }
 
     #[test]

@@ -1,11 +1,15 @@
 //! The values of the picked body and its motion over time, in a window of its own, so that the panel does not move.
 
+use std::collections::VecDeque;
+
 use egui::{Rect, RichText, Ui};
 use egui_plot::{Line, PlotPoints};
 
 use super::panel;
+use super::session::picked::MOST_KEPT;
 use super::track::Point;
 use super::viewer::Viewer;
+use crate::palette::Rgb;
 
 const WIDTH: f32 = 300.0;
 /// Size of the text of the values, in points.
@@ -13,6 +17,9 @@ const TEXT: f32 = 11.0;
 const PLOT_HEIGHT: f32 = 84.0;
 /// Number of points above which only some are drawn.
 const MOST_POINTS: usize = 1000;
+/// Colours of the bodies in the plots, the picked one first.
+const COLOURS: [Rgb; MOST_KEPT + 1] =
+    [[0x00, 0x72, 0xb2], [0xd5, 0x5e, 0x00], [0x00, 0x9e, 0x73], [0xcc, 0x79, 0xa7], [0xe6, 0x9f, 0x00], [0x56, 0xb4, 0xe9]];
 
 /// Shows the window if a body is picked. It opens in the upper left corner of the picture, beside its middle.
 pub(super) fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
@@ -30,34 +37,55 @@ pub(super) fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
                 ui.end_row();
             }
         });
-        motion(ui, viewer);
+        motion(ui, &facts.title, viewer);
     });
     if !open {
         viewer.session.set_picked(None);
     }
 }
 
-/// Shows height and speed over time, and the button for the table.
-fn motion(ui: &mut Ui, viewer: &mut Viewer) {
+/// Plots a value of bodies over time, with a colour for each.
+fn plot(ui: &mut Ui, title: &str, tracks: &[(&str, &VecDeque<Point>)], value: &dyn Fn(&Point) -> f32) {
+    let shown = tracks.iter().map(|(_, points)| {
+        let stride = points.len().div_ceil(MOST_POINTS).max(1);
+        // The last point is always drawn.
+        points.iter().rev().step_by(stride).map(|point| [point.time, f64::from(value(point))]).collect()
+    });
+    let shown: Vec<Vec<[f64; 2]>> = shown.collect();
+    ui.label(RichText::new(title).weak().small());
+    panel::widened(panel::plot(title, PLOT_HEIGHT), &shown.concat()).show(ui, |plot| {
+        for (((name, _), points), colour) in tracks.iter().zip(shown).zip(COLOURS) {
+            plot.line(Line::new(*name, PlotPoints::from(points)).stroke(panel::stroke(colour)));
+        }
+    });
+}
+
+/// Shows height and speed over time, and the buttons for the table and for several bodies.
+fn motion(ui: &mut Ui, title: &str, viewer: &mut Viewer) {
     let up = viewer.session.up();
     let points = viewer.session.track().points();
     if points.is_empty() {
         return;
     }
-    let stride = points.len().div_ceil(MOST_POINTS);
-    let line = |name: &'static str, value: &dyn Fn(&Point) -> f32, colour| {
-        // The last point is always drawn.
-        let some = points.iter().rev().step_by(stride).map(|point| [point.time, f64::from(value(point))]);
-        Line::new(name, some.collect::<PlotPoints>()).stroke(panel::stroke(colour))
-    };
-    let height = line("height", &|point| point.position.dot(up), [0x00, 0x72, 0xb2]);
-    let speed = line("speed", &|point| point.velocity.length(), [0xd5, 0x5e, 0x00]);
-    for (title, line) in [("height in units over time in s", height), ("speed in units/s over time in s", speed)] {
-        ui.label(RichText::new(title).weak().small());
-        panel::plot(title, PLOT_HEIGHT).show(ui, |plot| plot.line(line));
+    let mut tracks = vec![(title, points)];
+    tracks.extend(viewer.session.kept().map(|kept| (kept.title.as_str(), kept.track.points())));
+    let height = |point: &Point| point.position.dot(up);
+    plot(ui, "height in units over time in s", &tracks, &height);
+    plot(ui, "speed in units/s over time in s", &tracks, &|point| point.velocity.length());
+    if tracks.len() > 1 {
+        ui.horizontal_wrapped(|ui| {
+            for ((title, _), colour) in tracks.iter().zip(COLOURS) {
+                ui.label(RichText::new(*title).color(panel::colour(colour)).small());
+            }
+        });
     }
     let count = points.len();
+    let is_kept = viewer.session.is_kept();
     ui.horizontal(|ui| {
+        let text = if is_kept { "Leave the plots" } else { "Keep in the plots" };
+        if ui.button(text).on_hover_text("shows this body together with the next one that is picked").clicked() {
+            viewer.session.toggle_kept();
+        }
         if ui.button("Save as CSV").on_hover_text("time, position, velocity, height and speed").clicked() {
             viewer.save_track();
         }

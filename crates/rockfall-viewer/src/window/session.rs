@@ -18,13 +18,14 @@ use super::watch::Watch;
 pub(super) mod concerns;
 mod edits;
 mod files;
-mod picked;
+pub mod picked;
 pub mod playback;
 mod pointer;
 mod rewind;
 
 use concerns::Checked;
 use edits::Edits;
+use picked::Kept;
 
 use playback::Playback;
 
@@ -72,6 +73,8 @@ pub struct Session {
     picked: Option<Body>,
     /// The motion of the picked body.
     track: Track,
+    /// Bodies that stay in the plots.
+    kept: Vec<Kept>,
     /// Names of the bodies in the file of the scene.
     names: Names,
     past: Past,
@@ -123,6 +126,7 @@ impl Session {
             before_hold: None,
             picked: None,
             track: Track::default(),
+            kept: Vec::new(),
             names,
             past: Past::default(),
             edits: Edits::default(),
@@ -399,6 +403,7 @@ impl Session {
         self.held = None;
         self.picked = None;
         self.track = Track::default();
+        self.kept.clear();
         self.objects_version += 1;
         self.simulation_version += 1;
     }

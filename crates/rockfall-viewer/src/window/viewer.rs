@@ -161,6 +161,10 @@ impl Viewer {
             Command::Undo => session.undo(),
             Command::Redo => session.redo(),
             Command::Reset => session.reset(),
+            Command::Restart => {
+                session.reset();
+                session.set_running(true);
+            }
             Command::ResetCamera => self.frame_scene(),
             Command::FrameAll => self.frame_all(),
             Command::Follow => self.toggle_follow(),

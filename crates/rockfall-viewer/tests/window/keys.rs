@@ -222,3 +222,11 @@ fn saved_changes_and_a_reset_scene_are_not_asked_about() {
     assert!(!viewer.session.is_changed());
     changes(&mut viewer, Command::Close, &[("quit", "true")]);
 }
+
+#[test]
+fn one_key_starts_the_scene_again() {
+    let mut viewer = viewer(BALL);
+    (0..5).for_each(|_| viewer.command(Command::SingleStep));
+    viewer.command(Command::Restart);
+    assert!(viewer.session.running() && heights(&mut viewer.session) == [3.0]);
+}

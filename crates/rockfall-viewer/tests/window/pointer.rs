@@ -304,3 +304,21 @@ fn a_click_on_the_end_of_a_capsule_picks_the_capsule() {
         assert_eq!(session.watch.facts().map(|facts| facts.title.as_str()), Some("capsule 0"));
     }
 }
+
+/// A body that is kept stays in the plots when another one is picked, and its motion goes on.
+#[test]
+fn several_bodies_are_plotted_together() {
+    let mut session = session(FLOATING);
+    let ids: Vec<_> = session.simulation().scene().sphere_ids().collect();
+    session.set_picked(Some(Body::Sphere(ids[0])));
+    session.toggle_kept();
+    assert!(session.is_kept() && session.kept().count() == 0, "the picked body is in the plots once");
+    session.set_picked(Some(Body::Sphere(ids[1])));
+    (0..5).for_each(|_| session.single_step());
+    let kept: Vec<_> = session.kept().collect();
+    assert_eq!((kept.len(), kept[0].title.as_str(), kept[0].track.points().len()), (1, "sphere 1", 6));
+    assert_eq!(session.track().points().len(), 6);
+    session.set_picked(Some(Body::Sphere(ids[0])));
+    session.toggle_kept();
+    assert!(!session.is_kept());
+}

@@ -184,8 +184,8 @@ impl Session {
         let status = loop {
             // The window may be gone already.
             self.display.xdotool("key Escape");
-            // The second command answers the question about unsaved changes.
-            self.display.xdotool("key ctrl+q");
+            // The last key answers the question about unsaved changes, which the key before it may open.
+            self.display.xdotool("key --delay 40 ctrl+q ctrl+q");
             sleep(Duration::from_millis(500));
             if let Some(status) = self.program.try_wait().expect("it is a child") {
                 break status;

@@ -13,6 +13,20 @@ use crate::grasp::first_visible;
 use crate::window::message::Level;
 use crate::window::track::{Point, Track, motion};
 
+/// Number of bodies that stay in the plots.
+pub const MOST_KEPT: usize = 5;
+
+/// A body that stays in the plots when another one is picked.
+#[derive(Clone, Debug)]
+pub struct Kept {
+    /// The body.
+    pub body: Body,
+    /// Its name.
+    pub title: String,
+    /// Its motion.
+    pub track: Track,
+}
+
 impl Session {
     /// Returns the body that was picked by a click.
     pub fn picked(&self) -> Option<Body> {
@@ -44,6 +58,28 @@ impl Session {
         self.sample(true);
     }
 
+    /// Returns the bodies that stay in the plots beside the picked one.
+    pub fn kept(&self) -> impl Iterator<Item = &Kept> {
+        self.kept.iter().filter(|kept| Some(kept.body) != self.picked)
+    }
+
+    /// Whether the picked body stays in the plots.
+    pub fn is_kept(&self) -> bool {
+        self.kept.iter().any(|kept| Some(kept.body) == self.picked)
+    }
+
+    /// Keeps the picked body in the plots, or takes it out again.
+    pub fn toggle_kept(&mut self) {
+        let Some(body) = self.picked else { return };
+        if self.is_kept() {
+            self.kept.retain(|kept| kept.body != body);
+            return;
+        }
+        let title = self.watch.facts().map_or_else(String::new, |facts| facts.title.clone());
+        self.kept.insert(0, Kept { body, title, track: self.track.clone() });
+        self.kept.truncate(MOST_KEPT);
+    }
+
     /// Returns the motion of the picked body in the recorded states up to now.
     fn recorded_track(&self) -> Track {
         let mut track = Track::default();
@@ -64,17 +100,21 @@ impl Session {
     /// Adds the present state of the picked body to its motion, unless reading it back takes too long to do it so often.
     /// `forced` adds it anyway.
     pub(super) fn follow(&mut self, forced: bool) {
-        let Some(body) = self.picked.filter(|body| matches!(body, Body::Sphere(_) | Body::Rod(_))) else {
-            return;
-        };
-        if self.device_failed || !(forced || self.track.is_due(self.wall_time())) {
+        let body = self.picked.filter(|body| matches!(body, Body::Sphere(_) | Body::Rod(_)));
+        if body.is_none() && self.kept.is_empty() || self.device_failed || !(forced || self.track.is_due(self.wall_time())) {
             return;
         }
         let (start, time) = (Instant::now(), self.simulation.report().time);
-        let found = self.simulation.sync().map(|scene| motion(scene, body));
-        if let Some((position, velocity)) = self.ok_or_report(found).flatten() {
-            let now = self.wall_time();
-            self.track.add(Point { time, position, velocity }, now, start.elapsed().as_secs_f64());
+        let synced = self.simulation.sync().map(drop);
+        if self.ok_or_report(synced).is_none() {
+            return;
+        }
+        let (now, seconds, scene) = (self.wall_time(), start.elapsed().as_secs_f64(), self.simulation.scene());
+        let kept = self.kept.iter_mut().map(|kept| (kept.body, &mut kept.track));
+        for (body, track) in kept.chain(body.map(|body| (body, &mut self.track))) {
+            if let Some((position, velocity)) = motion(scene, body) {
+                track.add(Point { time, position, velocity }, now, seconds);
+            }
         }
     }
 

@@ -91,6 +91,7 @@ impl Session {
         self.objects_version += 1;
         self.watch.rewind(state.report.time);
         self.track.rewind(state.report.time);
+        self.kept.iter_mut().for_each(|kept| kept.track.rewind(state.report.time));
         true
     }
 }
