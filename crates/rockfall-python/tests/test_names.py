@@ -30,7 +30,7 @@ def test_names_find_objects() -> None:
     assert scene.names == ["floor", "left"]
     assert "left" in scene and "right" not in scene
     sim = rf.Simulation(scene, backend="cpu")
-    sim.run(2, 0.01)
+    sim.run(2)
     assert sim["left"].spheres.tolist() == [0, 1]
     # The numbers of objects stay when others are removed.
     sim.remove("sphere", 0)
@@ -90,7 +90,7 @@ def test_wrong_tags_add_nothing() -> None:
 
 def test_tags_can_be_changed_and_are_in_checkpoints(tmp_path: Path) -> None:
     sim = rf.Simulation(rf.Scene.parse(TEXT), backend="cpu")
-    sim.step(0.01)
+    sim.step()
     sim.set_tag("sphere", [0, 1], name="right", colour="blue")
     before = sim.render((48, 32)).numpy()
     sim.set_tag("sphere", 0, name="right", colour="yellow")

@@ -156,7 +156,7 @@ fn without_lows(mut bytes: Vec<u8>) -> Vec<u8> {
     let lows = u64::from_le_bytes(bytes[at..at + 8].try_into().expect("8 bytes")) as usize;
     assert!(lows == 0 || lows == spheres, "{lows}");
     bytes.splice(at..at + 8 + 12 * lows, [0; 8]);
-    with_version(bytes, 7)
+    with_version(bytes, 8)
 }
 
 /// A small checkpoint with materials, and the springs of three contacts.
