@@ -42,7 +42,7 @@ pub(super) fn fine_box(cuboid: &BoxRecord, centre: Fine, radius: f32) -> (Vec3, 
 /// Returns the unit normal from a sphere to a polygon, and the overlap. `None` behind the plane.
 pub(super) fn fine_polygon(polygon: &PolygonRecord, centre: Fine, radius: f32) -> Option<(Vec3, f32)> {
     let (face, overlap, place) = over_plane(polygon, centre, radius);
-    if !(overlap <= f64::from(radius)) {
+    if overlap.is_nan() || overlap > f64::from(radius) {
         return None;
     }
     if place.into_iter().all(on_segment) {

@@ -229,7 +229,7 @@ pub(crate) fn point_polygon(polygon: &PolygonRecord, p: Vec3, radius: f32) -> Op
     let face = Face::of(polygon);
     let t = p - polygon.corner;
     let (place, height) = (face.along_edges(t), t.dot(face.normal));
-    if !(height >= 0.0) {
+    if height.is_nan() || height < 0.0 {
         return None;
     }
     if place.into_iter().all(on_segment) {
