@@ -174,6 +174,12 @@ pub(super) fn room_for(needed: u32) -> Result<u32> {
     Ok(needed.saturating_add(needed.div_ceil(4)).min(MAX_PAIR_ROWS))
 }
 
+/// Enlarges the AABBs of a world outside of a simulation after a body left its own.
+pub(super) fn widen_after_escape(world: &mut World, escape: f32, attempts: u32) {
+    let margin = &mut world.step.lists.margin_scale;
+    *margin = margin_after_escape(*margin, escape, attempts);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -206,10 +212,4 @@ mod tests {
         let slices = max_objects(false).div_ceil(SLICE);
         assert!(MAX_PAIR_ROWS.checked_add(slices + slices.div_ceil(SLICE) + 1).is_some());
     }
-}
-
-/// Enlarges the AABBs of a world outside of a simulation after a body left its own.
-pub(super) fn widen_after_escape(world: &mut World, escape: f32, attempts: u32) {
-    let margin = &mut world.step.lists.margin_scale;
-    *margin = margin_after_escape(*margin, escape, attempts);
 }
