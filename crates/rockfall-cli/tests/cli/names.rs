@@ -96,6 +96,8 @@ mod pictures {
         let labelled = SCENE.replace("@name left", "@label left");
         assert_eq!(picture(&labelled, ""), picture(SCENE, ""));
         assert_ne!(picture(&labelled, "--label"), picture(SCENE, "--label"));
+        let other = SCENE.replace("@name left", "@label other");
+        assert_ne!(picture(&labelled, "--label"), picture(&other, "--label"));
     }
 
     #[test]
