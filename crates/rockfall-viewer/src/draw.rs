@@ -40,7 +40,7 @@ use coil::{CoilMesh, Resolution};
 use cull::Cull;
 use frame::Frame;
 use layouts::Layouts;
-pub use motion::Motion;
+pub use motion::{Arrows, Motion};
 use pipelines::Pipelines;
 use pyramid::PyramidBuilder;
 use range::{RecentPercentile, SpeedPercentile};

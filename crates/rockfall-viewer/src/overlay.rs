@@ -1,10 +1,10 @@
 //! Text, arrows and trails over a picture.
 
-use rockfall::glam::Vec3;
-use rockfall::{Result, Sphere, SphereDiagnostics};
+use rockfall::Result;
 
 use crate::camera::Camera;
-use crate::draw::Motion;
+pub use crate::draw::Arrows;
+use crate::draw::{Motion, Renderer};
 use crate::legend::number;
 use crate::palette::Rgb;
 use crate::pixels::Picture;
@@ -35,51 +35,6 @@ pub struct Overlay {
     pub trails: f64,
 }
 
-/// A vector of every sphere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Arrows {
-    /// Velocity, in units/s.
-    Velocity,
-    /// Net force, in mass units/s².
-    Force,
-}
-
-impl Arrows {
-    /// All values.
-    pub const ALL: [Self; 2] = [Self::Velocity, Self::Force];
-
-    /// Name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Velocity => "velocity",
-            Self::Force => "force",
-        }
-    }
-
-    /// Returns the vector with this name.
-    ///
-    /// # Errors
-    /// A text with the names, if this is none of them.
-    pub fn named(name: &str) -> std::result::Result<Self, String> {
-        let found = Self::ALL.into_iter().find(|arrows| arrows.name() == name);
-        found.ok_or_else(|| format!("expected one of: {}", Self::ALL.map(Self::name).join(", ")))
-    }
-
-    fn unit(self) -> &'static str {
-        match self {
-            Self::Velocity => "units/s",
-            Self::Force => "mass units/s²",
-        }
-    }
-
-    pub(crate) fn of(self, sphere: &Sphere, values: Option<&SphereDiagnostics>) -> Vec3 {
-        match self {
-            Self::Velocity => sphere.velocity,
-            Self::Force => values.map_or(Vec3::ZERO, |values| values.net_force),
-        }
-    }
-}
-
 const DARK: Rgb = [0x21, 0x29, 0x33];
 const ARROW: Rgb = [0xd5, 0x5e, 0x00];
 const TRAIL: Rgb = [0x00, 0x72, 0xb2];
@@ -89,6 +44,13 @@ const KEY: f32 = 0.12;
 const BAR: f32 = 0.2;
 /// Length of the head of an arrow, in heights of letters.
 const HEAD: f32 = 0.7;
+
+impl Renderer {
+    /// Takes what an overlay needs of the states of the following [`Renderer::update`].
+    pub fn set_overlay(&mut self, overlay: &Overlay) {
+        self.want_motion(overlay.needs_places(), overlay.arrows, overlay.trails);
+    }
+}
 
 impl Overlay {
     /// Whether it needs the places of the spheres.

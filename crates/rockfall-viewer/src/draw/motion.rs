@@ -3,10 +3,9 @@
 use std::collections::{HashSet, VecDeque};
 
 use rockfall::glam::Vec3;
-use rockfall::{Result, Scene, Simulation, SphereId};
+use rockfall::{Result, Scene, Simulation, Sphere, SphereDiagnostics, SphereId};
 
 use crate::draw::range::{RecentPercentile, percentile};
-use crate::overlay::{Arrows, Overlay};
 
 /// Number of spheres that have trails. In larger scenes only some have.
 const MOST_TRAILS: usize = 1000;
@@ -14,6 +13,51 @@ const MOST_TRAILS: usize = 1000;
 const STATES: f64 = 200.0;
 /// Greatest number of past states that are kept. Pictures add some to those that trails need.
 const MOST_STATES: usize = 1000;
+
+/// A vector of every sphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arrows {
+    /// Velocity, in units/s.
+    Velocity,
+    /// Net force, in mass units/s².
+    Force,
+}
+
+impl Arrows {
+    /// All values.
+    pub const ALL: [Self; 2] = [Self::Velocity, Self::Force];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Velocity => "velocity",
+            Self::Force => "force",
+        }
+    }
+
+    /// Returns the vector with this name.
+    ///
+    /// # Errors
+    /// A text with the names, if this is none of them.
+    pub fn named(name: &str) -> std::result::Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|arrows| arrows.name() == name);
+        found.ok_or_else(|| format!("expected one of: {}", Self::ALL.map(Self::name).join(", ")))
+    }
+
+    pub(crate) fn unit(self) -> &'static str {
+        match self {
+            Self::Velocity => "units/s",
+            Self::Force => "mass units/s²",
+        }
+    }
+
+    pub(crate) fn of(self, sphere: &Sphere, values: Option<&SphereDiagnostics>) -> Vec3 {
+        match self {
+            Self::Velocity => sphere.velocity,
+            Self::Force => values.map_or(Vec3::ZERO, |values| values.net_force),
+        }
+    }
+}
 
 /// What an overlay shows of the spheres, between the last two states of a renderer.
 #[derive(Debug, Default)]
@@ -40,13 +84,13 @@ struct State {
 }
 
 impl Motion {
-    /// Takes what an overlay needs.
-    pub(crate) fn want(&mut self, overlay: &Overlay) {
-        if (self.arrows, self.seconds) != (overlay.arrows, overlay.trails) {
+    /// Takes whether places are needed, the vectors that arrows show, and the length of trails in s.
+    pub(crate) fn want(&mut self, places: bool, arrows: Option<Arrows>, trails: f64) {
+        if (self.arrows, self.seconds) != (arrows, trails) {
             self.recent = RecentPercentile::default();
             self.past.clear();
         }
-        (self.wanted, self.arrows, self.seconds) = (overlay.needs_places(), overlay.arrows, overlay.trails);
+        (self.wanted, self.arrows, self.seconds) = (places, arrows, trails);
     }
 
     /// Forgets past states, before another scene is shown.

@@ -2,10 +2,10 @@
 
 use rockfall::{ObjectId, Result, Scene, Simulation};
 
+use crate::draw::motion::Arrows;
 use crate::draw::range::{RecentPercentile, percentile, percentile_in};
 use crate::draw::style::{ColourBy, Range, Style};
 use crate::draw::{Motion, Renderer, palette};
-use crate::overlay::Overlay;
 use crate::survey::Survey;
 
 /// Distance from the bodies of a scene up to which others count for the scale, divided by the extent of the bodies.
@@ -47,9 +47,9 @@ impl Renderer {
         self.colours_due = true;
     }
 
-    /// Takes what an overlay needs of the states of the following [`Renderer::update`].
-    pub fn set_overlay(&mut self, overlay: &Overlay) {
-        self.motion.want(overlay);
+    /// Takes whether the following states need places of spheres, the vectors that arrows show, and the length of trails in s.
+    pub(crate) fn want_motion(&mut self, places: bool, arrows: Option<Arrows>, trails: f64) {
+        self.motion.want(places, arrows, trails);
     }
 
     /// What an overlay shows.

@@ -1,4 +1,4 @@
-use rockfall::{Backend, Options, Scene, Simulation};
+use rockfall::{Backend, Options, Scene, Simulation, Sphere};
 
 use super::*;
 
@@ -10,7 +10,7 @@ fn motion(overlay: &Overlay, states: usize) -> Motion {
     scene.add_sphere(Sphere::new([0.0, 0.0, 0.0], 0.2).velocity([1.0, 0.0, 0.0])).unwrap();
     let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
     let mut motion = Motion::default();
-    motion.want(overlay);
+    motion.want(overlay.needs_places(), overlay.arrows, overlay.trails);
     motion.set_blend(1.0);
     for state in 0..states {
         if state > 0 {

@@ -36,7 +36,7 @@ pub enum Buffer {
     /// The springs of contacts, for laws with history, in two tables: one with those before the step, one with those after it.
     /// Either has a block of [`HISTORY_BLOCK`](crate::model::layout::HISTORY_BLOCK) records of
     /// [`HISTORY_WORDS`](crate::model::layout::HISTORY_WORDS) words per mover, in insertion order, and a pool of
-    /// [`Step::history_pool`](crate::model::step::Step::history_pool) blocks for movers with more contacts.
+    /// [`Layout::history_pool`](crate::model::step::Layout::history_pool) blocks for movers with more contacts.
     Histories,
     /// Velocity Verlet: acceleration and torque of every sphere, in insertion order, from the last force evaluation. Each sphere
     /// has [`RATE_WORDS`](crate::model::layout::RATE_WORDS) floats. Empty for other integrators.

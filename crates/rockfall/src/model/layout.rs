@@ -29,7 +29,7 @@ constants! {
     pub const KIND_SHIFT: u32 = 30;
     /// Adjacency kind: a rod that ends in the sphere.
     pub const KIND_ROD: u32 = 0;
-    /// Value of a sphere's word in the table of ends (see [`Step::ends_at`](crate::model::step::Step::ends_at)): no rod ends in
+    /// Value of a sphere's word in the table of ends (see [`Layout::ends_at`](crate::model::step::Layout::ends_at)): no rod ends in
     /// the sphere.
     pub const NO_ROD: u32 = u32::MAX;
     /// Value of a sphere's word in the table of ends: several rods end in the sphere, or one of free length. In all other cases
@@ -56,24 +56,24 @@ constants! {
     pub const LIST_COLLIDES: u32 = 1 << 31;
     /// Mask of the length in that word.
     pub const LIST_COUNT_MASK: u32 = LIST_COLLIDES - 1;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags): collisions are handled as impulses.
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): collisions are handled as impulses.
     pub const FLAG_COLLISIONS: u32 = 1;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags): contact damping may pull objects together, as in the thesis.
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): contact damping may pull objects together, as in the thesis.
     pub const FLAG_PULL: u32 = 2;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags): the simulation continues when a body's state stops being finite.
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): the simulation continues when a body's state stops being finite.
     pub const FLAG_CONTINUE: u32 = 4;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags): objects are in more than one group.
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): objects are in more than one group.
     pub const FLAG_GROUPS: u32 = 8;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has Coulomb friction.
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): some pair of materials has Coulomb friction.
     pub const FLAG_PAIR_FRICTION: u32 = 32;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has rolling or twisting friction, and the
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): some pair of materials has rolling or twisting friction, and the
     /// contact law has a history.
     pub const FLAG_RESISTANCE: u32 = 64;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags): some pair of materials has cohesion, and the contact law has a history.
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): some pair of materials has cohesion, and the contact law has a history.
     pub const FLAG_COHESION: u32 = 128;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags): the integrator is velocity Verlet.
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): the integrator is velocity Verlet.
     pub const FLAG_VERLET: u32 = 256;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags): positions have a low part, in a fourth region of each state.
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): positions have a low part, in a fourth region of each state.
     pub const FLAG_DOUBLE: u32 = 512;
     /// Part of the largest coordinate of an AABB by which a sphere must be inside it. It covers the rounding of this test (4 units of
     /// 2^-24), the low part of a position, which the test leaves out (1 unit), and the rounding of overlaps.
@@ -81,9 +81,9 @@ constants! {
     /// Part of its largest coordinate by which an AABB is larger. It exceeds the slack by more than the rounding of AABBs and of the test
     /// (9 units), so that a sphere at rest is inside.
     pub const ROUNDING_MARGIN: f32 = 1e-6;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags): contacts that begin and end within a step are handled.
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): contacts that begin and end within a step are handled.
     pub const FLAG_CONTINUOUS: u32 = 1024;
-    /// Bit of [`Step::flags`](crate::model::step::Step::flags): the integrator is symplectic Euler, so that velocities are half a step
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): the integrator is symplectic Euler, so that velocities are half a step
     /// behind positions. `synchronise` keeps those at the time of the positions in a fifth region of `Start`.
     pub const FLAG_HALF_STEP: u32 = 2048;
     /// Words of the rates of a sphere: acceleration x, y, z, torque x, y, z.
@@ -98,13 +98,13 @@ constants! {
     /// rolling damping (negative for the model of constant torque), coefficient of twisting friction, cohesion
     /// (DMT: pull-off force per R*; JKR: -(pi gamma / (4 E*))^(1/3)).
     pub const PAIR_WORDS: u32 = 12;
-    /// Value of [`Step::law`](crate::model::step::Step::law): the law of the thesis.
+    /// Value of [`Layout::law`](crate::model::step::Layout::law): the law of the thesis.
     pub const LAW_THESIS: u32 = 0;
-    /// Value of [`Step::law`](crate::model::step::Step::law): the law `linear`.
+    /// Value of [`Layout::law`](crate::model::step::Layout::law): the law `linear`.
     pub const LAW_LINEAR: u32 = 1;
-    /// Value of [`Step::law`](crate::model::step::Step::law): the law `hertz-mindlin`.
+    /// Value of [`Layout::law`](crate::model::step::Layout::law): the law `hertz-mindlin`.
     pub const LAW_HERTZ_MINDLIN: u32 = 2;
-    /// Value of [`Step::law`](crate::model::step::Step::law): the law that the program defines.
+    /// Value of [`Layout::law`](crate::model::step::Layout::law): the law that the program defines.
     pub const LAW_USER: u32 = 3;
     /// Distance over which the stiffness of the law that the program defines is found, per overlap.
     pub const USER_REACH: f32 = 0.01;
@@ -117,13 +117,13 @@ constants! {
     /// Bit of the key of a record that links to a block. The other bits are the number of that block. [`NO_KEY`] has this bit, too, so
     /// it is tested first. Keys of springs have at most [`ENTRY_BITS`] bits.
     pub const LINK_KEY: u32 = 1 << 31;
-    /// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): no sweeps. The step is rejected when a collision shares a body with
+    /// Value of [`Constants::sweeps`](crate::model::step::Constants::sweeps): no sweeps. The step is rejected when a collision shares a body with
     /// another.
     pub const SWEEPS_LISTED: u32 = 0;
-    /// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): one workgroup does all sweeps over collisions that share bodies. The step is rejected when there are more than [`FEW_COLLISIONS`] collisions, or when one has
+    /// Value of [`Constants::sweeps`](crate::model::step::Constants::sweeps): one workgroup does all sweeps over collisions that share bodies. The step is rejected when there are more than [`FEW_COLLISIONS`] collisions, or when one has
     /// more neighbours than its record has room for.
     pub const SWEEPS_FEW: u32 = 1;
-    /// Value of [`Step::sweeps`](crate::model::step::Step::sweeps): every sweep over collisions that share bodies is a dispatch.
+    /// Value of [`Constants::sweeps`](crate::model::step::Constants::sweeps): every sweep over collisions that share bodies is a dispatch.
     pub const SWEEPS_ON: u32 = 2;
     /// Up to this number of collisions, one workgroup does all sweeps faster than one dispatch per sweep does.
     pub const FEW_COLLISIONS: u32 = 2048;

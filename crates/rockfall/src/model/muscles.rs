@@ -59,7 +59,7 @@ impl MuscleClock {
         self.start + self.base() as f64 * f64::from(self.dt)
     }
 
-    /// Value of [`Step::muscle_step`].
+    /// Value of [`Constants::muscle_step`](crate::model::step::Constants::muscle_step).
     pub(crate) fn steps_since_base(&self) -> u32 {
         (self.steps - self.base()) as u32
     }

@@ -16,7 +16,7 @@ constants! {
     pub const REJECTED_COUNT: u32 = 8;
 
     /// Bit of [`Status::rejected`]: there is no room for all collisions, or collisions share bodies and
-    /// [`Step::sweeps`](crate::model::step::Step::sweeps) does not allow that.
+    /// [`Constants::sweeps`](crate::model::step::Constants::sweeps) does not allow that.
     pub const REJECTED_COLLISIONS: u32 = 16;
     /// Bit of [`Status::rejected`], together with [`REJECTED_COLLISIONS`]: one workgroup cannot do all sweeps.
     pub const REJECTED_MANY: u32 = 32;

@@ -214,7 +214,7 @@ impl Step {
         self.movers() + self.layout.boxes + self.layout.polygons
     }
 
-    /// Whether lists are exact (see [`Step::lookahead`]).
+    /// Whether lists are exact (see [`ListSettings::lookahead`](crate::model::step::ListSettings::lookahead)).
     pub const fn has_exact_lists(&self) -> bool {
         self.lists.lookahead == 0.0
     }
