@@ -266,7 +266,6 @@ static MISTAKES: &[Mistake] = &[
     Mistake("loads", 0, "geometry.wgsl", "select(0.0, 1.0, place > 0.5)", "select(1.0, 0.0, place > 0.5)", Buffer::Wrenches),
     Mistake("find_collisions", 0, "geometry.wgsl", "clamp(along, 0.0, 1.0)", "along", Buffer::Lists),
     Mistake("loads", 0, "geometry.wgsl", "if found.w < least {", "if found.w >= least {", Buffer::Wrenches),
-    Mistake("loads", 0, "laws/contact.wgsl", "overlap > LATE_OVERLAP", "overlap < LATE_OVERLAP", Buffer::Wrenches),
     Mistake("weigh_collisions", 0, "collision.wgsl", "select(1.0, 1.0 - half.at,", "select(1.0, half.at,", Buffer::Start),
     Mistake("weigh_collisions", 0, "couplings.wgsl", "gathered |= select(", "gathered = select(", Buffer::Start),
     Mistake("sweep_at_once", 0, "sweep_at_once.wgsl", "sweeps < SWEEPS;", "sweeps < SWEEPS / 2u;", Buffer::Start),

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE};
-use crate::model::view::{Object, View};
+use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity};
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
@@ -42,25 +42,12 @@ pub(crate) struct LawForce {
     pub(crate) slips: bool,
 }
 
-/// Overlap, as a fraction of the radius, with which a contact with a polygon may begin without an approach that explains it.
-const LATE_OVERLAP: f32 = 0.02;
-
-/// Whether a contact with a polygon is that of a body that came through from behind. It has no force (docs/physics.md section 4.11).
-fn is_late(view: &View, a: &Side, id_b: u32, overlap: f32, approach: f32, before: Option<Spring>) -> bool {
-    let began = before.is_some_and(|before| before.overlap > 0.0);
-    let most = LATE_OVERLAP * a.radius.unwrap_or_default() + 2.0 * approach.max(0.0) * view.step.constants.dt;
-    !began && matches!(view.object(id_b), Object::Polygon(_)) && overlap > most
-}
-
 /// Evaluates the contact of objects a and b, of which a was added first, and advances its spring by `View::spring_time`.
 /// `before` is its spring in the last step, or `None` for a new contact.
 pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, before: Option<Spring>) -> LawForce {
     let (step, n, overlap) = (view.step, touch.normal, touch.overlap);
     let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
     let approach = (a.velocity - b.velocity).dot(n);
-    if is_late(view, &a, id_b, overlap, approach, before) {
-        return LawForce::default();
-    }
     if step.constants.flags & FLAG_COLLISIONS != 0 {
         // As in docs/physics.md section 4.4.
         let threshold = collision_velocity(step, &a, &b);

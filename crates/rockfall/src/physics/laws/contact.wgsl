@@ -49,17 +49,6 @@ fn carried(before: Spring, n: vec3f, unloading: f32) -> vec3f {
     return length(before.shift) / left * unloading * turned;
 }
 
-// Overlap, as a fraction of the radius, with which a contact with a polygon may begin without an approach that explains it.
-const LATE_OVERLAP: f32 = 0.02;
-
-// Whether a contact with a polygon is that of a body that came through from behind. It has no force (docs/physics.md section 4.11).
-fn is_late(a: u32, b: u32, overlap: f32, approach: f32, before: Spring) -> bool {
-    if (b < step.spheres + step.rods + step.boxes) | (before.overlap > 0.0) {
-        return false;
-    }
-    return overlap > LATE_OVERLAP * state[position_at(a)].w + 2.0 * max(approach, 0.0) * step.dt;
-}
-
 // The contact of objects a and b, of which a was added first. Its spring is advanced by a time step.
 fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: Spring) -> LawForce {
     let b_moves = b < step.spheres + step.rods;
@@ -70,10 +59,6 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: S
     let approach = dot(relative, n);
     let no_force = ContactForce(vec3f(0.0), vec3f(0.0), arms.x, arms.y);
     var result = LawForce(no_force, vec3f(0.0), Spring(vec3f(0.0), overlap, vec3f(0.0)));
-    if is_late(a, b, overlap, approach, before) {
-        result.spring.overlap = 0.0;
-        return result;
-    }
     if !has_force(overlap, approach, smaller_radius(a_side.radius, b_side.radius, b_moves), a, b) {
         return result;
     }
