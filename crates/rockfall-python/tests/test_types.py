@@ -21,7 +21,7 @@ scene.settings.update(gravity=9.81, precision="double")
 scene.settings.update(gravty=9.81)  # wrong
 scene.gravity = 9.81  # wrong
 ball = scene.add_sphere([0, 1, 0], 0.1, group=3, fixed=True)
-scene.add_sphere([0, 1, 0], 0.1, colour="red")  # wrong
+scene.add_sphere([0, 1, 0], 0.1, color="red")  # wrong
 scene.add_box([0, 0, 0], [1, 1, 1], group=2)
 scene.add_box([0, 0, 0], [1, 1, 1], fixed=True)  # wrong
 scene.add_rod(0, 1, 0.1, length=1.0, group=1)
