@@ -60,12 +60,6 @@ macro_rules! block {
             /// The fields in the declaration for kernels.
             pub(crate) const WGSL_FIELDS: &'static str =
                 concat!($("    ", stringify!($field), ": ", $crate::model::declare::wgsl_type!($type), ",\n",)+);
-
-            /// The declaration for kernels.
-            #[allow(dead_code, reason = "parts of a larger block have none")]
-            pub(crate) fn wgsl() -> String {
-                format!(concat!("struct ", stringify!($name), " {{\n{}}}\n"), Self::WGSL_FIELDS)
-            }
         }
     };
 }

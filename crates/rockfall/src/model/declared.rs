@@ -7,9 +7,15 @@ use crate::model::status::{Counters, Status};
 use crate::model::step::{Aabb, Pass, Step};
 use crate::model::{layout, status};
 
+/// The declaration of a block.
+fn block(name: &str, fields: &str) -> String {
+    format!("struct {name} {{\n{fields}}}\n")
+}
+
 /// The declarations of `model/step.wgsl` that have a twin in Rust.
 pub(crate) fn wgsl() -> String {
-    let mut text = [Step::wgsl(), Pass::wgsl(), Aabb::wgsl()].concat();
+    let mut text =
+        [block("Step", &Step::wgsl_fields()), block("Pass", Pass::WGSL_FIELDS), block("Aabb", Aabb::WGSL_FIELDS)].concat();
     for suffix in ["", "Atomic"] {
         let words = |text: &mut String, all: &[(&str, bool)]| {
             for (name, is_atomic) in all {

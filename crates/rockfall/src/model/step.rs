@@ -194,9 +194,9 @@ impl Step {
         parts.into_iter().flat_map(|(at, fields)| fields.iter().map(move |(name, offset, size)| (*name, at + offset, *size)))
     }
 
-    /// The declaration for kernels.
-    pub(crate) fn wgsl() -> String {
-        format!("struct Step {{\n{}{}{}}}\n", Constants::WGSL_FIELDS, ListSettings::WGSL_FIELDS, Layout::WGSL_FIELDS)
+    /// The fields in the declaration for kernels.
+    pub(crate) fn wgsl_fields() -> String {
+        [Constants::WGSL_FIELDS, ListSettings::WGSL_FIELDS, Layout::WGSL_FIELDS].concat()
     }
 
     /// Number of objects that have a list: spheres and rods.

@@ -241,7 +241,7 @@ fn push_batches(topology: &mut Vec<u32>, batches: &[Vec<Vec<u32>>]) {
     }
 }
 
-/// Appends the table of ends, one word per sphere (see [`Layout::ends_at`](crate::model::step::Layout::ends_at)). Returns its offset, 0 without rods.
+/// Appends the table of ends, one word per sphere (see [`Layout::ends_at`]). Returns its offset, 0 without rods.
 fn push_ends(layout: &Layout, topology: &mut Vec<u32>) -> u32 {
     if layout.rods == 0 {
         return 0;
@@ -260,7 +260,7 @@ fn push_ends(layout: &Layout, topology: &mut Vec<u32>) -> u32 {
     at
 }
 
-/// Appends the network of each rod and the network table (see [`Layout::networks_at`](crate::model::step::Layout::networks_at)). A fixed-length rod belongs to a rigid
+/// Appends the network of each rod and the network table (see [`Layout::networks_at`]). A fixed-length rod belongs to a rigid
 /// capsule when both its ends move and have no other rod.
 fn push_networks(layout: &mut Layout, fixed: &[bool], fixed_rods: &[(u32, [u32; 2])], topology: &mut Vec<u32>) {
     (layout.networks, layout.networks_at) = (0, 0);
