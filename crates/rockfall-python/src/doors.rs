@@ -5,8 +5,8 @@ use std::sync::PoisonError;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use rockfall::{
-    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, ObjectId, Pair, Polygon, PolygonId, Result, Rod, RodId, Settings, Sphere,
-    SphereId, Spring, SpringId, Tag, Tether, TetherId,
+    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, ObjectId, Pair, Polygon, PolygonId, Result, Rod, RodId, Settings,
+    Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
 
 use crate::errors::Raise;
