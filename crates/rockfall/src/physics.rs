@@ -4,6 +4,7 @@
 //! finds mistakes in either.
 
 pub(crate) mod balls;
+pub(crate) mod chain;
 pub(crate) mod collision;
 pub(crate) mod contact;
 pub(crate) mod fine_geometry;

@@ -24,6 +24,8 @@ mod clusters;
 mod collide;
 #[path = "parity/compare.rs"]
 mod compare;
+#[path = "parity/covered.rs"]
+mod covered;
 #[path = "parity/crossings.rs"]
 mod crossings;
 #[path = "parity/decisions.rs"]

@@ -8,6 +8,8 @@ mod common;
 
 #[path = "witness/advance.rs"]
 mod advance;
+#[path = "witness/chains.rs"]
+mod chains;
 #[path = "witness/closed.rs"]
 mod closed;
 #[path = "witness/closed_surfaces.rs"]

@@ -6,11 +6,12 @@ use glam::{BVec4A, Vec4};
 use crate::model::lanes::{LANES, Vec3x4};
 use crate::model::lists::Entry;
 use crate::model::view::{Object, TINY, View};
+use crate::physics::chain::is_covered;
 use crate::physics::contact::{Approach, Sides, Touches, collision_velocity};
 use crate::physics::first_contact::time_of_beginning;
 use crate::physics::pairs::Surfaces;
 use crate::physics::side::side;
-use crate::physics::touch::ROUNDING;
+use crate::physics::touch::{ROUNDING, Touch};
 
 /// A sphere without rods.
 pub(crate) struct Ball<'a, 'b> {
@@ -120,6 +121,7 @@ impl<'a, 'b> Ball<'a, 'b> {
                 z: Vec4::select(coincide, Vec4::ZERO, normal.z),
             };
         }
+        let touches = Touches { normal, overlap: Vec4::splat(self.place.w) + radius - distance };
         Meeting {
             a: self.sides,
             b: Sides {
@@ -130,8 +132,23 @@ impl<'a, 'b> Ball<'a, 'b> {
                 radius: Some(radius),
                 free_acceleration: Vec4::from_array(others.map(|other| view.free_acceleration(Object::Sphere(other)))),
             },
-            touches: Touches { normal, overlap: Vec4::splat(self.place.w) + radius - distance },
+            touches: if view.step.layout.rods > 0 { self.uncovered(others, touches) } else { touches },
         }
+    }
+
+    /// Contacts with four spheres, where an overlap is set to 0 if the chain of the other sphere covers the contact.
+    #[inline(never)]
+    fn uncovered(&self, others: [u32; LANES], mut touches: Touches) -> Touches {
+        let mut overlaps = touches.overlap.to_array();
+        for ((other, normal), overlap) in others.into_iter().zip(touches.normal.to_rows()).zip(&mut overlaps) {
+            let touch = Touch { normal, overlap: *overlap, a: 0.0, b: 0.0 };
+            let [own, other] = [self.sphere, other].map(Object::Sphere);
+            if *overlap > 0.0 && is_covered(self.view, own, other, &touch) {
+                *overlap = 0.0;
+            }
+        }
+        touches.overlap = Vec4::from_array(overlaps);
+        touches
     }
 }
 

@@ -630,8 +630,3 @@ fn touch_with(own: Own, id: u32, feature: u32) -> Touch {
     }
     return no_touch();
 }
-
-// Contact of two objects. `a` must be a mover.
-fn touch(a: u32, b: u32, feature: u32) -> Touch {
-    return touch_with(own_of(a), b, feature);
-}

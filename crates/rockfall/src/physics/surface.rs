@@ -1,17 +1,21 @@
-//! Which of the boxes and polygons that a sphere overlaps touch it (docs/physics.md section 2.11).
+//! Which of the boxes and polygons that a sphere or a rod overlaps touch it (docs/physics.md section 2.11).
 
 use std::cmp::Ordering;
 
 use glam::Vec3;
 
 use crate::model::lists::{Entry, Lists};
-use crate::model::view::{Object, View};
-use crate::physics::touch::touch;
+use crate::model::view::{BoxRecord, Object, RodRecord, View};
+use crate::physics::geometry::{box_contains, box_parameters};
+use crate::physics::touch::{Feature, Touch, box_from, ends, origin_of, touch};
 
 /// A candidate counts as hidden if its nearest point is less than this times the radius in front of a tangent plane.
 const SLACK: f32 = 1e-5;
 /// The cosine of 0.01 rad. Normals that differ by less are one.
 const ONE_NORMAL: f32 = 0.999_95;
+
+/// Distance, as a part of the radius of a rod, at which another box is looked for beside an edge.
+const BESIDE: f32 = 1e-3;
 
 /// A box or polygon that a sphere overlaps.
 struct Candidate {
@@ -62,28 +66,36 @@ fn order(view: &View, one: &Candidate, other: &Candidate) -> Ordering {
     by_distance.then_with(|| numbers(one.id).partial_cmp(&numbers(other.id)).unwrap_or(Ordering::Equal))
 }
 
-/// The boxes and polygons that a sphere overlaps but does not touch, because a nearer one hides them. In most cases there are none.
-pub(crate) struct Hidden(Vec<u32>);
+/// The boxes and polygons that a sphere overlaps but does not touch, because a nearer one hides them, and the edges of boxes that are no
+/// edges of the surface, for a rod: ids and features. In most cases there are none.
+pub(crate) struct Hidden(Vec<(u32, u32)>);
 
 impl Hidden {
-    /// The hidden objects in the list of a mover, of which `list` returns the `count` entries. Rods have none.
+    /// The hidden objects in the list of a mover, of which `list` returns the `count` entries.
     pub(crate) fn of(view: &View, mover: u32, count: u32, list: impl Fn(u32) -> Entry) -> Self {
-        let mut hidden = Self(Vec::new());
-        let Object::Sphere(sphere) = view.object(mover) else {
-            return hidden;
-        };
         // Boxes and polygons are the last entries of a list.
         let is_static = |place: &u32| list(*place).id() >= view.step.movers();
         let first = (0..count).rev().take_while(is_static).last().unwrap_or(count);
-        if count - first < 2 {
-            return hidden;
+        if count - first < 2 || list(first).id() == list(count - 1).id() {
+            return Self(Vec::new());
         }
+        let statics = (first..count).map(list);
+        match view.object(mover) {
+            Object::Sphere(sphere) => Self::from_sphere(view, sphere, statics),
+            Object::Rod(rod) => Self::from_rod(view, rod, statics),
+            Object::Cuboid(_) | Object::Polygon(_) => Self(Vec::new()),
+        }
+    }
+
+    /// The hidden ones of boxes and polygons near a sphere.
+    fn from_sphere(view: &View, sphere: u32, statics: impl Iterator<Item = Entry>) -> Self {
+        let mut hidden = Self(Vec::new());
         let radius = view.radius(sphere);
         let candidate = |id| {
             let touch = touch(view, sphere, id, 0)?;
             Some(Candidate { id, distance: radius - touch.overlap, normal: touch.normal })
         };
-        let mut candidates: Vec<Candidate> = (first..count).filter_map(|place| candidate(list(place).id())).collect();
+        let mut candidates: Vec<Candidate> = statics.filter_map(|entry| candidate(entry.id())).collect();
         if candidates.len() < 2 {
             return hidden;
         }
@@ -91,7 +103,7 @@ impl Hidden {
         let mut kept: Vec<Candidate> = Vec::new();
         for candidate in candidates {
             if kept.iter().any(|nearer| candidate.is_behind(view, sphere, nearer)) {
-                hidden.0.push(candidate.id);
+                hidden.0.push((candidate.id, 0));
             } else {
                 kept.push(candidate);
             }
@@ -99,15 +111,57 @@ impl Hidden {
         hidden
     }
 
-    /// Whether an object is hidden.
-    pub(crate) fn has(&self, id: u32) -> bool {
-        self.0.contains(&id)
+    /// The edges and vertices of boxes that a rod touches where another box continues a face.
+    fn from_rod(view: &View, rod: u32, statics: impl Iterator<Item = Entry>) -> Self {
+        let id = view.step.layout.spheres + rod;
+        let statics: Vec<Entry> = statics.collect();
+        let origin = origin_of(view, view.rod(rod));
+        let cuboid = |entry: &Entry| box_from(&view.cuboid(entry.id() - view.step.movers()), origin);
+        let continues = |entry: &Entry, points: &[Vec3]| {
+            let others = statics.iter().filter(|other| other.id() != entry.id() && other.feature() == 0).map(cuboid);
+            others.into_iter().any(|other| points.iter().any(|point| box_contains(&other, *point, 0.0)))
+        };
+        let is_hidden = |entry: &&Entry| {
+            touch(view, id, entry.id(), entry.feature()).is_some_and(|touch| {
+                let is_edge = matches!(part_of_box(view, id, entry), Some(Feature::Edge(_)));
+                let along = is_edge.then_some(entry.feature() / 4);
+                continues(entry, &points_outside(view, view.rod(rod), &cuboid(entry), &touch, along))
+            })
+        };
+        Self(statics.iter().filter(is_hidden).map(|entry| (entry.id(), entry.feature())).collect())
     }
+
+    /// Whether the object of an entry is hidden.
+    pub(crate) fn has(&self, entry: &Entry) -> bool {
+        self.0.contains(&(entry.id(), entry.feature()))
+    }
+}
+
+fn part_of_box(view: &View, rod: u32, entry: &Entry) -> Option<Feature> {
+    Feature::of(view, view.object(rod), view.object(entry.id()), entry.feature())
+}
+
+/// Points near the place where a rod touches a box, outside of the box, in every direction in which another box may continue one of its
+/// faces. `along` is the axis of the edge, and `None` at a vertex.
+fn points_outside(view: &View, rod: RodRecord, cuboid: &BoxRecord, touch: &Touch, along: Option<u32>) -> Vec<Vec3> {
+    let [one, two] = ends(view, rod, origin_of(view, rod));
+    let place = one + touch.a * (two - one) + (rod.radius - touch.overlap) * touch.normal;
+    let t = box_parameters(cuboid, place).to_array();
+    let step = |axis: usize| {
+        let outward = if t[axis] < 0.5 { -1.0 } else { 1.0 };
+        BESIDE * rod.radius * outward * cuboid.edges[axis].normalize()
+    };
+    let axes: Vec<usize> = (0..3).filter(|axis| along != Some(*axis as u32)).collect();
+    let point = |signs: u32| {
+        let way = (0..).zip(&axes).map(|(bit, axis)| if signs >> bit & 1 == 1 { step(*axis) } else { -step(*axis) });
+        place + way.sum::<Vec3>()
+    };
+    (1..1 << axes.len()).map(point).collect()
 }
 
 /// The list of a mover without hidden objects.
 pub(crate) fn visible_row<'a>(view: &View, lists: &Lists<'a>, mover: u32) -> impl Iterator<Item = Entry> + use<'a> {
     let (count, list) = lists.list(mover);
     let hidden = Hidden::of(view, mover, count, &list);
-    (0..count).map(list).filter(move |entry| !hidden.has(entry.id()))
+    (0..count).map(list).filter(move |entry| !hidden.has(entry))
 }

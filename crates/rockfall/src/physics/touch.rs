@@ -6,6 +6,7 @@ use glam::Vec3;
 use crate::fine::Fine;
 use crate::model::layout::BOX_FEATURES;
 use crate::model::view::{BoxRecord, Object, PolygonRecord, RodRecord, TINY, View};
+use crate::physics::chain::is_covered;
 use crate::physics::fine_geometry::{fine_box, fine_plane, fine_polygon, fine_spheres};
 use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_box, point_over_polygon, point_polygon, point_segment,
@@ -110,7 +111,7 @@ pub(crate) struct Touch {
     pub(crate) b: f32,
 }
 
-/// Returns the contact of two objects, or `None` when they do not overlap or never interact. In the order sphere, rod, box,
+/// Returns the contact of two objects, or `None` when they do not overlap, never interact, or other parts of their chains cover it. In the order sphere, rod, box,
 /// polygon, the kind of A must not come after the kind of B. `feature` is the feature of a rod and a box.
 pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<Touch> {
     let (a, b) = (view.object(id_a), view.object(id_b));
@@ -123,7 +124,7 @@ pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<T
     }?;
     // A rod cannot move at a fixed end.
     let inverse_mass = side(view, a, touch.a).inverse_mass + side(view, b, touch.b).inverse_mass;
-    (inverse_mass > 0.0).then_some(touch)
+    (inverse_mass > 0.0 && !is_covered(view, a, b, &touch)).then_some(touch)
 }
 
 /// Returns the signed geometry of two objects that do not overlap, with a negative or zero overlap, or `None` when they have no
@@ -151,7 +152,7 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
 
 /// Whether a pair never interacts because of the rods that the objects share or because neither can move (docs/physics.md
 /// section 1.3).
-fn ignore(view: &View, a: Object, b: Object) -> bool {
+pub(crate) fn ignore(view: &View, a: Object, b: Object) -> bool {
     if immovable(view, a) && immovable(view, b) {
         return true;
     }
@@ -255,16 +256,16 @@ pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature
 
 /// The origin of the coordinates in which a rod is compared with other objects: its end 1 with double precision, where differences
 /// of positions keep their digits, and otherwise the origin of the scene.
-fn origin_of(at: &impl Motions, rod: RodRecord) -> Fine {
+pub(crate) fn origin_of(at: &impl Motions, rod: RodRecord) -> Fine {
     at.fine_position(rod.ends[0]).unwrap_or_default()
 }
 
-fn ends(at: &impl Motions, rod: RodRecord, origin: Fine) -> [Vec3; 2] {
+pub(crate) fn ends(at: &impl Motions, rod: RodRecord, origin: Fine) -> [Vec3; 2] {
     rod.ends.map(|end| at.seen_from(origin, end))
 }
 
 /// A box as seen from an origin.
-fn box_from(cuboid: &BoxRecord, origin: Fine) -> BoxRecord {
+pub(crate) fn box_from(cuboid: &BoxRecord, origin: Fine) -> BoxRecord {
     BoxRecord { corner: Fine { high: cuboid.corner, low: Vec3::ZERO }.minus(origin), ..*cuboid }
 }
 

@@ -12,6 +12,7 @@ use rockfall::model::world::World;
 
 use crate::bodies::{Bodies, Kind};
 use crate::collide::{self, Change, Share};
+use crate::covered::without_covered;
 use crate::narrow::{EDGES, Touch, touches};
 use crate::surfaces::without_hidden;
 
@@ -62,7 +63,7 @@ pub(crate) struct Contact {
     pub(crate) collides: bool,
 }
 
-/// Returns all overlaps but those that other shapes hide. Ambiguous decisions on whether objects overlap go to `findings`.
+/// Returns all overlaps but those that other shapes hide or that their chains cover. Ambiguous decisions on whether objects overlap go to `findings`.
 pub(crate) fn contacts(bodies: &Bodies, findings: &mut Findings) -> Vec<Contact> {
     let mut all = Vec::new();
     for a in 0..bodies.movers() {
@@ -76,7 +77,7 @@ pub(crate) fn contacts(bodies: &Bodies, findings: &mut Findings) -> Vec<Contact>
             }
         }
     }
-    without_hidden(bodies, all, findings)
+    without_hidden(bodies, without_covered(bodies, all, findings), findings)
 }
 
 fn contact(bodies: &Bodies, a: usize, b: usize, touch: Touch) -> Contact {

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::bodies::{Bodies, Kind};
 use crate::decisions::{Contact, Findings, LIMIT};
+use crate::narrow::is_vertex;
 
 /// A shape is behind a plane from this part of the radius in front of it.
 const BEHIND: f64 = 1e-5;
@@ -15,6 +16,10 @@ const SAME: f64 = 0.999_950_000_416_665;
 /// limits are below that of other decisions.
 const BEHIND_LIMIT: f64 = 4e-6;
 const SAME_LIMIT: f64 = 1e-6;
+/// Distance from an edge, as a part of the radius of a rod, at which another box is looked for.
+const BESIDE: f64 = 1e-3;
+/// Least distance, in units, of these points from the surface of the other box.
+const SEAM_LIMIT: f64 = 1e-6;
 
 /// A box or a polygon that a sphere overlaps.
 struct Shape {
@@ -102,7 +107,51 @@ pub(crate) fn without_hidden(bodies: &Bodies, contacts: Vec<Contact>, findings: 
             findings.count(format!("{} hidden", contacts[place].touch.kind));
         }
     }
-    contacts.into_iter().zip(is_hidden).filter_map(|(contact, is_hidden)| (!is_hidden).then_some(contact)).collect()
+    let mut is_seam = |contact: &Contact| {
+        let condition = seam(bodies, contact);
+        findings.decide("seam", contact.a, LIMIT / SEAM_LIMIT * condition);
+        if condition > 0.0 {
+            findings.count(format!("{} at a seam", contact.touch.kind));
+        }
+        condition > 0.0
+    };
+    let seen = contacts.into_iter().zip(is_hidden).filter_map(|(contact, is_hidden)| (!is_hidden).then_some(contact));
+    seen.filter(|contact| !is_seam(contact)).collect()
+}
+
+/// Whether another box continues a face at the edge or vertex of a box that a rod touches, as a condition in units.
+fn seam(bodies: &Bodies, contact: &Contact) -> f64 {
+    let (Kind::Bar(bar), Kind::Block(block)) = (bodies.kind(contact.a), bodies.kind(contact.b)) else {
+        return f64::NEG_INFINITY;
+    };
+    let (radius, touch, block) = (bodies.bars[bar].radius, &contact.touch, &bodies.blocks[block]);
+    let [one, two] = bodies.segment(bar);
+    let place = one.lerp(two, touch.a) + (radius - touch.overlap) * touch.n;
+    let free = if is_vertex(touch) { 3 } else { touch.feature / 4 };
+    let mut strongest = f64::NEG_INFINITY;
+    for signs in 0..27 {
+        let digits = [signs % 3, signs / 3 % 3, signs / 9].map(|digit| f64::from(digit) - 1.0);
+        let across = (0..3).filter(|axis| *axis != free);
+        if (0..3).any(|axis| (digits[axis] == 0.0) != (axis == free)) || across.clone().all(|axis| digits[axis] < 0.0) {
+            continue;
+        }
+        let middle = block.corner + block.edges.iter().sum::<DVec3>() / 2.0;
+        let step = |axis: usize| {
+            let outward = block.edges[axis].normalize();
+            digits[axis] * outward * (place - middle).dot(outward).signum()
+        };
+        let point = place + BESIDE * radius * across.map(step).sum::<DVec3>();
+        for (other, id) in bodies.blocks.iter().zip(bodies.movers()..) {
+            if id != contact.b && bodies.may_touch(contact.a, id) {
+                let depth = |edge: &DVec3| {
+                    let along = (point - other.corner).dot(edge.normalize());
+                    along.min(edge.length() - along)
+                };
+                strongest = strongest.max(other.edges.iter().map(depth).fold(f64::INFINITY, f64::min));
+            }
+        }
+    }
+    strongest
 }
 
 /// Returns the places of the hidden shapes of a sphere.

@@ -1,14 +1,15 @@
 //! Faults of the thesis's collision and contact model that this model corrects. Every test has its own scene, and its
 //! expected values are derived by hand.
 //!
-//! This file tests the errata E19 to E28 of `docs/physics.md`, together with `faults/surfaces.rs` (E27) and `faults/edges.rs` (E28). Each
-//! test's name begins with the number of its erratum. The other files in `faults/` test corrections that are not errata.
+//! This file tests the errata E19 to E29 of `docs/physics.md`, together with `faults/surfaces.rs` (E27), `faults/edges.rs` (E28) and
+//! `faults/chains.rs` (E29). Each test's name begins with the number of its erratum. The other files in `faults/` test corrections that are not errata.
 
 use rockfall::{Backend, Cuboid, Integrator, Scene, Simulation, Sphere, SphereState};
 
 use crate::common::{spheres, weightless, with};
 use scenes::{Random, after, angular, in_gravity, kinetic, open, opened, scene, within};
 
+mod chains;
 mod edges;
 mod forces;
 mod lengths;

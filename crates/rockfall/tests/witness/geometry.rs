@@ -127,7 +127,7 @@ fn rod_rod(one: &Bar, a: [DVec3; 2], two: &Bar, b: [DVec3; 2]) -> Option<Line> {
 }
 
 /// Parameters of a point along the edges of a box.
-fn in_box(block: &Block, point: DVec3) -> [f64; 3] {
+pub(crate) fn in_box(block: &Block, point: DVec3) -> [f64; 3] {
     block.edges.map(|edge| (point - block.corner).dot(edge) / edge.length_squared())
 }
 
@@ -326,7 +326,7 @@ impl World {
     }
 
     /// Whether two objects may touch: they are in one group, at least one can move, and they are not parts of one body.
-    fn may_touch(&self, a: Thing, b: Thing) -> bool {
+    pub(crate) fn may_touch(&self, a: Thing, b: Thing) -> bool {
         let related = match (a, b) {
             (Thing::Ball(a), Thing::Ball(b)) => {
                 self.bars.iter().any(|bar| bar.length.is_some() && (bar.ends == [a, b] || bar.ends == [b, a]))
@@ -353,7 +353,10 @@ impl World {
                     found.extend((0..8).filter_map(|vertex| hit(Feature::Vertex(vertex))));
                 }
             }
-            _ => found.extend(self.line(&plain).filter(|line| line.o > 0.0).map(|line| (plain, line))),
+            _ => {
+                let line = self.line(&plain).filter(|line| line.o > 0.0 && !self.is_covered(&plain, line));
+                found.extend(line.map(|line| (plain, line)));
+            }
         }
     }
 }

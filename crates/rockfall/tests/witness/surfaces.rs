@@ -4,13 +4,15 @@ use std::cmp::Ordering;
 
 use rockfall::glam::DVec3;
 
-use crate::geometry::{Line, Pair, Thing};
+use crate::geometry::{Feature, Line, Pair, Thing, in_box};
 use crate::world::{Mistake, World};
 
 /// A shape is behind another one if its nearest point is at most this part of the radius in front of the other's tangent plane.
 const BEHIND: f64 = 1e-5;
 /// Normals that differ by at most this angle count as the same.
 const SAME_NORMAL: f64 = 0.01;
+/// Distance from an edge, as a part of the radius of a rod, at which another box is looked for.
+const BESIDE: f64 = 1e-3;
 
 /// A box or a polygon that a sphere overlaps.
 struct Candidate {
@@ -44,7 +46,7 @@ impl Candidate {
 }
 
 impl World {
-    /// Removes the contacts of spheres with shapes that another shape hides.
+    /// Removes the contacts with shapes that another shape hides.
     pub(crate) fn without_hidden(&self, found: Vec<(Pair, Line)>) -> Vec<(Pair, Line)> {
         if self.made(Mistake::Hidden) {
             return found;
@@ -63,7 +65,30 @@ impl World {
                 }
             }
         }
-        found.into_iter().zip(keeps).filter_map(|(contact, keep)| keep.then_some(contact)).collect()
+        let seen = found.into_iter().zip(keeps).filter_map(|(contact, keep)| keep.then_some(contact));
+        seen.filter(|(pair, line)| !self.is_seam(pair, line)).collect()
+    }
+
+    /// Whether a rod touches an edge or a vertex of a box where another box continues a face.
+    fn is_seam(&self, pair: &Pair, line: &Line) -> bool {
+        let (Thing::Bar(bar), Thing::Block(block)) = (pair.a, pair.b) else { return false };
+        let (radius, [one, two]) = (self.bars[bar].radius, self.ends(bar));
+        let x = one.lerp(two, line.at[0]) + (radius - line.o) * line.n;
+        let outward: Vec<DVec3> = (0..3)
+            .filter(|axis| !matches!(pair.feature, Feature::Edge(edge) if edge / 4 == *axis))
+            .map(|axis| {
+                let far = in_box(&self.blocks[block], x)[axis] >= 0.5;
+                BESIDE * radius * self.blocks[block].edges[axis].normalize() * if far { 1.0 } else { -1.0 }
+            })
+            .collect();
+        let mut points = vec![(x, false)];
+        for step in outward {
+            points = points.into_iter().flat_map(|(point, outside)| [(point + step, true), (point - step, outside)]).collect();
+        }
+        let contains =
+            |other: usize, point: DVec3| in_box(&self.blocks[other], point).into_iter().all(|t| (0.0..=1.0).contains(&t));
+        let others = (0..self.blocks.len()).filter(|other| *other != block && self.may_touch(pair.a, Thing::Block(*other)));
+        others.into_iter().any(|other| points.iter().any(|(point, outside)| *outside && contains(other, *point)))
     }
 
     fn candidates(&self, ball: usize, found: &[(Pair, Line)]) -> Vec<Candidate> {

@@ -139,7 +139,7 @@ impl Constants {
 }
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 14] = [
+pub(crate) const MISTAKES: [Mistake; 15] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -154,6 +154,7 @@ pub(crate) const MISTAKES: [Mistake; 14] = [
     Mistake::FixedEnds,
     Mistake::SpringWork,
     Mistake::Hidden,
+    Mistake::Covered,
 ];
 
 /// A deliberate mistake of the witness. The comparison must detect each of them.
@@ -187,6 +188,8 @@ pub(crate) enum Mistake {
     SpringWork,
     /// Shapes that another shape hides have contacts.
     Hidden,
+    /// Contacts that another part of a chain covers count.
+    Covered,
 }
 
 /// How the sweeps over rod lengths run.

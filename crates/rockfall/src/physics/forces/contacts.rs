@@ -51,7 +51,7 @@ impl Contacts<'_> {
     fn each(&self, mover: u32, from: u32, owned: &mut Owned, mut tally: Option<&mut Tally>, mut take: impl FnMut(Load, f32)) {
         let (count, list) = self.lists.list(mover);
         let hidden = Hidden::of(self.view, mover, count, &list);
-        for entry in (from..count).map(list).filter(|entry| !hidden.has(entry.id())) {
+        for entry in (from..count).map(list).filter(|entry| !hidden.has(entry)) {
             let (a, b) = self.view.ordered(mover, entry.id());
             let Some((touch, loads, spring)) = self.evaluate(a, b, entry.feature()) else {
                 continue;

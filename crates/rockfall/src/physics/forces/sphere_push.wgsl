@@ -1,4 +1,5 @@
-// requires model/entries.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl
+// requires model/entries.wgsl model/step.wgsl physics/chain.wgsl physics/contact.wgsl physics/forces/net_force.wgsl
+// requires physics/geometry.wgsl
 
 // A contact of a sphere by the law of the thesis.
 
@@ -17,6 +18,7 @@ fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: LoadedEntry) -> 
         found = touch_static_or_rod(i, id, own);
         their_side = other_side(id, found.b);
     }
+    found = uncovered(i, id, found);
     // A position far outside of the range of f32 makes the overlap no number. That is no contact either.
     if !(found.overlap > 0.0) | (side.inverse_mass + their_side.inverse_mass <= 0.0) {
         return no_push();

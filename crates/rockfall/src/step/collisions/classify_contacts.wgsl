@@ -1,6 +1,6 @@
 // requires physics/surfaces_of_list.wgsl model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/put_head.wgsl
-// requires model/step.wgsl physics/collision.wgsl physics/collision/plain.wgsl physics/contact.wgsl physics/geometry.wgsl
-// requires physics/escape.wgsl
+// requires model/step.wgsl physics/chain.wgsl physics/collision.wgsl physics/collision/plain.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires physics/escape.wgsl physics/seams_of_list.wgsl
 
 // Decides which contacts are pressed, and which of them collide (docs/physics.md section 3.1).
 
@@ -52,7 +52,7 @@ fn classify(own: Own, velocity: vec4f, other: LoadedEntry) -> u32 {
         return 0u;
     }
     let pair = ordered(own.id, id);
-    let found = touch_with(own, id, entry_feature(other.entry));
+    let found = contact_with(own, id, entry_feature(other.entry));
     if found.overlap <= 0.0 {
         return 0u;
     }
@@ -111,6 +111,8 @@ fn mark_entries(mover: u32) -> u32 {
         var hidden = 0u;
         if mover < step.spheres {
             hidden = hidden_entries(mover, own.place, first, begin, count);
+        } else if RODS {
+            hidden = hidden_edges(own.bar, first, begin, count);
         }
         var now = meet(first, begin, rest);
         while rest != 0u {

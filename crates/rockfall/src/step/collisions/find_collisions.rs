@@ -110,7 +110,7 @@ fn mark(view: &View, crossings: Option<Crossings>, slice: &mut Slice, place: usi
         .map_or(0, |ball| ball.for_each_near(count, list, |others| classify_group(&ball, mover, others, &mut set)));
     let hidden = Hidden::of(view, mover, count, list);
     for entry in (done..count).map(list) {
-        set(&entry, if hidden.has(entry.id()) { 0 } else { classify(view, mover, entry) });
+        set(&entry, if hidden.has(&entry) { 0 } else { classify(view, mover, entry) });
     }
 }
 

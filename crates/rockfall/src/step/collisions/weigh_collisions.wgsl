@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/collision_state.wgsl model/step.wgsl physics/collision.wgsl
 // requires physics/collision/other_collisions.wgsl physics/collision/couplings.wgsl physics/collision/impulses.wgsl
-// requires physics/collision/plain.wgsl physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl physics/pairs.wgsl
+// requires physics/chain.wgsl physics/collision/plain.wgsl physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl physics/pairs.wgsl
 // requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/collisions/report_clusters.wgsl
 

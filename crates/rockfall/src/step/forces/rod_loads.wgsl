@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
-// requires physics/forces/due.wgsl physics/forces/net_force.wgsl physics/forces/rod_load.wgsl physics/geometry.wgsl
-// requires physics/laws/history.wgsl physics/laws/mover_contact.wgsl
+// requires physics/chain.wgsl physics/forces/due.wgsl physics/forces/net_force.wgsl physics/forces/rod_load.wgsl physics/geometry.wgsl
+// requires physics/laws/history.wgsl physics/laws/mover_contact.wgsl physics/seams_of_list.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -16,7 +16,8 @@ fn add_contacts(rod: u32, sum: ptr<function, RodLoad>) {
     let first = first_of(id);
     let own = bar_of(rod);
     for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
-        for (var rest = touching_rod(id, own, 0u, first, begin, count); rest != 0u; rest &= rest - 1u) {
+        let touching = touching_rod(id, own, 0u, first, begin, count) & ~hidden_edges(own, first, begin, count);
+        for (var rest = touching; rest != 0u; rest &= rest - 1u) {
             add_contact(id, own, entry_at(slot_at(first, begin + firstTrailingBit(rest))), sum);
         }
     }
@@ -26,7 +27,7 @@ fn add_contact(id: u32, own: Bar, entry: u32, sum: ptr<function, RodLoad>) {
     let other = entry_id(entry);
     let a = min(id, other);
     let b = max(id, other);
-    let found = touch_bar(id, own, other, entry_feature(entry));
+    let found = uncovered(a, b, touch_bar(id, own, other, entry_feature(entry)));
     let a_side = side_of(a, found.a);
     let b_side = side_of(b, found.b);
     if !(found.overlap > 0.0) | (a_side.inverse_mass + b_side.inverse_mass <= 0.0) {
@@ -45,7 +46,15 @@ fn add_law_contacts(rod: u32, sum: ptr<function, RodLoad>) {
     var chain = new_chain(id);
     let count = count_of(id);
     let first = first_of(id);
+    let own = bar_of(rod);
+    var hidden = 0u;
     for (var e = 0u; e < count; e++) {
+        if e % ENTRIES_PER_MASK == 0u {
+            hidden = hidden_edges(own, first, e, count);
+        }
+        if ((hidden >> (e % ENTRIES_PER_MASK)) & 1u) != 0u {
+            continue;
+        }
         let entry = entry_at(slot_at(first, e));
         let met = mover_contact(id, entry);
         if !met.touches {
