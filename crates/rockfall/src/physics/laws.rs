@@ -6,6 +6,7 @@
 //! ([`history`]). The law that a program defines ([`user`]) gives its damping itself. The thesis's law, which has no history,
 //! is in `physics/contact.*`.
 
+pub(crate) mod before;
 pub(crate) mod contact;
 mod hertz_mindlin;
 pub(crate) mod history;

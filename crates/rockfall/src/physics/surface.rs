@@ -27,6 +27,10 @@ struct Candidate {
 }
 
 impl Candidate {
+    fn of(view: &View, sphere: u32, id: u32, touch: &Touch) -> Self {
+        Self { id, distance: view.radius(sphere) - touch.overlap, normal: touch.normal }
+    }
+
     /// Whether a nearer candidate hides this one. A box that contains the centre hides only what is wholly behind its face.
     fn is_behind(&self, view: &View, sphere: u32, nearer: &Self) -> bool {
         let cosine = self.normal.dot(nearer.normal);
@@ -90,11 +94,7 @@ impl Hidden {
     /// The hidden ones of boxes and polygons near a sphere.
     fn from_sphere(view: &View, sphere: u32, statics: impl Iterator<Item = Entry>) -> Self {
         let mut hidden = Self(Vec::new());
-        let radius = view.radius(sphere);
-        let candidate = |id| {
-            let touch = touch(view, sphere, id, 0)?;
-            Some(Candidate { id, distance: radius - touch.overlap, normal: touch.normal })
-        };
+        let candidate = |id| Some(Candidate::of(view, sphere, id, &touch(view, sphere, id, 0)?));
         let mut candidates: Vec<Candidate> = statics.filter_map(|entry| candidate(entry.id())).collect();
         if candidates.len() < 2 {
             return hidden;
@@ -135,6 +135,13 @@ impl Hidden {
     pub(crate) fn has(&self, entry: &Entry) -> bool {
         self.0.contains(&(entry.id(), entry.feature()))
     }
+}
+
+/// Whether the contact of a sphere with a box or polygon hides another one, which the sphere overlaps.
+pub(crate) fn hides(view: &View, sphere: u32, (id, nearer): (u32, &Touch), other: u32) -> bool {
+    let nearer = Candidate::of(view, sphere, id, nearer);
+    touch(view, sphere, other, 0)
+        .is_some_and(|found| Candidate::of(view, sphere, other, &found).is_behind(view, sphere, &nearer))
 }
 
 fn part_of_box(view: &View, rod: u32, entry: &Entry) -> Option<Feature> {

@@ -15,6 +15,7 @@ use crate::physics::collision::Collision;
 use crate::physics::collision::all::{impulse_in, solve};
 use crate::physics::contact::{collision_velocity, contact_force};
 use crate::physics::forces::sphere_rates;
+use crate::physics::laws::before::spring_before;
 use crate::physics::laws::contact::{LawForce, law_force, normal_energy};
 use crate::physics::laws::history::Histories;
 use crate::physics::laws::neck::contact;
@@ -184,6 +185,10 @@ impl Simulation {
             own.filter_map(|entry| {
                 let touch = contact(&view, &histories, mover, entry.id(), entry.feature())?;
                 if view.step.layout.law != LAW_THESIS {
+                    let spring = histories.spring(&view, mover, entry.id(), entry.feature());
+                    if spring.is_some_and(|spring| spring.is_passage()) {
+                        return None;
+                    }
                     return Some(normal_energy(&view, mover, entry.id(), &touch));
                 }
                 let side = |id, parameter| f64::from(side(&view, view.object(id), parameter).inverse_mass);
@@ -260,7 +265,8 @@ fn action(
         let force = contact_force(view, *a, *b, touch).force;
         return Some((collision, ContactAction::Force(-force), None));
     }
-    let LawForce { loads, spring, slips } = law_force(view, [*a, *b], touch, histories.spring(view, *a, *b, *feature));
+    let before = spring_before(view, &histories, [*a, *b], *feature, touch);
+    let LawForce { loads, spring, slips } = law_force(view, [*a, *b], touch, before);
     let springs = ContactSprings { displacement: spring.shift, moment: -spring.moment, slips };
     Some((collision, ContactAction::Force(-loads.force), Some(springs)))
 }

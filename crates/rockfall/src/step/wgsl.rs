@@ -95,6 +95,7 @@ const SHARED: &[Part] = &[
     part!("physics/friction_impulses.wgsl"),
     part!("physics/geometry.wgsl"),
     part!("physics/scale.wgsl"),
+    part!("physics/laws/before.wgsl"),
     part!("physics/laws/contact.wgsl"),
     part!("physics/laws/hertz_mindlin.wgsl"),
     part!("physics/laws/history.wgsl"),

@@ -134,9 +134,9 @@ fn invalid_links_are_refused() {
 
 /// Mistakes that only chains reveal.
 static MISTAKES: [Mistake; 9] = [
-    Mistake("loads", 0, "history.wgsl", "(last.w & LINK_KEY) != 0u", "false", Buffer::Histories),
-    Mistake("loads", 0, "history.wgsl", "HISTORY_BLOCK * (last.w & ~LINK_KEY)", "HISTORY_BLOCK", Buffer::Histories),
-    Mistake("loads", 0, "history.wgsl", "if record % HISTORY_BLOCK == 0u {", "if false {", Buffer::Histories),
+    Mistake("loads", 0, "history.wgsl", "(last & LINK_KEY) != 0u", "false", Buffer::Histories),
+    Mistake("loads", 0, "history.wgsl", "HISTORY_BLOCK * (last & ~LINK_KEY)", "HISTORY_BLOCK", Buffer::Histories),
+    Mistake("loads", 0, "history.wgsl", "if (record + 1u) % HISTORY_BLOCK == 0u {", "if false {", Buffer::Histories),
     Mistake("loads", 0, "history.wgsl", "histories[new_] = histories[old]", "histories[new_] = vec4u(0u)", Buffer::Histories),
     Mistake("loads", 0, "history.wgsl", "= vec4u(LINK_KEY | block)", "= vec4u(NO_KEY)", Buffer::Histories),
     Mistake("loads", 0, "history.wgsl", "if !is_full(chain) &", "if is_full(chain) &", Buffer::Histories),

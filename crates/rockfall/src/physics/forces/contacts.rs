@@ -9,6 +9,7 @@ use crate::model::lists::{Entry, Lists};
 use crate::model::view::View;
 use crate::physics::balls::{Ball, Meeting};
 use crate::physics::contact::{ContactForce, contact_force, contact_forces};
+use crate::physics::laws::before::spring_before;
 use crate::physics::laws::contact::{LawForce, Spring, law_force};
 use crate::physics::laws::history::{Histories, Owned, key, owner, pack};
 use crate::physics::laws::neck::contact;
@@ -41,7 +42,8 @@ impl Contacts<'_> {
             return Some((touch, contact_force(view, a, b, &touch), None));
         }
         let touch = contact(view, histories, a, b, feature)?;
-        let LawForce { loads, spring, .. } = law_force(view, [a, b], &touch, histories.spring(view, a, b, feature));
+        let before = spring_before(view, histories, [a, b], feature, &touch);
+        let LawForce { loads, spring, .. } = law_force(view, [a, b], &touch, before);
         Some((touch, loads, Some(spring)))
     }
 

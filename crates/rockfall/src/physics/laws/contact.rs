@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE};
 use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity};
+use crate::physics::laws::before::PASSAGE;
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
 use crate::physics::laws::{Constants, answer, energy};
@@ -48,6 +49,9 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     let (step, n, overlap) = (view.step, touch.normal, touch.overlap);
     let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
     let approach = (a.velocity - b.velocity).dot(n);
+    if before.as_ref().is_some_and(Spring::is_passage) {
+        return LawForce { spring: PASSAGE, ..LawForce::default() };
+    }
     if step.constants.flags & FLAG_COLLISIONS != 0 {
         // As in docs/physics.md section 4.4.
         let threshold = collision_velocity(step, &a, &b);

@@ -59,6 +59,11 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: S
     let approach = dot(relative, n);
     let no_force = ContactForce(vec3f(0.0), vec3f(0.0), arms.x, arms.y);
     var result = LawForce(no_force, vec3f(0.0), Spring(vec3f(0.0), overlap, vec3f(0.0)));
+    if before.overlap < 0.0 {
+        // The sphere passes a polygon from behind.
+        result.spring.overlap = before.overlap;
+        return result;
+    }
     if !has_force(overlap, approach, smaller_radius(a_side.radius, b_side.radius, b_moves), a, b) {
         return result;
     }

@@ -58,32 +58,49 @@ fn first_owns(a: u32, b: u32) -> bool {
     return radii.y > radii.x;
 }
 
+// A record of the table before the step, or the one that a link in its place leads to. NONE at the end of the chain.
+fn followed(record: u32) -> u32 {
+    let last = histories[first_vector(0u) + 2u * record + 1u].w;
+    if last == NO_KEY {
+        return NONE;
+    }
+    return select(record, HISTORY_BLOCK * (last & ~LINK_KEY), (last & LINK_KEY) != 0u);
+}
+
+// The record after a record, or NONE.
+fn record_after(record: u32) -> u32 {
+    if (record + 1u) % HISTORY_BLOCK == 0u {
+        return NONE;
+    }
+    return followed(record + 1u);
+}
+
+fn key_of_record(record: u32) -> u32 {
+    return histories[first_vector(0u) + 2u * record + 1u].w;
+}
+
+fn spring_of_record(record: u32) -> Spring {
+    let at = first_vector(0u) + 2u * record;
+    let words = bitcast<vec4f>(histories[at]);
+    return Spring(words.xyz, words.w, bitcast<vec3f>(histories[at + 1u].xyz));
+}
+
+fn no_spring() -> Spring {
+    return Spring(vec3f(0.0), 0.0, vec3f(0.0));
+}
+
 // The spring of the contact of a and b before the step.
 fn spring_of(a: u32, b: u32, feature: u32) -> Spring {
     let is_first = first_owns(a, b);
     let key = entry_key(select(a, b, is_first), feature);
-    let table = first_vector(0u);
-    var record = first_record(select(b, a, is_first));
-    loop {
-        let at = table + 2u * record;
-        let last = histories[at + 1u];
-        if last.w == key {
-            let words = bitcast<vec4f>(histories[at]);
-            return Spring(words.xyz, words.w, bitcast<vec3f>(last.xyz));
+    var record = followed(first_record(select(b, a, is_first)));
+    while record != NONE {
+        if key_of_record(record) == key {
+            return spring_of_record(record);
         }
-        if last.w == NO_KEY {
-            break;
-        }
-        if (last.w & LINK_KEY) != 0u {
-            record = HISTORY_BLOCK * (last.w & ~LINK_KEY);
-            continue;
-        }
-        record += 1u;
-        if record % HISTORY_BLOCK == 0u {
-            break;
-        }
+        record = record_after(record);
     }
-    return Spring(vec3f(0.0), 0.0, vec3f(0.0));
+    return no_spring();
 }
 
 // The chain of a mover in the table after the step: its first record, and the record after the last one.

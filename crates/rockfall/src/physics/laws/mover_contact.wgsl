@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl
-// requires physics/chain.wgsl physics/geometry.wgsl physics/laws/contact.wgsl physics/laws/history.wgsl physics/laws/jkr.wgsl
+// requires physics/chain.wgsl physics/geometry.wgsl physics/laws/before.wgsl physics/laws/contact.wgsl physics/laws/history.wgsl physics/laws/jkr.wgsl
 
 // A contact of a mover by a law with history.
 struct MoverContact {
@@ -38,7 +38,8 @@ fn mover_contact(mover: u32, entry: u32) -> MoverContact {
     if a_side.inverse_mass + b_side.inverse_mass <= 0.0 {
         return no_mover_contact();
     }
-    let law = law_force(a_side, b_side, found, pair.x, pair.y, spring_of(pair.x, pair.y, feature));
+    let before = spring_before(pair.x, pair.y, feature, found);
+    let law = law_force(a_side, b_side, found, pair.x, pair.y, before);
     let is_a = mover == pair.x;
     var push = Push(select(-law.contact.force, law.contact.force, is_a), law.contact.torque_per_arm, 0.0, found.overlap);
     push.arm = select(law.contact.arm_b, law.contact.arm_a, is_a);

@@ -82,6 +82,18 @@ fn e28_grains_that_fall_on_rims_are_not_thrown(backend: Backend) {
     assert!(fastest < 2.5, "speed {fastest}");
 }
 
+/// A ball falls through a polygon from behind, with a law with history. It left at 55 units/s.
+fn e28_a_ball_that_comes_through_a_polygon_is_not_thrown(backend: Backend) {
+    let stiff = GRAINS.replace("young=1e7", "young=1e8");
+    for (speed, y) in [(0.0_f32, 0.0102), (-1.0, 0.011), (-3.0, 0.02)] {
+        let text = format!("{stiff}P -1 0 -1 2 0 0 0 0 2\nS 7 0 {y} 0 0 {speed} 0 0 0 0 - 0.01\n");
+        let fastest = greatest_speed(scene(&text), backend, on(backend, 40, 12), 50, on(backend, 5e-5, 1e-4));
+        // The speed of a free fall to y = 0, and little more.
+        let free = (speed * speed + 2.0 * 9.81 * y).sqrt();
+        assert!(fastest < free + 0.01, "speed {fastest}, free fall {free}");
+    }
+}
+
 /// A ball rests on a polygon that it touches from the front, whatever the size of the first step is.
 fn e28_a_ball_that_lands_on_a_polygon_is_held(backend: Backend) {
     for speed in [0.0, -0.5, -2.0] {
@@ -155,6 +167,7 @@ fn e28_hits_of_edges_keep_the_energy(backend: Backend) {
 }
 
 both! {
+    e28_a_ball_that_comes_through_a_polygon_is_not_thrown,
     e28_a_ball_that_lands_on_a_polygon_is_held,
     e28_a_ball_that_leaves_a_ridge_gains_no_energy,
     e28_a_ball_that_meets_a_step_gains_no_energy,

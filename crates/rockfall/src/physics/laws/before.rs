@@ -1,0 +1,48 @@
+//! What a contact of a law with history begins with in a step (docs/physics.md section 4.11).
+
+use glam::Vec3;
+
+use crate::model::view::{Object, View};
+use crate::physics::geometry::point_over_polygon;
+use crate::physics::laws::contact::Spring;
+use crate::physics::laws::history::{Histories, feature_bits};
+use crate::physics::surface::hides;
+use crate::physics::touch::Touch;
+
+/// The record of a contact with a polygon that a sphere passes from behind.
+pub(crate) const PASSAGE: Spring = Spring { shift: Vec3::ZERO, overlap: -1.0, moment: Vec3::ZERO };
+
+impl Spring {
+    /// Whether this is the record of a passage through a polygon from behind, which has no force.
+    pub(crate) fn is_passage(&self) -> bool {
+        self.overlap < 0.0
+    }
+}
+
+/// The spring of a contact before the step: its own one, or that of a box or polygon which the new contact of a sphere hides, or
+/// [`PASSAGE`].
+pub(crate) fn spring_before(
+    view: &View,
+    histories: &Histories,
+    [a, b]: [u32; 2],
+    feature: u32,
+    touch: &Touch,
+) -> Option<Spring> {
+    let own = histories.spring(view, a, b, feature);
+    let is_on_surface = a < view.step.layout.spheres && b >= view.step.movers() && touch.overlap > 0.0;
+    if own.as_ref().is_some_and(|spring| spring.overlap != 0.0) || !is_on_surface {
+        return own;
+    }
+    let (bits, movers) = (feature_bits(view.step), view.step.movers());
+    let springs = histories.springs(view.insertion_index(a)).map(|(key, spring)| (key >> bits, spring));
+    let mut hidden = springs.filter(|(other, spring)| *other >= movers && *other != b && spring.overlap > 0.0);
+    let goes_along = hidden.find(|(other, _)| hides(view, a, (b, touch), *other));
+    goes_along.map(|(_, spring)| spring).or_else(|| comes_from_behind(view, a, b).then_some(PASSAGE)).or(own)
+}
+
+/// Whether the centre of a sphere was behind the plane of a polygon one step ago.
+fn comes_from_behind(view: &View, sphere: u32, other: u32) -> bool {
+    let Object::Polygon(polygon) = view.object(other) else { return false };
+    let (normal, height, _) = point_over_polygon(&view.polygon(polygon), view.position(sphere));
+    height - view.velocity(sphere).dot(normal) * view.step.constants.dt < 0.0
+}

@@ -1,0 +1,43 @@
+// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/laws/history.wgsl physics/surface.wgsl
+
+// What a contact of a law with history begins with in a step (docs/physics.md section 4.11).
+
+// The overlap in the record of a contact with a polygon that a sphere passes from behind. It has no force.
+const PASSAGE: f32 = -1.0;
+
+// Whether the centre of a sphere was behind the plane of a polygon one step ago.
+fn comes_from_behind(own: vec4f, velocity: vec3f, id: u32) -> bool {
+    if id < step.spheres + step.rods + step.boxes {
+        return false;
+    }
+    let face = polygon(id - step.spheres - step.rods - step.boxes);
+    return dot(own.xyz - face.corner - step.dt * velocity, normalize(cross(face.left, face.right))) < 0.0;
+}
+
+// The spring of a contact of a sphere with a box or polygon that has none of its own: that of a box or polygon which it hides.
+fn spring_on_surface(sphere: u32, id: u32, found: Touch) -> Spring {
+    let own = state[position_at(sphere)];
+    var chosen: Surfaces;
+    choose_surface(Candidate(id, own.w - found.overlap, found.n, 0u), &chosen);
+    var record = followed(first_record(sphere));
+    while record != NONE {
+        let other = key_of_record(record) >> FEATURE_BITS;
+        let spring = spring_of_record(record);
+        record = record_after(record);
+        if is_static(other) & (other != id) & (spring.overlap > 0.0) {
+            if is_hidden(sphere, own, other, &chosen) {
+                return spring;
+            }
+        }
+    }
+    return Spring(vec3f(0.0), select(0.0, PASSAGE, comes_from_behind(own, state[velocity_at(sphere)].xyz, id)), vec3f(0.0));
+}
+
+// The spring before the step of the contact of a and b, of which a was added first.
+fn spring_before(a: u32, b: u32, feature: u32, found: Touch) -> Spring {
+    let spring = spring_of(a, b, feature);
+    if (spring.overlap != 0.0) | (a >= step.spheres) | !is_static(b) | !(found.overlap > 0.0) {
+        return spring;
+    }
+    return spring_on_surface(a, b, found);
+}
