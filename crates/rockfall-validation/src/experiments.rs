@@ -47,6 +47,7 @@ experiments! {
     janssen: "A tube of grains with static friction",
     brazil: "A large grain that rises",
     drum: "A rotating drum",
+    surfaces: "Several shapes that form one surface",
     rest: "Rest",
     silent: "Slow motion, stiff chains, and symplectic Euler",
     #[cfg(feature = "gpu")]

@@ -53,6 +53,7 @@ experiments!(
     janssen,
     brazil,
     drum,
+    surfaces,
     rest,
     silent,
     #[cfg(feature = "gpu")]
