@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::exec::cpu;
-use crate::model::layout::{FLAG_CONTINUOUS, GRAIN};
+use crate::model::layout::{FLAG_CONTINUOUS, GRAIN, LAW_THESIS};
 use crate::model::lists::Lists;
 use crate::model::muscles::MuscleClock;
 use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_PAIRS, Status};
@@ -62,8 +62,10 @@ impl Simulation {
                 Box::new(observe(&self.scene, self.time_step, methods, step, &self.muscle_clock, laws)?)
             }
         };
-        // With JKR cohesion, the spring of a contact tells whether a neck connects its bodies.
-        if detail >= Detail::Springs || world.step.layout.neck > 0.0 {
+        // With JKR cohesion, the spring of a contact tells whether a neck connects its bodies, and with polygons, whether a body passes.
+        let layout = &world.step.layout;
+        let tell = layout.neck > 0.0 || layout.law != LAW_THESIS && layout.polygons > 0;
+        if detail >= Detail::Springs || tell {
             let device = self.engine.waiter();
             let springs = engine::block_on(device, self.springs())?;
             put_springs(&mut world, &self.scene, &springs);

@@ -91,6 +91,13 @@ fn e28_a_ball_that_comes_through_a_polygon_is_not_thrown(backend: Backend) {
         // The speed of a free fall to y = 0, and little more.
         let free = (speed * speed + 2.0 * 9.81 * y).sqrt();
         assert!(fastest < free + 0.01, "speed {fastest}, free fall {free}");
+        let mut simulation = opened(scene(&text), backend, Integrator::VelocityVerlet);
+        let dt = on(backend, 5e-5, 1e-4);
+        // The centre is 5 mm below the polygon.
+        let time = (speed + (speed * speed + 2.0 * 9.81 * (y + 0.005)).sqrt()) / 9.81;
+        simulation.run((time / dt) as u64, dt).expect("steps");
+        assert_eq!(simulation.contacts().expect("contacts").len(), 1);
+        assert!(simulation.energy().expect("energies").contact.abs() < 1e-12);
     }
 }
 
