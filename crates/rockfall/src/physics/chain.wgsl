@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl
 
-// Which contacts of spheres and rods other parts of their chains cover (docs/physics.md section 2.12).
+// Which contacts of spheres and rods other parts of their chains cover (docs/physics.md section 2.13).
 
 // Up to this part of its length from a sphere, a rod covers the contact of the sphere with another rod only if the rods touch.
 const NEAR_END: f32 = 1e-4;
