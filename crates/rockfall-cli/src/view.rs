@@ -17,7 +17,7 @@ use rockfall_viewer::window::{self, Launch};
 use crate::failure::Failure;
 use crate::input::Input;
 use crate::options::{Engine, Physics};
-use crate::render::camera::Followed;
+use crate::render::camera::Named;
 use crate::render::captions::Captions;
 use crate::render::colours::{self, Paint};
 use crate::run::Given;
@@ -35,8 +35,8 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t)]
     controls: Controls,
     /// Keep this body where it is in the picture: a name in the scene, or the number of a sphere
-    #[arg(long, value_name = "BODY", value_parser = Followed::parse)]
-    follow: Option<Followed>,
+    #[arg(long, value_name = "BODY", value_parser = Named::parse)]
+    follow: Option<Named>,
     /// Colour of the objects with a name, of a sphere (3), of spheres (1-9) or of a kind (boxes): red, ff8800 and others; may be
     /// repeated
     #[arg(long, value_name = "WHAT=COLOUR", value_parser = colours::paint)]
@@ -124,8 +124,8 @@ fn prepare(paints: Vec<Paint>) -> Prepare {
 }
 
 /// Finds the followed sphere in a scene.
-fn find(followed: Followed) -> Find {
-    Rc::new(move |scene| followed.of(scene).ok())
+fn find(followed: Named) -> Find {
+    Rc::new(move |scene| followed.of(scene, "--follow").ok())
 }
 
 pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
@@ -135,7 +135,7 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         scene.set_tag(object, tag)?;
     }
     if let Some(followed) = &arguments.follow {
-        followed.of(&scene)?;
+        followed.of(&scene, "--follow")?;
     }
     window::run(Launch {
         source: window::session::Source { name, path, scene },

@@ -6,6 +6,7 @@ use rockfall::glam::Vec3;
 use rockfall::{Result, Scene, Simulation, Sphere, SphereDiagnostics, SphereId};
 
 use crate::draw::range::{RecentPercentile, percentile};
+use crate::plot::Plots;
 
 /// Number of spheres that have trails. In larger scenes only some have.
 const MOST_TRAILS: usize = 1000;
@@ -74,6 +75,7 @@ pub struct Motion {
     tag_changes: u64,
     recent: RecentPercentile,
     past: VecDeque<State>,
+    pub(crate) plots: Plots,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -103,6 +105,7 @@ impl Motion {
     /// Takes the present state.
     pub(crate) fn update(&mut self, simulation: &mut Simulation) -> Result<()> {
         self.now.time = simulation.report().time;
+        self.plots.update(simulation)?;
         if !self.wanted {
             self.now.places.clear();
             return Ok(());
@@ -128,14 +131,16 @@ impl Motion {
 
     pub(crate) fn remember(&mut self) {
         self.before = self.now.clone();
+        self.plots.remember();
     }
 
     pub(crate) fn set_blend(&mut self, blend: f32) {
         self.back = 1.0 - blend;
     }
 
-    /// Adds the state that is shown to the trails.
+    /// Adds the state that is shown to the plots and the trails.
     pub(crate) fn record(&mut self) {
+        self.plots.record(self.time(), f64::from(self.back));
         if self.seconds <= 0.0 || !self.wanted {
             return;
         }
@@ -156,9 +161,15 @@ impl Motion {
         }
     }
 
-    /// Time between the states that trails need, in s; `None` without trails.
-    pub fn trail_interval(&self) -> Option<f64> {
-        (self.wanted && self.seconds > 0.0).then(|| self.seconds / STATES)
+    /// Time between the states that trails and plots need, in s; `None` without them.
+    pub fn interval(&self) -> Option<f64> {
+        let trails = (self.wanted && self.seconds > 0.0).then(|| self.seconds / STATES);
+        trails.into_iter().chain(self.plots.interval()).reduce(f64::min)
+    }
+
+    /// The plots.
+    pub fn plots(&self) -> &Plots {
+        &self.plots
     }
 
     fn is_between(&self) -> bool {

@@ -327,7 +327,7 @@ impl OpenWindow {
         }
         renderer.keep_ground_below(session.simulation_ref());
         renderer.set_blend(drawn.blend);
-        renderer.record_trails();
+        renderer.record();
         let legend = Some(renderer.legend(&drawn.style));
         if self.viewer.legend != legend {
             self.viewer.legend = legend;
