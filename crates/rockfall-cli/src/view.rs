@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use rockfall::{Backend, Options, Scene, Simulation};
 use rockfall_trajectory::Reader;
+use rockfall_viewer::camera::Direction;
 use rockfall_viewer::draw::Style;
 use rockfall_viewer::film::{Moment, surveyed};
 use rockfall_viewer::survey::Survey;
@@ -34,6 +35,9 @@ pub(crate) struct Arguments {
     /// What the mouse does: standard (left drag orbits, right drag pans), or thesis
     #[arg(long, default_value_t)]
     controls: Controls,
+    /// Direction from which the camera looks: front, side, top or iso [default: obliquely from above]
+    #[arg(long, value_name = "NAME", value_parser = Direction::named)]
+    view: Option<Direction>,
     /// Keep this body where it is in the picture: a name in the scene, or the number of a sphere
     #[arg(long, value_name = "BODY", value_parser = Named::parse)]
     follow: Option<Named>,
@@ -149,6 +153,7 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         overlay: arguments.captions.overlay(),
         style,
         prepare: Some(prepare(arguments.colour.clone())),
+        view: arguments.view.unwrap_or_default(),
         follow: arguments.follow.clone().map(find),
         report: arguments.report.clone(),
         lose_device_after: arguments.lose_device_after,

@@ -184,7 +184,7 @@ def film(
     label : bool
         Whether to write its number on every sphere.
     arrows : str, optional
-        What an arrow at every sphere shows, with a key: velocity or force.
+        What an arrow at every sphere shows, with a key: velocity, force or gravity.
     trails : float
         Length of the trails of the spheres, in s of the simulation.
     plot : str or sequence of str

@@ -22,17 +22,20 @@ pub enum Arrows {
     Velocity,
     /// Net force, in mass units/s².
     Force,
+    /// Weight, in mass units/s².
+    Gravity,
 }
 
 impl Arrows {
     /// All values.
-    pub const ALL: [Self; 2] = [Self::Velocity, Self::Force];
+    pub const ALL: [Self; 3] = [Self::Velocity, Self::Force, Self::Gravity];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Velocity => "velocity",
             Self::Force => "force",
+            Self::Gravity => "gravity",
         }
     }
 
@@ -48,14 +51,17 @@ impl Arrows {
     pub(crate) fn unit(self) -> &'static str {
         match self {
             Self::Velocity => "units/s",
-            Self::Force => "mass units/s²",
+            Self::Force | Self::Gravity => "mass units/s²",
         }
     }
 
-    pub(crate) fn of(self, sphere: &Sphere, values: Option<&SphereDiagnostics>) -> Vec3 {
+    pub(crate) fn of(self, sphere: &Sphere, values: Option<&SphereDiagnostics>, gravity: Vec3) -> Vec3 {
         match self {
             Self::Velocity => sphere.velocity,
             Self::Force => values.map_or(Vec3::ZERO, |values| values.net_force),
+            // A fixed sphere is held, so that gravity does not act on it.
+            Self::Gravity if sphere.fixed => Vec3::ZERO,
+            Self::Gravity => sphere.mass * gravity,
         }
     }
 }
@@ -114,8 +120,9 @@ impl Motion {
         let scene = simulation.sync()?;
         self.now.places = scene.spheres().iter().map(|sphere| sphere.position).collect();
         if let Some(arrows) = self.arrows {
+            let gravity = scene.settings.gravity * scene.settings.gravity_direction;
             let spheres = scene.spheres().iter().enumerate();
-            self.now.arrows = spheres.map(|(index, sphere)| arrows.of(sphere, values.get(index))).collect();
+            self.now.arrows = spheres.map(|(index, sphere)| arrows.of(sphere, values.get(index), gravity)).collect();
             self.recent.record(percentile(self.now.arrows.iter().map(|arrow| arrow.length())));
         }
         if self.labels.len() != self.now.places.len() || self.tag_changes != scene.tag_changes() {

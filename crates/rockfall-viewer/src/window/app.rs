@@ -177,6 +177,7 @@ impl OpenWindow {
         viewer.overlay.clone_from(&launch.overlay);
         viewer.style = launch.style;
         viewer.find = launch.follow.clone();
+        viewer.show_from(launch.view);
         viewer.follow_initially();
         window.request_redraw();
         let (last_frame, first_frame, drawn) = (None, None, None);
