@@ -8,6 +8,7 @@ use rockfall_viewer::camera::Direction;
 use rockfall_viewer::draw::{Background, ColourBy, Range, Style};
 use rockfall_viewer::film::Format;
 use rockfall_viewer::palette::Rgb;
+use rockfall_viewer::plot::{Layout, Plot};
 
 use crate::check;
 use crate::failure::Failure;
@@ -24,7 +25,7 @@ pub(crate) mod colours;
 mod footage;
 mod studio;
 
-use camera::Followed;
+use camera::Named;
 use captions::Captions;
 use colours::Paint;
 use footage::{Cut, Footage, Live, Recorded};
@@ -80,8 +81,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     look_at: Option<[f32; 3]>,
     /// Keep this body in the middle of the picture: a name in the scene, or the number of a sphere
-    #[arg(long, value_name = "BODY", value_parser = Followed::parse, conflicts_with = "look_at")]
-    follow: Option<Followed>,
+    #[arg(long, value_name = "BODY", value_parser = Named::parse, conflicts_with = "look_at")]
+    follow: Option<Named>,
     /// Turn the camera around the middle of the picture, in degrees per second of film
     #[arg(long, value_name = "DEGREES", value_parser = degrees, allow_negative_numbers = true)]
     orbit: Option<f32>,
@@ -103,6 +104,10 @@ pub(crate) struct Arguments {
     light: Option<[f32; 3]>,
     #[command(flatten)]
     captions: Captions,
+    /// Plot a quantity over time beside the picture: energy, contacts, or height, speed, x, y or z of bodies, as in
+    /// height:left,right; may be repeated
+    #[arg(long, value_name = "WHAT", value_parser = Plot::parse)]
+    plot: Vec<Plot>,
     /// Draw without shadows and ambient occlusion
     #[arg(long)]
     plain: bool,
@@ -222,6 +227,11 @@ impl Arguments {
         }
         style.light = self.light.map_or(style.light, Vec3::from);
         style
+    }
+
+    /// Where the scene and the plots are in the pictures.
+    fn layout(&self) -> Layout {
+        Layout::new(self.size, self.plot.len())
     }
 
     fn cut(&self) -> Cut {

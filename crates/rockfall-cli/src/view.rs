@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use rockfall::{Backend, Options, Scene, Simulation};
 use rockfall_trajectory::Reader;
+use rockfall_viewer::camera::Direction;
 use rockfall_viewer::draw::Style;
 use rockfall_viewer::film::{Moment, surveyed};
 use rockfall_viewer::survey::Survey;
@@ -17,7 +18,7 @@ use rockfall_viewer::window::{self, Launch};
 use crate::failure::Failure;
 use crate::input::Input;
 use crate::options::{Engine, Physics};
-use crate::render::camera::Followed;
+use crate::render::camera::Named;
 use crate::render::captions::Captions;
 use crate::render::colours::{self, Paint};
 use crate::run::Given;
@@ -34,9 +35,12 @@ pub(crate) struct Arguments {
     /// What the mouse does: standard (left drag orbits, right drag pans), or thesis
     #[arg(long, default_value_t)]
     controls: Controls,
+    /// Direction from which the camera looks: front, side, top or iso [default: obliquely from above]
+    #[arg(long, value_name = "NAME", value_parser = Direction::named)]
+    view: Option<Direction>,
     /// Keep this body where it is in the picture: a name in the scene, or the number of a sphere
-    #[arg(long, value_name = "BODY", value_parser = Followed::parse)]
-    follow: Option<Followed>,
+    #[arg(long, value_name = "BODY", value_parser = Named::parse)]
+    follow: Option<Named>,
     /// Colour of the objects with a name, of a sphere (3), of spheres (1-9) or of a kind (boxes): red, ff8800 and others; may be
     /// repeated
     #[arg(long, value_name = "WHAT=COLOUR", value_parser = colours::paint)]
@@ -124,8 +128,8 @@ fn prepare(paints: Vec<Paint>) -> Prepare {
 }
 
 /// Finds the followed sphere in a scene.
-fn find(followed: Followed) -> Find {
-    Rc::new(move |scene| followed.of(scene).ok())
+fn find(followed: Named) -> Find {
+    Rc::new(move |scene| followed.of(scene, "--follow").ok())
 }
 
 pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
@@ -135,7 +139,7 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         scene.set_tag(object, tag)?;
     }
     if let Some(followed) = &arguments.follow {
-        followed.of(&scene)?;
+        followed.of(&scene, "--follow")?;
     }
     window::run(Launch {
         source: window::session::Source { name, path, scene },
@@ -149,6 +153,7 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         overlay: arguments.captions.overlay(),
         style,
         prepare: Some(prepare(arguments.colour.clone())),
+        view: arguments.view.unwrap_or_default(),
         follow: arguments.follow.clone().map(find),
         report: arguments.report.clone(),
         lose_device_after: arguments.lose_device_after,

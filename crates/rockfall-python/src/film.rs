@@ -6,9 +6,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use rockfall::{Checkpoint, SphereId};
+use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::{Range, Style};
-use rockfall_viewer::film::{Follower, Format, Moment, Player, Reel, Shot, Timing, View, surveyed};
+use rockfall_viewer::film::{Follower, Format, Moment, Player, Reel, Shot, Timing, View, plotted, surveyed};
 use rockfall_viewer::overlay::Overlay;
+use rockfall_viewer::plot::Graph;
 use rockfall_viewer::survey::Survey;
 
 use crate::errors::Raise;
@@ -55,6 +57,7 @@ impl Shooting {
     fn new(
         simulation: &mut rockfall::Simulation,
         look: Look,
+        graphs: Vec<Graph>,
         timing: Timing,
         follow: Option<SphereId>,
         orbit: f32,
@@ -77,14 +80,20 @@ impl Shooting {
             || has_camera
                 && scale.is_none()
                 && overlay.arrows.is_none()
+                && graphs.is_empty()
                 && scene.boxes().is_empty()
                 && scene.polygons().is_empty();
-        let mut to_survey: Vec<_> = if is_known { Vec::new() } else { surveyed(&moments).collect() };
+        let mut to_survey: Vec<_> = match is_known {
+            true => Vec::new(),
+            false if graphs.is_empty() => surveyed(&moments).collect(),
+            false => plotted(&moments),
+        };
         to_survey.reverse();
         let survey = is_known.then(|| Survey::new(scene));
         let start = if is_known { None } else { Some(simulation.checkpoint().or_raise()?) };
-        let mut tools = Tools::new(simulation, look.size)?;
+        let mut tools = Tools::new(simulation, look.layout().scene().into())?;
         tools.renderer.set_overlay(&overlay);
+        tools.renderer.set_plots(graphs);
         Ok(Self {
             tools,
             overlay,
@@ -115,8 +124,9 @@ impl Shooting {
         simulation.run(moment.step - self.surveyed_steps, self.timing.dt).or_raise()?;
         self.surveyed_steps = moment.step;
         let has_arrows = self.overlay.arrows.is_some();
-        if self.scale.is_some() || has_arrows {
+        if self.scale.is_some() || has_arrows || !self.tools.renderer.motion().plots().is_empty() {
             self.tools.renderer.update(simulation, &self.style).or_raise()?;
+            self.tools.renderer.record();
         }
         if let Some(scale) = &mut self.scale {
             *scale = scale.max(self.tools.renderer.range(&self.style)[1]);
@@ -156,14 +166,20 @@ impl Shooting {
             }
         };
         let camera = shot.at(index as f64 / f64::from(self.timing.fps), followed.or_raise()?);
-        let picture = self.tools.take(&camera, &self.style, &self.overlay, self.look.colour_by.is_some())?;
+        let picture = self.picture(&camera)?;
         self.reel.push(&picture).or_raise()?;
         Ok(true)
     }
 
+    /// Draws the state that the renderer has, with the plots beside it.
+    fn picture(&mut self, camera: &Camera) -> PyResult<rockfall_viewer::picture::Picture> {
+        let picture = self.tools.take(camera, &self.style, &self.overlay, self.look.colour_by.is_some())?;
+        self.look.layout().complete(picture, self.tools.renderer.motion().plots()).or_raise()
+    }
+
     /// Chooses the camera, before the first picture.
     fn begin(&mut self, simulation: &mut rockfall::Simulation) -> PyResult<Shot> {
-        let (width, height) = self.look.size;
+        let [width, height] = self.look.layout().scene();
         let scene = simulation.sync().or_raise()?;
         let survey = self.survey.take().unwrap_or_else(|| Survey::new(scene));
         let shot = Shot::new(&self.view, &survey, scene, width as f32 / height as f32).or_raise()?;
@@ -175,6 +191,9 @@ impl Shooting {
         }
         self.tools.renderer.set_scene(simulation);
         self.tools.renderer.set_survey(survey);
+        let steps = self.moments.last().map_or(0.0, |last| last.step as f64 + f64::from(last.blend));
+        let (start, length) = (simulation.report().time, steps * f64::from(self.timing.dt));
+        self.tools.renderer.fix_plots([start, start + length]);
         self.shot = Some(shot);
         Ok(shot)
     }
@@ -216,7 +235,8 @@ impl Filming {
         let timing = Timing { steps, dt, fps, speed };
         simulation.get().read(simulation.py(), |running| {
             let follow = follow.map(|number| handle(&running.ids.spheres, "sphere", number)).transpose()?;
-            let shooting = Shooting::new(&mut running.simulation, look, timing, follow, orbit, live)?;
+            let graphs = look.graphs(running.simulation.scene(), &running.ids)?;
+            let shooting = Shooting::new(&mut running.simulation, look, graphs, timing, follow, orbit, live)?;
             Ok(Self(Mutex::new(Owned::new(shooting))))
         })
     }

@@ -1,18 +1,21 @@
 //! Pictures of simulations.
 
 use numpy::{PyArray1, PyArrayMethods};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use rockfall::Scene;
 use rockfall::exec::gpu::Gpu;
 use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::draw::{ColourBy, Range, Renderer, Style};
 use rockfall_viewer::overlay::{Arrows, Overlay};
 use rockfall_viewer::picture::{Canvas, FORMAT};
+use rockfall_viewer::plot::{Graph, Layout, Plot, named};
 use rockfall_viewer::survey::Survey;
 
 use crate::errors::{Raise, SimulationError};
 use crate::fork::{Owned, check_graphics, detached, graphics_opened};
+use crate::ids::{Ids, handle};
 use crate::simulation::Simulation;
 
 /// A picture in host memory.
@@ -67,6 +70,7 @@ pub(crate) struct Look {
     label: bool,
     arrows: Option<String>,
     trails: f64,
+    plot: Vec<String>,
 }
 
 impl Look {
@@ -104,6 +108,21 @@ impl Look {
             arrow_key: None,
             trails: self.trails,
         })
+    }
+
+    /// Where the scene and the plots are in the pictures.
+    pub(crate) fn layout(&self) -> Layout {
+        Layout::new(self.size.into(), self.plot.len())
+    }
+
+    /// The plots of a scene.
+    pub(crate) fn graphs(&self, scene: &Scene, ids: &Ids) -> PyResult<Vec<Graph>> {
+        let find = |name: &str| match name.parse() {
+            Ok(number) => handle(&ids.spheres, "sphere", number),
+            Err(_) => named(scene, name).map_err(|error| PyKeyError::new_err(format!("plot: {error}"))),
+        };
+        let plot = |text: &String| Plot::parse(text).map_err(|error| PyValueError::new_err(format!("plot: {error}")));
+        self.plot.iter().map(|text| plot(text)?.of(scene, find)).collect()
     }
 
     /// The camera for the state of a simulation.
@@ -166,7 +185,7 @@ impl Tools {
         if legend {
             self.renderer.legend(style).draw(&mut picture).or_raise()?;
         }
-        self.renderer.record_trails();
+        self.renderer.record();
         overlay.draw(self.renderer.motion(), camera, &mut picture).or_raise()?;
         Ok(picture)
     }

@@ -77,6 +77,36 @@ def test_camera_follow_orbit_speed_and_colours_change_the_film(sim: rf.Simulatio
     assert max(np.abs(patch - middle[0]).mean() for patch in middle) < 25
 
 
+def test_plots_are_beside_the_pictures_and_grow() -> None:
+    scene = rf.Scene()
+    scene.add_spheres([[0.0, 3.0, 0.0], [2.0, 0.0, 0.0]], radii=0.5, fixed=[False, True], name="ball")
+
+    def blue(picture: np.ndarray) -> int:
+        return int((np.abs(picture[:, 256:].astype(int) - [0x00, 0x72, 0xB2]).max(axis=2) < 30).sum())
+
+    def film(**options: object) -> list[np.ndarray]:
+        sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+        taken = rf.film(sim, 40, fps=10, plain=True, camera=[0, 4, 9], look_at=[0, 1, 0], **options)  # type: ignore[arg-type]
+        return [picture.numpy() for picture in taken]
+
+    alone = film(size=(256, 200))
+    for plot in ("height:ball", ["height:0"]):
+        for more in ({}, {"on_step": lambda sim: None}):
+            pictures = film(size=(400, 200), plot=plot, **more)
+            assert pictures[0].shape == (200, 400, 3)
+            np.testing.assert_array_equal(pictures[-1][:, :256], alone[-1])
+            lines = [blue(picture) for picture in pictures]
+            assert lines[0] < lines[2] < lines[4], lines
+    for plot, error, text in [
+        ("hight:0", ValueError, "plot: hight is not known, expected one of: energy, contacts, x"),
+        ("height:7", LookupError, "there is no sphere 7"),
+        ("height:bal", KeyError, "did you mean 'ball'"),
+        (3, TypeError, "plot: expected a text or a list of texts"),
+    ]:
+        with pytest.raises(error, match=text):
+            film(size=(400, 200), plot=plot)
+
+
 def test_a_film_becomes_files_of_every_format(sim: rf.Simulation, tmp_path: pathlib.Path) -> None:
     film = rf.film(sim, 40, fps=20, size=SIZE)
     assert len(film) == 9

@@ -175,10 +175,15 @@ impl Renderer {
     /// Prepares the renderer for another scene: the height of its ground, the typical size of its bodies, and which spheres
     /// and rods belong to capsules. Later changes to the objects of the scene are detected by [`Renderer::update`].
     pub fn set_scene(&mut self, simulation: &Simulation) {
+        self.motion.forget();
+        self.start_from(simulation);
+    }
+
+    /// [`Renderer::set_scene`] for a later state of the same scene, which keeps its trails and plots.
+    pub fn start_from(&mut self, simulation: &Simulation) {
         self.summary = Some(SceneSummary::of(simulation.scene()));
         self.survey = None;
         self.recent = RecentPercentile::default();
-        self.motion.forget();
         self.update_objects(simulation);
         self.set_region(&Survey::new(simulation.scene()));
     }

@@ -17,7 +17,7 @@ mod timing;
 
 pub use reel::Reel;
 pub use shot::{Follower, Shot, View};
-pub use timing::{Moment, Timing, surveyed};
+pub use timing::{Moment, Timing, plotted, surveyed};
 
 /// File format of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,9 +79,9 @@ impl Player {
         simulation.run(steps, self.dt / self.parts as f32).map(drop)
     }
 
-    /// Runs up to a step. For trails, which would have corners otherwise, the renderer also takes states in between.
+    /// Runs up to a step. For trails and plots, which would have corners otherwise, the renderer also takes states in between.
     fn run_to(&mut self, simulation: &mut Simulation, renderer: &mut Renderer, step: u64) -> Result<()> {
-        let stride = renderer.motion().trail_interval().map(|seconds| (seconds / f64::from(self.dt)).ceil().max(1.0) as u64);
+        let stride = renderer.motion().interval().map(|seconds| (seconds / f64::from(self.dt)).ceil().max(1.0) as u64);
         while self.done < step {
             if stride.is_some() {
                 renderer.observe(simulation)?;

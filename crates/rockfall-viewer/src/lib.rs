@@ -27,6 +27,7 @@ pub mod overlay;
 pub mod palette;
 pub mod picture;
 mod pixels;
+pub mod plot;
 mod read_back;
 mod sheet;
 pub mod survey;

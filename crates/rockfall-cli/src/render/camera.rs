@@ -3,9 +3,10 @@
 use std::fmt;
 
 use rockfall::glam::Vec3;
-use rockfall::{ObjectId, Scene, Simulation, SphereId};
+use rockfall::{Scene, Simulation, SphereId};
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::film::{self, View};
+use rockfall_viewer::plot::named;
 use rockfall_viewer::survey::Survey;
 
 use super::Arguments;
@@ -20,13 +21,13 @@ pub(super) struct Shot {
 impl Shot {
     /// Chooses the camera. What the arguments do not set is chosen so that the bodies of the survey are in view.
     pub(super) fn new(arguments: &Arguments, survey: &Survey, simulation: &mut Simulation) -> Result<Self, Failure> {
-        let [width, height] = arguments.size.map(|side| side as f32);
+        let [width, height] = arguments.layout().scene().map(|side| side as f32);
         let scene = simulation.sync()?;
         let view = View {
             from: arguments.view.unwrap_or_default(),
             camera: arguments.camera.map(Into::into),
             look_at: arguments.look_at.map(Into::into),
-            follow: arguments.follow.as_ref().map(|what| what.of(scene)).transpose()?,
+            follow: arguments.follow.as_ref().map(|what| what.of(scene, "--follow")).transpose()?,
             orbit: arguments.orbit.unwrap_or(0.0).to_radians(),
         };
         let same = || Failure::usage("--camera and --look-at are the same point, expected two different points");
@@ -62,14 +63,14 @@ impl Shot {
     }
 }
 
-/// A `--follow` argument: the number of a sphere, or a name in the scene.
+/// A body in an argument: the number of a sphere, or a name in the scene.
 #[derive(Clone, Debug)]
-pub(crate) enum Followed {
+pub(crate) enum Named {
     Number(u32),
     Name(String),
 }
 
-impl Followed {
+impl Named {
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         if text.starts_with(char::is_alphabetic) || text.starts_with('_') {
             return Ok(Self::Name(text.to_owned()));
@@ -78,25 +79,16 @@ impl Followed {
         text.parse().map(Self::Number).map_err(expected)
     }
 
-    /// The sphere that is followed: of several objects with the name, the first sphere, or else the first end of a rod or a spring.
-    pub(crate) fn of(&self, scene: &Scene) -> Result<SphereId, Failure> {
-        let name = match self {
-            Self::Number(number) => return body(scene, *number),
-            Self::Name(name) => name,
-        };
-        let objects = scene.named(name).map_err(|error| Failure::usage(format!("--follow {name}: {error}")))?;
-        let sphere = |id: &ObjectId| match *id {
-            ObjectId::Sphere(id) => Some(id),
-            ObjectId::Rod(id) => scene.rod(id).ok().map(|rod| rod.end1),
-            ObjectId::Spring(id) => scene.spring(id).ok().map(|spring| spring.a),
-            _ => None,
-        };
-        let still = || Failure::usage(format!("--follow {name}: only static objects have this name, expected a body"));
-        objects.iter().find_map(sphere).ok_or_else(still)
+    /// The sphere that `option` means.
+    pub(crate) fn of(&self, scene: &Scene, option: &str) -> Result<SphereId, Failure> {
+        match self {
+            Self::Number(number) => body(scene, *number),
+            Self::Name(name) => named(scene, name).map_err(|error| Failure::usage(format!("{option} {error}"))),
+        }
     }
 }
 
-impl fmt::Display for Followed {
+impl fmt::Display for Named {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number(number) => number.fmt(f),

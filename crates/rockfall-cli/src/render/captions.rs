@@ -16,7 +16,7 @@ pub(crate) struct Captions {
     /// Write its label or its number on every sphere
     #[arg(long)]
     label: bool,
-    /// Draw an arrow at every sphere, with a key: velocity or force
+    /// Draw an arrow at every sphere, with a key: velocity, force or gravity
     #[arg(long, value_name = "WHAT", value_parser = Arrows::named)]
     arrows: Option<Arrows>,
     /// Draw the path of every sphere in the last S seconds of the simulation

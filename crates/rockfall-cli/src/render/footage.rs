@@ -4,7 +4,7 @@ use rockfall::exec::gpu::Gpu;
 use rockfall::{Backend, Checkpoint, Energy, Options, Simulation};
 use rockfall_trajectory::{Moment as FrameTime, Reader};
 use rockfall_viewer::draw::{Renderer, Style};
-use rockfall_viewer::film::{Moment, Player, Timing, surveyed};
+use rockfall_viewer::film::{Moment, Player, Timing};
 use rockfall_viewer::survey::Survey;
 
 use crate::aftermath;
@@ -18,8 +18,17 @@ pub(super) enum Footage {
     Recorded(Box<Recorded>),
 }
 
-/// Greatest number of states before the first one that are looked at, for trails.
-const PAST: u64 = 200;
+/// About the greatest number of states before the first one that are looked at for trails, and for plots.
+const STATES: u64 = 200;
+
+/// The states before the first one that are looked at.
+#[derive(Clone, Copy)]
+pub(super) struct Past {
+    /// Length of trails, in s.
+    pub(super) trails: f64,
+    /// Whether the states from the start on are looked at.
+    pub(super) whole: bool,
+}
 
 /// Is called with states and their times.
 type Look<'a> = &'a mut dyn FnMut(&mut Simulation, f64) -> rockfall::Result<()>;
@@ -43,24 +52,32 @@ impl Footage {
     }
 
     /// Goes to the first state: after `at` steps, or at step `at` of a trajectory. `None` is the start. `look` is called with states
-    /// of the last `seconds` before it, and their times.
+    /// before it, and their times.
     pub(super) fn go_to(
         &mut self,
         at: Option<u64>,
-        seconds: f64,
+        past: Past,
         mut look: impl FnMut(&mut Simulation, f64) -> rockfall::Result<()>,
     ) -> Result<(), Failure> {
         match self {
-            Self::Live(live) => live.go_to(at.unwrap_or(0), seconds, &mut look),
-            Self::Recorded(recorded) => recorded.go_to(at, seconds, &mut look),
+            Self::Live(live) => live.go_to(at.unwrap_or(0), past, &mut look),
+            Self::Recorded(recorded) => recorded.go_to(at, past, &mut look),
         }
     }
 
     /// The time of the first state.
     pub(super) fn start_time(&self) -> f64 {
         match self {
-            Self::Live(live) => live.simulation.report().time,
+            Self::Live(live) => live.start_time,
             Self::Recorded(recorded) => recorded.reader.moments()[recorded.start.step as usize].time,
+        }
+    }
+
+    /// The time of a moment of a film.
+    pub(super) fn time_of(&self, moment: Moment) -> f64 {
+        match self {
+            Self::Live(live) => live.start_time + (moment.step as f64 + f64::from(moment.blend)) * f64::from(live.dt),
+            Self::Recorded(recorded) => recorded.time_of(moment),
         }
     }
 
@@ -93,15 +110,15 @@ impl Footage {
         }
     }
 
-    /// Goes through the states of a film and back to its first state. `look` is called for every state.
+    /// Goes through states of a film and back to its first state. `look` is called for every state.
     pub(super) fn survey(
         &mut self,
         moments: &[Moment],
-        mut look: impl FnMut(&mut Simulation) -> rockfall::Result<()>,
+        mut look: impl FnMut(&mut Simulation, f64) -> rockfall::Result<()>,
     ) -> Result<Survey, Failure> {
         let mut survey: Option<Survey> = None;
-        let mut add = |simulation: &mut Simulation| -> rockfall::Result<()> {
-            look(simulation)?;
+        let mut add = |simulation: &mut Simulation, time: f64| -> rockfall::Result<()> {
+            look(simulation, time)?;
             let scene = simulation.sync()?;
             match &mut survey {
                 Some(survey) => survey.add(scene),
@@ -127,6 +144,8 @@ pub(super) struct Live {
     dt: f32,
     parts: u32,
     interrupt: &'static Interrupt,
+    /// The time of the first picture.
+    start_time: f64,
 }
 
 impl Live {
@@ -140,7 +159,7 @@ impl Live {
     ) -> Result<Self, Failure> {
         simulation.set_time_step(dt / parts as f32)?;
         let start = (simulation.report().steps, simulation.energy()?);
-        Ok(Self { name, simulation, start, player: Player::new(dt).parts(parts), dt, parts, interrupt })
+        Ok(Self { name, simulation, start, player: Player::new(dt).parts(parts), dt, parts, interrupt, start_time: 0.0 })
     }
 
     fn timing(&self, cut: Cut) -> Timing {
@@ -162,20 +181,27 @@ impl Live {
         moved.map(drop).map_err(|error| Failure::of(error, self.simulation.scene()))
     }
 
-    /// Runs the steps before the first state. `look` is called with at most about [`PAST`] states of the last `seconds`.
-    fn go_to(&mut self, at: u64, seconds: f64, look: Look<'_>) -> Result<(), Failure> {
+    /// Runs the steps before the first state.
+    fn go_to(&mut self, at: u64, past: Past, look: Look<'_>) -> Result<(), Failure> {
         let mut progress = Progress::new(at);
-        let past = ((seconds / f64::from(self.dt)).ceil() as u64).min(at);
-        self.advance_with(at - past, &mut progress)?;
-        let stride = past.div_ceil(PAST).max(1);
-        let mut left = past;
-        while left > 0 {
+        let trails = ((past.trails / f64::from(self.dt)).ceil() as u64).min(at);
+        let before = at - trails;
+        self.go(before, if past.whole { before } else { 0 }, look, &mut progress)?;
+        self.go(trails, trails, look, &mut progress)
+    }
+
+    /// Runs steps. `look` is called with about [`STATES`] states of the last ones.
+    fn go(&mut self, steps: u64, mut last: u64, look: Look<'_>, progress: &mut Progress) -> Result<(), Failure> {
+        self.advance_with(steps - last, progress)?;
+        let stride = last.div_ceil(STATES).max(1);
+        while last > 0 {
             let time = self.simulation.report().time;
             look(&mut self.simulation, time)?;
-            let steps = stride.min(left);
-            self.advance_with(steps, &mut progress)?;
-            left -= steps;
+            let steps = stride.min(last);
+            self.advance_with(steps, progress)?;
+            last -= steps;
         }
+        self.start_time = self.simulation.report().time;
         Ok(())
     }
 
@@ -194,18 +220,15 @@ impl Live {
     }
 
     /// Runs through all moments, then restores the first state, from which the film then takes the same steps.
-    fn each_state(
-        &mut self,
-        moments: &[Moment],
-        look: &mut dyn FnMut(&mut Simulation) -> rockfall::Result<()>,
-    ) -> Result<(), Failure> {
+    fn each_state(&mut self, moments: &[Moment], look: Look<'_>) -> Result<(), Failure> {
         let start: Checkpoint = self.simulation.checkpoint()?;
         let mut progress = Progress::survey(moments.last().map_or(0, |moment| moment.step));
         let mut done = 0;
-        for moment in surveyed(moments) {
+        for moment in moments {
             self.advance_with(moment.step - done, &mut progress)?;
             done = moment.step;
-            look(&mut self.simulation)?;
+            let time = self.simulation.report().time;
+            look(&mut self.simulation, time)?;
         }
         Ok(self.simulation.restore(&start)?)
     }
@@ -259,7 +282,7 @@ impl Recorded {
         Moment { step: frame as u64, blend: if blend < 1e-4 { 0.0 } else { blend as f32 } }
     }
 
-    fn go_to(&mut self, at: Option<u64>, seconds: f64, look: Look<'_>) -> Result<(), Failure> {
+    fn go_to(&mut self, at: Option<u64>, past: Past, look: Look<'_>) -> Result<(), Failure> {
         let [first, last] = self.ends().map(|end| end.step);
         let at = at.unwrap_or(first);
         if !(first..=last).contains(&at) {
@@ -267,10 +290,12 @@ impl Recorded {
         }
         self.start = self.moment_of(at as f64, |frame| frame.step as f64);
         let start = self.start.step as usize;
-        let oldest = self.reader.moments()[start].time - seconds;
-        let past = self.reader.moments()[..start].iter().filter(|frame| frame.time >= oldest).count();
-        if seconds > 0.0 {
-            for frame in (start - past..start).step_by(past.div_ceil(PAST as usize).max(1)) {
+        let oldest = self.reader.moments()[start].time - past.trails;
+        let trails = self.reader.moments()[..start].iter().filter(|frame| frame.time >= oldest).count();
+        let trails = if past.trails > 0.0 { start - trails } else { start };
+        for frames in [if past.whole { 0 } else { trails }..trails, trails..start] {
+            let stride = frames.len().div_ceil(STATES as usize).max(1);
+            for frame in frames.step_by(stride) {
                 self.apply(frame)?;
                 look(&mut self.simulation, self.reader.moments()[frame].time)?;
             }
@@ -337,14 +362,10 @@ impl Recorded {
         Ok(())
     }
 
-    fn each_state(
-        &mut self,
-        moments: &[Moment],
-        look: &mut dyn FnMut(&mut Simulation) -> rockfall::Result<()>,
-    ) -> Result<(), Failure> {
-        for moment in surveyed(moments) {
+    fn each_state(&mut self, moments: &[Moment], look: Look<'_>) -> Result<(), Failure> {
+        for moment in moments {
             self.apply(moment.step as usize)?;
-            look(&mut self.simulation)?;
+            look(&mut self.simulation, self.reader.moments()[moment.step as usize].time)?;
         }
         Ok(self.apply(self.start.step as usize)?)
     }

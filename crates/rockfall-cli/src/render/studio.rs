@@ -5,13 +5,13 @@ use rockfall::glam::Vec3;
 use rockfall::output::AtomicFile;
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::{FrameTimes, Pass, Range, Renderer, Style};
-use rockfall_viewer::film::{self, Follower, Format, Moment};
+use rockfall_viewer::film::{self, Follower, Format, Moment, plotted, surveyed};
 use rockfall_viewer::overlay::Overlay;
 use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
 use rockfall_viewer::survey::Survey;
 
-use super::camera::Shot;
-use super::footage::{Footage, device};
+use super::camera::{Named, Shot};
+use super::footage::{Footage, Past, device};
 use super::{Arguments, Product, colours};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -35,7 +35,7 @@ pub(super) struct Studio {
 impl Studio {
     pub(super) fn new(arguments: &Arguments, mut footage: Footage, interrupt: &'static Interrupt) -> Result<Self, Failure> {
         let gpu = device(footage.simulation())?;
-        let [width, height] = arguments.size;
+        let [width, height] = arguments.layout().scene();
         let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;
         let mut renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT)?;
         let mut style = arguments.style();
@@ -45,18 +45,22 @@ impl Studio {
         }
         let overlay = arguments.captions.overlay();
         renderer.set_overlay(&overlay);
+        let scene = footage.simulation().scene();
+        let find = |name: &str| Named::parse(name).map_err(Failure::usage)?.of(scene, "--plot");
+        let graphs: Result<_, Failure> = arguments.plot.iter().map(|plot| plot.of(scene, find)).collect();
+        renderer.set_plots(graphs?);
         Ok(Self { footage, renderer, canvas, style, overlay, interrupt })
     }
 
     pub(super) fn picture(mut self, arguments: &Arguments, product: Product) -> Result<(), Failure> {
         let path = &arguments.out;
         let mut file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?;
-        self.go_to_start(arguments)?;
+        self.go_to_start(arguments, false)?;
         let simulation = self.footage.simulation();
         let survey = Survey::new(simulation.sync()?);
         let shot = Shot::new(arguments, &survey, simulation)?;
         let camera = shot.at(0.0, None);
-        self.renderer.set_scene(simulation);
+        self.renderer.start_from(simulation);
         self.renderer.update(simulation, &self.style)?;
         self.renderer.set_time(self.footage.start_time());
         let picture = self.take(&camera, arguments)?;
@@ -72,13 +76,14 @@ impl Studio {
         self.finish(arguments, &shot, &format!("{width}x{height} pixels"))
     }
 
-    /// Goes to the first state, and takes the trails before it.
-    fn go_to_start(&mut self, arguments: &Arguments) -> Result<(), Failure> {
+    /// Goes to the first state, and takes the states in the past that trails and the plots of a picture show.
+    fn go_to_start(&mut self, arguments: &Arguments, is_film: bool) -> Result<(), Failure> {
+        let past = Past { trails: self.overlay.trails, whole: !is_film && !arguments.plot.is_empty() };
         let Self { footage, renderer, style, .. } = self;
-        footage.go_to(arguments.at, self.overlay.trails, |simulation, time| {
+        footage.go_to(arguments.at, past, |simulation, time| {
             renderer.update(simulation, style)?;
             renderer.set_time(time);
-            renderer.record_trails();
+            renderer.record();
             Ok(())
         })
     }
@@ -97,18 +102,19 @@ impl Studio {
         if arguments.colour_by.is_some() {
             self.renderer.legend(&self.style).draw(&mut picture)?;
         }
-        self.renderer.record_trails();
+        self.renderer.record();
         self.overlay.draw(self.renderer.motion(), camera, &mut picture)?;
-        Ok(picture)
+        arguments.layout().complete(picture, self.renderer.motion().plots())
     }
 
     pub(super) fn film(mut self, arguments: &Arguments, format: Format) -> Result<(), Failure> {
-        self.go_to_start(arguments)?;
+        self.go_to_start(arguments, true)?;
         let moments = self.footage.moments(arguments.cut())?;
         let survey = self.survey(arguments, &moments)?;
         let shot = Shot::new(arguments, &survey, self.footage.simulation())?;
         self.renderer.set_scene(self.footage.simulation());
         self.renderer.set_survey(survey);
+        self.renderer.fix_plots([0, moments.len() - 1].map(|index| self.footage.time_of(moments[index])));
         let mut follower = Follower::default();
         let (interrupt, count) = (self.interrupt, moments.len());
         let mut progress = Progress::pictures(count as u64);
@@ -161,15 +167,19 @@ impl Studio {
         let has_camera = arguments.camera.is_some() && (arguments.look_at.is_some() || arguments.follow.is_some());
         let has_scale = arguments.range.is_some() || self.style.colour_by.title().is_none();
         let has_arrows = self.overlay.arrows.is_some();
+        let has_plots = !arguments.plot.is_empty();
         let scene = self.footage.simulation().scene();
-        if has_camera && has_scale && !has_arrows && scene.boxes().is_empty() && scene.polygons().is_empty() {
+        if has_camera && has_scale && !has_arrows && !has_plots && scene.boxes().is_empty() && scene.polygons().is_empty() {
             return Ok(Survey::new(scene));
         }
         let (mut end, mut key) = (0.0_f32, 0.0_f32);
         let Self { footage, renderer, style, .. } = self;
-        let survey = footage.survey(moments, |simulation| {
-            if !has_scale || has_arrows {
+        let states = if has_plots { plotted(moments) } else { surveyed(moments).collect() };
+        let survey = footage.survey(&states, |simulation, time| {
+            if !has_scale || has_arrows || has_plots {
                 renderer.update(simulation, style)?;
+                renderer.set_time(time);
+                renderer.record();
                 end = end.max(renderer.range(style)[1]);
                 key = key.max(renderer.motion().arrow_key());
             }

@@ -8,6 +8,8 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
+mod plots;
+
 /// A ball that falls next to a fixed one.
 const SCENE: &str = "S 1 0 2 0 0 0 0 0 0 0 1 0.5 0\nS 2 1.5 0.5 0 0 0 0 0 0 0 1 0.5 1\n";
 

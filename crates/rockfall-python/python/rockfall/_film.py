@@ -6,7 +6,7 @@ import base64
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy.typing as npt
@@ -137,6 +137,7 @@ def film(
     label: bool = False,
     arrows: str | None = None,
     trails: float = 0.0,
+    plot: str | Sequence[str] = (),
     on_step: Callable[[Filmed], object] | None = None,
     world: int | None = None,
     progress: bool = False,
@@ -183,9 +184,12 @@ def film(
     label : bool
         Whether to write its number on every sphere.
     arrows : str, optional
-        What an arrow at every sphere shows, with a key: velocity or force.
+        What an arrow at every sphere shows, with a key: velocity, force or gravity.
     trails : float
         Length of the trails of the spheres, in s of the simulation.
+    plot : str or sequence of str
+        Quantities over time beside the picture: ``"energy"``, ``"contacts"``, or height, speed, x, y or z of bodies by their names
+        or numbers, as in ``"height:left,right"``.
     on_step : callable, optional
         ``on_step(sim)`` is called after every step, for example to set forces. The steps are then run once.
     world : int, optional
@@ -226,7 +230,7 @@ def film(
     >>> rf.film(sim, 500, on_step=push)  # doctest: +SKIP
     """
     captions: dict[str, Any] = {"title": title, "clock": clock, "scale_bar": scale_bar, "label": label, "arrows": arrows}
-    shown = look(size, colour_by, range, camera, look_at, plain, view=view, trails=trails, **captions)
+    shown = look(size, colour_by, range, camera, look_at, plain, view=view, trails=trails, plot=plot, **captions)
     native, shot = _taken(sim, shown, (steps, fps, speed, follow, orbit), on_step, world, progress)
     return Film(native, shot.fps, shown["size"])
 

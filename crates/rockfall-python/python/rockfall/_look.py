@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ def look(
     label: Any = False,
     arrows: Any = None,
     trails: Any = 0.0,
+    plot: Any = (),
 ) -> dict[str, Any]:
     """Checks the arguments of pictures and films, and returns them as the native module takes them."""
     if np.shape(size) != (2,):
@@ -58,7 +60,15 @@ def look(
         "label": bool(label),
         "arrows": arrows,
         "trails": length,
+        "plot": _texts("plot", plot),
     }
+
+
+def _texts(name: str, value: Any) -> list[str]:
+    texts = [value] if isinstance(value, str) else value
+    if not isinstance(texts, Iterable) or not all(isinstance(text, str) for text in texts):
+        raise TypeError(f"{name}: expected a text or a list of texts, got {value!r}")
+    return list(texts)
 
 
 def number(name: str, value: Any, *, positive: bool = False) -> float:

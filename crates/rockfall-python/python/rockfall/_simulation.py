@@ -366,7 +366,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         label : bool
             Whether to write its number on every sphere.
         arrows : str, optional
-            What an arrow at every sphere shows, with a key: velocity or force.
+            What an arrow at every sphere shows, with a key: velocity, force or gravity.
 
         Raises
         ------

@@ -30,8 +30,8 @@ impl Shooting {
         let next = self.next()?;
         let Some(seen) = self.seen.step else { return Some(0) };
         let due = if seen < next.step { next.step } else { end(next) };
-        let has_trails = self.tools.renderer.motion().trail_interval().is_some();
-        Some(if has_trails { due.min(seen + 1) } else { due })
+        let has_past = self.tools.renderer.motion().interval().is_some();
+        Some(if has_past { due.min(seen + 1) } else { due })
     }
 
     /// Sees the state after a number of steps, and takes the pictures that it completes.
@@ -50,11 +50,11 @@ impl Shooting {
             self.tools.renderer.set_blend(blend);
             let followed = place.map(|place| self.seen.place.unwrap_or(place).lerp(place, blend));
             let camera = shot.at(self.reel.len() as f64 / f64::from(self.timing.fps), followed);
-            let picture = self.tools.take(&camera, &self.style, &self.overlay, self.look.colour_by.is_some())?;
+            let picture = self.picture(&camera)?;
             self.reel.push(&picture).or_raise()?;
         }
         self.tools.renderer.set_blend(1.0);
-        self.tools.renderer.record_trails();
+        self.tools.renderer.record();
         self.tools.renderer.remember();
         (self.seen.step, self.seen.place) = (Some(step), place);
         Ok(())

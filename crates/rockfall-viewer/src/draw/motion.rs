@@ -6,6 +6,7 @@ use rockfall::glam::Vec3;
 use rockfall::{Result, Scene, Simulation, Sphere, SphereDiagnostics, SphereId};
 
 use crate::draw::range::{RecentPercentile, percentile};
+use crate::plot::Plots;
 
 /// Number of spheres that have trails. In larger scenes only some have.
 const MOST_TRAILS: usize = 1000;
@@ -21,17 +22,20 @@ pub enum Arrows {
     Velocity,
     /// Net force, in mass units/s².
     Force,
+    /// Weight, in mass units/s².
+    Gravity,
 }
 
 impl Arrows {
     /// All values.
-    pub const ALL: [Self; 2] = [Self::Velocity, Self::Force];
+    pub const ALL: [Self; 3] = [Self::Velocity, Self::Force, Self::Gravity];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Velocity => "velocity",
             Self::Force => "force",
+            Self::Gravity => "gravity",
         }
     }
 
@@ -47,14 +51,17 @@ impl Arrows {
     pub(crate) fn unit(self) -> &'static str {
         match self {
             Self::Velocity => "units/s",
-            Self::Force => "mass units/s²",
+            Self::Force | Self::Gravity => "mass units/s²",
         }
     }
 
-    pub(crate) fn of(self, sphere: &Sphere, values: Option<&SphereDiagnostics>) -> Vec3 {
+    pub(crate) fn of(self, sphere: &Sphere, values: Option<&SphereDiagnostics>, gravity: Vec3) -> Vec3 {
         match self {
             Self::Velocity => sphere.velocity,
             Self::Force => values.map_or(Vec3::ZERO, |values| values.net_force),
+            // A fixed sphere is held, so that gravity does not act on it.
+            Self::Gravity if sphere.fixed => Vec3::ZERO,
+            Self::Gravity => sphere.mass * gravity,
         }
     }
 }
@@ -74,6 +81,7 @@ pub struct Motion {
     tag_changes: u64,
     recent: RecentPercentile,
     past: VecDeque<State>,
+    pub(crate) plots: Plots,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -103,6 +111,7 @@ impl Motion {
     /// Takes the present state.
     pub(crate) fn update(&mut self, simulation: &mut Simulation) -> Result<()> {
         self.now.time = simulation.report().time;
+        self.plots.update(simulation)?;
         if !self.wanted {
             self.now.places.clear();
             return Ok(());
@@ -111,8 +120,9 @@ impl Motion {
         let scene = simulation.sync()?;
         self.now.places = scene.spheres().iter().map(|sphere| sphere.position).collect();
         if let Some(arrows) = self.arrows {
+            let gravity = scene.settings.gravity * scene.settings.gravity_direction;
             let spheres = scene.spheres().iter().enumerate();
-            self.now.arrows = spheres.map(|(index, sphere)| arrows.of(sphere, values.get(index))).collect();
+            self.now.arrows = spheres.map(|(index, sphere)| arrows.of(sphere, values.get(index), gravity)).collect();
             self.recent.record(percentile(self.now.arrows.iter().map(|arrow| arrow.length())));
         }
         if self.labels.len() != self.now.places.len() || self.tag_changes != scene.tag_changes() {
@@ -128,14 +138,16 @@ impl Motion {
 
     pub(crate) fn remember(&mut self) {
         self.before = self.now.clone();
+        self.plots.remember();
     }
 
     pub(crate) fn set_blend(&mut self, blend: f32) {
         self.back = 1.0 - blend;
     }
 
-    /// Adds the state that is shown to the trails.
+    /// Adds the state that is shown to the plots and the trails.
     pub(crate) fn record(&mut self) {
+        self.plots.record(self.time(), f64::from(self.back));
         if self.seconds <= 0.0 || !self.wanted {
             return;
         }
@@ -156,9 +168,15 @@ impl Motion {
         }
     }
 
-    /// Time between the states that trails need, in s; `None` without trails.
-    pub fn trail_interval(&self) -> Option<f64> {
-        (self.wanted && self.seconds > 0.0).then(|| self.seconds / STATES)
+    /// Time between the states that trails and plots need, in s; `None` without them.
+    pub fn interval(&self) -> Option<f64> {
+        let trails = (self.wanted && self.seconds > 0.0).then(|| self.seconds / STATES);
+        trails.into_iter().chain(self.plots.interval()).reduce(f64::min)
+    }
+
+    /// The plots.
+    pub fn plots(&self) -> &Plots {
+        &self.plots
     }
 
     fn is_between(&self) -> bool {

@@ -6,6 +6,7 @@ use crate::draw::motion::Arrows;
 use crate::draw::range::{RecentPercentile, percentile, percentile_in};
 use crate::draw::style::{ColourBy, Range, Style};
 use crate::draw::{Motion, Renderer, palette};
+use crate::plot::{Graph, Plots};
 use crate::survey::Survey;
 
 /// Distance from the bodies of a scene up to which others count for the scale, divided by the extent of the bodies.
@@ -73,9 +74,20 @@ impl Renderer {
         Ok(())
     }
 
-    /// Adds the state that is shown to the trails of an overlay.
-    pub fn record_trails(&mut self) {
+    /// Adds the state that is shown to the trails of an overlay and to the plots.
+    pub fn record(&mut self) {
         self.motion.record();
+    }
+
+    /// Takes the plots that are shown of the following states.
+    pub fn set_plots(&mut self, graphs: Vec<Graph>) {
+        self.motion.plots = Plots::new(graphs);
+    }
+
+    /// Fixes the axes of the plots of a film from its first to its last time, in s. The values are those of the states recorded
+    /// so far, which the plots then forget.
+    pub fn fix_plots(&mut self, span: [f64; 2]) {
+        self.motion.plots.fix(span);
     }
 
     pub(super) fn set_region(&mut self, survey: &Survey) {

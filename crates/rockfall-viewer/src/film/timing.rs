@@ -57,9 +57,30 @@ pub fn surveyed(moments: &[Moment]) -> impl Iterator<Item = Moment> {
     moments.iter().step_by(stride).copied().chain(last)
 }
 
+/// Number of states from which the axes of plots are chosen.
+const PLOTTED: u64 = 400;
+
+/// Returns the states from which the axes of the plots of a film are chosen too: steps at regular intervals, and the last one.
+pub fn plotted(moments: &[Moment]) -> Vec<Moment> {
+    let (Some(first), Some(last)) = (moments.first(), moments.last()) else { return Vec::new() };
+    let (first, last) = (first.step, last.step + u64::from(last.blend > 0.0));
+    let stride = (last - first).div_ceil(PLOTTED).max(1);
+    let steps = (first..last).step_by(stride as usize).chain([last]);
+    steps.map(|step| Moment { step, blend: 0.0 }).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_axes_of_plots_follow_from_all_steps_of_a_short_film() {
+        let moments = |last: u64, blend: f32| [Moment { step: 2, blend: 0.5 }, Moment { step: last, blend }];
+        let steps = |last, blend| plotted(&moments(last, blend)).iter().map(|moment| moment.step).collect::<Vec<u64>>();
+        assert_eq!((steps(5, 0.0), steps(5, 0.5)), (vec![2, 3, 4, 5], vec![2, 3, 4, 5, 6]));
+        assert_eq!((steps(4003, 0.0).len(), steps(4003, 0.0).last()), (365, Some(&4003)));
+        assert!(plotted(&[]).is_empty());
+    }
 
     #[test]
     fn pictures_at_the_rate_of_the_steps_need_no_blending() {

@@ -1,3 +1,4 @@
+use rockfall::glam::Vec3;
 use rockfall::{Backend, Options, Scene, Simulation, Sphere};
 
 use super::*;
@@ -52,6 +53,20 @@ fn arrows_and_labels_are_at_the_spheres() {
     let tip = marks.iter().find_map(|mark| if let Mark::Triangle { corners, .. } = mark { Some(corners[0]) } else { None });
     let expected = [160.0 + 0.2 * 60.0 + KEY * 240.0, 120.0];
     assert!(tip.unwrap().iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 0.01), "{tip:?}");
+}
+
+#[test]
+fn gravity_pulls_bodies_that_are_not_fixed() {
+    let overlay = Overlay { arrows: Some(Arrows::Gravity), ..Overlay::default() };
+    let mut scene = Scene::new();
+    scene.settings.gravity = 10.0;
+    scene.add_sphere(Sphere::new([0.0; 3], 0.2).mass(3.0)).unwrap();
+    scene.add_sphere(Sphere::new([1.0; 3], 0.2).mass(3.0).fixed()).unwrap();
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
+    let mut motion = Motion::default();
+    motion.want(overlay.needs_places(), overlay.arrows, 0.0);
+    motion.update(&mut simulation).unwrap();
+    assert_eq!(motion.arrows().map(|(_, arrow)| arrow).collect::<Vec<_>>(), [Vec3::new(0.0, -30.0, 0.0), Vec3::ZERO]);
 }
 
 #[test]

@@ -177,6 +177,7 @@ impl OpenWindow {
         viewer.overlay.clone_from(&launch.overlay);
         viewer.style = launch.style;
         viewer.find = launch.follow.clone();
+        viewer.show_from(launch.view);
         viewer.follow_initially();
         window.request_redraw();
         let (last_frame, first_frame, drawn) = (None, None, None);
@@ -327,7 +328,7 @@ impl OpenWindow {
         }
         renderer.keep_ground_below(session.simulation_ref());
         renderer.set_blend(drawn.blend);
-        renderer.record_trails();
+        renderer.record();
         let legend = Some(renderer.legend(&drawn.style));
         if self.viewer.legend != legend {
             self.viewer.legend = legend;

@@ -10,6 +10,7 @@ use super::controls::Controls;
 use super::follow::Find;
 use super::session::playback::Playback;
 use super::session::{Prepare, Source};
+use crate::camera::Direction;
 use crate::draw::Style;
 use crate::overlay::Overlay;
 
@@ -37,6 +38,8 @@ pub struct Launch {
     pub style: Style,
     /// Changes every scene that is opened later, such as its colours.
     pub prepare: Option<Prepare>,
+    /// Direction from which the camera shows scenes.
+    pub view: Direction,
     /// Finds the sphere that the camera follows.
     pub follow: Option<Find>,
     /// File to write the state to after every frame and on exit, as JSON.

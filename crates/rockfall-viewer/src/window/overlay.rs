@@ -55,4 +55,5 @@ pub(super) fn switches(ui: &mut Ui, viewer: &mut Viewer) {
     ui.radio_value(&mut overlay.arrows, None, "No arrows");
     ui.radio_value(&mut overlay.arrows, Some(Arrows::Velocity), "Arrows of velocity");
     ui.radio_value(&mut overlay.arrows, Some(Arrows::Force), "Arrows of force");
+    ui.radio_value(&mut overlay.arrows, Some(Arrows::Gravity), "Arrows of gravity");
 }

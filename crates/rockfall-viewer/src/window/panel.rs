@@ -2,24 +2,17 @@
 
 use egui::{Color32, RichText, Ui};
 use egui_plot::{GridMark, Line, Plot, PlotPoints};
-use rockfall::{Counts, Energy};
+use rockfall::Counts;
 
 use super::constants_panel;
 use super::viewer::Viewer;
 use crate::draw::{ColourBy, Style};
 use crate::legend::{Legend, number};
 use crate::palette::{Kind, Rgb};
+use crate::plot::axes::{multiples, ranges, step};
+use crate::plot::{self as quantities, ENERGIES};
 
-/// Names and colours of the energies. The colours here and in [`PHASES`] are those of Okabe and Ito, which can be told apart
-/// with any kind of colour vision.
-const ENERGIES: [(&str, Rgb); 5] = [
-    ("total", [0x30, 0x30, 0x30]),
-    ("kinetic", [0xd5, 0x5e, 0x00]),
-    ("potential", [0x00, 0x72, 0xb2]),
-    ("springs", [0x00, 0x9e, 0x73]),
-    ("contacts", [0xcc, 0x79, 0xa7]),
-];
-/// Names and colours of the phases.
+/// Names and colours of the phases. The colours are those of Okabe and Ito.
 const PHASES: [(&str, Rgb); 4] = [
     ("AABBs", [0x56, 0xb4, 0xe9]),
     ("broad phase", [0x00, 0x72, 0xb2]),
@@ -27,10 +20,6 @@ const PHASES: [(&str, Rgb); 4] = [
     ("positions", [0x00, 0x9e, 0x73]),
 ];
 const PLOT_HEIGHT: f32 = 130.0;
-/// Least range of a vertical axis, divided by the greatest value.
-const LEAST_RANGE: f64 = 0.02;
-/// Least range of the axis of the time, in s.
-const LEAST_TIME: f64 = 1.0;
 /// Least distance of two ticks of a vertical axis, in points. The axis leaves out the numbers of nearer ones.
 const TICK_DISTANCE: f32 = 30.0;
 /// Width of the scroll bar beside the panel.
@@ -166,42 +155,19 @@ pub(super) fn widened<'a>(plot: Plot<'a>, points: &[[f64; 2]]) -> Plot<'a> {
     plot.include_x(from).include_x(to).include_y(low).include_y(high)
 }
 
-/// Returns the ranges of both axes. They are so wide that rounding errors do not fill a plot: before the run, and for what stays
-/// the same.
-fn ranges(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
-    let range = |axis: usize| {
-        let values = points.iter().map(|point| point[axis]).filter(|value| value.is_finite());
-        let [low, high] =
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]);
-        if low <= high { [low, high] } else { [0.0; 2] }
-    };
-    let ([from, to], [low, high]) = (range(0), range(1));
-    let size = low.abs().max(high.abs());
-    let least = if size > 0.0 { LEAST_RANGE * size } else { 1.0 };
-    let room = (0.5 * (least - (high - low))).max(0.0);
-    [[from, to.max(from + LEAST_TIME)], [low - room, high + room]]
-}
-
-/// Returns at most this number of ticks, and at least two where possible, at multiples of 1, 2 or 5 times a power of ten.
+/// The ticks of an axis.
 fn ticks((low, high): (f64, f64), most: f64) -> Vec<GridMark> {
-    let least = (high - low) / most.max(1.0);
-    if !(least.is_finite() && least > 0.0) {
-        return Vec::new();
-    }
-    let power = 10_f64.powf(least.log10().floor());
-    let step = [1.0, 2.0, 5.0].map(|step| step * power).into_iter().find(|step| *step >= least).unwrap_or(10.0 * power);
-    let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
-    (first..=last).map(|tick| GridMark { value: tick as f64 * step, step_size: step }).collect()
+    let marks = |step_size: f64| multiples([low, high], step_size).map(|value| GridMark { value, step_size }).collect();
+    step([low, high], most).map_or_else(Vec::new, marks)
 }
 
 fn energies(ui: &mut Ui, viewer: &mut Viewer) {
     let watch = &viewer.session.watch;
-    let all = |energy: &Energy| [energy.total(), energy.kinetic, energy.potential, energy.spring, energy.contact];
     if let Some(last) = watch.energies().back() {
-        // Without contacts the energy is -0; adding 0 makes it 0.
-        values(ui, &ENERGIES, all(&last.energy).map(|energy| format!("{:.4}", energy + 0.0)));
+        values(ui, &ENERGIES, quantities::energies(&last.energy).map(|energy| format!("{energy:.4}")));
     }
-    let points = |index: usize| watch.energies().iter().map(move |sample| [sample.time, all(&sample.energy)[index]]);
+    let points =
+        |index: usize| watch.energies().iter().map(move |sample| [sample.time, quantities::energies(&sample.energy)[index]]);
     let lines = ENERGIES
         .iter()
         .enumerate()
@@ -246,25 +212,6 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-
-    #[test]
-    fn ticks_are_round_numbers() {
-        let values = |low: f64, high: f64| ticks((low, high), 3.0).iter().map(|tick| tick.value).collect::<Vec<f64>>();
-        assert_eq!(values(0.4, 0.75), [0.4, 0.6000000000000001]);
-        assert_eq!(values(-1.0, 11.0), [0.0, 5.0, 10.0]);
-        assert_eq!(values(100.0, 450.0), [200.0, 400.0]);
-        assert!(values(1.0, 1.0).is_empty() && values(f64::NAN, 1.0).is_empty());
-    }
-
-    /// Before the run there is one point; later a value may differ by rounding errors only.
-    #[test]
-    fn plots_of_one_value_have_a_scale() {
-        assert_eq!(ranges(&[]), [[0.0, 1.0], [-0.5, 0.5]]);
-        assert_eq!(ranges(&[[0.0, 200.0]]), [[0.0, 1.0], [198.0, 202.0]]);
-        let [[from, to], [low, high]] = ranges(&[[0.0, 3.0], [4.0, 3.0 + 1e-9]]);
-        assert!((from, to) == (0.0, 4.0) && low < 2.98 && high > 3.02, "{low} {high}");
-        assert_eq!(ranges(&[[1.0, -2.0], [4.0, 5.0]]), [[1.0, 4.0], [-2.0, 5.0]]);
-    }
 
     #[test]
     fn a_capsule_is_one_body() {

@@ -4,12 +4,12 @@ use std::collections::VecDeque;
 
 use egui::{Rect, RichText, Ui};
 use egui_plot::{Line, PlotPoints};
+use rockfall::glam::Vec3;
 
 use super::panel;
-use super::session::picked::MOST_KEPT;
 use super::track::Point;
 use super::viewer::Viewer;
-use crate::palette::Rgb;
+use crate::plot::{COLOURS, Quantity};
 
 const WIDTH: f32 = 300.0;
 /// Size of the text of the values, in points.
@@ -17,10 +17,6 @@ const TEXT: f32 = 11.0;
 const PLOT_HEIGHT: f32 = 84.0;
 /// Number of points above which only some are drawn.
 const MOST_POINTS: usize = 1000;
-/// Colours of the bodies in the plots, the picked one first.
-const COLOURS: [Rgb; MOST_KEPT + 1] =
-    [[0x00, 0x72, 0xb2], [0xd5, 0x5e, 0x00], [0x00, 0x9e, 0x73], [0xcc, 0x79, 0xa7], [0xe6, 0x9f, 0x00], [0x56, 0xb4, 0xe9]];
-
 /// Shows the window if a body is picked. It opens in the upper left corner of the picture, beside its middle.
 pub(super) fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
     let Some(facts) = viewer.session.watch.facts().cloned().filter(|_| viewer.session.picked().is_some()) else {
@@ -44,16 +40,18 @@ pub(super) fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
     }
 }
 
-/// Plots a value of bodies over time, with a colour for each.
-fn plot(ui: &mut Ui, title: &str, tracks: &[(&str, &VecDeque<Point>)], value: &dyn Fn(&Point) -> f32) {
+/// Plots a quantity of bodies over time, with a colour for each.
+fn plot(ui: &mut Ui, tracks: &[(&str, &VecDeque<Point>)], quantity: Quantity, up: Vec3) {
     let shown = tracks.iter().map(|(_, points)| {
         let stride = points.len().div_ceil(MOST_POINTS).max(1);
+        let value = |point: &Point| f64::from(quantity.of_body((point.position, point.velocity), up));
         // The last point is always drawn.
-        points.iter().rev().step_by(stride).map(|point| [point.time, f64::from(value(point))]).collect()
+        points.iter().rev().step_by(stride).map(|point| [point.time, value(point)]).collect()
     });
     let shown: Vec<Vec<[f64; 2]>> = shown.collect();
-    ui.label(RichText::new(title).weak().small());
-    panel::widened(panel::plot(title, PLOT_HEIGHT), &shown.concat()).show(ui, |plot| {
+    let title = format!("{} in {} over time in s", quantity.name(), quantity.unit());
+    ui.label(RichText::new(&title).weak().small());
+    panel::widened(panel::plot(&title, PLOT_HEIGHT), &shown.concat()).show(ui, |plot| {
         for (((name, _), points), colour) in tracks.iter().zip(shown).zip(COLOURS) {
             plot.line(Line::new(*name, PlotPoints::from(points)).stroke(panel::stroke(colour)));
         }
@@ -69,9 +67,8 @@ fn motion(ui: &mut Ui, title: &str, viewer: &mut Viewer) {
     }
     let mut tracks = vec![(title, points)];
     tracks.extend(viewer.session.kept().map(|kept| (kept.title.as_str(), kept.track.points())));
-    let height = |point: &Point| point.position.dot(up);
-    plot(ui, "height in units over time in s", &tracks, &height);
-    plot(ui, "speed in units/s over time in s", &tracks, &|point| point.velocity.length());
+    plot(ui, &tracks, Quantity::Height, up);
+    plot(ui, &tracks, Quantity::Speed, up);
     if tracks.len() > 1 {
         ui.horizontal_wrapped(|ui| {
             for ((title, _), colour) in tracks.iter().zip(COLOURS) {

@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::fmt::Write as _;
 
 use rockfall::glam::Vec3;
-use rockfall::{Body, Scene};
+
+use crate::plot::Quantity;
 
 /// Number of points that are kept.
 const KEPT: usize = 20_000;
@@ -65,24 +66,10 @@ impl Track {
         let mut text = "time,x,y,z,vx,vy,vz,height,speed\n".to_owned();
         for Point { time, position: p, velocity: v } in &self.points {
             // Writing to memory cannot fail.
-            let _ = writeln!(text, "{time:.9},{},{},{},{},{},{},{},{}", p.x, p.y, p.z, v.x, v.y, v.z, p.dot(up), v.length());
+            let [height, speed] = [Quantity::Height, Quantity::Speed].map(|quantity| quantity.of_body((*p, *v), up));
+            let _ = writeln!(text, "{time:.9},{},{},{},{},{},{},{height},{speed}", p.x, p.y, p.z, v.x, v.y, v.z);
         }
         text
-    }
-}
-
-/// Returns position and velocity of a body that can move: a sphere, or the middle of a rod or capsule.
-pub(super) fn motion(scene: &Scene, body: Body) -> Option<(Vec3, Vec3)> {
-    match body {
-        Body::Sphere(id) => scene.sphere(id).ok().map(|sphere| (sphere.position, sphere.velocity)),
-        Body::Rod(id) => {
-            let rod = scene.rod(id).ok()?;
-            let (one, two) = (scene.sphere(rod.end1).ok()?, scene.sphere(rod.end2).ok()?);
-            // The centre of mass.
-            let part = two.mass / (one.mass + two.mass);
-            Some((one.position.lerp(two.position, part), one.velocity.lerp(two.velocity, part)))
-        }
-        _ => None,
     }
 }
 

@@ -86,6 +86,8 @@ pub struct Viewer {
     /// Position and time, in s, of the last click, to recognise a double click.
     clicked: Option<(Vec2, f64)>,
     scene_seen: u64,
+    /// Direction from which the camera shows every scene that is opened.
+    direction: Direction,
     /// Finds the sphere that the camera follows in every scene that is opened.
     pub find: Option<Find>,
     /// What the camera moves with.
@@ -95,7 +97,7 @@ pub struct Viewer {
 impl Viewer {
     /// Creates a viewer with a picture of this size, in pixels, whose camera shows the whole scene.
     pub fn new(session: Session, size: Vec2) -> Self {
-        let camera = framing(&session, size);
+        let camera = framing(&session, size, Direction::default());
         let mut viewer = Self {
             session,
             controls: Controls::default(),
@@ -126,9 +128,16 @@ impl Viewer {
             scene_seen: 0,
             follow: None,
             find: None,
+            direction: Direction::default(),
         };
         viewer.follow_initially();
         viewer
+    }
+
+    /// Shows this scene and all that are opened later from a direction.
+    pub fn show_from(&mut self, direction: Direction) {
+        self.direction = direction;
+        self.frame_scene();
     }
 
     /// Executes a command.
@@ -215,7 +224,7 @@ impl Viewer {
     }
 
     fn frame_scene(&mut self) {
-        self.camera = framing(&self.session, self.size);
+        self.camera = framing(&self.session, self.size, self.direction);
         self.framed = self.camera;
         self.limits = None;
         self.follow_from_start();
@@ -283,11 +292,11 @@ impl Viewer {
 }
 
 /// A camera that shows the initial scene, or all frames of a trajectory.
-fn framing(session: &Session, size: Vec2) -> Camera {
+fn framing(session: &Session, size: Vec2, direction: Direction) -> Camera {
     let (scene, aspect) = (&session.source().scene, size.x / size.y);
     match session.played().and_then(|playback| playback.survey.as_ref()) {
-        Some(survey) => Camera::of_survey(survey, scene, aspect, Direction::Oblique, false),
-        None => Camera::of_scene(scene, aspect, Direction::Oblique),
+        Some(survey) => Camera::of_survey(survey, scene, aspect, direction, false),
+        None => Camera::of_scene(scene, aspect, direction),
     }
 }
 

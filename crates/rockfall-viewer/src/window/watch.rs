@@ -10,7 +10,7 @@ use rockfall::step::schedule::Phase;
 use rockfall::{Body, Energy, Profile, RodId, Scene, Simulation, SphereId};
 
 use super::names::Names;
-use super::track::motion;
+use crate::plot::motion;
 
 /// Least time between two samples, in s.
 const INTERVAL: f64 = 0.25;

@@ -64,6 +64,24 @@ fn the_numbers_look_along_the_axes() {
     }
 }
 
+/// A direction that was asked for is that of every scene, also after the camera was moved.
+#[test]
+fn a_window_shows_scenes_from_a_direction() {
+    let mut viewer = viewer("S 1 0 5 0 0 0 0 0 0 0 1 0.5\nS 2 3 5 1 0 0 0 0 0 0 1 0.5\n");
+    let looks_from = |viewer: &Viewer, direction: Direction| {
+        let Camera { eye, target, .. } = viewer.camera;
+        (eye - target).normalize().distance(direction.to_camera()) < 1e-5
+    };
+    assert!(looks_from(&viewer, Direction::Oblique));
+    viewer.show_from(Direction::Side);
+    assert!(looks_from(&viewer, Direction::Side));
+    viewer.command(Command::LookFrom(Direction::Top));
+    viewer.command(Command::ResetCamera);
+    assert!(looks_from(&viewer, Direction::Side));
+    viewer.resize(viewer.size() * 0.5);
+    assert!(looks_from(&viewer, Direction::Side));
+}
+
 #[test]
 fn toggles_switch_on_and_off() {
     let cases: [(Command, &str, [&str; 2]); 7] = [

@@ -6,15 +6,16 @@ use std::time::Instant;
 
 use rockfall::glam::Vec3;
 use rockfall::output::AtomicFile;
-use rockfall::{Body, Error, RayHit, Scene};
+use rockfall::{Body, Error, RayHit};
 
 use super::Session;
 use crate::grasp::first_visible;
+use crate::plot::{self, COLOURS, motion, whole};
 use crate::window::message::Level;
-use crate::window::track::{Point, Track, motion};
+use crate::window::track::{Point, Track};
 
 /// Number of bodies that stay in the plots.
-pub const MOST_KEPT: usize = 5;
+pub const MOST_KEPT: usize = COLOURS.len() - 1;
 
 /// A body that stays in the plots when another one is picked.
 #[derive(Clone, Debug)]
@@ -120,7 +121,7 @@ impl Session {
 
     /// Unit vector against gravity.
     pub fn up(&self) -> Vec3 {
-        -self.settings().gravity_direction.try_normalize().unwrap_or(Vec3::NEG_Y)
+        plot::up(self.simulation.scene())
     }
 
     /// Writes the motion of the picked body as CSV, and returns whether that was possible.
@@ -138,10 +139,4 @@ impl Session {
         }
         written
     }
-}
-
-/// Returns the rod of a capsule for its end spheres, and other bodies as they are.
-fn whole(scene: &Scene, body: Body) -> Body {
-    let capsule = scene.capsules().iter().find(|parts| body == Body::Sphere(parts.end1) || body == Body::Sphere(parts.end2));
-    capsule.map_or(body, |parts| Body::Rod(parts.rod))
 }

@@ -4,8 +4,8 @@ use rockfall::glam::Vec3;
 use rockfall::{Body, Scene, SphereId};
 
 use super::Viewer;
+use crate::plot::motion;
 use crate::window::message::Level;
-use crate::window::track::motion;
 
 /// Number of spheres above which no body is followed, because its place is read back in every frame.
 const MOST_SPHERES: usize = 200_000;

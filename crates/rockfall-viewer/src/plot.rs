@@ -1,0 +1,223 @@
+//! Plots of quantities over time beside pictures, and the names of the quantities.
+
+use rockfall::glam::Vec3;
+use rockfall::{Body, Energy, ObjectId, Result, Scene, Simulation, SphereId};
+
+use crate::palette::Rgb;
+
+pub(crate) mod axes;
+mod chart;
+mod history;
+
+pub use chart::Layout;
+pub use history::Plots;
+
+/// Names and colours of the energies. The colours here and in [`COLOURS`] are those of Okabe and Ito, which can be told apart
+/// with any kind of colour vision.
+pub(crate) const ENERGIES: [(&str, Rgb); 5] = [
+    ("total", [0x30, 0x30, 0x30]),
+    ("kinetic", [0xd5, 0x5e, 0x00]),
+    ("potential", [0x00, 0x72, 0xb2]),
+    ("springs", [0x00, 0x9e, 0x73]),
+    ("contacts", [0xcc, 0x79, 0xa7]),
+];
+/// Colours of bodies in plots.
+pub(crate) const COLOURS: [Rgb; 6] =
+    [[0x00, 0x72, 0xb2], [0xd5, 0x5e, 0x00], [0x00, 0x9e, 0x73], [0xcc, 0x79, 0xa7], [0xe6, 0x9f, 0x00], [0x56, 0xb4, 0xe9]];
+
+/// The energies, in the order of [`ENERGIES`].
+pub(crate) fn energies(energy: &Energy) -> [f64; 5] {
+    // Without contacts the energy is -0; adding 0 makes it 0.
+    [energy.total(), energy.kinetic, energy.potential, energy.spring, energy.contact].map(|value| value + 0.0)
+}
+
+/// A quantity that a plot shows over time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// The energies of the scene.
+    Energy,
+    /// The number of contacts of the scene.
+    Contacts,
+    /// The x coordinate of bodies.
+    X,
+    /// The y coordinate of bodies.
+    Y,
+    /// The z coordinate of bodies.
+    Z,
+    /// The coordinate of bodies against gravity.
+    Height,
+    /// The speed of bodies.
+    Speed,
+}
+
+impl Quantity {
+    /// All values.
+    pub const ALL: [Self; 7] = [Self::Energy, Self::Contacts, Self::X, Self::Y, Self::Z, Self::Height, Self::Speed];
+
+    /// Name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Energy => "energy",
+            Self::Contacts => "contacts",
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Z => "z",
+            Self::Height => "height",
+            Self::Speed => "speed",
+        }
+    }
+
+    /// Unit of the values; empty for a number.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Energy => "mass units²/s²",
+            Self::Contacts => "",
+            Self::X | Self::Y | Self::Z | Self::Height => "units",
+            Self::Speed => "units/s",
+        }
+    }
+
+    /// Whether bodies have it, and not the scene as a whole.
+    pub fn is_of_bodies(self) -> bool {
+        !matches!(self, Self::Energy | Self::Contacts)
+    }
+
+    /// The value of a body at a place with a velocity, where `up` is the unit vector against gravity. NaN for quantities of scenes.
+    pub(crate) fn of_body(self, (place, velocity): (Vec3, Vec3), up: Vec3) -> f32 {
+        match self {
+            Self::X => place.x,
+            Self::Y => place.y,
+            Self::Z => place.z,
+            Self::Height => place.dot(up),
+            Self::Speed => velocity.length(),
+            Self::Energy | Self::Contacts => f32::NAN,
+        }
+    }
+}
+
+/// A plot that was asked for: a quantity, and the names or numbers of the bodies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plot {
+    quantity: Quantity,
+    bodies: Vec<String>,
+}
+
+impl Plot {
+    /// Parses a text such as `energy` or `height:left,right`.
+    ///
+    /// # Errors
+    /// A text that says what was expected.
+    pub fn parse(text: &str) -> std::result::Result<Self, String> {
+        let (name, bodies) = text.split_once(':').map_or((text, None), |(name, bodies)| (name, Some(bodies)));
+        let known = || Quantity::ALL.map(Quantity::name).join(", ");
+        let found = Quantity::ALL.into_iter().find(|quantity| quantity.name() == name);
+        let quantity = found.ok_or_else(|| format!("{name} is not known, expected one of: {}", known()))?;
+        let bodies: Vec<String> = bodies.map_or_else(Vec::new, |all| all.split(',').map(|one| one.trim().to_owned()).collect());
+        if bodies.iter().any(String::is_empty) || quantity.is_of_bodies() == bodies.is_empty() {
+            return Err(match quantity.is_of_bodies() {
+                true => format!("expected names or numbers of bodies, as in {name}:left,right or {name}:3"),
+                false => format!("{name} is that of the whole scene, expected no bodies"),
+            });
+        }
+        if bodies.len() > COLOURS.len() {
+            return Err(format!("expected at most {} bodies, got {}", COLOURS.len(), bodies.len()));
+        }
+        Ok(Self { quantity, bodies })
+    }
+
+    /// Finds the bodies; `find` returns the sphere that a name or a number means.
+    ///
+    /// # Errors
+    /// Those of `find`.
+    pub fn of<E>(
+        &self,
+        scene: &Scene,
+        find: impl FnMut(&str) -> std::result::Result<SphereId, E>,
+    ) -> std::result::Result<Graph, E> {
+        let spheres: Vec<SphereId> = self.bodies.iter().map(String::as_str).map(find).collect::<std::result::Result<_, E>>()?;
+        let lines = match self.quantity {
+            Quantity::Energy => {
+                let has_springs = scene.counts().springs + scene.counts().tethers > 0;
+                let shown = ENERGIES.into_iter().filter(|(name, _)| has_springs || *name != "springs");
+                shown.map(|(name, colour)| (name.to_owned(), colour)).collect()
+            }
+            Quantity::Contacts => vec![(String::new(), COLOURS[0])],
+            _ => self.bodies.iter().cloned().zip(COLOURS).collect(),
+        };
+        let bodies = spheres.into_iter().map(|sphere| whole(scene, Body::Sphere(sphere))).collect();
+        Ok(Graph { quantity: self.quantity, bodies, lines })
+    }
+}
+
+/// A plot of a scene.
+#[derive(Clone, Debug)]
+pub struct Graph {
+    quantity: Quantity,
+    bodies: Vec<Body>,
+    /// Names and colours of the lines.
+    lines: Vec<(String, Rgb)>,
+}
+
+impl Graph {
+    /// The present value of every line; NaN for a body that was removed.
+    fn values(&self, simulation: &mut Simulation) -> Result<Vec<f64>> {
+        Ok(match self.quantity {
+            Quantity::Energy => {
+                let all = ENERGIES.iter().zip(energies(&simulation.energy()?));
+                let is_shown = |name: &str| self.lines.iter().any(|(shown, _)| shown == name);
+                all.filter(|((name, _), _)| is_shown(name)).map(|(_, value)| value).collect()
+            }
+            Quantity::Contacts => vec![simulation.contacts()?.len() as f64],
+            quantity => {
+                let scene = simulation.sync()?;
+                let up = up(scene);
+                let value = |body: &Body| motion(scene, *body).map_or(f32::NAN, |state| quantity.of_body(state, up));
+                self.bodies.iter().map(|body| f64::from(value(body))).collect()
+            }
+        })
+    }
+}
+
+/// The sphere that the name of a body means: of several objects with the name, the first sphere, or else the first end of a rod or a
+/// spring.
+///
+/// # Errors
+/// A text that says what is wrong.
+pub fn named(scene: &Scene, name: &str) -> std::result::Result<SphereId, String> {
+    let objects = scene.named(name).map_err(|error| format!("{name}: {error}"))?;
+    let sphere = |id: &ObjectId| match *id {
+        ObjectId::Sphere(id) => Some(id),
+        ObjectId::Rod(id) => scene.rod(id).ok().map(|rod| rod.end1),
+        ObjectId::Spring(id) => scene.spring(id).ok().map(|spring| spring.a),
+        _ => None,
+    };
+    objects.iter().find_map(sphere).ok_or_else(|| format!("{name}: only static objects have this name, expected a body"))
+}
+
+/// Unit vector against gravity.
+pub(crate) fn up(scene: &Scene) -> Vec3 {
+    -scene.settings.gravity_direction.try_normalize().unwrap_or(Vec3::NEG_Y)
+}
+
+/// Position and velocity of a body that can move: a sphere, or the centre of mass of a rod or capsule.
+pub(crate) fn motion(scene: &Scene, body: Body) -> Option<(Vec3, Vec3)> {
+    match body {
+        Body::Sphere(id) => scene.sphere(id).ok().map(|sphere| (sphere.position, sphere.velocity)),
+        Body::Rod(id) => {
+            let rod = scene.rod(id).ok()?;
+            let (one, two) = (scene.sphere(rod.end1).ok()?, scene.sphere(rod.end2).ok()?);
+            let part = two.mass / (one.mass + two.mass);
+            Some((one.position.lerp(two.position, part), one.velocity.lerp(two.velocity, part)))
+        }
+        _ => None,
+    }
+}
+
+/// Returns the rod of a capsule for its end spheres, and other bodies as they are.
+pub(crate) fn whole(scene: &Scene, body: Body) -> Body {
+    let capsule = scene.capsules().iter().find(|parts| body == Body::Sphere(parts.end1) || body == Body::Sphere(parts.end2));
+    capsule.map_or(body, |parts| Body::Rod(parts.rod))
+}
+
+#[cfg(test)]
+mod tests;

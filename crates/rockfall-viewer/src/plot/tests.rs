@@ -1,0 +1,128 @@
+use std::path::Path;
+
+use rockfall::{Backend, Options};
+
+use super::*;
+use crate::pixels::Picture;
+
+fn scene(text: &str) -> Scene {
+    Scene::parse(text, Path::new("test")).unwrap().scene
+}
+
+#[test]
+fn plots_say_what_they_expect() {
+    let wrong = |text: &str| Plot::parse(text).unwrap_err();
+    assert!(wrong("hight:1").contains("expected one of: energy, contacts, x, y, z, height, speed"));
+    assert!(wrong("height").contains("expected names or numbers of bodies, as in height:left,right"));
+    assert!(wrong("height:").contains("names or numbers") && wrong("height:1,").contains("names or numbers"));
+    assert!(wrong("energy:1").contains("expected no bodies"));
+    assert!(wrong("x:1,2,3,4,5,6,7").contains("at most 6 bodies, got 7"));
+}
+
+/// Runs a falling ball beside a capsule, with plots of both.
+fn fallen(steps: u32, plots: &[&str]) -> Plots {
+    let scene = scene("set gravity 10\nS 1 0 9 0 0 0 0 0 0 0 1 0.5\nC 5 2 0 7 4 0 0 0 0 2 0.2\n");
+    let spheres: Vec<SphereId> = scene.sphere_ids().collect();
+    let find = |text: &str| text.parse::<usize>().map(|index| spheres[index]);
+    let graphs = plots.iter().map(|text| Plot::parse(text).unwrap().of(&scene, find).unwrap()).collect();
+    let mut plots = Plots::new(graphs);
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
+    for step in 0..=steps {
+        plots.update(&mut simulation).unwrap();
+        plots.record(0.1 * f64::from(step), 0.0);
+        simulation.step(0.1).unwrap();
+    }
+    plots
+}
+
+#[test]
+fn plots_have_the_values_of_bodies_and_of_the_scene() {
+    let plots = fallen(1, &["energy", "height:0,1", "x:2", "speed:0"]);
+    let last = |graph, line| plots.points(graph, line).last().unwrap();
+    let near = |[time, value]: [f64; 2], expected: f64| time == 0.1 && (value - expected).abs() < 1e-4;
+    // No springs, so no line of them: total, kinetic, potential, contacts.
+    assert_eq!(plots.graphs()[0].lines.len(), 4);
+    assert!(near(last(0, 0), 10.0 * (9.0 + 2.0 * 3.0)) && near(last(0, 1), 0.5 * 3.0), "{:?}", last(0, 1));
+    // The middle of the capsule, whichever end is named.
+    assert!(near(last(1, 0), 8.95) && near(last(1, 1), 2.95) && near(last(2, 0), 6.0));
+    assert!(near(last(3, 0), 1.0));
+}
+
+#[test]
+fn a_state_between_two_has_a_value_between() {
+    let mut plots = fallen(0, &["height:0"]);
+    (plots.before, plots.now) = (vec![4.0], vec![2.0]);
+    plots.record(0.5, 0.25);
+    assert_eq!(plots.points(0, 0).last(), Some([0.5, 2.5]));
+    // A run that goes back forgets what came after.
+    plots.record(0.2, 0.0);
+    assert_eq!(plots.points(0, 0).map(|[time, _]| time).collect::<Vec<_>>(), [0.0, 0.2]);
+}
+
+#[test]
+fn the_axes_of_a_film_are_those_of_all_of_it() {
+    let mut plots = fallen(10, &["height:0"]);
+    let whole = plots.range(0);
+    assert!(whole[0] < 4.1 && whole[1] > 8.9, "{whole:?}");
+    plots.fix([0.0, 1.0]);
+    assert_eq!((plots.times(), plots.range(0), plots.points(0, 0).count()), ([0.0, 1.0], whole, 0));
+    plots.now = vec![20.0];
+    plots.record(0.5, 0.0);
+    assert!(plots.range(0)[1] > 20.0, "a value that was not foreseen is in view");
+}
+
+/// Number of pixels near a colour in a part of a picture.
+fn coloured(picture: &Picture, colour: Rgb, is_there: impl Fn(u32, u32) -> bool) -> usize {
+    let near = |pixel: &[u8; 4]| pixel.iter().zip(colour).all(|(a, b)| a.abs_diff(b) < 20);
+    let at = |index: usize| (index as u32 % picture.width, index as u32 / picture.width);
+    let pixels = picture.pixels.iter().enumerate();
+    pixels.filter(|(index, pixel)| near(pixel) && is_there(at(*index).0, at(*index).1)).count()
+}
+
+#[test]
+fn plots_are_beside_a_wide_picture_and_below_a_high_one() {
+    for (size, columns) in [([400, 240], 256), ([240, 400], 240)] {
+        let plots = fallen(10, &["height:0,1"]);
+        let layout = Layout::new(size, 1);
+        let [width, height] = layout.scene();
+        assert_eq!(width, columns);
+        let scene = Picture { width, height, pixels: vec![[9, 9, 9, 255]; (width * height) as usize] };
+        let picture = layout.complete(scene, &plots).unwrap();
+        assert_eq!([picture.width, picture.height], size);
+        let is_scene = |x: u32, y: u32| x < width && y < height;
+        assert_eq!(coloured(&picture, [9; 3], is_scene), (width * height) as usize, "the picture stays as it is");
+        assert!(COLOURS[..2].iter().all(|colour| coloured(&picture, *colour, |x, y| !is_scene(x, y)) > 40));
+        assert_eq!(coloured(&picture, COLOURS[2], |_, _| true), 0);
+    }
+    assert_eq!(Layout::new([400, 240], 0).scene(), [400, 240]);
+}
+
+/// The line of a film is as long as the time that has passed.
+#[test]
+fn lines_grow_with_the_time() {
+    let mut plots = fallen(10, &["height:0"]);
+    plots.fix([0.0, 1.0]);
+    let mut ends = Vec::new();
+    for step in 0..=10 {
+        plots.now = vec![8.0 - 0.4 * f64::from(step)];
+        plots.record(0.1 * f64::from(step), 0.0);
+        let layout = Layout::new([600, 300], 1);
+        let [width, height] = layout.scene();
+        let scene = Picture { width, height, pixels: vec![[9, 9, 9, 255]; (width * height) as usize] };
+        let picture = layout.complete(scene, &plots).unwrap();
+        // The legend is above the field.
+        ends.push((0..600).rev().find(|column| coloured(&picture, COLOURS[0], |x, y| x == *column && y > 60) > 0).unwrap());
+    }
+    assert!(ends.windows(2).all(|pair| pair[0] + 8 < pair[1]), "{ends:?}");
+}
+
+#[test]
+fn plots_in_tiny_pictures_are_left_out() {
+    let plots = fallen(3, &["energy", "height:0,1"]);
+    for size in [[1, 1], [9, 5], [40, 20]] {
+        let layout = Layout::new(size, 2);
+        let [width, height] = layout.scene();
+        let scene = Picture { width, height, pixels: vec![[9, 9, 9, 255]; (width * height) as usize] };
+        layout.complete(scene, &plots).unwrap();
+    }
+}
