@@ -16,6 +16,8 @@ const ONE_NORMAL: f32 = 0.999_95;
 /// A box or polygon that a sphere overlaps.
 struct Candidate {
     id: u32,
+    /// Shapes of different bodies do not hide each other.
+    body: u32,
     /// Distance of the nearest point from the centre of the sphere; negative if the centre is inside a box.
     distance: f32,
     /// Unit vector from the centre to the nearest point, if the distance is positive.
@@ -81,7 +83,7 @@ impl Hidden {
         let radius = view.radius(sphere);
         let candidate = |id| {
             let touch = touch(view, sphere, id, 0)?;
-            Some(Candidate { id, distance: radius - touch.overlap, normal: touch.normal })
+            Some(Candidate { id, body: view.body(view.object(id)), distance: radius - touch.overlap, normal: touch.normal })
         };
         let mut candidates: Vec<Candidate> = (first..count).filter_map(|place| candidate(list(place).id())).collect();
         if candidates.len() < 2 {
@@ -90,7 +92,7 @@ impl Hidden {
         candidates.sort_by(|one, other| order(view, one, other));
         let mut kept: Vec<Candidate> = Vec::new();
         for candidate in candidates {
-            if kept.iter().any(|nearer| candidate.is_behind(view, sphere, nearer)) {
+            if kept.iter().any(|nearer| nearer.body == candidate.body && candidate.is_behind(view, sphere, nearer)) {
                 hidden.0.push(candidate.id);
             } else {
                 kept.push(candidate);
