@@ -108,8 +108,8 @@ pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time, short_number};
 pub use scene::{
     Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, LineWarning, Loaded, Material,
-    MaterialId, Muscle, ObjectId, Pair, Polygon, PolygonId, Rod, RodId, RollingModel, RunDefaults, Scene, Sphere, SphereId,
-    Spring, SpringId, Tag, Tether, TetherId,
+    MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId, Pair, Polygon, PolygonId, Rod, RodId, RollingModel,
+    RunDefaults, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{Contact, ContactAction, ContactSprings, MaxOverlap, RayHit, Simulation, SphereDiagnostics};

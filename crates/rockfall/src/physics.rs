@@ -19,3 +19,4 @@ pub(crate) mod side;
 pub(crate) mod surface;
 pub(crate) mod touch;
 pub(crate) mod travel;
+pub(crate) mod walls;

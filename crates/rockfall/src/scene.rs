@@ -12,6 +12,7 @@ mod checks;
 mod colour;
 mod contact_law;
 mod materials;
+mod motion;
 mod muscle;
 mod objects;
 mod references;
@@ -33,6 +34,7 @@ pub(crate) use colour::is_hexadecimal;
 pub(crate) use contact_law::{Dampings, TANGENTIAL_RATIO};
 pub(crate) use materials::Pairs;
 pub use materials::{CohesionModel, MAX_MATERIALS, Material, MaterialId, Pair, RollingModel};
+pub use motion::{Motion, MotionId, MotionTerm};
 pub use muscle::Muscle;
 pub use objects::{Capsule, CapsuleId, CapsuleParts, Rod, RodId, Sphere, SphereId, Spring, SpringId, Tether, TetherId};
 pub(crate) use references::References;
@@ -59,6 +61,7 @@ pub struct Scene {
     pub(crate) tethers: Registry<Tether>,
     pub(crate) boxes: Registry<Cuboid>,
     pub(crate) polygons: Registry<Polygon>,
+    pub(crate) motions: Registry<Motion>,
     pub(crate) materials: Registry<Material>,
     pub(crate) pairs: Pairs,
     pub(crate) references: References,
@@ -105,6 +108,7 @@ impl Scene {
             tethers: Registry::new(number, "tether"),
             boxes: Registry::new(number, "box"),
             polygons: Registry::new(number, "polygon"),
+            motions: Registry::new(number, "motion"),
             materials: Registry::new(number, "material"),
             pairs: Pairs::new(),
             references: References::default(),
@@ -177,23 +181,27 @@ impl Scene {
         Ok(self.tethers.add(tether))
     }
 
-    /// Adds a static box.
+    /// Adds a box.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) for edges that are not orthogonal, or too short or too long for f32.
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) for a motion that is not in the scene.
     pub fn add_box(&mut self, cuboid: Cuboid) -> Result<BoxId> {
         cuboid.validate()?;
         self.material_number(cuboid.material)?;
+        self.body_number(cuboid.motion)?;
         Ok(self.boxes.add(cuboid))
     }
 
-    /// Adds a static polygon.
+    /// Adds a polygon.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) for edges that are parallel, or too short or too long for f32.
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) for a motion that is not in the scene.
     pub fn add_polygon(&mut self, polygon: Polygon) -> Result<PolygonId> {
         polygon.validate()?;
         self.material_number(polygon.material)?;
+        self.body_number(polygon.motion)?;
         Ok(self.polygons.add(polygon))
     }
 
@@ -303,4 +311,5 @@ readers! {
     cuboid, boxes, box_ids, BoxId, Cuboid, "box";
     polygon, polygons, polygon_ids, PolygonId, Polygon, "polygon";
     material, materials, material_ids, MaterialId, Material, "material";
+    motion, motions, motion_ids, MotionId, Motion, "motion";
 }

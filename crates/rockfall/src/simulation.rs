@@ -17,6 +17,7 @@ use crate::report::{Clock, Report};
 use crate::scene::{AnyId, Scene, SphereId};
 use crate::settings::{BroadPhase, ContactLaw, DEFAULT_TIME_STEP, Integrator, Precision, Settings};
 use crate::step::schedule::Phase;
+use crate::step::walls::move_walls::place_walls;
 use crate::user_laws::ContactForceLaw;
 use crate::user_laws::set::UserLaws;
 
@@ -421,6 +422,7 @@ fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
     check_contact_law(scene, scene.integrator(options.integrator), options.contact_force_law.as_ref())?;
     let mut world = pack(scene, options)?;
+    place_walls(&mut world, scene, &MuscleClock::default());
     if let Some(capacity) = options.pair_capacity {
         world.set_pair_room(capacity.div_ceil(SLICE));
     }

@@ -17,4 +17,5 @@ pub(crate) mod reorder;
 pub mod schedule;
 pub mod stage;
 pub(crate) mod traffic;
+pub(crate) mod walls;
 pub mod wgsl;

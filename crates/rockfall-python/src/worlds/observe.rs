@@ -28,7 +28,8 @@ fn concerns(worlds: &rockfall::Worlds, dt: f32, stride: usize) -> Result<Vec<Vec
 #[pyfunction]
 pub(crate) fn world_concerns(worlds: &Bound<'_, Worlds>, dt: f32, stride: usize) -> PyResult<Vec<(String, Vec<usize>)>> {
     let found = worlds.get().locked(worlds.py(), |worlds| concerns(worlds, dt, stride))?;
-    let (mut texts, mut places): (Vec<(String, Vec<usize>)>, HashMap<String, usize>) = Default::default();
+    let mut texts: Vec<(String, Vec<usize>)> = Vec::new();
+    let mut places: HashMap<String, usize> = HashMap::new();
     for (world, text) in found.iter().enumerate().flat_map(|(world, own)| own.iter().map(move |text| (world, text))) {
         let place = *places.entry(in_python(text)).or_insert_with_key(|text| {
             texts.push((text.clone(), Vec::new()));

@@ -2,6 +2,7 @@
 //! a new field that is missing here.
 
 use super::laws::{KeptContactLaw, KeptLaw};
+use super::motions;
 use super::words::{Damage, Head, Words};
 use super::{Checkpoint, History};
 use crate::model::muscles::MuscleClock;
@@ -57,8 +58,9 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     head.u32(u32::from(*lengths_due));
     head.f32(*margin_scale);
     head.f32(*lookahead);
-    let MuscleClock { start, dt, steps } = clock;
+    let MuscleClock { start, written_start, dt, steps } = clock;
     head.f64(*start);
+    head.f64(*written_start);
     head.f32(*dt);
     head.u64(*steps);
 
@@ -67,6 +69,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         head.u64(count as u64);
     }
     materials(&mut head, scene);
+    motions::put(&mut head, scene);
     laws(&mut head, force_laws, &checkpoint.kept_laws);
     let given = contact_force_law.as_ref().map(KeptContactLaw::of);
     contact_law(&mut head, given.as_ref().or(kept_contact_law.as_ref()));
@@ -100,9 +103,10 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         non_finite: words.u64()?,
     };
     let (lengths_due, margin_scale, lookahead) = (words.bool()?, words.f32()?, words.f32()?);
-    let clock = MuscleClock { start: words.f64()?, dt: words.f32()?, steps: words.u64()? };
-    if !(clock.start.is_finite() && clock.start >= 0.0 && clock.dt.is_finite() && clock.dt > 0.0) {
-        return Err(Damage::new(format!("its muscles began at {} s with steps of {} s", clock.start, clock.dt)));
+    let clock = MuscleClock { start: words.f64()?, written_start: words.f64()?, dt: words.f32()?, steps: words.u64()? };
+    let is_time = |time: f64| time.is_finite() && time >= 0.0;
+    if !(is_time(clock.start) && is_time(clock.written_start) && clock.dt.is_finite() && clock.dt > 0.0) {
+        return Err(Damage::new(format!("its muscles and motions began at {} s with steps of {} s", clock.start, clock.dt)));
     }
     let history = History { lengths_due, margin_scale, lookahead, clock };
     if !(history.margin_scale >= 0.0 && history.lookahead >= 1.0) {
@@ -125,6 +129,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         polygons: count()?,
     };
     read_materials(words, &mut scene)?;
+    motions::read(words, &mut scene)?;
     let kept_laws = read_laws(words)?;
     let kept_contact_law = read_contact_law(words)?;
     let (springs, rates) = (Vec::new(), Vec::new());

@@ -6,7 +6,7 @@ use glam::{Quat, Vec3};
 
 use super::words::{Damage, Words};
 use crate::scene::{
-    CapsuleParts, Counts, Cuboid, Handle, MaterialId, Muscle, Polygon, Registry, Rod, Scene, Sphere, Spring, Tether,
+    CapsuleParts, Counts, Cuboid, Handle, MaterialId, MotionId, Muscle, Polygon, Registry, Rod, Scene, Sphere, Spring, Tether,
 };
 
 /// Maximum number of bytes written at once.
@@ -22,7 +22,7 @@ trait Record<const N: usize>: Sized {
 pub(super) fn length(scene: &Scene) -> usize {
     let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = scene.counts();
     let references = if scene.references.is_empty() { 0 } else { 2 * spheres };
-    4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 9 * springs + 7 * tethers + 13 * boxes + 10 * polygons)
+    4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 9 * springs + 7 * tethers + 14 * boxes + 11 * polygons)
 }
 
 pub(super) fn write(scene: &Scene, out: &mut impl Write) -> io::Result<()> {
@@ -217,33 +217,35 @@ impl Record<7> for Tether {
     }
 }
 
-impl Record<13> for Cuboid {
-    fn pack(&self, scene: &Scene) -> [u32; 13] {
-        let Self { corner, edges: [i, j, k], group, material } = *self;
-        let mut words = [tag(scene, group, false, material); 13];
+impl Record<14> for Cuboid {
+    fn pack(&self, scene: &Scene) -> [u32; 14] {
+        let Self { corner, edges: [i, j, k], group, material, motion } = *self;
+        let mut words = [tag(scene, group, false, material); 14];
+        words[13] = body(scene, motion);
         put(&mut words, [corner, i, j, k]);
         words
     }
 
-    fn unpack(words: [u32; 13], scene: &Scene) -> Result<Self, Damage> {
+    fn unpack(words: [u32; 14], scene: &Scene) -> Result<Self, Damage> {
         let (group, _, material) = read_tag(words[12], scene)?;
         let edges = [vector(&words[3..]), vector(&words[6..]), vector(&words[9..])];
-        Ok(Self { corner: vector(&words), edges, group, material })
+        Ok(Self { corner: vector(&words), edges, group, material, motion: read_body(words[13], scene)? })
     }
 }
 
-impl Record<10> for Polygon {
-    fn pack(&self, scene: &Scene) -> [u32; 10] {
-        let Self { corner, left, right, group, material } = *self;
-        let mut words = [tag(scene, group, false, material); 10];
+impl Record<11> for Polygon {
+    fn pack(&self, scene: &Scene) -> [u32; 11] {
+        let Self { corner, left, right, group, material, motion } = *self;
+        let mut words = [tag(scene, group, false, material); 11];
+        words[10] = body(scene, motion);
         put(&mut words, [corner, left, right]);
         words
     }
 
-    fn unpack(words: [u32; 10], scene: &Scene) -> Result<Self, Damage> {
+    fn unpack(words: [u32; 11], scene: &Scene) -> Result<Self, Damage> {
         let (group, _, material) = read_tag(words[9], scene)?;
         let [corner, left, right] = [vector(&words), vector(&words[3..]), vector(&words[6..])];
-        Ok(Self { corner, left, right, group, material })
+        Ok(Self { corner, left, right, group, material, motion: read_body(words[10], scene)? })
     }
 }
 
@@ -275,6 +277,15 @@ fn read_tag(word: u32, scene: &Scene) -> Result<(u16, bool, Option<MaterialId>),
         return Err(Damage::new(format!("an object has the unknown flags {word:#x}")));
     }
     Ok((word as u16, flag, scene.material_of_number(number as u16)))
+}
+
+/// The number of the body that follows a motion, 0 for the world. The scene contains the motions of all its objects.
+fn body(scene: &Scene, motion: Option<MotionId>) -> u32 {
+    scene.body_number(motion).unwrap_or_default()
+}
+
+fn read_body(number: u32, scene: &Scene) -> Result<Option<MotionId>, Damage> {
+    number.checked_sub(1).map(|index| handle(&scene.motions, index)).transpose()
 }
 
 /// The insertion index of an object. The scene contains every object that it refers to.

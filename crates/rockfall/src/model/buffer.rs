@@ -14,7 +14,7 @@ pub enum Buffer {
     Y4,
     /// AABBs of all objects.
     Aabbs,
-    /// Rods, springs, tethers, external forces, boxes, polygons, tags, pairs of materials, insertion indices, slots, batches,
+    /// Rods, springs, tethers, external forces, boxes, polygons, their motions, tags, pairs of materials, insertion indices, slots, batches,
     /// ends, networks, adjacency.
     Topology,
     /// The grid: levels, cells, block sums, keys, sorted objects, long movers.
@@ -41,13 +41,16 @@ pub enum Buffer {
     /// Velocity Verlet: acceleration and torque of every sphere, in insertion order, from the last force evaluation. Each sphere
     /// has [`RATE_WORDS`](crate::model::layout::RATE_WORDS) floats. Empty for other integrators.
     Rates,
+    /// The poses of bodies with a prescribed motion: for every half step from the step [`Constants::pose_step`](crate::model::step::Constants::pose_step)
+    /// on, a record of [`POSE_FLOATS`](crate::model::layout::POSE_FLOATS) for each body.
+    Poses,
     /// The [`Status`](crate::model::status::Status) block.
     Status,
 }
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -63,6 +66,7 @@ impl Buffer {
         Self::Orientations,
         Self::Histories,
         Self::Rates,
+        Self::Poses,
         Self::Status,
     ];
 
@@ -83,6 +87,7 @@ impl Buffer {
             Self::Wrenches => "the loads",
             Self::Orientations => "the orientations",
             Self::Histories => "the springs of contacts",
+            Self::Poses => "the poses of moving walls",
             Self::Rates => "the accelerations of the last force evaluation",
             Self::Status => "the status",
         }

@@ -30,6 +30,8 @@ pub enum Threads {
     SharedMovers,
     /// A thread per sphere, in workgroups of [`WIDE_WORKGROUP`].
     WideSpheres,
+    /// A thread per box and polygon.
+    Walls,
     /// A thread per rod.
     Rods,
     /// A workgroup per batch of fixed-length rods.
@@ -62,6 +64,7 @@ impl Threads {
             Self::SharedSpheres => step.layout.large + (step.layout.spheres - step.layout.large).div_ceil(WORKGROUP),
             Self::SharedMovers => step.layout.large + (movers - step.layout.large).div_ceil(WORKGROUP),
             Self::WideSpheres => step.layout.spheres.div_ceil(WIDE_WORKGROUP),
+            Self::Walls => (step.layout.boxes + step.layout.polygons).div_ceil(WORKGROUP),
             Self::Rods => step.layout.rods.div_ceil(WORKGROUP),
             Self::Batches => step.layout.batches,
             Self::Networks => step.layout.networks,

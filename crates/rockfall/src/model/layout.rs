@@ -25,6 +25,12 @@ constants! {
     pub const BOX_WORDS: u32 = 12;
     /// Words of a polygon: corner P, edges L, R, three floats each.
     pub const POLYGON_WORDS: u32 = 9;
+    /// Words of the motion of a box or polygon: velocity of the corner x, y, z, number of the body (0: the world), angular velocity x, y,
+    /// z, padding, acceleration of the corner x, y, z, padding.
+    pub const WALL_WORDS: u32 = 12;
+    /// Floats of the pose of a body: the rows of R - 1, R the rotation from where its shapes are written; a reference point X; its
+    /// displacement; its velocity; its acceleration; the angular velocity. Each is a vec4 whose last number is 0.
+    pub const POSE_FLOATS: u32 = 32;
     /// An adjacency word is `kind << KIND_SHIFT | index`. The words of a sphere are sorted, so its rods come first.
     pub const KIND_SHIFT: u32 = 30;
     /// Adjacency kind: a rod that ends in the sphere.
@@ -193,6 +199,9 @@ pub const MAX_PAIR_ROWS: u32 = 15 << 28;
 pub const fn words_of_rows(rows: u32) -> u64 {
     SLICE as u64 * rows as u64
 }
+
+/// Place of the number of the body in the record of a moving wall.
+pub(crate) const WALL_BODY: usize = 3;
 
 /// Place of the rest length in the record of a spring.
 #[cfg(not(target_family = "wasm"))]

@@ -1,4 +1,4 @@
-//! The phases of muscles (docs/physics.md section 4.9).
+//! The phases of muscles (docs/physics.md section 4.9), and the clock of muscles and motions.
 //!
 //! A phase is an integer number of 2^-64 turns. Sums and products of integers are exact modulo one turn. So a phase does not
 //! lose precision in a long run, does not depend on how the steps are divided into calls, and is the same on both backends.
@@ -19,11 +19,13 @@ use crate::settings::DEFAULT_TIME_STEP;
 /// Steps after which the phases in the table are advanced. Counts of half steps since then fit 32 bits.
 pub(crate) const BASE_STEPS: u64 = 1 << 30;
 
-/// The time of muscles: a number of equal steps since a time.
+/// The time of muscles and motions: a number of equal steps since a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct MuscleClock {
     /// Time in s at which the present time step began to be used.
     pub(crate) start: f64,
+    /// The same time, where each step counts as the decimal number that it is written as.
+    pub(crate) written_start: f64,
     /// Time step in s.
     pub(crate) dt: f32,
     /// Steps since then.
@@ -32,7 +34,7 @@ pub(crate) struct MuscleClock {
 
 impl Default for MuscleClock {
     fn default() -> Self {
-        Self { start: 0.0, dt: DEFAULT_TIME_STEP, steps: 0 }
+        Self { start: 0.0, written_start: 0.0, dt: DEFAULT_TIME_STEP, steps: 0 }
     }
 }
 
@@ -40,13 +42,24 @@ impl MuscleClock {
     /// Continues with another time step.
     pub(crate) fn set_time_step(&mut self, dt: f32) {
         if self.dt != dt {
-            *self = Self { start: self.time(), dt, steps: 0 };
+            *self = Self { start: self.time(), written_start: self.written_time(), dt, steps: 0 };
         }
     }
 
     /// Time since the start of the simulation, in s.
     pub(crate) fn time(&self) -> f64 {
         self.start + self.steps as f64 * f64::from(self.dt)
+    }
+
+    /// Time since the start of the simulation, in s, where each step counts as the decimal number that it is written as.
+    pub(crate) fn written_time(&self) -> f64 {
+        self.written_time_after(0)
+    }
+
+    /// That time a number of half steps later. It does not depend on how the steps are divided into calls.
+    pub(crate) fn written_time_after(&self, half_steps: u64) -> f64 {
+        let written = self.dt.to_string().parse().unwrap_or(f64::from(self.dt));
+        self.written_start + (2 * self.steps + half_steps) as f64 * 0.5 * written
     }
 
     /// The last multiple of [`BASE_STEPS`]. Kernels count steps from there.
@@ -180,7 +193,7 @@ mod tests {
     fn phases_do_not_lose_precision_in_long_runs() {
         // 1.25 Hz at 1/64 s: 1/51.2 of a turn per step. After 2^40 steps the phase is that after 2^40 mod 256 = 0 steps.
         let muscle = Muscle::new(0.5, 1.25, 0.125);
-        let clock = MuscleClock { start: 0.0, dt: 1.0 / 64.0, steps: 1 << 40 };
+        let clock = MuscleClock { start: 0.0, written_start: 0.0, dt: 1.0 / 64.0, steps: 1 << 40 };
         assert_eq!(clock.turns(&muscle), 0.125);
         let later = MuscleClock { steps: (1 << 40) + 64, ..clock };
         assert_eq!(later.turns(&muscle), 0.375);
@@ -190,7 +203,7 @@ mod tests {
     fn a_record_and_a_count_of_half_steps_give_the_phase_of_the_clock() {
         let muscle = Muscle::new(0.5, 3.7, 0.3);
         for steps in [0, 1, 77, BASE_STEPS - 1, BASE_STEPS, 5 * BASE_STEPS + 3] {
-            let clock = MuscleClock { start: 1.7, dt: 0.013, steps };
+            let clock = MuscleClock { start: 1.7, written_start: 1.7, dt: 0.013, steps };
             let length = muscle_length(clock.record(Some(muscle)), 2.0, 2 * clock.steps_since_base());
             let exact = 2.0 * (1.0 + 0.5 * (std::f64::consts::TAU * clock.turns(&muscle)).sin());
             assert!((f64::from(length) - exact).abs() < 5e-7, "{steps}: {length} {exact}");

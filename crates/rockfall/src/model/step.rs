@@ -30,6 +30,10 @@ block! {
         pub muscle_step: u32,
         /// Time of the simulation at that base, in s.
         pub time_base: f32,
+        /// Value of `steps` in the status to which the first row of the poses of bodies belongs.
+        pub pose_step: u32,
+        /// Number of rows of that table.
+        pub pose_rows: u32,
         /// How collisions are solved: one of the `SWEEPS_*` constants. Results do not depend on it.
         pub sweeps: u32,
         /// `FLAG_*` bits.
@@ -99,6 +103,11 @@ block! {
         pub boxes_at: u32,
         /// First word of the polygons.
         pub polygons_at: u32,
+        /// First word of the motions of boxes and polygons, one record of [`WALL_WORDS`](crate::model::layout::WALL_WORDS) each, followed by
+        /// the boxes and polygons as they are written; 0 when none of them moves.
+        pub walls_at: u32,
+        /// Number of bodies with a prescribed motion.
+        pub bodies: u32,
         /// First word of the tags: group (low 16 bits) and material (high 16 bits) of every object, by id.
         pub tags_at: u32,
         /// First word of the adjacency ranges; 0 when nothing is attached to any sphere. The range of a sphere is two absolute

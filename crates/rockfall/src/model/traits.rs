@@ -31,6 +31,8 @@ pub struct Traits {
     pub muscles: bool,
     /// Springs, tethers or forces act.
     pub free_table: bool,
+    /// Boxes or polygons move.
+    pub walls: bool,
     /// There are properties of pairs of materials.
     pub materials: bool,
     /// There are pairs with rolling or twisting resistance.
@@ -69,6 +71,7 @@ impl Step {
             long_movers: layout.long_at != 0,
             muscles: layout.muscles_at > 0,
             free_table: layout.free_at != 0,
+            walls: layout.walls_at != 0,
             materials: layout.materials > 0,
             resistance: has(FLAG_RESISTANCE),
             cohesion: has(FLAG_COHESION),

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use crate::fine::Fine;
 use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, PAIR_WORDS, POLYGON_WORDS,
-    ROD_WORDS, SPRING_WORDS, TETHER_WORDS,
+    ROD_WORDS, SPRING_WORDS, TETHER_WORDS, WALL_BODY, WALL_WORDS,
 };
 use crate::model::muscles::{half_steps, muscle_length};
 use crate::model::status::Status;
@@ -61,6 +61,34 @@ pub(crate) struct PolygonRecord {
     pub(crate) corner: Vec3,
     pub(crate) left: Vec3,
     pub(crate) right: Vec3,
+}
+
+/// The motion of a box or polygon at the time of a view.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wall {
+    /// The corner, its velocity in units/s and its acceleration in units/s².
+    corner: Vec3,
+    pub(crate) velocity: Vec3,
+    pub(crate) acceleration: Vec3,
+    /// Angular velocity, in rad/s.
+    pub(crate) spin: Vec3,
+}
+
+impl Wall {
+    /// From the corner to a point.
+    pub(crate) fn lever(&self, point: Vec3) -> Vec3 {
+        point - self.corner
+    }
+
+    /// Velocity of the wall at a point.
+    pub(crate) fn velocity_at(&self, point: Vec3) -> Vec3 {
+        self.velocity + self.spin.cross(self.lever(point))
+    }
+
+    /// Acceleration of the wall at a point.
+    pub(crate) fn acceleration_at(&self, point: Vec3) -> Vec3 {
+        self.acceleration + self.spin.cross(self.spin.cross(self.lever(point)))
+    }
 }
 
 /// Something attached to a sphere: a rod, spring, tether or external force. Decoded from one adjacency word.
@@ -230,6 +258,11 @@ impl<'a> View<'a> {
         Fine { high: self.position(sphere), low: self.position_low(sphere) }
     }
 
+    /// The position as geometry uses it: with its low part only with double precision.
+    pub(crate) fn precise(&self, sphere: u32) -> Fine {
+        if self.step.is_double() { self.fine(sphere) } else { Fine { high: self.position(sphere), low: Vec3::ZERO } }
+    }
+
     /// The vector from a point to the centre of a sphere.
     pub(crate) fn point_to_centre(&self, point: Vec3, sphere: u32) -> Vec3 {
         if self.step.is_double() {
@@ -368,6 +401,35 @@ impl<'a> View<'a> {
     pub(crate) fn polygon(&self, polygon: u32) -> PolygonRecord {
         let [px, py, pz, lx, ly, lz, rx, ry, rz] = self.floats(self.step.layout.polygons_at, polygon, POLYGON_WORDS);
         PolygonRecord { corner: Vec3::new(px, py, pz), left: Vec3::new(lx, ly, lz), right: Vec3::new(rx, ry, rz) }
+    }
+
+    /// Number of the body that a box or polygon belongs to: 0 for the world, which never moves. 0 for spheres and rods.
+    pub(crate) fn body(&self, object: Object) -> u32 {
+        self.wall_record(object).map_or(0, |at| self.topology[at + WALL_BODY])
+    }
+
+    /// The motion of a box or polygon that has one.
+    pub(crate) fn wall(&self, object: Object) -> Option<Wall> {
+        let at = self.wall_record(object).filter(|at| self.topology[at + WALL_BODY] != 0)?;
+        let vector =
+            |place: usize| Vec3::from_array(std::array::from_fn(|axis| f32::from_bits(self.topology[at + place + axis])));
+        let corner = match object {
+            Object::Cuboid(cuboid) => self.cuboid(cuboid).corner,
+            Object::Polygon(polygon) => self.polygon(polygon).corner,
+            Object::Sphere(_) | Object::Rod(_) => return None,
+        };
+        Some(Wall { corner, velocity: vector(0), spin: vector(4), acceleration: vector(8) })
+    }
+
+    /// First word of the motion of a box or polygon, in scenes in which some of them move.
+    fn wall_record(&self, object: Object) -> Option<usize> {
+        let Layout { walls_at, boxes, .. } = self.step.layout;
+        let index = match object {
+            Object::Cuboid(cuboid) => cuboid,
+            Object::Polygon(polygon) => boxes + polygon,
+            Object::Sphere(_) | Object::Rod(_) => return None,
+        };
+        (walls_at != 0).then_some((walls_at + index * WALL_WORDS) as usize)
     }
 
     /// Group (low 16 bits) and material (high 16 bits) of an object.

@@ -8,6 +8,7 @@ pub(crate) mod frames;
 pub(crate) mod muscles;
 pub(crate) mod order;
 pub(crate) mod topology;
+pub(crate) mod walls;
 
 use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
 use glam::Vec4;
@@ -51,6 +52,8 @@ pub struct World {
     pub histories: Vec<u32>,
     /// Velocity Verlet: acceleration and torque of every sphere (see [`Buffer::Rates`]); empty for other integrators.
     pub rates: Vec<f32>,
+    /// The poses of bodies with a prescribed motion (see [`Buffer::Poses`]); empty without such bodies.
+    pub poses: Vec<f32>,
     /// Insertion index of the sphere in each memory slot; empty when slots and insertion indices are the same.
     pub order: Vec<u32>,
     /// `spheres` unit quaternions x, y, z, w.
@@ -111,6 +114,7 @@ impl World {
             Buffer::Orientations => cast_slice(&self.orientations),
             Buffer::Histories => cast_slice(&self.histories),
             Buffer::Rates => cast_slice(&self.rates),
+            Buffer::Poses => cast_slice(&self.poses),
             Buffer::Status => bytes_of(&self.status),
         }
     }
@@ -132,6 +136,7 @@ impl World {
             Buffer::Orientations => cast_slice_mut(&mut self.orientations),
             Buffer::Histories => cast_slice_mut(&mut self.histories),
             Buffer::Rates => cast_slice_mut(&mut self.rates),
+            Buffer::Poses => cast_slice_mut(&mut self.poses),
             Buffer::Status => bytes_of_mut(&mut self.status),
         }
     }

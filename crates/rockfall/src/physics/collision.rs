@@ -16,7 +16,7 @@ use glam::Vec3;
 use crate::model::impulse::Key;
 use crate::model::view::{Object, View};
 use crate::physics::contact::{collision_velocity, smaller_radius};
-use crate::physics::side::{Side, side};
+use crate::physics::side::{Side, sides, wall_of};
 use crate::physics::touch::ROUNDING;
 use crate::physics::touch::{Motions, Touch, touch};
 use body::{Body, Capsule, Part};
@@ -39,17 +39,18 @@ impl Collision {
     /// The contact of two objects, in either order; `None` where they do not overlap.
     pub(crate) fn between(view: &View, one: u32, other: u32, feature: u32) -> Option<Self> {
         let (a, b) = view.ordered(one, other);
-        Some(Self::of(view, view, [a, b], feature, touch(view, a, b, feature)?))
+        Some(Self::with_touch(view, [a, b], feature, touch(view, a, b, feature)?))
     }
 
     /// The contact of two objects, in order of addition, with a known geometry.
     pub(crate) fn with_touch(view: &View, objects: [u32; 2], feature: u32, touch: Touch) -> Self {
-        Self::of(view, view, objects, feature, touch)
+        let wall = wall_of(view, view, objects, &touch).map_or(Vec3::ZERO, |(wall, point)| wall.velocity_at(point));
+        Self::of(view, view, objects, feature, touch, wall)
     }
 
-    /// The contact `touch` of two objects, with the velocities of the state `at`.
-    fn of(view: &View, at: &impl Motions, [a, b]: [u32; 2], feature: u32, touch: Touch) -> Self {
-        let mut collision = Self { a, b, feature, touch, parts: [Part::NONE; 4], len: 0, approach: 0.0 };
+    /// The contact `touch` of two objects, with the velocities of the state `at`. `wall` is the velocity of B if it is a box or polygon.
+    fn of(view: &View, at: &impl Motions, [a, b]: [u32; 2], feature: u32, touch: Touch, wall: Vec3) -> Self {
+        let mut collision = Self { a, b, feature, touch, parts: [Part::NONE; 4], len: 0, approach: -wall.dot(touch.normal) };
         collision.add_side(view, at, view.object(a), touch.a, -1.0);
         collision.add_side(view, at, view.object(b), touch.b, 1.0);
         collision
@@ -141,7 +142,7 @@ impl Collision {
     }
 
     fn sides(&self, view: &View) -> [Side; 2] {
-        [(self.a, self.touch.a), (self.b, self.touch.b)].map(|(id, parameter)| side(view, view.object(id), parameter))
+        sides(view, [self.a, self.b], &self.touch)
     }
 
     /// The key by which collisions are sorted and found. It does not depend on the order in memory.

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/scale.wgsl step/collisions/rows.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/scale.wgsl physics/walls.wgsl step/collisions/rows.wgsl
 
 // The two sides of a contact in the collision phase: their kind, velocity along the normal and inverse mass
 // (docs/physics.md sections 3.2 and 3.3).
@@ -33,7 +33,7 @@ fn side_end(half: ContactSide, end: u32) -> SideEnd {
     return SideEnd(half.spheres.x, select(1.0, 1.0 - half.at, half.kind == ROD));
 }
 
-// Positions and velocities of the spheres of a side.
+// Positions and velocities of the spheres of a side. `v1` of a box or polygon is the velocity of the contact point on it.
 struct SideMotion {
     x1: vec3f,
     x2: vec3f,
@@ -138,7 +138,7 @@ fn torque_at(capsule: Capsule, at: f32, n: vec3f) -> vec3f {
 // projection.
 fn response(half: ContactSide, poise: SideMotion, n: vec3f) -> vec2f {
     if half.kind == STATIC {
-        return vec2f(0.0);
+        return vec2f(dot(poise.v1, n), 0.0);
     }
     if !RODS | (half.kind == SPHERE) {
         return vec2f(dot(poise.v1, n), inverse_mass(half.spheres.x));
@@ -173,5 +173,11 @@ fn approach_of(a: ContactSide, b: ContactSide, a_poise: SideMotion, b_poise: Sid
 fn approach_at(a: u32, b: u32, found: Touch) -> ApproachSpeed {
     let one = contact_side(a, found.a);
     let two = contact_side(b, found.b);
-    return approach_of(one, two, side_motion(one), side_motion(two), found.n);
+    var motion = side_motion(two);
+    if WALLS {
+        if two.kind == STATIC {
+            motion.v1 = velocity_of_wall(wall_of(b), contact_point(a, found.a, found.overlap, found.n));
+        }
+    }
+    return approach_of(one, two, side_motion(one), motion, found.n);
 }

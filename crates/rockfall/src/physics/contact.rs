@@ -10,7 +10,7 @@ use crate::model::view::{TINY, View};
 use crate::physics::first_contact::time_of_beginning;
 use crate::physics::geometry::ROUNDED;
 use crate::physics::pairs::{Surface, Surfaces};
-use crate::physics::side::{Side, side};
+use crate::physics::side::{Side, sides};
 use crate::physics::touch::Touch;
 
 /// Approach velocity, in units/s, above which the contact of two sides collides (erratum E19). The acceleration by everything but
@@ -76,7 +76,7 @@ pub(crate) struct ContactForce<V> {
 
 /// Returns the contact force of two objects that overlap.
 pub(crate) fn contact_force(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> ContactForce<Vec3> {
-    let sides = [(id_a, touch.a), (id_b, touch.b)].map(|(id, parameter)| side(view, view.object(id), parameter));
+    let sides = sides(view, [id_a, id_b], touch);
     if view.step.constants.flags & FLAG_CONTINUOUS != 0 {
         let threshold = collision_velocity(view.step, &sides[0], &sides[1]);
         // A contact that began within the step exerts no force (docs/physics.md section 3.10).

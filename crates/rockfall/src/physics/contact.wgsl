@@ -1,5 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/collision/crossings.wgsl physics/fine.wgsl physics/geometry.wgsl physics/pairs.wgsl
+// requires physics/walls.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
 
@@ -148,8 +149,8 @@ fn touch_two(sphere: u32, own: vec4f, other: u32, place: vec4f) -> Touch {
     return touch_at(distance, own.w + place.w, 0.0, 0.0, up);
 }
 
-// One side of a contact. Inverse mass and inverse inertia are 0 for fixed spheres, boxes and polygons. For boxes and polygons,
-// velocity and spin are 0 too.
+// One side of a contact. Inverse mass and inverse inertia are 0 for fixed spheres, boxes and polygons. Velocity and spin are 0
+// for boxes and polygons that do not move.
 struct Side {
     velocity: vec3f,
     inverse_mass: f32,
@@ -202,6 +203,35 @@ fn side_of(id: u32, at: f32) -> Side {
     return other_side(id, at);
 }
 
+// The end of the arm of A, which is at a parameter if it is a rod: the contact point on the surface of a box or polygon.
+fn contact_point(a: u32, at: f32, overlap: f32, n: vec3f) -> vec3f {
+    if RODS & (a >= step.spheres) {
+        let ends = rod_ends(a - step.spheres);
+        let place = mix(state[position_at(ends.x)].xyz, state[position_at(ends.y)].xyz, at);
+        return place + (rod_radius(a - step.spheres) - overlap) * n;
+    }
+    let own = state[position_at(a)];
+    return own.xyz + (own.w - overlap) * n;
+}
+
+// The side of B. A moving wall has the velocity of the contact point.
+fn second_side(a: u32, b: u32, found: Touch) -> Side {
+    return moving_side(side_of(b, found.b), a, b, found);
+}
+
+// The side of B, with the motion of the contact point if B is a wall.
+fn moving_side(plain: Side, a: u32, b: u32, found: Touch) -> Side {
+    var half = plain;
+    if WALLS {
+        if b >= step.spheres + step.rods {
+            let wall = wall_of(b);
+            half.velocity = velocity_of_wall(wall, contact_point(a, found.a, found.overlap, found.n));
+            half.spin = wall.spin;
+        }
+    }
+    return half;
+}
+
 struct ContactForce {
     // Force on A. B gets the opposite.
     force: vec3f,
@@ -228,11 +258,29 @@ fn free_acceleration_of(id: u32) -> f32 {
     return 0.0;
 }
 
+// Size of the acceleration of a wall at the centre of A. For a rod, the greater one of its ends.
+fn wall_acceleration_at(a: u32, b: u32) -> f32 {
+    let wall = wall_of(b);
+    if RODS & (a >= step.spheres) {
+        let ends = rod_ends(a - step.spheres);
+        let one = acceleration_of_wall(wall, state[position_at(ends.x)].xyz);
+        let two = acceleration_of_wall(wall, state[position_at(ends.y)].xyz);
+        return max(length(one), length(two));
+    }
+    return length(acceleration_of_wall(wall, state[position_at(a)].xyz));
+}
+
 // Approach velocity above which the contact of objects a and b collides, for the smaller radius of the pair: erratum E19.
 fn collision_velocity(radius: f32, a: u32, b: u32) -> f32 {
     var free = step.gravity_size;
     if FREE_TABLE {
         free = max(free_acceleration_of(a), free_acceleration_of(b));
+    }
+    if WALLS {
+        // A wall may accelerate against the other object.
+        if b >= step.spheres + step.rods {
+            free += wall_acceleration_at(a, b);
+        }
     }
     return max(step.activation_threshold * radius, select(2.0, 4.0, HALF_STEP) * free * step.dt);
 }

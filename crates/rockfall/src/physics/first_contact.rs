@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::model::view::{BoxRecord, Object, PolygonRecord, View};
 use crate::physics::geometry::{AT_END, Face, point_box};
+use crate::physics::side::wall_of;
 use crate::physics::touch::{Feature, Motions, ROUNDING, line};
 
 /// Most iterations for the first contact with a box.
@@ -18,17 +19,20 @@ const NEAR: f32 = 1e-3;
 pub(crate) fn time_of_beginning(view: &View, one: u32, other: u32, threshold: f32) -> Option<f32> {
     let (a, b) = view.ordered(one, other);
     let time = time_of_first_contact(view, a, b)?;
-    let normal =
-        line(view, &Earlier { view, time }, view.object(a), view.object(b), Feature::of_crossing(view.object(b)))?.normal;
+    let earlier = Earlier::of(view, [a, b], time);
+    let touch = line(view, &earlier, view.object(a), view.object(b), Feature::of_crossing(view.object(b)))?;
+    let normal = touch.normal;
+    let wall = wall_of(view, &earlier, [a, b], &touch).map_or(0.0, |(wall, point)| normal.dot(wall.velocity_at(point)));
     let spheres = || [a, b].into_iter().filter(|id| *id < view.step.layout.spheres);
     let inverse_mass: f32 = spheres().map(|sphere| view.inverse_mass(sphere)).sum();
-    let towards = |id: u32| if id < view.step.layout.spheres { normal.dot(view.velocity(id)) } else { 0.0 };
+    let towards = |id: u32| if id < view.step.layout.spheres { normal.dot(view.velocity(id)) } else { wall };
     (inverse_mass > 0.0 && towards(a) - towards(b) > threshold).then_some(time)
 }
 
 /// The time of the first contact of objects A and B, if their paths touch. A was added before B.
 fn time_of_first_contact(view: &View, a: u32, b: u32) -> Option<f32> {
     let dt = view.step.constants.dt;
+    let relative = |a: u32| view.own_velocity(a) - wall_velocity(view, a, b);
     match (view.object(a), view.object(b)) {
         (Object::Sphere(a), Object::Sphere(b)) => {
             let radii = [view.radius(a), view.radius(b)];
@@ -37,13 +41,19 @@ fn time_of_first_contact(view: &View, a: u32, b: u32) -> Option<f32> {
             balls.then(|| sphere_sphere(view.between(a, b), path, radii, dt)).flatten()
         }
         (Object::Sphere(a), Object::Cuboid(cuboid)) if view.is_ball(a) => {
-            sphere_box(&view.cuboid(cuboid), view.position(a), view.own_velocity(a), view.radius(a), dt)
+            sphere_box(&view.cuboid(cuboid), view.position(a), relative(a), view.radius(a), dt)
         }
         (Object::Sphere(a), Object::Polygon(polygon)) if view.is_ball(a) => {
-            sphere_polygon(&view.polygon(polygon), view.position(a), view.own_velocity(a), view.radius(a), dt)
+            sphere_polygon(&view.polygon(polygon), view.position(a), relative(a), view.radius(a), dt)
         }
         _ => None,
     }
+}
+
+/// The velocity of a moving wall at the centre of a sphere; 0 for other objects. The path of the sphere is taken relative to it.
+pub(crate) fn wall_velocity(view: &View, sphere: u32, other: u32) -> Vec3 {
+    let wall = view.wall(view.object(other));
+    wall.map_or(Vec3::ZERO, |wall| wall.velocity_at(view.position(sphere)))
 }
 
 /// `d` is the vector between the centres, `path` its rate of change.
@@ -105,15 +115,25 @@ fn sphere_polygon(polygon: &PolygonRecord, position: Vec3, velocity: Vec3, radiu
     (end > 0.0 && end < begin && begin < dt).then(|| ((place.z - radius) / rate.z).clamp(0.0, dt))
 }
 
-/// The spheres at an earlier time, moved back along straight lines. Fixed spheres are not moved.
+/// The spheres at an earlier time, moved back along straight lines, relative to the wall that they meet. Fixed spheres are not moved.
 pub(crate) struct Earlier<'a> {
-    pub(crate) view: &'a View<'a>,
-    pub(crate) time: f32,
+    view: &'a View<'a>,
+    time: f32,
+    /// Velocity of the wall.
+    drift: Vec3,
+}
+
+impl<'a> Earlier<'a> {
+    /// The objects A and B at an earlier time.
+    pub(crate) fn of(view: &'a View<'a>, [a, b]: [u32; 2], time: f32) -> Self {
+        let drift = if a < view.step.layout.spheres { wall_velocity(view, a, b) } else { Vec3::ZERO };
+        Self { view, time, drift }
+    }
 }
 
 impl Motions for Earlier<'_> {
     fn position(&self, sphere: u32) -> Vec3 {
-        self.view.position(sphere) - self.time * self.view.own_velocity(sphere)
+        self.view.position(sphere) - self.time * (self.view.own_velocity(sphere) - self.drift)
     }
 
     fn velocity(&self, sphere: u32) -> Vec3 {

@@ -17,7 +17,7 @@ use crate::physics::collision::all::impulse_in;
 use crate::physics::collision::body::{Body, Capsule, sphere_rows};
 use crate::physics::contact::{Approach, Sides, Slip, Touches, arms, normal_forces};
 use crate::physics::pairs::Surface;
-use crate::physics::side::side;
+use crate::physics::side::sides;
 use crate::physics::touch::{Feature, Touch, line};
 
 /// Computes the friction impulses of a step from the state after its normal impulses.
@@ -116,7 +116,7 @@ impl<'a> FrictionImpulses<'a> {
         let feature = Feature::of(view, object_a, object_b, entry.feature());
         // The objects may be apart after their collision.
         let touch = line(view, view, object_a, object_b, feature)?;
-        let sides = [side(view, object_a, touch.a), side(view, object_b, touch.b)].map(|side| Sides::splat(&side));
+        let sides = sides(view, [a, b], &touch).map(|side| Sides::splat(&side));
         let [of_a, of_b] = &sides;
         let Touches { normal, overlap } = Touches::splat(&touch);
         let approach = Approach::of(view.step, of_a, of_b, normal);

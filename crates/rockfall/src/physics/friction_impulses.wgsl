@@ -145,7 +145,7 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
     }
     let b_moves = pair.y < step.spheres + step.rods;
     let a_side = friction_side(a);
-    let b_side = friction_side(b);
+    let b_side = moving_side(friction_side(b), pair.x, pair.y, found);
     let approach = dot(a_side.velocity - b_side.velocity, found.n);
     friction.arms = arms_of(a_side, b_side, found.overlap, b_moves);
     let t = slip_of(a_side, b_side, friction.arms, found.n, approach);

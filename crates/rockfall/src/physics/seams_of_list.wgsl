@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl
-// requires physics/surface.wgsl physics/surfaces_of_list.wgsl
+// requires physics/surface.wgsl physics/surfaces_of_list.wgsl physics/walls.wgsl
 
 // The edges and vertices of boxes in the list of a rod at which another box continues a face (docs/physics.md section 2.11).
 
@@ -14,6 +14,11 @@ fn is_continued(origin: u32, id: u32, place: vec3f, steps: Cuboid, axes: u32, fi
         let other = entry_id(entry);
         if !is_static(other) | (other == id) | (entry_feature(entry) != 0u) {
             continue;
+        }
+        if WALLS {
+            if body_of(other) != body_of(id) {
+                continue;
+            }
         }
         let box = box_from(origin, cuboid(other - step.spheres - step.rods));
         for (var signs = 1u; signs < 8u; signs++) {

@@ -33,6 +33,10 @@ impl Candidate {
 
     /// Whether a nearer candidate hides this one. A box that contains the centre hides only what is wholly behind its face.
     fn is_behind(&self, view: &View, sphere: u32, nearer: &Self) -> bool {
+        let [own_body, their_body] = [self.id, nearer.id].map(|id| view.body(view.object(id)));
+        if own_body != their_body {
+            return false;
+        }
         let cosine = self.normal.dot(nearer.normal);
         let front = if nearer.distance < 0.0 {
             let (_, [corner, edges @ ..]) = geometry(view, self.id);
@@ -118,7 +122,9 @@ impl Hidden {
         let origin = origin_of(view, view.rod(rod));
         let cuboid = |entry: &Entry| box_from(&view.cuboid(entry.id() - view.step.movers()), origin);
         let continues = |entry: &Entry, points: &[Vec3]| {
-            let others = statics.iter().filter(|other| other.id() != entry.id() && other.feature() == 0).map(cuboid);
+            let body = |entry: &Entry| view.body(view.object(entry.id()));
+            let is_other = |other: &&Entry| other.id() != entry.id() && other.feature() == 0 && body(other) == body(entry);
+            let others = statics.iter().filter(is_other).map(cuboid);
             others.into_iter().any(|other| points.iter().any(|point| box_contains(&other, *point, 0.0)))
         };
         let is_hidden = |entry: &&Entry| {

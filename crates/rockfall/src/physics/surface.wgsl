@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/walls.wgsl
 
 // Which of the boxes and polygons that a sphere overlaps touch it (docs/physics.md section 2.11). In each round, the nearest candidate
 // that none of the chosen ones hides is chosen.
@@ -48,6 +48,12 @@ fn front_of_shape(id: u32, x: vec3f, n: vec3f) -> f32 {
 // Whether a chosen candidate hides this one. A box that contains the centre hides only what is wholly behind its face.
 fn is_behind(one: Candidate, own: vec4f, chosen: ptr<function, Surfaces>) -> bool {
     for (var k = 0u; k < (*chosen).count; k++) {
+        if WALLS {
+            // Shapes of different bodies do not hide each other.
+            if body_of(one.id) != body_of((*chosen).ids[k]) {
+                continue;
+            }
+        }
         let n = (*chosen).rows[k].xyz;
         let distance = (*chosen).rows[k].w;
         let cosine = dot(one.n, n);

@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::error::{Error, Result};
 use crate::scene::checks::{finite, invalid};
 use crate::scene::materials::MaterialId;
+use crate::scene::motion::MotionId;
 use crate::scene::registry::Handle;
 
 /// Handle of a [`Cuboid`].
@@ -12,7 +13,7 @@ pub type BoxId = Handle<Cuboid>;
 /// Handle of a [`Polygon`].
 pub type PolygonId = Handle<Polygon>;
 
-/// A static box: a corner and the three orthogonal edges that meet there.
+/// A box, static or moving on a prescribed path: a corner and the three orthogonal edges that meet there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Cuboid {
@@ -24,12 +25,14 @@ pub struct Cuboid {
     pub group: u16,
     /// Material; `None` for an object to whose contacts the constants of the scene apply.
     pub material: Option<MaterialId>,
+    /// Motion that it follows; `None` for an object that never moves. Corner and edges are those at rest.
+    pub motion: Option<MotionId>,
 }
 
 impl Cuboid {
     /// Creates a box from a corner and three orthogonal edges, in units.
     pub fn new(corner: impl Into<Vec3>, i: impl Into<Vec3>, j: impl Into<Vec3>, k: impl Into<Vec3>) -> Self {
-        Self { corner: corner.into(), edges: [i.into(), j.into(), k.into()], group: 0, material: None }
+        Self { corner: corner.into(), edges: [i.into(), j.into(), k.into()], group: 0, material: None, motion: None }
     }
 
     /// Creates an axis-aligned box between two opposite corners, in units.
@@ -48,6 +51,12 @@ impl Cuboid {
     /// Sets the material.
     pub fn material(mut self, material: MaterialId) -> Self {
         self.material = Some(material);
+        self
+    }
+
+    /// Lets it follow a motion.
+    pub fn motion(mut self, motion: MotionId) -> Self {
+        self.motion = Some(motion);
         self
     }
 
@@ -70,7 +79,7 @@ impl Cuboid {
     }
 }
 
-/// A static parallelogram: a corner and two edges. Bodies touch it only on the side that L x R points to, and not at its edges.
+/// A parallelogram, static or moving on a prescribed path: a corner and two edges. Bodies touch it only on the side that L x R points to, and not at its edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Polygon {
@@ -84,12 +93,14 @@ pub struct Polygon {
     pub group: u16,
     /// Material; `None` for an object to whose contacts the constants of the scene apply.
     pub material: Option<MaterialId>,
+    /// Motion that it follows; `None` for an object that never moves. Corner and edges are those at rest.
+    pub motion: Option<MotionId>,
 }
 
 impl Polygon {
     /// Creates a polygon from a corner and two edges that are not parallel, in units.
     pub fn new(corner: impl Into<Vec3>, left: impl Into<Vec3>, right: impl Into<Vec3>) -> Self {
-        Self { corner: corner.into(), left: left.into(), right: right.into(), group: 0, material: None }
+        Self { corner: corner.into(), left: left.into(), right: right.into(), group: 0, material: None, motion: None }
     }
 
     /// Sets the group.
@@ -101,6 +112,12 @@ impl Polygon {
     /// Sets the material.
     pub fn material(mut self, material: MaterialId) -> Self {
         self.material = Some(material);
+        self
+    }
+
+    /// Lets it follow a motion.
+    pub fn motion(mut self, motion: MotionId) -> Self {
+        self.motion = Some(motion);
         self
     }
 

@@ -51,19 +51,19 @@ impl Tag {
     /// [`Error::Invalid`] for a name or a label with characters that it may not have.
     pub fn validate(&self) -> Result<()> {
         if let Some(name) = &self.name {
-            check_name(name)?;
+            check_name("tag.name", name)?;
         }
         self.label.as_deref().map_or(Ok(()), check_label)
     }
 }
 
-fn check_name(name: &str) -> Result<()> {
+pub(super) fn check_name(field: &'static str, name: &str) -> Result<()> {
     let is_allowed = |letter: char| !letter.is_whitespace() && !letter.is_control() && !"=,#".contains(letter);
     if name.starts_with(|first: char| first.is_alphabetic() || first == '_') && name.chars().all(is_allowed) {
         return Ok(());
     }
     let expected = "one word that begins with a letter or _ and has no = , or #";
-    Err(Error::Invalid { field: "tag.name", value: quoted(name), expected })
+    Err(Error::Invalid { field, value: quoted(name), expected })
 }
 
 fn check_label(label: &str) -> Result<()> {

@@ -22,9 +22,11 @@
 //! | `@colour COLOUR` | nothing: the colour of the objects of the lines below ([`Colour`](crate::Colour)); `@colour -`: that of their kind |
 //! | `@label TEXT` | nothing: text beside the objects of the lines below; `@label -`: none |
 //! | `@run dt=S integrator=NAME steps=N every=K substeps=N` | nothing: how the scene is meant to be run ([`RunDefaults`](crate::RunDefaults)) |
+//! | `@motion NAME velocity=x,y,z spin=w axis=x,y,z through=x,y,z amplitude=x,y,z frequency=F phase=P from=S to=S` | nothing: adds a term to the motion of that name ([`MotionTerm`](crate::MotionTerm)) |
+//! | `@move NAME` | nothing: the boxes and polygons of the lines below follow that motion; `@move -`: none |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last fifteen kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last seventeen kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -45,6 +47,7 @@ use glam::Vec3;
 mod comment;
 mod line;
 mod materials;
+mod motion;
 mod objects;
 mod repeat;
 mod run;
@@ -56,7 +59,7 @@ use line::{GROUP, Line, TETHER, Wrong};
 
 use repeat::{Block, Copy};
 
-use super::{MaterialId, Scene, SphereId, Tag};
+use super::{MaterialId, MotionId, Scene, SphereId, Tag};
 use crate::error::{Error, Result, nearest, quoted};
 use crate::settings::Precision;
 
@@ -140,7 +143,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 14] = [
+const AT_WORDS: [&str; 16] = [
     "@group",
     "@orientation",
     "@force",
@@ -153,6 +156,8 @@ const AT_WORDS: [&str; 14] = [
     "@colour",
     "@label",
     "@run",
+    "@motion",
+    "@move",
     "@repeat",
     "@end",
 ];
@@ -182,6 +187,8 @@ struct Reader<'a> {
     group: u16,
     /// The material of the following objects.
     material: Option<MaterialId>,
+    /// The motion that the following boxes and polygons follow.
+    motion: Option<MotionId>,
     /// The name, colour and label of the following objects.
     tag: Option<Arc<Tag>>,
 }
@@ -202,6 +209,7 @@ impl<'a> Reader<'a> {
             references: HashMap::new(),
             group: 0,
             material: None,
+            motion: None,
             tag: None,
         }
     }
@@ -234,6 +242,8 @@ impl<'a> Reader<'a> {
             "@colour" => self.colour(line, number),
             "@label" => self.label(line, number),
             "@run" => self.run(line, number),
+            "@motion" => self.motion(line, number),
+            "@move" => self.follow(line, number),
             "@end" => {
                 let message = "no `@repeat` above, expected one before the lines to repeat".to_owned();
                 self.not_understood(number, Wrong { field: "@end".to_owned(), message })

@@ -5,9 +5,9 @@ use std::io::Write as _;
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
-use super::{Material, MaterialId, Pair, Rod, RunDefaults, Scene, Sphere, Tag};
+use super::{Material, MaterialId, MotionId, MotionTerm, Pair, Rod, RunDefaults, Scene, Sphere, Tag};
 use crate::error::{Error, Result};
 use crate::output::AtomicFile;
 use crate::settings::{Precision, Settings};
@@ -26,6 +26,7 @@ impl Scene {
             names: self.references.distinct(self.spheres.handles()),
             group: 0,
             material: None,
+            motion: None,
             tag: Tag::default(),
             rods_written: 0,
             capsules_written: 0,
@@ -34,6 +35,7 @@ impl Scene {
         writer.settings();
         writer.run();
         writer.materials();
+        writer.motions();
         writer.spheres_and_rods();
         writer.springs_and_tethers();
         writer.statics();
@@ -73,6 +75,7 @@ struct Writer<'a> {
     names: Vec<u32>,
     group: u16,
     material: Option<MaterialId>,
+    motion: Option<MotionId>,
     tag: Tag,
     /// Rods and capsules are written in insertion order, so these counts show which ones are still missing.
     rods_written: usize,
@@ -173,6 +176,23 @@ impl Writer<'_> {
                 let _ = write!(self.text, " {}={model}", Pair::COHESION);
             }
             self.constants(&Pair::KEYS, |key| copy.property(key).copied().flatten());
+        }
+    }
+
+    fn motions(&mut self) {
+        for motion in self.scene.motions() {
+            for term in &motion.terms {
+                let _ = writeln!(self.text, "@motion {}{}", motion.name, values(term));
+            }
+        }
+    }
+
+    /// Writes a line that sets the motion of the following boxes and polygons, if it changes.
+    fn set_motion(&mut self, motion: Option<MotionId>) {
+        if self.motion != motion {
+            self.motion = motion;
+            let name = motion.and_then(|id| self.scene.motion(id).ok()).map_or("-", |motion| &motion.name);
+            let _ = writeln!(self.text, "@move {name}");
         }
     }
 
@@ -320,12 +340,14 @@ impl Writer<'_> {
         for (index, cuboid) in self.scene.boxes().iter().enumerate() {
             self.set_group(cuboid.group, cuboid.material);
             self.set_tag(self.scene.boxes.tag_at(index));
+            self.set_motion(cuboid.motion);
             let [i, j, k] = cuboid.edges;
             self.vectors("B", &[cuboid.corner, i, j, k]);
         }
         for (index, polygon) in self.scene.polygons().iter().enumerate() {
             self.set_group(polygon.group, polygon.material);
             self.set_tag(self.scene.polygons.tag_at(index));
+            self.set_motion(polygon.motion);
             self.vectors("P", &[polygon.corner, polygon.left, polygon.right]);
         }
     }
@@ -334,6 +356,29 @@ impl Writer<'_> {
         let numbers: Vec<f32> = vectors.iter().flat_map(|vector| vector.to_array()).collect();
         self.line(word, &[], &numbers);
     }
+}
+
+/// The values of a term that are not those of a new one. At least one is written.
+fn values(term: &MotionTerm) -> String {
+    let MotionTerm { velocity, amplitude, frequency, phase, spin, axis, through, from, to } = *term;
+    let vector = |v: DVec3| format!("{},{},{}", v.x, v.y, v.z);
+    let oscillates = amplitude != DVec3::ZERO || frequency != 0.0 || phase != 0.0;
+    let plain = MotionTerm::default();
+    let turns = spin != 0.0 || axis != plain.axis || through != plain.through;
+    let all = [
+        (velocity != DVec3::ZERO || !(oscillates || turns), "velocity", vector(velocity)),
+        (turns, "spin", spin.to_string()),
+        (turns, "axis", vector(axis)),
+        (turns, "through", vector(through)),
+        (oscillates, "amplitude", vector(amplitude)),
+        (oscillates, "frequency", frequency.to_string()),
+        (oscillates, "phase", phase.to_string()),
+        (from != 0.0, "from", from.to_string()),
+        (to.is_finite(), "to", to.to_string()),
+    ];
+    all.iter()
+        .filter(|(is_written, ..)| *is_written)
+        .fold(String::new(), |line, (_, key, value)| line + &format!(" {key}={value}"))
 }
 
 /// Whether a C line expresses a capsule of these parts completely.

@@ -7,13 +7,14 @@ use crate::error::{Error, Result};
 use crate::fine::Fine;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
-    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, ObjectId, Pair, Polygon, PolygonId, Rod, RodId, Scene, Sphere,
-    SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
+    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, Motion, MotionId, ObjectId, Pair, Polygon, PolygonId, Rod, RodId,
+    Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
 use crate::simulation::rates::put_rates;
 use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine, ids_of, pack};
+use crate::step::walls::move_walls::place_walls;
 
 /// The changes that were not uploaded to the engine yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -126,6 +127,10 @@ edits! {
         update_tether(id: TetherId, change: impl FnOnce(&mut Tether)) -> ();
     Everything: /// Changes a rod's radius, length, group and material.
         update_rod(id: RodId, change: impl FnOnce(&mut Rod)) -> ();
+    Topology: /// Adds a motion, which boxes and polygons may follow. Its time is that of the simulation.
+        add_motion(motion: Motion) -> MotionId;
+    Everything: /// Changes the terms of a motion. The walls jump to where the new terms put them at the present time.
+        update_motion(id: MotionId, change: impl FnOnce(&mut Motion)) -> ();
     Topology: /// Adds a material.
         add_material(material: Material) -> MaterialId;
     Topology: /// Changes the constants of a material.
@@ -301,6 +306,7 @@ impl Simulation {
             Dirty::Topology => {
                 let neck = self.world.step.layout.neck;
                 self.world.set_topology(&self.scene)?;
+                place_walls(&mut self.world, &self.scene, &self.muscle_clock);
                 // AABBs grow by the length of necks.
                 self.aabbs_due |= neck != self.world.step.layout.neck;
                 self.lists_due |= neck != self.world.step.layout.neck;
@@ -324,6 +330,7 @@ impl Simulation {
         self.world = pack(&self.scene, &self.options)?;
         self.world.set_flags(FLAG_CONTINUE, flags);
         self.world.set_time_step(dt);
+        place_walls(&mut self.world, &self.scene, &self.muscle_clock);
         self.world.set_pair_room(rows);
         put_springs(&mut self.world, &self.scene, springs);
         put_rates(&mut self.world, rates);

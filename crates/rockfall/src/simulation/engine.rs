@@ -217,6 +217,15 @@ impl Engine {
         })
     }
 
+    /// Uploads the poses of moving walls, for the steps that are submitted next.
+    pub(super) fn upload_poses(&mut self, world: &World) -> Result<()> {
+        on_gpu!(self, world, gpu => {
+            if !world.poses.is_empty() {
+                gpu.upload_buffer(world, Buffer::Poses)?;
+            }
+        })
+    }
+
     /// Reads the topology buffer back into `world`.
     pub(super) async fn download_topology(&mut self, world: &mut World) -> Result<()> {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Topology]).await?)

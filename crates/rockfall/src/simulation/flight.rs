@@ -13,7 +13,7 @@ use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::simulation::drive::{COLLISIONS_FIRST, WITH_EXACT_LISTS, WITHOUT_COLLISIONS};
 use crate::simulation::engine::PendingStatus;
-use crate::step::schedule::{Phase, Run};
+use crate::step::schedule::{PLACE_WALLS, Phase, Run};
 
 /// Steps per portion in small scenes and on the CPU, where a rejected step costs little.
 const LARGE_PORTION: u64 = 32;
@@ -85,7 +85,8 @@ impl Simulation {
                 // A recorder needs to know whether the times of a portion are those of completed or of rejected steps.
                 let longest = if recorder.is_some() { 1 } else { self.portion() };
                 let steps = longest.min(most - submitted);
-                let portion = self.submit(&mut stretch, steps, builds_lists, recorder.as_deref_mut()).await?;
+                let ahead = submitted - done;
+                let portion = self.submit(&mut stretch, [ahead, steps], builds_lists, recorder.as_deref_mut()).await?;
                 in_flight.push_back(portion);
             }
             let Some(portion) = in_flight.pop_front() else {
@@ -119,11 +120,11 @@ impl Simulation {
         self.engine.begin(&self.world)
     }
 
-    /// Submits `steps` steps. If `builds_lists` is set, an additional step precedes them, which builds lists and is not counted.
+    /// Submits `steps` steps, while `submitted` others are under way. If `builds_lists` is set, an additional step precedes them, which builds lists and is not counted.
     async fn submit(
         &mut self,
         stretch: &mut PhaseRun<'_>,
-        steps: u64,
+        [submitted, steps]: [u64; 2],
         builds_lists: bool,
         mut recorder: Option<&mut Recorder>,
     ) -> Result<Portion> {
@@ -140,11 +141,15 @@ impl Simulation {
             let every = if phase.makes_lists() { interval } else { 1 };
             phase.stages(integrator, broad_phase).iter().map(move |run| (phase, Run { every, ..*run }))
         };
-        let (owners, stages): (Vec<Phase>, Vec<Run>) = stretch.phases.iter().copied().flat_map(runs).unzip();
+        let placing = stretch.phases.iter().take(1).flat_map(|phase| PLACE_WALLS.iter().map(|run| (*phase, *run)));
+        let (owners, stages): (Vec<Phase>, Vec<Run>) = placing.chain(stretch.phases.iter().copied().flat_map(runs)).unzip();
         self.world.set_time_step(self.time_step);
         self.synced = false;
         let range = stretch.since..stretch.since + steps as u32 + u32::from(builds_lists);
         stretch.since = range.end % interval;
+        // The device may be at any step from the last known one on.
+        self.world.set_poses(&self.scene, &self.muscle_clock, self.status.steps, (submitted + steps) as u32 + 1);
+        self.engine.upload_poses(&self.world)?;
         if let Some(recorder) = &mut recorder {
             recorder.expect(owners);
         }

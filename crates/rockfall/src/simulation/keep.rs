@@ -17,6 +17,7 @@ use crate::simulation::order::Disorder;
 use crate::simulation::rates::put_rates;
 use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, check_contact_law, engine, prepare};
+use crate::step::walls::move_walls::place_walls;
 use crate::user_laws::set::UserLaws;
 
 impl Simulation {
@@ -102,6 +103,7 @@ impl Simulation {
         let mut world = prepare(&checkpoint.scene, &checkpoint.options)?;
         put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
         put_rates(&mut world, &checkpoint.rates);
+        place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
         let simulation = Self::assemble(checkpoint.scene, checkpoint.options, world, engine, info);
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
@@ -127,6 +129,7 @@ impl Simulation {
         let mut world = prepare(&checkpoint.scene, &options)?;
         put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
         put_rates(&mut world, &checkpoint.rates);
+        place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let engine = Engine::on(gpu, &world)?;
         let simulation = Self::assemble(checkpoint.scene, options, world, engine, info.clone());
         Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))

@@ -37,14 +37,14 @@ const LEAD: f32 = 0.5;
 
 impl Simulation {
     /// Whether lists may be exact in this scene. Contacts that begin and end within a step need lists of the whole path. Other contact
-    /// laws keep springs for the pairs of their lists, friction impulses follow the collisions and use their lists, and rods move
-    /// between two evaluations. Without collisions no impulse displaces a body, and lists with a margin last longer than a step.
+    /// laws keep springs for the pairs of their lists, friction impulses follow the collisions and use their lists, and rods and walls
+    /// move between two evaluations. Without collisions no impulse displaces a body, and lists with a margin last longer than a step.
     fn may_have_exact_lists(&self) -> bool {
         let traits = self.world.step.traits();
         traits.integrator == Integrator::SymplecticEuler
             && traits.law == LAW_THESIS
             && traits.collisions
-            && !(traits.continuous || traits.friction_impulses || traits.rods || traits.long_movers)
+            && !(traits.continuous || traits.friction_impulses || traits.rods || traits.long_movers || traits.walls)
             && self.broad_phase_method() == BroadPhase::Grid
             && self.options.uses(Optimization::ExactLists)
     }

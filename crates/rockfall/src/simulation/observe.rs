@@ -19,7 +19,7 @@ use crate::physics::laws::before::spring_before;
 use crate::physics::laws::contact::{LawForce, law_force, normal_energy};
 use crate::physics::laws::history::Histories;
 use crate::physics::laws::neck::contact;
-use crate::physics::side::side;
+use crate::physics::side::{side, sides};
 use crate::physics::surface::visible_row;
 use crate::physics::touch::{Touch, touch};
 use crate::scene::{Body, Scene};
@@ -108,7 +108,7 @@ impl Simulation {
         let (scene, world) = self.observed(Detail::Collisions)?;
         Ok(deepest(scene, world, |view, mover, entry, touch| {
             let [a, b] = [mover, entry.id()];
-            let sides = [(a, touch.a), (b, touch.b)].map(|(id, parameter)| side(view, view.object(id), parameter));
+            let sides = sides(view, [a, b], touch);
             let threshold = collision_velocity(view.step, &sides[0], &sides[1]);
             let rests = sides.iter().all(|side| side.inverse_mass == 0.0 || side.velocity.length() <= threshold);
             let has_force = || view.step.layout.law != LAW_THESIS || contact_force(view, a, b, touch).force != Vec3::ZERO;

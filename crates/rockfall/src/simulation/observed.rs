@@ -15,6 +15,7 @@ use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, R
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::travel::outside;
+use crate::physics::walls::{Reach, escape};
 use crate::scene::Scene;
 use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::drive::MAX_ATTEMPTS;
@@ -24,6 +25,7 @@ use crate::simulation::{Simulation, engine};
 use crate::step::collisions::{find_collisions, synchronise};
 use crate::step::forces::{loads, rod_loads};
 use crate::step::schedule::{Phase, Run};
+use crate::step::walls::move_walls::place_walls;
 use crate::user_laws::set::UserLaws;
 
 /// An integrator and a method that finds pairs.
@@ -86,6 +88,7 @@ impl Simulation {
         world.status = Status::default();
         world.set_spheres(&self.scene);
         world.set_muscles(&self.scene, &self.muscle_clock);
+        place_walls(world, &self.scene, &self.muscle_clock);
         world.set_time_step(self.time_step);
         self.put_lists_of_observation(world);
     }
@@ -103,6 +106,7 @@ pub(crate) fn observe(
     let mut world = World::build_with(scene, laws.clone())?;
     world.set_integrator(methods.0);
     world.set_muscles(scene, clock);
+    place_walls(&mut world, scene, clock);
     world.set_time_step(dt);
     // The contacts of the present state, and not those within the last step.
     world.set_flags(FLAG_CONTINUOUS, 0);
@@ -116,15 +120,21 @@ pub(crate) fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
     (view, Lists::new(&world.step, &world.lists))
 }
 
-/// Whether lists that were built for an earlier state hold every pair in contact: no sphere has left its AABB. Fixed spheres count too,
+/// Whether lists that were built for an earlier state hold every pair in contact: no sphere and no wall has left its AABB. Fixed spheres count too,
 /// because an edit may move them.
 fn holds_pairs(world: &World) -> bool {
     let view = View::new(&world.step, &world.topology, &world.states[0]);
     let spheres = (0..world.step.layout.spheres).into_par_iter().with_min_len(GRAIN);
-    spheres.all(|sphere| {
+    let holds_spheres = spheres.all(|sphere| {
         let aabb = &world.aabbs[sphere as usize];
         outside(&world.step, aabb, view.position(sphere), view.radius(sphere)) <= 0.0
-    })
+    });
+    let walls = || (world.step.movers()..world.step.objects()).filter(|_| world.step.layout.walls_at != 0);
+    holds_spheres
+        && walls().all(|id| {
+            let reach = Reach::of(&view, view.object(id));
+            reach.is_none_or(|reach| escape(&view, &world.aabbs[id as usize], &reach, 0.0) == 0.0)
+        })
 }
 
 /// The stages that find the velocities at the time of the positions and, if they are needed, set collision flags.

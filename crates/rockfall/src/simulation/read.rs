@@ -107,7 +107,7 @@ impl Simulation {
     }
 
     /// Reads the state back, and returns a scene from which another simulation goes on where this one is: the phases of its
-    /// muscles are the present ones. A scene has no springs of contacts (docs/physics.md section 4.11), so with a contact law that keeps
+    /// muscles are the present ones, and so are the poses of its moving walls. A scene has no springs of contacts (docs/physics.md section 4.11), so with a contact law that keeps
     /// them the contacts begin anew; a [`Checkpoint`](crate::Checkpoint) keeps them.
     ///
     /// # Errors
@@ -116,6 +116,7 @@ impl Simulation {
         let time = self.muscle_clock.time();
         let mut scene = self.sync()?.clone();
         scene.advance_muscles(time);
+        scene.advance_motions(self.muscle_clock.written_time());
         Ok(scene)
     }
 

@@ -16,9 +16,11 @@ use crate::step::fused::run_worlds;
 use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, symplectic_euler, turn};
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
+use crate::step::walls::move_walls;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 45] = [
+pub const ALL: [&Stage; 46] = [
+    &move_walls::STAGE,
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
     &scan_pairs::STAGE,

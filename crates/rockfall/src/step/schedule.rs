@@ -19,6 +19,7 @@ use crate::step::forces::{loads, rod_loads};
 use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, symplectic_euler, turn};
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
+use crate::step::walls::move_walls;
 
 /// The scenes that need a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +44,8 @@ pub enum When {
     Accelerated,
     /// Scenes with bodies much larger than most.
     LongMovers,
+    /// Scenes in which boxes or polygons move.
+    Walls,
 }
 
 /// One run of a stage: its pass, the scenes that need it, and how often it is run.
@@ -50,7 +53,7 @@ pub enum When {
 pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
-    /// The pass: 0..4 for the force evaluations of RK4, 0 and 3 for those of velocity Verlet, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, 0..8 for
+    /// The pass: 0..4 for the force evaluations of RK4, and for `move_walls` before them, 0 and 3 for those of velocity Verlet, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, 0..8 for
     /// `sweep_collisions`, 1..=8 for `project_networks` and `gather_impulses`, else 0.
     pub pass: u32,
     /// The scenes in which the stage is run.
@@ -74,6 +77,7 @@ impl Run {
             When::Continuous => traits.continuous,
             When::Accelerated => synchronise::is_needed(&traits),
             When::LongMovers => traits.long_movers,
+            When::Walls => traits.walls,
         }
     }
 
@@ -107,6 +111,14 @@ const fn run(stage: &'static Stage) -> Run {
 const fn pass(stage: &'static Stage, pass: u32) -> Run {
     Run { stage, pass, when: When::Always, every: 1 }
 }
+
+/// Puts walls where they are in pass `pass`.
+const fn walls(pass: u32) -> Run {
+    self::pass(&move_walls::STAGE, pass).when(When::Walls)
+}
+
+/// Puts walls where they are at the start of the step. Runs first in every step, so that they are there whatever happened to the step before.
+pub const PLACE_WALLS: &[Run] = &[walls(0)];
 
 /// A phase of a step. Each phase can be run on its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -169,12 +181,14 @@ impl Phase {
                         pass(&rod_loads::STAGE, 0),
                         pass(&loads::STAGE, 0),
                         pass(&advance::STAGE, 0),
+                        walls(1),
                         pass(&rod_loads::STAGE, 1),
                         pass(&loads::STAGE, 1),
                         pass(&advance::STAGE, 1),
                         pass(&rod_loads::STAGE, 2),
                         pass(&loads::STAGE, 2),
                         pass(&advance::STAGE, 2),
+                        walls(3),
                         pass(&rod_loads::STAGE, 3),
                         pass(&loads::STAGE, 3),
                         pass(&finish::STAGE, 3),
@@ -190,6 +204,7 @@ impl Phase {
                         pass(&constrain::STAGE, RESTORING),
                         run(&rod_loads::STAGE),
                         run(&loads::STAGE),
+                        walls(3),
                         run(&symplectic_euler::STAGE),
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Rods),
@@ -205,6 +220,7 @@ impl Phase {
                         run(&loads::STAGE),
                         run(&drift::STAGE),
                         pass(&constrain::STAGE, 3),
+                        walls(3),
                         pass(&rod_loads::STAGE, 3),
                         pass(&loads::STAGE, 3),
                         pass(&kick::STAGE, 3),

@@ -115,6 +115,8 @@ const SHARED: &[Part] = &[
     part!("physics/surfaces_of_list.wgsl"),
     part!("physics/touch.wgsl"),
     part!("physics/travel.wgsl"),
+    part!("physics/wall_bounds.wgsl"),
+    part!("physics/walls.wgsl"),
     part!("step/broad_phase/brute_force/pair_tiles.wgsl"),
     part!("step/broad_phase/grid/bitonic.wgsl"),
     part!("step/broad_phase/grid/cells.wgsl"),
@@ -211,6 +213,8 @@ pub struct Variant {
     pub law: u32,
     /// There may be springs with muscles.
     pub muscles: bool,
+    /// Boxes or polygons may move.
+    pub walls: bool,
     /// There may be pairs of materials.
     pub materials: bool,
     /// There may be pairs with rolling or twisting resistance.
@@ -242,6 +246,7 @@ impl Variant {
             rods: traits.rods,
             large: traits.large,
             muscles: traits.muscles,
+            walls: traits.walls,
             materials: traits.materials,
             resistance: traits.resistance,
             cohesion: traits.cohesion,
@@ -262,6 +267,7 @@ impl Variant {
             ("RODS", self.rods),
             ("LARGE", self.large),
             ("MUSCLES", self.muscles),
+            ("WALLS", self.walls),
             ("MATERIALS", self.materials),
             ("RESISTANCE", self.resistance),
             ("COHESION", self.cohesion),

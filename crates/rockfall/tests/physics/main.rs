@@ -13,3 +13,4 @@ mod force_laws;
 mod laws;
 mod ray;
 mod verlet;
+mod walls;

@@ -33,6 +33,7 @@ fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
         rods,
         large,
         muscles,
+        walls: large || rods,
         materials: true,
         resistance: rods,
         cohesion: rods,
@@ -74,12 +75,13 @@ fn the_kernel_of_worlds_is_valid_and_fits_workgroup_memory() {
 fn bytes_of_worlds(worlds: WorldBatch) -> u32 {
     let [stage] = OUTSIDE;
     let worlds = Some(worlds);
-    let (rods, large, muscles, materials, resistance, many) = (false, false, false, false, false, false);
+    let (rods, large, muscles, materials, resistance, many, walls) = (false, false, false, false, false, false, false);
     let (cohesion, verlet, half_step, free_table, double, continuous) = (false, false, false, false, false, false);
     let kinds = Variant {
         rods,
         large,
         muscles,
+        walls,
         law: 0,
         materials,
         resistance,

@@ -5,9 +5,10 @@ use crate::model::buffer::Buffer;
 use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LINK_KEY,
     LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_ROD, PAIR_WORDS, POLYGON_WORDS,
-    ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, TETHER_WORDS, words_of_rows,
+    POSE_FLOATS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, TETHER_WORDS, WALL_BODY, WALL_WORDS, words_of_rows,
 };
 use crate::model::status::REJECTED_PAIRS;
+use crate::model::step::Layout;
 use crate::model::world::World;
 
 /// Checks the contents of one buffer of a world.
@@ -19,6 +20,7 @@ pub(crate) fn check_buffer(world: &World, buffer: Buffer) -> Result<()> {
         Buffer::Topology => check_topology(world),
         Buffer::Lists => check_lists(world),
         Buffer::Histories => check_histories(world),
+        Buffer::Poses => check_poses(world),
         _ => Ok(()),
     }
 }
@@ -47,6 +49,7 @@ fn check_topology(world: &World) -> Result<()> {
     }
     slice(world, step.layout.boxes_at, u64::from(step.layout.boxes) * u64::from(BOX_WORDS), "boxes")?;
     slice(world, step.layout.polygons_at, u64::from(step.layout.polygons) * u64::from(POLYGON_WORDS), "polygons")?;
+    check_walls(world)?;
     let tags = slice(world, step.layout.tags_at, u64::from(world.objects()), "tags")?;
     if step.layout.materials > 0 {
         let pairs = u64::from(step.layout.materials) * u64::from(step.layout.materials);
@@ -70,6 +73,26 @@ fn check_topology(world: &World) -> Result<()> {
     }
     ensure(step.layout.rods > 0 || step.layout.networks == 0, "the number of networks")?;
     check_batches(world)
+}
+
+fn check_walls(world: &World) -> Result<()> {
+    let Layout { walls_at, bodies, boxes, polygons, .. } = world.step.layout;
+    if walls_at == 0 {
+        return Ok(());
+    }
+    let count = u64::from(boxes) + u64::from(polygons);
+    let written = u64::from(boxes) * u64::from(BOX_WORDS) + u64::from(polygons) * u64::from(POLYGON_WORDS);
+    let records = slice(world, walls_at, count * u64::from(WALL_WORDS) + written, "moving walls")?;
+    for record in records.chunks_exact(WALL_WORDS as usize).take(count as usize) {
+        ensure(record[WALL_BODY] <= bodies, "the body of a wall")?;
+    }
+    Ok(())
+}
+
+/// The poses of every row and body.
+fn check_poses(world: &World) -> Result<()> {
+    let floats = u64::from(world.step.constants.pose_rows) * u64::from(world.step.layout.bodies) * u64::from(POSE_FLOATS);
+    ensure(floats <= world.poses.len() as u64, "the poses of moving walls")
 }
 
 fn check_networks(world: &World) -> Result<()> {

@@ -3,8 +3,9 @@
 use crate::error::{Error, Result};
 use crate::exec::gpu::fault::catch;
 use crate::model::buffer::Buffer;
-use crate::model::layout::COLLISION_WORDS;
+use crate::model::layout::{COLLISION_WORDS, POSE_FLOATS};
 use crate::model::world::World;
+use crate::model::world::walls::{POSE_STEPS, pose_rows};
 use crate::step::catalog::ALL;
 use crate::step::stage::Stage;
 
@@ -25,6 +26,7 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Y4 => vectors(world.rows_of_state(3) as u64),
         Buffer::Aabbs => 32 * u64::from(world.objects()),
         // The host's arrays of these are complete.
+        Buffer::Poses => 4 * u64::from(pose_rows(POSE_STEPS) * step.layout.bodies * POSE_FLOATS),
         Buffer::Topology | Buffer::Histories | Buffer::Rates | Buffer::Status => 0,
         Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * world.list_words(),

@@ -184,6 +184,7 @@ impl DeviceWorlds {
             rods: false,
             large: false,
             muscles: false,
+            walls: false,
             law: LAW_THESIS,
             materials: false,
             resistance: false,

@@ -79,6 +79,11 @@ impl World {
         self.step.constants.time_base = clock.base_time() as f32;
     }
 
+    /// Writes to which steps the rows of the poses of walls belong.
+    pub(super) fn set_pose_rows(&mut self, first: u32, rows: u32) {
+        (self.step.constants.pose_step, self.step.constants.pose_rows) = (first, rows);
+    }
+
     /// Sets the flags of `mask` to `flags`.
     pub(crate) fn set_flags(&mut self, mask: u32, flags: u32) {
         let constants = &mut self.step.constants;

@@ -1,4 +1,4 @@
-//! Packs the topology buffer: rods, springs, tethers, external forces, muscles, parameters of laws, boxes, polygons, tags,
+//! Packs the topology buffer: rods, springs, tethers, external forces, muscles, parameters of laws, boxes, polygons, their motions, tags,
 //! pairs of materials, the order of memory, batches and networks of fixed-length rods, and what is attached to each sphere.
 
 use glam::Vec3;
@@ -6,7 +6,8 @@ use glam::Vec3;
 use crate::error::{Error, Result};
 use crate::model::layout::{
     FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_RESISTANCE, GROUP_MASK, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING,
-    KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, max_objects,
+    KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, WALL_BODY, WALL_WORDS,
+    max_objects,
 };
 #[cfg(not(target_family = "wasm"))]
 use crate::model::layout::{LENGTH_WORD, SPRING_WORDS};
@@ -171,6 +172,7 @@ fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut
     for polygon in scene.polygons() {
         push_vectors(topology, &[polygon.corner, polygon.left, polygon.right]);
     }
+    pack_walls(scene, layout, topology)?;
     layout.tags_at = topology.len() as u32;
     let tags_at = topology.len();
     let spheres = in_order(scene, order).map(|sphere| (sphere.group, sphere.material));
@@ -182,6 +184,26 @@ fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut
     }
     let differ = topology[tags_at..].windows(2).any(|tags| (tags[0] ^ tags[1]) & GROUP_MASK != 0);
     Ok(if differ { FLAG_GROUPS } else { 0 })
+}
+
+/// Appends the motions of boxes and polygons, and a copy of their geometry as it is written, if some of them move.
+fn pack_walls(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) -> Result<()> {
+    let boxes = scene.boxes().iter().map(|cuboid| cuboid.motion);
+    let motions = boxes.chain(scene.polygons().iter().map(|polygon| polygon.motion));
+    let bodies = motions.map(|motion| scene.body_number(motion)).collect::<Result<Vec<u32>>>()?;
+    (layout.walls_at, layout.bodies) = (0, 0);
+    if bodies.iter().all(|body| *body == 0) {
+        return Ok(());
+    }
+    (layout.walls_at, layout.bodies) = (topology.len() as u32, scene.motions().len() as u32);
+    let written = topology[layout.boxes_at as usize..].to_vec();
+    for body in bodies {
+        let mut record = [0; WALL_WORDS as usize];
+        record[WALL_BODY] = body;
+        topology.extend(record);
+    }
+    topology.extend(written);
+    Ok(())
 }
 
 /// Appends the table of pairs, unless no properties of pairs are given. Returns the flags of pairs.

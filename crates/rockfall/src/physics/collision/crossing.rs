@@ -10,9 +10,9 @@ use crate::model::step::Step;
 use crate::model::view::{Object, View};
 use crate::physics::collision::{Change, Collision, lone};
 use crate::physics::contact::collision_velocity;
-use crate::physics::first_contact::{Earlier, time_of_beginning};
-use crate::physics::side::side;
-use crate::physics::touch::{Feature, line};
+use crate::physics::first_contact::{Earlier, time_of_beginning, wall_velocity};
+use crate::physics::side::{sides, wall_of};
+use crate::physics::touch::{Feature, Touch, line};
 
 /// In place of the low half of an id, where there is no crossing.
 const NO_ID: f32 = -1.0;
@@ -65,7 +65,7 @@ impl Crossing {
 /// The time and the contact of a crossing that collides.
 fn colliding(view: &View, one: u32, other: u32) -> Option<(f32, Collision)> {
     let (a, b) = view.ordered(one, other);
-    let [side_a, side_b] = [a, b].map(|id| side(view, view.object(id), 0.0));
+    let [side_a, side_b] = sides(view, [a, b], &Touch { normal: Vec3::ZERO, overlap: 0.0, a: 0.0, b: 0.0 });
     let threshold = collision_velocity(view.step, &side_a, &side_b);
     let time = time_of_beginning(view, a, b, threshold)?;
     let found = (time, contact_before(view, a, b, time)?);
@@ -79,15 +79,16 @@ fn colliding(view: &View, one: u32, other: u32) -> Option<(f32, Collision)> {
 }
 
 fn contact_before(view: &View, a: u32, b: u32, time: f32) -> Option<Collision> {
-    let earlier = Earlier { view, time };
+    let earlier = Earlier::of(view, [a, b], time);
     let (object_a, object_b) = (view.object(a), view.object(b));
     let touch = line(view, &earlier, object_a, object_b, Feature::of_crossing(object_b))?;
-    Some(Collision::of(view, &earlier, [a, b], 0, touch))
+    let wall = wall_of(view, &earlier, [a, b], &touch).map_or(Vec3::ZERO, |(wall, point)| wall.velocity_at(point));
+    Some(Collision::of(view, &earlier, [a, b], 0, touch, wall))
 }
 
 /// Whether the objects of a contact move apart. The motion of the surface of a fixed sphere does not count.
 fn separates(view: &View, k: &Collision) -> bool {
-    let velocity = |id: u32| if id < view.step.layout.spheres { view.own_velocity(id) } else { Vec3::ZERO };
+    let velocity = |id: u32| if id < view.step.layout.spheres { view.own_velocity(id) } else { wall_velocity(view, k.a, id) };
     k.touch.normal.dot(velocity(k.b) - velocity(k.a)) > 0.0
 }
 

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/walls.wgsl
 
 // Contacts that began and ended within the last step, called crossings (docs/physics.md section 3.10). The motion of the step is
 // taken as straight. Times are in s before the present.
@@ -15,6 +15,16 @@ const NO_CROSSING: f32 = -1.0;
 fn path_of(sphere: u32) -> vec3f {
     let velocity = state[velocity_at(sphere)];
     return select(vec3f(0.0), velocity.xyz, velocity.w > 0.0);
+}
+
+// Velocity of a wall at the centre of a sphere: the path of the sphere is taken relative to it.
+fn drift_of(sphere: u32, wall: u32) -> vec3f {
+    if WALLS {
+        if wall >= step.spheres + step.rods {
+            return velocity_of_wall(wall_of(wall), state[position_at(sphere)].xyz);
+        }
+    }
+    return vec3f(0.0);
 }
 
 fn crossing_of_spheres(a: u32, b: u32) -> f32 {
@@ -47,9 +57,8 @@ fn box_contact_before(centre: vec4f, velocity: vec3f, box: Cuboid, time: f32) ->
     return vec2f(found.overlap, dot(velocity, found.n));
 }
 
-fn crossing_of_box(sphere: u32, box: Cuboid) -> f32 {
+fn crossing_of_box(sphere: u32, velocity: vec3f, box: Cuboid) -> f32 {
     let centre = state[position_at(sphere)];
-    let velocity = path_of(sphere);
     var at = box_contact_before(centre, velocity, box, step.dt);
     if at.x > CROSSING_ROUNDING * centre.w {
         return NO_CROSSING;
@@ -76,10 +85,9 @@ fn times_within(place: f32, rate: f32, low: f32, high: f32) -> vec2f {
     return vec2f(min(one, two), max(one, two));
 }
 
-fn crossing_of_polygon(sphere: u32, polygon: Polygon) -> f32 {
+fn crossing_of_polygon(sphere: u32, velocity: vec3f, polygon: Polygon) -> f32 {
     let face = face_of(polygon);
     let centre = state[position_at(sphere)];
-    let velocity = path_of(sphere);
     let from_corner = centre.xyz - polygon.corner;
     let height = dot(from_corner, face.n);
     let rise = dot(velocity, face.n);
@@ -106,9 +114,9 @@ fn time_of_crossing(a: u32, b: u32) -> f32 {
     }
     let boxes = step.spheres + step.rods;
     if b < boxes + step.boxes {
-        return crossing_of_box(a, cuboid(b - boxes));
+        return crossing_of_box(a, path_of(a) - drift_of(a, b), cuboid(b - boxes));
     }
-    return crossing_of_polygon(a, polygon(b - boxes - step.boxes));
+    return crossing_of_polygon(a, path_of(a) - drift_of(a, b), polygon(b - boxes - step.boxes));
 }
 
 // A contact as it was at an earlier time, with the present velocities.
@@ -120,7 +128,7 @@ struct ContactBefore {
 
 fn contact_before(a: u32, b: u32, time: f32) -> ContactBefore {
     let own = state[position_at(a)];
-    let centre = vec4f(own.xyz - time * path_of(a), own.w);
+    let centre = vec4f(own.xyz - time * (path_of(a) - drift_of(a, b)), own.w);
     var approach = state[velocity_at(a)].xyz;
     var found = no_touch();
     let boxes = step.spheres + step.rods;
@@ -135,6 +143,11 @@ fn contact_before(a: u32, b: u32, time: f32) -> ContactBefore {
         let wall = polygon(b - boxes - step.boxes);
         let n = face_of(wall).n;
         found = Touch(-n, centre.w - dot(centre.xyz - wall.corner, n), 0.0, 0.0);
+    }
+    if WALLS {
+        if b >= boxes {
+            approach -= velocity_of_wall(wall_of(b), centre.xyz + (centre.w - found.overlap) * found.n);
+        }
     }
     return ContactBefore(found.n, found.overlap, dot(approach, found.n));
 }
@@ -172,7 +185,7 @@ fn time_of_beginning(a: u32, b: u32, threshold: f32) -> f32 {
 
 // Whether two objects move apart along n. The motion of the surface of a fixed sphere does not count.
 fn separates(a: u32, b: u32, n: vec3f) -> bool {
-    var velocity = -path_of(a);
+    var velocity = drift_of(a, b) - path_of(a);
     if b < step.spheres {
         velocity += path_of(b);
     }

@@ -10,12 +10,13 @@ use glam::Vec3;
 use crate::fine::Fine;
 use crate::model::impulse::Impulse;
 use crate::model::layout::FLAG_CONTINUOUS;
-use crate::model::view::{Object, View};
+use crate::model::view::{Object, View, Wall};
 use crate::physics::collision::body::{Body, Capsule, Part};
 use crate::physics::collision::{Change, Collision};
 use crate::physics::first_contact::time_of_beginning;
 use crate::physics::forces::attached::{attached_curvature, attached_force};
 use crate::physics::pairs::Surface;
+use crate::physics::side::wall_of;
 use crate::physics::touch::{Feature, Motions, Touch, is_over_face, line};
 
 /// Number of iterations for the time of contact.
@@ -101,23 +102,8 @@ impl<'a> EarlierState<'a> {
     }
 
     fn add(&mut self, sphere: u32, displacement: Vec3, velocity: Vec3) {
-        let place = if self.view.step.is_double() {
-            self.view.fine(sphere).moved(displacement)
-        } else {
-            Fine { high: self.view.position(sphere) + displacement, low: Vec3::ZERO }
-        };
-        self.spheres[self.len] = (sphere, place, velocity);
+        self.spheres[self.len] = (sphere, displaced(self.view, self.view.precise(sphere), displacement), velocity);
         self.len += 1;
-    }
-
-    /// The displacement of a sphere from the present to the earlier state.
-    fn moved(&self, sphere: u32) -> Vec3 {
-        let now = if self.view.step.is_double() {
-            self.view.fine(sphere)
-        } else {
-            Fine { high: self.view.position(sphere), low: Vec3::ZERO }
-        };
-        self.find(sphere).map_or(Vec3::ZERO, |known| known.1.minus(now))
     }
 
     fn find(&self, sphere: u32) -> Option<&(u32, Fine, Vec3)> {
@@ -137,6 +123,60 @@ impl Motions for EarlierState<'_> {
     fn fine_position(&self, sphere: u32) -> Option<Fine> {
         let place = || self.find(sphere).map_or_else(|| self.view.fine(sphere), |known| known.1);
         self.view.step.is_double().then(place)
+    }
+}
+
+/// A position after a displacement. With single precision it has no low part.
+fn displaced(view: &View, place: Fine, by: Vec3) -> Fine {
+    if view.step.is_double() { place.moved(by) } else { Fine { high: place.high + by, low: Vec3::ZERO } }
+}
+
+/// An earlier state as seen from a moving wall, in coordinates in which the wall is where it is now (docs/physics.md section 2.12).
+struct SeenFromWall<'a> {
+    before: &'a EarlierState<'a>,
+    wall: Wall,
+    /// How much earlier, in s.
+    time: f32,
+    along_parabolas: bool,
+}
+
+impl SeenFromWall<'_> {
+    /// How far the wall has taken a point of it since then, which was at `place`.
+    fn taken(&self, place: Vec3) -> Vec3 {
+        let Self { wall, time, .. } = self;
+        let acceleration = if self.along_parabolas { wall.acceleration } else { Vec3::ZERO };
+        let around = wall.spin.cross(wall.lever(place) + *time * wall.velocity);
+        *time * (wall.velocity + around) + 0.5 * time * time * (wall.spin.cross(around) - acceleration)
+    }
+
+    fn seen(&self, place: Fine) -> Fine {
+        displaced(self.before.view, place, self.taken(place.high))
+    }
+
+    /// The collision in the earlier state. The normal and the velocity of the wall are those of that time.
+    fn collision(&self, view: &View, k: &Collision, kept: Kept) -> Option<Collision> {
+        let touch = kept.line(view, k, self)?;
+        let (_, point) = wall_of(view, self, [k.a, k.b], &touch)?;
+        let velocity = self.wall.velocity_at(point) - self.time * self.wall.acceleration_at(point);
+        let angle = -self.time * self.wall.spin;
+        let around = angle.cross(touch.normal);
+        let normal = (touch.normal + around + 0.5 * angle.cross(around)).normalize();
+        Some(Collision::of(view, self.before, [k.a, k.b], k.feature, Touch { normal, ..touch }, velocity))
+    }
+}
+
+impl Motions for SeenFromWall<'_> {
+    fn position(&self, sphere: u32) -> Vec3 {
+        let place = self.before.position(sphere);
+        place + self.taken(place)
+    }
+
+    fn velocity(&self, sphere: u32) -> Vec3 {
+        self.before.velocity(sphere)
+    }
+
+    fn fine_position(&self, sphere: u32) -> Option<Fine> {
+        self.before.fine_position(sphere).map(|place| self.seen(place))
     }
 }
 
@@ -258,11 +298,13 @@ impl Kept {
     }
 
     /// The contact line of a collision at an earlier time.
-    fn line(self, view: &View, k: &Collision, before: &EarlierState) -> Option<Touch> {
+    fn line(self, view: &View, k: &Collision, before: &impl Motions) -> Option<Touch> {
         match self {
             Self::Feature(feature) => line(view, before, view.object(k.a), view.object(k.b), feature),
             Self::Face { sphere, present } => {
-                let moved = before.moved(sphere);
+                let now = view.precise(sphere);
+                let before = before.fine_position(sphere).unwrap_or(Fine { high: before.position(sphere), low: Vec3::ZERO });
+                let moved = before.minus(now);
                 Some(Touch { overlap: present.overlap + moved.dot(present.normal), ..present })
             }
         }
@@ -278,10 +320,13 @@ fn time_of_contact(
     movers: &[(MovingBody, Vec3)],
     start: f32,
 ) -> Option<(f32, Collision)> {
+    let wall = view.wall(view.object(k.b));
     let closing = |tau: f32, along_parabolas: bool| {
         let before = EarlierState::of(view, movers, tau, along_parabolas);
-        let touch = kept.line(view, k, &before)?;
-        let collision = Collision::of(view, &before, [k.a, k.b], k.feature, touch);
+        let collision = match wall {
+            Some(wall) => SeenFromWall { before: &before, wall, time: tau, along_parabolas }.collision(view, k, kept)?,
+            None => Collision::of(view, &before, [k.a, k.b], k.feature, kept.line(view, k, &before)?, Vec3::ZERO),
+        };
         (collision.approach > 0.0).then_some(collision)
     };
     let mut tau = start;

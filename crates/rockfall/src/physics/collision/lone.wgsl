@@ -1,5 +1,5 @@
 // requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/contact.wgsl
-// requires physics/forces/attached.wgsl physics/forces/free.wgsl physics/geometry.wgsl physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
+// requires physics/forces/attached.wgsl physics/forces/free.wgsl physics/geometry.wgsl physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl physics/walls.wgsl
 
 // Solves lone collisions at their time of contact (docs/physics.md section 3.6). The pair is moved back to the time at
 // which it first touched.
@@ -255,6 +255,45 @@ struct OnFace {
     present: Touch,
 }
 
+// A point of the coordinates in which a pair is compared, in those of the scene.
+fn in_scene(a: ContactSide, place: vec3f) -> vec3f {
+    if DOUBLE {
+        return place + state[position_at(origin_of(a))].xyz;
+    }
+    return place;
+}
+
+// How far a wall has taken a point of it, which was at `place` at the time `tau` earlier (docs/physics.md section 2.12).
+fn taken_along(wall: Wall, place: vec3f, tau: f32, with_acceleration: bool) -> vec3f {
+    let around = cross(wall.spin, place - wall.corner + tau * wall.velocity);
+    let slowed = select(vec3f(0.0), wall.acceleration, with_acceleration);
+    return tau * (wall.velocity + around) + 0.5 * tau * tau * (cross(wall.spin, around) - slowed);
+}
+
+// An earlier state of A in coordinates in which the wall is where it is now.
+fn seen_from_wall(a: ContactSide, back: SideMotion, wall: Wall, tau: f32, with_acceleration: bool) -> SideMotion {
+    var seen = back;
+    seen.x1 += taken_along(wall, in_scene(a, back.x1), tau, with_acceleration);
+    seen.x2 += taken_along(wall, in_scene(a, back.x2), tau, with_acceleration);
+    return seen;
+}
+
+// The velocity that the wall had at the contact point, at the time `tau` earlier.
+fn wall_velocity_before(a: ContactSide, seen: SideMotion, wall: Wall, tau: f32, found: Touch) -> vec3f {
+    var place = centre_of(a, seen);
+    if RODS & (a.id >= step.spheres) {
+        place = vec4f(mix(seen.x1, seen.x2, found.a), rod_radius(a.id - step.spheres));
+    }
+    let point = in_scene(a, place.xyz) + (place.w - found.overlap) * found.n;
+    return velocity_of_wall(wall, point) - tau * acceleration_of_wall(wall, point);
+}
+
+// A unit vector as it was at the time `tau` earlier on a wall that turns.
+fn turned_back(n: vec3f, spin: vec3f, tau: f32) -> vec3f {
+    let around = cross(-tau * spin, n);
+    return normalize(n + around + 0.5 * cross(-tau * spin, around));
+}
+
 // Evaluates the contact of a pair at the time `tau` earlier. Also sets the parameters of rods in `a` and `b`.
 fn placed(
     a: ptr<function, ContactSide>,
@@ -270,12 +309,26 @@ fn placed(
     face: OnFace,
 ) -> Placed {
     let a_back = moved_back(*a, a_now, a_pull, tau, with_acceleration);
-    let b_back = moved_back(*b, b_now, b_pull, tau, with_acceleration);
+    var b_back = moved_back(*b, b_now, b_pull, tau, with_acceleration);
     var found = face.present;
+    var a_seen = a_back;
+    var wall: Wall;
+    if WALLS {
+        if (*b).kind == STATIC {
+            wall = wall_of((*b).id);
+            a_seen = seen_from_wall(*a, a_back, wall, tau, with_acceleration);
+        }
+    }
     if face.is_kept {
-        found.overlap += dot(centre_of(*a, a_back).xyz - face.centre, found.n);
+        found.overlap += dot(centre_of(*a, a_seen).xyz - face.centre, found.n);
     } else {
-        found = signed_touch(*a, *b, a_back, b_back, feature, by_vertex);
+        found = signed_touch(*a, *b, a_seen, b_back, feature, by_vertex);
+    }
+    if WALLS {
+        if (*b).kind == STATIC {
+            b_back.v1 = wall_velocity_before(*a, a_seen, wall, tau, found);
+            found.n = turned_back(found.n, wall.spin, tau);
+        }
     }
     if RODS {
         if (*a).id >= step.spheres {

@@ -1,4 +1,4 @@
-// requires model/entries.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires model/entries.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/walls.wgsl
 
 // Contacts of spheres without rods, with each other or with boxes and polygons ("plain" contacts). Nearly all contacts are
 // of this kind. Each side gets the whole impulse, so the general contact of `collision.wgsl` is not needed.
@@ -47,6 +47,9 @@ fn plain_with(sphere: u32, own: vec4f, velocity: vec4f, other_met: LoadedEntry) 
         inverse_mass += other_met.velocity.w;
     } else {
         found = touch_static(sphere, other, own);
+        if WALLS {
+            approach -= velocity_of_wall(wall_of(other), own.xyz + (own.w - found.overlap) * found.n);
+        }
     }
     return Plain(found.n, found.overlap, dot(approach, found.n), inverse_mass);
 }

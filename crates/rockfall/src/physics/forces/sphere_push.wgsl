@@ -16,7 +16,7 @@ fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: LoadedEntry) -> 
         }
     } else {
         found = touch_static_or_rod(i, id, own);
-        their_side = other_side(id, found.b);
+        their_side = moving_side(other_side(id, found.b), i, id, found);
     }
     found = uncovered(i, id, found);
     // A position far outside of the range of f32 makes the overlap no number. That is no contact either.

@@ -9,7 +9,7 @@ use crate::physics::laws::before::PASSAGE;
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
 use crate::physics::laws::{Constants, answer, energy};
-use crate::physics::side::{Side, side};
+use crate::physics::side::{Side, sides};
 use crate::physics::touch::Touch;
 
 /// The state of a contact between two steps.
@@ -25,6 +25,15 @@ pub(crate) struct Spring {
 }
 
 impl Spring {
+    /// The spring after a turn of the wall, at its old length.
+    fn turned(self, angle: Vec3) -> Self {
+        let turned = |v: Vec3| {
+            let (length, moved) = (v.length(), v + angle.cross(v));
+            if length > 0.0 { moved * (length / moved.length()) } else { v }
+        };
+        if angle == Vec3::ZERO { self } else { Self { shift: turned(self.shift), moment: turned(self.moment), ..self } }
+    }
+
     /// The spring, or that of a new contact if it exceeds the range of f32.
     fn in_range(self) -> Self {
         let Self { shift, overlap, moment } = self;
@@ -47,7 +56,7 @@ pub(crate) struct LawForce {
 /// `before` is its spring in the last step, or `None` for a new contact.
 pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, before: Option<Spring>) -> LawForce {
     let (step, n, overlap) = (view.step, touch.normal, touch.overlap);
-    let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
+    let [a, b] = sides(view, [id_a, id_b], touch);
     let approach = (a.velocity - b.velocity).dot(n);
     if before.as_ref().is_some_and(Spring::is_passage) {
         return LawForce { spring: PASSAGE, ..LawForce::default() };
@@ -76,6 +85,8 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     };
     let surface = a.velocity - b.velocity + (arm_a * a.spin + arm_b * b.spin).cross(n);
     let slip = surface - n * surface.dot(n);
+    // The spring of a contact with a wall turns with the wall.
+    let before = before.map(|before| if b.radius.is_none() { before.turned(view.spring_time() * b.spin) } else { before });
     let carried = before.map_or(Vec3::ZERO, |before| carried(before, n, stiff.unloading));
     let shift = carried + view.spring_time() * slip;
     let (tangential, shift, slips) =
@@ -141,7 +152,7 @@ fn limited(t: &Tangential, limit: f32) -> (Vec3, Vec3, bool) {
 
 /// Constants, bodies and speed of approach of a contact.
 pub(super) fn of_touch(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch) -> (Constants, Bodies, f32) {
-    let [a, b] = [side(view, view.object(id_a), touch.a), side(view, view.object(id_b), touch.b)];
+    let [a, b] = sides(view, [id_a, id_b], touch);
     (Constants::of(view, id_a, id_b), Bodies::of(&a, &b), (a.velocity - b.velocity).dot(touch.normal))
 }
 

@@ -1,6 +1,6 @@
 // requires model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/laws/hertz_mindlin.wgsl
 // requires physics/laws/history.wgsl physics/laws/jkr.wgsl physics/laws/linear.wgsl physics/laws/resistance.wgsl
-// requires physics/laws/stiffness.wgsl physics/laws/user.wgsl physics/pairs.wgsl
+// requires physics/laws/stiffness.wgsl physics/laws/user.wgsl physics/pairs.wgsl physics/walls.wgsl
 
 // Forces of a contact by a law with history, and its tangential spring (docs/physics.md section 4.11).
 
@@ -49,9 +49,16 @@ fn carried(before: Spring, n: vec3f, unloading: f32) -> vec3f {
     return length(before.shift) / left * unloading * turned;
 }
 
-// The contact of objects a and b, of which a was added first. Its spring is advanced by a time step.
-fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, before: Spring) -> LawForce {
+// The contact of objects a and b, of which a was added first. Its spring is advanced by a time step. `kept_before` is the spring before.
+fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, kept_before: Spring) -> LawForce {
     let b_moves = b < step.spheres + step.rods;
+    var before = kept_before;
+    if WALLS & !b_moves {
+        // The spring turns with the wall.
+        let angle = spring_time() * b_side.spin;
+        before.shift = turned_by(before.shift, angle);
+        before.moment = turned_by(before.moment, angle);
+    }
     let n = touch.n;
     let overlap = touch.overlap;
     let arms = arms_of(a_side, b_side, overlap, b_moves);

@@ -34,7 +34,7 @@ fn mover_contact(mover: u32, entry: u32) -> MoverContact {
         }
     }
     let a_side = side_of(pair.x, found.a);
-    let b_side = side_of(pair.y, found.b);
+    let b_side = second_side(pair.x, pair.y, found);
     if a_side.inverse_mass + b_side.inverse_mass <= 0.0 {
         return no_mover_contact();
     }

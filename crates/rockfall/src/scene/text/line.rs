@@ -88,6 +88,23 @@ pub(super) const RUN: Kind = Kind {
     numbers: &["dt=S", "integrator=NAME", "steps=N", "every=K", "substeps=N"],
     last_is_optional: false,
 };
+pub(super) const MOTION: Kind = Kind {
+    word: "@motion",
+    references: &["NAME"],
+    numbers: &[
+        "velocity=x,y,z",
+        "spin=w",
+        "axis=x,y,z",
+        "through=x,y,z",
+        "amplitude=x,y,z",
+        "frequency=F",
+        "phase=P",
+        "from=S",
+        "to=S",
+    ],
+    last_is_optional: false,
+};
+pub(super) const MOVE: Kind = Kind { word: "@move", references: &["NAME"], numbers: &[], last_is_optional: false };
 pub(super) const REPEAT: Kind =
     Kind { word: "@repeat", references: &["N"], numbers: &["dx", "dy", "dz"], last_is_optional: false };
 pub(super) const MARK: Kind = Kind { word: "@capsule", references: &["end1", "end2"], numbers: &[], last_is_optional: false };

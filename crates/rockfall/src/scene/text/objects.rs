@@ -46,6 +46,9 @@ impl Reader<'_> {
         }
         sphere.mass = self.mass(&SPHERE, n[9], |density| sphere.density(density).mass)?;
         sphere.fixed = n[11] > 0.0;
+        if sphere.fixed && self.motion.is_some() {
+            return Err(SPHERE.wrong("fixed", "a fixed sphere cannot follow a motion, expected `@move -` above"));
+        }
         sphere.material = self.material;
         let id = self.scene.add_sphere(sphere).map_err(|error| SPHERE.refused(&error))?;
         self.references.insert(reference, id);
@@ -76,7 +79,7 @@ impl Reader<'_> {
     pub(super) fn polygon(&mut self, line: &str) -> Line<()> {
         let ([], n) = POLYGON.read::<0, 9>(line)?;
         let polygon = Polygon::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9])).group(self.group);
-        let polygon = Polygon { material: self.material, ..polygon };
+        let polygon = Polygon { material: self.material, motion: self.motion, ..polygon };
         let id = self.scene.add_polygon(polygon).map_err(|error| POLYGON.refused(&error))?;
         self.tag_object(&POLYGON, id)
     }
@@ -92,7 +95,7 @@ impl Reader<'_> {
     pub(super) fn cuboid(&mut self, line: &str) -> Line<()> {
         let ([], n) = BOX.read::<0, 12>(line)?;
         let cuboid = Cuboid::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9]), vector(&n[9..12])).group(self.group);
-        let cuboid = Cuboid { material: self.material, ..cuboid };
+        let cuboid = Cuboid { material: self.material, motion: self.motion, ..cuboid };
         let id = self.scene.add_box(cuboid).map_err(|error| BOX.refused(&error))?;
         self.tag_object(&BOX, id)
     }

@@ -65,7 +65,7 @@ fn missing(kind: &Kind) -> Wrong {
 }
 
 /// The only word after the first one.
-fn only_word<'a>(kind: &Kind, line: &'a str) -> Line<&'a str> {
+pub(super) fn only_word<'a>(kind: &Kind, line: &'a str) -> Line<&'a str> {
     let mut words = line.split_ascii_whitespace().skip(1);
     let word = words.next().ok_or_else(|| missing(kind))?;
     match words.next() {

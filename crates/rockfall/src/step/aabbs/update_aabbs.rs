@@ -20,6 +20,9 @@
 //!
 //! Every AABB is larger by a part of its largest coordinate, so that rounding far from the origin does not lose a pair.
 //!
+//! The AABB of a box or polygon that moves on a prescribed path is grown by a bound for the way of its vertices within `lookahead` steps
+//! (`physics/walls.rs`). `move_walls` rejects a step in which it leaves that AABB.
+//!
 //! The AABB of a rod is the hull of two such balls, one for each end. A ball has the radius of the rod and the margin of its
 //! end.
 
@@ -36,6 +39,7 @@ use crate::model::step::Aabb;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::travel::{EXACT_MARGIN, MOST_OF_REPEAT, margin_for_escape, position_ahead, trail, travel_bound};
+use crate::physics::walls::{Reach, hull};
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -78,11 +82,11 @@ fn aabb(view: &View, repeat: f32, id: u32) -> Aabb {
         }
         Object::Cuboid(cuboid) => {
             let cuboid = view.cuboid(cuboid);
-            grown(hull(cuboid.corner, &cuboid.edges))
+            wall_bounds(view, repeat, id, hull(cuboid.corner, &cuboid.edges))
         }
         Object::Polygon(polygon) => {
             let polygon = view.polygon(polygon);
-            grown(hull(polygon.corner, &[polygon.left, polygon.right]))
+            wall_bounds(view, repeat, id, hull(polygon.corner, &[polygon.left, polygon.right]))
         }
     };
     Aabb { min: min.to_array(), id, max: max.to_array(), tag: view.tag(id) }
@@ -93,6 +97,12 @@ fn ball_bounds(view: &View, margin: f32, sphere: u32, radius: f32) -> (Vec3, Vec
     let reach = radius + view.step.layout.neck * radius + margin;
     let middle = position_ahead(view.step, view.position(sphere), view.motion(sphere));
     grown((middle - reach, middle + reach))
+}
+
+/// Returns the bounds of all places that a box or polygon may reach before lists are rebuilt.
+fn wall_bounds(view: &View, repeat: f32, id: u32, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    let margin = Reach::of(view, view.object(id)).map_or(0.0, |reach| reach.margin(view.step, repeat));
+    grown((min - margin, max + margin))
 }
 
 /// Bounds with room for rounding.
@@ -121,8 +131,4 @@ fn margin(view: &View, repeat: f32, sphere: u32) -> f32 {
     let exact = view.step.has_exact_lists();
     let spare = if exact { EXACT_MARGIN } else { (view.step.lists.margin_scale - 1.0) * 0.02 };
     travel + (spare + repeat) * radius
-}
-
-fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {
-    edges.iter().fold((corner, corner), |(min, max), edge| (min + edge.min(Vec3::ZERO), max + edge.max(Vec3::ZERO)))
 }

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/travel.wgsl step/broad_phase/due.wgsl
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/travel.wgsl physics/wall_bounds.wgsl physics/walls.wgsl step/broad_phase/due.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -83,7 +83,14 @@ fn update_aabbs(
     if !builds_lists(REBUILD_REQUESTED) | (id >= objects()) {
         return;
     }
-    let hull = grown(hull_of(id));
+    var hull = hull_of(id);
+    if WALLS {
+        if id >= step.spheres + step.rods {
+            let margin = select(0.0, margin_of_wall(reach_of(id), repeat_margin()), body_of(id) != 0u);
+            hull = Hull(hull.min - margin, hull.max + margin);
+        }
+    }
+    hull = grown(hull);
     aabbs[2u * id] = vec4u(bitcast<vec3u>(hull.min), id);
     aabbs[2u * id + 1u] = vec4u(bitcast<vec3u>(hull.max), topology[step.tags_at + id]);
 }

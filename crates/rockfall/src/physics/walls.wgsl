@@ -1,0 +1,47 @@
+// requires model/objects.wgsl model/step.wgsl
+
+// Boxes and polygons that move on a prescribed path (docs/physics.md section 2.12).
+
+// First word of the motion of a box or polygon: `wall` counts boxes and then polygons.
+fn wall_record(wall: u32) -> u32 {
+    return step.walls_at + wall * WALL_WORDS;
+}
+
+// Number of the body of a box or polygon, 0 for the world.
+fn body_of(id: u32) -> u32 {
+    return topology[wall_record(id - step.spheres - step.rods) + 3u];
+}
+
+// The motion of a box or polygon: its corner, the velocity and acceleration there, and its angular velocity.
+struct Wall {
+    corner: vec3f,
+    velocity: vec3f,
+    acceleration: vec3f,
+    spin: vec3f,
+}
+
+// The motion of a box or polygon, which is 0 for one that never moves. Only in scenes with moving walls.
+fn wall_of(id: u32) -> Wall {
+    let wall = id - step.spheres - step.rods;
+    let record = wall_record(wall);
+    let of_polygon = step.polygons_at + (wall - step.boxes) * POLYGON_WORDS;
+    let corner = vector_at(select(of_polygon, step.boxes_at + wall * BOX_WORDS, wall < step.boxes));
+    return Wall(corner, vector_at(record), vector_at(record + 8u), vector_at(record + 4u));
+}
+
+// Velocity of a wall at a point.
+fn velocity_of_wall(wall: Wall, point: vec3f) -> vec3f {
+    return wall.velocity + cross(wall.spin, point - wall.corner);
+}
+
+// Acceleration of a wall at a point.
+fn acceleration_of_wall(wall: Wall, point: vec3f) -> vec3f {
+    return wall.acceleration + cross(wall.spin, cross(wall.spin, point - wall.corner));
+}
+
+// A vector after a turn by a small angle, at its old length.
+fn turned_by(v: vec3f, angle: vec3f) -> vec3f {
+    let moved = v + cross(angle, v);
+    let squared = dot(moved, moved);
+    return select(v, moved * sqrt(dot(v, v) / squared), (squared > 0.0) & any(angle != vec3f(0.0)));
+}

@@ -1,0 +1,286 @@
+//! Motions of walls, as closed formulas of time (docs/physics.md section 2.12).
+
+use std::f64::consts::TAU;
+
+use glam::{DMat3, DVec3};
+
+use crate::error::{Error, Result};
+use crate::scene::Scene;
+use crate::scene::registry::Handle;
+
+/// Handle of a [`Motion`].
+pub type MotionId = Handle<Motion>;
+
+/// A prescribed motion. The boxes and polygons that follow it are one rigid body, which nothing stops.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Motion {
+    /// Name, which no other motion of the scene has. It is one word without `=`, `,` and `#`, and begins with a letter or `_`.
+    pub name: String,
+    /// The terms. A later one is inside the earlier ones: its axis and its directions move with them.
+    pub terms: Vec<MotionTerm>,
+}
+
+/// One term of a [`Motion`]: a translation, an oscillation and a turn, each of which may be absent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct MotionTerm {
+    /// Constant velocity, in units/s.
+    pub velocity: DVec3,
+    /// Amplitude of the oscillation, in units.
+    pub amplitude: DVec3,
+    /// Frequency of the oscillation, in 1/s, not negative.
+    pub frequency: f64,
+    /// Phase of the oscillation at its beginning, in turns. The displacement is 0 there in any case.
+    pub phase: f64,
+    /// Angular velocity about the axis, in rad/s.
+    pub spin: f64,
+    /// Direction of the axis. Its length does not matter, but it is not 0.
+    pub axis: DVec3,
+    /// A point of the axis, in units.
+    pub through: DVec3,
+    /// Time in s at which the term begins. Before it, the term is at rest.
+    pub from: f64,
+    /// Time in s at which the term ends, infinite if it does not. The walls then stay where they are.
+    pub to: f64,
+}
+
+impl Default for MotionTerm {
+    fn default() -> Self {
+        Self {
+            velocity: DVec3::ZERO,
+            amplitude: DVec3::ZERO,
+            frequency: 0.0,
+            phase: 0.0,
+            spin: 0.0,
+            axis: DVec3::Z,
+            through: DVec3::ZERO,
+            from: 0.0,
+            to: f64::INFINITY,
+        }
+    }
+}
+
+impl MotionTerm {
+    /// A translation, with its velocity in units/s.
+    pub fn translation(velocity: impl Into<DVec3>) -> Self {
+        Self { velocity: velocity.into(), ..Self::default() }
+    }
+
+    /// An oscillation by an amplitude in units, with its frequency in 1/s.
+    pub fn oscillation(amplitude: impl Into<DVec3>, frequency: f64) -> Self {
+        Self { amplitude: amplitude.into(), frequency, ..Self::default() }
+    }
+
+    /// A turn by `spin` rad/s about an axis through a point.
+    pub fn turn(spin: f64, axis: impl Into<DVec3>, through: impl Into<DVec3>) -> Self {
+        Self { spin, axis: axis.into(), through: through.into(), ..Self::default() }
+    }
+
+    /// Sets the phase, in turns.
+    pub fn phase(mut self, phase: f64) -> Self {
+        self.phase = phase;
+        self
+    }
+
+    /// Sets when the term begins and ends, in s.
+    pub fn during(mut self, from: f64, to: f64) -> Self {
+        (self.from, self.to) = (from, to);
+        self
+    }
+
+    fn validate(&self) -> Result<()> {
+        let wrong = |field, value: String, expected| Err(Error::Invalid { field, value, expected });
+        let vectors = [
+            ("motion.velocity", self.velocity),
+            ("motion.amplitude", self.amplitude),
+            ("motion.axis", self.axis),
+            ("motion.through", self.through),
+        ];
+        for (field, vector) in vectors {
+            if !vector.is_finite() {
+                return wrong(field, format!("{:?}", vector.to_array()), "three finite numbers");
+            }
+        }
+        let numbers = [
+            ("motion.frequency", self.frequency),
+            ("motion.phase", self.phase),
+            ("motion.spin", self.spin),
+            ("motion.from", self.from),
+        ];
+        for (field, number) in numbers {
+            if !number.is_finite() {
+                return wrong(field, number.to_string(), "a finite number");
+            }
+        }
+        if self.frequency < 0.0 {
+            return wrong("motion.frequency", self.frequency.to_string(), "a finite number, not negative");
+        }
+        if self.axis.try_normalize().is_none() {
+            return wrong("motion.axis", format!("{:?}", self.axis.to_array()), "a direction, not 0");
+        }
+        if self.to.is_nan() || self.to < self.from {
+            return wrong("motion.to", self.to.to_string(), "a time that is not before `from`");
+        }
+        Ok(())
+    }
+
+    /// The pose at a time.
+    fn pose(&self, time: f64) -> Pose {
+        let s = time.clamp(self.from, self.to) - self.from;
+        let on = if time >= self.from && time < self.to { 1.0 } else { 0.0 };
+        let axis = self.axis.normalize_or(DVec3::Z);
+        let turn = DMat3::from_axis_angle(axis, self.spin * s);
+        let across = cross_matrix(on * self.spin * axis);
+        let (rate, angle) = (TAU * self.frequency, TAU * (self.frequency * s + self.phase));
+        let shift = self.velocity * s + self.amplitude * (angle.sin() - (TAU * self.phase).sin());
+        let (turn1, turn2) = (across * turn, across * across * turn);
+        Pose {
+            turn: [turn, turn1, turn2],
+            shift: [
+                self.through - turn * self.through + shift,
+                on * (self.velocity + self.amplitude * rate * angle.cos()) - turn1 * self.through,
+                on * (-rate * rate * angle.sin() * self.amplitude) - turn2 * self.through,
+            ],
+        }
+    }
+}
+
+/// The matrix of the cross product with a vector.
+fn cross_matrix(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
+}
+
+/// Where a motion takes the points of a body: x to R x + p. Both have their first and second derivatives by the time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pose {
+    turn: [DMat3; 3],
+    shift: [DVec3; 3],
+}
+
+impl Pose {
+    const REST: Self = Self { turn: [DMat3::IDENTITY, DMat3::ZERO, DMat3::ZERO], shift: [DVec3::ZERO; 3] };
+
+    /// The pose of a term that is inside this one.
+    fn of_inner(&self, inner: &Self) -> Self {
+        let ([r, r1, r2], [p, p1, p2]) = (self.turn, self.shift);
+        let ([q, q1, q2], [o, o1, o2]) = (inner.turn, inner.shift);
+        Self {
+            turn: [r * q, r1 * q + r * q1, r2 * q + 2.0 * (r1 * q1) + r * q2],
+            shift: [r * o + p, r1 * o + r * o1 + p1, r2 * o + 2.0 * (r1 * o1) + r * o2 + p2],
+        }
+    }
+
+    /// R - 1.
+    pub(crate) fn turn_less_one(&self) -> DMat3 {
+        self.turn[0] - DMat3::IDENTITY
+    }
+
+    /// Place, velocity and acceleration of a point of the body.
+    pub(crate) fn of_point(&self, point: DVec3) -> [DVec3; 3] {
+        [0, 1, 2].map(|order| self.turn[order] * point + self.shift[order])
+    }
+
+    /// Angular velocity, in rad/s.
+    pub(crate) fn spin(&self) -> DVec3 {
+        // R' R^T is the matrix of the cross product with it.
+        let across = self.turn[1] * self.turn[0].transpose();
+        0.5 * DVec3::new(
+            across.y_axis.z - across.z_axis.y,
+            across.z_axis.x - across.x_axis.z,
+            across.x_axis.y - across.y_axis.x,
+        )
+    }
+}
+
+impl Motion {
+    /// Creates a motion of one term.
+    pub fn new(name: impl Into<String>, term: MotionTerm) -> Self {
+        Self { name: name.into(), terms: vec![term] }
+    }
+
+    /// Adds a term inside the others.
+    pub fn and(mut self, term: MotionTerm) -> Self {
+        self.terms.push(term);
+        self
+    }
+
+    pub(crate) fn validate(&self) -> Result<()> {
+        super::tag::check_name("motion.name", &self.name)?;
+        if self.terms.is_empty() {
+            return Err(Error::Invalid { field: "motion.terms", value: "none".to_owned(), expected: "at least one term" });
+        }
+        self.terms.iter().try_for_each(MotionTerm::validate)
+    }
+
+    /// The pose at a time in s.
+    pub(crate) fn pose(&self, time: f64) -> Pose {
+        self.terms.iter().fold(Pose::REST, |outer, term| outer.of_inner(&term.pose(time)))
+    }
+
+    /// The point to which the displacements of the body refer: one of the first axis.
+    pub(crate) fn reference(&self) -> DVec3 {
+        self.terms.iter().find(|term| term.spin != 0.0).map_or(DVec3::ZERO, |term| term.through)
+    }
+
+    /// The motion that begins where this one is after `time` seconds.
+    pub(crate) fn after(&self, time: f64) -> Self {
+        let terms = self.terms.iter().map(|term| MotionTerm { from: term.from - time, to: term.to - time, ..*term });
+        Self { name: self.name.clone(), terms: terms.collect() }
+    }
+}
+
+impl Scene {
+    /// Adds a motion, for the field `motion` of boxes and polygons.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a name that another motion has or that is not one word, numbers that are not finite, an axis without a
+    /// direction, a negative frequency, or an end before the beginning.
+    pub fn add_motion(&mut self, motion: Motion) -> Result<MotionId> {
+        motion.validate()?;
+        if self.find_motion(&motion.name).is_some() {
+            return Err(Error::Invalid {
+                field: "motion.name",
+                value: motion.name,
+                expected: "a name that no other motion has",
+            });
+        }
+        Ok(self.motions.add(motion))
+    }
+
+    /// The motion of a name.
+    pub fn find_motion(&self, name: &str) -> Option<MotionId> {
+        let index = self.motions.objects().iter().position(|motion| motion.name == name)?;
+        Some(self.motions.handle_at(index))
+    }
+
+    /// Changes the terms of a motion.
+    ///
+    /// # Errors
+    /// As for [`Scene::add_motion`]. Nothing is changed then.
+    pub fn update_motion(&mut self, id: MotionId, change: impl FnOnce(&mut Motion)) -> Result<()> {
+        let mut motion = self.motions.get(id)?.clone();
+        let name = motion.name.clone();
+        change(&mut motion);
+        motion.name = name;
+        motion.validate()?;
+        *self.motions.get_mut(id)? = motion;
+        Ok(())
+    }
+
+    /// The number of the body that follows a motion, from 1; 0 for the world, which never moves.
+    pub(crate) fn body_number(&self, motion: Option<MotionId>) -> Result<u32> {
+        motion.map_or(Ok(0), |id| Ok(self.motions.index(id)? as u32 + 1))
+    }
+
+    /// Makes the motions begin where they are after `time` seconds.
+    pub(crate) fn advance_motions(&mut self, time: f64) {
+        for motion in self.motions.objects_mut() {
+            *motion = motion.after(time);
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "motion_tests.rs"]
+mod tests;

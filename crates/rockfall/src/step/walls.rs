@@ -1,0 +1,3 @@
+//! Moving walls.
+
+pub(crate) mod move_walls;
