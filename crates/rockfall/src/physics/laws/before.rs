@@ -6,6 +6,7 @@ use crate::model::view::{Object, View};
 use crate::physics::geometry::point_over_polygon;
 use crate::physics::laws::contact::Spring;
 use crate::physics::laws::history::{Histories, feature_bits};
+use crate::physics::side::sides;
 use crate::physics::surface::hides;
 use crate::physics::touch::Touch;
 
@@ -37,12 +38,13 @@ pub(crate) fn spring_before(
     let springs = histories.springs(view.insertion_index(a)).map(|(key, spring)| (key >> bits, spring));
     let mut hidden = springs.filter(|(other, spring)| *other >= movers && *other != b && spring.overlap > 0.0);
     let goes_along = hidden.find(|(other, _)| hides(view, a, (b, touch), *other));
-    goes_along.map(|(_, spring)| spring).or_else(|| comes_from_behind(view, a, b).then_some(PASSAGE)).or(own)
+    goes_along.map(|(_, spring)| spring).or_else(|| comes_from_behind(view, [a, b], touch).then_some(PASSAGE)).or(own)
 }
 
 /// Whether the centre of a sphere was behind the plane of a polygon one step ago.
-fn comes_from_behind(view: &View, sphere: u32, other: u32) -> bool {
+fn comes_from_behind(view: &View, [sphere, other]: [u32; 2], touch: &Touch) -> bool {
     let Object::Polygon(polygon) = view.object(other) else { return false };
     let (normal, height, _) = point_over_polygon(&view.polygon(polygon), view.position(sphere));
-    height - view.velocity(sphere).dot(normal) * view.step.constants.dt < 0.0
+    let [own, wall] = sides(view, [sphere, other], touch);
+    height - (own.velocity - wall.velocity).dot(normal) * view.step.constants.dt < 0.0
 }

@@ -5,7 +5,7 @@
 // The overlap in the record of a contact with a polygon that a sphere passes from behind. It has no force.
 const PASSAGE: f32 = -1.0;
 
-// Whether the centre of a sphere was behind the plane of a polygon one step ago.
+// Whether the centre of a sphere was behind the plane of a polygon one step ago. `velocity` is that of the sphere relative to the polygon.
 fn comes_from_behind(own: vec4f, velocity: vec3f, id: u32) -> bool {
     if id < step.spheres + step.rods + step.boxes {
         return false;
@@ -30,7 +30,8 @@ fn spring_on_surface(sphere: u32, id: u32, found: Touch) -> Spring {
             }
         }
     }
-    return Spring(vec3f(0.0), select(0.0, PASSAGE, comes_from_behind(own, state[velocity_at(sphere)].xyz, id)), vec3f(0.0));
+    let relative = state[velocity_at(sphere)].xyz - second_side(sphere, id, found).velocity;
+    return Spring(vec3f(0.0), select(0.0, PASSAGE, comes_from_behind(own, relative, id)), vec3f(0.0));
 }
 
 // The spring before the step of the contact of a and b, of which a was added first.
