@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result, non_finite};
 use crate::model::muscles::MuscleClock;
+use crate::physics::chain::touch;
 use crate::physics::surface::visible_row;
-use crate::physics::touch::touch;
 use crate::report::short_number;
 use crate::scene::{Body, Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator};

@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::model::layout::GROUP_MASK;
 use crate::model::view::{Object, RodRecord, TINY, View};
 use crate::physics::geometry::AT_END;
-use crate::physics::touch::{Touch, ignore, line};
+use crate::physics::touch::{Touch, ignore, line, overlapping};
 
 /// Where the contact of two rods is looked for before one of them covers the contact of an end sphere: up to this part of its length
 /// from that sphere.
@@ -20,6 +20,13 @@ const INSIDE: f32 = 1.000_001;
 struct Part {
     object: Object,
     parameter: f32,
+}
+
+/// Returns the contact of two objects, or `None` when they do not overlap, never interact, or other parts of their chains cover it. In
+/// the order sphere, rod, box, polygon, the kind of A must not come after the kind of B. `feature` is the feature of a rod and a box.
+pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<Touch> {
+    let (a, b) = (view.object(id_a), view.object(id_b));
+    overlapping(view, id_a, id_b, feature).filter(|touch| !is_covered(view, a, b, touch))
 }
 
 /// Whether another part of its chain covers the contact of two spheres or rods on one side. `false` for other objects.

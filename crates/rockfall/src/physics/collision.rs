@@ -15,10 +15,11 @@ use glam::Vec3;
 
 use crate::model::impulse::Key;
 use crate::model::view::{Object, View};
+use crate::physics::chain::touch;
 use crate::physics::contact::{collision_velocity, smaller_radius};
 use crate::physics::side::{Side, sides, wall_of};
 use crate::physics::touch::ROUNDING;
-use crate::physics::touch::{Motions, Touch, touch};
+use crate::physics::touch::{Motions, Touch};
 use body::{Body, Capsule, Part};
 
 /// A contact as the collision phase sees it.

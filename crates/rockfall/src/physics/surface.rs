@@ -6,8 +6,9 @@ use glam::Vec3;
 
 use crate::model::lists::{Entry, Lists};
 use crate::model::view::{BoxRecord, Object, RodRecord, View};
+use crate::physics::chain::touch;
 use crate::physics::geometry::{box_contains, box_parameters};
-use crate::physics::touch::{Feature, Touch, box_from, ends, origin_of, touch};
+use crate::physics::touch::{Feature, Touch, box_from, ends, origin_of};
 
 /// A candidate counts as hidden if its nearest point is less than this times the radius in front of a tangent plane.
 const SLACK: f32 = 1e-5;

@@ -6,7 +6,6 @@ use glam::Vec3;
 use crate::fine::Fine;
 use crate::model::layout::BOX_FEATURES;
 use crate::model::view::{BoxRecord, Object, PolygonRecord, RodRecord, TINY, View};
-use crate::physics::chain::is_covered;
 use crate::physics::fine_geometry::{fine_box, fine_plane, fine_polygon, fine_spheres};
 use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_box, point_over_polygon, point_polygon, point_segment,
@@ -111,9 +110,9 @@ pub(crate) struct Touch {
     pub(crate) b: f32,
 }
 
-/// Returns the contact of two objects, or `None` when they do not overlap, never interact, or other parts of their chains cover it. In the order sphere, rod, box,
+/// Returns the contact of two objects, or `None` when they do not overlap or never interact, whether or not their chains cover it. In the order sphere, rod, box,
 /// polygon, the kind of A must not come after the kind of B. `feature` is the feature of a rod and a box.
-pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<Touch> {
+pub(crate) fn overlapping(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<Touch> {
     let (a, b) = (view.object(id_a), view.object(id_b));
     if ignore(view, a, b) {
         return None;
@@ -124,11 +123,11 @@ pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<T
     }?;
     // A rod cannot move at a fixed end.
     let inverse_mass = side(view, a, touch.a).inverse_mass + side(view, b, touch.b).inverse_mass;
-    (inverse_mass > 0.0 && !is_covered(view, a, b, &touch)).then_some(touch)
+    (inverse_mass > 0.0).then_some(touch)
 }
 
 /// Returns the signed geometry of two objects that do not overlap, with a negative or zero overlap, or `None` when they have no
-/// contact line or never interact. The arguments are those of [`touch`]. A rod has the nearer of edge and vertex of the feature
+/// contact line or never interact. The arguments are those of [`overlapping`]. A rod has the nearer of edge and vertex of the feature
 /// of a box.
 pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<Touch> {
     let (a, b) = (view.object(id_a), view.object(id_b));

@@ -1,9 +1,9 @@
 //! The contact law that the program defines: replacing it and changing its parameters between steps.
 
 use crate::error::{Error, Result};
+use crate::physics::chain::touch;
 use crate::physics::laws::user::not_finite;
 use crate::physics::surface::visible_row;
-use crate::physics::touch::touch;
 use crate::settings::ContactLaw;
 use crate::simulation::Simulation;
 use crate::simulation::observed::{observe, view_and_lists};

@@ -48,13 +48,13 @@ impl World {
     }
 
     /// The vector from an end of a bar to its other end.
-    fn from_end(&self, bar: usize, end: usize) -> DVec3 {
+    fn away_from(&self, bar: usize, end: usize) -> DVec3 {
         let [one, two] = self.bars[bar].ends;
         self.balls[if one == end { two } else { one }].x - self.balls[end].x
     }
 
     fn bar_covers_ball(&self, ball: usize, bar: usize, other: Thing, y: DVec3, n: DVec3) -> bool {
-        let (axis, radius) = (self.from_end(bar, ball), self.balls[ball].radius);
+        let (axis, radius) = (self.away_from(bar, ball), self.balls[ball].radius);
         let squared = axis.length_squared();
         if squared == 0.0 || !self.meet(Thing::Bar(bar), other) {
             return false;
@@ -75,7 +75,7 @@ impl World {
     }
 
     fn next_covers_bar(&self, bar: usize, next: usize, end: usize, other: Thing, y: DVec3) -> bool {
-        let [own, their] = [bar, next].map(|bar| self.from_end(bar, end).normalize());
+        let [own, their] = [bar, next].map(|bar| self.away_from(bar, end).normalize());
         let side = (y - self.balls[end].x).dot(own - their);
         -own.dot(their) >= STRAIGHT.cos() && (side < 0.0 || (side == 0.0 && next < bar)) && self.meet(Thing::Bar(next), other)
     }

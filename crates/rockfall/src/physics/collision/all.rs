@@ -12,11 +12,11 @@ use crate::model::layout::GRAIN;
 use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
 use crate::model::lists::Lists;
 use crate::model::view::{Object, View};
+use crate::physics::chain::touch;
 use crate::physics::collision::body::Body;
 use crate::physics::collision::cluster;
 use crate::physics::collision::cluster::Touching;
 use crate::physics::collision::{Change, Collision, lone};
-use crate::physics::touch::touch;
 
 /// Smallest number of collisions per parallel task.
 const MIN_PER_TASK: usize = 16;

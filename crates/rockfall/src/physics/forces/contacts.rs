@@ -8,13 +8,14 @@ use crate::model::layout::{FLAG_CONTINUOUS, LAW_THESIS};
 use crate::model::lists::{Entry, Lists};
 use crate::model::view::View;
 use crate::physics::balls::{Ball, Meeting};
+use crate::physics::chain::touch;
 use crate::physics::contact::{ContactForce, contact_force, contact_forces};
 use crate::physics::laws::before::spring_before;
 use crate::physics::laws::contact::{LawForce, Spring, law_force};
 use crate::physics::laws::history::{Histories, Owned, key, owner, pack};
 use crate::physics::laws::neck::contact;
 use crate::physics::surface::Hidden;
-use crate::physics::touch::{Touch, touch};
+use crate::physics::touch::Touch;
 
 /// Force and torque on one sphere or rod.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,7 +1,5 @@
 //! What a contact of a law with history begins with in a step (docs/physics.md section 4.11).
 
-use glam::Vec3;
-
 use crate::model::view::{Object, View};
 use crate::physics::geometry::point_over_polygon;
 use crate::physics::laws::contact::Spring;
@@ -10,18 +8,8 @@ use crate::physics::side::sides;
 use crate::physics::surface::hides;
 use crate::physics::touch::Touch;
 
-/// The record of a contact with a polygon that a sphere passes from behind.
-pub(crate) const PASSAGE: Spring = Spring { shift: Vec3::ZERO, overlap: -1.0, moment: Vec3::ZERO };
-
-impl Spring {
-    /// Whether this is the record of a passage through a polygon from behind, which has no force.
-    pub(crate) fn is_passage(&self) -> bool {
-        self.overlap < 0.0
-    }
-}
-
 /// The spring of a contact before the step: its own one, or that of a box or polygon which the new contact of a sphere hides, or
-/// [`PASSAGE`].
+/// [`Spring::PASSAGE`].
 pub(crate) fn spring_before(
     view: &View,
     histories: &Histories,
@@ -38,7 +26,7 @@ pub(crate) fn spring_before(
     let springs = histories.springs(view.insertion_index(a)).map(|(key, spring)| (key >> bits, spring));
     let mut hidden = springs.filter(|(other, spring)| *other >= movers && *other != b && spring.overlap > 0.0);
     let goes_along = hidden.find(|(other, _)| hides(view, a, (b, touch), *other));
-    goes_along.map(|(_, spring)| spring).or_else(|| comes_from_behind(view, [a, b], touch).then_some(PASSAGE)).or(own)
+    goes_along.map(|(_, spring)| spring).or_else(|| comes_from_behind(view, [a, b], touch).then_some(Spring::PASSAGE)).or(own)
 }
 
 /// Whether the centre of a sphere was behind the plane of a polygon one step ago.

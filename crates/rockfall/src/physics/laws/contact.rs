@@ -5,7 +5,6 @@ use glam::Vec3;
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE};
 use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity};
-use crate::physics::laws::before::PASSAGE;
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
 use crate::physics::laws::{Constants, answer, energy};
@@ -25,6 +24,14 @@ pub(crate) struct Spring {
 }
 
 impl Spring {
+    /// The record of a contact with a polygon that a sphere passes from behind. It has no force.
+    pub(crate) const PASSAGE: Self = Self { shift: Vec3::ZERO, overlap: -1.0, moment: Vec3::ZERO };
+
+    /// Whether this is the record of a passage.
+    pub(crate) fn is_passage(&self) -> bool {
+        self.overlap < 0.0
+    }
+
     /// The spring after a turn of the wall, at its old length.
     fn turned(self, angle: Vec3) -> Self {
         let turned = |v: Vec3| {
@@ -59,7 +66,7 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     let [a, b] = sides(view, [id_a, id_b], touch);
     let approach = (a.velocity - b.velocity).dot(n);
     if before.as_ref().is_some_and(Spring::is_passage) {
-        return LawForce { spring: PASSAGE, ..LawForce::default() };
+        return LawForce { spring: Spring::PASSAGE, ..LawForce::default() };
     }
     if step.constants.flags & FLAG_COLLISIONS != 0 {
         // As in docs/physics.md section 4.4.

@@ -1,10 +1,11 @@
 //! Which pairs are in contact: with JKR cohesion, also some that are apart (docs/physics.md section 4.13).
 
 use crate::model::view::View;
+use crate::physics::chain::touch;
 use crate::physics::laws::history::Histories;
 use crate::physics::laws::{Constants, jkr};
 use crate::physics::side::side;
-use crate::physics::touch::{Touch, touch, touch_apart};
+use crate::physics::touch::{Touch, touch_apart};
 
 /// The contact of two objects that overlap, or that a neck connects although they are apart (docs/physics.md section 4.13): the
 /// contact has a spring, and its distance is less than that at which it tears. The order of the objects is that of [`touch`].
