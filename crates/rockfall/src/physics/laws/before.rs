@@ -4,7 +4,7 @@ use crate::model::view::{Object, View};
 use crate::physics::geometry::point_over_polygon;
 use crate::physics::laws::contact::Spring;
 use crate::physics::laws::history::{Histories, feature_bits};
-use crate::physics::side::sides;
+use crate::physics::sides::sides;
 use crate::physics::surface::hides;
 use crate::physics::touch::Touch;
 
