@@ -10,7 +10,8 @@ use crate::model::view::{TINY, View};
 use crate::physics::first_contact::time_of_beginning;
 use crate::physics::geometry::ROUNDED;
 use crate::physics::pairs::{Surface, Surfaces};
-use crate::physics::side::{Side, sides};
+use crate::physics::side::Side;
+use crate::physics::sides::sides;
 use crate::physics::touch::Touch;
 
 /// Approach velocity, in units/s, above which the contact of two sides collides (erratum E19). The acceleration by everything but

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::model::view::{BoxRecord, Object, PolygonRecord, View};
 use crate::physics::geometry::{AT_END, Face, point_box};
-use crate::physics::side::wall_of;
+use crate::physics::sides::wall_of;
 use crate::physics::touch::{Feature, Motions, ROUNDING, line};
 
 /// Most iterations for the first contact with a box.

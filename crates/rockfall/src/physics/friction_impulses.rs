@@ -17,7 +17,7 @@ use crate::physics::collision::all::impulse_in;
 use crate::physics::collision::body::{Body, Capsule, sphere_rows};
 use crate::physics::contact::{Approach, Sides, Slip, Touches, arms, normal_forces};
 use crate::physics::pairs::Surface;
-use crate::physics::side::sides;
+use crate::physics::sides::sides;
 use crate::physics::touch::{Feature, Touch, line};
 
 /// Computes the friction impulses of a step from the state after its normal impulses.

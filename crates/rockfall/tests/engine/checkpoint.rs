@@ -148,22 +148,24 @@ fn after_counts(checkpoint: &Checkpoint, bytes: &[u8]) -> usize {
     bytes.windows(counts.len()).position(|window| window == counts).expect("the counts are in the file") + counts.len()
 }
 
-/// The bytes of a checkpoint without materials, pairs, laws, springs of contacts and rates, and without the low parts of positions.
+/// The bytes of a checkpoint without materials, pairs, motions, laws, springs of contacts and rates, and without the low parts of positions.
 fn without_lows(mut bytes: Vec<u8>) -> Vec<u8> {
     let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
     let spheres = checkpoint.scene.spheres().len();
-    let at = after_counts(&checkpoint, &bytes) + 32;
+    let at = after_counts(&checkpoint, &bytes) + 36;
     let lows = u64::from_le_bytes(bytes[at..at + 8].try_into().expect("8 bytes")) as usize;
     assert!(lows == 0 || lows == spheres, "{lows}");
     bytes.splice(at..at + 8 + 12 * lows, [0; 8]);
-    with_version(bytes, 8)
+    with_version(bytes, 9)
 }
 
 /// A small checkpoint with materials, and the springs of three contacts.
 fn small_with_materials() -> Vec<u8> {
     let text = "set contact_law hertz-mindlin\n@material a density=2 young=1e4 poisson=0.3\n@material b young=1e4 poisson=0\n\
                 @pair a b restitution=0.5 friction=0.4\n@use a\nS 7 0 0.49 0 1 0 0 0 0 0 - 0.5\n\
-                C 3 0.49 0 4 0.49 0 1 0 0 - 0.5\n@use b\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n@use -\n@material c\n";
+                C 3 0.49 0 4 0.49 0 1 0 0 - 0.5\n@use b\n\
+                @motion lift velocity=0,2,0 from=1\n@motion lift spin=3 axis=0,0,1 through=4,0,0 from=0.25 to=0.5\n@move lift\n\
+                B -5 -1 -5 10 0 0 0 1 0 0 0 10\n@use -\n@material c\n";
     let scene = Scene::parse(text, "a.txt".as_ref()).expect("a scene").scene;
     let options = Options::new().backend(Backend::Cpu).integrator(Integrator::SymplecticEuler);
     let mut simulation = Simulation::with_options(scene, options).expect("it opens");
@@ -183,6 +185,10 @@ fn materials_and_springs_are_kept() {
     assert_eq!(given, Some(Pair::default().restitution(0.5).friction(0.4)));
     assert!(scene.spheres().iter().all(|sphere| sphere.material == a) && scene.boxes()[0].material == b);
     assert_eq!(scene.rods()[0].material, a);
+    let [lift] = scene.motions() else { panic!("one motion") };
+    let turn = rockfall::MotionTerm::turn(3.0, [0.0, 0.0, 1.0], [4.0, 0.0, 0.0]).during(0.25, 0.5);
+    assert_eq!(lift.terms, [rockfall::MotionTerm::translation([0.0, 2.0, 0.0]).during(1.0, f64::INFINITY), turn]);
+    assert_eq!((lift.name.as_str(), scene.boxes()[0].motion), ("lift", scene.find_motion("lift")));
     assert_eq!(checkpoint.to_bytes(), bytes, "the same state must give the same bytes");
     // Three contacts with springs of 28 bytes are more than the bytes of the same scene before its first step.
     let mut fresh = Simulation::with_options(scene.clone(), checkpoint.options.clone()).expect("it opens");
@@ -233,9 +239,9 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    for version in [0, 7, 9] {
+    for version in [0, 8, 10] {
         newer[8] = version;
-        let expected = format!("it has version {version} of the format, this rockfall reads version 8");
+        let expected = format!("it has version {version} of the format, this rockfall reads version 9");
         assert!(assert_rejected(&newer).contains(&expected));
     }
 }

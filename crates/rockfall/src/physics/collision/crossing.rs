@@ -11,7 +11,7 @@ use crate::model::view::{Object, View};
 use crate::physics::collision::{Change, Collision, lone};
 use crate::physics::contact::collision_velocity;
 use crate::physics::first_contact::{Earlier, time_of_beginning, wall_velocity};
-use crate::physics::side::{sides, wall_of};
+use crate::physics::sides::{sides, wall_of};
 use crate::physics::touch::{Feature, Touch, line};
 
 /// In place of the low half of an id, where there is no crossing.

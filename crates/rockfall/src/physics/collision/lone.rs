@@ -16,7 +16,7 @@ use crate::physics::collision::{Change, Collision};
 use crate::physics::first_contact::time_of_beginning;
 use crate::physics::forces::attached::{attached_curvature, attached_force};
 use crate::physics::pairs::Surface;
-use crate::physics::side::wall_of;
+use crate::physics::sides::wall_of;
 use crate::physics::touch::{Feature, Motions, Touch, is_over_face, line};
 
 /// Number of iterations for the time of contact.

@@ -8,7 +8,8 @@ use crate::physics::contact::{ContactForce, collision_velocity};
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
 use crate::physics::laws::{Constants, answer, energy};
-use crate::physics::side::{Side, sides};
+use crate::physics::side::Side;
+use crate::physics::sides::sides;
 use crate::physics::touch::Touch;
 
 /// The state of a contact between two steps.
