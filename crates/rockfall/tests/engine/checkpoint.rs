@@ -164,7 +164,7 @@ fn small_with_materials() -> Vec<u8> {
     let text = "set contact_law hertz-mindlin\n@material a density=2 young=1e4 poisson=0.3\n@material b young=1e4 poisson=0\n\
                 @pair a b restitution=0.5 friction=0.4\n@use a\nS 7 0 0.49 0 1 0 0 0 0 0 - 0.5\n\
                 C 3 0.49 0 4 0.49 0 1 0 0 - 0.5\n@use b\n\
-                @motion lift velocity=0,2,0 from=1\n@motion lift spin=3 axis=0,0,1 through=4,0,0 to=0.5\n@move lift\n\
+                @motion lift velocity=0,2,0 from=1\n@motion lift spin=3 axis=0,0,1 through=4,0,0 from=0.25 to=0.5\n@move lift\n\
                 B -5 -1 -5 10 0 0 0 1 0 0 0 10\n@use -\n@material c\n";
     let scene = Scene::parse(text, "a.txt".as_ref()).expect("a scene").scene;
     let options = Options::new().backend(Backend::Cpu).integrator(Integrator::SymplecticEuler);
@@ -186,7 +186,7 @@ fn materials_and_springs_are_kept() {
     assert!(scene.spheres().iter().all(|sphere| sphere.material == a) && scene.boxes()[0].material == b);
     assert_eq!(scene.rods()[0].material, a);
     let [lift] = scene.motions() else { panic!("one motion") };
-    let turn = rockfall::MotionTerm::turn(3.0, [0.0, 0.0, 1.0], [4.0, 0.0, 0.0]).during(0.0, 0.5);
+    let turn = rockfall::MotionTerm::turn(3.0, [0.0, 0.0, 1.0], [4.0, 0.0, 0.0]).during(0.25, 0.5);
     assert_eq!(lift.terms, [rockfall::MotionTerm::translation([0.0, 2.0, 0.0]).during(1.0, f64::INFINITY), turn]);
     assert_eq!((lift.name.as_str(), scene.boxes()[0].motion), ("lift", scene.find_motion("lift")));
     assert_eq!(checkpoint.to_bytes(), bytes, "the same state must give the same bytes");
