@@ -79,7 +79,7 @@ def test_camera_follow_orbit_speed_and_colours_change_the_film(sim: rf.Simulatio
 
 def test_plots_are_beside_the_pictures_and_grow() -> None:
     scene = rf.Scene()
-    scene.add_spheres([[0.0, 3.0, 0.0], [2.0, 0.0, 0.0]], radii=0.5, fixed=[False, True], name="ball")
+    scene.add_spheres([[0.0, 3.0, 0.0], [2.0, 0.0, 0.0]], 0.5, fixed=[False, True], name="ball")
 
     def blue(picture: np.ndarray) -> int:
         return int((np.abs(picture[:, 256:].astype(int) - [0x00, 0x72, 0xB2]).max(axis=2) < 30).sum())

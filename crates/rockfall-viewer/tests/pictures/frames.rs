@@ -7,7 +7,7 @@ use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::draw::{ColourBy, Style};
 use rockfall_viewer::survey::Survey;
 
-use crate::common::{canvas, drawn_box, gpu, outlines, pixel, projected, renderer, simulation, take};
+use crate::common::{HEIGHT, WIDTH, canvas, drawn_box, gpu, outlines, picture, pixel, projected, renderer, simulation, take};
 
 fn camera() -> Camera {
     Camera::new([0.0, 0.0, 8.0], [0.0, 0.0, 0.0])
@@ -153,4 +153,28 @@ fn spheres_have_their_own_colours_and_the_light_comes_from_the_given_side() {
         let [left, right] = [-0.6, 0.6].map(|x| around(&picture, Vec3::new(1.0 + x, 0.0, 0.0)).iter().sum::<u32>());
         assert_eq!(right > left, side > 0.0, "{left} {right}");
     }
+}
+
+/// The pattern shows how a body turns. It would cover the shapes of a crowd, and a fixed sphere does not turn.
+#[test]
+fn the_pattern_is_faint_in_a_crowd_and_fixed_spheres_are_plain() {
+    let mut style = outlines();
+    style.colour_by = ColourBy::Kind;
+    let camera = Camera::new([0.0, 0.0, 6.0], [0.0; 3]);
+    // The range of red on the ball, in % of blue: of coloured sectors and light ones.
+    let contrast = |others: u32, fixed: bool| {
+        let mut scene = Scene::new();
+        let ball = Sphere::new([0.0; 3], 1.0);
+        scene.add_sphere(if fixed { ball.fixed() } else { ball }).unwrap();
+        for number in 0..others {
+            // Behind the camera.
+            scene.add_sphere(Sphere::new([0.0, 3.0 * number as f32, 30.0], 1.0)).unwrap();
+        }
+        let picture = picture(scene, &camera, &style);
+        let middle = (WIDTH / 2 - 45..WIDTH / 2 + 45).map(|x| pixel(&picture, x, HEIGHT / 2));
+        let red: Vec<u8> = middle.map(|[red, _, blue]| (100 * u32::from(red) / u32::from(blue)) as u8).collect();
+        red.iter().max().unwrap() - red.iter().min().unwrap()
+    };
+    let [few, many, fixed] = [contrast(0, false), contrast(600, false), contrast(0, true)];
+    assert!(few > 45 && (8..2 * few / 3).contains(&many) && fixed < 8, "{few} {many} {fixed}");
 }

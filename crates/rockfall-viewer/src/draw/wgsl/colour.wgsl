@@ -100,6 +100,16 @@ fn second_tone(colour: vec3f) -> vec3f {
     return mix(colour, vec3f(0.93, 0.90, 0.84), 0.82);
 }
 
+/// Returns the second tone of a sphere. Of a few bodies the pattern shows how each one turns; in a crowd it is fainter, so that it
+/// does not cover the shapes. A fixed sphere has none.
+fn sphere_tone(slot: u32, colour: vec3f) -> vec3f {
+    if is_fixed(slot) {
+        return colour;
+    }
+    let crowd = smoothstep(5.0, 9.0, log2(f32(frame.spheres)));
+    return mix(second_tone(colour), colour, 0.7 * crowd);
+}
+
 /// Returns the weight of the second tone in the pattern of a beach ball: six sectors of alternating tones around the body's y
 /// axis, and a cap at each pole. `width` is the width of a pixel on the unit sphere.
 fn beach_ball(n: vec3f, width: f32) -> f32 {

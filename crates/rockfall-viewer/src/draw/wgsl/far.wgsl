@@ -27,7 +27,7 @@ fn far_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> Far
     vertex.place = middle + vec4f(side * (vertex.radius + 1.0) * 2.0 / frame.viewport * middle.w, 0.0, 0.0);
     vertex.point = ball.xyz;
     let colour = sphere_colour(slot);
-    vertex.colour = mix(colour, second_tone(colour), 0.5);
+    vertex.colour = mix(colour, sphere_tone(slot, colour), 0.5);
     return vertex;
 }
 

@@ -31,7 +31,7 @@ fn sphere_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> 
     vertex.place = outline_corner(vertex.ball, corner);
     vertex.orientation = orientation(slot);
     vertex.colour = sphere_colour(slot);
-    vertex.second = second_tone(vertex.colour);
+    vertex.second = sphere_tone(slot, vertex.colour);
     return vertex;
 }
 
