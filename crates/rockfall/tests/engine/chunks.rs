@@ -86,7 +86,7 @@ fn chunks_of_every_array_give_bitwise_identical_results() {
             let report = simulation.run(16, 0.01).expect("steps");
             assert!(report.replays > 0 && contacts > 10, "{contacts} contacts, {report:?}");
         }
-        let small = [Buffer::CollisionIndices, Buffer::Collisions, Buffer::Histories, Buffer::Status];
+        let small = [Buffer::CollisionIndices, Buffer::Collisions, Buffer::Histories, Buffer::Poses, Buffer::Status];
         // Only this integrator keeps rates.
         let rates = (integrator != Integrator::VelocityVerlet).then_some(Buffer::Rates);
         assert_split_except(&chunked, &small.into_iter().chain(rates).collect::<Vec<_>>());
@@ -147,7 +147,7 @@ fn rods_in_chunks_give_bitwise_identical_results() {
             let report = simulation.run(12, 0.01).expect("steps");
             assert!(report.contacts > 20, "{report:?}");
         }
-        let small = [Buffer::Extents, Buffer::Orientations, Buffer::Rates, Buffer::Histories, Buffer::Status];
+        let small = [Buffer::Extents, Buffer::Orientations, Buffer::Rates, Buffer::Histories, Buffer::Poses, Buffer::Status];
         assert_split_except(&chunked, &small);
         assert_bitwise_identical(&Run::of(&mut chunked), &Run::of(&mut whole));
     }

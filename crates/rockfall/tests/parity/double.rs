@@ -236,7 +236,7 @@ static MISTAKES: [Mistake; 16] = [
     Mistake("constrain", 3, "lengths.wgsl", "vec4f(after.low, 0.0)", "vec4f(0.0)", Buffer::Y4),
     Mistake("turn", 0, "turn.wgsl", "vec4f(new_x1.low, 0.0)", "vec4f(0.0)", Buffer::Start),
     Mistake(
-        "rod_loads",
+        "loads",
         3,
         "geometry.wgsl",
         "return fine_between(origin, sphere).high;",

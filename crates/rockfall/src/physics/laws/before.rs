@@ -22,9 +22,9 @@ pub(crate) fn spring_before(
     if own.as_ref().is_some_and(|spring| spring.overlap != 0.0) || !is_on_surface {
         return own;
     }
-    let (bits, movers) = (feature_bits(view.step), view.step.movers());
+    let (bits, movers, objects) = (feature_bits(view.step), view.step.movers(), view.step.objects());
     let springs = histories.springs(view.insertion_index(a)).map(|(key, spring)| (key >> bits, spring));
-    let mut hidden = springs.filter(|(other, spring)| *other >= movers && *other != b && spring.overlap > 0.0);
+    let mut hidden = springs.filter(|(other, spring)| (movers..objects).contains(other) && *other != b && spring.overlap > 0.0);
     let goes_along = hidden.find(|(other, _)| hides(view, a, (b, touch), *other));
     goes_along.map(|(_, spring)| spring).or_else(|| comes_from_behind(view, [a, b], touch).then_some(Spring::PASSAGE)).or(own)
 }

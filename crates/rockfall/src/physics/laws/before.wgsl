@@ -19,12 +19,13 @@ fn spring_on_surface(sphere: u32, id: u32, found: Touch) -> Spring {
     let own = state[position_at(sphere)];
     var chosen: Surfaces;
     choose_surface(Candidate(id, own.w - found.overlap, found.n, 0u), &chosen);
+    let objects = step.spheres + step.rods + step.boxes + step.polygons;
     var record = followed(first_record(sphere));
     while record != NONE {
         let other = key_of_record(record) >> FEATURE_BITS;
         let spring = spring_of_record(record);
         record = record_after(record);
-        if is_static(other) & (other != id) & (spring.overlap > 0.0) {
+        if is_static(other) & (other < objects) & (other != id) & (spring.overlap > 0.0) {
             if is_hidden(sphere, own, other, &chosen) {
                 return spring;
             }
