@@ -78,6 +78,12 @@ fn scene(kind: Kind, precision: Precision, seed: u64) -> Scene {
             scene.add_rod(rod).unwrap();
         }
     }
+    // Balls on the middles of the rods of the upper layer, which touch nothing else.
+    for (x, z) in (0..10_u8).map(|k| (f64::from(k % 2) * 3.0 + 0.5, f64::from(k / 2))).filter(|_| kind != Kind::Balls) {
+        let mut near = |place: f64| place + rng.random_range(-0.02..0.02);
+        let centre = at(near(0.97 * x), near(3.34), near(0.97 * z));
+        scene.add_sphere(Sphere::new([0.0; 3], 0.5).density(1.0).material(material).centred_at(centre)).unwrap();
+    }
     for k in 0..10 {
         scene.add_spring(Spring::new(ids[k], ids[k + 61], 30.0, 1.0).damping(0.2)).unwrap();
     }
@@ -236,7 +242,7 @@ static MISTAKES: [Mistake; 16] = [
     Mistake("constrain", 3, "lengths.wgsl", "vec4f(after.low, 0.0)", "vec4f(0.0)", Buffer::Y4),
     Mistake("turn", 0, "turn.wgsl", "vec4f(new_x1.low, 0.0)", "vec4f(0.0)", Buffer::Start),
     Mistake(
-        "loads",
+        "rod_loads",
         3,
         "geometry.wgsl",
         "return fine_between(origin, sphere).high;",
