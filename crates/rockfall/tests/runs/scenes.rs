@@ -110,7 +110,8 @@ fn the_tower_of_capsules_stands_until_the_ball_hits_it() {
         assert!(standing > before - 0.1, "dt {dt}: the height of the tower falls from {before} to {standing}");
         let overlap = resting_overlap(&mut open(without_ball(), Integrator::Rk4), dt);
         assert!(overlap < 0.05, "dt {dt}: overlap {overlap} of a radius");
-        let fallen = tops(&after(&mut simulation, 15.0, dt));
+        // A capsule may roll up another one before it comes to rest.
+        let fallen = tops(&after(&mut simulation, 30.0, dt));
         assert!(fallen < 1.0, "dt {dt}: after the hit the top is at {fallen}");
     }
 }
