@@ -5,7 +5,7 @@ use crate::exec::gpu::fault::catch;
 use crate::model::buffer::Buffer;
 use crate::model::layout::{COLLISION_WORDS, POSE_FLOATS};
 use crate::model::world::World;
-use crate::model::world::walls::{POSE_STEPS, pose_rows};
+use crate::model::world::walls::pose_rows;
 use crate::step::catalog::ALL;
 use crate::step::stage::Stage;
 
@@ -13,6 +13,8 @@ use crate::step::stage::Stage;
 const LEAST_BYTES: u64 = ELEMENT_BYTES;
 /// Size of the largest array element, a row of the pair lists, in bytes. Chunks hold whole elements.
 const ELEMENT_BYTES: u64 = 128;
+/// Steps that a table of poses has room for from the start. It grows where more are under way at a time.
+const POSE_STEPS: u32 = 40;
 
 /// Number of bytes that the kernels address in a buffer, from the counts and offsets alone. The array of a hand-made world may
 /// be shorter.

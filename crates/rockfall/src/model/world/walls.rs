@@ -5,9 +5,6 @@ use crate::model::muscles::MuscleClock;
 use crate::model::world::World;
 use crate::scene::{Motion, Scene};
 
-/// Steps that a table of poses has room for on a device from the start. It grows where more are under way at a time.
-pub(crate) const POSE_STEPS: u32 = 40;
-
 /// Number of rows of a table of poses: one for every half step.
 pub(crate) const fn pose_rows(steps: u32) -> u32 {
     2 * steps + 1
