@@ -61,12 +61,6 @@ pub(super) fn fine_polygon(polygon: &PolygonRecord, centre: Fine, radius: f32) -
     Some(((d / d.length()).as_vec3(), (f64::from(radius) - d.length()) as f32))
 }
 
-/// Returns the unit normal of a polygon's face, and the overlap of a sphere with its plane.
-pub(super) fn fine_plane(polygon: &PolygonRecord, centre: Fine, radius: f32) -> (Vec3, f32) {
-    let (face, overlap, _) = over_plane(polygon, centre, radius);
-    (face, overlap as f32)
-}
-
 /// Returns the unit normal of a polygon's face, the overlap of a sphere with its plane, and the parameters of the centre along the edges.
 fn over_plane(polygon: &PolygonRecord, centre: Fine, radius: f32) -> (Vec3, f64, [f32; 2]) {
     let [left, right] = [polygon.left, polygon.right].map(Vec3::as_dvec3);

@@ -4,14 +4,13 @@
 
 use glam::Vec3;
 
-use crate::model::view::{BoxRecord, Object, PolygonRecord, View};
-use crate::physics::geometry::{AT_END, Face, point_box};
+use crate::model::view::{Object, View};
 use crate::physics::sides::wall_of;
-use crate::physics::touch::{Feature, Motions, ROUNDING, line};
+use crate::physics::touch::{Motions, ROUNDING, line};
 
-/// Most iterations for the first contact with a box.
+/// Most iterations for the first contact with a box or polygon.
 const ITERATIONS: u32 = 16;
-/// A sphere touches a box when the iteration ends at most this far from it, in radii.
+/// A sphere touches it when the iteration ends at most this far from it, in radii.
 const NEAR: f32 = 1e-3;
 
 /// The time at which a pair began to touch, if that was within the step and it then approached at more than `threshold` (units/s). It
@@ -20,7 +19,7 @@ pub(crate) fn time_of_beginning(view: &View, one: u32, other: u32, threshold: f3
     let (a, b) = view.ordered(one, other);
     let time = time_of_first_contact(view, a, b)?;
     let earlier = Earlier::of(view, [a, b], time);
-    let touch = line(view, &earlier, view.object(a), view.object(b), Feature::of_crossing(view.object(b)))?;
+    let touch = line(view, &earlier, view.object(a), view.object(b), None)?;
     let normal = touch.normal;
     let wall = wall_of(view, &earlier, [a, b], &touch).map_or(0.0, |(wall, point)| normal.dot(wall.velocity_at(point)));
     let spheres = || [a, b].into_iter().filter(|id| *id < view.step.layout.spheres);
@@ -40,11 +39,8 @@ fn time_of_first_contact(view: &View, a: u32, b: u32) -> Option<f32> {
             let balls = view.is_ball(a) && view.is_ball(b);
             balls.then(|| sphere_sphere(view.between(a, b), path, radii, dt)).flatten()
         }
-        (Object::Sphere(a), Object::Cuboid(cuboid)) if view.is_ball(a) => {
-            sphere_box(&view.cuboid(cuboid), view.position(a), relative(a), view.radius(a), dt)
-        }
-        (Object::Sphere(a), Object::Polygon(polygon)) if view.is_ball(a) => {
-            sphere_polygon(&view.polygon(polygon), view.position(a), relative(a), view.radius(a), dt)
+        (Object::Sphere(a), Object::Cuboid(_) | Object::Polygon(_)) if view.is_ball(a) => {
+            sphere_shape(view, a, b, relative(a), dt)
         }
         _ => None,
     }
@@ -68,13 +64,16 @@ fn sphere_sphere(d: Vec3, path: Vec3, radii: [f32; 2], dt: f32) -> Option<f32> {
     (nearest < dt && chord > 0.0 && was_apart && time > 0.0).then(|| time.min(dt))
 }
 
-fn sphere_box(cuboid: &BoxRecord, position: Vec3, velocity: Vec3, radius: f32, dt: f32) -> Option<f32> {
+/// The time of the first contact of a sphere with a box or polygon. The distance is a convex function of the time.
+fn sphere_shape(view: &View, sphere: u32, id: u32, velocity: Vec3, dt: f32) -> Option<f32> {
+    let radius = view.radius(sphere);
     let at = |time: f32| {
-        let (normal, distance) = point_box(cuboid, position - time * velocity, radius);
-        (radius - distance, velocity.dot(normal))
+        let earlier = Earlier::of(view, [sphere, id], time);
+        let touch = line(view, &earlier, Object::Sphere(sphere), view.object(id), None)?;
+        Some((touch.overlap, velocity.dot(touch.normal)))
     };
     let mut time = dt;
-    let (mut overlap, mut closing) = at(time);
+    let (mut overlap, mut closing) = at(time)?;
     if overlap > ROUNDING * radius {
         return None;
     }
@@ -83,36 +82,9 @@ fn sphere_box(cuboid: &BoxRecord, position: Vec3, velocity: Vec3, radius: f32, d
             break;
         }
         time += overlap / closing;
-        (overlap, closing) = at(time);
+        (overlap, closing) = at(time)?;
     }
     (overlap >= -NEAR * radius && closing > 0.0 && time > 0.0).then_some(time)
-}
-
-fn sphere_polygon(polygon: &PolygonRecord, position: Vec3, velocity: Vec3, radius: f32, dt: f32) -> Option<f32> {
-    let face = Face::of(polygon);
-    let coordinates = |v: Vec3| {
-        let [l, k] = face.along_edges(v);
-        Vec3::new(l, k, v.dot(face.normal))
-    };
-    let (place, rate) = (coordinates(position - polygon.corner), coordinates(velocity));
-    if rate.z >= 0.0 {
-        return None;
-    }
-    let low = Vec3::new(-AT_END, -AT_END, 0.0);
-    let high = Vec3::new(1.0 + AT_END, 1.0 + AT_END, (1.0 - ROUNDING) * radius);
-    let (mut end, mut begin) = (f32::NEG_INFINITY, f32::INFINITY);
-    for axis in 0..3 {
-        if rate[axis] == 0.0 {
-            if place[axis] < low[axis] || place[axis] > high[axis] {
-                return None;
-            }
-            continue;
-        }
-        let times = [(place[axis] - low[axis]) / rate[axis], (place[axis] - high[axis]) / rate[axis]];
-        end = end.max(times[0].min(times[1]));
-        begin = begin.min(times[0].max(times[1]));
-    }
-    (end > 0.0 && end < begin && begin < dt).then(|| ((place.z - radius) / rate.z).clamp(0.0, dt))
 }
 
 /// The spheres at an earlier time, moved back along straight lines, relative to the wall that they meet. Fixed spheres are not moved.

@@ -8,7 +8,7 @@ use crate::model::lists::{Entry, Lists};
 use crate::model::view::{BoxRecord, Object, RodRecord, View};
 use crate::physics::chain::touch;
 use crate::physics::geometry::{box_contains, box_parameters};
-use crate::physics::touch::{Feature, Touch, box_from, ends, origin_of};
+use crate::physics::touch::{Feature, Motions, Touch, box_from, ends, line, origin_of};
 
 /// A candidate counts as hidden if its nearest point is less than this times the radius in front of a tangent plane.
 const SLACK: f32 = 1e-5;
@@ -33,7 +33,8 @@ impl Candidate {
     }
 
     /// Whether a nearer candidate hides this one. A box that contains the centre hides only what is wholly behind its face.
-    fn is_behind(&self, view: &View, sphere: u32, nearer: &Self) -> bool {
+    /// `centre` and `radius` are those of the sphere.
+    fn is_behind(&self, view: &View, (centre, radius): (Vec3, f32), nearer: &Self) -> bool {
         let [own_body, their_body] = [self.id, nearer.id].map(|id| view.body(view.object(id)));
         if own_body != their_body {
             return false;
@@ -42,11 +43,11 @@ impl Candidate {
         let front = if nearer.distance < 0.0 {
             let (_, [corner, edges @ ..]) = geometry(view, self.id);
             let along = |vector: Vec3| vector.dot(nearer.normal);
-            along(corner - view.position(sphere)) + edges.map(|edge| along(edge).min(0.0)).iter().sum::<f32>()
+            along(corner - centre) + edges.map(|edge| along(edge).min(0.0)).iter().sum::<f32>()
         } else {
             self.distance * cosine
         };
-        front >= nearer.distance - SLACK * view.radius(sphere) || cosine >= ONE_NORMAL
+        front >= nearer.distance - SLACK * radius || cosine >= ONE_NORMAL
     }
 }
 
@@ -105,9 +106,10 @@ impl Hidden {
             return hidden;
         }
         candidates.sort_by(|one, other| order(view, one, other));
+        let ball = (view.position(sphere), view.radius(sphere));
         let mut kept: Vec<Candidate> = Vec::new();
         for candidate in candidates {
-            if kept.iter().any(|nearer| candidate.is_behind(view, sphere, nearer)) {
+            if kept.iter().any(|nearer| candidate.is_behind(view, ball, nearer)) {
                 hidden.0.push((candidate.id, 0));
             } else {
                 kept.push(candidate);
@@ -147,8 +149,17 @@ impl Hidden {
 /// Whether the contact of a sphere with a box or polygon hides another one, which the sphere overlaps.
 pub(crate) fn hides(view: &View, sphere: u32, (id, nearer): (u32, &Touch), other: u32) -> bool {
     let nearer = Candidate::of(view, sphere, id, nearer);
-    touch(view, sphere, other, 0)
-        .is_some_and(|found| Candidate::of(view, sphere, other, &found).is_behind(view, sphere, &nearer))
+    let ball = (view.position(sphere), view.radius(sphere));
+    touch(view, sphere, other, 0).is_some_and(|found| Candidate::of(view, sphere, other, &found).is_behind(view, ball, &nearer))
+}
+
+/// Whether a box or polygon hides another one from a sphere at an earlier time. `found` is the contact of the sphere with the other one.
+pub(crate) fn hid(view: &View, at: &impl Motions, sphere: u32, id: u32, (other, found): (u32, &Touch)) -> bool {
+    let own = Candidate::of(view, sphere, other, found);
+    let touch = line(view, at, Object::Sphere(sphere), view.object(id), None).filter(|touch| touch.overlap > 0.0);
+    touch.map(|touch| Candidate::of(view, sphere, id, &touch)).is_some_and(|nearer| {
+        nearer.distance < own.distance && own.is_behind(view, (at.position(sphere), view.radius(sphere)), &nearer)
+    })
 }
 
 fn part_of_box(view: &View, rod: u32, entry: &Entry) -> Option<Feature> {

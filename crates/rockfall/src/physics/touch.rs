@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::fine::Fine;
 use crate::model::layout::BOX_FEATURES;
 use crate::model::view::{BoxRecord, Object, PolygonRecord, RodRecord, TINY, View};
-use crate::physics::fine_geometry::{fine_box, fine_plane, fine_polygon, fine_spheres};
+use crate::physics::fine_geometry::{fine_box, fine_polygon, fine_spheres};
 use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_box, point_over_polygon, point_polygon, point_segment,
     segment_segment,
@@ -68,18 +68,6 @@ pub(crate) trait Motions {
             }
         };
         Some(Touch { normal, overlap, a: 0.0, b: 0.0 })
-    }
-
-    /// The contact of a sphere of this radius with the plane of a polygon, also beside and behind the face.
-    fn on_plane(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> Touch {
-        let (face, overlap) = match self.fine_position(sphere) {
-            Some(centre) => fine_plane(polygon, centre, radius),
-            None => {
-                let (face, height, _) = point_over_polygon(polygon, self.position(sphere));
-                (face, radius - height)
-            }
-        };
-        Touch { normal: -face, overlap, a: 0.0, b: 0.0 }
     }
 }
 
@@ -199,8 +187,6 @@ pub(crate) enum Feature {
     Edge(u32),
     /// The vertex of a box that a rod touches.
     Vertex(u32),
-    /// The plane of a polygon that a sphere crosses, also beside and behind its face.
-    Plane,
 }
 
 impl Feature {
@@ -211,11 +197,6 @@ impl Feature {
             (Object::Rod(rod), Object::Cuboid(cuboid)) => Some(Self::of_box(view, rod, cuboid, feature)),
             _ => None,
         }
-    }
-
-    /// Returns the part that a sphere crosses: the plane of a polygon.
-    pub(crate) fn of_crossing(b: Object) -> Option<Self> {
-        matches!(b, Object::Polygon(_)).then_some(Self::Plane)
     }
 
     /// If the rod does not overlap the edge, the nearer of edge and vertex counts.
@@ -241,7 +222,6 @@ pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature
         (Object::Sphere(a), Object::Rod(b), _) => sphere_rod(view, at, a, view.rod(b)),
         (Object::Rod(a), Object::Rod(b), _) => rod_rod(at, view.rod(a), view.rod(b)),
         (Object::Sphere(a), Object::Cuboid(b), _) => Some(at.on_box(a, view.radius(a), &view.cuboid(b))),
-        (Object::Sphere(a), Object::Polygon(b), Some(Feature::Plane)) => Some(at.on_plane(a, view.radius(a), &view.polygon(b))),
         (Object::Sphere(a), Object::Polygon(b), _) => at.on_polygon(a, view.radius(a), &view.polygon(b)),
         (Object::Rod(a), Object::Cuboid(b), Some(Feature::Edge(edge))) => {
             rod_edge(at, view.rod(a), &view.cuboid(b), edge, false)

@@ -53,6 +53,10 @@ fn scene(seed: u64, rods: bool) -> Scene {
                     let [left, right] = [Vec3::new(0.9, 0.1, 0.2), Vec3::new(0.1, 0.2, 0.9)];
                     let sides = if random.random_bool(0.5) { [left, right] } else { [right, left] };
                     scene.add_polygon(Polygon::new(corner - 0.4, sides[0], sides[1]).group(group)).unwrap();
+                    // Its neighbour continues it, or bends away from it.
+                    let bend = if group % 8 == 3 { Vec3::ZERO } else { Vec3::new(0.0, 0.2, -0.1) };
+                    let neighbour = Polygon::new(corner - 0.4 + sides[0], sides[0] + bend, sides[1]);
+                    scene.add_polygon(neighbour.group(group)).unwrap();
                 }
             }
         }

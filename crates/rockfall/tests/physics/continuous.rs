@@ -188,6 +188,24 @@ fn a_bullet_is_deflected_by_an_edge_and_a_corner(backend: Backend) {
     diagonal([2.0 / 3.0, -2.0 / 3.0, -1.0 / 3.0], [-0.9, 0.1 + 0.2 / 3.0, 0.1 + 0.1 / 3.0]);
 }
 
+/// The same for the edge and the corner of a polygon. One whose centre is behind the plane passes it.
+fn a_bullet_is_deflected_by_the_edge_of_a_polygon(backend: Backend) {
+    let flies = |at: [f32; 3], expected: DVec3| {
+        let mut scene = elastic(true);
+        // The normal L x R is y.
+        scene.add_polygon(Polygon::new([-0.1, 0.1, -9.9], [0.0, 0.0, 10.0], [10.0, 0.0, 0.0])).expect("a valid polygon");
+        scene.add_sphere(Sphere::new(at, 0.1).velocity([40.0, 0.0, 0.0])).expect("a valid sphere");
+        let mut simulation = simulation(scene, backend);
+        near(after(&mut simulation, 2, 0.05)[0].velocity, expected, 2e-3, "velocity");
+    };
+    let v = DVec3::new(40.0, 0.0, 0.0);
+    let reflected = |n: DVec3| v - 2.0 * v.dot(n) * n;
+    flies([-0.9, 0.18, 0.0], reflected(DVec3::new(0.6, -0.8, 0.0)));
+    flies([-0.9, 0.1 + 0.2 / 3.0, 0.1 + 0.1 / 3.0], reflected(DVec3::new(2.0, -2.0, -1.0) / 3.0));
+    flies([-0.9, 0.08, 0.0], v);
+    flies([-0.9, 0.21, 0.0], v);
+}
+
 /// Under gravity the energy of a ball that hits a thin floor in large steps stays what it is.
 fn a_thin_floor_keeps_the_energy_under_gravity(backend: Backend) {
     for is_box in [true, false] {
@@ -364,6 +382,7 @@ both!(
     a_bullet_is_reflected_by_a_polygon,
     a_bullet_from_behind_passes_a_polygon,
     a_bullet_is_deflected_by_an_edge_and_a_corner,
+    a_bullet_is_deflected_by_the_edge_of_a_polygon,
     a_thin_floor_keeps_the_energy_under_gravity,
     the_first_of_several_walls_counts,
     a_bullet_hits_the_first_of_two_balls,

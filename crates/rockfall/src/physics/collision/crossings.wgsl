@@ -5,7 +5,7 @@
 
 // Overlaps up to this fraction of the smaller radius are rounding errors.
 const CROSSING_ROUNDING: f32 = 1e-5;
-// Most iterations for the first contact with a box, and how far from it, in radii, the last one may end.
+// Most iterations for the first contact with a box or polygon, and how far from it, in radii, the last one may end.
 const CROSSING_ROUNDS: u32 = 16u;
 const CROSSING_REACH: f32 = 1e-3;
 // In place of a time, where objects do not cross.
@@ -51,60 +51,35 @@ fn crossing_of_spheres(a: u32, b: u32) -> f32 {
     return select(NO_CROSSING, time, time > 0.0);
 }
 
-// The contact of a box with a sphere that moves at a velocity, at an earlier time: the overlap, and the approach velocity.
-fn box_contact_before(centre: vec4f, velocity: vec3f, box: Cuboid, time: f32) -> vec2f {
-    let found = touch_sphere_box(vec4f(centre.xyz - time * velocity, centre.w), box);
-    return vec2f(found.overlap, dot(velocity, found.n));
+// The contact of a sphere with a box or polygon.
+fn contact_with_shape(centre: vec4f, id: u32) -> Touch {
+    let boxes = step.spheres + step.rods;
+    if id < boxes + step.boxes {
+        return touch_sphere_box(centre, cuboid(id - boxes));
+    }
+    return touch_sphere_polygon(centre, polygon(id - boxes - step.boxes));
 }
 
-fn crossing_of_box(sphere: u32, velocity: vec3f, box: Cuboid) -> f32 {
+// The distance of a sphere from a box or polygon is a convex function of the time.
+fn crossing_of_shape(sphere: u32, velocity: vec3f, id: u32) -> f32 {
     let centre = state[position_at(sphere)];
-    var at = box_contact_before(centre, velocity, box, step.dt);
-    if at.x > CROSSING_ROUNDING * centre.w {
-        return NO_CROSSING;
-    }
     var time = step.dt;
-    for (var round = 0u; round < CROSSING_ROUNDS; round++) {
-        if (at.x >= 0.0) | (at.y <= 0.0) {
+    var found = no_touch();
+    // The first contact is looked for in one loop so that compilers make one copy of the contact.
+    for (var round = 0u; round <= CROSSING_ROUNDS; round++) {
+        found = contact_with_shape(vec4f(centre.xyz - time * velocity, centre.w), id);
+        let is_pressed = (round == 0u) & (found.overlap > CROSSING_ROUNDING * centre.w);
+        if (found.overlap == NO_CONTACT_LINE) | is_pressed {
+            return NO_CROSSING;
+        }
+        let closing = dot(velocity, found.n);
+        if (found.overlap >= 0.0) | (closing <= 0.0) | (round == CROSSING_ROUNDS) {
             break;
         }
-        time += at.x / at.y;
-        at = box_contact_before(centre, velocity, box, time);
+        time += found.overlap / closing;
     }
-    let is_hit = (at.x >= -CROSSING_REACH * centre.w) & (at.y > 0.0) & (time > 0.0);
+    let is_hit = (found.overlap >= -CROSSING_REACH * centre.w) & (dot(velocity, found.n) > 0.0) & (time > 0.0);
     return select(NO_CROSSING, time, is_hit);
-}
-
-// The times at which a coordinate that is now `place` and changes at `rate` lies between two bounds: from x to y.
-fn times_within(place: f32, rate: f32, low: f32, high: f32) -> vec2f {
-    if rate == 0.0 {
-        return select(vec2f(3e38, -3e38), vec2f(-3e38, 3e38), (place >= low) & (place <= high));
-    }
-    let one = (place - low) / rate;
-    let two = (place - high) / rate;
-    return vec2f(min(one, two), max(one, two));
-}
-
-fn crossing_of_polygon(sphere: u32, velocity: vec3f, polygon: Polygon) -> f32 {
-    let face = face_of(polygon);
-    let centre = state[position_at(sphere)];
-    let from_corner = centre.xyz - polygon.corner;
-    let height = dot(from_corner, face.n);
-    let rise = dot(velocity, face.n);
-    if !(rise < 0.0) {
-        return NO_CROSSING;
-    }
-    let place = along_edges(face, from_corner);
-    let rate = along_edges(face, velocity);
-    let near = times_within(height, rise, 0.0, (1.0 - CROSSING_ROUNDING) * centre.w);
-    let across_l = times_within(place.x, rate.x, -AT_END, 1.0 + AT_END);
-    let across_k = times_within(place.y, rate.y, -AT_END, 1.0 + AT_END);
-    let last = max(near.x, max(across_l.x, across_k.x));
-    let first = min(near.y, min(across_l.y, across_k.y));
-    if (last <= 0.0) | (first >= step.dt) | (last >= first) {
-        return NO_CROSSING;
-    }
-    return clamp((height - centre.w) / rise, 0.0, step.dt);
 }
 
 // The time of the first contact of two objects, a before b in insertion order, or NO_CROSSING. a is a sphere.
@@ -112,11 +87,7 @@ fn time_of_crossing(a: u32, b: u32) -> f32 {
     if b < step.spheres {
         return crossing_of_spheres(a, b);
     }
-    let boxes = step.spheres + step.rods;
-    if b < boxes + step.boxes {
-        return crossing_of_box(a, path_of(a) - drift_of(a, b), cuboid(b - boxes));
-    }
-    return crossing_of_polygon(a, path_of(a) - drift_of(a, b), polygon(b - boxes - step.boxes));
+    return crossing_of_shape(a, path_of(a) - drift_of(a, b), b);
 }
 
 // A contact as it was at an earlier time, with the present velocities.
@@ -136,13 +107,8 @@ fn contact_before(a: u32, b: u32, time: f32) -> ContactBefore {
         let their = state[position_at(b)];
         found = touch_spheres(centre, vec4f(their.xyz - time * path_of(b), their.w));
         approach -= state[velocity_at(b)].xyz;
-    } else if b < boxes + step.boxes {
-        found = touch_sphere_box(centre, cuboid(b - boxes));
     } else {
-        // The plane of a polygon, also beside and behind it.
-        let wall = polygon(b - boxes - step.boxes);
-        let n = face_of(wall).n;
-        found = Touch(-n, centre.w - dot(centre.xyz - wall.corner, n), 0.0, 0.0);
+        found = contact_with_shape(centre, b);
     }
     if WALLS {
         if b >= boxes {
@@ -195,11 +161,14 @@ fn separates(a: u32, b: u32, n: vec3f) -> bool {
 // The time of the crossing of two objects that collides, or NO_CROSSING. `radius` is the smaller one of the pair.
 fn time_of_colliding_crossing(a: u32, b: u32, radius: f32, threshold: f32) -> f32 {
     let time = time_of_beginning(a, b, threshold);
-    // A crossing of a polygon is known to be over.
-    if (time < 0.0) | (b >= step.spheres + step.rods + step.boxes) {
+    if time < 0.0 {
         return time;
     }
     let now = contact_before(a, b, 0.0);
+    // The sphere is behind a polygon, which it has passed.
+    if now.overlap == NO_CONTACT_LINE {
+        return time;
+    }
     // A pressed contact that approaches fast collides as it is. One that is not pressed, and does not separate, has just begun.
     if now.overlap > CROSSING_ROUNDING * radius {
         return select(time, NO_CROSSING, now.approach > threshold);

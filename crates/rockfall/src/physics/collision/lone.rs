@@ -205,8 +205,7 @@ pub(super) fn solve(view: &View, k: &Collision) -> Outcome {
 pub(super) fn solve_crossing(view: &View, k: &Collision, tau: f32) -> Option<Outcome> {
     let movers = movers_of(view, k);
     let movers = &movers[..k.parts().len()];
-    let kept = Kept::Feature(Feature::of_crossing(view.object(k.b)));
-    let (tau, hit) = time_of_contact(view, k, kept, movers, tau)?;
+    let (tau, hit) = time_of_contact(view, k, Kept::Feature(None), movers, tau)?;
     Some(solved(view, &hit, movers, tau))
 }
 

@@ -135,10 +135,7 @@ fn solve_from(a_id: u32, b_id: u32, feature: u32, found: Touch, start: f32, is_c
     let a_pull = pull_on(a);
     let b_pull = pull_on(b);
     let by_vertex = meets_by_vertex(a, b, a_now, feature);
-    // What a sphere crosses is the plane of a polygon.
-    let is_polygon = b_id >= step.spheres + step.rods + step.boxes;
-    let on_face = select(is_over_face(a, b, a_now), is_polygon, is_crossing);
-    let face = OnFace(on_face, centre_of(a, a_now).xyz, found);
+    let face = OnFace(!is_crossing && is_over_face(a, b, a_now), centre_of(a, a_now).xyz, found);
     var tau = start;
     var at_contact: Placed;
     // The last round evaluates the contact at the time found. It is part of the loop so that compilers make one copy of `placed`.

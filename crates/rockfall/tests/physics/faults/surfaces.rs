@@ -74,6 +74,28 @@ fn e27_a_ball_keeps_its_velocity_on_tiles(backend: Backend) {
     assert_eq!(hits, hits_of_one, "collisions on tiles and on one box");
 }
 
+/// Rows of polygons of equal length.
+fn polygon_tiles() -> String {
+    (0..40).map(|k| format!("P {} 0 -5  0 0 10  0.5 0 0\n", 0.5 * k as f32 - 0.5)).collect()
+}
+
+/// Nor does the ball meet a seam where contacts within a step are looked for, at a speed at which the edge of the next tile comes into
+/// reach within one step, and with an approach velocity above the threshold.
+fn e27_seams_are_no_contacts_within_a_step(backend: Backend) {
+    for (floor, what) in [(equal_tiles(), "boxes"), (polygon_tiles(), "polygons")] {
+        let run = |floor: &str| {
+            let text = format!("set continuous_collisions on\n{}{floor}", SLIDER.replace(" 3 0 0 ", " 30 0 0 "));
+            states(&text, backend, Integrator::Rk4, on(backend, 120, 80), 0.005)
+        };
+        let ((tiles, hits), (_, hits_of_one)) = (run(&floor), run(ONE_BOX));
+        for sphere in tiles.iter().flatten() {
+            within(sphere.velocity.x.into(), 30.0, 1e-4, "velocity");
+            assert!(sphere.velocity.y.abs() < 1e-3, "the ball hops on {what}: {}", sphere.velocity);
+        }
+        assert_eq!(hits, hits_of_one, "collisions on {what} and on one box");
+    }
+}
+
 /// A slide over a random floor: laws, integrators and time steps.
 fn slides() -> [(&'static str, Integrator, u64, f32); 4] {
     [
@@ -316,6 +338,7 @@ fn e27_nearly_equal_normals_are_one(backend: Backend) {
 both! {
     e27_a_ball_that_rolls_over_seams_keeps_its_spring,
     e27_a_ball_keeps_its_velocity_on_tiles,
+    e27_seams_are_no_contacts_within_a_step,
     e27_grooves_and_corners_keep_their_contacts,
     e27_hits_of_tiles_keep_the_energy,
     e27_nearly_equal_normals_are_one,
