@@ -26,7 +26,7 @@ struct Block {
     bottom: f64,
 }
 
-/// A parallelogram.
+/// A parallelogram or triangle.
 #[derive(Clone, Debug)]
 struct Face {
     corner: DVec3,
@@ -34,6 +34,7 @@ struct Face {
     right: DVec3,
     /// Direction of the side that is touched, of length 1.
     normal: DVec3,
+    is_triangle: bool,
 }
 
 impl Surface {
@@ -48,7 +49,10 @@ impl Surface {
         };
         let face = |polygon: &rockfall::Polygon| {
             let [corner, left, right] = [polygon.corner, polygon.left, polygon.right].map(|vector| vector.as_dvec3());
-            Face { corner, left, right, normal: left.cross(right).normalize_or_zero() }
+            let normal = left.cross(right).normalize_or_zero();
+            // A triangle is touched from above on whichever side that is.
+            let normal = if polygon.is_triangle && normal.y < 0.0 { -normal } else { normal };
+            Face { corner, left, right, normal, is_triangle: polygon.is_triangle }
         };
         Self {
             boxes: scene.boxes().iter().filter(|cuboid| cuboid.group == 0).map(block).collect(),
@@ -100,7 +104,9 @@ impl Face {
         let from = centre - DVec3::new(0.0, fallen, 0.0) - self.corner;
         let area = self.left.cross(self.right).dot(self.normal);
         let shares = [from.cross(self.right).dot(self.normal) / area, self.left.cross(from).dot(self.normal) / area];
-        if shares.iter().all(|share| (0.0..=1.0).contains(share)) { fallen } else { f64::INFINITY }
+        let is_inside = shares.iter().all(|share| (0.0..=1.0).contains(share));
+        let is_inside = is_inside && (!self.is_triangle || shares[0] + shares[1] <= 1.0);
+        if is_inside { fallen } else { f64::INFINITY }
     }
 }
 

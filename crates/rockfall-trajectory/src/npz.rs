@@ -17,6 +17,7 @@
 //! | `tether_point` | T, 3 | f4 | |
 //! | `boxes` | B, 4, 3 | f4 | corner and three edges |
 //! | `polygons` | P, 3, 3 | f4 | corner and two edges |
+//! | `is_triangle` | P | u1 | 1 for a triangle, 0 for a parallelogram |
 //! | `scene` | | S | the scene text of the last state, with all objects and settings: `run["scene"].item().decode()` |
 //!
 //! The types are NumPy's, with sizes in bytes. In the archive, each array is contiguous over all frames. Frames are therefore
@@ -176,6 +177,8 @@ fn constants(zip: &mut ZipWriter<impl Write + Seek>, scene: &Scene) -> io::Resul
     let polygons = scene.polygons();
     let corners = polygons.iter().map(|polygon| [polygon.corner, polygon.left, polygon.right].map(|vector| vector.to_array()));
     array("polygons", "<f4", polygons.len(), &[3, 3], bytes_of(corners))?;
+    let triangles = polygons.iter().map(|polygon| u8::from(polygon.is_triangle));
+    array("is_triangle", "|u1", polygons.len(), &[], triangles.collect())?;
     // The scene also has what no array above has: capsules, rest lengths, groups and settings.
     let mut text = scene.to_text();
     if text.is_empty() {

@@ -183,15 +183,13 @@ fn static_objects(out: &mut impl Write, scene: &Scene) -> io::Result<()> {
             edges.fold(cuboid.corner, |corner, (_, edge)| corner + *edge).to_array()
         };
         points.extend((0..8).map(corner));
-        faces.extend(FACES.map(|face| face.map(|corner| first + corner as i64)));
+        faces.extend(FACES.map(|face| face.map(|corner| first + corner as i64).to_vec()));
         kinds.extend([3_u8; 6]);
     }
     for polygon in scene.polygons() {
         let first = points.len() as i64;
-        let far = polygon.corner + polygon.left + polygon.right;
-        let corners = [polygon.corner, polygon.corner + polygon.left, far, polygon.corner + polygon.right];
-        points.extend(corners.map(|corner| corner.to_array()));
-        faces.push([first, first + 1, first + 2, first + 3]);
+        points.extend(polygon.vertices().map(|corner| corner.to_array()));
+        faces.push((first..points.len() as i64).collect());
         kinds.push(4);
     }
     let mut file = Appended::default();
@@ -202,7 +200,11 @@ fn static_objects(out: &mut impl Write, scene: &Scene) -> io::Result<()> {
     file.open("Points");
     file.floats("Points", 3, bytes_of(points));
     file.close("Points");
-    file.cells("Polys", bytes_of(faces.iter().copied()), bytes_of((1..=faces.len() as i64).map(|face| 4 * face)));
+    let ends = faces.iter().scan(0, |end, face: &Vec<i64>| {
+        *end += face.len() as i64;
+        Some(*end)
+    });
+    file.cells("Polys", bytes_of(faces.iter().flatten().copied()), bytes_of(ends));
     file.write(out, counts, None)
 }
 

@@ -75,7 +75,6 @@ pub(crate) fn extents_of_static_objects(scene: &Scene) -> impl Iterator<Item = E
 }
 
 pub(crate) fn extent_of_polygon(polygon: &Polygon) -> Extent {
-    let Polygon { corner, left, right, .. } = *polygon;
-    let far = [corner + left, corner + right, corner + left + right];
-    far.into_iter().fold(Extent::around(corner, 0.0), |extent, corner| extent.with(Extent::around(corner, 0.0)))
+    let corner = Extent::around(polygon.corner, 0.0);
+    polygon.vertices().fold(corner, |extent, corner| extent.with(Extent::around(corner, 0.0)))
 }

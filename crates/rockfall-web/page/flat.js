@@ -29,13 +29,18 @@ export class FlatView {
         this.springs = rows(simulation.springs(), 2);
         const parts = row => Array.from({ length: row.length / 3 }, (_, k) => row.slice(3 * k, 3 * k + 3));
         const boxes = rows(simulation.boxes(), 12).flatMap(row => this.facesOf(parts(row)));
-        const polygons = rows(simulation.polygons(), 9).map(row => this.face(...parts(row)));
+        const polygons = rows(simulation.polygons(), 12).map(row => this.polygon(parts(row)));
         this.faces = [...boxes, ...polygons];
     }
 
     face(corner, left, right) {
         const opposite = add(add(corner, left), right);
         return { corners: [corner, add(corner, left), opposite, add(corner, right)], normal: unit(cross(left, right)), solid: false };
+    }
+
+    polygon(corners) {
+        const [left, right] = [1, 3].map(k => add(corners[k], corners[0], -1));
+        return { corners, normal: unit(cross(left, right)), solid: false };
     }
 
     // The six faces of a box: outward normals.

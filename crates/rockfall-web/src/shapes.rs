@@ -47,10 +47,12 @@ impl Simulation {
         self.inner.scene().boxes().iter().flat_map(numbers).collect()
     }
 
-    /// All static polygons: a corner and two edge vectors of each, 9 numbers, in units.
+    /// All polygons: the vertices of each in order, 12 numbers, in units. The last two vertices of a triangle are equal.
     pub fn polygons(&self) -> Vec<f32> {
         let numbers = |polygon: &rockfall::Polygon| {
-            [polygon.corner, polygon.left, polygon.right].into_iter().flat_map(|vector| vector.to_array()).collect::<Vec<_>>()
+            let last = polygon.corner + polygon.right;
+            let vertices = polygon.vertices().chain([last]).take(4);
+            vertices.flat_map(|vector| vector.to_array()).collect::<Vec<_>>()
         };
         self.inner.scene().polygons().iter().flat_map(numbers).collect()
     }

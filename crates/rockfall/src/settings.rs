@@ -162,6 +162,9 @@ macro_rules! constant_table {
                 /// gravity, sizes and depth of the scene, so that bodies at rest overlap by less than F of the smaller radius.
                 /// 0: they stay as they are.
                 resting_overlap: fraction = 0.0, "", None;
+                /// Greatest angle, in degrees, between the normals of two triangles that a sphere touches as one: facets of a mesh that
+                /// meet at a smaller angle stand for a smooth wall. From 0.6 to 15.
+                mesh_angle: facet_angle = 10.0, "degrees", None;
                 /// Precision of the geometry of contacts: `single`, `double`, or `auto`, which chooses what the scene needs. Small or
                 /// stiff bodies far from the origin need `double`.
                 precision: precision = Precision::Auto, "", None;
@@ -248,6 +251,15 @@ fn not_negative(field: &'static str, value: &str) -> Result<f32> {
     const EXPECTED: &str = "a finite number, not negative";
     match number(field, value, EXPECTED)? {
         number if number >= 0.0 => Ok(number),
+        _ => Err(invalid(field, value, EXPECTED)),
+    }
+}
+
+/// Reads the angle of facets.
+fn facet_angle(field: &'static str, value: &str) -> Result<f32> {
+    const EXPECTED: &str = "a number of degrees from 0.6 to 15";
+    match number(field, value, EXPECTED)? {
+        number if (0.6..=15.0).contains(&number) => Ok(number),
         _ => Err(invalid(field, value, EXPECTED)),
     }
 }

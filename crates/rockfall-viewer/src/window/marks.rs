@@ -53,9 +53,13 @@ pub(super) fn edges(scene: &Scene, body: Body) -> Vec<[Vec3; 2]> {
             let pillars = [Vec3::ZERO, i, i + j, j].map(|at| [corner + at, corner + at + k]);
             sides(corner, [i, j]).chain(sides(corner + k, [i, j])).chain(pillars).collect()
         }
-        Body::Polygon(id) => scene
-            .polygon(id)
-            .map_or_else(|_| Vec::new(), |polygon| sides(polygon.corner, [polygon.left, polygon.right]).collect()),
+        Body::Polygon(id) => scene.polygon(id).map_or_else(
+            |_| Vec::new(),
+            |polygon| {
+                let next = polygon.vertices().skip(1).chain([polygon.corner]);
+                polygon.vertices().zip(next).map(<[Vec3; 2]>::from).collect()
+            },
+        ),
         _ => Vec::new(),
     }
 }

@@ -235,17 +235,17 @@ impl Record<14> for Cuboid {
 
 impl Record<11> for Polygon {
     fn pack(&self, scene: &Scene) -> [u32; 11] {
-        let Self { corner, left, right, group, material, motion } = *self;
-        let mut words = [tag(scene, group, false, material); 11];
+        let Self { corner, left, right, is_triangle, group, material, motion } = *self;
+        let mut words = [tag(scene, group, is_triangle, material); 11];
         words[10] = body(scene, motion);
         put(&mut words, [corner, left, right]);
         words
     }
 
     fn unpack(words: [u32; 11], scene: &Scene) -> Result<Self, Damage> {
-        let (group, _, material) = read_tag(words[9], scene)?;
+        let (group, is_triangle, material) = read_tag(words[9], scene)?;
         let [corner, left, right] = [vector(&words), vector(&words[3..]), vector(&words[6..])];
-        Ok(Self { corner, left, right, group, material, motion: read_body(words[10], scene)? })
+        Ok(Self { corner, left, right, is_triangle, group, material, motion: read_body(words[10], scene)? })
     }
 }
 

@@ -23,8 +23,8 @@ constants! {
     pub const FORCE_WORDS: u32 = 3;
     /// Words of a box: corner P, edges I, J, K, three floats each.
     pub const BOX_WORDS: u32 = 12;
-    /// Words of a polygon: corner P, edges L, R, three floats each.
-    pub const POLYGON_WORDS: u32 = 9;
+    /// Words of a polygon: corner P, edges L, R, three floats each; 1 for a triangle, 0 for a parallelogram.
+    pub const POLYGON_WORDS: u32 = 10;
     /// Words of the motion of a box or polygon: velocity of the corner x, y, z, number of the body (0: the world), angular velocity x, y,
     /// z, padding, acceleration of the corner x, y, z, padding.
     pub const WALL_WORDS: u32 = 12;
@@ -70,6 +70,8 @@ constants! {
     pub const FLAG_CONTINUE: u32 = 4;
     /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): objects are in more than one group.
     pub const FLAG_GROUPS: u32 = 8;
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): some polygons are triangles.
+    pub const FLAG_TRIANGLES: u32 = 16;
     /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): some pair of materials has Coulomb friction.
     pub const FLAG_PAIR_FRICTION: u32 = 32;
     /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): some pair of materials has rolling or twisting friction, and the

@@ -78,6 +78,7 @@ struct Polygon {
     corner: vec3f,
     left: vec3f,
     right: vec3f,
+    is_triangle: bool,
 }
 
 fn polygon(index: u32) -> Polygon {
@@ -87,6 +88,7 @@ fn polygon(index: u32) -> Polygon {
         spread_vector_at(at, stride),
         spread_vector_at(at + 3u * stride, stride),
         spread_vector_at(at + 6u * stride, stride),
+        topology[at + 9u * stride] != 0u,
     );
 }
 

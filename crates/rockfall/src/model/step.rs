@@ -26,6 +26,8 @@ block! {
         $($(#[doc = $doc])+ pub $constant: f32,)+
         /// Magnitude of `gravity`, in units/s².
         pub gravity_size: f32,
+        /// Cosine of the greatest angle between the normals of two triangles that a sphere touches as one.
+        pub mesh_cosine: f32,
         /// Steps since the base of the muscles' phases when the counter of steps in the status was 0.
         pub muscle_step: u32,
         /// Time of the simulation at that base, in s.

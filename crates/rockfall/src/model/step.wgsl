@@ -5,13 +5,14 @@
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
 // Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), springs with muscles
-// (MUSCLES), moving boxes or polygons (WALLS), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
+// (MUSCLES), moving boxes or polygons (WALLS), triangles (TRIANGLES), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
 // cohesion (COHESION). Whether the integrator is velocity Verlet (VERLET). Whether geometry uses the low parts of positions (DOUBLE).
 // Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
 const LARGE: bool = true;
 const MUSCLES: bool = true;
 const WALLS: bool = true;
+const TRIANGLES: bool = true;
 const MATERIALS: bool = true;
 const RESISTANCE: bool = true;
 const COHESION: bool = true;

@@ -2,7 +2,7 @@
 
 use crate::model::layout::{
     FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_RESISTANCE,
-    FLAG_VERLET, MANY_OBJECTS,
+    FLAG_TRIANGLES, FLAG_VERLET, MANY_OBJECTS,
 };
 use crate::model::step::Step;
 use crate::settings::Integrator;
@@ -33,6 +33,8 @@ pub struct Traits {
     pub free_table: bool,
     /// Boxes or polygons move.
     pub walls: bool,
+    /// Some polygons are triangles.
+    pub triangles: bool,
     /// There are properties of pairs of materials.
     pub materials: bool,
     /// There are pairs with rolling or twisting resistance.
@@ -72,6 +74,7 @@ impl Step {
             muscles: layout.muscles_at > 0,
             free_table: layout.free_at != 0,
             walls: layout.walls_at != 0,
+            triangles: has(FLAG_TRIANGLES),
             materials: layout.materials > 0,
             resistance: has(FLAG_RESISTANCE),
             cohesion: has(FLAG_COHESION),

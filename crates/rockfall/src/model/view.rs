@@ -61,6 +61,7 @@ pub(crate) struct PolygonRecord {
     pub(crate) corner: Vec3,
     pub(crate) left: Vec3,
     pub(crate) right: Vec3,
+    pub(crate) is_triangle: bool,
 }
 
 /// The motion of a box or polygon at the time of a view.
@@ -399,8 +400,9 @@ impl<'a> View<'a> {
     }
 
     pub(crate) fn polygon(&self, polygon: u32) -> PolygonRecord {
-        let [px, py, pz, lx, ly, lz, rx, ry, rz] = self.floats(self.step.layout.polygons_at, polygon, POLYGON_WORDS);
-        PolygonRecord { corner: Vec3::new(px, py, pz), left: Vec3::new(lx, ly, lz), right: Vec3::new(rx, ry, rz) }
+        let [px, py, pz, lx, ly, lz, rx, ry, rz, kind] = self.floats(self.step.layout.polygons_at, polygon, POLYGON_WORDS);
+        let (corner, left, right) = (Vec3::new(px, py, pz), Vec3::new(lx, ly, lz), Vec3::new(rx, ry, rz));
+        PolygonRecord { corner, left, right, is_triangle: kind.to_bits() != 0 }
     }
 
     /// Number of the body that a box or polygon belongs to: 0 for the world, which never moves. 0 for spheres and rods.

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use crate::fine::Fine;
 use crate::model::view::{BoxRecord, PolygonRecord, TINY};
-use crate::physics::geometry::{OnEdges, from_edges, nearest_face, nearest_on_edges, on_segment, unrounded};
+use crate::physics::geometry::{OnEdges, from_edges, nearest_face, is_inside, nearest_on_edges, unrounded};
 
 /// Returns the unit normal from sphere A to sphere B, and their overlap.
 pub(super) fn fine_spheres(a: Fine, b: Fine, radii: [f32; 2]) -> (Vec3, f32) {
@@ -39,13 +39,18 @@ pub(super) fn fine_box(cuboid: &BoxRecord, centre: Fine, radius: f32) -> (Vec3, 
     ((d / distance).as_vec3(), (f64::from(radius) - distance) as f32)
 }
 
-/// Returns the unit normal from a sphere to a polygon, and the overlap. `None` behind the plane.
+/// Returns the unit normal from a sphere to a polygon, and the overlap. `None` behind the plane of a
+/// parallelogram.
 pub(super) fn fine_polygon(polygon: &PolygonRecord, centre: Fine, radius: f32) -> Option<(Vec3, f32)> {
-    let (face, overlap, place) = over_plane(polygon, centre, radius);
-    if overlap.is_nan() || overlap > f64::from(radius) {
+    let (mut face, mut overlap, place) = over_plane(polygon, centre, radius);
+    let is_behind = overlap > f64::from(radius);
+    if overlap.is_nan() || (is_behind && !polygon.is_triangle) {
         return None;
     }
-    if place.into_iter().all(on_segment) {
+    if is_behind {
+        (face, overlap) = (-face, 2.0 * f64::from(radius) - overlap);
+    }
+    if is_inside(polygon, place) {
         return Some((-face, overlap as f32));
     }
     let [left, right] = [polygon.left, polygon.right].map(Vec3::as_dvec3);

@@ -190,7 +190,12 @@ impl Face {
 pub(crate) fn point_over_polygon(polygon: &PolygonRecord, p: Vec3) -> (Vec3, f32, bool) {
     let face = Face::of(polygon);
     let t = p - polygon.corner;
-    (face.normal, t.dot(face.normal), face.along_edges(t).into_iter().all(on_segment))
+    (face.normal, t.dot(face.normal), is_inside(polygon, face.along_edges(t)))
+}
+
+/// Whether a point with these parameters along L and R is over the polygon.
+pub(super) fn is_inside(polygon: &PolygonRecord, [l, k]: [f32; 2]) -> bool {
+    on_segment(l) && on_segment(k) && (!polygon.is_triangle || on_segment(l + k))
 }
 
 /// A point on the edges of a polygon, P + l L + k R.
@@ -204,6 +209,9 @@ pub(super) struct OnEdges {
 /// Returns the point of a polygon's edges that is nearest to a point beside its face. `t` is that point as seen from the corner, and
 /// `place` its parameters along L and R.
 pub(super) fn nearest_on_edges(polygon: &PolygonRecord, place: [f32; 2], t: Vec3) -> OnEdges {
+    if polygon.is_triangle {
+        return nearest_on_triangle(polygon, t);
+    }
     let (mut nearest, mut least) = (OnEdges { l: 0.0, k: 0.0, edge: None }, f32::INFINITY);
     let edges = [polygon.left, polygon.right];
     for side in 0..2 {
@@ -224,20 +232,38 @@ pub(super) fn nearest_on_edges(polygon: &PolygonRecord, place: [f32; 2], t: Vec3
     nearest
 }
 
-/// Returns the unit normal from a sphere to a polygon, and the distance of the sphere's centre `p` from it. `None` behind the plane.
+/// The point of a triangle's edges that is nearest to the point `t`, as seen from the corner.
+fn nearest_on_triangle(polygon: &PolygonRecord, t: Vec3) -> OnEdges {
+    let (left, right) = (polygon.left, polygon.right);
+    let sides = [(Vec3::ZERO, left), (Vec3::ZERO, right), (left, right - left)];
+    let found = sides.map(|(start, edge)| {
+        let along = (t - start).dot(edge) / edge.length_squared();
+        let clamped = along.clamp(0.0, 1.0);
+        ((start + clamped * edge - t).length_squared(), clamped, (clamped == along).then_some(edge))
+    });
+    let nearest = (1..3).fold(0, |nearest, side| if found[side].0 < found[nearest].0 { side } else { nearest });
+    let (_, along, edge) = found[nearest];
+    let [l, k] = [[along, 0.0], [0.0, along], [1.0 - along, along]][nearest];
+    OnEdges { l, k, edge }
+}
+
+/// Returns the unit normal from a sphere to a polygon, and the distance of the sphere's centre `p` from it. `None` behind the plane of a
+/// parallelogram.
 pub(crate) fn point_polygon(polygon: &PolygonRecord, p: Vec3, radius: f32) -> Option<(Vec3, f32)> {
     let face = Face::of(polygon);
     let t = p - polygon.corner;
     let (place, height) = (face.along_edges(t), t.dot(face.normal));
-    if height.is_nan() || height < 0.0 {
+    let is_behind = height < 0.0;
+    if height.is_nan() || (is_behind && !polygon.is_triangle) {
         return None;
     }
-    if place.into_iter().all(on_segment) {
-        return Some((-face.normal, height));
+    let inwards = if is_behind { face.normal } else { -face.normal };
+    if is_inside(polygon, place) {
+        return Some((inwards, height.abs()));
     }
     let OnEdges { l, k, edge } = nearest_on_edges(polygon, place, t);
     let d = polygon.corner + l * polygon.left + k * polygon.right - p;
-    Some(from_edges(polygon, d, edge, radius).map_or((-face.normal, 0.0), |d| (d / d.length(), d.length())))
+    Some(from_edges(polygon, d, edge, radius).map_or((inwards, 0.0), |d| (d / d.length(), d.length())))
 }
 
 /// The distance vector from a sphere to a point on the edges of a polygon without rounding errors, `None` if it is 0.

@@ -91,7 +91,7 @@ fn box_from(origin: u32, box: Cuboid) -> Cuboid {
 
 fn polygon_from(origin: u32, face: Polygon) -> Polygon {
     if DOUBLE {
-        return Polygon(-fine_from(face.corner, origin).high, face.left, face.right);
+        return Polygon(-fine_from(face.corner, origin).high, face.left, face.right, face.is_triangle);
     }
     return face;
 }
@@ -373,6 +373,9 @@ fn nearest_on_edge(side: vec3f, edge: vec3f, place: f32, t: vec3f) -> vec4f {
 
 // The point of a polygon that is nearest to the point `t`, as seen from the corner. `place` are its parameters along the edges.
 fn nearest_on_polygon(polygon: Polygon, place: vec2f, t: vec3f) -> OnPolygon {
+    if TRIANGLES && polygon.is_triangle {
+        return nearest_on_triangle(polygon, place, t);
+    }
     if on_face(place) {
         return OnPolygon(place.x, place.y, true, vec3f(0.0));
     }
@@ -392,6 +395,36 @@ fn nearest_on_polygon(polygon: Polygon, place: vec2f, t: vec3f) -> OnPolygon {
     return nearest;
 }
 
+// The point of an edge of a triangle, from `start`, that is nearest to a point: the parameter along the edge, the squared distance, and 1
+// unless it is a vertex.
+fn nearest_on_side(start: vec3f, edge: vec3f, t: vec3f) -> vec3f {
+    let along = dot(t - start, edge) / dot(edge, edge);
+    let clamped = clamp(along, 0.0, 1.0);
+    let distance = start + clamped * edge - t;
+    return vec3f(clamped, dot(distance, distance), select(0.0, 1.0, clamped == along));
+}
+
+// The point of a triangle that is nearest to the point `t`.
+fn nearest_on_triangle(polygon: Polygon, place: vec2f, t: vec3f) -> OnPolygon {
+    if on_face(place) & unit_interval(place.x + place.y) {
+        return OnPolygon(place.x, place.y, true, vec3f(0.0));
+    }
+    let third = polygon.right - polygon.left;
+    let on_left = nearest_on_side(vec3f(0.0), polygon.left, t);
+    let on_right = nearest_on_side(vec3f(0.0), polygon.right, t);
+    let on_third = nearest_on_side(polygon.left, third, t);
+    var nearest = OnPolygon(on_left.x, 0.0, false, on_left.z * polygon.left);
+    var least = on_left.y;
+    if on_right.y < least {
+        nearest = OnPolygon(0.0, on_right.x, false, on_right.z * polygon.right);
+        least = on_right.y;
+    }
+    if on_third.y < least {
+        nearest = OnPolygon(1.0 - on_third.x, on_third.x, false, on_third.z * third);
+    }
+    return nearest;
+}
+
 // Contact with a point on the edges of a polygon. `to_edge` points there from the centre of a sphere.
 fn touch_edge_of_polygon(radius: f32, polygon: Polygon, face: Face, nearest: OnPolygon, to_edge: vec3f) -> Touch {
     var apart = to_edge;
@@ -403,11 +436,21 @@ fn touch_edge_of_polygon(radius: f32, polygon: Polygon, face: Face, nearest: OnP
     return touch_at(distance, radius, 0.0, 0.0, -face.n);
 }
 
+// A face as it is seen from a height above its plane. The normal of a triangle points to that side.
+fn face_seen_from(face: Face, height: f32, polygon: Polygon) -> Face {
+    var seen = face;
+    if TRIANGLES && polygon.is_triangle && (height < 0.0) {
+        seen.n = -face.n;
+    }
+    return seen;
+}
+
 // Contact of a sphere with a polygon: its face, an edge or a corner. The overlap is negative when they are apart. There is no contact
-// behind the plane.
+// behind the plane of a parallelogram.
 fn touch_sphere_polygon(centre: vec4f, polygon: Polygon) -> Touch {
-    let face = face_of(polygon);
     let from_corner = centre.xyz - polygon.corner;
+    let front = face_of(polygon);
+    let face = face_seen_from(front, dot(from_corner, front.n), polygon);
     let height = dot(from_corner, face.n);
     if !(height >= 0.0) {
         return no_touch();
@@ -422,13 +465,14 @@ fn touch_sphere_polygon(centre: vec4f, polygon: Polygon) -> Touch {
 
 // The same for a position with a low part.
 fn touch_polygon_finely(i: u32, radius: f32, polygon: Polygon) -> Touch {
-    let face = face_of(polygon);
+    let front = face_of(polygon);
     let from_corner = fine_from(polygon.corner, i);
-    let nearest = nearest_on_polygon(polygon, along_edges(face, from_corner.high), from_corner.high);
+    let nearest = nearest_on_polygon(polygon, along_edges(front, from_corner.high), from_corner.high);
     // The parts along the edges do not change the height. Without them the rest is small, so the rounding of the normal matters little.
     var rest = from_corner;
     rest = fine_sum(rest, product_of(vec3f(-nearest.l), polygon.left));
     rest = fine_sum(rest, product_of(vec3f(-nearest.k), polygon.right));
+    let face = face_seen_from(front, dot(rest.high, front.n), polygon);
     let height = dot(rest.high, face.n);
     if !(height >= 0.0) {
         return no_touch();
@@ -443,11 +487,15 @@ fn touch_polygon_finely(i: u32, radius: f32, polygon: Polygon) -> Touch {
     return found;
 }
 
-// Whether the centre of a sphere is over the face of a polygon, neither beside nor behind it.
+// Whether the centre of a sphere is over the face of a polygon, neither beside nor behind it. A triangle has a face on both sides.
 fn is_over_polygon(centre: vec3f, polygon: Polygon) -> bool {
     let face = face_of(polygon);
     let from_corner = centre - polygon.corner;
-    return on_face(along_edges(face, from_corner)) & (dot(from_corner, face.n) >= 0.0);
+    let place = along_edges(face, from_corner);
+    if TRIANGLES && polygon.is_triangle {
+        return on_face(place) & unit_interval(place.x + place.y);
+    }
+    return on_face(place) & (dot(from_corner, face.n) >= 0.0);
 }
 
 // Edge vector of a box: I, J, K for g modulo 3 = 0, 1, 2.

@@ -12,7 +12,7 @@ use crate::physics::touch::{Feature, Motions, Touch, box_from, ends, line, origi
 
 /// A candidate counts as hidden if its nearest point is less than this times the radius in front of a tangent plane.
 const SLACK: f32 = 1e-5;
-/// The cosine of 0.01 rad. Normals that differ by less are one.
+/// The cosine of 0.01 rad. Normals that differ by less are one. Those of two triangles may differ by more.
 const ONE_NORMAL: f32 = 0.999_95;
 
 /// Distance, as a part of the radius of a rod, at which another box is looked for beside an edge.
@@ -43,12 +43,20 @@ impl Candidate {
         let front = if nearer.distance < 0.0 {
             let (_, [corner, edges @ ..]) = geometry(view, self.id);
             let along = |vector: Vec3| vector.dot(nearer.normal);
-            along(corner - centre) + edges.map(|edge| along(edge).min(0.0)).iter().sum::<f32>()
+            let low = edges.map(|edge| along(edge).min(0.0));
+            let lowest = if is_triangle(view, self.id) { low[0].min(low[1]) } else { low.iter().sum() };
+            along(corner - centre) + lowest
         } else {
             self.distance * cosine
         };
-        front >= nearer.distance - SLACK * radius || cosine >= ONE_NORMAL
+        let are_triangles = [self.id, nearer.id].iter().all(|id| is_triangle(view, *id));
+        let one_normal = if are_triangles { view.step.constants.mesh_cosine } else { ONE_NORMAL };
+        front >= nearer.distance - SLACK * radius || cosine >= one_normal
     }
+}
+
+fn is_triangle(view: &View, id: u32) -> bool {
+    matches!(view.object(id), Object::Polygon(polygon) if view.polygon(polygon).is_triangle)
 }
 
 /// Whether an object is a polygon, and the corner and the edges of a box or polygon.

@@ -5,7 +5,7 @@
 
 // A candidate counts as hidden if its nearest point is less than this times the radius in front of a tangent plane.
 const SURFACE_SLACK: f32 = 1e-5;
-// The cosine of 0.01 rad. Normals that differ by less are one.
+// The cosine of 0.01 rad. Normals that differ by less are one. Those of two triangles may differ by more.
 const ONE_NORMAL: f32 = 0.99995;
 // Room for chosen candidates. Those that do not fit count, but hide no others.
 const MOST_SURFACES: u32 = 16u;
@@ -42,7 +42,25 @@ fn front_of_shape(id: u32, x: vec3f, n: vec3f) -> f32 {
         return dot(box.corner - x, n) + min(dot(box.i, n), 0.0) + min(dot(box.j, n), 0.0) + min(dot(box.k, n), 0.0);
     }
     let face = polygon(id - boxes - step.boxes);
-    return dot(face.corner - x, n) + min(dot(face.left, n), 0.0) + min(dot(face.right, n), 0.0);
+    let left = min(dot(face.left, n), 0.0);
+    let right = min(dot(face.right, n), 0.0);
+    let is_triangle = TRIANGLES && face.is_triangle;
+    return dot(face.corner - x, n) + select(left + right, min(left, right), is_triangle);
+}
+
+// The cosine of the angle up to which two normals are one.
+fn one_normal(one: u32, other: u32) -> f32 {
+    if TRIANGLES {
+        if is_triangle(one) && is_triangle(other) {
+            return step.mesh_cosine;
+        }
+    }
+    return ONE_NORMAL;
+}
+
+fn is_triangle(id: u32) -> bool {
+    let polygons = step.spheres + step.rods + step.boxes;
+    return (id >= polygons) && polygon(id - polygons).is_triangle;
 }
 
 // Whether a chosen candidate hides this one. A box that contains the centre hides only what is wholly behind its face.
@@ -61,7 +79,7 @@ fn is_behind(one: Candidate, own: vec4f, chosen: ptr<function, Surfaces>) -> boo
         if distance < 0.0 {
             front = front_of_shape(one.id, own.xyz, n);
         }
-        if (front >= distance - SURFACE_SLACK * own.w) | (cosine >= ONE_NORMAL) {
+        if (front >= distance - SURFACE_SLACK * own.w) | (cosine >= one_normal(one.id, (*chosen).ids[k])) {
             return true;
         }
     }

@@ -58,7 +58,7 @@ pub(crate) trait Motions {
         Touch { normal, overlap: radius - distance, a: 0.0, b: 0.0 }
     }
 
-    /// The contact of a sphere of this radius with a polygon. `None` behind its plane.
+    /// The contact of a sphere of this radius with a polygon. `None` behind the plane of a parallelogram.
     fn on_polygon(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> Option<Touch> {
         let (normal, overlap) = match self.fine_position(sphere) {
             Some(centre) => fine_polygon(polygon, centre, radius)?,
@@ -165,7 +165,8 @@ fn immovable(view: &View, object: Object) -> bool {
     }
 }
 
-/// Whether the centre of a sphere is over a face of a box or polygon, and neither beside it nor inside the box.
+/// Whether the centre of a sphere is over a face of a box or polygon, and neither beside it nor inside the box. A triangle has a face on
+/// both sides.
 pub(crate) fn is_over_face(view: &View, a: Object, b: Object) -> bool {
     match (a, b) {
         (Object::Sphere(sphere), Object::Cuboid(cuboid)) => {
@@ -173,8 +174,9 @@ pub(crate) fn is_over_face(view: &View, a: Object, b: Object) -> bool {
             t.to_array().into_iter().filter(|t| !(0.0..=1.0).contains(t)).count() == 1
         }
         (Object::Sphere(sphere), Object::Polygon(polygon)) => {
-            let (_, height, is_inside) = point_over_polygon(&view.polygon(polygon), view.position(sphere));
-            is_inside && height >= 0.0
+            let record = view.polygon(polygon);
+            let (_, height, is_inside) = point_over_polygon(&record, view.position(sphere));
+            is_inside && (height >= 0.0 || record.is_triangle)
         }
         _ => false,
     }

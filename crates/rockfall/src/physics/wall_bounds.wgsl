@@ -14,18 +14,26 @@ fn reach_of(id: u32) -> Reach {
     let wall = wall_of(id);
     let zero = vec3f(0.0);
     var box: Cuboid;
+    var is_triangle = false;
     let index = id - step.spheres - step.rods;
     if index < step.boxes {
         box = cuboid(index);
     } else {
         let face = polygon(index - step.boxes);
         box = Cuboid(face.corner, face.left, face.right, zero);
+        is_triangle = TRIANGLES && face.is_triangle;
     }
     let rate = length(wall.spin);
     let farthest = length(box.i) + length(box.j) + length(box.k);
+    var least = min(box.i, zero) + min(box.j, zero) + min(box.k, zero);
+    var most = max(box.i, zero) + max(box.j, zero) + max(box.k, zero);
+    if is_triangle {
+        least = min(min(box.i, box.j), zero);
+        most = max(max(box.i, box.j), zero);
+    }
     return Reach(
-        box.corner + min(box.i, zero) + min(box.j, zero) + min(box.k, zero),
-        box.corner + max(box.i, zero) + max(box.j, zero) + max(box.k, zero),
+        box.corner + least,
+        box.corner + most,
         length(wall.velocity) + rate * farthest,
         length(wall.acceleration) + rate * rate * farthest,
     );

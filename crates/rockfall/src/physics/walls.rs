@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::model::layout::{FLAG_CONTINUOUS, ROUNDING_SLACK};
 use crate::model::step::{Aabb, Step};
-use crate::model::view::{Object, View};
+use crate::model::view::{Object, PolygonRecord, View};
 
 /// A moving box or polygon: its bounds, and the greatest speed and acceleration of its vertices.
 pub(crate) struct Reach {
@@ -17,21 +17,21 @@ impl Reach {
     /// `None` for an object that does not move on a prescribed path.
     pub(crate) fn of(view: &View, object: Object) -> Option<Self> {
         let wall = view.wall(object)?;
-        let (corner, edges) = match object {
+        let (bounds, edges) = match object {
             Object::Cuboid(cuboid) => {
                 let record = view.cuboid(cuboid);
-                (record.corner, record.edges)
+                (hull(record.corner, &record.edges), record.edges)
             }
             Object::Polygon(polygon) => {
                 let record = view.polygon(polygon);
-                (record.corner, [record.left, record.right, Vec3::ZERO])
+                (hull_of_polygon(&record), [record.left, record.right, Vec3::ZERO])
             }
             Object::Sphere(_) | Object::Rod(_) => return None,
         };
         let farthest = edges.iter().map(|edge| edge.length()).sum::<f32>();
         let rate = wall.spin.length();
         Some(Self {
-            bounds: hull(corner, &edges),
+            bounds,
             speed: wall.velocity.length() + rate * farthest,
             acceleration: wall.acceleration.length() + rate * rate * farthest,
         })
@@ -60,6 +60,15 @@ fn size(step: &Step) -> f32 {
 /// Bounds of a corner and the edges from it.
 pub(crate) fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {
     edges.iter().fold((corner, corner), |(min, max), edge| (min + edge.min(Vec3::ZERO), max + edge.max(Vec3::ZERO)))
+}
+
+/// Bounds of a polygon.
+pub(crate) fn hull_of_polygon(polygon: &PolygonRecord) -> (Vec3, Vec3) {
+    let PolygonRecord { corner, left, right, is_triangle } = *polygon;
+    if is_triangle {
+        return (corner + left.min(right).min(Vec3::ZERO), corner + left.max(right).max(Vec3::ZERO));
+    }
+    hull(corner, &[left, right])
 }
 
 /// How far a shape may be outside its AABB after some steps, in units of 0.02 of the size of most bodies; 0 when it is inside.

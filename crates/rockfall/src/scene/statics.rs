@@ -79,7 +79,8 @@ impl Cuboid {
     }
 }
 
-/// A parallelogram, static or moving on a prescribed path: a corner and two edges. Bodies touch it only on the side that L x R points to, and not at its edges.
+/// A parallelogram or a triangle, static or moving on a prescribed path: a corner and two edges. A parallelogram is touched on the side that
+/// L x R points to, a triangle on both sides (docs/physics.md section 2.7).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Polygon {
@@ -89,6 +90,8 @@ pub struct Polygon {
     pub left: Vec3,
     /// Edge R from that corner, in units.
     pub right: Vec3,
+    /// Whether it is the triangle with the vertices P, P + L and P + R.
+    pub is_triangle: bool,
     /// Collision group. Objects of different groups never touch.
     pub group: u16,
     /// Material; `None` for an object to whose contacts the constants of the scene apply.
@@ -100,7 +103,21 @@ pub struct Polygon {
 impl Polygon {
     /// Creates a polygon from a corner and two edges that are not parallel, in units.
     pub fn new(corner: impl Into<Vec3>, left: impl Into<Vec3>, right: impl Into<Vec3>) -> Self {
-        Self { corner: corner.into(), left: left.into(), right: right.into(), group: 0, material: None, motion: None }
+        let (corner, left, right) = (corner.into(), left.into(), right.into());
+        Self { corner, left, right, is_triangle: false, group: 0, material: None, motion: None }
+    }
+
+    /// The vertices in order around the edge, in units: 4, or 3 of a triangle.
+    pub fn vertices(&self) -> impl Iterator<Item = Vec3> + use<> {
+        let Self { corner, left, right, is_triangle, .. } = *self;
+        let far = (!is_triangle).then_some(corner + left + right);
+        [corner, corner + left].into_iter().chain(far).chain([corner + right])
+    }
+
+    /// Creates a triangle from its vertices, in units.
+    pub fn triangle(a: impl Into<Vec3>, b: impl Into<Vec3>, c: impl Into<Vec3>) -> Self {
+        let corner = a.into();
+        Self { is_triangle: true, ..Self::new(corner, b.into() - corner, c.into() - corner) }
     }
 
     /// Sets the group.

@@ -23,10 +23,11 @@
 //! | `@label TEXT` | nothing: text beside the objects of the lines below; `@label -`: none |
 //! | `@run dt=S integrator=NAME steps=N every=K substeps=N` | nothing: how the scene is meant to be run ([`RunDefaults`](crate::RunDefaults)) |
 //! | `@motion NAME velocity=x,y,z spin=w axis=x,y,z through=x,y,z amplitude=x,y,z frequency=F phase=P from=S to=S` | nothing: adds a term to the motion of that name ([`MotionTerm`](crate::MotionTerm)) |
+//! | `@triangle x y z` + two edges | a triangle with the vertices x y z and the ends of both edges, which is touched from both sides |
 //! | `@move NAME` | nothing: the boxes and polygons of the lines below follow that motion; `@move -`: none |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last seventeen kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last eighteen kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -156,6 +157,7 @@ const AT_WORDS: [&str; 16] = [
     "@colour",
     "@label",
     "@run",
+    "@triangle",
     "@motion",
     "@move",
     "@repeat",
@@ -226,6 +228,7 @@ impl<'a> Reader<'a> {
             "R" => self.rod(line),
             "C" => self.capsule(line),
             "P" => self.polygon(line),
+            "@triangle" => self.triangle(line),
             "K" => self.spring(line),
             "B" => self.cuboid(line),
             // Here, nan and inf are numbers, which a tether refuses by name.

@@ -348,7 +348,8 @@ impl Writer<'_> {
             self.set_group(polygon.group, polygon.material);
             self.set_tag(self.scene.polygons.tag_at(index));
             self.set_motion(polygon.motion);
-            self.vectors("P", &[polygon.corner, polygon.left, polygon.right]);
+            let word = if polygon.is_triangle { "@triangle" } else { "P" };
+            self.vectors(word, &[polygon.corner, polygon.left, polygon.right]);
         }
     }
 

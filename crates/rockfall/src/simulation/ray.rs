@@ -25,7 +25,7 @@ impl Simulation {
     /// The first body of the current scene that a ray enters, or `None`. `origin` is in units; `direction` may have any length
     /// except 0.
     ///
-    /// A rod is treated as the capsule of its radius between the centres of its spheres. A polygon is hit from both sides. A
+    /// A rod is treated as the capsule of its radius between the centres of its spheres. A polygon or triangle is hit from both sides. A
     /// body that contains the origin is not entered, and so not hit. If two bodies are entered at the same distance, the first
     /// one is returned in the order of [`Body`], then in order of addition.
     ///
@@ -174,7 +174,8 @@ impl Ray {
         let p = self.at(t) - corner;
         let square = normal.length_squared();
         let parameters = [p.cross(right).dot(normal) / square, left.cross(p).dot(normal) / square];
-        let inside = parameters.iter().all(|parameter| (0.0..=1.0).contains(parameter));
+        let inside = parameters.iter().all(|parameter| (0.0..=1.0).contains(parameter))
+            && (!polygon.is_triangle || parameters[0] + parameters[1] <= 1.0);
         (t >= 0.0 && inside).then(|| (t, -rate.signum() * normal.normalize()))
     }
 }

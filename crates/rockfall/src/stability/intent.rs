@@ -51,7 +51,11 @@ impl Scene {
         }
         let movers = || self.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed);
         let of_face = |(number, face): (usize, &Polygon)| {
-            let record = PolygonRecord { corner: face.corner, left: face.left, right: face.right };
+            let Polygon { corner, left, right, is_triangle, .. } = *face;
+            if is_triangle {
+                return None;
+            }
+            let record = PolygonRecord { corner, left, right, is_triangle };
             let is_behind = |sphere: &Sphere| {
                 let (_, height, inside) = point_over_polygon(&record, sphere.position);
                 inside && height < 0.0 && height > -sphere.radius && sphere.group == face.group

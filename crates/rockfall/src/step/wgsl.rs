@@ -215,6 +215,8 @@ pub struct Variant {
     pub muscles: bool,
     /// Boxes or polygons may move.
     pub walls: bool,
+    /// There may be triangles.
+    pub triangles: bool,
     /// There may be pairs of materials.
     pub materials: bool,
     /// There may be pairs with rolling or twisting resistance.
@@ -247,6 +249,7 @@ impl Variant {
             large: traits.large,
             muscles: traits.muscles,
             walls: traits.walls,
+            triangles: traits.triangles,
             materials: traits.materials,
             resistance: traits.resistance,
             cohesion: traits.cohesion,
@@ -268,6 +271,7 @@ impl Variant {
             ("LARGE", self.large),
             ("MUSCLES", self.muscles),
             ("WALLS", self.walls),
+            ("TRIANGLES", self.triangles),
             ("MATERIALS", self.materials),
             ("RESISTANCE", self.resistance),
             ("COHESION", self.cohesion),

@@ -51,6 +51,7 @@ pub(crate) struct Face {
     pub(crate) corner: DVec3,
     pub(crate) left: DVec3,
     pub(crate) right: DVec3,
+    pub(crate) is_triangle: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,6 +149,7 @@ impl Bodies {
                     corner: triple(step.layout.polygons_at, k, POLYGON_WORDS, 0),
                     left: triple(step.layout.polygons_at, k, POLYGON_WORDS, 3),
                     right: triple(step.layout.polygons_at, k, POLYGON_WORDS, 6),
+                    is_triangle: world.topology[(step.layout.polygons_at + k * POLYGON_WORDS + 9) as usize] != 0,
                 })
                 .collect(),
             groups: (0..objects).map(|id| world.topology[(step.layout.tags_at + id) as usize] & 0xffff).collect(),

@@ -174,29 +174,37 @@ fn sphere_box(bodies: &Bodies, ball: usize, block: &Block) -> Touch {
 fn sphere_polygon(bodies: &Bodies, ball: usize, face: usize) -> Touch {
     let (ball, face) = (&bodies.balls[ball], &bodies.faces[face]);
     let t = ball.x - face.corner;
-    let n = face.left.cross(face.right).normalize();
+    let front = face.left.cross(face.right).normalize();
+    let n = if face.is_triangle && t.dot(front) < 0.0 { -front } else { front };
     // t - (t.n) n = l L + k R, by the components of both sides along L and R.
     let (ll, rr, lr) = (face.left.length_squared(), face.right.length_squared(), face.left.dot(face.right));
     let (tl, tr) = (t.dot(face.left), t.dot(face.right));
     let det = ll * rr - lr * lr;
     let (l, k) = ((tl * rr - tr * lr) / det, (tr * ll - tl * lr) / det);
     let height = t.dot(n);
-    let over = inside(l).min(inside(k));
+    let over = inside(l).min(inside(k)).min(if face.is_triangle { inside(l + k) } else { f64::INFINITY });
     let (kind, normal, distance) = if over >= 0.0 {
         (FACE, -n, height)
     } else {
-        // The nearest of the points of all four edges.
-        let edges = [(DVec3::ZERO, face.left), (face.right, face.left), (DVec3::ZERO, face.right), (face.left, face.right)];
-        let to = edges.map(|(from, edge)| {
-            let along = (t - from).dot(edge) / edge.length_squared();
-            from + along.clamp(0.0, 1.0) * edge - t
+        // The nearest of the points of all edges.
+        let corners = match face.is_triangle {
+            true => vec![DVec3::ZERO, face.left, face.right],
+            false => vec![DVec3::ZERO, face.left, face.left + face.right, face.right],
+        };
+        let next = corners.iter().cycle().skip(1);
+        let to = corners.iter().zip(next).map(|(from, to)| {
+            let edge = *to - *from;
+            let along = (t - *from).dot(edge) / edge.length_squared();
+            *from + along.clamp(0.0, 1.0) * edge - t
         });
-        let d = to.into_iter().min_by(|one, other| one.length().total_cmp(&other.length())).unwrap_or_default();
+        let d = to.min_by(|one, other| one.length().total_cmp(&other.length())).unwrap_or_default();
         ("sphere-polygon edge", d.normalize(), d.length())
     };
     let overlap = ball.radius - distance;
     let touch = Touch::new(kind, normal, overlap, overlap.min(height));
-    Touch { line: height, sure: over.abs(), ..touch }
+    // On the plane, rounding decides on which side of a triangle the centre is.
+    let side = if face.is_triangle { height } else { f64::INFINITY };
+    Touch { line: height, sure: over.abs().min(side), ..touch }
 }
 
 /// Whether a contact is that of a ball over a face, whose plane it keeps when it is moved back (docs/physics.md section 2.10).

@@ -361,7 +361,9 @@ impl Draw<'_> {
         let right = (helper - 0.7 * helper.dot(left) * left).normalize();
         let (left, right) = (left * self.between(1.2, 2.0), right * self.between(1.2, 2.0));
         let corner = self.middle - 0.5 * (left + right);
-        self.scene.add_polygon(Polygon::new(corner, left, right)).unwrap();
+        let mut polygon = Polygon::new(corner, left, right);
+        polygon.is_triangle = self.chance(0.5);
+        self.scene.add_polygon(polygon).unwrap();
         let up = left.cross(right).normalize();
         for (height, speed) in [(0.15, -1.5), (0.1, 1.5), (0.15, 0.1), (-0.1, 1.0)] {
             let (l, k, jitter) = (self.between(0.1, 0.9), self.between(0.1, 0.9), self.vector(0.1));

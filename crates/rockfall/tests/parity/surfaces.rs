@@ -29,6 +29,7 @@ struct Shape {
     d: f64,
     n: DVec3,
     is_polygon: bool,
+    is_triangle: bool,
     numbers: Vec<f64>,
     /// Centre of the sphere.
     x: DVec3,
@@ -37,6 +38,7 @@ struct Shape {
 impl Shape {
     fn of(bodies: &Bodies, place: usize, contact: &Contact) -> Option<(usize, Self)> {
         let Kind::Ball(ball) = bodies.kind(contact.a) else { return None };
+        let mut is_triangle = false;
         let (is_polygon, vectors) = match bodies.kind(contact.b) {
             Kind::Block(block) => {
                 let block = &bodies.blocks[block];
@@ -44,13 +46,14 @@ impl Shape {
             }
             Kind::Face(face) => {
                 let face = &bodies.faces[face];
+                is_triangle = face.is_triangle;
                 (true, vec![face.corner, face.left, face.right])
             }
             Kind::Ball(_) | Kind::Bar(_) => return None,
         };
         let d = bodies.balls[ball].radius - contact.touch.overlap;
         let numbers = vectors.into_iter().flat_map(|vector| vector.to_array()).collect();
-        Some((ball, Self { place, d, n: contact.touch.n, is_polygon, numbers, x: bodies.balls[ball].x }))
+        Some((ball, Self { place, d, n: contact.touch.n, is_polygon, is_triangle, numbers, x: bodies.balls[ball].x }))
     }
 
     /// Whether equal distances from two shapes are equal numbers on every backend: the shapes are boxes along the axes whose
@@ -82,14 +85,16 @@ impl Shape {
     /// The least of (q - x) n over the vertices q.
     fn depth_of_foremost(&self, n: DVec3) -> f64 {
         let vectors: Vec<DVec3> = self.numbers.chunks(3).map(DVec3::from_slice).collect();
-        vectors[1..].iter().fold((vectors[0] - self.x).dot(n), |depth, edge| depth + edge.dot(n).min(0.0))
+        let corner = (vectors[0] - self.x).dot(n);
+        let along = vectors[1..].iter().map(|edge| edge.dot(n).min(0.0));
+        corner + if self.is_triangle { along.fold(0.0, f64::min) } else { along.sum() }
     }
 
-    /// Whether an earlier shape hides this one, as a condition whose limit is [`LIMIT`].
+    /// Whether an earlier shape hides this one with the default angle of a mesh, as a condition whose limit is [`LIMIT`].
     fn hidden_by(&self, earlier: &Self, radius: f64) -> f64 {
         let depth = if earlier.d < 0.0 { self.depth_of_foremost(earlier.n) } else { self.d * self.n.dot(earlier.n) };
         let behind = (depth - earlier.d) / radius + BEHIND;
-        let same = self.n.dot(earlier.n) - SAME;
+        let same = self.n.dot(earlier.n) - if self.is_triangle && earlier.is_triangle { 10.0_f64.to_radians().cos() } else { SAME };
         (LIMIT / BEHIND_LIMIT * behind).max(LIMIT / SAME_LIMIT * same)
     }
 }

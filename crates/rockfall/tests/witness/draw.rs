@@ -107,7 +107,12 @@ impl Draw {
         let left = normal.any_orthonormal_vector();
         let (left, right) = (3.0 * left, 3.0 * normal.cross(left) + self.between(-1.0, 1.0) * left);
         // Left x right is along the normal.
-        let polygon = Polygon::new(point - 0.5 * (left + right), left, right);
+        let mut polygon = Polygon::new(point - 0.5 * (left + right), left, right);
+        if self.chance(0.4) {
+            // Its centre is at the point.
+            polygon = Polygon::new(point - (left + right) / 3.0, left, right);
+            polygon.is_triangle = true;
+        }
         self.scene.add_polygon(polygon).expect("a valid polygon");
     }
 

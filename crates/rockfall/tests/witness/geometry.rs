@@ -162,22 +162,30 @@ fn place_over(ball: &Ball, face: &Face) -> ([f64; 2], DVec3) {
     ([l, k], n.normalize())
 }
 
-/// Contact with the nearest point of a polygon. There is none behind its plane.
+/// Contact with the nearest point of a polygon. There is none behind the plane of a parallelogram.
 fn sphere_face(ball: &Ball, face: &Face) -> Option<Line> {
-    let (place, up) = place_over(ball, face);
-    let height = (ball.x - face.corner).dot(up);
+    let (place, mut up) = place_over(ball, face);
+    let mut height = (ball.x - face.corner).dot(up);
     if height < 0.0 {
-        return None;
+        if !face.is_triangle {
+            return None;
+        }
+        (up, height) = (-up, -height);
     }
-    if place.into_iter().all(on_segment) {
+    let on_triangle = !face.is_triangle || on_segment(place[0] + place[1]);
+    if place.into_iter().all(on_segment) && on_triangle {
         return Some(Line { n: -up, o: ball.radius - height, at: [0.0; 2] });
     }
+    let beyond = |at: f64, side: DVec3| face.corner + if at > 1.0 { side } else { DVec3::ZERO };
+    let edges = if face.is_triangle {
+        let third = (face.corner + face.left, face.right - face.left);
+        vec![(face.corner, face.left), (face.corner, face.right), third]
+    } else {
+        let two = [(place[0], face.left, face.right), (place[1], face.right, face.left)];
+        two.into_iter().filter(|(at, ..)| !on_segment(*at)).map(|(at, side, edge)| (beyond(at, side), edge)).collect()
+    };
     let mut nearest: Option<DVec3> = None;
-    for (at, side, edge) in [(place[0], face.left, face.right), (place[1], face.right, face.left)] {
-        if on_segment(at) {
-            continue;
-        }
-        let start = face.corner + if at > 1.0 { side } else { DVec3::ZERO };
+    for (start, edge) in edges {
         let along = (ball.x - start).dot(edge) / edge.length_squared();
         let mut d = start + along.clamp(0.0, 1.0) * edge - ball.x;
         if (0.0..=1.0).contains(&along) {

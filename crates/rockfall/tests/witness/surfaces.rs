@@ -26,6 +26,7 @@ struct Candidate {
     /// Corner and edges, seen from the centre of the sphere.
     corner: DVec3,
     edges: Vec<DVec3>,
+    is_triangle: bool,
 }
 
 impl Candidate {
@@ -36,12 +37,16 @@ impl Candidate {
 
     /// Depth behind the centre, along a direction, of the vertex that is least deep.
     fn least_depth(&self, n: DVec3) -> f64 {
+        if self.is_triangle {
+            return self.edges.iter().fold(self.corner.dot(n), |depth, edge| depth.min((self.corner + *edge).dot(n)));
+        }
         self.edges.iter().fold(self.corner.dot(n), |depth, edge| depth + edge.dot(n).min(0.0))
     }
 
-    fn is_hidden_by(&self, other: &Self, radius: f64) -> bool {
+    fn is_hidden_by(&self, other: &Self, radius: f64, mesh_angle: f64) -> bool {
+        let angle = if self.is_triangle && other.is_triangle { mesh_angle } else { SAME_NORMAL };
         let depth = if other.d < 0.0 { self.least_depth(other.n) } else { self.d * self.n.dot(other.n) };
-        depth >= other.d - BEHIND * radius || self.n.dot(other.n) >= SAME_NORMAL.cos()
+        depth >= other.d - BEHIND * radius || self.n.dot(other.n) >= angle.cos()
     }
 }
 
@@ -58,7 +63,7 @@ impl World {
             candidates.sort_by(Candidate::before);
             let mut kept: Vec<Candidate> = Vec::new();
             for candidate in candidates {
-                if kept.iter().any(|earlier| candidate.is_hidden_by(earlier, radius)) {
+                if kept.iter().any(|earlier| candidate.is_hidden_by(earlier, radius, self.mesh_angle)) {
                     keeps[candidate.place] = false;
                 } else {
                     kept.push(candidate);
@@ -115,6 +120,7 @@ impl World {
                 geometry: (is_face, numbers(&vectors)),
                 corner: vectors[0] - self.balls[ball].x,
                 edges: vectors[1..].to_vec(),
+                is_triangle: matches!(pair.b, Thing::Face(face) if self.faces[face].is_triangle),
             })
         })
         .collect()

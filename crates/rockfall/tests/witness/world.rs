@@ -86,6 +86,7 @@ pub(crate) struct Face {
     pub(crate) corner: DVec3,
     pub(crate) left: DVec3,
     pub(crate) right: DVec3,
+    pub(crate) is_triangle: bool,
     pub(crate) group: u16,
 }
 
@@ -211,6 +212,8 @@ pub(crate) struct World {
     pub(crate) blocks: Vec<Block>,
     pub(crate) faces: Vec<Face>,
     pub(crate) set: Constants,
+    /// Greatest angle between the normals of triangles that count as one, in rad.
+    pub(crate) mesh_angle: f64,
     pub(crate) dt: f64,
     /// Body of every sphere; `None` for fixed ones.
     pub(crate) body: Vec<Option<Body>>,
@@ -265,6 +268,7 @@ impl World {
             corner: wide(polygon.corner),
             left: wide(polygon.left),
             right: wide(polygon.right),
+            is_triangle: polygon.is_triangle,
             group: polygon.group,
         });
         let mut world = Self {

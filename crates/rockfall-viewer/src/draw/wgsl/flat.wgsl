@@ -8,6 +8,8 @@ struct FlatVertex {
     @location(2) on_face: vec2f,
     @location(3) @interpolate(flat) sides: vec2f,
     @location(4) @interpolate(flat) colour: vec3f,
+    /// Brightness of the rim. Triangles have none, because a mesh would be full of lines.
+    @location(5) @interpolate(flat) rim: f32,
 }
 
 /// Brightness of the side of a polygon that bodies can pass through.
@@ -31,6 +33,7 @@ fn face(corner: vec3f, first: vec3f, second: vec3f, normal: vec3f, index: u32) -
     vertex.normal = normal;
     vertex.sides = vec2f(length(first), length(second));
     vertex.on_face = on * vertex.sides;
+    vertex.rim = 1.0;
     return vertex;
 }
 
@@ -85,12 +88,16 @@ fn polygon_edges_vertex(@builtin(vertex_index) index: u32, @builtin(instance_ind
 }
 
 fn polygon_corner(index: u32, number: u32) -> FlatVertex {
-    let at = frame.polygons_at + 9u * number;
+    let at = frame.polygons_at + 10u * number;
     let left = topology_vector(at + 3u);
     let right = topology_vector(at + 6u);
-    var vertex = face(topology_vector(at), left, right, normalize(cross(left, right)), index);
+    let is_triangle = topology[at + 9u] != 0u;
+    // The second half of a quad is not drawn for a triangle: its corners are in one place.
+    let shown = select(index, min(index, 2u), is_triangle);
+    var vertex = face(topology_vector(at), left, right, normalize(cross(left, right)), shown);
+    vertex.rim = select(1.0, 0.0, is_triangle);
     let pixel = pixel_width() * max(dot(vertex.point - frame.eye, frame.forward), 0.0);
-    let more = OVERLAP * pixel * (2.0 * quad_corner(index) - 1.0);
+    let more = OVERLAP * pixel * (2.0 * quad_corner(shown) - 1.0);
     vertex.on_face += more;
     vertex.point += more.x / vertex.sides.x * left + more.y / vertex.sides.y * right;
     vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
@@ -147,6 +154,8 @@ fn polygon_surface(vertex: FlatVertex) -> @location(0) vec4f {
     let width = fwidth(vertex.on_face);
     let view = normalize(frame.eye - vertex.point);
     let is_front = dot(vertex.normal, view) > 0.0;
-    let colour = vertex.colour * select(BACK, 1.0, is_front) * (1.0 - 0.35 * rim_at(vertex, width));
+    // Both sides of a triangle can be touched.
+    let brightness = select(BACK, 1.0, is_front | (vertex.rim == 0.0));
+    let colour = vertex.colour * brightness * (1.0 - 0.35 * vertex.rim * rim_at(vertex, width));
     return vec4f(lit(colour, vertex.point, select(-vertex.normal, vertex.normal, is_front), view), 1.0);
 }

@@ -4,7 +4,7 @@ use glam::Vec4;
 
 use crate::model::layout::{
     FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_GROUPS, FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_PULL,
-    FLAG_RESISTANCE, FLAG_VERLET, RATE_WORDS, SWEEPS_LISTED, SWEEPS_ON,
+    FLAG_RESISTANCE, FLAG_TRIANGLES, FLAG_VERLET, RATE_WORDS, SWEEPS_LISTED, SWEEPS_ON,
 };
 use crate::model::muscles::MuscleClock;
 use crate::model::world::World;
@@ -13,7 +13,7 @@ use crate::settings::{Integrator, Precision, Settings};
 /// Flags that follow from the settings.
 const FLAGS_OF_SETTINGS: u32 = FLAG_COLLISIONS | FLAG_CONTINUOUS | FLAG_PULL | FLAG_DOUBLE;
 /// Flags that follow from the objects, materials and pairs of the scene.
-const FLAGS_OF_SCENE: u32 = FLAG_GROUPS | FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION;
+const FLAGS_OF_SCENE: u32 = FLAG_GROUPS | FLAG_TRIANGLES | FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION;
 /// Flags that follow from the integrator.
 const FLAGS_OF_INTEGRATOR: u32 = FLAG_VERLET | FLAG_HALF_STEP;
 
@@ -28,6 +28,7 @@ impl World {
             constants.coulomb_friction = 0.0;
         }
         constants.gravity = (gravity * gravity_direction).to_array();
+        constants.mesh_cosine = f64::from(settings.mesh_angle).to_radians().cos() as f32;
         constants.gravity_size = gravity.abs() * gravity_direction.length();
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
         let chosen = bit(collisions, FLAG_COLLISIONS)

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::error::{Error, Result};
 use crate::model::layout::{
-    FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_RESISTANCE, GROUP_MASK, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING,
+    FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_RESISTANCE, FLAG_TRIANGLES, GROUP_MASK, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING,
     KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS, WALL_BODY, WALL_WORDS,
     max_objects,
 };
@@ -161,7 +161,7 @@ fn pack_forces(
     }
 }
 
-/// Appends boxes, polygons, and the tags of all objects. Returns the flag of groups.
+/// Appends boxes, polygons, and the tags of all objects. Returns the flags of groups and triangles.
 fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut Vec<u32>) -> Result<u32> {
     layout.boxes_at = topology.len() as u32;
     for cuboid in scene.boxes() {
@@ -171,6 +171,7 @@ fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut
     layout.polygons_at = topology.len() as u32;
     for polygon in scene.polygons() {
         push_vectors(topology, &[polygon.corner, polygon.left, polygon.right]);
+        topology.push(polygon.is_triangle.into());
     }
     pack_walls(scene, layout, topology)?;
     layout.tags_at = topology.len() as u32;
@@ -183,7 +184,8 @@ fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut
         topology.push(u32::from(group) | u32::from(scene.material_number(material)?) << MATERIAL_SHIFT);
     }
     let differ = topology[tags_at..].windows(2).any(|tags| (tags[0] ^ tags[1]) & GROUP_MASK != 0);
-    Ok(if differ { FLAG_GROUPS } else { 0 })
+    let has_triangles = scene.polygons().iter().any(|polygon| polygon.is_triangle);
+    Ok(if differ { FLAG_GROUPS } else { 0 } | if has_triangles { FLAG_TRIANGLES } else { 0 })
 }
 
 /// Appends the motions of boxes and polygons, and a copy of their geometry as it is written, if some of them move.

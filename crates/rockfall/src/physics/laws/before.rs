@@ -29,10 +29,11 @@ pub(crate) fn spring_before(
     goes_along.map(|(_, spring)| spring).or_else(|| comes_from_behind(view, [a, b], touch).then_some(Spring::PASSAGE)).or(own)
 }
 
-/// Whether the centre of a sphere was behind the plane of a polygon one step ago.
+/// Whether the centre of a sphere was behind the plane of a polygon one step ago, unless it is a triangle, which has two sides.
 fn comes_from_behind(view: &View, [sphere, other]: [u32; 2], touch: &Touch) -> bool {
     let Object::Polygon(polygon) = view.object(other) else { return false };
-    let (normal, height, _) = point_over_polygon(&view.polygon(polygon), view.position(sphere));
+    let record = view.polygon(polygon);
+    let (normal, height, _) = point_over_polygon(&record, view.position(sphere));
     let [own, wall] = sides(view, [sphere, other], touch);
-    height - (own.velocity - wall.velocity).dot(normal) * view.step.constants.dt < 0.0
+    !record.is_triangle && height - (own.velocity - wall.velocity).dot(normal) * view.step.constants.dt < 0.0
 }

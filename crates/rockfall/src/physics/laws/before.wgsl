@@ -5,12 +5,16 @@
 // The overlap in the record of a contact with a polygon that a sphere passes from behind. It has no force.
 const PASSAGE: f32 = -1.0;
 
-// Whether the centre of a sphere was behind the plane of a polygon one step ago. `velocity` is that of the sphere relative to the polygon.
+// Whether the centre of a sphere was behind the plane of a polygon one step ago, unless it is a triangle, which has two sides. `velocity` is
+// that of the sphere relative to the polygon.
 fn comes_from_behind(own: vec4f, velocity: vec3f, id: u32) -> bool {
     if id < step.spheres + step.rods + step.boxes {
         return false;
     }
     let face = polygon(id - step.spheres - step.rods - step.boxes);
+    if TRIANGLES && face.is_triangle {
+        return false;
+    }
     return dot(own.xyz - face.corner - step.dt * velocity, normalize(cross(face.left, face.right))) < 0.0;
 }
 

@@ -38,6 +38,7 @@ pub(super) const POLYGON: Kind = Kind {
     numbers: &["x", "y", "z", "left x", "left y", "left z", "right x", "right y", "right z"],
     last_is_optional: false,
 };
+pub(super) const TRIANGLE: Kind = Kind { word: "@triangle", ..POLYGON };
 pub(super) const SPRING: Kind =
     Kind { word: "K", references: &["a", "b"], numbers: &["stiffness", "length", "damping"], last_is_optional: false };
 pub(super) const MUSCLE: Kind =

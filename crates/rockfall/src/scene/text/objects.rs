@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 
 use super::Reader;
-use super::line::{BOX, CAPSULE, FORCE, Kind, Line, MARK, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER};
+use super::line::{BOX, CAPSULE, FORCE, Kind, Line, MARK, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, TRIANGLE};
 use crate::scene::{Capsule, CapsuleParts, Cuboid, Muscle, Polygon, Rod, Sphere, SphereId, Spring, Tether};
 
 fn vector(numbers: &[f32]) -> Vec3 {
@@ -77,11 +77,19 @@ impl Reader<'_> {
     }
 
     pub(super) fn polygon(&mut self, line: &str) -> Line<()> {
-        let ([], n) = POLYGON.read::<0, 9>(line)?;
+        self.face(&POLYGON, line, false)
+    }
+
+    pub(super) fn triangle(&mut self, line: &str) -> Line<()> {
+        self.face(&TRIANGLE, line, true)
+    }
+
+    fn face(&mut self, kind: &Kind, line: &str, is_triangle: bool) -> Line<()> {
+        let ([], n) = kind.read::<0, 9>(line)?;
         let polygon = Polygon::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9])).group(self.group);
-        let polygon = Polygon { material: self.material, motion: self.motion, ..polygon };
-        let id = self.scene.add_polygon(polygon).map_err(|error| POLYGON.refused(&error))?;
-        self.tag_object(&POLYGON, id)
+        let polygon = Polygon { is_triangle, material: self.material, motion: self.motion, ..polygon };
+        let id = self.scene.add_polygon(polygon).map_err(|error| kind.refused(&error))?;
+        self.tag_object(kind, id)
     }
 
     pub(super) fn spring(&mut self, line: &str) -> Line<()> {

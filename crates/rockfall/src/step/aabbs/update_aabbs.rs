@@ -39,7 +39,7 @@ use crate::model::step::Aabb;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::travel::{EXACT_MARGIN, MOST_OF_REPEAT, margin_for_escape, position_ahead, trail, travel_bound};
-use crate::physics::walls::{Reach, hull};
+use crate::physics::walls::{Reach, hull, hull_of_polygon};
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -85,8 +85,7 @@ fn aabb(view: &View, repeat: f32, id: u32) -> Aabb {
             wall_bounds(view, repeat, id, hull(cuboid.corner, &cuboid.edges))
         }
         Object::Polygon(polygon) => {
-            let polygon = view.polygon(polygon);
-            wall_bounds(view, repeat, id, hull(polygon.corner, &[polygon.left, polygon.right]))
+            wall_bounds(view, repeat, id, hull_of_polygon(&view.polygon(polygon)))
         }
     };
     Aabb { min: min.to_array(), id, max: max.to_array(), tag: view.tag(id) }

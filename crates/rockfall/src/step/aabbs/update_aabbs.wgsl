@@ -60,6 +60,12 @@ fn hull_of(id: u32) -> Hull {
         );
     }
     let face = polygon(rest - step.boxes);
+    if TRIANGLES && face.is_triangle {
+        return Hull(
+            face.corner + min(min(face.left, face.right), zero),
+            face.corner + max(max(face.left, face.right), zero),
+        );
+    }
     return Hull(
         face.corner + min(face.left, zero) + min(face.right, zero),
         face.corner + max(face.left, zero) + max(face.right, zero),
