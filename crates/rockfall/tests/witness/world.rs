@@ -278,6 +278,7 @@ impl World {
             blocks: blocks.collect(),
             faces: faces.collect(),
             set: Constants::of(&scene.settings, integrator),
+            mesh_angle: f64::from(scene.settings.mesh_angle).to_radians(),
             dt,
             body: Vec::new(),
             networks: Vec::new(),
