@@ -80,6 +80,16 @@ pub enum Error {
         /// The error of the operating system.
         source: std::io::Error,
     },
+    /// A file is not a triangle mesh that can be read.
+    #[error("{}{place}: {message}", file.display())]
+    Mesh {
+        /// The file, or a name for where the bytes came from.
+        file: PathBuf,
+        /// The place in the file.
+        place: MeshPlace,
+        /// What is wrong and what was expected.
+        message: String,
+    },
     /// A file is not a checkpoint that a simulation can be resumed from.
     #[error("{}: not a usable checkpoint: {reason}", file.display())]
     Checkpoint {
@@ -151,6 +161,28 @@ pub enum Error {
         /// The reason why the step was rejected.
         reason: String,
     },
+}
+
+/// The place in a mesh file that an error is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum MeshPlace {
+    /// The whole file.
+    Whole,
+    /// A line of a text, from 1.
+    Line(usize),
+    /// Offset of a byte from the beginning of the file.
+    Byte(usize),
+}
+
+impl fmt::Display for MeshPlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Whole => Ok(()),
+            Self::Line(line) => write!(f, ":{line}"),
+            Self::Byte(offset) => write!(f, ", byte {offset}"),
+        }
+    }
 }
 
 /// The message of [`Error::NonFinite`].

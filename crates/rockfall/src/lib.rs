@@ -79,6 +79,7 @@ pub mod error;
 pub mod exec;
 mod fine;
 pub mod generate;
+mod mesh;
 #[doc(hidden)]
 pub mod model;
 mod options;
@@ -103,6 +104,7 @@ pub use error::{Error, Result};
 #[cfg(feature = "gpu")]
 pub use exec::gpu;
 pub use glam;
+pub use mesh::{Mesh, MeshFormat};
 pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time, short_number};
