@@ -5,7 +5,7 @@ use std::sync::PoisonError;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use rockfall::{
-    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, ObjectId, Pair, Polygon, PolygonId, Result, Rod, RodId, Settings,
+    BoxId, Capsule, CapsuleId, Cuboid, Facets, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Pair, Polygon, PolygonId, Result, Rod, RodId, Settings,
     Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
 
@@ -82,6 +82,10 @@ doors! {
     update_material(id: MaterialId, change: Change<Material>) -> ();
     set_pair(one: MaterialId, other: MaterialId, pair: Pair) -> ();
     set_tag(id: ObjectId, tag: Tag) -> ();
+    add_mesh(mesh: &Mesh, with: &dyn Fn(Polygon) -> Polygon) -> Facets;
+    add_motion(motion: Motion) -> MotionId;
+    update_motion(id: MotionId, change: Change<Motion>) -> ();
+    set_motion(id: ObjectId, motion: Option<MotionId>) -> ();
 }
 
 /// Calls a function with the objects of a native scene or simulation, without the GIL.

@@ -14,6 +14,8 @@ mod ids;
 mod laws;
 mod materials;
 mod memory;
+mod meshes;
+mod motions;
 mod names;
 mod objects;
 mod observe;
@@ -51,6 +53,10 @@ mod _rockfall {
     };
     #[pymodule_export]
     use crate::materials::{add_material, materials, pair, set_pair, update_material};
+    #[pymodule_export]
+    use crate::meshes::add_mesh;
+    #[pymodule_export]
+    use crate::motions::{add_motion, follow, go_on, motions};
     #[pymodule_export]
     use crate::names::{check_tag, named, names, set_tags, tag};
     #[pymodule_export]

@@ -28,7 +28,7 @@ pub(crate) fn check_tag(tag: Texts) -> PyResult<()> {
     tag_of(tag).map(drop).or_raise()
 }
 
-fn object(ids: &Ids, kind: &str, number: i64) -> PyResult<ObjectId> {
+pub(crate) fn object(ids: &Ids, kind: &str, number: i64) -> PyResult<ObjectId> {
     Ok(match kind {
         "sphere" => handle(&ids.spheres, kind, number)?.into(),
         "rod" => handle(&ids.rods, kind, number)?.into(),

@@ -109,8 +109,8 @@ pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time, short_number};
 pub use scene::{
-    Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, LineWarning, Loaded, Material,
-    MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId, Pair, Polygon, PolygonId, Rod, RodId, RollingModel,
+    Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, Facets, LineWarning, Loaded,
+    Material, MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId, Pair, Polygon, PolygonId, Rod, RodId, RollingModel,
     RunDefaults, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};

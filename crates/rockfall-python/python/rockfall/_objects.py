@@ -11,8 +11,9 @@ import numpy.typing as npt
 from rockfall import _rockfall
 from rockfall._arrays import GROUP, MATERIAL, MATRIX, NOT_NEGATIVE, POSITIVE, VECTOR, IntArray, Kind, floats, integers
 from rockfall._attributes import Strict
-from rockfall._bodies import Bodies, first_of
+from rockfall._bodies import first_of
 from rockfall._materials import Materials
+from rockfall._motions import Walls
 from rockfall._names import tag_of
 from rockfall._settings import SETTINGS, Settings
 from rockfall.typing import KindName
@@ -20,7 +21,7 @@ from rockfall.typing import KindName
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from rockfall._options import StaticOptions
+    from rockfall._options import BoxOptions
 
 #: Names of the kinds of objects.
 KINDS = ("sphere", "rod", "capsule", "spring", "tether", "box", "polygon")
@@ -32,7 +33,7 @@ _COLUMNS: dict[str, tuple[list[str], list[tuple[str, int]]]] = {
     "spring": (["id", "a", "b"], [("stiffness", 1), ("length", 1), ("damping", 1), ("muscle", 3)]),
     "tether": (["id", "sphere"], [("point", 3), ("stiffness", 1), ("length", 1), ("damping", 1)]),
     "box": (["id", "group", "material"], [("corner", 3), ("i", 3), ("j", 3), ("k", 3)]),
-    "polygon": (["id", "group", "material"], [("corner", 3), ("left", 3), ("right", 3)]),
+    "polygon": (["id", "triangle", "group", "material"], [("corner", 3), ("left", 3), ("right", 3)]),
 }
 
 
@@ -48,7 +49,7 @@ class Counts(NamedTuple):
     polygons: int
 
 
-class Objects(Bodies, Strict):
+class Objects(Walls, Strict):
     """Objects that can be added, removed and changed. The base of :class:`Scene` and :class:`Simulation`.
 
     Every ``add`` method takes N objects at once. An argument with one value instead of N counts for all of them. It returns
@@ -83,9 +84,9 @@ class Objects(Bodies, Strict):
 
     def add_boxes(
         self, corner: npt.ArrayLike, edges: npt.ArrayLike, *, group: npt.ArrayLike = 0, material: Materials = None,
-        name: str | None = None, colour: str | None = None, label: str | None = None,
+        motion: str | None = None, name: str | None = None, colour: str | None = None, label: str | None = None,
     ) -> IntArray:
-        """Add static boxes.
+        """Add boxes, which do not move unless they follow a motion.
 
         Parameters
         ----------
@@ -97,6 +98,8 @@ class Objects(Bodies, Strict):
             Collision groups from 0 to 65535.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
+        motion : str, optional
+            Name of the motion that they follow; none by default. See :meth:`add_motion`.
         name, colour, label : str, optional
             Name, colour and label of the objects. See :meth:`set_tag`.
 
@@ -110,7 +113,8 @@ class Objects(Bodies, Strict):
         ValueError, TypeError
             As for :meth:`add_spheres`, and for edges that are not at right angles.
         """
-        return self._add_kind(
+        self._check_motion(motion)
+        numbers = self._add_kind(
             tag_of(name, colour, label),
             _rockfall.add_boxes,
             corner=(corner, VECTOR),
@@ -118,8 +122,9 @@ class Objects(Bodies, Strict):
             group=(group, GROUP),
             material=(self._material_numbers("material", material), MATERIAL),
         )
+        return self._following("box", numbers, motion)
 
-    def add_box(self, min: npt.ArrayLike, max: npt.ArrayLike, **options: Unpack[StaticOptions]) -> int:
+    def add_box(self, min: npt.ArrayLike, max: npt.ArrayLike, **options: Unpack[BoxOptions]) -> int:
         """Add a static box with edges along the axes, between two opposite corners of shape (3,), in units.
 
         The options are those of :meth:`add_boxes`.
@@ -141,11 +146,13 @@ class Objects(Bodies, Strict):
         *,
         group: npt.ArrayLike = 0,
         material: Materials = None,
+        motion: str | None = None,
         name: str | None = None,
         colour: str | None = None,
         label: str | None = None,
     ) -> IntArray:
-        """Add static parallelograms. Bodies touch them only on the side that left x right points to.
+        """Add parallelograms, which do not move unless they follow a motion. Bodies touch them only on the side that left x right
+        points to.
 
         Parameters
         ----------
@@ -157,6 +164,8 @@ class Objects(Bodies, Strict):
             Collision groups from 0 to 65535.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
+        motion : str, optional
+            Name of the motion that they follow; none by default. See :meth:`add_motion`.
         name, colour, label : str, optional
             Name, colour and label of the objects. See :meth:`set_tag`.
 
@@ -170,7 +179,8 @@ class Objects(Bodies, Strict):
         ValueError, TypeError
             As for :meth:`add_spheres`, and for edges that are parallel.
         """
-        return self._add_kind(
+        self._check_motion(motion)
+        numbers = self._add_kind(
             tag_of(name, colour, label),
             _rockfall.add_polygons,
             corner=(corner, VECTOR),
@@ -179,6 +189,7 @@ class Objects(Bodies, Strict):
             group=(group, GROUP),
             material=(self._material_numbers("material", material), MATERIAL),
         )
+        return self._following("polygon", numbers, motion)
 
     def remove(self, kind: KindName, ids: npt.ArrayLike) -> None:
         """Remove objects.

@@ -33,6 +33,12 @@ class StaticOptions(TagOptions, total=False):
     material: Materials
 
 
+class BoxOptions(StaticOptions, total=False):
+    """Those of :meth:`Objects.add_boxes`."""
+
+    motion: str | None
+
+
 class SphereOptions(StaticOptions, total=False):
     """Those of :meth:`Objects.add_spheres`."""
 

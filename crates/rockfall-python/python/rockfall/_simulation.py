@@ -15,6 +15,7 @@ from rockfall._arrays import time_step, whole
 from rockfall._contact_law import ContactLaw, ContactLawOf, native_contact_law
 from rockfall._laws import ForceLaw, LawTable, native_laws
 from rockfall._look import look
+from rockfall._motions import motion_term
 from rockfall._picture import Picture
 from rockfall._progress import Progress
 from rockfall._reports import Backend, Profile, Report, StageTime
@@ -180,6 +181,33 @@ class Simulation(Stored, LawTable, ContactLawOf):
     def dt(self, value: float) -> None:
         self._dt = time_step("dt", value)
         self._native.set_time_step(self._dt)
+
+    def move(
+        self,
+        motion: str,
+        *,
+        velocity: npt.ArrayLike = (0.0, 0.0, 0.0),
+        spin: float = 0.0,
+        axis: npt.ArrayLike = (0.0, 0.0, 1.0),
+        through: npt.ArrayLike = (0.0, 0.0, 0.0),
+        amplitude: npt.ArrayLike = (0.0, 0.0, 0.0),
+        frequency: float = 0.0,
+        phase: float = 0.0,
+        end: float = np.inf,
+    ) -> None:
+        """Replace a motion from now on, without a jump: walls go on from where they are.
+
+        The arguments are those of :meth:`add_motion`; directions and axis are those of the world. Without any, the walls stop.
+
+        Raises
+        ------
+        LookupError
+            For an unknown motion.
+        ValueError
+            As for :meth:`add_motion`.
+        """
+        self._edited()
+        _rockfall.go_on(self._native, motion, motion_term(velocity, spin, axis, through, amplitude, frequency, phase, 0.0, end))
 
     def run(self, steps: int, *, progress: bool = False) -> Report:
         """Run steps.

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use crate::fine::Fine;
 use crate::model::view::{BoxRecord, PolygonRecord, TINY};
-use crate::physics::geometry::{OnEdges, from_edges, nearest_face, is_inside, nearest_on_edges, unrounded};
+use crate::physics::geometry::{OnEdges, from_edges, is_inside, nearest_face, nearest_on_edges, unrounded};
 
 /// Returns the unit normal from sphere A to sphere B, and their overlap.
 pub(super) fn fine_spheres(a: Fine, b: Fine, radii: [f32; 2]) -> (Vec3, f32) {

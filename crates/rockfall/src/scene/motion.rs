@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use crate::error::{Error, Result};
-use crate::scene::Scene;
 use crate::scene::registry::Handle;
+use crate::scene::{Cuboid, ObjectId, Polygon, Scene};
 
 /// Handle of a [`Motion`].
 pub type MotionId = Handle<Motion>;
@@ -205,6 +205,42 @@ impl Motion {
         self
     }
 
+    /// A translation along straight lines, each at constant speed: at each of the times, in s, the walls are displaced from where they
+    /// are written by that displacement minus the first one, in units. They rest before the first time and after the last one.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if there are fewer than two times, not as many displacements as times, times that do not increase, or numbers
+    /// that are not finite.
+    pub fn table(name: impl Into<String>, times: &[f64], displacements: &[DVec3]) -> Result<Self> {
+        let wrong = |value: String, expected| Err(Error::Invalid { field: "motion.times", value, expected });
+        if times.len() < 2 || times.len() != displacements.len() {
+            let value = format!("{} times and {} displacements", times.len(), displacements.len());
+            return wrong(value, "at least two times and as many displacements");
+        }
+        if let Some(pair) = times.windows(2).find(|pair| !(pair[0] < pair[1] && pair[1].is_finite() && pair[0].is_finite())) {
+            return wrong(format!("{pair:?}"), "finite times that increase");
+        }
+        let legs = times.windows(2).zip(displacements.windows(2)).map(|(times, places)| {
+            let velocity = (places[1] - places[0]) / (times[1] - times[0]);
+            MotionTerm::translation(velocity).during(times[0], times[1])
+        });
+        let motion = Self { name: name.into(), terms: legs.collect() };
+        motion.validate()?;
+        Ok(motion)
+    }
+
+    /// Replaces what the motion does from a time on, in s, without a jump: terms that are under way end, terms that have not begun are
+    /// removed, and the walls go on from where they are with `term`, whose directions and axis are those of the world. A term without
+    /// velocity, amplitude and spin stops them.
+    pub fn go_on(&mut self, time: f64, term: MotionTerm) {
+        self.terms.retain(|known| known.from < time);
+        for known in &mut self.terms {
+            known.to = known.to.min(time);
+        }
+        let to = if term.to > time { term.to } else { f64::INFINITY };
+        self.terms.insert(0, MotionTerm { from: time, to, ..term });
+    }
+
     pub(crate) fn validate(&self) -> Result<()> {
         super::tag::check_name("motion.name", &self.name)?;
         if self.terms.is_empty() {
@@ -227,6 +263,42 @@ impl Motion {
     pub(crate) fn after(&self, time: f64) -> Self {
         let terms = self.terms.iter().map(|term| MotionTerm { from: term.from - time, to: term.to - time, ..*term });
         Self { name: self.name.clone(), terms: terms.collect() }
+    }
+}
+
+/// Where the motions of a scene are at a time.
+pub(crate) struct Poses<'a> {
+    scene: &'a Scene,
+    poses: Vec<Pose>,
+}
+
+impl Poses<'_> {
+    /// A box where its motion puts it.
+    pub(crate) fn of_box(&self, cuboid: &Cuboid) -> Cuboid {
+        let Some(pose) = self.of(cuboid.motion) else { return *cuboid };
+        Cuboid { corner: pose.corner(cuboid.corner), edges: cuboid.edges.map(|edge| pose.edge(edge)), ..*cuboid }
+    }
+
+    /// A polygon where its motion puts it.
+    pub(crate) fn of_polygon(&self, polygon: &Polygon) -> Polygon {
+        let Some(pose) = self.of(polygon.motion) else { return *polygon };
+        let [left, right] = [polygon.left, polygon.right].map(|edge| pose.edge(edge));
+        Polygon { corner: pose.corner(polygon.corner), left, right, ..*polygon }
+    }
+
+    fn of(&self, motion: Option<MotionId>) -> Option<&Pose> {
+        let number = self.scene.body_number(motion).ok()? as usize;
+        self.poses.get(number.checked_sub(1)?)
+    }
+}
+
+impl Pose {
+    fn corner(&self, point: Vec3) -> Vec3 {
+        self.of_point(point.as_dvec3())[0].as_vec3()
+    }
+
+    fn edge(&self, edge: Vec3) -> Vec3 {
+        (self.turn[0] * edge.as_dvec3()).as_vec3()
     }
 }
 
@@ -266,6 +338,27 @@ impl Scene {
         motion.validate()?;
         *self.motions.get_mut(id)? = motion;
         Ok(())
+    }
+
+    /// Lets a box or polygon follow a motion, or none. Its corner and edges stay those at rest.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`] for an object or a motion that is not in the scene, [`Error::Invalid`] for another kind of object.
+    pub fn set_motion(&mut self, id: impl Into<ObjectId>, motion: Option<MotionId>) -> Result<()> {
+        self.body_number(motion)?;
+        match id.into() {
+            ObjectId::Box(id) => self.boxes.get_mut(id)?.motion = motion,
+            ObjectId::Polygon(id) => self.polygons.get_mut(id)?.motion = motion,
+            other => {
+                return Err(Error::Invalid { field: "motion", value: format!("{other:?}"), expected: "a box or a polygon" });
+            }
+        }
+        Ok(())
+    }
+
+    /// Where all motions are at a time, in s.
+    pub(crate) fn poses(&self, time: f64) -> Poses<'_> {
+        Poses { scene: self, poses: self.motions().iter().map(|motion| motion.pose(time)).collect() }
     }
 
     /// The number of the body that follows a motion, from 1; 0 for the world, which never moves.

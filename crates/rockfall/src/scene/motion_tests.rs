@@ -76,3 +76,41 @@ fn wrong_motions_are_refused() {
     scene.add_motion(Motion::new("a", plain)).unwrap();
     assert!(refused(&mut scene, Motion::new("a", plain)).contains("no other motion"));
 }
+
+#[test]
+fn a_table_goes_through_its_points_and_rests_outside() {
+    let places = [DVec3::ZERO, DVec3::new(1.0, 0.0, 0.0), DVec3::new(1.0, 2.0, 0.0)];
+    let motion = Motion::table("lift", &[1.0, 2.0, 4.0], &places).unwrap();
+    let at = |time: f64| motion.pose(time).of_point(DVec3::ZERO);
+    for (time, place, velocity) in [
+        (0.5, [0.0, 0.0, 0.0], [0.0; 3]),
+        (1.5, [0.5, 0.0, 0.0], [1.0, 0.0, 0.0]),
+        (2.0, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
+        (3.0, [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]),
+        (9.0, [1.0, 2.0, 0.0], [0.0; 3]),
+    ] {
+        assert!(at(time)[0].distance(DVec3::from(place)) < 1e-14, "{time}: {}", at(time)[0]);
+        assert!(at(time)[1].distance(DVec3::from(velocity)) < 1e-14, "{time}: {}", at(time)[1]);
+    }
+    for (times, places) in [(&[0.0][..], &places[..1]), (&[0.0, 1.0], &places), (&[1.0, 1.0, 2.0], &places)] {
+        assert!(Motion::table("lift", times, places).is_err(), "{times:?}");
+    }
+}
+
+#[test]
+fn a_motion_goes_on_without_a_jump() {
+    let shake = MotionTerm::oscillation([0.0, 0.3, 0.0], 2.0);
+    let mut motion = Motion::new("drum", MotionTerm::turn(3.0, [0.0, 0.0, 1.0], [1.0, 2.0, 0.0])).and(shake);
+    let point = DVec3::new(4.0, -1.0, 2.0);
+    let [before, _, _] = motion.pose(0.7).of_point(point);
+    motion.go_on(0.7, MotionTerm::turn(-1.0, [0.0, 0.0, 1.0], [1.0, 2.0, 0.0]));
+    let [place, velocity, _] = motion.pose(0.7).of_point(point);
+    assert!(place.distance(before) < 1e-13, "{place} {before}");
+    let expected = DVec3::new(0.0, 0.0, -1.0).cross(place - DVec3::new(1.0, 2.0, 0.0));
+    assert!(velocity.distance(expected) < 1e-12, "{velocity} {expected}");
+    // And stops.
+    motion.go_on(1.0, MotionTerm::default());
+    let [there, still, _] = motion.pose(1.0).of_point(point);
+    assert_eq!(motion.pose(5.0).of_point(point)[0], there);
+    assert_eq!(still, DVec3::ZERO);
+}

@@ -24,10 +24,11 @@
 //! | `@run dt=S integrator=NAME steps=N every=K substeps=N` | nothing: how the scene is meant to be run ([`RunDefaults`](crate::RunDefaults)) |
 //! | `@motion NAME velocity=x,y,z spin=w axis=x,y,z through=x,y,z amplitude=x,y,z frequency=F phase=P from=S to=S` | nothing: adds a term to the motion of that name ([`MotionTerm`](crate::MotionTerm)) |
 //! | `@triangle x y z` + two edges | a triangle with the vertices x y z and the ends of both edges, which is touched from both sides |
+//! | `@mesh FILE scale=s at=x,y,z axis=x,y,z turn=degrees name=N` | the triangles of an STL, OBJ or PLY file ([`Mesh`](crate::Mesh)): scaled, turned about the axis through its origin, and moved. A relative path begins at the folder of the scene file |
 //! | `@move NAME` | nothing: the boxes and polygons of the lines below follow that motion; `@move -`: none |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last eighteen kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last nineteen kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -48,6 +49,7 @@ use glam::Vec3;
 mod comment;
 mod line;
 mod materials;
+mod mesh;
 mod motion;
 mod objects;
 mod repeat;
@@ -93,13 +95,13 @@ impl fmt::Display for LineWarning {
 }
 
 impl Scene {
-    /// Reads a scene text. `name` names its source in messages.
+    /// Reads a scene text. `name` names its source in messages. Relative paths of `@mesh` lines begin at its folder.
     ///
     /// # Errors
     /// [`Error::SceneLine`] for the first wrong line, with the field and what was expected.
     pub fn parse(text: &str, name: &Path) -> Result<Loaded> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let mut reader = Reader::new(text);
+        let mut reader = Reader::new(text, name.parent().unwrap_or(Path::new("")));
         let mut title = Title::default();
         for (index, line) in text.lines().enumerate() {
             let before = reader.comments;
@@ -144,7 +146,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 16] = [
+const AT_WORDS: [&str; 18] = [
     "@group",
     "@orientation",
     "@force",
@@ -157,6 +159,7 @@ const AT_WORDS: [&str; 16] = [
     "@colour",
     "@label",
     "@run",
+    "@mesh",
     "@triangle",
     "@motion",
     "@move",
@@ -167,6 +170,8 @@ const AT_WORDS: [&str; 16] = [
 struct Reader<'a> {
     /// The whole text.
     text: &'a str,
+    /// Where relative paths begin.
+    folder: &'a Path,
     scene: Scene,
     warnings: Vec<LineWarning>,
     /// Number of lines that are comments.
@@ -196,9 +201,10 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn new(text: &'a str) -> Self {
+    fn new(text: &'a str, folder: &'a Path) -> Self {
         Self {
             text,
+            folder,
             scene: Scene::new(),
             warnings: Vec::new(),
             comments: 0,
@@ -228,6 +234,7 @@ impl<'a> Reader<'a> {
             "R" => self.rod(line),
             "C" => self.capsule(line),
             "P" => self.polygon(line),
+            "@mesh" => self.mesh(line, number),
             "@triangle" => self.triangle(line),
             "K" => self.spring(line),
             "B" => self.cuboid(line),

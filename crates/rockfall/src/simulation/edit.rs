@@ -5,10 +5,11 @@ use glam::{Quat, Vec3};
 use crate::checkpoint::KeptSpring;
 use crate::error::{Error, Result};
 use crate::fine::Fine;
+use crate::mesh::Mesh;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
-    BoxId, Capsule, CapsuleId, Cuboid, Material, MaterialId, Motion, MotionId, ObjectId, Pair, Polygon, PolygonId, Rod, RodId,
-    Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
+    BoxId, Capsule, CapsuleId, Cuboid, Facets, Material, MaterialId, Motion, MotionId, MotionTerm, ObjectId, Pair, Polygon, PolygonId,
+    Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
 use crate::simulation::rates::put_rates;
@@ -116,6 +117,8 @@ edits! {
         remove_box(id: BoxId) -> ();
     Everything: /// Removes boxes in one pass.
         remove_boxes(ids: &[BoxId]) -> ();
+    Everything: /// Adds the triangles of a mesh.
+        add_mesh(mesh: &Mesh, with: impl Fn(Polygon) -> Polygon) -> Facets;
     Everything: /// Removes a polygon.
         remove_polygon(id: PolygonId) -> ();
     Everything: /// Removes polygons in one pass.
@@ -131,6 +134,8 @@ edits! {
         add_motion(motion: Motion) -> MotionId;
     Everything: /// Changes the terms of a motion. The walls jump to where the new terms put them at the present time.
         update_motion(id: MotionId, change: impl FnOnce(&mut Motion)) -> ();
+    Everything: /// Lets a box or polygon follow a motion, or none. It jumps to where the motion puts it at the present time.
+        set_motion(id: impl Into<ObjectId>, motion: Option<MotionId>) -> ();
     Topology: /// Adds a material.
         add_material(material: Material) -> MaterialId;
     Topology: /// Changes the constants of a material.
@@ -139,8 +144,18 @@ edits! {
         set_pair(one: MaterialId, other: MaterialId, pair: Pair) -> ();
 }
 
-/// Changing the state of spheres. Changes take effect with the next step or read.
+/// Changing the state of walls and spheres. Changes take effect with the next step or read.
 impl Simulation {
+    /// Replaces a motion from now on without a jump: walls go on from where they are with `term`, whose directions and axis are those of
+    /// the world. A term without velocity, amplitude and spin stops them. See [`Motion::go_on`].
+    ///
+    /// # Errors
+    /// As for [`Scene::update_motion`].
+    pub fn go_on(&mut self, id: MotionId, term: MotionTerm) -> Result<()> {
+        let time = self.muscle_clock.written_time();
+        self.update_motion(id, |motion| motion.go_on(time, term))
+    }
+
     /// Sets a sphere's position, in units.
     ///
     /// # Errors

@@ -37,7 +37,8 @@ impl Simulation {
     /// Otherwise as for [`Simulation::sync`].
     pub fn cast_ray(&mut self, origin: impl Into<Vec3>, direction: impl Into<Vec3>) -> Result<Option<RayHit>> {
         let ray = Ray::new(origin.into(), direction.into())?;
-        Ok(ray.first(self.sync()?))
+        let time = self.muscle_clock.written_time();
+        Ok(ray.first(self.sync()?, time))
     }
 }
 
@@ -63,14 +64,16 @@ impl Ray {
         Ok(Self { origin: origin.as_dvec3(), direction: unit })
     }
 
-    fn first(&self, scene: &Scene) -> Option<RayHit> {
+    /// The first hit in a scene whose walls are where their motions put them at a time, in s.
+    fn first(&self, scene: &Scene, time: f64) -> Option<RayHit> {
+        let poses = scene.poses(time);
         let spheres = nearest(scene.spheres(), |sphere| {
             let centre = sphere.position.as_dvec3();
             self.sphere(centre, sphere.radius.into())
         });
         let rods = nearest(scene.rods(), |rod| self.rod(scene, rod));
-        let boxes = nearest(scene.boxes(), |cuboid| self.cuboid(cuboid));
-        let polygons = nearest(scene.polygons(), |polygon| self.polygon(polygon));
+        let boxes = nearest(scene.boxes(), |cuboid| self.cuboid(&poses.of_box(cuboid)));
+        let polygons = nearest(scene.polygons(), |polygon| self.polygon(&poses.of_polygon(polygon)));
         let found = [
             spheres.map(|(index, entry)| (Body::Sphere(scene.spheres.handle_at(index)), entry)),
             rods.map(|(index, entry)| (Body::Rod(scene.rods.handle_at(index)), entry)),

@@ -94,7 +94,8 @@ impl Shape {
     fn hidden_by(&self, earlier: &Self, radius: f64) -> f64 {
         let depth = if earlier.d < 0.0 { self.depth_of_foremost(earlier.n) } else { self.d * self.n.dot(earlier.n) };
         let behind = (depth - earlier.d) / radius + BEHIND;
-        let same = self.n.dot(earlier.n) - if self.is_triangle && earlier.is_triangle { 10.0_f64.to_radians().cos() } else { SAME };
+        let same =
+            self.n.dot(earlier.n) - if self.is_triangle && earlier.is_triangle { 10.0_f64.to_radians().cos() } else { SAME };
         (LIMIT / BEHIND_LIMIT * behind).max(LIMIT / SAME_LIMIT * same)
     }
 }

@@ -11,6 +11,7 @@ mod errata;
 mod faults;
 mod force_laws;
 mod laws;
+mod meshes;
 mod ray;
 mod verlet;
 mod walls;

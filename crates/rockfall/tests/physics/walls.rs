@@ -340,7 +340,29 @@ fn snapshots_and_observations_have_the_walls_where_they_are(backend: Backend) {
     assert_eq!(bits_of(&mut simulation), bits_of(&mut again));
 }
 
+/// A wall that gets a new velocity while a simulation runs goes on from where it is: a ball that it pushes has its velocity, and the
+/// face is where the sum of both ways puts it. Then it stops.
+fn a_wall_goes_on_without_a_jump(backend: Backend) {
+    let mut scene = smooth(0.0);
+    let motion = slide(&mut scene, [1.0, 0.0, 0.0]);
+    add_face(&mut scene, 0.0, true, true, Some(motion));
+    scene.add_sphere(Sphere::new([0.5, 0.0, 0.0], 0.1)).expect("a valid sphere");
+    let mut simulation = open(scene, backend, Integrator::Rk4);
+    simulation.run(60, 0.01).expect("steps");
+    near(only(&mut simulation).velocity, [1.0, 0.0, 0.0], 1e-5, "velocity with the wall");
+    simulation.go_on(motion, MotionTerm::translation([3.0, 0.0, 0.0])).expect("a valid term");
+    simulation.run(50, 0.01).expect("steps");
+    near(only(&mut simulation).velocity, [3.0, 0.0, 0.0], 1e-4, "velocity with the faster wall");
+    let face = simulation.cast_ray([5.0, 1.0, 0.0], [-1.0, 0.0, 0.0]).expect("a valid ray").expect("the wall");
+    close(face.point.x.into(), 0.6 + 3.0 * 0.5, 1e-5, "place of the face");
+    simulation.go_on(motion, MotionTerm::default()).expect("a valid term");
+    simulation.run(20, 0.01).expect("steps");
+    let face = simulation.cast_ray([5.0, 1.0, 0.0], [-1.0, 0.0, 0.0]).expect("a valid ray").expect("the wall");
+    close(face.point.x.into(), 0.6 + 3.0 * 0.5, 1e-5, "place of the face at rest");
+}
+
 both! {
+    a_wall_goes_on_without_a_jump,
     a_racket_returns_a_ball,
     a_closing_wall_speeds_a_ball_up,
     a_bat_that_turns_hits_a_ball,

@@ -105,6 +105,12 @@ pub(super) const MOTION: Kind = Kind {
     ],
     last_is_optional: false,
 };
+pub(super) const MESH: Kind = Kind {
+    word: "@mesh",
+    references: &["FILE"],
+    numbers: &["scale=s", "at=x,y,z", "axis=x,y,z", "turn=degrees", "name=N"],
+    last_is_optional: false,
+};
 pub(super) const MOVE: Kind = Kind { word: "@move", references: &["NAME"], numbers: &[], last_is_optional: false };
 pub(super) const REPEAT: Kind =
     Kind { word: "@repeat", references: &["N"], numbers: &["dx", "dy", "dz"], last_is_optional: false };

@@ -91,13 +91,13 @@ fn read(word: &str, term: &mut MotionTerm) -> Line<&'static str> {
     Ok(known)
 }
 
-fn number(kind: &Kind, key: &str, value: &str) -> Line<f64> {
+pub(super) fn number(kind: &Kind, key: &str, value: &str) -> Line<f64> {
     let number = value.parse().ok().filter(|number: &f64| number.is_finite());
     number.ok_or_else(|| kind.wrong(key, format!("{} is not a finite number", quoted(value))))
 }
 
 /// Three numbers with commas between them.
-fn vector(kind: &Kind, key: &str, value: &str) -> Line<DVec3> {
+pub(super) fn vector(kind: &Kind, key: &str, value: &str) -> Line<DVec3> {
     let numbers: Vec<&str> = value.split(',').collect();
     let [x, y, z] = numbers[..] else {
         return Err(kind.wrong(key, format!("{} is not allowed, expected three numbers x,y,z without spaces", quoted(value))));

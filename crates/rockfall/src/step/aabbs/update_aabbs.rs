@@ -84,9 +84,7 @@ fn aabb(view: &View, repeat: f32, id: u32) -> Aabb {
             let cuboid = view.cuboid(cuboid);
             wall_bounds(view, repeat, id, hull(cuboid.corner, &cuboid.edges))
         }
-        Object::Polygon(polygon) => {
-            wall_bounds(view, repeat, id, hull_of_polygon(&view.polygon(polygon)))
-        }
+        Object::Polygon(polygon) => wall_bounds(view, repeat, id, hull_of_polygon(&view.polygon(polygon))),
     };
     Aabb { min: min.to_array(), id, max: max.to_array(), tag: view.tag(id) }
 }

@@ -1,0 +1,258 @@
+"""Walls that move, and meshes."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from rockfall import _rockfall
+from rockfall._arrays import IntArray, floats, integers
+from rockfall._bodies import Bodies, numbers_from
+from rockfall._names import tag_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: The kinds of objects that can follow a motion.
+WallKind = Literal["box", "polygon"]
+
+_ZERO = (0.0, 0.0, 0.0)
+_Z = (0.0, 0.0, 1.0)
+
+
+class MotionTerm(NamedTuple):
+    """A term of a motion, as :attr:`Objects.motions` lists it."""
+
+    #: Velocity, in units/s.
+    velocity: tuple[float, float, float]
+    #: Amplitude of the oscillation, in units.
+    amplitude: tuple[float, float, float]
+    #: Direction of the axis.
+    axis: tuple[float, float, float]
+    #: A point of the axis, in units.
+    through: tuple[float, float, float]
+    #: Angular velocity about the axis, in rad/s.
+    spin: float
+    #: Frequency of the oscillation, in 1/s.
+    frequency: float
+    #: Phase of the oscillation at its start, in turns.
+    phase: float
+    #: Time at which the term begins, in s.
+    start: float
+    #: Time at which it ends, in s; infinite if it does not.
+    end: float
+
+
+def _vector(name: str, value: npt.ArrayLike) -> list[float]:
+    array = np.asarray(value, dtype=np.float64)
+    if array.shape != (3,):
+        raise ValueError(f"{name}: expected shape (3,), got {array.shape}")
+    return [float(number) for number in array]
+
+
+def motion_term(
+    velocity: npt.ArrayLike, spin: float, axis: npt.ArrayLike, through: npt.ArrayLike, amplitude: npt.ArrayLike,
+    frequency: float, phase: float, start: float, end: float,
+) -> list[float]:
+    vectors = {"velocity": velocity, "amplitude": amplitude, "axis": axis, "through": through}
+    numbers = [number for name, value in vectors.items() for number in _vector(name, value)]
+    return [*numbers, *(float(number) for number in (spin, frequency, phase, start, end))]
+
+
+class Walls(Bodies):
+    """Adds meshes and motions. A base of :class:`Objects`."""
+
+    def add_mesh(
+        self,
+        mesh: str | os.PathLike[str] | npt.ArrayLike,
+        triangles: npt.ArrayLike | None = None,
+        *,
+        scale: float = 1.0,
+        axis: npt.ArrayLike = _Z,
+        turn: float = 0.0,
+        at: npt.ArrayLike = _ZERO,
+        group: int = 0,
+        material: int | str | None = None,
+        motion: str | None = None,
+        name: str | None = None,
+        colour: str | None = None,
+        label: str | None = None,
+    ) -> IntArray:
+        """Add the triangles of a mesh as walls. Both of their sides can be touched.
+
+        The mesh is scaled, then turned about an axis through its origin, then moved. Triangles without an area are left out with a
+        warning. Results do not depend on the order of the triangles.
+
+        Parameters
+        ----------
+        mesh : path, or array_like of shape (V, 3)
+            An STL, OBJ or PLY file, or vertices.
+        triangles : array_like of int, shape (T, 3), optional
+            Indices of vertices from 0, for a mesh of vertices.
+        scale : float
+            Units per unit of the mesh. A negative scale mirrors.
+        axis, turn : array_like of shape (3,), float
+            Axis and angle of the turn, in degrees.
+        at : array_like, shape (3,)
+            Where the origin of the mesh comes to lie, in units.
+        group : int
+            Collision group from 0 to 65535.
+        material : int or str, optional
+            Material, by number or by name. See :meth:`add_material`.
+        motion : str, optional
+            Name of the motion that the mesh follows. See :meth:`add_motion`.
+        name, colour, label : str, optional
+            Name, colour and label of the triangles. See :meth:`set_tag`.
+
+        Returns
+        -------
+        ndarray of int64, shape (N,)
+            Numbers of the triangles, which are polygons.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be read.
+        ValueError
+            For a file of another format, a wrong index, and a coordinate that is not finite.
+        """
+        tag = tag_of(name, colour, label)
+        self._check_motion(motion)
+        is_file = isinstance(mesh, (str, os.PathLike))
+        if is_file == (triangles is not None):
+            raise TypeError("triangles: expected indices with vertices, and none with a file")
+        corners = np.zeros((0, 3), np.float32) if is_file else floats("mesh", mesh, (3,))
+        indices = integers("triangles", [] if triangles is None else np.asarray(triangles).reshape(-1))
+        if len(indices) % 3 or (len(indices) and not (0 <= indices.min() and indices.max() < max(len(corners), 1))):
+            raise ValueError(f"triangles: expected shape (T, 3) with indices from 0 to {len(corners) - 1}")
+        place = (float(scale), _vector("axis", axis), float(turn), _vector("at", at))
+        number = int(self._material_numbers("material", material))
+        self._edited()
+        first, count, left_out = _rockfall.add_mesh(
+            self._native, mesh if is_file else None, corners, indices.reshape(-1, 3).tolist(), place, int(group), number
+        )
+        if left_out:
+            warnings.warn(f"{left_out} triangles have no area and were left out", stacklevel=2)
+        numbers = numbers_from(first, count)
+        self._put_tag("polygon", numbers, tag)
+        return self._following("polygon", numbers, motion)
+
+    def add_motion(
+        self,
+        name: str,
+        *,
+        velocity: npt.ArrayLike = _ZERO,
+        spin: float = 0.0,
+        axis: npt.ArrayLike = _Z,
+        through: npt.ArrayLike = _ZERO,
+        amplitude: npt.ArrayLike = _ZERO,
+        frequency: float = 0.0,
+        phase: float = 0.0,
+        start: float = 0.0,
+        end: float = np.inf,
+    ) -> None:
+        """Add a motion, which boxes and polygons can follow, or a further term to the motion of that name.
+
+        The displacement at ``s`` seconds after ``start``, held at ``end``, is ``velocity * s + amplitude * (sin(2 pi (frequency * s +
+        phase)) - sin(2 pi phase))``, and the turn ``spin * s`` about the axis. A later term is inside the earlier ones. Nothing is
+        integrated, so errors do not add up.
+
+        Parameters
+        ----------
+        name : str
+            One word.
+        velocity, amplitude : array_like, shape (3,)
+            Velocity in units/s, and amplitude of an oscillation in units.
+        spin : float
+            Angular velocity in rad/s.
+        axis, through : array_like, shape (3,)
+            Direction of the axis, and a point of it, in units.
+        frequency, phase : float
+            Frequency in 1/s and phase in turns of the oscillation.
+        start, end : float
+            Times in s. Before ``start`` the walls rest, after ``end`` they stay where they are.
+
+        Raises
+        ------
+        ValueError
+            For numbers that are not finite, an axis without a direction, a negative frequency, or an end before the start.
+        """
+        self._edited()
+        term = motion_term(velocity, spin, axis, through, amplitude, frequency, phase, start, end)
+        _rockfall.add_motion(self._native, name, term)
+
+    def add_motion_table(self, name: str, times: npt.ArrayLike, displacements: npt.ArrayLike) -> None:
+        """Add a translation along straight lines, each at constant speed.
+
+        Parameters
+        ----------
+        name : str
+            One word that no motion has as its name.
+        times : array_like, shape (N,)
+            Times in s, which increase; at least two.
+        displacements : array_like, shape (N, 3)
+            Displacements from where the walls are written, in units. The first one is subtracted from all.
+
+        Raises
+        ------
+        ValueError
+            For wrong shapes, times that do not increase, numbers that are not finite, and a name that is in use.
+        """
+        at, places = np.asarray(times, np.float64), np.asarray(displacements, np.float64)
+        if at.ndim != 1 or len(at) < 2 or places.shape != (len(at), 3):
+            raise ValueError(f"times, displacements: expected shapes (N,) and (N, 3) with N > 1, got {at.shape} and {places.shape}")
+        if not (np.isfinite(at).all() and np.isfinite(places).all() and (np.diff(at) > 0).all()):
+            raise ValueError("times, displacements: expected finite numbers, and times that increase")
+        if name in self.motions:
+            raise ValueError(f"name: there is a motion {name!r} already")
+        speeds = np.diff(places, axis=0) / np.diff(at)[:, None]
+        for velocity, start, end in zip(speeds, at[:-1], at[1:], strict=True):
+            self.add_motion(name, velocity=velocity, start=float(start), end=float(end))
+
+    @property
+    def motions(self) -> dict[str, list[MotionTerm]]:
+        """The terms of all motions, by name."""
+
+        def term(numbers: list[float]) -> MotionTerm:
+            x = [tuple(numbers[3 * k : 3 * k + 3]) for k in range(4)]
+            return MotionTerm(*x, *numbers[12:])  # type: ignore[arg-type]
+
+        return {name: [term(numbers) for numbers in terms] for name, terms in _rockfall.motions(self._native)}
+
+    def _check_motion(self, motion: str | None) -> None:
+        if motion is not None and motion not in (known := self.motions):
+            expected = f"one of {', '.join(known)}" if known else "none, because there are no motions"
+            raise LookupError(f"motion: {motion!r} is unknown, expected {expected}")
+
+    def _following(self, kind: WallKind, numbers: IntArray, motion: str | None) -> IntArray:
+        if motion is not None:
+            self.follow(kind, numbers, motion)
+        return numbers
+
+    def follow(self, kind: WallKind, ids: npt.ArrayLike, motion: str | None) -> None:
+        """Let boxes or polygons follow a motion.
+
+        Parameters
+        ----------
+        kind : str
+            box or polygon.
+        ids : array_like of int, shape (N,) or ()
+            Numbers of the objects.
+        motion : str or None
+            Name of the motion. None: the objects never move.
+
+        Raises
+        ------
+        LookupError
+            For an unknown motion, and an object that does not exist.
+        ValueError
+            For another kind of object.
+        """
+        numbers: NDArray[np.int64] = np.atleast_1d(integers("ids", ids))
+        self._edited()
+        _rockfall.follow(self._native, kind, numbers.tolist(), motion)
+

@@ -1,0 +1,73 @@
+//! Motions, which boxes and polygons follow.
+
+use pyo3::exceptions::{PyLookupError, PyTypeError};
+use pyo3::prelude::*;
+use rockfall::glam::DVec3;
+use rockfall::{Motion, MotionId, MotionTerm};
+
+use crate::doors::{Doors, look, with};
+use crate::errors::Raise;
+use crate::names::object;
+use crate::simulation::Simulation;
+
+/// The numbers of a term: velocity, amplitude, axis and a point of the axis with three numbers each, then spin, frequency, phase, start
+/// and end.
+type Numbers = [f64; 17];
+
+fn term(numbers: Numbers) -> MotionTerm {
+    let vector = |place: usize| DVec3::from_slice(&numbers[place..]);
+    let [spin, frequency, phase, from, to] = [12, 13, 14, 15, 16].map(|place| numbers[place]);
+    let mut term = MotionTerm::translation(vector(0)).phase(phase).during(from, to);
+    (term.amplitude, term.axis, term.through) = (vector(3), vector(6), vector(9));
+    (term.spin, term.frequency) = (spin, frequency);
+    term
+}
+
+fn find(scene: &rockfall::Scene, name: &str) -> PyResult<MotionId> {
+    let known = || scene.motions().iter().map(|motion| motion.name.as_str()).collect::<Vec<_>>().join(", ");
+    let expected = || if scene.motions().is_empty() { "this scene has none".to_owned() } else { format!("expected one of {}", known()) };
+    scene.find_motion(name).ok_or_else(|| PyLookupError::new_err(format!("motion: {name:?} is unknown, {}", expected())))
+}
+
+/// Adds a term to the motion of a name, which is new or known.
+#[pyfunction]
+pub(crate) fn add_motion(target: &Bound<'_, PyAny>, name: &str, numbers: Numbers) -> PyResult<()> {
+    with(target, |doors, _| match doors.objects().find_motion(name) {
+        Some(known) => doors.update_motion(known, &|motion| motion.terms.push(term(numbers))).or_raise(),
+        None => doors.add_motion(Motion::new(name, term(numbers))).map(drop).or_raise(),
+    })
+}
+
+/// Names and terms of all motions.
+#[pyfunction]
+pub(crate) fn motions(target: &Bound<'_, PyAny>) -> PyResult<Vec<(String, Vec<Numbers>)>> {
+    let numbers = |term: &MotionTerm| {
+        let vectors = [term.velocity, term.amplitude, term.axis, term.through].into_iter().flat_map(|vector| vector.to_array());
+        let all: Vec<f64> = vectors.chain([term.spin, term.frequency, term.phase, term.from, term.to]).collect();
+        std::array::from_fn(|place| all[place])
+    };
+    look(target, |scene, _| {
+        let row = |motion: &Motion| (motion.name.clone(), motion.terms.iter().map(numbers).collect());
+        Ok(scene.motions().iter().map(row).collect())
+    })
+}
+
+/// Lets objects follow a motion, or none.
+#[pyfunction]
+pub(crate) fn follow(target: &Bound<'_, PyAny>, kind: &str, numbers: Vec<i64>, motion: Option<&str>) -> PyResult<()> {
+    with(target, |doors, ids| {
+        let motion = motion.map(|name| find(doors.objects(), name)).transpose()?;
+        let objects = numbers.iter().map(|number| object(ids, kind, *number)).collect::<PyResult<Vec<_>>>()?;
+        objects.into_iter().try_for_each(|id| doors.set_motion(id, motion).or_raise())
+    })
+}
+
+/// Replaces a motion of a simulation from now on, without a jump.
+#[pyfunction]
+pub(crate) fn go_on(target: &Bound<'_, PyAny>, name: &str, numbers: Numbers) -> PyResult<()> {
+    let simulation = target.cast::<Simulation>().map_err(|_| PyTypeError::new_err("target: expected a Simulation"))?;
+    simulation.get().edit(target.py(), |running| {
+        let motion = find(running.simulation.scene(), name)?;
+        running.simulation.go_on(motion, term(numbers)).or_raise()
+    })
+}
