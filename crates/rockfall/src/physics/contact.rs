@@ -5,9 +5,10 @@ use glam::{Vec3, Vec4};
 
 use crate::model::lanes::Vec3x4;
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_CONTINUOUS, FLAG_PULL};
+use crate::model::lists::Lists;
 use crate::model::step::Step;
 use crate::model::view::{TINY, View};
-use crate::physics::first_contact::time_of_beginning;
+use crate::physics::first_contact::time_of_visible_beginning;
 use crate::physics::geometry::ROUNDED;
 use crate::physics::pairs::{Surface, Surfaces};
 use crate::physics::side::Side;
@@ -76,12 +77,12 @@ pub(crate) struct ContactForce<V> {
 }
 
 /// Returns the contact force of two objects that overlap.
-pub(crate) fn contact_force(view: &View, id_a: u32, id_b: u32, touch: &Touch) -> ContactForce<Vec3> {
+pub(crate) fn contact_force(view: &View, lists: &Lists, [id_a, id_b]: [u32; 2], touch: &Touch) -> ContactForce<Vec3> {
     let sides = sides(view, [id_a, id_b], touch);
     if view.step.constants.flags & FLAG_CONTINUOUS != 0 {
         let threshold = collision_velocity(view.step, &sides[0], &sides[1]);
         // A contact that began within the step exerts no force (docs/physics.md section 3.10).
-        if time_of_beginning(view, id_a, id_b, threshold).is_some() {
+        if time_of_visible_beginning(view, lists, [id_a, id_b], threshold).is_some() {
             return ContactForce::default();
         }
     }

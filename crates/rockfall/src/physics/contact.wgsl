@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
-// requires physics/collision/crossings.wgsl physics/fine.wgsl physics/geometry.wgsl physics/pairs.wgsl
+// requires physics/fine.wgsl physics/geometry.wgsl physics/pairs.wgsl
 // requires physics/walls.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
@@ -328,13 +328,6 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
     let radius = smaller_radius(a_side.radius, b_side.radius, b_moves);
     if !has_force(overlap, approach, radius, a, b) {
         return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
-    }
-    if CONTINUOUS {
-        // A contact that began within the step is handled by the next collision phase (docs/physics.md section 3.10).
-        let pair = ordered(a, b);
-        if time_of_beginning(pair.x, pair.y, collision_velocity(radius, a, b)) >= 0.0 {
-            return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
-        }
     }
     let press = pressure_of(overlap, approach);
     let arms = arms_of(a_side, b_side, overlap, b_moves);

@@ -4,8 +4,10 @@
 
 use glam::Vec3;
 
+use crate::model::lists::Lists;
 use crate::model::view::{Object, View};
 use crate::physics::sides::wall_of;
+use crate::physics::surface::hid;
 use crate::physics::touch::{Motions, ROUNDING, line};
 
 /// Most iterations for the first contact with a box or polygon.
@@ -26,6 +28,19 @@ pub(crate) fn time_of_beginning(view: &View, one: u32, other: u32, threshold: f3
     let inverse_mass: f32 = spheres().map(|sphere| view.inverse_mass(sphere)).sum();
     let towards = |id: u32| if id < view.step.layout.spheres { normal.dot(view.velocity(id)) } else { wall };
     (inverse_mass > 0.0 && towards(a) - towards(b) > threshold).then_some(time)
+}
+
+/// The same, unless another shape of the same surface hid a box or polygon then (docs/physics.md section 2.11).
+pub(crate) fn time_of_visible_beginning(view: &View, lists: &Lists, [a, b]: [u32; 2], threshold: f32) -> Option<f32> {
+    let time = time_of_beginning(view, a, b, threshold)?;
+    let is_static = |id: u32| id >= view.step.movers();
+    if !is_static(b) {
+        return Some(time);
+    }
+    let earlier = Earlier::of(view, [a, b], time);
+    let touch = line(view, &earlier, view.object(a), view.object(b), None)?;
+    let mut shapes = lists.row(a).map(|entry| entry.id()).filter(|id| is_static(*id) && *id != b);
+    (!shapes.any(|id| hid(view, &earlier, a, id, (b, &touch)))).then_some(time)
 }
 
 /// The time of the first contact of objects A and B, if their paths touch. A was added before B.

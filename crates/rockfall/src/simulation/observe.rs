@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::model::impulse::Impulse;
 use crate::model::layout::{ENTRY_COLLIDES, FLAG_COLLISIONS, GRAIN, LAW_THESIS};
-use crate::model::lists::Entry;
+use crate::model::lists::{Entry, Lists};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::chain::touch;
@@ -108,12 +108,14 @@ impl Simulation {
     /// As for [`Simulation::sync`].
     pub fn resting_overlap(&mut self) -> Result<MaxOverlap> {
         let (scene, world) = self.observed(Detail::Collisions)?;
+        let (_, lists) = view_and_lists(world);
         Ok(deepest(scene, world, |view, mover, entry, touch| {
             let [a, b] = [mover, entry.id()];
             let sides = sides(view, [a, b], touch);
             let threshold = collision_velocity(view.step, &sides[0], &sides[1]);
             let rests = sides.iter().all(|side| side.inverse_mass == 0.0 || side.velocity.length() <= threshold);
-            let has_force = || view.step.layout.law != LAW_THESIS || contact_force(view, a, b, touch).force != Vec3::ZERO;
+            let has_force =
+                || view.step.layout.law != LAW_THESIS || contact_force(view, &lists, [a, b], touch).force != Vec3::ZERO;
             rests && entry.word & ENTRY_COLLIDES == 0 && has_force()
         }))
     }
@@ -134,7 +136,7 @@ impl Simulation {
             .into_par_iter()
             .flat_map_iter(|mover| {
                 let own = visible_row(&view, &lists, mover).filter(move |entry| entry.id() > mover);
-                own.filter_map(move |entry| action(&view, histories, impulses, mover, entry))
+                own.filter_map(move |entry| action(&view, &lists, histories, impulses, mover, entry))
             })
             .collect();
         Ok(found
@@ -248,6 +250,7 @@ pub(crate) fn smaller_radius(view: &View, a: u32, b: u32) -> f32 {
 /// Effect of the contact of a list entry at the beginning of the next step.
 fn action(
     view: &View,
+    lists: &Lists,
     histories: Histories,
     impulses: &[Impulse],
     mover: u32,
@@ -264,7 +267,7 @@ fn action(
     }
     let Collision { a, b, feature, touch, .. } = &collision;
     if view.step.layout.law == LAW_THESIS {
-        let force = contact_force(view, *a, *b, touch).force;
+        let force = contact_force(view, lists, [*a, *b], touch).force;
         return Some((collision, ContactAction::Force(-force), None));
     }
     let before = spring_before(view, &histories, [*a, *b], *feature, touch);

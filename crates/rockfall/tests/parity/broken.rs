@@ -117,7 +117,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake(
         "find_crossings",
         0,
-        "find_crossings.wgsl",
+        "hidden_crossing.wgsl",
         "nearer.overlap > found.overlap",
         "nearer.overlap < found.overlap",
         Buffer::Y3,

@@ -10,9 +10,8 @@ use crate::model::step::Step;
 use crate::model::view::View;
 use crate::physics::collision::{Change, Collision, lone};
 use crate::physics::contact::collision_velocity;
-use crate::physics::first_contact::{Earlier, time_of_beginning, wall_velocity};
+use crate::physics::first_contact::{Earlier, time_of_visible_beginning, wall_velocity};
 use crate::physics::sides::{sides, wall_of};
-use crate::physics::surface::hid;
 use crate::physics::touch::{Touch, line};
 
 /// In place of the low half of an id, where there is no crossing.
@@ -38,7 +37,7 @@ impl Crossing {
         }
         let mut first: Option<(f32, Collision)> = None;
         for entry in lists.row(sphere) {
-            let found = colliding(view, sphere, entry.id()).filter(|found| !is_hidden(view, lists, sphere, found));
+            let found = colliding(view, lists, sphere, entry.id());
             // Entries are in insertion order, so that of equal times the first one stays.
             if let Some(found) = found.filter(|found| first.is_none_or(|first| found.0 > first.0)) {
                 first = Some(found);
@@ -64,24 +63,16 @@ impl Crossing {
 }
 
 /// The time and the contact of a crossing that collides.
-fn colliding(view: &View, one: u32, other: u32) -> Option<(f32, Collision)> {
+fn colliding(view: &View, lists: &Lists, one: u32, other: u32) -> Option<(f32, Collision)> {
     let (a, b) = view.ordered(one, other);
     let [side_a, side_b] = sides(view, [a, b], &Touch { normal: Vec3::ZERO, overlap: 0.0, a: 0.0, b: 0.0 });
     let threshold = collision_velocity(view.step, &side_a, &side_b);
-    let time = time_of_beginning(view, a, b, threshold)?;
+    let time = time_of_visible_beginning(view, lists, [a, b], threshold)?;
     let found = (time, contact_before(view, a, b, time)?);
     // A sphere that is behind a polygon has passed it.
     let is_over = contact_before(view, a, b, 0.0)
         .is_none_or(|now| if now.is_pressed(view) { !now.collides(view) } else { separates(view, &now) });
     is_over.then_some(found)
-}
-
-/// Whether another shape of the same surface hides a crossing with a box or polygon at its time of contact (docs/physics.md section 2.11).
-fn is_hidden(view: &View, lists: &Lists, sphere: u32, (time, found): &(f32, Collision)) -> bool {
-    let earlier = Earlier::of(view, [sphere, found.b], *time);
-    let shapes = lists.row(sphere).map(|entry| entry.id()).filter(|id| *id >= view.step.movers() && *id != found.b);
-    let is_static = found.b >= view.step.movers();
-    is_static && shapes.into_iter().any(|id| hid(view, &earlier, sphere, id, (found.b, &found.touch)))
 }
 
 fn contact_before(view: &View, a: u32, b: u32, time: f32) -> Option<Collision> {

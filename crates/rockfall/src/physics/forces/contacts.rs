@@ -37,10 +37,10 @@ impl Contacts<'_> {
     /// Evaluates the contact of objects a and b, of which a was added first. The last part is the spring after the step, for laws with
     /// history. Returns `None` if the objects do not touch.
     fn evaluate(&self, a: u32, b: u32, feature: u32) -> Option<(Touch, ContactForce<Vec3>, Option<Spring>)> {
-        let Self { view, histories, .. } = self;
+        let Self { view, lists, histories } = self;
         if view.step.layout.law == LAW_THESIS {
             let touch = touch(view, a, b, feature)?;
-            return Some((touch, contact_force(view, a, b, &touch), None));
+            return Some((touch, contact_force(view, lists, [a, b], &touch), None));
         }
         let touch = contact(view, histories, a, b, feature)?;
         let before = spring_before(view, histories, [a, b], feature, &touch);

@@ -1,6 +1,6 @@
 // requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/collision_state.wgsl model/order.wgsl
 // requires model/step.wgsl physics/collision/crossings.wgsl physics/collision/lone.wgsl physics/contact.wgsl
-// requires physics/escape.wgsl physics/geometry.wgsl physics/surface.wgsl step/collisions/crossing_rows.wgsl
+// requires physics/escape.wgsl physics/collision/hidden_crossing.wgsl physics/geometry.wgsl step/collisions/crossing_rows.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -26,34 +26,6 @@ fn check_path(i: u32, centre: vec4f, velocity: vec4f) {
     if ratio > 0.0 {
         report_escape(ratio);
     }
-}
-
-// Whether another shape of the same surface hides a crossing with a box or polygon at its time of contact (docs/physics.md section 2.11).
-fn is_hidden_crossing(i: u32, id: u32, time: f32) -> bool {
-    if !is_static(id) {
-        return false;
-    }
-    let now = state[position_at(i)];
-    let own = vec4f(now.xyz - time * (path_of(i) - drift_of(i, id)), now.w);
-    let found = contact_with_shape(own, id);
-    let one = Candidate(id, own.w - found.overlap, found.n, 0u);
-    let count = count_of(i);
-    let first = first_of(i);
-    for (var e = 0u; e < count; e++) {
-        let other = entry_id(entry_at(slot_at(first, e)));
-        if !is_static(other) | (other == id) {
-            continue;
-        }
-        let nearer = contact_with_shape(own, other);
-        if (nearer.overlap > 0.0) & (nearer.overlap > found.overlap) {
-            var chosen: Surfaces;
-            choose_surface(Candidate(other, own.w - nearer.overlap, nearer.n, 0u), &chosen);
-            if is_behind(one, own, &chosen) {
-                return true;
-            }
-        }
-    }
-    return false;
 }
 
 // The crossing that counts for a sphere.

@@ -1,4 +1,4 @@
-// requires model/counters.wgsl model/load_rows.wgsl model/one_state.wgsl model/step.wgsl physics/escape.wgsl physics/forces/due.wgsl
+// requires model/counters.wgsl model/load_rows.wgsl model/one_state.wgsl model/step.wgsl physics/collision/hidden_crossing.wgsl physics/escape.wgsl physics/forces/due.wgsl
 // requires physics/forces/net_force.wgsl step/large_spheres/large_sphere_load.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
