@@ -346,11 +346,3 @@ fn the_extension_decides_the_format() {
     assert_begins(&error("missing.ply"), &path("missing.ply: "));
     std::fs::remove_dir_all(&folder).unwrap();
 }
-
-#[test]
-fn dump() {
-    for (number, (_, format, bytes)) in samples().into_iter().enumerate() {
-        let first = &format.extension()[..1];
-        std::fs::write(format!("/work/wm/fuzz/corpus/mesh/{}-{number}", format.extension()), [first.as_bytes(), &bytes].concat()).unwrap();
-    }
-}
