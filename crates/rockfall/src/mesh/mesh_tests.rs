@@ -96,6 +96,9 @@ fn turns_by_quarters_are_exact() {
     assert_eq!(first(DVec3::Z, -90.0), [2.0, -1.0, 3.0]);
     assert_eq!(first(DVec3::X, 450.0), [1.0, -3.0, 2.0]);
     assert_eq!(first(DVec3::Y, -360.0), [1.0, 2.0, 3.0]);
+    let on_axes = Mesh::new(vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], vec![[0, 1, 2]]).unwrap();
+    let turned = on_axes.transformed(1.0, DVec3::Z, 270.0, DVec3::ZERO).unwrap();
+    assert_eq!(turned.vertices, [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
     let third = first(DVec3::ONE, 120.0);
     assert!([3.0, 1.0, 2.0].into_iter().zip(third).all(|(x, found): (f32, f32)| (x - found).abs() < 1e-6), "{third:?}");
     let eighth = first(DVec3::Z, 45.0);
