@@ -20,6 +20,7 @@ pub(crate) fn raise(error: Error) -> PyErr {
         | Error::TooManyObjects { .. }
         | Error::PictureSize { .. }
         | Error::SceneLine { .. }
+        | Error::Mesh { .. }
         | Error::Checkpoint { .. }
         | Error::Law { .. } => PyValueError::new_err(text),
         Error::UnknownName { .. } => PyKeyError::new_err(text),

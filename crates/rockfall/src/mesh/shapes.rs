@@ -1,5 +1,7 @@
 //! Generated meshes.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 
 use super::turn::sin_cos;
@@ -8,7 +10,7 @@ use crate::error::{Error, Result};
 
 /// Greatest number of facets of a generated mesh around an axis.
 const MOST_FACETS: u32 = 1_000_000;
-/// Greatest number of facets of a screw flight: its turns times the facets of each.
+/// Greatest number of steps times rings of a screw flight.
 const MOST_STEPS: f64 = 10_000_000.0;
 /// Greatest number of subdivisions of a sphere, which has 1,310,720 triangles then.
 const MOST_SUBDIVISIONS: u32 = 8;
@@ -40,7 +42,7 @@ impl Mesh {
     /// times, from 0 to 8. Lengths are in the unit of the scene.
     ///
     /// It has 20 times 4^`subdivisions` triangles. The vertices lie on the sphere, so that the area is smaller than 4 pi `radius`² by
-    /// 24 % without subdivision, and by about a quarter as much for each further one.
+    /// 24 % without subdivision, by 7 % with one, and by about a quarter as much for each further one.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a radius that is not finite and positive, and another number of subdivisions.
@@ -61,49 +63,76 @@ impl Mesh {
     /// by `pitch` with each turn. It begins at the x axis at z = 0 and ends at z = |`pitch`| `turns`. Its outside is the upper side.
     ///
     /// A positive pitch makes a right-handed screw, a negative one a left-handed screw. With pitch 0, `turns` is at most 1, and the
-    /// flight is a flat ring, or a disc if the inner radius is 0. `facets` is the number of steps in a turn, from 3 to 1,000,000; each
-    /// step has 2 triangles, or 1 in a disc. Together there are at most 10,000,000 steps. Lengths are in the unit of the scene.
+    /// flight is a flat ring, or a disc if the inner radius is 0. Lengths are in the unit of the scene.
+    ///
+    /// `facets` is the number of steps in a turn, from 3 to 1,000,000. A step has 2 triangles for each of its rings. There are so many
+    /// rings that the slope changes from one to the next by at most the angle of a step, 2 pi / `facets`: with one ring, triangles
+    /// with the slope of the inner edge would alternate with those of the outer edge. A flat ring or disc has one ring. In a disc,
+    /// a step has one triangle. Together there are at most 10,000,000 steps times rings.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a negative inner radius, an outer radius that is not greater than it, a number that is not finite, turns
     /// that are not positive, and another number of facets.
     pub fn helix(inner_radius: f64, outer_radius: f64, pitch: f64, turns: f64, facets: u32) -> Result<Self> {
-        let invalid = |field, value: f64, expected| Err(Error::Invalid { field, value: value.to_string(), expected });
-        if !(inner_radius.is_finite() && inner_radius >= 0.0) {
-            return invalid("helix.inner_radius", inner_radius, "a finite number of at least 0");
-        }
-        if !(outer_radius.is_finite() && outer_radius > inner_radius) {
-            return invalid("helix.outer_radius", outer_radius, "a finite number greater than the inner radius");
-        }
-        if !pitch.is_finite() {
-            return invalid("helix.pitch", pitch, "a finite number");
-        }
-        positive("helix.turns", turns)?;
+        check_helix(inner_radius, outer_radius, pitch, turns)?;
         whole("helix.facets", facets, 3, MOST_FACETS, "a whole number from 3 to 1000000")?;
+        let radii = radii(inner_radius, outer_radius, pitch.abs(), facets);
         let steps = (turns * f64::from(facets)).ceil();
-        if steps > MOST_STEPS {
-            return invalid("helix.turns", turns, "turns times facets of at most 10000000");
+        if steps * radii.len() as f64 > MOST_STEPS {
+            return Err(invalid("helix.turns", turns, "at most 10000000 steps, which are turns times facets times rings"));
         }
-        if pitch == 0.0 && turns > 1.0 {
-            return invalid("helix.turns", turns, "at most 1 turn with pitch 0");
-        }
-        let steps = steps as u32;
+        let (steps, ends) = (steps as u32, radii.len() as u32);
         let (is_left, is_disc) = (pitch < 0.0, pitch == 0.0 && inner_radius == 0.0);
         let line = |step: u32| {
             let turned = turns * (f64::from(step) / f64::from(steps));
             let (sin, cos) = sin_cos(turned % 1.0, 1.0);
-            let direction = DVec3::new(cos, if is_left { -sin } else { sin }, pitch.abs() * turned);
-            [inner_radius, outer_radius].map(|r| rounded(direction * DVec3::new(r, r, 1.0)))
+            let (sin, z) = (if is_left { -sin } else { sin }, pitch.abs() * turned);
+            radii.iter().map(move |r| rounded(DVec3::new(r * cos, r * sin, z)))
         };
-        let pair = |step: u32| {
-            let [inner, outer, next_inner, next_outer] = [0, 1, 2, 3].map(|end| 2 * step + end);
+        let cell = |cell: u32| {
+            let (step, ring) = (cell / (ends - 1), cell % (ends - 1));
+            let inner = step * ends + ring;
+            let [outer, next_inner, next_outer] = [1, ends, ends + 1].map(|further| inner + further);
             // In a disc, the inner ends of all lines are one vertex.
             let second = (!is_disc).then_some([inner, next_outer, next_inner]);
             let flipped = move |[a, b, c]: [u32; 3]| if is_left { [a, c, b] } else { [a, b, c] };
             std::iter::once([inner, outer, next_outer]).chain(second).map(flipped)
         };
-        Self::new((0..=steps).flat_map(line).collect(), (0..steps).flat_map(pair).collect())
+        Self::new((0..=steps).flat_map(line).collect(), (0..steps * (ends - 1)).flat_map(cell).collect())
     }
+}
+
+/// The radii of the edges of the rings of a screw flight. Their slopes differ by equal angles, at most the angle of a facet.
+fn radii(inner: f64, outer: f64, pitch: f64, facets: u32) -> Vec<f64> {
+    let [steep, gentle] = [inner, outer].map(|radius| pitch.atan2(TAU * radius));
+    let rings = ((steep - gentle) / TAU * f64::from(facets)).ceil().max(1.0) as u32;
+    let radius = |ring: u32| match ring {
+        0 => inner,
+        _ if ring == rings => outer,
+        _ => {
+            let slope = steep + (gentle - steep) * (f64::from(ring) / f64::from(rings));
+            pitch / TAU * slope.cos() / slope.sin()
+        }
+    };
+    (0..=rings).map(radius).collect()
+}
+
+/// Checks the numbers of a screw flight.
+fn check_helix(inner_radius: f64, outer_radius: f64, pitch: f64, turns: f64) -> Result<()> {
+    if !(inner_radius.is_finite() && inner_radius >= 0.0) {
+        return Err(invalid("helix.inner_radius", inner_radius, "a finite number of at least 0"));
+    }
+    if !(outer_radius.is_finite() && outer_radius > inner_radius) {
+        return Err(invalid("helix.outer_radius", outer_radius, "a finite number greater than the inner radius"));
+    }
+    if !pitch.is_finite() {
+        return Err(invalid("helix.pitch", pitch, "a finite number"));
+    }
+    positive("helix.turns", turns)?;
+    if pitch == 0.0 && turns > 1.0 {
+        return Err(invalid("helix.turns", turns, "at most 1 turn with pitch 0"));
+    }
+    Ok(())
 }
 
 /// The triangles of an icosahedron with vertices on the unit sphere.
@@ -136,16 +165,15 @@ fn divided([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 4] {
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
 }
 
+fn invalid(field: &'static str, value: impl ToString, expected: &'static str) -> Error {
+    Error::Invalid { field, value: value.to_string(), expected }
+}
+
 fn positive(field: &'static str, value: f64) -> Result<()> {
-    match value.is_finite() && value > 0.0 {
-        true => Ok(()),
-        false => Err(Error::Invalid { field, value: value.to_string(), expected: "a finite number greater than 0" }),
-    }
+    let is_positive = value.is_finite() && value > 0.0;
+    is_positive.then_some(()).ok_or_else(|| invalid(field, value, "a finite number greater than 0"))
 }
 
 fn whole(field: &'static str, value: u32, least: u32, most: u32, expected: &'static str) -> Result<()> {
-    match (least..=most).contains(&value) {
-        true => Ok(()),
-        false => Err(Error::Invalid { field, value: value.to_string(), expected }),
-    }
+    (least..=most).contains(&value).then_some(()).ok_or_else(|| invalid(field, value, expected))
 }

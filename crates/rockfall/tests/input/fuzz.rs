@@ -44,6 +44,11 @@ fn the_corpus_of_laws_passes() {
 }
 
 #[test]
+fn the_corpus_of_meshes_passes() {
+    replay("mesh", 20, targets::mesh);
+}
+
+#[test]
 fn the_corpus_of_scene_texts_passes() {
     replay("scene_text", 50, targets::scene_text);
 }
