@@ -4,6 +4,7 @@ use std::sync::PoisonError;
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use rockfall::glam::Vec3;
 use rockfall::{
     BoxId, Capsule, CapsuleId, Cuboid, Facets, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Pair, Polygon, PolygonId, Result, Rod, RodId, Settings,
     Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
@@ -86,6 +87,7 @@ doors! {
     add_motion(motion: Motion) -> MotionId;
     update_motion(id: MotionId, change: Change<Motion>) -> ();
     set_motion(id: ObjectId, motion: Option<MotionId>) -> ();
+    set_surface_velocity(id: ObjectId, velocity: Vec3) -> ();
 }
 
 /// Calls a function with the objects of a native scene or simulation, without the GIL.

@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::{PyLookupError, PyTypeError};
 use pyo3::prelude::*;
-use rockfall::glam::DVec3;
+use rockfall::glam::{DVec3, Vec3};
 use rockfall::{Motion, MotionId, MotionTerm};
 
 use crate::doors::{Doors, look, with};
@@ -59,6 +59,15 @@ pub(crate) fn follow(target: &Bound<'_, PyAny>, kind: &str, numbers: Vec<i64>, m
         let motion = motion.map(|name| find(doors.objects(), name)).transpose()?;
         let objects = numbers.iter().map(|number| object(ids, kind, *number)).collect::<PyResult<Vec<_>>>()?;
         objects.into_iter().try_for_each(|id| doors.set_motion(id, motion).or_raise())
+    })
+}
+
+/// Sets the velocity of the surfaces of objects.
+#[pyfunction]
+pub(crate) fn set_surface_velocity(target: &Bound<'_, PyAny>, kind: &str, numbers: Vec<i64>, velocity: [f32; 3]) -> PyResult<()> {
+    with(target, |doors, ids| {
+        let objects = numbers.iter().map(|number| object(ids, kind, *number)).collect::<PyResult<Vec<_>>>()?;
+        objects.into_iter().try_for_each(|id| doors.set_surface_velocity(id, Vec3::from_array(velocity)).or_raise())
     })
 }
 

@@ -16,6 +16,7 @@ mod mesh;
 mod motion;
 mod muscle;
 mod objects;
+mod pose;
 mod references;
 mod registry;
 mod remove;

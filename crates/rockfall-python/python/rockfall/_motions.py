@@ -78,6 +78,7 @@ class Walls(Bodies):
         group: int = 0,
         material: int | str | None = None,
         motion: str | None = None,
+        surface_velocity: npt.ArrayLike | None = None,
         name: str | None = None,
         colour: str | None = None,
         label: str | None = None,
@@ -105,6 +106,8 @@ class Walls(Bodies):
             Material, by number or by name. See :meth:`add_material`.
         motion : str, optional
             Name of the motion that the mesh follows. See :meth:`add_motion`.
+        surface_velocity : array_like of shape (3,), optional
+            Velocity of the surface, like that of a conveyor, in units/s.
         name, colour, label : str, optional
             Name, colour and label of the triangles. See :meth:`set_tag`.
 
@@ -139,7 +142,7 @@ class Walls(Bodies):
             warnings.warn(f"{left_out} triangles have no area and were left out", stacklevel=2)
         numbers = numbers_from(first, count)
         self._put_tag("polygon", numbers, tag)
-        return self._following("polygon", numbers, motion)
+        return self._following("polygon", numbers, motion, surface_velocity)
 
     def add_motion(
         self,
@@ -228,10 +231,37 @@ class Walls(Bodies):
             expected = f"one of {', '.join(known)}" if known else "none, because there are no motions"
             raise LookupError(f"motion: {motion!r} is unknown, expected {expected}")
 
-    def _following(self, kind: WallKind, numbers: IntArray, motion: str | None) -> IntArray:
+    def _following(
+        self, kind: WallKind, numbers: IntArray, motion: str | None, surface_velocity: npt.ArrayLike | None
+    ) -> IntArray:
         if motion is not None:
             self.follow(kind, numbers, motion)
+        if surface_velocity is not None:
+            self.set_surface_velocity(kind, numbers, surface_velocity)
         return numbers
+
+    def set_surface_velocity(self, kind: WallKind, ids: npt.ArrayLike, velocity: npt.ArrayLike) -> None:
+        """Set the velocity of the surfaces of boxes or polygons, like that of conveyors. The objects stay where they are.
+
+        Parameters
+        ----------
+        kind : str
+            box or polygon.
+        ids : array_like of int, shape (N,) or ()
+            Numbers of the objects.
+        velocity : array_like, shape (3,)
+            Velocity in units/s. Only the part along the surface counts. 0 stops the belt.
+
+        Raises
+        ------
+        LookupError
+            For an object that does not exist.
+        ValueError
+            For another kind of object, and numbers that are not finite.
+        """
+        numbers: NDArray[np.int64] = np.atleast_1d(integers("ids", ids))
+        self._edited()
+        _rockfall.set_surface_velocity(self._native, kind, numbers.tolist(), _vector("velocity", velocity))
 
     def follow(self, kind: WallKind, ids: npt.ArrayLike, motion: str | None) -> None:
         """Let boxes or polygons follow a motion.

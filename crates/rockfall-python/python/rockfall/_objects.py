@@ -84,7 +84,7 @@ class Objects(Walls, Strict):
 
     def add_boxes(
         self, corner: npt.ArrayLike, edges: npt.ArrayLike, *, group: npt.ArrayLike = 0, material: Materials = None,
-        motion: str | None = None, name: str | None = None, colour: str | None = None, label: str | None = None,
+        motion: str | None = None, surface_velocity: npt.ArrayLike | None = None, name: str | None = None, colour: str | None = None, label: str | None = None,
     ) -> IntArray:
         """Add boxes, which do not move unless they follow a motion.
 
@@ -100,6 +100,8 @@ class Objects(Walls, Strict):
             Materials, by number or by name; none by default. See :meth:`add_material`.
         motion : str, optional
             Name of the motion that they follow; none by default. See :meth:`add_motion`.
+        surface_velocity : array_like of shape (3,), optional
+            Velocity of their surfaces, like that of conveyors, in units/s. See :meth:`set_surface_velocity`.
         name, colour, label : str, optional
             Name, colour and label of the objects. See :meth:`set_tag`.
 
@@ -122,7 +124,7 @@ class Objects(Walls, Strict):
             group=(group, GROUP),
             material=(self._material_numbers("material", material), MATERIAL),
         )
-        return self._following("box", numbers, motion)
+        return self._following("box", numbers, motion, surface_velocity)
 
     def add_box(self, min: npt.ArrayLike, max: npt.ArrayLike, **options: Unpack[BoxOptions]) -> int:
         """Add a static box with edges along the axes, between two opposite corners of shape (3,), in units.
@@ -147,6 +149,7 @@ class Objects(Walls, Strict):
         group: npt.ArrayLike = 0,
         material: Materials = None,
         motion: str | None = None,
+        surface_velocity: npt.ArrayLike | None = None,
         name: str | None = None,
         colour: str | None = None,
         label: str | None = None,
@@ -166,6 +169,8 @@ class Objects(Walls, Strict):
             Materials, by number or by name; none by default. See :meth:`add_material`.
         motion : str, optional
             Name of the motion that they follow; none by default. See :meth:`add_motion`.
+        surface_velocity : array_like of shape (3,), optional
+            Velocity of their surfaces, like that of conveyors, in units/s. See :meth:`set_surface_velocity`.
         name, colour, label : str, optional
             Name, colour and label of the objects. See :meth:`set_tag`.
 
@@ -189,7 +194,7 @@ class Objects(Walls, Strict):
             group=(group, GROUP),
             material=(self._material_numbers("material", material), MATERIAL),
         )
-        return self._following("polygon", numbers, motion)
+        return self._following("polygon", numbers, motion, surface_velocity)
 
     def remove(self, kind: KindName, ids: npt.ArrayLike) -> None:
         """Remove objects.

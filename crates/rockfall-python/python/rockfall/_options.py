@@ -37,6 +37,7 @@ class BoxOptions(StaticOptions, total=False):
     """Those of :meth:`Objects.add_boxes`."""
 
     motion: str | None
+    surface_velocity: npt.ArrayLike | None
 
 
 class SphereOptions(StaticOptions, total=False):

@@ -22,7 +22,7 @@ trait Record<const N: usize>: Sized {
 pub(super) fn length(scene: &Scene) -> usize {
     let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = scene.counts();
     let references = if scene.references.is_empty() { 0 } else { 2 * spheres };
-    4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 9 * springs + 7 * tethers + 14 * boxes + 11 * polygons)
+    4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 9 * springs + 7 * tethers + 17 * boxes + 14 * polygons)
 }
 
 pub(super) fn write(scene: &Scene, out: &mut impl Write) -> io::Result<()> {
@@ -217,35 +217,39 @@ impl Record<7> for Tether {
     }
 }
 
-impl Record<14> for Cuboid {
-    fn pack(&self, scene: &Scene) -> [u32; 14] {
-        let Self { corner, edges: [i, j, k], group, material, motion } = *self;
-        let mut words = [tag(scene, group, false, material); 14];
+impl Record<17> for Cuboid {
+    fn pack(&self, scene: &Scene) -> [u32; 17] {
+        let Self { corner, edges: [i, j, k], group, material, motion, surface_velocity } = *self;
+        let mut words = [tag(scene, group, false, material); 17];
         words[13] = body(scene, motion);
+        put(&mut words[14..], [surface_velocity]);
         put(&mut words, [corner, i, j, k]);
         words
     }
 
-    fn unpack(words: [u32; 14], scene: &Scene) -> Result<Self, Damage> {
+    fn unpack(words: [u32; 17], scene: &Scene) -> Result<Self, Damage> {
         let (group, _, material) = read_tag(words[12], scene)?;
         let edges = [vector(&words[3..]), vector(&words[6..]), vector(&words[9..])];
-        Ok(Self { corner: vector(&words), edges, group, material, motion: read_body(words[13], scene)? })
+        let (motion, surface_velocity) = (read_body(words[13], scene)?, vector(&words[14..]));
+        Ok(Self { corner: vector(&words), edges, group, material, motion, surface_velocity })
     }
 }
 
-impl Record<11> for Polygon {
-    fn pack(&self, scene: &Scene) -> [u32; 11] {
-        let Self { corner, left, right, is_triangle, group, material, motion } = *self;
-        let mut words = [tag(scene, group, is_triangle, material); 11];
+impl Record<14> for Polygon {
+    fn pack(&self, scene: &Scene) -> [u32; 14] {
+        let Self { corner, left, right, is_triangle, group, material, motion, surface_velocity } = *self;
+        let mut words = [tag(scene, group, is_triangle, material); 14];
         words[10] = body(scene, motion);
+        put(&mut words[11..], [surface_velocity]);
         put(&mut words, [corner, left, right]);
         words
     }
 
-    fn unpack(words: [u32; 11], scene: &Scene) -> Result<Self, Damage> {
+    fn unpack(words: [u32; 14], scene: &Scene) -> Result<Self, Damage> {
         let (group, is_triangle, material) = read_tag(words[9], scene)?;
         let [corner, left, right] = [vector(&words), vector(&words[3..]), vector(&words[6..])];
-        Ok(Self { corner, left, right, is_triangle, group, material, motion: read_body(words[10], scene)? })
+        let (motion, surface_velocity) = (read_body(words[10], scene)?, vector(&words[11..]));
+        Ok(Self { corner, left, right, is_triangle, group, material, motion, surface_velocity })
     }
 }
 

@@ -26,8 +26,8 @@ constants! {
     /// Words of a polygon: corner P, edges L, R, three floats each; 1 for a triangle, 0 for a parallelogram.
     pub const POLYGON_WORDS: u32 = 10;
     /// Words of the motion of a box or polygon: velocity of the corner x, y, z, number of the body (0: the world), angular velocity x, y,
-    /// z, padding, acceleration of the corner x, y, z, padding.
-    pub const WALL_WORDS: u32 = 12;
+    /// z, padding, acceleration of the corner x, y, z, padding, surface velocity x, y, z, padding.
+    pub const WALL_WORDS: u32 = 16;
     /// Floats of the pose of a body: the rows of R - 1, R the rotation from where its shapes are written; a reference point X; its
     /// displacement; its velocity; its acceleration; the angular velocity. Each is a vec4 whose last number is 0.
     pub const POSE_FLOATS: u32 = 32;
@@ -204,6 +204,8 @@ pub const fn words_of_rows(rows: u32) -> u64 {
 
 /// Place of the number of the body in the record of a moving wall.
 pub(crate) const WALL_BODY: usize = 3;
+/// First word of the surface velocity in the motion of a box or polygon.
+pub(crate) const WALL_SURFACE: usize = 12;
 
 /// Place of the rest length in the record of a spring.
 #[cfg(not(target_family = "wasm"))]

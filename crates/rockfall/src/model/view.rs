@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use crate::fine::Fine;
 use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, PAIR_WORDS, POLYGON_WORDS,
-    ROD_WORDS, SPRING_WORDS, TETHER_WORDS, WALL_BODY, WALL_WORDS,
+    ROD_WORDS, SPRING_WORDS, TETHER_WORDS, WALL_BODY, WALL_SURFACE, WALL_WORDS,
 };
 use crate::model::muscles::{half_steps, muscle_length};
 use crate::model::status::Status;
@@ -73,6 +73,8 @@ pub(crate) struct Wall {
     pub(crate) acceleration: Vec3,
     /// Angular velocity, in rad/s.
     pub(crate) spin: Vec3,
+    /// Velocity of its surface, in units/s.
+    surface: Vec3,
 }
 
 impl Wall {
@@ -84,6 +86,11 @@ impl Wall {
     /// Velocity of the wall at a point.
     pub(crate) fn velocity_at(&self, point: Vec3) -> Vec3 {
         self.velocity + self.spin.cross(self.lever(point))
+    }
+
+    /// Velocity of its surface at a contact point. A conveyor has a part of its own in the tangent plane.
+    pub(crate) fn surface_velocity_at(&self, point: Vec3, normal: Vec3) -> Vec3 {
+        self.velocity_at(point) + (self.surface - self.surface.dot(normal) * normal)
     }
 
     /// Acceleration of the wall at a point.
@@ -410,9 +417,9 @@ impl<'a> View<'a> {
         self.wall_record(object).map_or(0, |at| self.topology[at + WALL_BODY])
     }
 
-    /// The motion of a box or polygon that has one.
+    /// The motion of a box or polygon that moves, or whose surface does.
     pub(crate) fn wall(&self, object: Object) -> Option<Wall> {
-        let at = self.wall_record(object).filter(|at| self.topology[at + WALL_BODY] != 0)?;
+        let at = self.wall_record(object)?;
         let vector =
             |place: usize| Vec3::from_array(std::array::from_fn(|axis| f32::from_bits(self.topology[at + place + axis])));
         let corner = match object {
@@ -420,7 +427,9 @@ impl<'a> View<'a> {
             Object::Polygon(polygon) => self.polygon(polygon).corner,
             Object::Sphere(_) | Object::Rod(_) => return None,
         };
-        Some(Wall { corner, velocity: vector(0), spin: vector(4), acceleration: vector(8) })
+        let surface = vector(WALL_SURFACE);
+        let moves = self.topology[at + WALL_BODY] != 0 || surface != Vec3::ZERO;
+        moves.then(|| Wall { corner, velocity: vector(0), spin: vector(4), acceleration: vector(8), surface })
     }
 
     /// First word of the motion of a box or polygon, in scenes in which some of them move.

@@ -225,7 +225,7 @@ fn moving_side(plain: Side, a: u32, b: u32, found: Touch) -> Side {
     if WALLS {
         if b >= step.spheres + step.rods {
             let wall = wall_of(b);
-            half.velocity = velocity_of_wall(wall, contact_point(a, found.a, found.overlap, found.n));
+            half.velocity = velocity_of_surface(wall, contact_point(a, found.a, found.overlap, found.n), found.n);
             half.spin = wall.spin;
         }
     }

@@ -16,7 +16,7 @@ pub(crate) fn sides(view: &View, [a, b]: [u32; 2], touch: &Touch) -> [Side; 2] {
             let place = place_of(view, view, view.object(a), touch.a);
             let reach = of_a.radius.unwrap_or(0.0) - touch.overlap;
             Side {
-                velocity: wall.velocity_at(place + reach * touch.normal),
+                velocity: wall.surface_velocity_at(place + reach * touch.normal, touch.normal),
                 spin: wall.spin,
                 free_acceleration: of_a.free_acceleration + wall_acceleration(view, &wall, view.object(a)),
                 ..side(view, view.object(b), touch.b)

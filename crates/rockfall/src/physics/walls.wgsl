@@ -12,12 +12,13 @@ fn body_of(id: u32) -> u32 {
     return topology[wall_record(id - step.spheres - step.rods) + 3u];
 }
 
-// The motion of a box or polygon: its corner, the velocity and acceleration there, and its angular velocity.
+// The motion of a box or polygon: its corner, the velocity and acceleration there, its angular velocity, and the velocity of its surface.
 struct Wall {
     corner: vec3f,
     velocity: vec3f,
     acceleration: vec3f,
     spin: vec3f,
+    surface: vec3f,
 }
 
 // The motion of a box or polygon, which is 0 for one that never moves. Only in scenes with moving walls.
@@ -26,12 +27,17 @@ fn wall_of(id: u32) -> Wall {
     let record = wall_record(wall);
     let of_polygon = step.polygons_at + (wall - step.boxes) * POLYGON_WORDS;
     let corner = vector_at(select(of_polygon, step.boxes_at + wall * BOX_WORDS, wall < step.boxes));
-    return Wall(corner, vector_at(record), vector_at(record + 8u), vector_at(record + 4u));
+    return Wall(corner, vector_at(record), vector_at(record + 8u), vector_at(record + 4u), vector_at(record + 12u));
 }
 
 // Velocity of a wall at a point.
 fn velocity_of_wall(wall: Wall, point: vec3f) -> vec3f {
     return wall.velocity + cross(wall.spin, point - wall.corner);
+}
+
+// Velocity of the surface of a wall at a contact point. A conveyor has a part of its own in the tangent plane.
+fn velocity_of_surface(wall: Wall, point: vec3f, n: vec3f) -> vec3f {
+    return velocity_of_wall(wall, point) + (wall.surface - dot(wall.surface, n) * n);
 }
 
 // Acceleration of a wall at a point.

@@ -5,6 +5,8 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DVec3, Vec3};
 
 use crate::error::{Error, Result};
+use crate::scene::checks::finite;
+use crate::scene::pose::Pose;
 use crate::scene::registry::Handle;
 use crate::scene::{Cuboid, ObjectId, Polygon, Scene};
 
@@ -151,48 +153,6 @@ fn cross_matrix(v: DVec3) -> DMat3 {
     DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
 }
 
-/// Where a motion takes the points of a body: x to R x + p. Both have their first and second derivatives by the time.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pose {
-    turn: [DMat3; 3],
-    shift: [DVec3; 3],
-}
-
-impl Pose {
-    const REST: Self = Self { turn: [DMat3::IDENTITY, DMat3::ZERO, DMat3::ZERO], shift: [DVec3::ZERO; 3] };
-
-    /// The pose of a term that is inside this one.
-    fn of_inner(&self, inner: &Self) -> Self {
-        let ([r, r1, r2], [p, p1, p2]) = (self.turn, self.shift);
-        let ([q, q1, q2], [o, o1, o2]) = (inner.turn, inner.shift);
-        Self {
-            turn: [r * q, r1 * q + r * q1, r2 * q + 2.0 * (r1 * q1) + r * q2],
-            shift: [r * o + p, r1 * o + r * o1 + p1, r2 * o + 2.0 * (r1 * o1) + r * o2 + p2],
-        }
-    }
-
-    /// R - 1.
-    pub(crate) fn turn_less_one(&self) -> DMat3 {
-        self.turn[0] - DMat3::IDENTITY
-    }
-
-    /// Place, velocity and acceleration of a point of the body.
-    pub(crate) fn of_point(&self, point: DVec3) -> [DVec3; 3] {
-        [0, 1, 2].map(|order| self.turn[order] * point + self.shift[order])
-    }
-
-    /// Angular velocity, in rad/s.
-    pub(crate) fn spin(&self) -> DVec3 {
-        // R' R^T is the matrix of the cross product with it.
-        let across = self.turn[1] * self.turn[0].transpose();
-        0.5 * DVec3::new(
-            across.y_axis.z - across.z_axis.y,
-            across.z_axis.x - across.x_axis.z,
-            across.x_axis.y - across.y_axis.x,
-        )
-    }
-}
-
 impl Motion {
     /// Creates a motion of one term.
     pub fn new(name: impl Into<String>, term: MotionTerm) -> Self {
@@ -254,6 +214,16 @@ impl Motion {
         self.terms.iter().fold(Pose::REST, |outer, term| outer.of_inner(&term.pose(time)))
     }
 
+    /// A bound for the speed of a point of the body, given where it is at rest, in units/s.
+    pub(crate) fn speed_bound(&self, point: DVec3) -> f64 {
+        let of_term = |term: &MotionTerm| {
+            let lever = point - term.through;
+            let from_axis = lever.reject_from(term.axis.normalize_or(DVec3::Z)).length();
+            term.velocity.length() + TAU * term.frequency * term.amplitude.length() + term.spin.abs() * from_axis
+        };
+        self.terms.iter().map(of_term).sum()
+    }
+
     /// The point to which the displacements of the body refer: one of the first axis.
     pub(crate) fn reference(&self) -> DVec3 {
         self.terms.iter().find(|term| term.spin != 0.0).map_or(DVec3::ZERO, |term| term.through)
@@ -264,6 +234,10 @@ impl Motion {
         let terms = self.terms.iter().map(|term| MotionTerm { from: term.from - time, to: term.to - time, ..*term });
         Self { name: self.name.clone(), terms: terms.collect() }
     }
+}
+
+fn not_a_wall(field: &'static str, id: ObjectId) -> Error {
+    Error::Invalid { field, value: format!("{id:?}"), expected: "a box or a polygon" }
 }
 
 /// Where the motions of a scene are at a time.
@@ -289,16 +263,6 @@ impl Poses<'_> {
     fn of(&self, motion: Option<MotionId>) -> Option<&Pose> {
         let number = self.scene.body_number(motion).ok()? as usize;
         self.poses.get(number.checked_sub(1)?)
-    }
-}
-
-impl Pose {
-    fn corner(&self, point: Vec3) -> Vec3 {
-        self.of_point(point.as_dvec3())[0].as_vec3()
-    }
-
-    fn edge(&self, edge: Vec3) -> Vec3 {
-        (self.turn[0] * edge.as_dvec3()).as_vec3()
     }
 }
 
@@ -349,9 +313,23 @@ impl Scene {
         match id.into() {
             ObjectId::Box(id) => self.boxes.get_mut(id)?.motion = motion,
             ObjectId::Polygon(id) => self.polygons.get_mut(id)?.motion = motion,
-            other => {
-                return Err(Error::Invalid { field: "motion", value: format!("{other:?}"), expected: "a box or a polygon" });
-            }
+            other => return Err(not_a_wall("motion", other)),
+        }
+        Ok(())
+    }
+
+    /// Sets the surface velocity of a box or polygon, in units/s.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`] for an object that is not in the scene, [`Error::Invalid`] for another kind of object and for numbers that
+    /// are not finite.
+    pub fn set_surface_velocity(&mut self, id: impl Into<ObjectId>, velocity: impl Into<Vec3>) -> Result<()> {
+        let velocity = velocity.into();
+        finite("surface_velocity", velocity)?;
+        match id.into() {
+            ObjectId::Box(id) => self.boxes.get_mut(id)?.surface_velocity = velocity,
+            ObjectId::Polygon(id) => self.polygons.get_mut(id)?.surface_velocity = velocity,
+            other => return Err(not_a_wall("surface_velocity", other)),
         }
         Ok(())
     }

@@ -27,12 +27,15 @@ pub struct Cuboid {
     pub material: Option<MaterialId>,
     /// Motion that it follows; `None` for an object that never moves. Corner and edges are those at rest.
     pub motion: Option<MotionId>,
+    /// Velocity of its surface, like that of a conveyor, in units/s. The part along the normal of a contact has no effect.
+    pub surface_velocity: Vec3,
 }
 
 impl Cuboid {
     /// Creates a box from a corner and three orthogonal edges, in units.
     pub fn new(corner: impl Into<Vec3>, i: impl Into<Vec3>, j: impl Into<Vec3>, k: impl Into<Vec3>) -> Self {
-        Self { corner: corner.into(), edges: [i.into(), j.into(), k.into()], group: 0, material: None, motion: None }
+        let edges = [i.into(), j.into(), k.into()];
+        Self { corner: corner.into(), edges, group: 0, material: None, motion: None, surface_velocity: Vec3::ZERO }
     }
 
     /// Creates an axis-aligned box between two opposite corners, in units.
@@ -60,8 +63,15 @@ impl Cuboid {
         self
     }
 
+    /// Sets the velocity of its surface, in units/s.
+    pub fn surface_velocity(mut self, velocity: impl Into<Vec3>) -> Self {
+        self.surface_velocity = velocity.into();
+        self
+    }
+
     pub(crate) fn validate(&self) -> Result<()> {
         finite("box.corner", self.corner)?;
+        finite("box.surface_velocity", self.surface_velocity)?;
         for edge in self.edges {
             usable_edge("box.edge", edge)?;
         }
@@ -98,13 +108,16 @@ pub struct Polygon {
     pub material: Option<MaterialId>,
     /// Motion that it follows; `None` for an object that never moves. Corner and edges are those at rest.
     pub motion: Option<MotionId>,
+    /// Velocity of its surface, like that of a conveyor, in units/s. The part along the normal of a contact has no effect.
+    pub surface_velocity: Vec3,
 }
 
 impl Polygon {
     /// Creates a polygon from a corner and two edges that are not parallel, in units.
     pub fn new(corner: impl Into<Vec3>, left: impl Into<Vec3>, right: impl Into<Vec3>) -> Self {
         let (corner, left, right) = (corner.into(), left.into(), right.into());
-        Self { corner, left, right, is_triangle: false, group: 0, material: None, motion: None }
+        let (is_triangle, group, surface_velocity) = (false, 0, Vec3::ZERO);
+        Self { corner, left, right, is_triangle, group, material: None, motion: None, surface_velocity }
     }
 
     /// The vertices in order around the edge, in units: 4, or 3 of a triangle.
@@ -138,8 +151,15 @@ impl Polygon {
         self
     }
 
+    /// Sets the velocity of its surface, in units/s.
+    pub fn surface_velocity(mut self, velocity: impl Into<Vec3>) -> Self {
+        self.surface_velocity = velocity.into();
+        self
+    }
+
     pub(crate) fn validate(&self) -> Result<()> {
         finite("polygon.corner", self.corner)?;
+        finite("polygon.surface_velocity", self.surface_velocity)?;
         usable_edge("polygon.left", self.left)?;
         usable_edge("polygon.right", self.right)?;
         let (left, right) = (self.left.as_dvec3(), self.right.as_dvec3());

@@ -26,9 +26,10 @@
 //! | `@triangle x y z` + two edges | a triangle with the vertices x y z and the ends of both edges, which is touched from both sides |
 //! | `@mesh FILE scale=s at=x,y,z axis=x,y,z turn=degrees name=N` | the triangles of an STL, OBJ or PLY file ([`Mesh`](crate::Mesh)): scaled, turned about the axis through its origin, and moved. A relative path begins at the folder of the scene file |
 //! | `@move NAME` | nothing: the boxes and polygons of the lines below follow that motion; `@move -`: none |
+//! | `@surface velocity=x,y,z` | nothing: the surfaces of the boxes, polygons and meshes of the lines below move, like conveyors; `@surface -`: they do not |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last nineteen kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -146,7 +147,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 18] = [
+const AT_WORDS: [&str; 19] = [
     "@group",
     "@orientation",
     "@force",
@@ -163,6 +164,7 @@ const AT_WORDS: [&str; 18] = [
     "@triangle",
     "@motion",
     "@move",
+    "@surface",
     "@repeat",
     "@end",
 ];
@@ -196,6 +198,8 @@ struct Reader<'a> {
     material: Option<MaterialId>,
     /// The motion that the following boxes and polygons follow.
     motion: Option<MotionId>,
+    /// Velocity of the surface of the following boxes and polygons.
+    surface: Vec3,
     /// The name, colour and label of the following objects.
     tag: Option<Arc<Tag>>,
 }
@@ -218,6 +222,7 @@ impl<'a> Reader<'a> {
             group: 0,
             material: None,
             motion: None,
+            surface: Vec3::ZERO,
             tag: None,
         }
     }
@@ -254,6 +259,7 @@ impl<'a> Reader<'a> {
             "@run" => self.run(line, number),
             "@motion" => self.motion(line, number),
             "@move" => self.follow(line, number),
+            "@surface" => self.surface(line, number),
             "@end" => {
                 let message = "no `@repeat` above, expected one before the lines to repeat".to_owned();
                 self.not_understood(number, Wrong { field: "@end".to_owned(), message })

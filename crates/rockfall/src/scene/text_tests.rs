@@ -112,8 +112,8 @@ fn a_line_that_is_not_understood_is_an_error_in_a_file_with_extensions() {
         ("set", "set: a setting without a name, expected `set NAME VALUE`"),
         ("@grup 1", "'@grup': an unknown word, did you mean @group?"),
         (
-            "@mesh hopper.stl",
-            "'@mesh': an unknown word, expected one of @group, @orientation, @force, @capsule, @muscle, @material, @pair, @use, @name, @colour, @label, @run, @motion, @move, @repeat, @end",
+            "@brush hopper",
+            "'@brush': an unknown word, expected one of @group, @orientation, @force, @capsule, @muscle, @material, @pair, @use, @name, @colour, @label, @run, @mesh, @triangle, @motion, @move, @surface, @repeat, @end",
         ),
     ];
     for (line, expected) in cases {

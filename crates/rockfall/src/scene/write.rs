@@ -27,6 +27,7 @@ impl Scene {
             group: 0,
             material: None,
             motion: None,
+            surface: Vec3::ZERO,
             tag: Tag::default(),
             rods_written: 0,
             capsules_written: 0,
@@ -76,6 +77,7 @@ struct Writer<'a> {
     group: u16,
     material: Option<MaterialId>,
     motion: Option<MotionId>,
+    surface: Vec3,
     tag: Tag,
     /// Rods and capsules are written in insertion order, so these counts show which ones are still missing.
     rods_written: usize,
@@ -193,6 +195,16 @@ impl Writer<'_> {
             self.motion = motion;
             let name = motion.and_then(|id| self.scene.motion(id).ok()).map_or("-", |motion| &motion.name);
             let _ = writeln!(self.text, "@move {name}");
+        }
+    }
+
+    /// Writes a line that sets the surface velocity of the following boxes and polygons, if it changes.
+    fn set_surface(&mut self, velocity: Vec3) {
+        if self.surface != velocity {
+            self.surface = velocity;
+            let Vec3 { x, y, z } = velocity;
+            let value = if velocity == Vec3::ZERO { "-".to_owned() } else { format!("velocity={x},{y},{z}") };
+            let _ = writeln!(self.text, "@surface {value}");
         }
     }
 
@@ -341,6 +353,7 @@ impl Writer<'_> {
             self.set_group(cuboid.group, cuboid.material);
             self.set_tag(self.scene.boxes.tag_at(index));
             self.set_motion(cuboid.motion);
+            self.set_surface(cuboid.surface_velocity);
             let [i, j, k] = cuboid.edges;
             self.vectors("B", &[cuboid.corner, i, j, k]);
         }
@@ -348,6 +361,7 @@ impl Writer<'_> {
             self.set_group(polygon.group, polygon.material);
             self.set_tag(self.scene.polygons.tag_at(index));
             self.set_motion(polygon.motion);
+            self.set_surface(polygon.surface_velocity);
             let word = if polygon.is_triangle { "@triangle" } else { "P" };
             self.vectors(word, &[polygon.corner, polygon.left, polygon.right]);
         }

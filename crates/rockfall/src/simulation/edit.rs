@@ -8,8 +8,8 @@ use crate::fine::Fine;
 use crate::mesh::Mesh;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
-    BoxId, Capsule, CapsuleId, Cuboid, Facets, Material, MaterialId, Motion, MotionId, MotionTerm, ObjectId, Pair, Polygon, PolygonId,
-    Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
+    BoxId, Capsule, CapsuleId, Cuboid, Facets, Material, MaterialId, Motion, MotionId, MotionTerm, ObjectId, Pair, Polygon,
+    PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
 use crate::simulation::rates::put_rates;
@@ -136,6 +136,8 @@ edits! {
         update_motion(id: MotionId, change: impl FnOnce(&mut Motion)) -> ();
     Everything: /// Lets a box or polygon follow a motion, or none. It jumps to where the motion puts it at the present time.
         set_motion(id: impl Into<ObjectId>, motion: Option<MotionId>) -> ();
+    Everything: /// Sets the surface velocity of a box or polygon, in units/s, for example to stop a conveyor.
+        set_surface_velocity(id: impl Into<ObjectId>, velocity: impl Into<Vec3>) -> ();
     Topology: /// Adds a material.
         add_material(material: Material) -> MaterialId;
     Topology: /// Changes the constants of a material.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-use crate::scene::{Cuboid, Scene};
+use crate::scene::{Cuboid, MotionId, Scene};
 use crate::stability::{at_most, nearest};
 
 /// The object that bodies may pass through.
@@ -25,8 +25,10 @@ pub enum Thin {
 pub struct Tunnelling {
     /// The object that they pass through first.
     pub what: Thin,
-    /// The speed that bodies may reach, in units/s.
+    /// The speed that bodies may reach, in units/s, plus that of the fastest moving wall.
     pub speed: f64,
+    /// The speed of the fastest moving wall, in units/s. 0 without moving walls.
+    pub wall_speed: f64,
     /// The distance that they move per time step at that speed, in units.
     pub way: f64,
     /// The largest safe distance per time step, in units.
@@ -39,7 +41,13 @@ impl fmt::Display for Tunnelling {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [speed, way, depth] = [self.speed, self.way, self.depth].map(nearest);
         let dt = at_most(self.largest_dt);
-        write!(f, "bodies may reach {speed} units/s, {way} units a step, and pass through ")?;
+        if self.wall_speed > 0.0 {
+            let wall = nearest(self.wall_speed);
+            write!(f, "bodies and moving walls may meet at {speed} units/s ({wall} of it of the wall), ")?;
+        } else {
+            write!(f, "bodies may reach {speed} units/s, ")?;
+        }
+        write!(f, "{way} units a step, and pass through ")?;
         match self.what {
             Thin::Sphere => write!(f, "other spheres: the limit is the sum of the two smallest radii, {depth}")?,
             Thin::Rod => write!(f, "rods: the limit is the thinnest rod's radius plus the smallest sphere's, {depth}")?,
@@ -55,7 +63,8 @@ impl fmt::Display for Tunnelling {
 impl Scene {
     /// Returns a warning if a body can become fast enough to pass through something thin in a time step of `dt` seconds.
     ///
-    /// The speed u is that of the fastest body after a fall through the height of the scene, sqrt(v² + 2 G h). Springs and
+    /// The speed u is that of the fastest body after a fall through the height of the scene, sqrt(v² + 2 G h), plus that of the fastest
+    /// moving wall. Springs and
     /// external forces are not counted. A contact is detected if bodies overlap at the end of a step, and it pushes towards the
     /// nearest side. So u dt must not exceed
     ///
@@ -66,7 +75,8 @@ impl Scene {
     pub fn tunnelling(&self, dt: f32) -> Option<Tunnelling> {
         let movers = || self.spheres().iter().filter(|sphere| !sphere.fixed);
         let radius = movers().map(|sphere| f64::from(sphere.radius)).fold(f64::INFINITY, f64::min);
-        let speed = self.greatest_speed();
+        let wall_speed = self.greatest_wall_speed();
+        let speed = self.greatest_speed() + wall_speed;
         let thickness =
             |cuboid: &Cuboid| cuboid.edges.map(|edge| edge.as_dvec3().length()).into_iter().fold(f64::INFINITY, f64::min);
         let thinnest = self.boxes().iter().map(thickness).enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
@@ -82,7 +92,7 @@ impl Scene {
         let all = [of_polygon, of_sphere, of_rod, of_box].into_iter().flatten();
         let (what, depth) = all.min_by(|a, b| a.1.total_cmp(&b.1))?;
         let way = speed * f64::from(dt);
-        (way > depth).then_some(Tunnelling { what, speed, way, depth, largest_dt: depth / speed })
+        (way > depth).then_some(Tunnelling { what, speed, wall_speed, way, depth, largest_dt: depth / speed })
     }
 
     /// The speed of the fastest body after a fall through the height of the scene, sqrt(v² + 2 G h), in units/s.
@@ -90,6 +100,27 @@ impl Scene {
         let moving = self.spheres().iter().filter(|sphere| !sphere.fixed);
         let fastest = moving.map(|sphere| sphere.velocity.as_dvec3().length()).fold(0.0, f64::max);
         (fastest * fastest + 2.0 * f64::from(self.settings.gravity.abs()) * self.height()).sqrt()
+    }
+
+    /// A bound for the speed of the moving walls, in units/s: the sum of the speeds of the terms of their motions, with the farthest vertex
+    /// from the axis at rest.
+    fn greatest_wall_speed(&self) -> f64 {
+        let of = |motion: Option<MotionId>, vertices: &mut dyn Iterator<Item = DVec3>| {
+            let Some(Ok(motion)) = motion.map(|id| self.motion(id)) else { return 0.0 };
+            vertices.map(|vertex| motion.speed_bound(vertex)).fold(0.0, f64::max)
+        };
+        let boxes = self.boxes().iter().map(|cuboid| {
+            let [i, j, k] = cuboid.edges.map(|edge| edge.as_dvec3());
+            let corner = |n: u32| {
+                [i, j, k]
+                    .iter()
+                    .enumerate()
+                    .fold(cuboid.corner.as_dvec3(), |sum, (axis, edge)| sum + f64::from(n >> axis & 1) * *edge)
+            };
+            of(cuboid.motion, &mut (0..8).map(corner))
+        });
+        let polygons = self.polygons().iter().map(|polygon| of(polygon.motion, &mut polygon.vertices().map(|v| v.as_dvec3())));
+        boxes.chain(polygons).fold(0.0, f64::max)
     }
 
     /// The height through which the highest mover can fall, in units: down to the lowest surface that faces up, or to the

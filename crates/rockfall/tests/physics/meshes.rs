@@ -204,8 +204,8 @@ fn a_ball_rolls_in_a_tube_of_facets_as_in_a_smooth_one(backend: Backend) {
     let quarter = std::f64::consts::FRAC_PI_2 / expected * (1.0 + angle * angle / 16.0);
     simulation.run((quarter / f64::from(dt)).round() as u64, dt).expect("steps");
     let ball = spheres(&mut simulation)[0];
-    close(ball.position.x.into(), 0.0, 0.03 * reach * angle, "place after a quarter of a period");
-    close(ball.velocity.x.into(), -angle * reach * expected, 0.03 * angle * reach * expected, "velocity at the bottom");
+    close(f64::from(ball.position.x), 0.0, 0.03 * reach * angle, "place after a quarter of a period");
+    close(f64::from(ball.velocity.x), -angle * reach * expected, 0.03 * angle * reach * expected, "velocity at the bottom");
 }
 
 /// A ball rests in a V of two meshes that slope by 45 degrees: both push with m g / sqrt 2. In one that slopes by 4 degrees it has one
@@ -228,7 +228,7 @@ fn hollow_edges_keep_both_contacts_above_the_angle_of_meshes(backend: Backend) {
             let force = 2.0 * 9.81 / (2.0 * cos);
             for contact in contacts {
                 let ContactAction::Force(found) = contact.action else { panic!("an impulse") };
-                close(found.length().into(), force, 0.02 * force, &format!("force at {slope}"));
+                close(f64::from(found.length()), force, 0.02 * force, &format!("force at {slope}"));
             }
         }
     }

@@ -354,14 +354,58 @@ fn a_wall_goes_on_without_a_jump(backend: Backend) {
     simulation.run(50, 0.01).expect("steps");
     near(only(&mut simulation).velocity, [3.0, 0.0, 0.0], 1e-4, "velocity with the faster wall");
     let face = simulation.cast_ray([5.0, 1.0, 0.0], [-1.0, 0.0, 0.0]).expect("a valid ray").expect("the wall");
-    close(face.point.x.into(), 0.6 + 3.0 * 0.5, 1e-5, "place of the face");
+    close(f64::from(face.point.x), 0.6 + 3.0 * 0.5, 1e-5, "place of the face");
     simulation.go_on(motion, MotionTerm::default()).expect("a valid term");
     simulation.run(20, 0.01).expect("steps");
     let face = simulation.cast_ray([5.0, 1.0, 0.0], [-1.0, 0.0, 0.0]).expect("a valid ray").expect("the wall");
-    close(face.point.x.into(), 0.6 + 3.0 * 0.5, 1e-5, "place of the face at rest");
+    close(f64::from(face.point.x), 0.6 + 3.0 * 0.5, 1e-5, "place of the face at rest");
+}
+
+/// A ball that is put at rest on a belt of speed U slips for 2 U / (7 mu g) and then rolls at 2 U / 7, whether the belt is a box or a
+/// polygon, at rest or carried along. The part of the surface velocity across the belt does not push it. A wall that faces along the
+/// belt does not either.
+fn a_belt_takes_a_ball_along(backend: Backend) {
+    let (speed, friction, gravity) = (0.7, 0.2, 9.81);
+    for (law, is_box, carried) in
+        [(ContactLaw::Thesis, true, 0.0), (ContactLaw::HertzMindlin, true, 0.0), (ContactLaw::HertzMindlin, false, 0.3)]
+    {
+        let mut scene = with(|settings| {
+            settings.set("contact_law", &law.to_string()).expect("a law");
+            settings.gravity = gravity;
+        });
+        let rubber = scene.add_material(Material::new("rubber").density(1_000.0).young(1e7).poisson(0.3)).expect("a material");
+        let pair = Pair::default().restitution(0.3).friction(friction);
+        scene.set_pair(rubber, rubber, pair).expect("a valid pair");
+        let motion = slide(&mut scene, [0.0, 0.0, carried]);
+        let surface = [speed as f32, 0.4, 0.0];
+        if is_box {
+            let belt = Cuboid::between([-3.0, -0.1, -3.0], [3.0, 0.0, 3.0]).surface_velocity(surface);
+            scene.add_box(belt.material(rubber)).expect("a valid box");
+        } else {
+            let belt = Polygon::new([-3.0, 0.0, -3.0], [0.0, 0.0, 6.0], [6.0, 0.0, 0.0]).surface_velocity(surface);
+            scene.add_polygon(belt.material(rubber).motion(motion)).expect("a valid polygon");
+        }
+        let (radius, mass) = (0.05_f32, 0.5);
+        let ball = Sphere::new([-1.0, radius, 0.0], radius).mass(mass).velocity([0.0, 0.0, carried as f32]);
+        // It rolls with what carries the belt from the start.
+        scene.add_sphere(ball.material(rubber)).expect("a valid sphere");
+        let integrator = if law == ContactLaw::Thesis { Integrator::Rk4 } else { Integrator::VelocityVerlet };
+        let mut simulation = open(scene, backend, integrator);
+        let dt = if law == ContactLaw::Thesis { 0.002_f64 } else { 5e-5 };
+        let slips = 2.0 * speed / (7.0 * f64::from(friction) * f64::from(gravity));
+        simulation.run((0.5 * slips / dt) as u64, dt as f32).expect("steps");
+        let half = only(&mut simulation);
+        close(f64::from(half.velocity.x), speed / 7.0, 0.03 * speed, &format!("velocity while it slips, {law}"));
+        simulation.run((0.8 * slips / dt) as u64, dt as f32).expect("steps");
+        let ball = only(&mut simulation);
+        close(f64::from(ball.velocity.x), 2.0 * speed / 7.0, 0.01 * speed, &format!("velocity when it rolls, {law}"));
+        close(f64::from(ball.velocity.y), 0.0, 2e-3, "velocity across");
+        close(f64::from(ball.velocity.z), carried, 5e-3, "velocity with the belt");
+    }
 }
 
 both! {
+    a_belt_takes_a_ball_along,
     a_wall_goes_on_without_a_jump,
     a_racket_returns_a_ball,
     a_closing_wall_speeds_a_ball_up,

@@ -185,6 +185,7 @@ impl DeviceWorlds {
             large: false,
             muscles: false,
             walls: false,
+            triangles: false,
             law: LAW_THESIS,
             materials: false,
             resistance: false,

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::model::layout::{
     FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_RESISTANCE, FLAG_TRIANGLES, GROUP_MASK, KIND_FORCE, KIND_ROD,
     KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS,
-    WALL_BODY, WALL_WORDS, max_objects,
+    WALL_BODY, WALL_SURFACE, WALL_WORDS, max_objects,
 };
 #[cfg(not(target_family = "wasm"))]
 use crate::model::layout::{LENGTH_WORD, SPRING_WORDS};
@@ -188,20 +188,22 @@ fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut
     Ok(if differ { FLAG_GROUPS } else { 0 } | if has_triangles { FLAG_TRIANGLES } else { 0 })
 }
 
-/// Appends the motions of boxes and polygons, and a copy of their geometry as it is written, if some of them move.
+/// Appends the motions of boxes and polygons, and a copy of their geometry as it is written, if some of them or their surfaces move.
 fn pack_walls(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) -> Result<()> {
-    let boxes = scene.boxes().iter().map(|cuboid| cuboid.motion);
-    let motions = boxes.chain(scene.polygons().iter().map(|polygon| polygon.motion));
-    let bodies = motions.map(|motion| scene.body_number(motion)).collect::<Result<Vec<u32>>>()?;
+    let boxes = scene.boxes().iter().map(|cuboid| (cuboid.motion, cuboid.surface_velocity));
+    let walls = boxes.chain(scene.polygons().iter().map(|polygon| (polygon.motion, polygon.surface_velocity)));
+    let walls =
+        walls.map(|(motion, surface)| Ok((scene.body_number(motion)?, surface))).collect::<Result<Vec<(u32, Vec3)>>>()?;
     (layout.walls_at, layout.bodies) = (0, 0);
-    if bodies.iter().all(|body| *body == 0) {
+    if walls.iter().all(|wall| *wall == (0, Vec3::ZERO)) {
         return Ok(());
     }
     (layout.walls_at, layout.bodies) = (topology.len() as u32, scene.motions().len() as u32);
     let written = topology[layout.boxes_at as usize..].to_vec();
-    for body in bodies {
+    for (body, surface) in walls {
         let mut record = [0; WALL_WORDS as usize];
         record[WALL_BODY] = body;
+        record[WALL_SURFACE..WALL_SURFACE + 3].copy_from_slice(&surface.to_array().map(f32::to_bits));
         topology.extend(record);
     }
     topology.extend(written);

@@ -9,7 +9,7 @@ use super::motion::{number, vector};
 use super::{LineWarning, Reader};
 use crate::error::{nearest, quoted};
 use crate::mesh::Mesh;
-use crate::scene::{Tag, shared};
+use crate::scene::{Polygon, Tag, shared};
 
 const KEYS: [&str; 5] = ["scale", "at", "axis", "turn", "name"];
 
@@ -38,11 +38,8 @@ impl Reader<'_> {
             tag = Tag { name: Some(name), ..tag };
             tag.validate().map_err(|error| MESH.wrong("name", MESH.refused(&error).message))?;
         }
-        let (group, material, motion) = (self.group, self.material, self.motion);
-        let with = |mut triangle: crate::Polygon| {
-            (triangle.group, triangle.material, triangle.motion) = (group, material, motion);
-            triangle
-        };
+        let (group, material, motion, surface_velocity) = (self.group, self.material, self.motion, self.surface);
+        let with = |triangle| Polygon { group, material, motion, surface_velocity, ..triangle };
         let facets = self.scene.add_mesh(&mesh, with).map_err(|error| MESH.refused(&error))?;
         let tag = shared(tag);
         for id in facets.ids {

@@ -56,7 +56,7 @@ fn wrong_lines_name_the_field() {
         ("@mesh tetrahedron.stl scale=1 scale=2", "scale", "twice"),
     ] {
         let error = parse(&format!("# meshes\n{line}\n"), &folder).unwrap_err().to_string();
-        assert!(error.contains("scene.txt, line 2") && error.contains(field) && error.contains(part), "{line}: {error}");
+        assert!(error.contains("scene.txt:2") && error.contains(field) && error.contains(part), "{line}: {error}");
     }
     std::fs::remove_dir_all(folder).unwrap();
 }

@@ -1,9 +1,9 @@
-//! Lines about moving walls: `@motion` and `@move`.
+//! Lines about moving walls: `@motion`, `@move` and `@surface`.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::Reader;
-use super::line::{Kind, Line, MOTION, MOVE};
+use super::line::{Kind, Line, MOTION, MOVE, SURFACE};
 use super::tags::only_word;
 use crate::error::{nearest, quoted};
 use crate::scene::{Motion, MotionTerm};
@@ -62,6 +62,21 @@ impl Reader<'_> {
                 };
                 MOVE.wrong(&quoted(name), format!("an unknown motion, {hint}"))
             })?),
+        };
+        Ok(())
+    }
+}
+
+impl Reader<'_> {
+    pub(super) fn surface(&mut self, line: &str, number: usize) -> Line<()> {
+        let word = match only_word(&SURFACE, line) {
+            Ok(word) => word,
+            Err(wrong) => return self.not_understood(number, wrong),
+        };
+        self.surface = match word.split_once('=') {
+            _ if word == "-" => Vec3::ZERO,
+            Some(("velocity", value)) => vector(&SURFACE, "velocity", value)?.as_vec3(),
+            _ => return Err(SURFACE.wrong(&quoted(word), format!("expected `{}`, or `@surface -` for none", SURFACE.form()))),
         };
         Ok(())
     }

@@ -87,7 +87,8 @@ impl Reader<'_> {
     fn face(&mut self, kind: &Kind, line: &str, is_triangle: bool) -> Line<()> {
         let ([], n) = kind.read::<0, 9>(line)?;
         let polygon = Polygon::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9])).group(self.group);
-        let polygon = Polygon { is_triangle, material: self.material, motion: self.motion, ..polygon };
+        let polygon =
+            Polygon { is_triangle, material: self.material, motion: self.motion, surface_velocity: self.surface, ..polygon };
         let id = self.scene.add_polygon(polygon).map_err(|error| kind.refused(&error))?;
         self.tag_object(kind, id)
     }
@@ -103,7 +104,7 @@ impl Reader<'_> {
     pub(super) fn cuboid(&mut self, line: &str) -> Line<()> {
         let ([], n) = BOX.read::<0, 12>(line)?;
         let cuboid = Cuboid::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9]), vector(&n[9..12])).group(self.group);
-        let cuboid = Cuboid { material: self.material, motion: self.motion, ..cuboid };
+        let cuboid = Cuboid { material: self.material, motion: self.motion, surface_velocity: self.surface, ..cuboid };
         let id = self.scene.add_box(cuboid).map_err(|error| BOX.refused(&error))?;
         self.tag_object(&BOX, id)
     }

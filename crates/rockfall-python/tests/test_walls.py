@@ -1,0 +1,111 @@
+"""Walls that move, conveyors and meshes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rockfall as rf
+
+
+def falling(**settings: float) -> rf.Scene:
+    scene = rf.Scene()
+    scene.settings.gravity = settings.get("gravity", 0.0)
+    scene.settings.friction = 0.0
+    return scene
+
+
+def test_a_racket_returns_a_ball_and_goes_on() -> None:
+    scene = falling()
+    scene.settings.restitution = 1.0
+    scene.add_motion("racket", velocity=(1, 0, 0))
+    scene.add_box((-1, -2, -2), (0, 2, 2), motion="racket")
+    scene.add_spheres((1, 0, 0), 0.1, velocity=(-2, 0, 0))
+    sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+    sim.run(100)
+    np.testing.assert_allclose(sim.velocities[0], (4, 0, 0), atol=1e-4)
+    assert sim.motions["racket"][0].velocity == (1, 0, 0)
+    sim.move("racket")
+    sim.run(50)
+    hit = sim.cast_rays((5, 1.5, 0), (-1, 0, 0))
+    np.testing.assert_allclose(hit["point"][0, 0], 1.0, atol=1e-5)
+
+
+def test_a_table_moves_a_wall_through_its_points() -> None:
+    scene = falling()
+    scene.add_motion_table("lift", [0.0, 0.5, 1.0], [(0, 0, 0), (0, 1, 0), (0, 1, 0)])
+    floor = scene.add_box((-1, -1, -1), (1, 0, 1))
+    scene.follow("box", floor, "lift")
+    scene.add_spheres((0, 5, 0), 0.1)
+    sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+    for steps, height in [(25, 0.5), (50, 1.0), (50, 1.0)]:
+        sim.run(steps)
+        hit = sim.cast_rays((0.5, 4, 0.5), (0, -1, 0))
+        np.testing.assert_allclose(hit["point"][0, 1], height, atol=1e-5)
+    with pytest.raises(ValueError, match="increase"):
+        scene.add_motion_table("other", [0.0, 0.0], np.zeros((2, 3)))
+    with pytest.raises(ValueError, match="already"):
+        scene.add_motion_table("lift", [0.0, 1.0], np.zeros((2, 3)))
+
+
+def test_a_conveyor_takes_a_ball_along() -> None:
+    scene = rf.Scene()
+    scene.settings.gravity = 9.81
+    scene.settings.coulomb_friction = 0.3
+    belt = scene.add_box((-2, -1, -1), (2, 0, 1), surface_velocity=(0.7, 0, 0))
+    scene.add_spheres((-1, 0.1, 0), 0.1)
+    sim = rf.Simulation(scene, dt=0.002, backend="cpu")
+    sim.run(500)
+    np.testing.assert_allclose(sim.velocities[0, 0], 0.2, atol=5e-3)
+    sim.set_surface_velocity("box", belt, (0, 0, 0))
+    sim.run(1000)
+    assert abs(sim.velocities[0, 0]) < 0.1
+
+
+def cube() -> tuple[np.ndarray, np.ndarray]:
+    vertices = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return vertices, np.array([triangle for a, b, c, d in faces for triangle in ((a, b, c), (a, c, d))])
+
+
+def test_a_mesh_of_arrays_and_of_a_file_are_the_same(tmp_path: Path) -> None:
+    vertices, triangles = cube()
+    path = tmp_path / "cube.obj"
+    lines = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in triangles]
+    path.write_text("\n".join(lines))
+    scenes = []
+    for mesh in ((vertices, triangles), (path,)):
+        scene = falling(gravity=9.81)
+        numbers = scene.add_mesh(*mesh, scale=2, at=(-1, -2, -1), name="block", colour="grey")
+        assert len(numbers) == 12 and scene.counts.polygons == 12
+        scene.add_spheres((0.3, 0.5, 0.2), 0.1)
+        sim = rf.Simulation(scene, dt=0.002, backend="cpu")
+        sim.run(1000)
+        assert abs(sim.positions[0, 1] - 0.1) < 0.02
+        scenes.append(scene.to_text())
+    assert scenes[0] == scenes[1]
+    assert scenes[0].count("@triangle") == 12
+
+
+def test_wrong_walls_name_what_was_expected(tmp_path: Path) -> None:
+    scene = falling()
+    vertices, triangles = cube()
+    with pytest.raises(LookupError, match="drum.*no motions"):
+        scene.add_box((0, 0, 0), (1, 1, 1), motion="drum")
+    with pytest.raises(TypeError, match="triangles"):
+        scene.add_mesh(vertices)
+    with pytest.raises(ValueError, match="indices from 0 to 7"):
+        scene.add_mesh(vertices, triangles + 1)
+    with pytest.raises(OSError, match="gone.stl"):
+        scene.add_mesh(tmp_path / "gone.stl")
+    with pytest.raises(ValueError, match="scale"):
+        scene.add_mesh(vertices, triangles, scale=0)
+    with pytest.raises(ValueError, match="frequency"):
+        scene.add_motion("a", amplitude=(1, 0, 0), frequency=-1)
+    balls = scene.add_spheres((0, 5, 0), 0.1)
+    scene.add_motion("a", velocity=(1, 0, 0))
+    with pytest.raises(ValueError, match="box or a polygon"):
+        scene.follow("sphere", balls, "a")  # type: ignore[arg-type]
+    assert scene.counts.polygons == 0
