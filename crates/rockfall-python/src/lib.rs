@@ -56,7 +56,7 @@ mod _rockfall {
     #[pymodule_export]
     use crate::meshes::add_mesh;
     #[pymodule_export]
-    use crate::motions::{add_motion, follow, go_on, motions, set_surface_velocity};
+    use crate::motions::{add_motion, follow, go_on, motions, set_surface_velocity, wall_load};
     #[pymodule_export]
     use crate::names::{check_tag, named, names, set_tags, tag};
     #[pymodule_export]

@@ -25,7 +25,8 @@ fn term(numbers: Numbers) -> MotionTerm {
 
 fn find(scene: &rockfall::Scene, name: &str) -> PyResult<MotionId> {
     let known = || scene.motions().iter().map(|motion| motion.name.as_str()).collect::<Vec<_>>().join(", ");
-    let expected = || if scene.motions().is_empty() { "this scene has none".to_owned() } else { format!("expected one of {}", known()) };
+    let expected =
+        || if scene.motions().is_empty() { "this scene has none".to_owned() } else { format!("expected one of {}", known()) };
     scene.find_motion(name).ok_or_else(|| PyLookupError::new_err(format!("motion: {name:?} is unknown, {}", expected())))
 }
 
@@ -64,10 +65,25 @@ pub(crate) fn follow(target: &Bound<'_, PyAny>, kind: &str, numbers: Vec<i64>, m
 
 /// Sets the velocity of the surfaces of objects.
 #[pyfunction]
-pub(crate) fn set_surface_velocity(target: &Bound<'_, PyAny>, kind: &str, numbers: Vec<i64>, velocity: [f32; 3]) -> PyResult<()> {
+pub(crate) fn set_surface_velocity(
+    target: &Bound<'_, PyAny>,
+    kind: &str,
+    numbers: Vec<i64>,
+    velocity: [f32; 3],
+) -> PyResult<()> {
     with(target, |doors, ids| {
         let objects = numbers.iter().map(|number| object(ids, kind, *number)).collect::<PyResult<Vec<_>>>()?;
         objects.into_iter().try_for_each(|id| doors.set_surface_velocity(id, Vec3::from_array(velocity)).or_raise())
+    })
+}
+
+/// Force, torque and number of contacts of a wall.
+#[pyfunction]
+pub(crate) fn wall_load(target: &Bound<'_, PyAny>, name: &str) -> PyResult<([f64; 3], [f64; 3], u64)> {
+    let simulation = target.cast::<Simulation>().map_err(|_| PyTypeError::new_err("target: expected a Simulation"))?;
+    simulation.get().read(target.py(), |running| {
+        let load = running.simulation.wall_load(name).or_raise()?;
+        Ok((load.force.to_array(), load.torque.to_array(), load.contacts))
     })
 }
 

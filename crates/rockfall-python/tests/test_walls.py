@@ -109,3 +109,18 @@ def test_wrong_walls_name_what_was_expected(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="box or a polygon"):
         scene.follow("sphere", balls, "a")  # type: ignore[arg-type]
     assert scene.counts.polygons == 0
+
+
+def test_a_floor_bears_the_weight() -> None:
+    scene = rf.Scene()
+    scene.settings.gravity = 9.81
+    scene.add_box((-1, -1, -1), (1, 0, 1), name="floor")
+    scene.add_spheres([(0.3, 0.1, 0), (-0.5, 0.1, 0)], 0.1, mass=[1.0, 2.0])
+    sim = rf.Simulation(scene, dt=0.005, backend="cpu")
+    sim.run(2000)
+    load = sim.wall_load("floor")
+    np.testing.assert_allclose(load.force, (0, -3 * 9.81, 0), atol=0.1)
+    np.testing.assert_allclose(load.torque, (0, 0, (0.3 * -1 + 0.5 * 2) * 9.81), atol=0.1)
+    assert load.contacts == 2
+    with pytest.raises(ValueError, match="ceiling"):
+        sim.wall_load("ceiling")

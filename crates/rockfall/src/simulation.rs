@@ -30,6 +30,7 @@ mod engine;
 mod exchange;
 mod flight;
 mod force_laws;
+mod gauge;
 mod keep;
 mod lists;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
@@ -51,6 +52,7 @@ pub use contact_springs::ContactSprings;
 use edit::Dirty;
 use engine::Engine;
 use flight::Portioning;
+pub use gauge::WallLoad;
 use lists::ListPolicy;
 pub use observe::{Contact, ContactAction, MaxOverlap, SphereDiagnostics};
 use order::Disorder;

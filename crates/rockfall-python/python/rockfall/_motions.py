@@ -47,6 +47,17 @@ class MotionTerm(NamedTuple):
     end: float
 
 
+class WallLoad(NamedTuple):
+    """The load of all contacts on walls, as :meth:`Simulation.wall_load` returns it."""
+
+    #: Force on the walls in mass units/s², of shape (3,).
+    force: NDArray[np.float64]
+    #: Torque about the origin in mass units²/s², of shape (3,).
+    torque: NDArray[np.float64]
+    #: Number of contacts.
+    contacts: int
+
+
 def _vector(name: str, value: npt.ArrayLike) -> list[float]:
     array = np.asarray(value, dtype=np.float64)
     if array.shape != (3,):

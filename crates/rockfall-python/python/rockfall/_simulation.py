@@ -15,7 +15,7 @@ from rockfall._arrays import time_step, whole
 from rockfall._contact_law import ContactLaw, ContactLawOf, native_contact_law
 from rockfall._laws import ForceLaw, LawTable, native_laws
 from rockfall._look import look
-from rockfall._motions import motion_term
+from rockfall._motions import WallLoad, motion_term
 from rockfall._picture import Picture
 from rockfall._progress import Progress
 from rockfall._reports import Backend, Profile, Report, StageTime
@@ -208,6 +208,29 @@ class Simulation(Stored, LawTable, ContactLawOf):
         """
         self._edited()
         _rockfall.go_on(self._native, motion, motion_term(velocity, spin, axis, through, amplitude, frequency, phase, 0.0, end))
+
+    def wall_load(self, name: str) -> WallLoad:
+        """The load of all contacts on walls, as a gauge would measure it.
+
+        Parameters
+        ----------
+        name : str
+            Name of the walls, or of the motion that they follow.
+
+        Returns
+        -------
+        WallLoad
+            Force in mass units/s², torque about the origin in mass units²/s², and number of contacts. A collision counts with its
+            impulse divided by the time step. Friction impulses are left out.
+
+        Raises
+        ------
+        ValueError
+            If no box and no polygon has this name or motion.
+        """
+        self._commit()
+        force, torque, contacts = _rockfall.wall_load(self._native, name)
+        return WallLoad(np.array(force), np.array(torque), contacts)
 
     def run(self, steps: int, *, progress: bool = False) -> Report:
         """Run steps.

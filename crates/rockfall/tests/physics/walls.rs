@@ -3,7 +3,7 @@
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{
     Backend, BroadPhase, Checkpoint, ContactLaw, Cuboid, Integrator, Material, Motion, MotionId, MotionTerm, Options, Pair,
-    Polygon, Scene, Simulation, Sphere, SphereState,
+    Polygon, Scene, Simulation, Sphere, SphereState, Tag,
 };
 
 use crate::common::{bits_of, close, near, on, with};
@@ -404,7 +404,37 @@ fn a_belt_takes_a_ball_along(backend: Backend) {
     }
 }
 
+/// A pile at rest in a box weighs what its grains weigh: the load on the floor is the weight, and the torque that of the weights.
+fn a_floor_bears_the_weight(backend: Backend) {
+    for law in [ContactLaw::Thesis, ContactLaw::HertzMindlin] {
+        let mut scene = with(|settings| {
+            settings.set("contact_law", &law.to_string()).expect("a law");
+            settings.gravity = 9.81;
+        });
+        let glass = scene.add_material(Material::new("glass").density(2_500.0).young(1e6).poisson(0.3)).expect("a material");
+        scene.set_pair(glass, glass, Pair::default().restitution(0.3).friction(0.5)).expect("a valid pair");
+        let floor = scene.add_box(Cuboid::between([-1.0, -0.1, -1.0], [1.0, 0.0, 1.0]).material(glass)).expect("a valid box");
+        scene.set_tag(floor, Tag::new().name("floor")).expect("a valid tag");
+        let mut expected = DVec3::ZERO;
+        for (x, y, mass) in [(0.3_f32, 0.1_f32, 1.0_f32), (0.3, 0.3, 2.0), (-0.5, 0.1, 0.5)] {
+            scene.add_sphere(Sphere::new([x, y, 0.2], 0.1).mass(mass).material(glass)).expect("a valid sphere");
+            expected += DVec3::new(f64::from(x), 0.0, 0.2).cross(DVec3::new(0.0, -9.81 * f64::from(mass), 0.0));
+        }
+        let (integrator, dt) =
+            if law == ContactLaw::Thesis { (Integrator::Rk4, 0.005) } else { (Integrator::VelocityVerlet, 2e-4) };
+        let mut simulation = open(scene, backend, integrator);
+        simulation.run(on(backend, 10_000, 2_500), dt).expect("steps");
+        let load = simulation.wall_load("floor").expect("a wall of that name");
+        assert_eq!(load.contacts, 2, "{law}");
+        let tolerance = if backend == Backend::Cpu { 0.01 } else { 0.05 };
+        close(load.force.y, -9.81 * 3.5, tolerance * 35.0, &format!("weight, {law}"));
+        near(load.torque.as_vec3(), expected, f64::from(tolerance) * 8.0, &format!("torque, {law}"));
+        assert!(simulation.wall_load("wall").unwrap_err().to_string().contains("'wall'"));
+    }
+}
+
 both! {
+    a_floor_bears_the_weight,
     a_belt_takes_a_ball_along,
     a_wall_goes_on_without_a_jump,
     a_racket_returns_a_ball,
