@@ -487,6 +487,12 @@ fn touch_polygon_finely(i: u32, radius: f32, polygon: Polygon) -> Touch {
     return found;
 }
 
+// Whether a point is over a face of a box, neither beside it nor inside the box.
+fn is_over_box(point: vec3f, box: Cuboid) -> bool {
+    let beside = abs(box_parameters(point, box) - 0.5) > vec3f(0.5);
+    return dot(select(vec3f(0.0), vec3f(1.0), beside), vec3f(1.0)) == 1.0;
+}
+
 // Whether the centre of a sphere is over the face of a polygon, neither beside nor behind it. A triangle has a face on both sides.
 fn is_over_polygon(centre: vec3f, polygon: Polygon) -> bool {
     let face = face_of(polygon);

@@ -8,10 +8,12 @@ use crate::model::lists::{Entry, Lists};
 use crate::model::view::{BoxRecord, Object, RodRecord, View};
 use crate::physics::chain::touch;
 use crate::physics::geometry::{box_contains, box_parameters};
-use crate::physics::touch::{Feature, Motions, Touch, box_from, ends, line, origin_of};
+use crate::physics::touch::{Feature, Motions, Touch, box_from, ends, is_over_face, line, origin_of};
 
 /// A candidate counts as hidden if its nearest point is less than this times the radius in front of a tangent plane.
 const SLACK: f32 = 1e-5;
+/// Part of the distance by which an edge comes later than a face.
+const EDGE: f32 = 2e-6;
 /// The cosine of 0.01 rad. Normals that differ by less are one. Those of two triangles may differ by more.
 const ONE_NORMAL: f32 = 0.999_95;
 
@@ -23,13 +25,18 @@ struct Candidate {
     id: u32,
     /// Distance of the nearest point from the centre of the sphere; negative if the centre is inside a box.
     distance: f32,
+    /// The distance by which candidates are ordered.
+    order: f32,
     /// Unit vector from the centre to the nearest point, if the distance is positive.
     normal: Vec3,
 }
 
 impl Candidate {
     fn of(view: &View, sphere: u32, id: u32, touch: &Touch) -> Self {
-        Self { id, distance: view.radius(sphere) - touch.overlap, normal: touch.normal }
+        let distance = view.radius(sphere) - touch.overlap;
+        let is_face = distance < 0.0 || is_over_face(view, Object::Sphere(sphere), view.object(id));
+        let order = if is_face { distance } else { distance + EDGE * distance };
+        Self { id, distance, order, normal: touch.normal }
     }
 
     /// Whether a nearer candidate hides this one. A box that contains the centre hides only what is wholly behind its face.
@@ -80,7 +87,7 @@ fn order(view: &View, one: &Candidate, other: &Candidate) -> Ordering {
         let (is_polygon, vectors) = geometry(view, id);
         (is_polygon, vectors.map(|vector| vector.to_array()))
     };
-    let by_distance = one.distance.partial_cmp(&other.distance).unwrap_or(Ordering::Equal);
+    let by_distance = one.order.partial_cmp(&other.order).unwrap_or(Ordering::Equal);
     by_distance.then_with(|| numbers(one.id).partial_cmp(&numbers(other.id)).unwrap_or(Ordering::Equal))
 }
 

@@ -5,6 +5,8 @@
 
 // A candidate counts as hidden if its nearest point is less than this times the radius in front of a tangent plane.
 const SURFACE_SLACK: f32 = 1e-5;
+// Part of the distance by which an edge comes later than a face.
+const EDGE_SLACK: f32 = 2e-6;
 // The cosine of 0.01 rad. Normals that differ by less are one. Those of two triangles may differ by more.
 const ONE_NORMAL: f32 = 0.99995;
 // Room for chosen candidates. Those that do not fit count, but hide no others.
@@ -20,6 +22,8 @@ struct Candidate {
     n: vec3f,
     // Number of overlaps among the objects that it was chosen from.
     overlaps: u32,
+    // The distance by which candidates are ordered.
+    order: f32,
 }
 
 // The chosen candidates of a sphere. A variable of a function: those of a module would be set to zero in every thread.
@@ -116,6 +120,15 @@ fn is_first_shape(one: u32, other: u32) -> bool {
     return select(select(order_of_vectors(a.right, b.right), left, left != 0), corner, corner != 0) < 0;
 }
 
+// Whether the point of a box or polygon that is nearest to x is on a face, and not on an edge or a corner. x is outside of the box.
+fn has_face_at(id: u32, x: vec3f) -> bool {
+    let boxes = step.spheres + step.rods;
+    if id < boxes + step.boxes {
+        return is_over_box(x, cuboid(id - boxes));
+    }
+    return is_over_polygon(x, polygon(id - boxes - step.boxes));
+}
+
 // The better one of a candidate and a box or polygon: nearer, and not hidden by the chosen ones.
 fn nearer_candidate(best: Candidate, i: u32, own: vec4f, id: u32, chosen: ptr<function, Surfaces>) -> Candidate {
     let found = touch_static(i, id, own);
@@ -124,12 +137,15 @@ fn nearer_candidate(best: Candidate, i: u32, own: vec4f, id: u32, chosen: ptr<fu
     }
     var kept = best;
     kept.overlaps++;
-    let one = Candidate(id, own.w - found.overlap, found.n, kept.overlaps);
+    let distance = own.w - found.overlap;
+    // An edge comes later than a face, whatever the rounding errors.
+    let order = distance + select(EDGE_SLACK * distance, 0.0, (distance < 0.0) | has_face_at(id, own.xyz));
+    let one = Candidate(id, distance, found.n, kept.overlaps, order);
     if is_behind(one, own, chosen) {
         return kept;
     }
-    var is_nearer = (best.id == NONE) | (one.distance < best.distance);
-    if !is_nearer & (one.distance == best.distance) {
+    var is_nearer = (best.id == NONE) | (one.order < best.order);
+    if !is_nearer & (one.order == best.order) {
         is_nearer = is_first_shape(id, best.id);
     }
     if is_nearer {
@@ -138,8 +154,13 @@ fn nearer_candidate(best: Candidate, i: u32, own: vec4f, id: u32, chosen: ptr<fu
     return kept;
 }
 
+// A candidate that is not ordered.
+fn candidate(id: u32, own: vec4f, found: Touch) -> Candidate {
+    return Candidate(id, own.w - found.overlap, found.n, 0u, 0.0);
+}
+
 fn no_candidate() -> Candidate {
-    return Candidate(NONE, 0.0, vec3f(0.0), 0u);
+    return Candidate(NONE, 0.0, vec3f(0.0), 0u, 0.0);
 }
 
 // Whether a sphere overlaps a box or polygon that a chosen candidate hides. All candidates have been chosen from.
@@ -150,7 +171,7 @@ fn is_hidden(i: u32, own: vec4f, id: u32, chosen: ptr<function, Surfaces>) -> bo
         }
     }
     let found = touch_static(i, id, own);
-    return (found.overlap > 0.0) && is_behind(Candidate(id, own.w - found.overlap, found.n, 0u), own, chosen);
+    return (found.overlap > 0.0) && is_behind(candidate(id, own, found), own, chosen);
 }
 
 fn choose_surface(one: Candidate, chosen: ptr<function, Surfaces>) {

@@ -53,8 +53,7 @@ fn is_over_face(a: ContactSide, b: ContactSide, poise: SideMotion) -> bool {
     }
     let centre = centre_of(a, poise).xyz;
     if b.id < boxes + step.boxes {
-        let beside = abs(box_parameters(centre, box_from(origin_of(a), cuboid(b.id - boxes))) - 0.5) > vec3f(0.5);
-        return dot(select(vec3f(0.0), vec3f(1.0), beside), vec3f(1.0)) == 1.0;
+        return is_over_box(centre, box_from(origin_of(a), cuboid(b.id - boxes)));
     }
     return is_over_polygon(centre, polygon_from(origin_of(a), polygon(b.id - boxes - step.boxes)));
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::bodies::{Bodies, Kind};
 use crate::decisions::{Contact, Findings, LIMIT};
-use crate::narrow::is_vertex;
+use crate::narrow::{is_on_face, is_vertex};
 
 /// A shape is behind a plane from this part of the radius in front of it.
 const BEHIND: f64 = 1e-5;
@@ -30,6 +30,7 @@ struct Shape {
     n: DVec3,
     is_polygon: bool,
     is_triangle: bool,
+    on_face: bool,
     numbers: Vec<f64>,
     /// Centre of the sphere.
     x: DVec3,
@@ -53,7 +54,19 @@ impl Shape {
         };
         let d = bodies.balls[ball].radius - contact.touch.overlap;
         let numbers = vectors.into_iter().flat_map(|vector| vector.to_array()).collect();
-        Some((ball, Self { place, d, n: contact.touch.n, is_polygon, is_triangle, numbers, x: bodies.balls[ball].x }))
+        Some((
+            ball,
+            Self {
+                place,
+                d,
+                n: contact.touch.n,
+                is_polygon,
+                is_triangle,
+                on_face: is_on_face(&contact.touch),
+                numbers,
+                x: bodies.balls[ball].x,
+            },
+        ))
     }
 
     /// Whether equal distances from two shapes are equal numbers on every backend: the shapes are boxes along the axes whose
@@ -79,7 +92,12 @@ impl Shape {
 
     fn order(&self, other: &Self) -> Ordering {
         let by_numbers = || self.numbers.partial_cmp(&other.numbers).expect("finite numbers");
-        self.d.total_cmp(&other.d).then(self.is_polygon.cmp(&other.is_polygon)).then_with(by_numbers)
+        self.key().total_cmp(&other.key()).then(self.is_polygon.cmp(&other.is_polygon)).then_with(by_numbers)
+    }
+
+    /// The number by which shapes are ordered: an edge comes later than a face.
+    fn key(&self) -> f64 {
+        if self.on_face || self.d < 0.0 { self.d } else { self.d * (1.0 + 2e-6) }
     }
 
     /// The least of (q - x) n over the vertices q.
@@ -173,7 +191,7 @@ fn hidden(ball: usize, radius: f64, mut shapes: Vec<Shape>, findings: &mut Findi
             if matters && shape.ties(earlier) {
                 findings.count("equal distances".to_owned());
             } else if matters {
-                findings.decide("the order of shapes", ball, shape.d - earlier.d);
+                findings.decide("the order of shapes", ball, shape.key() - earlier.key());
             }
             strongest = strongest.max(hides);
         }

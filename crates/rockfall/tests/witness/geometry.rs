@@ -162,6 +162,21 @@ fn place_over(ball: &Ball, face: &Face) -> ([f64; 2], DVec3) {
     ([l, k], n.normalize())
 }
 
+/// Whether the point of a box or polygon that is nearest to a sphere's centre is on a face.
+pub(crate) fn is_on_face(world: &World, ball: &Ball, thing: Thing) -> bool {
+    match thing {
+        Thing::Block(block) => {
+            in_box(&world.blocks[block], ball.x).into_iter().filter(|t| !(0.0..=1.0).contains(t)).count() == 1
+        }
+        Thing::Face(face) => {
+            let face = &world.faces[face];
+            let ([l, k], _) = place_over(ball, face);
+            on_segment(l) && on_segment(k) && (!face.is_triangle || on_segment(l + k))
+        }
+        Thing::Ball(_) | Thing::Bar(_) => false,
+    }
+}
+
 /// Contact with the nearest point of a polygon. There is none behind the plane of a parallelogram.
 fn sphere_face(ball: &Ball, face: &Face) -> Option<Line> {
     let (place, mut up) = place_over(ball, face);

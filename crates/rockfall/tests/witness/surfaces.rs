@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use rockfall::glam::DVec3;
 
-use crate::geometry::{Feature, Line, Pair, Thing, in_box};
+use crate::geometry::{Feature, Line, Pair, Thing, in_box, is_on_face};
 use crate::world::{Mistake, World};
 
 /// A shape is behind another one if its nearest point is at most this part of the radius in front of the other's tangent plane.
@@ -20,6 +20,8 @@ struct Candidate {
     place: usize,
     /// Signed distance from the centre of the sphere.
     d: f64,
+    /// Whether the nearest point is on a face, not on an edge or a corner.
+    on_face: bool,
     n: DVec3,
     /// Whether it is a polygon, and the numbers of its corner and edges.
     geometry: (bool, Vec<f64>),
@@ -32,7 +34,8 @@ struct Candidate {
 impl Candidate {
     fn before(&self, other: &Self) -> Ordering {
         let numbers = |one: &Self, two: &Self| one.geometry.partial_cmp(&two.geometry).expect("finite numbers");
-        self.d.total_cmp(&other.d).then_with(|| numbers(self, other))
+        let key = |one: &Self| if one.on_face || one.d < 0.0 { one.d } else { one.d * (1.0 + 2e-6) };
+        key(self).total_cmp(&key(other)).then_with(|| numbers(self, other))
     }
 
     /// Depth behind the centre, along a direction, of the vertex that is least deep.
@@ -116,6 +119,7 @@ impl World {
             Some(Candidate {
                 place,
                 d: self.balls[ball].radius - line.o,
+                on_face: is_on_face(self, &self.balls[ball], pair.b),
                 n: line.n,
                 geometry: (is_face, numbers(&vectors)),
                 corner: vectors[0] - self.balls[ball].x,

@@ -8,7 +8,7 @@ fn is_hidden_crossing(i: u32, id: u32, time: f32) -> bool {
     let now = state[position_at(i)];
     let own = vec4f(now.xyz - time * (path_of(i) - drift_of(i, id)), now.w);
     let found = contact_with_shape(own, id);
-    let one = Candidate(id, own.w - found.overlap, found.n, 0u);
+    let one = candidate(id, own, found);
     let count = count_of(i);
     let first = first_of(i);
     for (var e = 0u; e < count; e++) {
@@ -19,7 +19,7 @@ fn is_hidden_crossing(i: u32, id: u32, time: f32) -> bool {
         let nearer = contact_with_shape(own, other);
         if (nearer.overlap > 0.0) & (nearer.overlap > found.overlap) {
             var chosen: Surfaces;
-            choose_surface(Candidate(other, own.w - nearer.overlap, nearer.n, 0u), &chosen);
+            choose_surface(candidate(other, own, nearer), &chosen);
             if is_behind(one, own, &chosen) {
                 return true;
             }

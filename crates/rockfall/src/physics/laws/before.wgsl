@@ -22,7 +22,7 @@ fn comes_from_behind(own: vec4f, velocity: vec3f, id: u32) -> bool {
 fn spring_on_surface(sphere: u32, id: u32, found: Touch) -> Spring {
     let own = state[position_at(sphere)];
     var chosen: Surfaces;
-    choose_surface(Candidate(id, own.w - found.overlap, found.n, 0u), &chosen);
+    choose_surface(candidate(id, own, found), &chosen);
     let objects = step.spheres + step.rods + step.boxes + step.polygons;
     var record = followed(first_record(sphere));
     while record != NONE {
