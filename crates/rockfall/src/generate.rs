@@ -22,10 +22,14 @@ mod bodies;
 mod creature;
 mod grains;
 mod hopper;
+mod machines;
 
 pub use benchmark::{Benchmark, LAYERS};
 pub use creature::{creature, creature_without_pairs};
 pub use grains::Drum;
+
+/// Angular velocity of a generated drum, in rad/s: 12 revolutions per minute.
+const DRUM_SPIN: f64 = 0.4 * std::f64::consts::PI;
 
 /// The kind of scene to generate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -40,15 +44,32 @@ pub enum Kind {
     Chain,
     /// Spheres that run through a funnel into a box.
     Hopper,
-    /// Grains in a drum that can be turned: see [`Drum`].
+    /// Grains in a drum that turns: see [`Drum`].
     Drum,
     /// A column of grains that collapses into a heap.
     Column,
+    /// Grains in a box that is shaken up and down.
+    Vibrated,
+    /// Grains in an upright drum with blades that turn.
+    Mixer,
+    /// Grains in a tube with a screw that turns.
+    Screw,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 7] = [Self::Pile, Self::Mixed, Self::Soft, Self::Chain, Self::Hopper, Self::Drum, Self::Column];
+    pub const ALL: [Self; 10] = [
+        Self::Pile,
+        Self::Mixed,
+        Self::Soft,
+        Self::Chain,
+        Self::Hopper,
+        Self::Drum,
+        Self::Column,
+        Self::Vibrated,
+        Self::Mixer,
+        Self::Screw,
+    ];
 
     /// Name of the kind on the command line.
     pub fn name(self) -> &'static str {
@@ -60,6 +81,9 @@ impl Kind {
             Self::Hopper => "hopper",
             Self::Drum => "drum",
             Self::Column => "column",
+            Self::Vibrated => "vibrated",
+            Self::Mixer => "mixer",
+            Self::Screw => "screw",
         }
     }
 
@@ -77,8 +101,11 @@ impl Kind {
             Self::Soft => bodies::soft(spheres, &mut random),
             Self::Chain => bodies::chain(spheres, &mut random),
             Self::Hopper => hopper::hopper(spheres, &mut random),
-            Self::Drum => Drum::new(spheres).scene(seed),
+            Self::Drum => Drum::new(spheres).spin(DRUM_SPIN).scene(seed),
             Self::Column => grains::column(spheres, &mut random),
+            Self::Vibrated => machines::vibrated(spheres, &mut random),
+            Self::Mixer => machines::mixer(spheres, &mut random),
+            Self::Screw => machines::screw(spheres, &mut random),
         }?;
         if self.has_grains() {
             (scene.run.dt, scene.run.integrator) = (Some(self.time_step()), Some(Integrator::VelocityVerlet.into()));
@@ -89,7 +116,7 @@ impl Kind {
     /// Whether scenes of this kind have grains with the contact law `hertz-mindlin`, in SI units. They need the integrator
     /// `velocity-verlet` or `symplectic-euler`.
     pub fn has_grains(self) -> bool {
-        matches!(self, Self::Drum | Self::Column)
+        matches!(self, Self::Drum | Self::Column | Self::Vibrated | Self::Mixer | Self::Screw)
     }
 
     /// The time step for which scenes of this kind are made, in s.
@@ -97,6 +124,7 @@ impl Kind {
         match self {
             Self::Drum => Drum::STEP,
             Self::Column => grains::COLUMN_STEP,
+            Self::Vibrated | Self::Mixer | Self::Screw => machines::MACHINE_STEP,
             _ => 0.02,
         }
     }
@@ -106,7 +134,11 @@ impl Kind {
     pub fn note(self, spheres: u32) -> String {
         match self {
             Self::Hopper => hopper::note(spheres),
-            Self::Drum | Self::Column => grains::note(self),
+            Self::Column => grains::note(),
+            Self::Drum => machines::note("drum"),
+            Self::Vibrated => machines::note("shaker"),
+            Self::Mixer => machines::note("blades"),
+            Self::Screw => machines::note("screw"),
             _ => String::new(),
         }
     }
@@ -125,7 +157,7 @@ impl FromStr for Kind {
         Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| Error::Invalid {
             field: "kind",
             value: quoted(text),
-            expected: "pile, mixed, soft, chain, hopper, drum or column",
+            expected: "pile, mixed, soft, chain, hopper, drum, column, vibrated, mixer or screw",
         })
     }
 }

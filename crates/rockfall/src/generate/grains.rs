@@ -2,25 +2,25 @@
 
 use std::f32::consts::{PI, TAU};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
-use super::{Kind, Random, check_count};
+use super::{Random, check_count};
 use crate::error::{Error, Result};
-use crate::scene::{Cuboid, Material, MaterialId, Pair, Polygon, Scene, Sphere};
+use crate::scene::{Cuboid, Material, MaterialId, Motion, MotionTerm, Pair, Polygon, Scene, Sphere};
 use crate::settings::ContactLaw;
 
 /// Share of the volume that grains take in a bed at rest.
 const BED: f32 = 0.6;
 /// Edge of the cell in which a grain starts, in diameters. A cell is a little larger than its grain, so that grains of a
 /// lattice lose their order when they fall into place.
-const CELL: f32 = 1.06;
+pub(super) const CELL: f32 = 1.06;
 /// Gravity, in m/s².
-const GRAVITY: f32 = 9.81;
+pub(super) const GRAVITY: f32 = 9.81;
 
 /// Description of a drum with grains in it, in SI units. Its axis is the z axis, and its middle is the origin.
 ///
-/// Boxes and polygons do not move. The drum therefore rotates in its own frame of reference, where the direction of gravity
-/// turns: [`Drum::down`]. The centrifugal and the Coriolis force are left out. The former is smaller than gravity by the
+/// The walls turn with [`Drum::spin`], or the drum stands still and rotates in its own frame of reference, where the direction of gravity
+/// turns: [`Drum::down`]. In that frame, the centrifugal and the Coriolis force are left out. The former is smaller than gravity by the
 /// Froude number w² R / g, which is 0.03 at 12 revolutions per minute and a radius of 0.2 m.
 ///
 /// Grains and walls are those of the benchmark of PhasicFlow 1.0 (Norouzi, *Comput. Phys. Commun.* 291, 108821 (2023)):
@@ -43,6 +43,8 @@ pub struct Drum {
     pub friction: f32,
     /// Whether the end walls have friction. Smooth ones are those of a slice of a long drum.
     pub rough_ends: bool,
+    /// Angular velocity of the walls about the z axis, in rad/s. 0: they stand still.
+    pub spin: f64,
 }
 
 impl Drum {
@@ -52,7 +54,13 @@ impl Drum {
     /// Describes a drum as in the benchmark: its length is 4 times its radius, which is 0.2 m for 1,000,000 grains of radius
     /// 2 mm.
     pub fn new(grains: u32) -> Self {
-        Self { grains, radius: 0.002, facets: 48, length: 4.0, filling: 5.0 / 9.0, friction: 0.65, rough_ends: true }
+        Self { grains, radius: 0.002, facets: 48, length: 4.0, filling: 5.0 / 9.0, friction: 0.65, rough_ends: true, spin: 0.0 }
+    }
+
+    /// Lets the walls turn by `spin` rad/s about the z axis, by a motion with the name `drum`.
+    pub fn spin(mut self, spin: f64) -> Self {
+        self.spin = spin;
+        self
     }
 
     /// Direction of gravity in the frame of a drum that has turned by an angle, in rad, about the z axis.
@@ -109,6 +117,8 @@ impl Drum {
             let sphere = Sphere::new(place + random.offset(0.9 * room), self.radius).density(DENSITY).material(grain);
             scene.add_sphere(sphere)?;
         }
+        let turn = MotionTerm::turn(self.spin, DVec3::Z, DVec3::ZERO);
+        let motion = (self.spin != 0.0).then(|| scene.add_motion(Motion::new("drum", turn))).transpose()?;
         let half = 0.5 * self.length * drum;
         // The polygons extend into the end walls, and the end walls beyond the polygons.
         let reach = half + self.radius;
@@ -118,11 +128,13 @@ impl Drum {
             let (outwards, along) = (Vec3::new(cos, sin, 0.0), Vec3::new(-sin, cos, 0.0));
             let corner = drum * outwards - half_width * along - reach * Vec3::Z;
             // Solid from the inside: the side that z x along points to.
-            scene.add_polygon(Polygon::new(corner, 2.0 * reach * Vec3::Z, 2.0 * half_width * along).material(wall))?;
+            let facet = Polygon::new(corner, 2.0 * reach * Vec3::Z, 2.0 * half_width * along).material(wall);
+            scene.add_polygon(Polygon { motion, ..facet })?;
         }
         let wide = 1.3 * drum;
         for [from, to] in [[-half - drum, -half], [half, half + drum]] {
-            scene.add_box(Cuboid::between([-wide, -wide, from], [wide, wide, to]).material(end))?;
+            let wall = Cuboid::between([-wide, -wide, from], [wide, wide, to]).material(end);
+            scene.add_box(Cuboid { motion, ..wall })?;
         }
         Ok(scene)
     }
@@ -145,11 +157,11 @@ impl Drum {
 }
 
 /// Density of the grains, in kg/m³, and Poisson's ratio.
-const DENSITY: f32 = 2500.0;
+pub(super) const DENSITY: f32 = 2500.0;
 const POISSON: f32 = 0.25;
 
 /// An empty scene with the law `hertz-mindlin`, and the material of its grains.
-fn grains(young: f32) -> Result<(Scene, MaterialId)> {
+pub(super) fn grains(young: f32) -> Result<(Scene, MaterialId)> {
     let mut scene = Scene::new();
     scene.settings.contact_law = ContactLaw::HertzMindlin;
     scene.settings.collisions = false;
@@ -160,7 +172,7 @@ fn grains(young: f32) -> Result<(Scene, MaterialId)> {
 
 /// The first `count` places of a cubic lattice of cells inside a horizontal cylinder, layer by layer from below; fewer if there
 /// are not as many.
-fn lattice(radius: f32, half_length: f32, cell: f32, count: u32) -> Vec<Vec3> {
+pub(super) fn lattice(radius: f32, half_length: f32, cell: f32, count: u32) -> Vec<Vec3> {
     let mut places = Vec::new();
     // A cell may touch the wall with its inscribed sphere.
     let inside = radius - 0.5 * cell;
@@ -190,13 +202,8 @@ fn lattice(radius: f32, half_length: f32, cell: f32, count: u32) -> Vec<Vec3> {
 pub(super) const COLUMN_STEP: f32 = 4e-5;
 
 /// What the author of a scene of grains should know.
-pub(super) fn note(kind: Kind) -> String {
-    let mut text = "SI units.\n".to_owned();
-    if kind == Kind::Drum {
-        text += "The drum turns if the direction of gravity does: `rockfall bench drum` turns it, or a program that changes\n\
-                 gravity_direction every few steps.\n";
-    }
-    text
+pub(super) fn note() -> String {
+    "SI units.\n".to_owned()
 }
 
 /// A column of grains on a floor, twice as high as its radius. Nothing holds it, so it collapses.
@@ -232,6 +239,7 @@ pub(super) fn column(spheres: u32, random: &mut Random) -> Result<Scene> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Kind;
     use super::*;
 
     #[test]

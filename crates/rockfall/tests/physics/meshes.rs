@@ -181,7 +181,7 @@ fn balls_stay_in_a_closed_mesh(backend: Backend) {
         let after = kinetic(&states);
         assert!(after < 1.001 * before && after > 0.9 * before, "energy {after}, {before} before");
         assert!(states.iter().all(|ball| ball.position.length() < 1.0), "{states:?}");
-        assert!(simulation.report().total_collisions > 20);
+        assert!(simulation.report().total_collisions > on(backend, 20, 3));
     }
 }
 
@@ -201,7 +201,7 @@ fn a_ball_rolls_in_a_tube_of_facets_as_in_a_smooth_one(backend: Backend) {
     let mut simulation = open(scene, backend, Integrator::VelocityVerlet);
     let expected = (5.0 * 9.81 / (7.0 * reach)).sqrt();
     // A quarter of a period after the start, it is at the bottom.
-    let dt = 2e-5;
+    let dt = 1e-4;
     let quarter = std::f64::consts::FRAC_PI_2 / expected * (1.0 + angle * angle / 16.0);
     simulation.run((quarter / f64::from(dt)).round() as u64, dt).expect("steps");
     let ball = spheres(&mut simulation)[0];

@@ -1,0 +1,177 @@
+//! Machines with walls that move, with grains in them, in SI units: a box that is shaken, a mixer, and a screw.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec3, Vec2, Vec3};
+
+use super::grains::{CELL, DENSITY, GRAVITY, grains, lattice};
+use super::{Cells, Random};
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::scene::{Cuboid, MaterialId, Motion, MotionTerm, Pair, Scene, Sphere};
+
+/// Young's modulus, in Pa. With it, overlaps stay below 1 % of the radius.
+const YOUNG: f32 = 5e6;
+/// Radius of the grains, in m.
+const RADIUS: f32 = 0.003;
+/// Time step: a tenth of the Rayleigh time of a grain, in s.
+pub(super) const MACHINE_STEP: f32 = 3e-5;
+/// Facets of a full turn of a cylinder or a screw.
+const FACETS: u32 = 96;
+
+/// An empty scene, and the material of its grains and walls.
+fn empty() -> Result<(Scene, MaterialId)> {
+    let (mut scene, grain) = grains(YOUNG)?;
+    scene.set_pair(grain, grain, Pair::default().restitution(0.6).friction(0.4).rolling_friction(0.05))?;
+    Ok((scene, grain))
+}
+
+fn grain(place: Vec3, random: &mut Random, material: MaterialId) -> Sphere {
+    let radius = random.between(0.85, 1.0) * RADIUS;
+    let offset = random.offset(0.9 * (CELL - 1.0) * RADIUS);
+    Sphere::new(place + offset, radius).density(DENSITY).material(material)
+}
+
+/// A box that is shaken up and down with three times the acceleration of gravity, at 20 Hz.
+pub(super) fn vibrated(spheres: u32, random: &mut Random) -> Result<Scene> {
+    const FREQUENCY: f64 = 20.0;
+    const GAMMA: f64 = 3.0;
+    const THICK: f32 = 0.01;
+    let (mut scene, material) = empty()?;
+    let rate = TAU * FREQUENCY;
+    let amplitude = DVec3::Y * (GAMMA * f64::from(GRAVITY) / (rate * rate));
+    let motion = scene.add_motion(Motion::new("shaker", MotionTerm::oscillation(amplitude, FREQUENCY)))?;
+    let cells = Cells::new(spheres, 2.0 * CELL * RADIUS, 0.0);
+    for index in 0..spheres {
+        scene.add_sphere(grain(cells.centre(index), random, material))?;
+    }
+    let (half, top) = (cells.half_width() + RADIUS, cells.top() + 20.0 * RADIUS);
+    let out = half + THICK;
+    let walls = [
+        ([-out, -THICK, -out], [out, 0.0, out]),
+        ([-out, 0.0, -out], [-half, top, out]),
+        ([half, 0.0, -out], [out, top, out]),
+        ([-half, 0.0, -out], [half, top, -half]),
+        ([-half, 0.0, half], [half, top, out]),
+    ];
+    for (from, to) in walls {
+        scene.add_box(Cuboid::between(from, to).material(material).motion(motion))?;
+    }
+    Ok(scene)
+}
+
+/// An upright drum with four blades at its bottom that turn once a second.
+pub(super) fn mixer(spheres: u32, random: &mut Random) -> Result<Scene> {
+    let (mut scene, material) = empty()?;
+    // A bed as high as three quarters of the radius, above the blades.
+    let drum = (spheres as f32 / (0.75 * 3.0)).cbrt().max(3.0) * 2.0 * CELL * RADIUS;
+    let disc = disc(drum);
+    for index in 0..spheres as usize {
+        let (place, layer) = (disc[index % disc.len()], index / disc.len());
+        let height = 0.4 * drum + (layer as f32 + 1.0) * 2.0 * CELL * RADIUS;
+        scene.add_sphere(grain(Vec3::new(place.x, height, place.y), random, material))?;
+    }
+    let (radius, height) = (f64::from(drum), f64::from(2.5 * drum));
+    let wall = Mesh::cylinder(radius, height, FACETS)?.transformed(1.0, DVec3::X, -90.0, DVec3::ZERO)?;
+    scene.add_mesh(&wall, |triangle| triangle.material(material))?;
+    let wide = 1.5 * drum;
+    scene.add_box(Cuboid::between([-wide, -0.2 * drum, -wide], [wide, 0.0, wide]).material(material))?;
+    let motion = scene.add_motion(Motion::new("blades", MotionTerm::turn(TAU, DVec3::Y, DVec3::ZERO)))?;
+    let blades = blades(radius, f64::from(RADIUS))?;
+    scene.add_mesh(&blades, |triangle| triangle.material(material).motion(motion))?;
+    Ok(scene)
+}
+
+/// Four plates that rise from the bottom by 45 degrees, from near the axis to near the wall.
+fn blades(radius: f64, gap: f64) -> Result<Mesh> {
+    let (inner, outer, high) = (0.1 * radius, radius - 2.0 * gap, 0.35 * radius);
+    let corners = [(inner, gap, 0.0), (outer, gap, 0.0), (outer, gap + high, -high), (inner, gap + high, -high)];
+    let turned = |quarter: u32| {
+        corners.map(|(x, y, z)| {
+            let (x, z) = [(x, z), (-z, x), (-x, -z), (z, -x)][quarter as usize];
+            [x as f32, y as f32, z as f32]
+        })
+    };
+    let triangles = (0..4).flat_map(|blade| [[0, 1, 2], [0, 2, 3]].map(|triangle| triangle.map(|at| at + 4 * blade)));
+    Mesh::new((0..4).flat_map(turned).collect(), triangles.collect())
+}
+
+/// A level tube whose lower half has grains in it, with a screw that turns once a second and takes them along z. Both ends are closed.
+pub(super) fn screw(spheres: u32, random: &mut Random) -> Result<Scene> {
+    const ASPECT: f32 = 6.0;
+    let (mut scene, material) = empty()?;
+    let cell = 2.0 * CELL * RADIUS;
+    let mut tube = (spheres as f32 * cell.powi(3) / ASPECT).cbrt().max(4.0 * cell);
+    let (shaft, pitch, places) = loop {
+        let (shaft, pitch, middle) = (0.25 * tube, 1.2 * tube, 0.5 * ASPECT * tube);
+        let all = lattice(tube, middle, cell, u32::MAX).into_iter().map(|place| place + middle * Vec3::Z);
+        let half: Vec<Vec3> = all.filter(|place| place.y < 0.0 && is_clear(*place, shaft, pitch)).collect();
+        if half.len() >= spheres as usize {
+            break (shaft, pitch, half);
+        }
+        tube *= 1.02;
+    };
+    for place in places.into_iter().take(spheres as usize) {
+        scene.add_sphere(grain(place, random, material))?;
+    }
+    // The flight leaves a gap in which no grain gets stuck.
+    let (middle, flight) = (0.5 * ASPECT * tube, tube - 0.75 * RADIUS);
+    let length = f64::from(ASPECT * tube);
+    scene.add_mesh(&Mesh::cylinder(tube.into(), length, FACETS)?, |triangle| triangle.material(material))?;
+    let motion = scene.add_motion(Motion::new("screw", MotionTerm::turn(-TAU, DVec3::Z, DVec3::ZERO)))?;
+    let turns = length / f64::from(pitch);
+    for mesh in [
+        Mesh::cylinder(shaft.into(), length, FACETS / 2)?,
+        Mesh::helix(shaft.into(), flight.into(), pitch.into(), turns, FACETS)?,
+    ] {
+        scene.add_mesh(&mesh, |triangle| triangle.material(material).motion(motion))?;
+    }
+    let wide = 1.2 * tube;
+    for [from, to] in [[-0.2 * tube, 0.0], [2.0 * middle, 2.0 * middle + 0.2 * tube]] {
+        scene.add_box(Cuboid::between([-wide, -wide, from], [wide, wide, to]).material(material))?;
+    }
+    Ok(scene)
+}
+
+/// Whether a grain at a place touches neither the shaft of a screw nor its flight, which begins at the x axis and turns once per pitch.
+fn is_clear(place: Vec3, shaft: f32, pitch: f32) -> bool {
+    let from_axis = place.truncate().length();
+    let ahead = place.z / pitch - place.y.atan2(place.x) / TAU as f32;
+    let apart = (ahead - ahead.round()).abs() * pitch;
+    // The flight is steeper near the shaft.
+    let slope = pitch / (TAU as f32 * from_axis.max(shaft));
+    from_axis > shaft + 1.1 * RADIUS && apart / (1.0 + slope * slope).sqrt() > 1.1 * CELL * RADIUS
+}
+
+/// The places of the cells of a square lattice in a disc, in x and y.
+fn disc(radius: f32) -> Vec<Vec2> {
+    let cell = 2.0 * CELL * RADIUS;
+    let half = (radius / cell) as i32 + 1;
+    let places = (-half..=half).flat_map(|x| (-half..=half).map(move |y| cell * Vec2::new(x as f32, y as f32)));
+    places.filter(|place| place.length() < radius - 0.5 * cell).collect()
+}
+
+/// What the author of a scene of a machine should know.
+pub(super) fn note(name: &str) -> String {
+    format!("SI units. The walls follow the motion `{name}`; change its numbers in the line @motion.\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Kind;
+    use super::*;
+
+    /// Grains of the machines start apart from the walls and from each other.
+    #[test]
+    fn grains_start_free() {
+        for kind in [Kind::Vibrated, Kind::Mixer, Kind::Screw] {
+            for spheres in [1, 50, 700] {
+                let scene = kind.generate(spheres, 3).unwrap();
+                assert_eq!(scene.counts().spheres, spheres as usize, "{kind}");
+                let placement = scene.placement().unwrap();
+                assert!(placement.deepest < 1e-3 && placement.falling.is_empty(), "{kind} {spheres}: {placement:?}");
+                assert!(scene.motions().len() == 1 && scene.run.dt == Some(MACHINE_STEP), "{kind}");
+            }
+        }
+    }
+}
