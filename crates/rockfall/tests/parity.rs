@@ -58,6 +58,8 @@ mod tiled;
 mod trace;
 #[path = "common/verdicts.rs"]
 mod verdicts;
+#[path = "parity/walls.rs"]
+mod walls;
 #[path = "parity/whole.rs"]
 mod whole;
 

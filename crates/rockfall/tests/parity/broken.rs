@@ -22,7 +22,7 @@ use crate::decisions::entries;
 use crate::device::{GPU, on_gpu, open};
 use crate::trace::{Only, Plan, Scenario, Trace, trace};
 use crate::verdicts::{Key, Verdicts};
-use crate::{assert_scenario_matches, keys, plan, with_law};
+use crate::{assert_scenario_matches, keys, plan, walls, with_law};
 
 /// A mistake in a kernel: the stage and its pass, the WGSL file, the correct text, the wrong text, and the buffer that must
 /// differ.
@@ -201,6 +201,26 @@ static MISTAKES: &[Mistake] = &[
     Mistake("loads", 0, "chain.wgsl", "towards > 0.5 + AT_END", "towards > 0.3", Buffer::Wrenches),
     Mistake("rod_loads", 0, "chain.wgsl", "if radius * radius > part", "if 4.0 * radius * radius > part", Buffer::Wrenches),
     Mistake("find_collisions", 0, "chain.wgsl", "> INSIDE_ROD *", "> -INSIDE_ROD *", Buffer::Lists),
+    Mistake("move_walls", 1, "move_walls.wgsl", "(pass_.index + 1u) / 2u", "pass_.index / 2u", Buffer::Topology),
+    Mistake(
+        "move_walls",
+        0,
+        "move_walls.wgsl",
+        "let around = cross(spin, corner",
+        "let around = cross(corner, spin",
+        Buffer::Topology,
+    ),
+    Mistake("loads", 0, "walls.wgsl", "dot(wall.surface, n) * n", "0.0 * n", Buffer::Wrenches),
+    Mistake("loads", 0, "contact.wgsl", "half.spin = wall.spin", "half.spin = -wall.spin", Buffer::Wrenches),
+    Mistake("loads", 0, "geometry.wgsl", "on_third.y < least", "on_third.y > least", Buffer::Wrenches),
+    Mistake(
+        "loads",
+        0,
+        "geometry.wgsl",
+        "unit_interval(place.x + place.y)",
+        "unit_interval(place.x - place.y)",
+        Buffer::Wrenches,
+    ),
     Mistake("loads", 0, "before.wgsl", "(other != id) &", "(other == id) &", Buffer::Wrenches),
     Mistake("kick", 3, "kick.wgsl", "velocity.xyz + 0.5 * step.dt", "velocity.xyz + step.dt", Buffer::Start),
     Mistake("kick", 3, "kick.wgsl", "forces_due = 0u", "forces_due = 1u", Buffer::Status),
@@ -633,6 +653,7 @@ fn is_rejected(verdicts: &Verdicts, gpu: &impl Deref<Target = Gpu>, trials: &[Tr
 fn every_kernel_with_a_mistake_is_rejected() {
     let mut traces: Vec<Trace> = plans().iter().map(trace).collect();
     traces.push(crossings::trace(1, false));
+    traces.push(walls::trace(1, Integrator::Rk4, false));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();
     let verdicts = Verdicts::of("parity");

@@ -1,0 +1,130 @@
+//! Walls that move, conveyors and triangles (docs/physics.md sections 2.7 and 2.12): random bodies at random walls, in groups of their own,
+//! with poses that no motion has to give.
+
+use glam::{Mat3, Quat, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rockfall::model::layout::POSE_FLOATS;
+use rockfall::model::status::REBUILD_REQUESTED;
+use rockfall::model::world::World;
+use rockfall::step::schedule::{Phase, Run};
+use rockfall::{BroadPhase, Cuboid, Integrator, Motion, MotionId, MotionTerm, Polygon, Rod, Scene, Sphere};
+
+use crate::assert_scenario_matches;
+use crate::decisions::Findings;
+use crate::trace::{Scenario, Trace, with_step_settings};
+
+/// Number of motions.
+const BODIES: usize = 3;
+/// Number of rows of the table of poses: the start, the middle and the end of a step.
+const ROWS: u32 = 3;
+
+fn vector(random: &mut Pcg64Mcg, most: f32) -> Vec3 {
+    Vec3::from_array(std::array::from_fn(|_| random.random_range(-most..most)))
+}
+
+/// A wall near the origin: a box, a polygon or a triangle, whose nearest side faces up.
+fn add_wall(scene: &mut Scene, random: &mut Pcg64Mcg, group: u16, motion: Option<MotionId>) {
+    let surface = if group % 4 == 0 { vector(random, 2.0) } else { Vec3::ZERO };
+    let turn = Quat::from_scaled_axis(vector(random, 0.4));
+    let [x, z] = [turn * Vec3::X, turn * Vec3::Z].map(|edge| random.random_range(0.8..1.6) * edge);
+    let corner = vector(random, 0.1) - 0.45 * (x + z);
+    if group % 3 == 0 {
+        let down = -random.random_range(0.3..0.8) * (turn * Vec3::Y);
+        let mut cuboid = Cuboid::new(corner, x, down, z).group(group).surface_velocity(surface);
+        cuboid.motion = motion;
+        scene.add_box(cuboid).unwrap();
+    } else {
+        let mut polygon = Polygon::new(corner, z, x).group(group).surface_velocity(surface);
+        (polygon.motion, polygon.is_triangle) = (motion, group % 3 == 1);
+        scene.add_polygon(polygon).unwrap();
+    }
+}
+
+fn scene(seed: u64, rods: bool, coulomb: f32) -> Scene {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut scene = Scene::new();
+    (scene.settings.gravity, scene.settings.coulomb_friction) = (3.0, coulomb);
+    let motions = [0, 1, 2].map(|number| {
+        let term = MotionTerm::translation([0.0, 0.0, f64::from(number)]);
+        scene.add_motion(Motion::new(format!("body{number}"), term)).unwrap()
+    });
+    for group in 0..120_u16 {
+        let motion = (group % 5 < 4).then(|| motions[usize::from(group) % BODIES]);
+        for _ in 0..random.random_range(1..3) {
+            add_wall(&mut scene, &mut random, group, motion);
+        }
+        let radius = random.random_range(0.15..0.3);
+        let place = vector(&mut random, 0.4) * Vec3::new(1.0, 0.0, 1.0) + random.random_range(0.6..1.0) * radius * Vec3::Y;
+        let ball = Sphere::new(place, radius).mass(1.5).velocity(vector(&mut random, 1.5)).group(group);
+        let ball = ball.angular_momentum(vector(&mut random, 0.05));
+        let ball = scene.add_sphere(ball).unwrap();
+        if rods && group % 6 == 1 {
+            let other =
+                Sphere::new(place + Vec3::new(0.9, 0.1, 0.2), 0.8 * radius).velocity(vector(&mut random, 1.0)).group(group);
+            let other = scene.add_sphere(other).unwrap();
+            scene.add_rod(Rod::new(ball, other, 0.7 * radius).group(group)).unwrap();
+        }
+    }
+    scene
+}
+
+/// A table of poses: small turns and displacements, and velocities and accelerations of any direction.
+fn poses(seed: u64) -> Vec<f32> {
+    let mut random = Pcg64Mcg::seed_from_u64(seed ^ 0x5ea);
+    let mut table = Vec::new();
+    for _ in 0..ROWS as usize * BODIES {
+        let turn = Mat3::from_quat(Quat::from_scaled_axis(vector(&mut random, 0.03))) - Mat3::IDENTITY;
+        let rows = [0, 1, 2].map(|row| turn.row(row));
+        let [point, shift, velocity] = [0.3, 0.02, 1.0].map(|most| vector(&mut random, most));
+        let [acceleration, spin] = [20.0, 2.0].map(|most| vector(&mut random, most));
+        for vector in rows.into_iter().chain([point, shift, velocity, acceleration, spin]) {
+            table.extend(vector.extend(0.0).to_array());
+        }
+    }
+    assert_eq!(table.len(), ROWS as usize * BODIES * POSE_FLOATS as usize);
+    table
+}
+
+/// Scenarios of the stages in which walls move or count.
+pub(crate) fn trace(seed: u64, integrator: Integrator, rods: bool) -> Trace {
+    let coulomb = if integrator == Integrator::SymplecticEuler { 0.3 } else { 0.0 };
+    let mut world = World::build(&scene(seed, rods, coulomb)).unwrap();
+    world.set_integrator(integrator);
+    let mut world = with_step_settings(world);
+    world.set_pair_rows(world.movers() * 4);
+    world.poses = poses(seed);
+    (world.step.constants.pose_rows, world.step.constants.pose_step) = (ROWS, world.status.steps);
+    // So large that no wall leaves it within the step.
+    world.step.lists.margin_scale = 40.0;
+    world.status.lengths_due = 0;
+    let concerned = ["move_walls", "update_aabbs", "find_collisions", "rod_loads", "loads", "apply_friction_impulses"];
+    let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce));
+    let runs: Vec<Run> = runs.filter(|run| run.applies(&world.step)).copied().collect();
+    let mut scenarios = Vec::new();
+    for run in runs {
+        if concerned.contains(&run.stage.name) {
+            scenarios.push(Scenario { runs: vec![run], before: world.clone() });
+        }
+        run.on_cpu(&mut world);
+        if run.stage.name == "move_walls" {
+            // Bounding boxes are those of the poses at the start, which have nothing to do with the others.
+            world.status.rejected = 0;
+            world.status.rebuild |= REBUILD_REQUESTED;
+        }
+    }
+    Trace { scenarios, findings: Findings::default(), after: world }
+}
+
+#[test]
+fn backends_agree_on_moving_walls() {
+    for (seed, integrator, rods) in [(1, Integrator::Rk4, false), (2, Integrator::SymplecticEuler, true)] {
+        let trace = trace(seed, integrator, rods);
+        trace.scenarios.iter().for_each(|scenario| assert_scenario_matches(seed, scenario));
+        let count = |name: &str| trace.scenarios.iter().filter(|scenario| scenario.is(name)).count();
+        let passes = if integrator == Integrator::Rk4 { 4 } else { 1 };
+        assert!(count("move_walls") >= passes && count("loads") >= passes, "{integrator}");
+        let touching = trace.after.wrenches.iter().filter(|wrench| wrench.truncate().length() > 0.0).count();
+        assert!(touching > 100, "{touching} loads");
+    }
+}
