@@ -283,15 +283,7 @@ impl World {
     /// (docs/physics.md section 2.10).
     pub(crate) fn on_face(&self, pair: &Pair) -> Option<usize> {
         let Thing::Ball(ball) = pair.a else { return None };
-        let is_over = match pair.b {
-            Thing::Face(face) => place_over(&self.balls[ball], &self.faces[face]).0.into_iter().all(on_segment),
-            Thing::Block(block) => {
-                let beside = in_box(&self.blocks[block], self.balls[ball].x).into_iter().filter(|t| !(0.0..=1.0).contains(t));
-                beside.count() == 1
-            }
-            _ => false,
-        };
-        is_over.then_some(ball)
+        is_on_face(self, &self.balls[ball], pair.b).then_some(ball)
     }
 
     /// Contact line of a pair after a collision. For a rod that has moved away from a box it is that of the edge or the
