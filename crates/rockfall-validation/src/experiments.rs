@@ -48,6 +48,7 @@ experiments! {
     brazil: "A large grain that rises",
     drum: "A rotating drum",
     surfaces: "Several shapes that form one surface",
+    walls: "Walls that move, belts and meshes",
     rest: "Rest",
     silent: "Slow motion, stiff chains, and symplectic Euler",
     #[cfg(feature = "gpu")]
