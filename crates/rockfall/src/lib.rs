@@ -107,7 +107,7 @@ pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time, short_number};
 pub use scene::{
-    Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, LineWarning, Loaded, Material,
+    Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, LineWarning, Loaded, Look, Material,
     MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId, Pair, Polygon, PolygonId, Rod, RodId, RollingModel,
     RunDefaults, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
