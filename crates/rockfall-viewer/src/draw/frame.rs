@@ -72,6 +72,7 @@ pub(crate) struct Frame {
 const SHADOWS: u32 = 1;
 const OCCLUSION: u32 = 2;
 const CULL_HIDDEN: u32 = 4;
+const LOOKS: u32 = 8;
 
 /// Extent of the shadow map around the target of the camera, divided by that of the picture.
 const SHADOW_REACH: f32 = 1.5;
@@ -190,6 +191,13 @@ impl Frame {
             kinds: style.kinds.map(opaque),
             scale: palette::SCALE.map(opaque),
         }
+    }
+}
+
+impl Frame {
+    /// Whether the looks of objects follow the bits of the capsules.
+    pub(crate) fn set_looks(&mut self, looks: bool) {
+        self.flags |= if looks { LOOKS } else { 0 };
     }
 }
 

@@ -17,9 +17,10 @@ fn coded(colour: Option<palette::Rgb>) -> f32 {
     colour.map_or(0.0, |[r, g, b]| (1 + (u32::from(r) << 16) + (u32::from(g) << 8) + u32::from(b)) as f32)
 }
 
-/// The colour that the scene gives to an object.
+/// The colour that the scene gives to an object, or else that of its look.
 fn given(scene: &Scene, id: impl Into<ObjectId>) -> Option<palette::Rgb> {
-    Some(scene.tag(id).ok()??.colour?.0)
+    let tag = scene.tag(id).ok()??;
+    Some(tag.colour.or_else(|| tag.look?.colour())?.0)
 }
 
 /// The coded colours of rods, springs, boxes and polygons, each in insertion order.

@@ -119,7 +119,7 @@ fn tether_corner(index: u32, tether: u32, viewer: vec4f) -> CoilVertex {
 fn lit_coil(corner: CoilVertex) -> CoilVertex {
     var vertex = corner;
     if any(vertex.place != NOWHERE) {
-        vertex.colour = lit_roughly(vertex.colour, vertex.point, vertex.normal, normalize(frame.eye - vertex.point), COIL_TAPS);
+        vertex.colour = lit_roughly(vertex.colour, vertex.point, vertex.normal, normalize(frame.eye - vertex.point), GLOSS, COIL_TAPS);
     }
     return vertex;
 }

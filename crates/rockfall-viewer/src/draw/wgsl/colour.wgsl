@@ -101,9 +101,12 @@ fn second_tone(colour: vec3f) -> vec3f {
 }
 
 /// Returns the second tone of a sphere. Of a few bodies the pattern shows how each one turns; in a crowd it is fainter, so that it
-/// does not cover the shapes. A fixed sphere has none.
-fn sphere_tone(slot: u32, colour: vec3f) -> vec3f {
-    if is_fixed(slot) {
+/// does not cover the shapes. A fixed sphere has none, and neither have most looks.
+fn sphere_tone(slot: u32, look: u32, colour: vec3f) -> vec3f {
+    if look == LOOK_STRIPED {
+        return second_tone(colour);
+    }
+    if look != LOOK_USUAL || is_fixed(slot) {
         return colour;
     }
     let crowd = smoothstep(5.0, 9.0, log2(f32(frame.spheres)));

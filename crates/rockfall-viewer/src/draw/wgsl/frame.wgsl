@@ -48,6 +48,7 @@ struct Frame {
 const SHADOWS: u32 = 1u;
 const OCCLUSION: u32 = 2u;
 const CULL_HIDDEN: u32 = 4u;
+const LOOKS: u32 = 8u;
 
 /// Least radius of a shadow, in pixels of the shadow map. Of smaller spheres only some cast a shadow, of this radius. The
 /// filter is wider, so the difference is not visible.
