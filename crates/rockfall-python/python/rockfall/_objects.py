@@ -15,7 +15,7 @@ from rockfall._bodies import Bodies, first_of
 from rockfall._materials import Materials
 from rockfall._names import tag_of
 from rockfall._settings import SETTINGS, Settings
-from rockfall.typing import KindName
+from rockfall.typing import KindName, LookName
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -84,6 +84,7 @@ class Objects(Bodies, Strict):
     def add_boxes(
         self, corner: npt.ArrayLike, edges: npt.ArrayLike, *, group: npt.ArrayLike = 0, material: Materials = None,
         name: str | None = None, colour: str | None = None, label: str | None = None,
+        look: LookName | None = None,
     ) -> IntArray:
         """Add static boxes.
 
@@ -97,8 +98,8 @@ class Objects(Bodies, Strict):
             Collision groups from 0 to 65535.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
-        name, colour, label : str, optional
-            Name, colour and label of the objects. See :meth:`set_tag`.
+        name, colour, label, look : str, optional
+            Name, colour, label and look of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -111,7 +112,7 @@ class Objects(Bodies, Strict):
             As for :meth:`add_spheres`, and for edges that are not at right angles.
         """
         return self._add_kind(
-            tag_of(name, colour, label),
+            tag_of(name, colour, label, look),
             _rockfall.add_boxes,
             corner=(corner, VECTOR),
             edges=(edges, MATRIX),
@@ -144,6 +145,7 @@ class Objects(Bodies, Strict):
         name: str | None = None,
         colour: str | None = None,
         label: str | None = None,
+        look: LookName | None = None,
     ) -> IntArray:
         """Add static parallelograms. Bodies touch them only on the side that left x right points to.
 
@@ -157,8 +159,8 @@ class Objects(Bodies, Strict):
             Collision groups from 0 to 65535.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
-        name, colour, label : str, optional
-            Name, colour and label of the objects. See :meth:`set_tag`.
+        name, colour, label, look : str, optional
+            Name, colour, label and look of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -171,7 +173,7 @@ class Objects(Bodies, Strict):
             As for :meth:`add_spheres`, and for edges that are parallel.
         """
         return self._add_kind(
-            tag_of(name, colour, label),
+            tag_of(name, colour, label, look),
             _rockfall.add_polygons,
             corner=(corner, VECTOR),
             left=(left, VECTOR),
