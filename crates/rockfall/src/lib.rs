@@ -112,7 +112,9 @@ pub use scene::{
     RunDefaults, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
-pub use simulation::{Contact, ContactAction, ContactSprings, MaxOverlap, RayHit, Simulation, SphereDiagnostics};
+pub use simulation::{
+    Contact, ContactAction, ContactSprings, Link, MaxOverlap, RayHit, Simulation, SphereDiagnostics, Tension,
+};
 pub use user_laws::{ContactForceLaw, ContactInput, ContactResponse, ForceInput, ForceLaw, ForceLoad, Impact, PairParameter};
 #[cfg(feature = "gpu")]
 pub use wgpu;
