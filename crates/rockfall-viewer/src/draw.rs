@@ -249,7 +249,7 @@ impl Renderer {
     /// Returns the legend of the next picture.
     pub fn legend(&self, style: &Style) -> Legend {
         match style.colour_by.title() {
-            Some(title) => Legend::scale(title, self.range(style)),
+            Some(title) => Legend::Scale { title, range: self.range(style), colours: style.colour_by.scale() },
             None => {
                 let shown = self.present.map(|present| present && style.colour_by == ColourBy::Kind);
                 let kinds = palette::KINDS.into_iter().zip(style.kinds).zip(shown);

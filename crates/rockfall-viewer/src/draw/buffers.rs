@@ -17,7 +17,8 @@ pub(crate) struct SceneBuffers {
     physics: Vec<wgpu::Buffer>,
     /// Positions and orientations to blend from.
     old: Vec<wgpu::Buffer>,
-    /// One value per sphere, by memory slot, then the colours of rods, springs, boxes and polygons.
+    /// One value per sphere, by memory slot, then the colours of rods, springs, boxes and polygons, or
+    /// those of rods and the tensions of springs and tethers.
     values: Option<wgpu::Buffer>,
     /// One bit per sphere, by insertion index, then from a new word on one bit per rod: whether it is part of a capsule; then the
     /// looks, if an object has one.
@@ -78,7 +79,7 @@ impl SceneBuffers {
     /// Creates the buffers that suit the objects of the scene.
     pub(crate) fn allocate(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, simulation: &Simulation) {
         let counts = simulation.scene().counts();
-        let coloured = counts.spheres + counts.rods + counts.springs + counts.boxes + counts.polygons;
+        let coloured = counts.spheres + counts.rods + counts.springs + counts.boxes + counts.polygons + counts.tethers;
         self.values = Some(make(device, "values", 4 * coloured as u64));
         let [positions, orientations] = ["old positions", "old orientations"];
         self.old = [positions, orientations].map(|label| make(device, label, 16 * counts.spheres as u64)).to_vec();
@@ -120,7 +121,8 @@ impl SceneBuffers {
         }
     }
 
-    /// Uploads the colours of rods, springs, boxes and polygons, each in insertion order.
+    /// Uploads what follows the values of the spheres: the colours of rods, springs, boxes and polygons, or the tensions of springs
+    /// and tethers after as many zeros as there are rods, each in insertion order.
     pub(crate) fn set_colours(&self, queue: &wgpu::Queue, spheres: usize, colours: &[f32]) {
         if let Some(buffer) = self.values.as_ref().filter(|_| !colours.is_empty()) {
             queue.write_buffer(buffer, 4 * spheres as u64, bytemuck::cast_slice(colours));

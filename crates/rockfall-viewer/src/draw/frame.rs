@@ -189,7 +189,7 @@ impl Frame {
             colour_by: style.colour_by as u32,
             light_size: SHADOW_SIZE as f32,
             kinds: style.kinds.map(opaque),
-            scale: palette::SCALE.map(opaque),
+            scale: style.colour_by.scale().map(opaque),
         }
     }
 }

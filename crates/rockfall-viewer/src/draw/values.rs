@@ -110,6 +110,8 @@ impl Renderer {
         } else if by == ColourBy::ContactForce {
             let forces = self.chains.update(&self.device, simulation)?;
             self.recent.record(percentile(forces.into_iter()));
+        } else if by == ColourBy::Tension {
+            self.update_tensions(simulation)?;
         } else if by == ColourBy::Speed
             && style.range == Range::Auto
             && let Some(state) = self.buffers.state()
@@ -119,6 +121,17 @@ impl Renderer {
         if matches!(by, ColourBy::Kind | ColourBy::Body) {
             self.update_colours(simulation);
         }
+        Ok(())
+    }
+
+    /// Uploads the tensions of springs and tethers.
+    fn update_tensions(&mut self, simulation: &mut Simulation) -> Result<()> {
+        let found: Vec<f32> = simulation.tensions()?.iter().map(|tension| tension.force).collect();
+        self.recent.record(percentile(found.iter().map(|force| force.abs())));
+        let counts = simulation.scene().counts();
+        let mut values = vec![0.0; counts.rods];
+        values.extend(found);
+        self.buffers.set_colours(&self.queue, counts.spheres, &values);
         Ok(())
     }
 
@@ -139,7 +152,7 @@ impl Renderer {
     /// Returns the range of the colour scale of the next picture.
     pub fn range(&self, style: &Style) -> [f32; 2] {
         match style.range {
-            Range::Auto => self.recent.range(),
+            Range::Auto => style.colour_by.range_to(self.recent.range()[1]),
             Range::Given(range) => range,
         }
     }

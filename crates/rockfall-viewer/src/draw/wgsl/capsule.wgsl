@@ -66,7 +66,7 @@ fn capsule_of(corner: u32, rod: u32, of_glass: bool) -> CapsuleVertex {
         // A capsule is one body, with the colour of its first end.
         vertex.colour1 = sphere_colour(slots.x);
         vertex.colour2 = vertex.colour1;
-    } else if frame.colour_by == BY_CONTACT_FORCE {
+    } else if is_pale() {
         vertex.colour1 = PALE;
         vertex.colour2 = PALE;
     } else {

@@ -58,6 +58,7 @@ const BY_KIND: u32 = 0u;
 const BY_SPEED: u32 = 1u;
 const BY_BODY: u32 = 5u;
 const BY_CONTACT_FORCE: u32 = 6u;
+const BY_TENSION: u32 = 7u;
 
 const KIND_SPHERE: u32 = 0u;
 const KIND_FIXED: u32 = 1u;

@@ -65,7 +65,7 @@ fn anchor_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) te
     vertex.ball = anchor_ball(tether);
     vertex.place = outline_corner(vertex.ball, corner);
     vertex.orientation = vec4f(0.0, 0.0, 0.0, 1.0);
-    vertex.colour = frame.kinds[KIND_TETHER].rgb;
+    vertex.colour = tether_colour(tether);
     vertex.second = vertex.colour;
     return vertex;
 }
