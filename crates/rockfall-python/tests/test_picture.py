@@ -52,7 +52,7 @@ def test_plots_beside_pictures_have_the_states_that_were_drawn() -> None:
     assert first.shape == alone.shape == (96, 240, 3)
     beside = slice(160, 240)
     assert first[:, beside].min() < 150, "letters and axes"
-    sim.run(20, 0.02)
+    sim.run(20)
     lines = sim.render(**options, plot="height:ball").numpy()
     assert not np.array_equal(lines[:, beside], first[:, beside])
     # Other plots begin anew: there is one state, as in a picture of a new simulation.

@@ -293,7 +293,7 @@ fn the_visible_part_of_a_sphere_in_a_box_is_correct() {
 fn is_first_tone(orientation: Quat, aside: f32) -> bool {
     let camera = Camera::new([0.0, 0.0, 8.0], [0.0, 0.0, 0.0]);
     let mut style = outlines();
-    style.colour_by = rockfall_viewer::draw::ColourBy::Kind;
+    style.colour_by = ColourBy::Kind;
     let ball = scene(|scene| scene.add_sphere(Sphere::new([0.0, 0.0, 0.0], 1.0).orientation(orientation)).unwrap());
     let shown = picture(ball, &camera, &style);
     let [x, y] = projected(&camera, Vec3::new(aside, 0.0, (1.0 - aside * aside).sqrt()));
