@@ -72,7 +72,7 @@ fn all(scene: &Scene) -> String {
     )
 }
 
-/// The names, colours and labels of objects of one kind.
+/// The names, colours, looks and labels of objects of one kind.
 fn tags(scene: &Scene, ids: impl Iterator<Item = impl Into<ObjectId>>) -> Vec<Option<&Tag>> {
     ids.map(|id| scene.tag(id).unwrap_or_default()).collect()
 }

@@ -79,6 +79,7 @@ pub(crate) fn grains(law: &str) -> Scene {
 B -5 -1 -5  10 0 0  0 1 0  0 0 10
 @name grain
 @colour red
+@look wood
 S 1  0 0.495 0  1 0 0  0 0 0.1  - 0.5
 S 1  0.99 0.49 0  0 0 0  0 0 0  - 0.5
 @use other

@@ -34,3 +34,6 @@ pub(crate) fn report(failure: Failure) -> ExitCode {
     note(&format!("error: {message}"));
     ExitCode::from(code)
 }
+
+/// Why there are no tensions.
+pub(crate) const NO_LINKS: &str = "the scene has no springs, muscles and tethers; the model keeps the lengths of rods without a force, so rods have no tension";

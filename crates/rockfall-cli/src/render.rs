@@ -86,10 +86,10 @@ pub(crate) struct Arguments {
     /// Turn the camera around the middle of the picture, in degrees per second of film
     #[arg(long, value_name = "DEGREES", value_parser = degrees, allow_negative_numbers = true)]
     orbit: Option<f32>,
-    /// What colours show, with a legend: kind, speed, contacts, overlap, force, body, or contact-force for force chains
+    /// What colours show, with a legend: kind, speed, contacts, overlap, force, body, contact-force for force chains, or tension of springs
     #[arg(long, value_name = "WHAT", value_parser = colour_by)]
     colour_by: Option<ColourBy>,
-    /// Values at the ends of the colour scale [default: from 0 to about the 99th percentile]
+    /// Values at the ends of the colour scale [default: from 0, or for tension from minus that value, to about the 99th percentile]
     #[arg(long, value_name = "FROM,TO", value_parser = range, allow_hyphen_values = true, requires = "colour_by")]
     range: Option<[f32; 2]>,
     /// Colour of the objects with a name, of a sphere (3), of spheres (1-9) or of a kind (boxes): red, ff8800 and others; may be

@@ -23,6 +23,7 @@ mod outputs;
 mod past;
 mod resume;
 mod save;
+mod tensions;
 
 use outputs::{Outputs, Wanted};
 pub(crate) use past::Past;
@@ -33,13 +34,13 @@ const DEFAULT_STEPS: u64 = 1000;
 
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --save, \
+Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --save, \
 --checkpoint) and exits with code 130. A step that takes longer than 0.8 s is abandoned: the last checkpoint and the .part files \
 stay as they are. A second Ctrl-C ends the run at once. If a step fails, --out and --trace are written up to that step if the \
 device can still be read, and the last checkpoint is left unchanged.
 
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
-everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --trace-every, --contacts, \
+everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --trace-every, --contacts, --tensions, \
 --save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
 reported. With the same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
 those of a run that was never stopped. A checkpoint of a program that uses the library or of Python has no number of steps, so \
@@ -62,6 +63,11 @@ with the frames, .csv has the columns step,time in front.
 
 --contacts writes the contacts of the same states: both bodies, point, normal, overlap, and the force or the impulse on the \
 second body. Friction impulses (--set coulomb_friction=...) are not included: only the friction of contact forces is. .vtp and .pvd have a line from body to body for each contact, which shows force chains in ParaView.
+
+--tensions writes the lengths and tensions of all springs, muscles and tethers in the same states, in the columns \
+step,time,kind,index,a,b,length,tension: kind is spring, muscle or tether; index counts springs with muscles, or tethers, from 0; a \
+and b are the indices of the spheres, with an empty b for a tether; length is in units, and tension in mass units/s², with the \
+damping, negative where the spring pushes. Rods are not in it: the model keeps their lengths without a force.
 
 --save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
 beginning of the scene, up to the first empty line, but no other comments. Its line @run has the time step and the integrator of \
@@ -87,7 +93,7 @@ pub(crate) struct Arguments {
     /// Write the final state of every sphere: .csv, .npz or .vtp
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the state to --out, and the contacts to --contacts, every K steps instead: .csv, .npz or .pvd [default: that of the scene]
+    /// Write the state to --out, the contacts to --contacts, and the tensions to --tensions, every K steps instead: .csv, .npz or .pvd [default: that of the scene]
     #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
     /// Write the energies and momenta of every step: .csv
@@ -99,6 +105,9 @@ pub(crate) struct Arguments {
     /// Write every contact of the final state, with both bodies, point, normal, overlap and force: .csv, .npz or .vtp
     #[arg(long, value_name = "FILE")]
     contacts: Option<PathBuf>,
+    /// Write the length and tension of every spring, muscle and tether of the final state: .csv
+    #[arg(long, value_name = "FILE")]
+    tensions: Option<PathBuf>,
     /// Write the final state as a scene file, with its settings: .txt
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
@@ -190,8 +199,8 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
 fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
     let wanted = arguments.wanted(loaded.scene.run.every)?;
-    let Arguments { out, trace, contacts, save, checkpoint, .. } = arguments;
-    for file in [out, trace, contacts, save, checkpoint].into_iter().flatten() {
+    let Arguments { out, trace, contacts, tensions, save, checkpoint, .. } = arguments;
+    for file in [out, trace, contacts, tensions, save, checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
     let (comments, title) = (loaded.comments, loaded.title.clone());
@@ -201,6 +210,10 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let mut past = Past { scene: name, comments, title, steps, dt, substeps, ..Past::default() };
     // Rods that jump to their length change the energy; a warning above has the reason.
     past.changed = scene.odd_rods().iter().any(|rod| rod.length.is_some());
+    let counts = scene.counts();
+    if arguments.tensions.is_some() && counts.springs + counts.tethers == 0 {
+        output::note(&format!("note: --tensions: {}", output::NO_LINKS));
+    }
     let mut outputs = Outputs::open(wanted, None)?;
     let mut options = arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going);
     options.pair_capacity = arguments.capacity;
@@ -216,7 +229,7 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
 impl Arguments {
     /// Output files from the arguments. `every` is the number of steps between two frames that the scene has.
     fn wanted(&self, every: Option<u64>) -> Result<Wanted, Failure> {
-        let has_frames = self.out.is_some() || self.contacts.is_some();
+        let has_frames = self.out.is_some() || self.contacts.is_some() || self.tensions.is_some();
         let every = self.every.or(every.filter(|_| has_frames));
         // Without --every, a .pvd file has an error of its own.
         let of_states = |path: &Option<PathBuf>| {
@@ -226,6 +239,7 @@ impl Arguments {
         for (option, path, known) in [
             ("--out", &self.out, of_states(&self.out)),
             ("--contacts", &self.contacts, of_states(&self.contacts)),
+            ("--tensions", &self.tensions, files::TENSIONS),
             ("--trace", &self.trace, files::TRACE),
             ("--save", &self.save, files::SCENE),
             ("--checkpoint", &self.checkpoint, files::CHECKPOINT),
@@ -238,6 +252,7 @@ impl Arguments {
             trace: self.trace.clone(),
             trace_every: self.trace_every,
             contacts: self.contacts.clone(),
+            tensions: self.tensions.clone(),
             save: self.save.clone(),
             checkpoint: self.checkpoint.clone(),
             checkpoint_every: self.checkpoint_every,

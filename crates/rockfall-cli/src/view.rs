@@ -8,10 +8,12 @@ use rockfall_trajectory::Reader;
 use rockfall_viewer::camera::Direction;
 use rockfall_viewer::draw::Style;
 use rockfall_viewer::film::{Moment, surveyed};
+use rockfall_viewer::plot::{Plot, Quantity};
 use rockfall_viewer::survey::Survey;
 use rockfall_viewer::window::controls::Controls;
 use rockfall_viewer::window::follow::Find;
 use rockfall_viewer::window::session::Prepare;
+use rockfall_viewer::window::session::picked::MOST_KEPT;
 use rockfall_viewer::window::session::playback::Playback;
 use rockfall_viewer::window::{self, Launch};
 
@@ -45,6 +47,10 @@ pub(crate) struct Arguments {
     /// repeated
     #[arg(long, value_name = "WHAT=COLOUR", value_parser = colours::paint)]
     colour: Vec<Paint>,
+    /// Plot the energies, which the panel always has, or height and speed of bodies over time, as in height:left,right; may be
+    /// repeated
+    #[arg(long, value_name = "WHAT", value_parser = plot)]
+    plot: Vec<Plot>,
     #[command(flatten)]
     captions: Captions,
     /// Write the state of the window as JSON after every frame
@@ -127,9 +133,36 @@ fn prepare(paints: Vec<Paint>) -> Prepare {
     })
 }
 
-/// Finds the followed sphere in a scene.
-fn find(followed: Named) -> Find {
-    Rc::new(move |scene| followed.of(scene, "--follow").ok())
+/// Parses a `--plot` argument.
+fn plot(text: &str) -> Result<Plot, String> {
+    let plot = Plot::parse(text)?;
+    match plot.quantity() {
+        Quantity::Energy | Quantity::Height | Quantity::Speed => Ok(plot),
+        other => Err(format!("the window does not plot {}, expected energy, height or speed", other.name())),
+    }
+}
+
+/// The bodies whose heights and speeds are plotted, each once.
+fn plotted(plots: &[Plot]) -> Result<Vec<Named>, Failure> {
+    let mut texts: Vec<&String> = Vec::new();
+    for body in plots.iter().flat_map(Plot::bodies) {
+        if !texts.contains(&body) {
+            texts.push(body);
+        }
+    }
+    let most = MOST_KEPT + 1;
+    if texts.len() > most {
+        return Err(Failure::usage(format!("--plot: the window plots at most {most} bodies, got {}", texts.len())));
+    }
+    texts
+        .into_iter()
+        .map(|text| Named::parse(text).map_err(|error| Failure::usage(format!("--plot {text}: {error}"))))
+        .collect()
+}
+
+/// Finds the sphere that an option means in a scene.
+fn find(named: Named, option: &'static str) -> Find {
+    Rc::new(move |scene| named.of(scene, option).ok())
 }
 
 pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> {
@@ -140,6 +173,10 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
     }
     if let Some(followed) = &arguments.follow {
         followed.of(&scene, "--follow")?;
+    }
+    let plotted = plotted(&arguments.plot)?;
+    for body in &plotted {
+        body.of(&scene, "--plot")?;
     }
     window::run(Launch {
         source: window::session::Source { name, path, scene },
@@ -154,7 +191,8 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         style,
         prepare: Some(prepare(arguments.colour.clone())),
         view: arguments.view.unwrap_or_default(),
-        follow: arguments.follow.clone().map(find),
+        follow: arguments.follow.clone().map(|followed| find(followed, "--follow")),
+        plotted: plotted.into_iter().map(|body| find(body, "--plot")).collect(),
         report: arguments.report.clone(),
         lose_device_after: arguments.lose_device_after,
     })

@@ -187,7 +187,7 @@ impl Shooting {
             shot.ok_or_else(|| PyValueError::new_err("camera and look_at are the same point, expected two different points"))?;
         if let Some(scale) = self.scale {
             // The colours mean the same in all pictures.
-            self.style.range = Range::Given([0.0, scale]);
+            self.style.range = Range::Given(self.style.colour_by.range_to(scale));
         }
         self.tools.renderer.set_scene(simulation);
         self.tools.renderer.set_survey(survey);

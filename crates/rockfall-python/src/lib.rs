@@ -64,7 +64,7 @@ mod _rockfall {
         add_boxes, add_capsules, add_polygons, add_rods, add_spheres, add_springs, add_tethers, remove, update,
     };
     #[pymodule_export]
-    use crate::observe::{cast_rays, contacts, counts, diagnostics, energy, max_overlap, table};
+    use crate::observe::{cast_rays, contacts, counts, diagnostics, energy, max_overlap, table, tensions};
     #[pymodule_export]
     use crate::picture::{Picture, Studio, framing};
     #[pymodule_export]

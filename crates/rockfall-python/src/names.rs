@@ -1,28 +1,29 @@
-//! Names, colours and labels of objects.
+//! Names, colours, labels and looks of objects.
 
 use std::collections::HashSet;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rockfall::{Colour, ObjectId, Tag};
+use rockfall::{Colour, Look, ObjectId, Tag};
 
 use crate::arguments::Numbers;
 use crate::doors::{look, with};
 use crate::errors::Raise;
 use crate::ids::{Ids, handle};
 
-/// Name, colour and label.
-type Texts = (Option<String>, Option<String>, Option<String>);
+/// Name, colour, label and look.
+type Texts = (Option<String>, Option<String>, Option<String>, Option<String>);
 
-fn tag_of((name, colour, label): Texts) -> rockfall::Result<Tag> {
+fn tag_of((name, colour, label, look): Texts) -> rockfall::Result<Tag> {
     let mut tag = Tag::new();
     (tag.name, tag.label) = (name, label);
     tag.colour = colour.as_deref().map(str::parse::<Colour>).transpose()?;
+    tag.look = look.as_deref().map(str::parse::<Look>).transpose()?;
     tag.validate()?;
     Ok(tag)
 }
 
-/// Checks a name, a colour and a label.
+/// Checks a name, a colour, a label and a look.
 #[pyfunction]
 pub(crate) fn check_tag(tag: Texts) -> PyResult<()> {
     tag_of(tag).map(drop).or_raise()
@@ -40,7 +41,7 @@ pub(crate) fn object(ids: &Ids, kind: &str, number: i64) -> PyResult<ObjectId> {
     })
 }
 
-/// Replaces the name, colour and label of objects of one kind.
+/// Replaces the name, colour, label and look of objects of one kind.
 #[pyfunction]
 pub(crate) fn set_tags(target: &Bound<'_, PyAny>, kind: &str, numbers: Numbers<'_>, tag: Texts) -> PyResult<()> {
     let numbers = numbers.as_slice()?;
@@ -52,12 +53,13 @@ pub(crate) fn set_tags(target: &Bound<'_, PyAny>, kind: &str, numbers: Numbers<'
     })
 }
 
-/// The name, colour and label of an object.
+/// The name, colour, label and look of an object.
 #[pyfunction]
 pub(crate) fn tag(target: &Bound<'_, PyAny>, kind: &str, number: i64) -> PyResult<Texts> {
     look(target, |scene, ids| {
         let tag = scene.tag(object(ids, kind, number)?).or_raise()?.cloned().unwrap_or_default();
-        Ok((tag.name, tag.colour.map(|colour| colour.to_string()), tag.label))
+        let look = tag.look.map(|look| look.to_string());
+        Ok((tag.name, tag.colour.map(|colour| colour.to_string()), tag.label, look))
     })
 }
 

@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::glam::Vec3;
-use rockfall::{Body, Contact, ContactAction, Result, Scene, SphereId, Spring};
+use rockfall::{Body, Contact, ContactAction, Link, Result, Scene, SphereId, Spring, Tension};
 
 use crate::arguments::{Rows, vector};
 use crate::doors::look;
@@ -17,7 +17,7 @@ use crate::tables::Energy;
 
 type Column<'py, T> = Bound<'py, PyArray1<T>>;
 type Matrix<'py, T> = Bound<'py, PyArray2<T>>;
-/// Whole numbers and others, a row for each contact.
+/// Whole numbers and others, a row for each contact, spring or tether.
 pub(crate) type ContactArrays<'py> = (Matrix<'py, i64>, Matrix<'py, f32>);
 
 /// An array with `columns` numbers per row.
@@ -73,6 +73,34 @@ pub(crate) fn contacts<'py>(simulation: &Bound<'py, Simulation>) -> PyResult<Con
         contact_rows(found, running.simulation.scene()).or_raise()
     })?;
     contact_arrays(simulation.py(), whole, real)
+}
+
+/// The tables of springs, muscles and tethers: see [`tensions`].
+fn tension_rows(found: &[Tension], scene: &Scene) -> Result<(Vec<i64>, Vec<f32>)> {
+    let springs = scene.springs().len();
+    let number = |id: SphereId| Body::Sphere(id).index(scene).map(|index| index as i64);
+    let (mut whole, mut real) = (Vec::with_capacity(4 * found.len()), Vec::with_capacity(2 * found.len()));
+    for (place, tension) in found.iter().enumerate() {
+        let (kind, index) = match tension.link {
+            Link::Spring(id) => (i64::from(scene.spring(id)?.muscle.is_some()), place),
+            _ => (2, place - springs),
+        };
+        whole.extend([kind, index as i64, number(tension.a)?, tension.b.map(number).transpose()?.unwrap_or(-1)]);
+        real.extend([tension.length, tension.force]);
+    }
+    Ok((whole, real))
+}
+
+/// All springs and then all tethers. Whole numbers: kind (0 spring, 1 muscle, 2 tether), row among springs or tethers, and rows of
+/// the spheres A and B (-1 for a tether). Others: length and tension.
+#[pyfunction]
+pub(crate) fn tensions<'py>(simulation: &Bound<'py, Simulation>) -> PyResult<ContactArrays<'py>> {
+    let py = simulation.py();
+    let (whole, real) = simulation.get().read(py, |running| {
+        let found = running.simulation.tensions().or_raise()?;
+        tension_rows(&found, running.simulation.scene()).or_raise()
+    })?;
+    Ok((matrix(py, whole, 4)?, matrix(py, real, 2)?))
 }
 
 /// Number of contacts, net force and deepest overlap of every sphere.

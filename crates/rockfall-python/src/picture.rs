@@ -127,7 +127,7 @@ impl Look {
 
     /// The camera for the state of a simulation.
     fn framing(&self, simulation: &mut rockfall::Simulation) -> PyResult<Camera> {
-        let (width, height) = self.size;
+        let [width, height] = self.layout().scene();
         let survey = Survey::new(simulation.sync().or_raise()?);
         let framing = Camera::of_survey(&survey, simulation.scene(), width as f32 / height as f32, self.direction()?, false);
         let eye = self.camera.map_or(framing.eye, Into::into);
@@ -145,6 +145,8 @@ pub(crate) struct Tools {
     pub(crate) renderer: Renderer,
     canvas: Canvas,
     size: (u32, u32),
+    /// The plots that the renderer has.
+    plot: Vec<String>,
 }
 
 impl Tools {
@@ -162,13 +164,22 @@ impl Tools {
         };
         let canvas = Canvas::new(gpu.device(), gpu.queue(), size.0, size.1).or_raise()?;
         let renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT).or_raise()?;
-        Ok(Self { gpu, renderer, canvas, size })
+        Ok(Self { gpu, renderer, canvas, size, plot: Vec::new() })
     }
 
     fn resize(&mut self, size: (u32, u32)) -> PyResult<()> {
         if self.size != size {
             self.canvas = Canvas::new(self.gpu.device(), self.gpu.queue(), size.0, size.1).or_raise()?;
             self.size = size;
+        }
+        Ok(())
+    }
+
+    /// Gives the renderer the plots of a picture. It keeps what they have seen of the same simulation, unless they are others.
+    fn set_plots(&mut self, look: &Look, scene: &Scene, ids: &Ids, is_other: bool) -> PyResult<()> {
+        if is_other || self.plot != look.plot {
+            self.renderer.set_plots(look.graphs(scene, ids)?);
+            self.plot.clone_from(&look.plot);
         }
         Ok(())
     }
@@ -204,25 +215,28 @@ impl Studio {
 
     /// Draws the state of a simulation, which may be another one than the last time.
     fn take(&self, simulation: &Bound<'_, Simulation>, look: Look, is_other: bool) -> PyResult<Picture> {
-        let (style, overlay) = (look.style()?, look.overlay()?);
+        let (style, overlay, layout) = (look.style()?, look.overlay()?, look.layout());
+        let size = layout.scene().into();
         simulation.get().read(simulation.py(), |running| {
             let mut tools = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             let own = &mut running.simulation;
             if tools.is_none() {
-                *tools = Some(Owned::new(Tools::new(own, look.size)?));
+                *tools = Some(Owned::new(Tools::new(own, size)?));
             }
             let Some(tools) = tools.as_mut() else {
                 return Err(SimulationError::new_err("nothing to draw with"));
             };
             tools.check(true)?;
-            tools.resize(look.size)?;
+            tools.resize(size)?;
             let camera = look.framing(own)?;
             tools.renderer.set_overlay(&overlay);
+            tools.set_plots(&look, own.scene(), &running.ids, is_other)?;
             if is_other {
                 tools.renderer.set_scene(own);
             }
             tools.renderer.update(own, &style).or_raise()?;
-            tools.take(&camera, &style, &overlay, look.colour_by.is_some()).map(Picture)
+            let picture = tools.take(&camera, &style, &overlay, look.colour_by.is_some())?;
+            layout.complete(picture, tools.renderer.motion().plots()).or_raise().map(Picture)
         })
     }
 }

@@ -55,7 +55,7 @@ def test_an_unknown_name_is_a_key_error_with_near_names() -> None:
 
 def test_objects_are_named_when_they_are_added() -> None:
     scene = rf.Scene()
-    one = scene.add_sphere([0, 1, 0], 0.5, name="left", colour="red")
+    one = scene.add_sphere([0, 1, 0], 0.5, name="left", colour="red", look="wood")
     two = scene.add_spheres([[2, 1, 0], [4, 1, 0]], 0.5, name="left", label="a ball")
     rod = scene.add_rod(one, int(two[0]), 0.1, name="bar")
     spring = scene.add_spring(int(two[0]), int(two[1]), 1.0, name="coil", colour="#0a0b0c")
@@ -70,10 +70,10 @@ def test_objects_are_named_when_they_are_added() -> None:
     assert pill.capsules.tolist() == capsules.capsules.tolist()
     assert (pill.spheres.tolist(), pill.rods.tolist()) == (capsules.spheres.ravel().tolist(), capsules.rods.tolist())
     assert scene.names == ["bar", "coil", "floor", "left", "pill", "wall"]
-    assert scene.tag("sphere", one) == rf.Tag("left", "red", None)
-    assert scene.tag("spring", spring) == ("coil", "#0a0b0c", None)
+    assert scene.tag("sphere", one) == rf.Tag("left", "red", None, "wood")
+    assert scene.tag("spring", spring) == ("coil", "#0a0b0c", None, None)
     assert rf.Scene.parse(scene.to_text()).to_text() == scene.to_text()
-    assert "@name left\n@colour red\nS 0 0 1 0 " in scene.to_text()
+    assert "@name left\n@colour red\n@look wood\nS 0 0 1 0 " in scene.to_text()
 
 
 def test_wrong_tags_add_nothing() -> None:
@@ -82,6 +82,8 @@ def test_wrong_tags_add_nothing() -> None:
         with pytest.raises(error):
             scene.add_sphere([0, 0, 0], 0.5, **options)  # type: ignore[arg-type]
     assert scene.counts.spheres == 0
+    with pytest.raises(ValueError, match="'wod' \\(did you mean wood\\?\\) is not allowed, expected one of plain, striped"):
+        scene.set_tag("sphere", [], look="wod")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="did you mean red"):
         scene.add_box([0, 0, 0], [1, 1, 1], colour="rde")
     with pytest.raises(ValueError, match="kind: expected one of sphere"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pathlib
+from typing import Any
 
 import numpy as np
 import PIL.Image
@@ -38,6 +39,30 @@ def test_a_picture_is_an_array_an_image_and_a_file(sim: rf.Simulation, tmp_path:
         picture.save(tmp_path / "a.tif")
     with pytest.raises(OSError):
         picture.save(tmp_path / "no" / "a.png")
+
+
+def test_plots_beside_pictures_have_the_states_that_were_drawn() -> None:
+    scene = rf.Scene()
+    scene.settings.gravity = 10.0
+    scene.add_sphere([0, 1, 0], 0.5, name="ball")
+    sim = rf.Simulation(scene, backend="cpu")
+    options: dict[str, Any] = {"size": (240, 96), "plain": True, "camera": [0, 1, 9], "look_at": [0, 1, 0]}
+    alone = sim.render(**options).numpy()
+    first = sim.render(**options, plot="height:ball").numpy()
+    assert first.shape == alone.shape == (96, 240, 3)
+    beside = slice(160, 240)
+    assert first[:, beside].min() < 150, "letters and axes"
+    sim.run(20)
+    lines = sim.render(**options, plot="height:ball").numpy()
+    assert not np.array_equal(lines[:, beside], first[:, beside])
+    # Other plots begin anew: there is one state, as in a picture of a new simulation.
+    sim.render(**options, plot=["energy"])
+    again = sim.render(**options, plot="height:ball").numpy()
+    assert not np.array_equal(again[:, beside], lines[:, beside])
+    with pytest.raises(ValueError, match="plot: heigth is not known, expected one of: energy, contacts"):
+        sim.render(**options, plot="heigth:ball")
+    with pytest.raises(KeyError, match="plot: bal: no object has the name 'bal': did you mean 'ball'"):
+        sim.render(**options, plot="height:bal")
 
 
 def test_camera_colours_and_state_change_the_picture(sim: rf.Simulation) -> None:

@@ -24,6 +24,8 @@ ball = scene.add_sphere([0, 1, 0], 0.1, group=3, fixed=True)
 scene.add_sphere([0, 1, 0], 0.1, color="red")  # wrong
 scene.add_box([0, 0, 0], [1, 1, 1], group=2)
 scene.add_box([0, 0, 0], [1, 1, 1], fixed=True)  # wrong
+scene.add_box([0, 0, 0], [1, 1, 1], look="glass")
+scene.add_box([0, 0, 0], [1, 1, 1], look="marble")  # wrong
 scene.add_rod(0, 1, 0.1, length=1.0, group=1)
 scene.add_spring(0, 1, 5.0, muscles=1)  # wrong
 scene.set_pair("a", "a", rolling_model="c", cohesion="jkr")

@@ -22,6 +22,7 @@ mod cull;
 mod formats;
 mod frame;
 mod layouts;
+mod looks;
 mod motion;
 mod passes;
 mod pipelines;
@@ -103,6 +104,8 @@ pub struct Renderer {
     colours_due: bool,
     /// [`Scene::tag_changes`] of the colours that were uploaded.
     tag_changes: u64,
+    /// [`Scene::tag_changes`] of the looks that were uploaded.
+    look_changes: u64,
     /// Whether the scene has objects of each kind of [`palette::KINDS`].
     present: [bool; 8],
     speeds: SpeedPercentile,
@@ -153,6 +156,7 @@ impl Renderer {
             colours: Vec::new(),
             colours_due: false,
             tag_changes: 0,
+            look_changes: 0,
             present: [false; 8],
             speeds: SpeedPercentile::new(device, queue),
             recent: RecentPercentile::default(),
@@ -196,10 +200,17 @@ impl Renderer {
     }
 
     fn update_objects(&mut self, simulation: &Simulation) {
-        self.buffers.mark_capsules(&self.device, &self.queue, simulation);
+        self.buffers.allocate(&self.device, &self.queue, simulation);
         self.walls.set_scene(simulation.scene());
+        self.update_looks(simulation);
         self.colours_due = true;
         self.present = present(simulation.scene());
+    }
+
+    fn update_looks(&mut self, simulation: &Simulation) {
+        self.look_changes = simulation.scene().tag_changes();
+        self.buffers.mark(&self.device, &self.queue, simulation.scene());
+        self.walls.set_glass(simulation.scene());
     }
 
     /// Updates what is drawn to the present state of the simulation. On the GPU backend only references to its buffers are
@@ -214,6 +225,8 @@ impl Renderer {
             self.set_scene(simulation);
         } else if self.buffers.is_stale(simulation) {
             self.update_objects(simulation);
+        } else if self.look_changes != simulation.scene().tag_changes() {
+            self.update_looks(simulation);
         }
         match &self.survey {
             Some(survey) => self.walls.set_bodies(survey),
@@ -236,7 +249,7 @@ impl Renderer {
     /// Returns the legend of the next picture.
     pub fn legend(&self, style: &Style) -> Legend {
         match style.colour_by.title() {
-            Some(title) => Legend::scale(title, self.range(style)),
+            Some(title) => Legend::Scale { title, range: self.range(style), colours: style.colour_by.scale() },
             None => {
                 let shown = self.present.map(|present| present && style.colour_by == ColourBy::Kind);
                 let kinds = palette::KINDS.into_iter().zip(style.kinds).zip(shown);
@@ -274,6 +287,7 @@ impl Renderer {
         self.buffers.set_drawn(&self.queue, &self.walls.drawn(camera.eye, self.survey.is_none()));
         let mut frame = Frame::new(&self.step, camera, style, &summary, targets.size);
         (frame.blend, frame.range) = (blend, self.range(style));
+        frame.set_looks(self.buffers.has_looks);
         self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&frame));
         if let Some(timer) = &mut self.timer {
             let culls_hidden = frame::culls_hidden(&self.step);

@@ -2,7 +2,7 @@
 //!
 //! The colours of the kinds have the hues of Okabe and Ito, *Color Universal Design* (2008), with less saturation because
 //! they fill large areas. The colour scale is viridis (van der Walt and Smith 2015), whose lightness rises evenly. Colours
-//! are sRGB, 0 to 255.
+//! are sRGB, 0 to 255. The scale of tensions has two hues, blue and orange, with grey between.
 
 /// A colour in sRGB.
 pub type Rgb = [u8; 3];
@@ -43,6 +43,19 @@ pub const SCALE: [Rgb; 9] = [
     [0x5e, 0xc9, 0x62],
     [0xad, 0xdc, 0x30],
     [0xfd, 0xe7, 0x25],
+];
+
+/// Blue for the greatest push, grey for no force, orange and red for the greatest pull.
+pub const TENSIONS: [Rgb; 9] = [
+    [0x12, 0x35, 0x8c],
+    [0x1d, 0x5f, 0xbd],
+    [0x4c, 0x90, 0xd6],
+    [0x8a, 0xac, 0xc9],
+    [0xa8, 0xa8, 0xa8],
+    [0xd0, 0xa0, 0x7c],
+    [0xe4, 0x80, 0x3c],
+    [0xcf, 0x4f, 0x14],
+    [0x8f, 0x24, 0x08],
 ];
 
 /// Converts a colour to linear light (IEC 61966-2-1).

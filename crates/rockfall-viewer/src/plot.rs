@@ -125,6 +125,16 @@ impl Plot {
         Ok(Self { quantity, bodies })
     }
 
+    /// The quantity that the plot shows.
+    pub fn quantity(&self) -> Quantity {
+        self.quantity
+    }
+
+    /// The names or numbers of the bodies; none for a quantity of the whole scene.
+    pub fn bodies(&self) -> &[String] {
+        &self.bodies
+    }
+
     /// Finds the bodies; `find` returns the sphere that a name or a number means.
     ///
     /// # Errors

@@ -10,6 +10,7 @@ export const GALLERY = [
     named("Conveyor", "conveyor", "Logs slide down a slope, ride on spinning rollers and drop into a bin."),
     named("Hanging bridge", "bridge", "Balls drop on a bridge of rods of fixed length."),
     named("Soft cube", "soft-cube", "A cube of spheres and springs.", 0.005),
+    named("Looks", "looks", "A table of wood, stones, and a tank of glass full of balls.", 0.004),
     named("Cradle", "cradle", "Newton's cradle.", 0.005),
     named("Creature: galloper", "creatures/galloper", "A creature of springs and muscles that evolved to walk.", 0.005),
     named("Creature: rocker", "creatures/rocker", "A creature of springs and muscles that evolved to walk.", 0.005),

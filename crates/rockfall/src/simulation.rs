@@ -45,6 +45,7 @@ mod ray;
 mod read;
 mod springs;
 mod sweeps;
+mod tensions;
 #[cfg(not(target_family = "wasm"))]
 mod watch;
 
@@ -57,6 +58,7 @@ use lists::ListPolicy;
 pub use observe::{Contact, ContactAction, MaxOverlap, SphereDiagnostics};
 use order::Disorder;
 pub use ray::RayHit;
+pub use tensions::{Link, Tension};
 
 /// Advances a scene in time, on the GPU or on the CPU.
 ///

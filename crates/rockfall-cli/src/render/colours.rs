@@ -1,11 +1,12 @@
 //! Colours on the command line.
 
 use rockfall::{Colour, Error, ObjectId, Scene, Tag};
-use rockfall_viewer::draw::Style;
+use rockfall_viewer::draw::{ColourBy, Style};
 use rockfall_viewer::palette::{KINDS, Rgb};
 
 use super::camera::body;
 use crate::failure::Failure;
+use crate::output;
 
 /// Parses a colour: a name or six hexadecimal digits.
 pub(super) fn colour(text: &str) -> Result<Colour, String> {
@@ -102,4 +103,20 @@ fn spheres(scene: &Scene, from: u32, to: u32) -> Result<Vec<ObjectId>, Failure> 
     }
     let numbered = scene.sphere_ids().zip(0..).map(|(id, index)| (id, scene.reference(id).unwrap_or(index)));
     Ok(numbered.filter(|(_, number)| (from..=to).contains(number)).map(|(id, _)| id.into()).collect())
+}
+
+/// Returns an error where colours are to show tensions that a trajectory does not know, and tells if there are none.
+pub(super) fn check_tension(by: ColourBy, is_recorded: bool, scene: &Scene) -> Result<(), Failure> {
+    if by != ColourBy::Tension {
+        return Ok(());
+    }
+    let counts = scene.counts();
+    if counts.springs + counts.tethers == 0 {
+        output::note(&format!("note: --colour-by tension: {}", output::NO_LINKS));
+    }
+    if is_recorded && scene.springs().iter().any(|spring| spring.muscle.is_some()) {
+        let message = "a trajectory has no rest lengths of muscles, expected a scene or a checkpoint";
+        return Err(Failure::usage(format!("--colour-by tension: {message}")));
+    }
+    Ok(())
 }

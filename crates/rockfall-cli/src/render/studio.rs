@@ -39,7 +39,9 @@ impl Studio {
         let canvas = Canvas::new(gpu.device(), gpu.queue(), width, height)?;
         let mut renderer = Renderer::new(gpu.device(), gpu.queue(), FORMAT)?;
         let mut style = arguments.style();
+        let is_recorded = matches!(footage, Footage::Recorded(_));
         let simulation = footage.simulation();
+        colours::check_tension(style.colour_by, is_recorded, simulation.scene())?;
         for (object, tag) in colours::apply(&arguments.colour, simulation.scene(), &mut style)? {
             simulation.set_tag(object, tag)?;
         }
@@ -188,7 +190,7 @@ impl Studio {
         self.overlay.arrow_key = has_arrows.then_some(key);
         if !has_scale {
             // The colours mean the same in all pictures.
-            style.range = Range::Given([0.0, end]);
+            style.range = Range::Given(style.colour_by.range_to(end));
         }
         Ok(survey)
     }

@@ -12,6 +12,7 @@ use super::contacts::ContactsFile;
 use super::errors::{lost, written};
 use super::past::{Past, PastFile, whole};
 use super::save;
+use super::tensions::TensionsFile;
 use crate::failure::Failure;
 use crate::output;
 
@@ -26,6 +27,7 @@ pub(crate) struct Wanted {
     pub(crate) trace: Option<PathBuf>,
     pub(crate) trace_every: Option<u64>,
     pub(crate) contacts: Option<PathBuf>,
+    pub(crate) tensions: Option<PathBuf>,
     pub(crate) save: Option<PathBuf>,
     pub(crate) checkpoint: Option<PathBuf>,
     pub(crate) checkpoint_every: Option<u64>,
@@ -42,6 +44,7 @@ impl Wanted {
         let names = [
             ("--out", &out),
             ("--contacts", &contacts),
+            ("--tensions", &self.tensions),
             ("--trace", &self.trace),
             ("--save", &self.save),
             ("--checkpoint", &self.checkpoint),
@@ -52,8 +55,9 @@ impl Wanted {
                 return Err(Failure::usage(format!("{other} and {one} name the same file")));
             }
         }
-        if self.every.is_some() && self.out.is_none() && self.contacts.is_none() {
-            return Err(Failure::usage("--every needs a file to write to: expected --out FILE or --contacts FILE"));
+        if self.every.is_some() && [&self.out, &self.contacts, &self.tensions].into_iter().all(Option::is_none) {
+            let message = "--every needs a file to write to: expected --out FILE, --contacts FILE or --tensions FILE";
+            return Err(Failure::usage(message));
         }
         if self.trace_every.is_some() && self.trace.is_none() {
             return Err(Failure::usage("--trace-every needs a file to write to: expected --trace FILE"));
@@ -88,11 +92,12 @@ pub(crate) struct Outputs {
     /// Steps between two lines of the trace; every step if it is not given.
     trace_every: Option<u64>,
     contacts: Option<ContactsFile>,
+    tensions: Option<TensionsFile>,
     save: Option<(PathBuf, AtomicFile)>,
     checkpoint: Option<PathBuf>,
     checkpoint_every: Option<u64>,
-    /// Whether the trace, the trajectory and the contacts are new, and need their first line and frame.
-    is_new: [bool; 3],
+    /// Whether the trace, the trajectory, the contacts and the tensions are new, and need their first line and frame.
+    is_new: [bool; 4],
     /// The step of the last checkpoint.
     saved_at: Option<u64>,
     /// Total number of collisions up to the last line of the trace, once it is known.
@@ -102,13 +107,14 @@ pub(crate) struct Outputs {
 impl Outputs {
     /// Opens the files. A file that the earlier run `past` had begun is continued.
     pub(crate) fn open(wanted: Wanted, past: Option<&Past>) -> Result<Self, Failure> {
-        let Wanted { out, every, trace, trace_every, contacts, save, checkpoint, checkpoint_every } = wanted;
+        let Wanted { out, every, trace, trace_every, contacts, tensions, save, checkpoint, checkpoint_every } = wanted;
         let marked = |path: &Path, past: Option<&PastFile>| -> Option<Mark> {
             past.filter(|past| past.path == whole(path)).and_then(PastFile::mark)
         };
         let out_mark = out.as_deref().and_then(|path| marked(path, past.and_then(|past| past.out.as_ref())));
         let contacts_mark = contacts.as_deref().and_then(|path| marked(path, past.and_then(|past| past.contacts.as_ref())));
-        let continues = out_mark.is_some() || contacts_mark.is_some();
+        let tensions_mark = tensions.as_deref().and_then(|path| marked(path, past.and_then(|past| past.tensions.as_ref())));
+        let continues = out_mark.is_some() || contacts_mark.is_some() || tensions_mark.is_some();
         if let Some(begun) = past.and_then(|past| past.every).filter(|begun| continues && every != Some(*begun)) {
             let message = "omit --every, or give another --out";
             return Err(Failure::usage(format!("--every: the existing frames were written with --every {begun}; {message}")));
@@ -132,10 +138,11 @@ impl Outputs {
             trace,
             trace_every,
             contacts: contacts.map(|path| ContactsFile::open(path, every, contacts_mark)).transpose()?,
+            tensions: tensions.map(|path| TensionsFile::open(path, every, tensions_mark)).transpose()?,
             save: save.map(|path| save::open(&path).map(|file| (path, file))).transpose()?,
             checkpoint,
             checkpoint_every,
-            is_new: [trace_mark.is_none(), out_mark.is_none(), contacts_mark.is_none()],
+            is_new: [trace_mark.is_none(), out_mark.is_none(), contacts_mark.is_none(), tensions_mark.is_none()],
             saved_at: None,
             collisions,
         })
@@ -144,7 +151,7 @@ impl Outputs {
     /// Writes the header of a new trace, and the state before the first step to a new trace and trajectory.
     pub(crate) fn begin(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
         self.collisions.get_or_insert(simulation.report().total_collisions);
-        let [trace, frames, contacts] = self.is_new;
+        let [trace, frames, contacts, tensions] = self.is_new;
         if let Some((path, file)) = self.trace.as_mut().filter(|_| trace) {
             writeln!(file, "{TRACE_HEADER}").map_err(|error| Failure::file(path, &error))?;
             self.trace(simulation, past)?;
@@ -153,7 +160,10 @@ impl Outputs {
         if let Some(Out::Frames(_, writer, _)) = self.out.as_mut().filter(|_| frames) {
             written(writer.frame_at(simulation, step, past.time(step)))?;
         }
-        match self.contacts.as_mut().filter(|_| contacts) {
+        if let Some(file) = self.contacts.as_mut().filter(|_| contacts) {
+            file.after_step(simulation, past, step)?;
+        }
+        match self.tensions.as_mut().filter(|_| tensions) {
             Some(file) => file.after_step(simulation, past, step),
             None => Ok(()),
         }
@@ -168,7 +178,8 @@ impl Outputs {
         let trace = self.trace.as_ref().map(|_| self.trace_every.unwrap_or(1));
         let until = |every: u64| every - step % every;
         let contacts = self.contacts.as_ref().and_then(ContactsFile::every);
-        [every, trace, contacts, self.checkpoint_every].into_iter().flatten().map(until).fold(most, u64::min)
+        let tensions = self.tensions.as_ref().and_then(TensionsFile::every);
+        [every, trace, contacts, tensions, self.checkpoint_every].into_iter().flatten().map(until).fold(most, u64::min)
     }
 
     /// Writes the outputs that are due after a step.
@@ -183,6 +194,9 @@ impl Outputs {
             written(writer.frame_at(simulation, step, past.time(step)))?;
         }
         if let Some(file) = &mut self.contacts {
+            file.after_step(simulation, past, step)?;
+        }
+        if let Some(file) = &mut self.tensions {
             file.after_step(simulation, past, step)?;
         }
         match self.checkpoint_every {
@@ -236,6 +250,8 @@ impl Outputs {
         } else {
             past.contacts = None;
         }
+        past.tensions = self.tensions.as_mut().map(TensionsFile::as_past).transpose()?;
+        past.every = past.every.or_else(|| self.tensions.as_ref()?.every());
         past.save = self.save.as_ref().map(|(path, _)| whole(path));
         past.checkpoint_every = self.checkpoint_every;
         let mut checkpoint = simulation.checkpoint()?;
@@ -274,6 +290,9 @@ impl Outputs {
             None => {}
         }
         if let Some(file) = self.contacts {
+            note(file.path().to_owned(), file.finish(simulation, past));
+        }
+        if let Some(file) = self.tensions {
             note(file.path().to_owned(), file.finish(simulation, past));
         }
         if let Some((path, file)) = self.save {

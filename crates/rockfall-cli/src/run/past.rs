@@ -34,6 +34,7 @@ pub(crate) struct Past {
     /// Total number of collisions up to the last line of `trace`. Checkpoints of older versions do not contain it.
     pub(crate) traced_collisions: Option<u64>,
     pub(crate) contacts: Option<PastFile>,
+    pub(crate) tensions: Option<PastFile>,
     /// Scene file that is written at the end, as an absolute path.
     pub(crate) save: Option<PathBuf>,
     pub(crate) checkpoint_every: Option<u64>,

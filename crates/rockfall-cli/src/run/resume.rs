@@ -137,6 +137,11 @@ fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Fai
         wanted.contacts = wanted.contacts.or(before.cloned());
         wanted.every = wanted.every.or(past.every);
     }
+    let before = past.tensions.as_ref().map(|file| &file.path);
+    if wanted.tensions.as_deref().is_none_or(|tensions| Some(&whole(tensions)) == before) {
+        wanted.tensions = wanted.tensions.or(before.cloned());
+        wanted.every = wanted.every.or(past.every);
+    }
     wanted.save = wanted.save.or(past.save.clone());
     let before = past.trace.as_ref().map(|file| &file.path);
     if wanted.trace.as_deref().is_none_or(|trace| Some(&whole(trace)) == before) {

@@ -14,6 +14,7 @@ mod outputs;
 mod render;
 mod running;
 mod signals;
+mod tensions;
 mod trajectories;
 mod view;
 mod warnings;

@@ -8,7 +8,7 @@ const SCENE: &str = "@name left\nS 1 0 2 0 0 0 0 0 0 0 1 0.5\n@name right\nS 2 1
 
 #[test]
 fn names_colours_and_labels_are_saved_and_are_in_checkpoints() {
-    let lines = "@name left\n@colour red\n@label the left one\nS 1 0 2 0 0 0 0 0 0 0 1 0.5\n@name -\n@colour #0a0B0c\n@label -\n\
+    let lines = "@name left\n@colour red\n@look wood\n@label the left one\nS 1 0 2 0 0 0 0 0 0 0 1 0.5\n@name -\n@colour #0a0B0c\n@look glass\n@label -\n\
                  B -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
     let rockfall = Rockfall::with(lines);
     rockfall.run("run scene.txt --backend cpu --steps 0 --save a.txt --checkpoint a.ckpt", 0);
@@ -16,7 +16,7 @@ fn names_colours_and_labels_are_saved_and_are_in_checkpoints() {
     assert!(saved.ends_with(&lines.replace("1 0.5\n", "1 0.5 0\n").replace("#0a0B0c", "#0a0b0c")), "{saved}");
     rockfall.run("run --resume a.ckpt --steps 0 --save b.txt", 0);
     assert!(
-        rockfall.read("b.txt").contains("@name left\n@colour red\n@label the left one\nS 1 "),
+        rockfall.read("b.txt").contains("@name left\n@colour red\n@look wood\n@label the left one\nS 1 "),
         "{}",
         rockfall.read("b.txt")
     );
@@ -36,6 +36,12 @@ fn wrong_lines_are_errors_with_file_line_and_field() {
         let (_, err) = rockfall.run(command, 2);
         assert!(err.contains("scene.txt:2: @colour COLOUR: 'rde' (did you mean red?) is not allowed"), "{err}");
     }
+    let rockfall = Rockfall::with("@name left\n@look glas\n");
+    let (_, err) = rockfall.run("check scene.txt", 2);
+    assert!(
+        err.contains("scene.txt:2: @look LOOK: 'glas' (did you mean glass?) is not allowed, expected one of plain,"),
+        "{err}"
+    );
 }
 
 #[cfg(feature = "view")]
@@ -98,6 +104,21 @@ mod pictures {
         assert_ne!(picture(&labelled, "--label"), picture(SCENE, "--label"));
         let other = SCENE.replace("@name left", "@label other");
         assert_ne!(picture(&labelled, "--label"), picture(&other, "--label"));
+    }
+
+    #[test]
+    fn a_trajectory_and_a_checkpoint_have_the_looks() {
+        let rockfall = Rockfall::with(&SCENE.replace("@name left", "@name left\n@look stone"));
+        rockfall.run("run scene.txt --backend cpu --steps 4 --every 2 --out a.npz --checkpoint a.ckpt", 0);
+        let plain = Rockfall::with(SCENE);
+        plain.run("run scene.txt --backend cpu --steps 4 --every 2 --out a.npz --checkpoint a.ckpt", 0);
+        for (file, at) in [("a.npz", "--at 4"), ("a.ckpt", "")] {
+            let [stone, usual] = [&rockfall, &plain].map(|rockfall| {
+                rockfall.run(&format!("render {file} --out a.png {at} --size 96x64"), 0);
+                fs::read(rockfall.path("a.png")).unwrap()
+            });
+            assert!(stone != usual, "{file}");
+        }
     }
 
     #[test]

@@ -15,6 +15,8 @@ mod display;
 
 use display::{Session, command, folder, number};
 
+use crate::common::Rockfall;
+
 /// One ball without gravity. It stays in the middle of the picture.
 const BALL: &str = "set gravity 0\nS 1 0 0 0 0 0 0 0 0 0 1 0.5\n";
 
@@ -404,4 +406,21 @@ fn without_a_display_the_message_suggests_render() {
     assert_eq!(output.status.code(), Some(1), "{errors}");
     assert!(errors.starts_with("error: no window can be opened here: neither WAYLAND_DISPLAY nor "), "{errors}");
     assert!(errors.ends_with("; `rockfall render` makes pictures and films without one\n"), "{errors}");
+}
+
+#[test]
+fn bodies_to_plot_are_picked_from_the_start() {
+    let scene = "@name left\nS 1 0 2 0 0 0 0 0 0 0 1 0.5\n@name right\nS 2 3 2 0 0 0 0 0 0 0 1 0.5\n";
+    let mut session = Session::open(&[("scene.txt", scene)], "--backend cpu --plot height:right,left --plot energy");
+    session.wait("the picked body", |report| report["picked"].to_string().contains("sphere 2"));
+    session.quit();
+    let rockfall = Rockfall::with(scene);
+    for (plot, expected) in [
+        ("height:lefft", "--plot lefft: no object has the name 'lefft': did you mean 'left'?"),
+        ("contacts", "the window does not plot contacts, expected energy, height or speed"),
+        ("height", "expected names or numbers of bodies, as in height:left,right or height:3"),
+    ] {
+        let (_, err) = rockfall.run(&format!("view scene.txt --backend cpu --plot {plot}"), 2);
+        assert!(err.contains(expected), "{plot}: {err}");
+    }
 }

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from rockfall._options import SphereOptions, SpringOptions, StaticOptions
+    from rockfall.typing import LookName
 
 _ZERO = (0.0, 0.0, 0.0)
 _NO_TAG = Tag()
@@ -100,6 +101,7 @@ class Bodies(MaterialTable, Names):
         name: str | None = None,
         colour: str | None = None,
         label: str | None = None,
+        look: LookName | None = None,
     ) -> IntArray:
         """Add solid balls.
 
@@ -125,8 +127,8 @@ class Bodies(MaterialTable, Names):
             Collision groups from 0 to 65535. Objects of different groups never touch.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
-        name, colour, label : str, optional
-            Name, colour and label of the objects. See :meth:`set_tag`.
+        name, colour, label, look : str, optional
+            Name, colour, label and look of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -141,7 +143,7 @@ class Bodies(MaterialTable, Names):
             For an array that does not hold numbers, or that is on a device.
         """
         return self._add_kind(
-            tag_of(name, colour, label),
+            tag_of(name, colour, label, look),
             _rockfall.add_spheres,
             position=(position, VECTOR),
             radius=(radius, POSITIVE),
@@ -174,6 +176,7 @@ class Bodies(MaterialTable, Names):
         name: str | None = None,
         colour: str | None = None,
         label: str | None = None,
+        look: LookName | None = None,
     ) -> IntArray:
         """Add rods (cylinders without caps and mass) between spheres.
 
@@ -190,8 +193,8 @@ class Bodies(MaterialTable, Names):
             Collision groups from 0 to 65535.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
-        name, colour, label : str, optional
-            Name, colour and label of the objects. See :meth:`set_tag`.
+        name, colour, label, look : str, optional
+            Name, colour, label and look of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -206,7 +209,7 @@ class Bodies(MaterialTable, Names):
             For a sphere that does not exist.
         """
         return self._add_kind(
-            tag_of(name, colour, label),
+            tag_of(name, colour, label, look),
             _rockfall.add_rods,
             end1=(end1, NUMBER),
             end2=(end2, NUMBER),
@@ -236,6 +239,7 @@ class Bodies(MaterialTable, Names):
         name: str | None = None,
         colour: str | None = None,
         label: str | None = None,
+        look: LookName | None = None,
     ) -> Capsules:
         """Add capsules: rigid bodies of two spheres, each with half the mass, and a rod of fixed length.
 
@@ -253,8 +257,8 @@ class Bodies(MaterialTable, Names):
             Collision groups from 0 to 65535.
         material : int, str or array_like of them, shape (N,) or (), optional
             Materials, by number or by name; none by default. See :meth:`add_material`.
-        name, colour, label : str, optional
-            Name, colour and label of the objects. See :meth:`set_tag`.
+        name, colour, label, look : str, optional
+            Name, colour, label and look of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -266,7 +270,7 @@ class Bodies(MaterialTable, Names):
         ValueError, TypeError
             As for :meth:`add_spheres`, and for ends that coincide.
         """
-        tag = tag_of(name, colour, label)
+        tag = tag_of(name, colour, label, look)
         count, (capsules, spheres, rods) = self._add(
             _rockfall.add_capsules,
             end1=(end1, VECTOR),
@@ -292,6 +296,7 @@ class Bodies(MaterialTable, Names):
         name: str | None = None,
         colour: str | None = None,
         label: str | None = None,
+        look: LookName | None = None,
     ) -> IntArray:
         """Add damped springs between spheres.
 
@@ -309,8 +314,8 @@ class Bodies(MaterialTable, Names):
             Amplitude A from -1 to 1, frequency F in 1/s and phase P in turns. They make the rest length l of a spring oscillate:
             l (1 + A sin(2 pi (F t + P))), where t is the time since the start of the simulation. A row of zeros is a spring
             without a muscle.
-        name, colour, label : str, optional
-            Name, colour and label of the objects. See :meth:`set_tag`.
+        name, colour, label, look : str, optional
+            Name, colour, label and look of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -323,7 +328,7 @@ class Bodies(MaterialTable, Names):
             As for :meth:`add_rods`.
         """
         return self._add_kind(
-            tag_of(name, colour, label),
+            tag_of(name, colour, label, look),
             _rockfall.add_springs,
             a=(a, NUMBER),
             b=(b, NUMBER),

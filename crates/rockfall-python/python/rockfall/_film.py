@@ -160,7 +160,7 @@ def film(
     size : (int, int)
         Width and height, in pixels.
     colour_by : str, optional
-        What colours show, with a legend: kind, speed, contacts, overlap, force, body or contact-force.
+        What colours show, with a legend: kind, speed, contacts, overlap, force, body, contact-force or tension.
     range : (float, float), optional
         Values at the ends of the colour scale; by default one that fits all pictures.
     camera : array_like, shape (3,), optional

@@ -1,4 +1,4 @@
-"""Names, colours and labels of objects."""
+"""Names, colours, labels and looks of objects."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from rockfall import _rockfall
 from rockfall._arrays import IntArray, integers
-from rockfall.typing import TaggedName
+from rockfall.typing import LookName, TaggedName
 
 _KINDS = ("sphere", "rod", "capsule", "spring", "box", "polygon")
 
@@ -23,6 +23,8 @@ class Tag(NamedTuple):
     colour: str | None = None
     #: Text beside the object in pictures with labels.
     label: str | None = None
+    #: How its surface is drawn: plain, striped, wood, stone or glass.
+    look: LookName | None = None
 
 
 class Named(NamedTuple):
@@ -71,7 +73,7 @@ class Names:
         return name in self.names
 
     def tag(self, kind: TaggedName, id: int) -> Tag:
-        """The name, colour and label of an object.
+        """The name, colour, label and look of an object.
 
         Parameters
         ----------
@@ -98,8 +100,9 @@ class Names:
         name: str | None = None,
         colour: str | None = None,
         label: str | None = None,
+        look: LookName | None = None,
     ) -> None:
-        """Replace the name, colour and label of objects. Those of a capsule also hold for its spheres and its rod.
+        """Replace the name, colour, label and look of objects. Those of a capsule also hold for its spheres and its rod.
 
         Parameters
         ----------
@@ -113,22 +116,24 @@ class Names:
             Colour in pictures: a name such as ``red``, or six hexadecimal digits such as ``#ff8800``.
         label : str, optional
             A line of text for pictures with labels.
+        look : str, optional
+            How surfaces are drawn: plain, striped, wood, stone or glass; the usual look of their kind by default.
 
         Raises
         ------
         ValueError
-            For an unknown kind, a name or a label that is not allowed, or an unknown colour. Nothing is changed then.
+            For an unknown kind, a name or a label that is not allowed, or an unknown colour or look. Nothing is changed then.
         LookupError
             For an object that does not exist. Nothing is changed then.
         """
         _check_kind(kind)
         numbers = integers("ids", ids)
-        _rockfall.set_tags(self._native, kind, numbers, tag_of(name, colour, label))
+        _rockfall.set_tags(self._native, kind, numbers, tag_of(name, colour, label, look))
 
 
-def tag_of(name: str | None, colour: str | None, label: str | None) -> Tag:
+def tag_of(name: str | None, colour: str | None, label: str | None, look: LookName | None) -> Tag:
     """A tag that was checked."""
-    tag = Tag(name, colour, label)
+    tag = Tag(name, colour, label, look)
     for field, value in tag._asdict().items():
         if value is not None and not isinstance(value, str):
             raise TypeError(f"{field}: expected a str, got {type(value).__name__}")

@@ -16,7 +16,7 @@ from rockfall._materials import Materials
 from rockfall._motions import Walls
 from rockfall._names import tag_of
 from rockfall._settings import SETTINGS, Settings
-from rockfall.typing import KindName
+from rockfall.typing import KindName, LookName
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -84,7 +84,8 @@ class Objects(Walls, Strict):
 
     def add_boxes(
         self, corner: npt.ArrayLike, edges: npt.ArrayLike, *, group: npt.ArrayLike = 0, material: Materials = None,
-        motion: str | None = None, surface_velocity: npt.ArrayLike | None = None, name: str | None = None, colour: str | None = None, label: str | None = None,
+        motion: str | None = None, surface_velocity: npt.ArrayLike | None = None, name: str | None = None,
+        colour: str | None = None, label: str | None = None, look: LookName | None = None,
     ) -> IntArray:
         """Add boxes, which do not move unless they follow a motion.
 
@@ -102,8 +103,8 @@ class Objects(Walls, Strict):
             Name of the motion that they follow; none by default. See :meth:`add_motion`.
         surface_velocity : array_like of shape (3,), optional
             Velocity of their surfaces, like that of conveyors, in units/s. See :meth:`set_surface_velocity`.
-        name, colour, label : str, optional
-            Name, colour and label of the objects. See :meth:`set_tag`.
+        name, colour, label, look : str, optional
+            Name, colour, label and look of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -117,7 +118,7 @@ class Objects(Walls, Strict):
         """
         self._check_motion(motion)
         numbers = self._add_kind(
-            tag_of(name, colour, label),
+            tag_of(name, colour, label, look),
             _rockfall.add_boxes,
             corner=(corner, VECTOR),
             edges=(edges, MATRIX),
@@ -153,6 +154,7 @@ class Objects(Walls, Strict):
         name: str | None = None,
         colour: str | None = None,
         label: str | None = None,
+        look: LookName | None = None,
     ) -> IntArray:
         """Add parallelograms, which do not move unless they follow a motion. Bodies touch them only on the side that left x right
         points to.
@@ -171,8 +173,8 @@ class Objects(Walls, Strict):
             Name of the motion that they follow; none by default. See :meth:`add_motion`.
         surface_velocity : array_like of shape (3,), optional
             Velocity of their surfaces, like that of conveyors, in units/s. See :meth:`set_surface_velocity`.
-        name, colour, label : str, optional
-            Name, colour and label of the objects. See :meth:`set_tag`.
+        name, colour, label, look : str, optional
+            Name, colour, label and look of the objects. See :meth:`set_tag`.
 
         Returns
         -------
@@ -186,7 +188,7 @@ class Objects(Walls, Strict):
         """
         self._check_motion(motion)
         numbers = self._add_kind(
-            tag_of(name, colour, label),
+            tag_of(name, colour, label, look),
             _rockfall.add_polygons,
             corner=(corner, VECTOR),
             left=(left, VECTOR),

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from rockfall import _rockfall
 from rockfall._arrays import floats
 from rockfall._fields import Fields
-from rockfall._reports import BODY_KINDS, DIAGNOSTICS, RAY_HIT, Energy, Overlap
+from rockfall._reports import BODY_KINDS, DIAGNOSTICS, LINK_KINDS, RAY_HIT, TENSION, Energy, Overlap
 from rockfall._states import States
 from rockfall._tables import contact_table
 from rockfall.typing import KernelName
@@ -40,6 +40,23 @@ class Observed(States):
         """
         self._commit()
         return contact_table(*_rockfall.contacts(self._native))
+
+    @property
+    def tensions(self) -> np.ndarray:
+        """The lengths and tensions of all springs, then of all tethers, as a structured array with one row for each.
+
+        Fields: ``kind`` (spring, muscle or tether), ``index`` (row among springs with muscles, or among tethers), ``a`` and ``b``
+        (rows of the spheres, in order of addition; ``b`` is -1 for a tether), ``length`` (distance of the ends, in units) and
+        ``tension`` (in mass units/s², with the damping, negative where the spring pushes its ends apart). Rods are not among them:
+        the model keeps their lengths without a force. :func:`rockfall.to_pandas` makes a data frame of them.
+        """
+        self._commit()
+        whole, real = _rockfall.tensions(self._native)
+        found = np.empty(len(whole), dtype=TENSION)
+        found["kind"] = LINK_KINDS[whole[:, 0]]
+        found["index"], found["a"], found["b"] = whole[:, 1], whole[:, 2], whole[:, 3]
+        found["length"], found["tension"] = real[:, 0], real[:, 1]
+        return found
 
     def fields(self, width: float | None = None, *, spacing: float | None = None, kernel: KernelName = "gaussian") -> Fields:
         """Coarse-grained density, velocity, stress and temperature of the current state on a grid.

@@ -9,7 +9,16 @@ import numpy.typing as npt
 
 from rockfall._arrays import FloatArray
 from rockfall._materials import Materials
-from rockfall.typing import BackendName, BodyName, ColourName, ContactLawName, GoalName, IntegratorName, PrecisionName
+from rockfall.typing import (
+    BackendName,
+    BodyName,
+    ColourName,
+    ContactLawName,
+    GoalName,
+    IntegratorName,
+    LookName,
+    PrecisionName,
+)
 
 if TYPE_CHECKING:
     from gymnasium.vector import AutoresetMode
@@ -23,6 +32,7 @@ class TagOptions(TypedDict, total=False):
 
     name: str | None
     colour: str | None
+    look: LookName | None
     label: str | None
 
 

@@ -29,6 +29,18 @@ CONTACT = np.dtype(
     ]
 )
 
+#: Rows of :attr:`Simulation.tensions`.
+TENSION = np.dtype(
+    [
+        ("kind", "U6"),
+        ("index", np.int64),
+        ("a", np.int64),
+        ("b", np.int64),
+        ("length", np.float32),
+        ("tension", np.float32),
+    ]
+)
+
 #: Rows of :meth:`Simulation.cast_rays`.
 RAY_HIT = np.dtype(
     [
@@ -77,6 +89,9 @@ ENERGIES = np.dtype(
 
 #: Kinds of bodies in contacts and ray hits.
 BODY_KINDS = np.array(["sphere", "rod", "box", "polygon", ""])
+
+#: Kinds in tensions.
+LINK_KINDS = np.array(["spring", "muscle", "tether"])
 
 
 @dataclass(frozen=True)

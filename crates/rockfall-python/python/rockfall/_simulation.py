@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -389,6 +389,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         scale_bar: bool = False,
         label: bool = False,
         arrows: str | None = None,
+        plot: str | Sequence[str] = (),
     ) -> Picture:
         """Draw the current state. The picture shows itself in a notebook.
 
@@ -397,9 +398,10 @@ class Simulation(Stored, LawTable, ContactLawOf):
         size : (int, int)
             Width and height, in pixels.
         colour_by : str, optional
-            What colours show, with a legend: kind, speed, contacts, overlap, force, body or contact-force.
+            What colours show, with a legend: kind, speed, contacts, overlap, force, body, contact-force or tension.
         range : (float, float), optional
-            Values at the ends of the colour scale; by default from 0 to about the 99th percentile.
+            Values at the ends of the colour scale; by default from 0, or for tension from minus that value, to about the
+            99th percentile.
         camera : array_like, shape (3,), optional
             Position of the camera, in units; by default chosen so that all bodies are in view.
         look_at : array_like, shape (3,), optional
@@ -418,16 +420,22 @@ class Simulation(Stored, LawTable, ContactLawOf):
             Whether to write its number on every sphere.
         arrows : str, optional
             What an arrow at every sphere shows, with a key: velocity, force or gravity.
+        plot : str or sequence of str
+            Quantities over time beside the picture, as in :func:`rockfall.film`: ``"energy"``, ``"contacts"``, or height, speed, x, y
+            or z of bodies by their names or numbers, as in ``"height:left,right"``. A simulation keeps no values of the past: the lines
+            go through this state and those of the pictures with the same plots before.
 
         Raises
         ------
         ValueError
-            For a wrong size, an unknown ``colour_by``, ``view`` or ``arrows``, or a camera at the point it looks at.
+            For a wrong size, an unknown ``colour_by``, ``view``, ``arrows`` or ``plot``, or a camera at the point it looks at.
+        LookupError
+            For a body in ``plot`` that does not exist.
         SimulationError
             If there is no graphics adapter. Software Vulkan is enough.
         """
         captions: dict[str, Any] = {"title": title, "clock": clock, "scale_bar": scale_bar, "label": label, "arrows": arrows}
-        shown = look(size, colour_by, range, camera, look_at, plain, view=view, **captions)
+        shown = look(size, colour_by, range, camera, look_at, plain, view=view, plot=plot, **captions)
         self._commit()
         if self._studio is None:
             self._studio = _rockfall.Studio()

@@ -16,6 +16,7 @@ __all__ = [
     "IntegratorName",
     "KernelName",
     "KindName",
+    "LookName",
     "PrecisionName",
     "RollingModelName",
     "TaggedName",
@@ -29,8 +30,10 @@ KindName = Literal["sphere", "rod", "capsule", "spring", "tether", "box", "polyg
 #: Kinds of objects that can have names, for :meth:`Objects.set_tag`.
 TaggedName = Literal["sphere", "rod", "capsule", "spring", "box", "polygon"]
 #: What the colours of pictures show.
-ColourName = Literal["kind", "speed", "contacts", "overlap", "force", "body", "contact-force"]
+ColourName = Literal["kind", "speed", "contacts", "overlap", "force", "body", "contact-force", "tension"]
 ContactLawName = Literal["thesis", "linear", "hertz-mindlin", "user"]
+#: How surfaces of objects are drawn, for :meth:`Objects.set_tag`.
+LookName = Literal["plain", "striped", "wood", "stone", "glass"]
 PrecisionName = Literal["auto", "single", "double"]
 RollingModelName = Literal["a", "c"]
 #: Bodies and goals of :func:`evolve`.

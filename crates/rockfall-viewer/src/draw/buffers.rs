@@ -2,9 +2,10 @@
 
 use rockfall::model::buffer::Buffer;
 use rockfall::model::step::Step;
-use rockfall::{Result, Simulation, wgpu};
+use rockfall::{Result, Scene, Simulation, wgpu};
 
 use crate::draw::layouts::STORAGE;
+use crate::draw::looks::Looks;
 
 /// The buffers of the physics that shaders read, in the order of their bindings: state, orientations, topology.
 const PHYSICS_BUFFERS: [Buffer; 3] = [Buffer::Start, Buffer::Orientations, Buffer::Topology];
@@ -16,14 +17,20 @@ pub(crate) struct SceneBuffers {
     physics: Vec<wgpu::Buffer>,
     /// Positions and orientations to blend from.
     old: Vec<wgpu::Buffer>,
-    /// One value per sphere, by memory slot, then the colours of rods, springs, boxes and polygons.
+    /// One value per sphere, by memory slot, then the colours of rods, springs, boxes and polygons, or
+    /// those of rods and the tensions of springs and tethers.
     values: Option<wgpu::Buffer>,
-    /// One bit per sphere, by insertion index, then from a new word on one bit per rod: whether it is part of a capsule.
+    /// One bit per sphere, by insertion index, then from a new word on one bit per rod: whether it is part of a capsule; then the
+    /// looks, if an object has one.
     capsule_bits: Option<wgpu::Buffer>,
     /// For each box, then for each polygon, whether it is drawn.
     drawn: Option<wgpu::Buffer>,
-    /// Memory version of the simulation when the capsules were marked.
-    marked_version: Option<u64>,
+    /// Whether an object has a look.
+    pub(crate) has_looks: bool,
+    /// Whether an object is of glass.
+    pub(crate) has_glass: bool,
+    /// Memory version of the simulation when the buffers were allocated.
+    allocated_version: Option<u64>,
     /// Memory version of the simulation when `old` was copied.
     old_version: Option<u64>,
     /// The buffers that `group` binds.
@@ -41,13 +48,13 @@ fn make(device: &wgpu::Device, label: &str, bytes: u64) -> wgpu::Buffer {
 }
 
 impl SceneBuffers {
-    /// Whether objects were added or removed since the capsules were marked.
+    /// Whether objects were added or removed since the buffers were allocated.
     pub(crate) fn is_stale(&self, simulation: &Simulation) -> bool {
-        self.marked_version != Some(simulation.memory_version())
+        self.allocated_version != Some(simulation.memory_version())
     }
 
-    pub(crate) fn mark_capsules(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, simulation: &Simulation) {
-        let scene = simulation.scene();
+    /// Uploads which spheres and rods belong to capsules, and the looks of all objects.
+    pub(crate) fn mark(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) {
         let counts = scene.counts();
         let rods_at = counts.spheres.div_ceil(32);
         let mut bits = vec![0_u32; rods_at + counts.rods.div_ceil(32)];
@@ -60,18 +67,26 @@ impl SceneBuffers {
             scene.sphere_ids().zip(0..).filter(|(id, _)| ends.contains(id)).for_each(|(_, index)| mark(0, index));
             scene.rod_ids().zip(0..).filter(|(id, _)| rods.contains(id)).for_each(|(_, index)| mark(rods_at, index));
         }
+        let looks = Looks::of(scene);
+        (self.has_looks, self.has_glass) = (!looks.words.is_empty(), looks.glass);
+        bits.extend(looks.words);
         let bytes: &[u8] = bytemuck::cast_slice(&bits);
         let capsule_bits = make(device, "capsules", bytes.len() as u64);
         queue.write_buffer(&capsule_bits, 0, bytes);
         self.capsule_bits = Some(capsule_bits);
-        let coloured = counts.spheres + counts.rods + counts.springs + counts.boxes + counts.polygons;
+    }
+
+    /// Creates the buffers that suit the objects of the scene.
+    pub(crate) fn allocate(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, simulation: &Simulation) {
+        let counts = simulation.scene().counts();
+        let coloured = counts.spheres + counts.rods + counts.springs + counts.boxes + counts.polygons + counts.tethers;
         self.values = Some(make(device, "values", 4 * coloured as u64));
         let [positions, orientations] = ["old positions", "old orientations"];
         self.old = [positions, orientations].map(|label| make(device, label, 16 * counts.spheres as u64)).to_vec();
         self.drawn = Some(make(device, "drawn", 4 * (counts.boxes + counts.polygons) as u64));
         self.set_drawn(queue, &vec![1; counts.boxes + counts.polygons]);
         self.old_version = None;
-        self.marked_version = Some(simulation.memory_version());
+        self.allocated_version = Some(simulation.memory_version());
     }
 
     /// Takes the buffers of the present state, or uploads it, and returns its uniform block, which describes the buffers. An
@@ -106,7 +121,8 @@ impl SceneBuffers {
         }
     }
 
-    /// Uploads the colours of rods, springs, boxes and polygons, each in insertion order.
+    /// Uploads what follows the values of the spheres: the colours of rods, springs, boxes and polygons, or the tensions of springs
+    /// and tethers after as many zeros as there are rods, each in insertion order.
     pub(crate) fn set_colours(&self, queue: &wgpu::Queue, spheres: usize, colours: &[f32]) {
         if let Some(buffer) = self.values.as_ref().filter(|_| !colours.is_empty()) {
             queue.write_buffer(buffer, 4 * spheres as u64, bytemuck::cast_slice(colours));
@@ -132,12 +148,12 @@ impl SceneBuffers {
                 encoder.copy_buffer_to_buffer(from, 0, to, 0, bytes);
             }
         }
-        self.old_version = self.marked_version;
+        self.old_version = self.allocated_version;
     }
 
     /// Whether there is a state to blend from whose spheres are in the present memory order.
     pub(crate) fn can_blend(&self) -> bool {
-        self.old_version.is_some() && self.old_version == self.marked_version
+        self.old_version.is_some() && self.old_version == self.allocated_version
     }
 
     /// Returns the storage buffers of group 0 in the order of their bindings, which start at 1.

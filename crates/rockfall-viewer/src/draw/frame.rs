@@ -72,6 +72,7 @@ pub(crate) struct Frame {
 const SHADOWS: u32 = 1;
 const OCCLUSION: u32 = 2;
 const CULL_HIDDEN: u32 = 4;
+const LOOKS: u32 = 8;
 
 /// Extent of the shadow map around the target of the camera, divided by that of the picture.
 const SHADOW_REACH: f32 = 1.5;
@@ -188,8 +189,15 @@ impl Frame {
             colour_by: style.colour_by as u32,
             light_size: SHADOW_SIZE as f32,
             kinds: style.kinds.map(opaque),
-            scale: palette::SCALE.map(opaque),
+            scale: style.colour_by.scale().map(opaque),
         }
+    }
+}
+
+impl Frame {
+    /// Whether the looks of objects follow the bits of the capsules.
+    pub(crate) fn set_looks(&mut self, looks: bool) {
+        self.flags |= if looks { LOOKS } else { 0 };
     }
 }
 

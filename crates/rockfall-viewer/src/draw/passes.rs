@@ -120,6 +120,7 @@ impl Renderer {
             pass.set_pipeline(&self.pipelines.ground);
             pass.draw(0..3, 0..1);
         }
+        self.draw_glass(&mut pass, culls_hidden);
         if self.step.layout.boxes > 0 {
             pass.set_pipeline(&self.pipelines.box_edges);
             pass.draw(0..36, 0..self.step.layout.boxes);
@@ -144,6 +145,25 @@ impl Renderer {
         for (pipeline, list) in [(&self.pipelines.spheres.lit, near), (&self.pipelines.far, far)] {
             pass.set_pipeline(pipeline);
             self.cull.draw(pass, list);
+        }
+    }
+
+    /// Draws all bodies of glass, which let what lies behind show through. They are not sorted: opacities are so low that the
+    /// order hardly shows.
+    fn draw_glass(&self, pass: &mut wgpu::RenderPass<'_>, culls_hidden: bool) {
+        if !self.buffers.has_glass {
+            return;
+        }
+        let layout = &self.step.layout;
+        let counts = [(14, layout.rods), (36, layout.boxes), (6, layout.polygons)];
+        for (pipeline, (vertices, count)) in self.pipelines.glass.iter().zip(counts).filter(|(_, (_, count))| *count > 0) {
+            pass.set_pipeline(pipeline);
+            pass.draw(0..vertices, 0..count);
+        }
+        pass.set_pipeline(&self.pipelines.glass_spheres);
+        self.cull.draw(pass, List::Near);
+        if culls_hidden {
+            self.cull.draw(pass, List::SecondNear);
         }
     }
 

@@ -13,10 +13,11 @@ macro_rules! wgsl {
 
 /// Shaders that draw bodies and their shadows.
 pub(crate) const BODIES: &str = wgsl!(
-    "frame", "colour", "light", "surface", "sphere", "capsule", "flat", "far", "coil", "chain", "picture", "ground", "shadow"
+    "frame", "colour", "look", "light", "surface", "sphere", "capsule", "flat", "far", "coil", "chain", "picture", "ground",
+    "shadow"
 );
 /// Shaders that select the spheres to draw.
-pub(crate) const CULL: &str = wgsl!("frame", "colour", "cull");
+pub(crate) const CULL: &str = wgsl!("frame", "colour", "look", "cull");
 /// Shader of the ambient occlusion.
 pub(crate) const OCCLUSION: &str = wgsl!("frame", "picture", "occlusion");
 /// Shader that writes the final picture.
@@ -31,7 +32,7 @@ enum RenderTarget {
     Sky,
     /// The same, blended over the bodies, with depth test.
     Ground,
-    /// The same, blended over the bodies, with depth test but without writing depth.
+    /// The same, blended over the bodies, with depth test but without writing depth: edges and glass.
     Edges,
     /// The same, over everything, without depth test.
     Chains,
@@ -64,6 +65,10 @@ pub(crate) struct Pipelines {
     pub(crate) box_edges: wgpu::RenderPipeline,
     pub(crate) polygon_edges: wgpu::RenderPipeline,
     pub(crate) chains: wgpu::RenderPipeline,
+    /// Spheres of glass.
+    pub(crate) glass_spheres: wgpu::RenderPipeline,
+    /// Capsules, boxes and polygons of glass.
+    pub(crate) glass: [wgpu::RenderPipeline; 3],
     pub(crate) occlusion: wgpu::RenderPipeline,
     pub(crate) finish: wgpu::RenderPipeline,
 }
@@ -192,7 +197,12 @@ impl Pipelines {
         let occlusion = PipelineBuilder::new(device, "occlusion", OCCLUSION, &[&layouts.bodies, &layouts.occlusion], &[]);
         let encodes = [("ENCODES", f64::from(u8::from(format.is_srgb())))];
         let finish = PipelineBuilder::new(device, "finish", FINISH, &[&layouts.bodies, &layouts.finish], &encodes);
+        let glass = |topology, name: &str| {
+            bodies.make(RenderTarget::Edges, topology, &format!("glass_{name}_vertex"), Some(&format!("{name}_surface")))
+        };
         Self {
+            glass_spheres: listed.make(RenderTarget::Edges, TriangleStrip, "glass_sphere_vertex", Some("sphere_surface")),
+            glass: [glass(TriangleStrip, "capsule"), glass(TriangleList, "box"), glass(TriangleList, "polygon")],
             spheres: listed.kind(TriangleStrip, "sphere", "sphere", true),
             far: listed.make(RenderTarget::Bodies, TriangleStrip, "far_vertex", Some("far_surface")),
             capsules: bodies.kind(TriangleStrip, "capsule", "capsule", true),

@@ -4,7 +4,7 @@ use rockfall::SphereDiagnostics;
 use rockfall::glam::Vec3;
 
 use crate::legend::CONTACTS;
-use crate::palette::{KINDS, Rgb};
+use crate::palette::{KINDS, Rgb, SCALE, TENSIONS};
 
 /// The quantity that the colour of a body shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -25,6 +25,8 @@ pub enum ColourBy {
     Body = 5,
     /// Normal force of every contact, as a line between the two bodies, in mass units/s².
     ContactForce = 6,
+    /// Tension of springs, muscles and tethers, in mass units/s²; negative where they push. Other bodies are pale.
+    Tension = 7,
 }
 
 impl ColourBy {
@@ -42,12 +44,23 @@ impl ColourBy {
             Self::Overlap => Some("deepest overlap, units"),
             Self::Force => Some("net force, mass units/s²"),
             Self::ContactForce => Some("contact force, mass units/s²"),
+            Self::Tension => Some("tension (< 0: push), mass units/s²"),
         }
     }
 
     /// All values.
-    pub const ALL: [Self; 7] =
-        [Self::Kind, Self::Speed, Self::Contacts, Self::Overlap, Self::Force, Self::Body, Self::ContactForce];
+    pub const ALL: [Self; 8] =
+        [Self::Kind, Self::Speed, Self::Contacts, Self::Overlap, Self::Force, Self::Body, Self::ContactForce, Self::Tension];
+
+    /// The range of an automatic scale that ends at a value: from 0, or for a quantity with a sign from minus that value.
+    pub fn range_to(self, end: f32) -> [f32; 2] {
+        [if self == Self::Tension { -end } else { 0.0 }, end]
+    }
+
+    /// Evenly spaced colours from one end of the scale to the other.
+    pub fn scale(self) -> [Rgb; 9] {
+        if self == Self::Tension { TENSIONS } else { SCALE }
+    }
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
@@ -59,12 +72,13 @@ impl ColourBy {
             Self::Force => "force",
             Self::Body => "body",
             Self::ContactForce => "contact-force",
+            Self::Tension => "tension",
         }
     }
 
     pub(crate) fn value_of(self, values: &SphereDiagnostics) -> f32 {
         match self {
-            Self::Kind | Self::Speed | Self::Body | Self::ContactForce => 0.0,
+            Self::Kind | Self::Speed | Self::Body | Self::ContactForce | Self::Tension => 0.0,
             Self::Contacts => values.contacts as f32,
             Self::Overlap => values.deepest_overlap,
             Self::Force => values.net_force.length(),
@@ -76,7 +90,7 @@ impl ColourBy {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Range {
     /// From 0 to the next round number above the 99th percentile of the values of the last frames. Values of 0 and bodies far
-    /// from all others do not count.
+    /// from all others do not count. That of a tension begins at minus its end, so that 0 is in the middle.
     #[default]
     Auto,
     /// From the first value to the second.

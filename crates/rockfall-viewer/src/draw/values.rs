@@ -17,9 +17,10 @@ fn coded(colour: Option<palette::Rgb>) -> f32 {
     colour.map_or(0.0, |[r, g, b]| (1 + (u32::from(r) << 16) + (u32::from(g) << 8) + u32::from(b)) as f32)
 }
 
-/// The colour that the scene gives to an object.
+/// The colour that the scene gives to an object, or else that of its look.
 fn given(scene: &Scene, id: impl Into<ObjectId>) -> Option<palette::Rgb> {
-    Some(scene.tag(id).ok()??.colour?.0)
+    let tag = scene.tag(id).ok()??;
+    Some(tag.colour.or_else(|| tag.look?.colour())?.0)
 }
 
 /// The coded colours of rods, springs, boxes and polygons, each in insertion order.
@@ -109,6 +110,8 @@ impl Renderer {
         } else if by == ColourBy::ContactForce {
             let forces = self.chains.update(&self.device, simulation)?;
             self.recent.record(percentile(forces.into_iter()));
+        } else if by == ColourBy::Tension {
+            self.update_tensions(simulation)?;
         } else if by == ColourBy::Speed
             && style.range == Range::Auto
             && let Some(state) = self.buffers.state()
@@ -118,6 +121,17 @@ impl Renderer {
         if matches!(by, ColourBy::Kind | ColourBy::Body) {
             self.update_colours(simulation);
         }
+        Ok(())
+    }
+
+    /// Uploads the tensions of springs and tethers.
+    fn update_tensions(&mut self, simulation: &mut Simulation) -> Result<()> {
+        let found: Vec<f32> = simulation.tensions()?.iter().map(|tension| tension.force).collect();
+        self.recent.record(percentile(found.iter().map(|force| force.abs())));
+        let counts = simulation.scene().counts();
+        let mut values = vec![0.0; counts.rods];
+        values.extend(found);
+        self.buffers.set_colours(&self.queue, counts.spheres, &values);
         Ok(())
     }
 
@@ -138,7 +152,7 @@ impl Renderer {
     /// Returns the range of the colour scale of the next picture.
     pub fn range(&self, style: &Style) -> [f32; 2] {
         match style.range {
-            Range::Auto => self.recent.range(),
+            Range::Auto => style.colour_by.range_to(self.recent.range()[1]),
             Range::Given(range) => range,
         }
     }

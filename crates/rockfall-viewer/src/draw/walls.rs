@@ -2,9 +2,10 @@
 //! edges.
 
 use rockfall::glam::Vec3;
-use rockfall::{Cuboid, Polygon, Scene};
+use rockfall::{Cuboid, Look, Polygon, Scene};
 
 use crate::block::Block;
+use crate::draw::looks::look;
 use crate::extent::{Extent, extent_of_polygon};
 use crate::survey::Survey;
 
@@ -50,6 +51,8 @@ pub(crate) struct Walls {
     polygons: Vec<Polygon>,
     /// Whether each polygon is one of many that make up a surface.
     parts: Vec<bool>,
+    /// Whether each box and each polygon is of glass. It hides nothing.
+    glass: Vec<bool>,
     /// For how many calls each box and each polygon is not drawn.
     held: Vec<u32>,
     /// The centre and radius of every body.
@@ -64,6 +67,12 @@ impl Walls {
         self.polygons = scene.polygons().to_vec();
         self.parts = parts_of_surfaces(&self.polygons);
         self.held.clear();
+    }
+
+    /// Takes which boxes and polygons of the scene are of glass.
+    pub(crate) fn set_glass(&mut self, scene: &Scene) {
+        let looks = scene.box_ids().map(|id| look(scene, id)).chain(scene.polygon_ids().map(|id| look(scene, id)));
+        self.glass = looks.map(|look| look == Some(Look::Glass)).collect();
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -91,7 +100,8 @@ impl Walls {
     pub(crate) fn drawn(&mut self, eye: Vec3, hold: bool) -> Vec<u32> {
         let boxes = self.boxes.iter().map(|wall| self.is_before(wall, eye));
         let polygons = self.polygons.iter().map(|polygon| self.is_polygon_before(polygon, eye));
-        let hides: Vec<bool> = boxes.chain(polygons).collect();
+        let glass = self.glass.iter().copied().chain(std::iter::repeat(false));
+        let hides: Vec<bool> = boxes.chain(polygons).zip(glass).map(|(hides, glass)| hides && !glass).collect();
         self.held.resize(hides.len(), 0);
         for (held, hides) in self.held.iter_mut().zip(hides) {
             *held = match hides {
@@ -262,6 +272,24 @@ mod tests {
         assert_eq!(drawn(&[low], &[], &[]), [0]);
         let lower = Cuboid::between([-5.0, 0.0, 3.0], [5.0, 0.30, 3.1]);
         assert_eq!(drawn(&[lower], &[], &[]), [1]);
+    }
+
+    #[test]
+    fn a_wall_of_glass_is_not_removed() {
+        let mut scene = Scene::new();
+        scene.add_sphere(Sphere::new([0.0, 0.5, 0.0], 0.1)).unwrap();
+        let pane = Polygon::new([-5.0, 0.0, 3.0], [10.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
+        let [_, glass] = [pane, pane].map(|pane| scene.add_polygon(pane).unwrap());
+        let wall = scene.add_box(Cuboid::between([-5.0, 0.0, 3.0], [5.0, 2.0, 4.0])).unwrap();
+        scene.set_tag(glass, rockfall::Tag::new().look(Look::Glass)).unwrap();
+        let mut walls = Walls::default();
+        walls.set_scene(&scene);
+        walls.set_bodies(&Survey::new(&scene));
+        walls.set_glass(&scene);
+        assert_eq!(walls.drawn(EYE, false), [0, 0, 1]);
+        scene.set_tag(wall, rockfall::Tag::new().look(Look::Glass)).unwrap();
+        walls.set_glass(&scene);
+        assert_eq!(walls.drawn(EYE, false), [1, 0, 1]);
     }
 
     #[test]

@@ -177,8 +177,10 @@ impl OpenWindow {
         viewer.overlay.clone_from(&launch.overlay);
         viewer.style = launch.style;
         viewer.find = launch.follow.clone();
+        viewer.plotted.clone_from(&launch.plotted);
         viewer.show_from(launch.view);
         viewer.follow_initially();
+        viewer.plot_initially();
         window.request_redraw();
         let (last_frame, first_frame, drawn) = (None, None, None);
         Ok(Self {

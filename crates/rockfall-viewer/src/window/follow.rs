@@ -1,8 +1,8 @@
-//! Which body the camera follows in every scene that is opened.
+//! Which bodies the camera follows, and which are plotted, in every scene that is opened.
 
 use std::rc::Rc;
 
 use rockfall::{Scene, SphereId};
 
-/// Finds the sphere to follow in a scene; `None` if the scene has none.
+/// Finds a sphere in a scene; `None` if the scene has none.
 pub type Find = Rc<dyn Fn(&Scene) -> Option<SphereId>>;

@@ -42,6 +42,8 @@ pub struct Launch {
     pub view: Direction,
     /// Finds the sphere that the camera follows.
     pub follow: Option<Find>,
+    /// Find the spheres whose motion is plotted: the first one is picked.
+    pub plotted: Vec<Find>,
     /// File to write the state to after every frame and on exit, as JSON.
     pub report: Option<PathBuf>,
     /// Number of frames after which the device is destroyed, for tests.

@@ -90,6 +90,8 @@ pub struct Viewer {
     direction: Direction,
     /// Finds the sphere that the camera follows in every scene that is opened.
     pub find: Option<Find>,
+    /// Find the spheres that are plotted in every scene that is opened.
+    pub plotted: Vec<Find>,
     /// What the camera moves with.
     follow: Option<Follow>,
 }
@@ -128,6 +130,7 @@ impl Viewer {
             scene_seen: 0,
             follow: None,
             find: None,
+            plotted: Vec::new(),
             direction: Direction::default(),
         };
         viewer.follow_initially();
@@ -220,6 +223,7 @@ impl Viewer {
             self.scene_seen = self.session.scene_version();
             self.frame_scene();
             self.follow_initially();
+            self.plot_initially();
         }
     }
 

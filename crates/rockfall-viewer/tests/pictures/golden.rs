@@ -21,7 +21,7 @@ const BLOCK: u32 = 8;
 const TOLERANCE: f32 = 10.0;
 
 /// Returns a description of the largest difference above the tolerance.
-fn difference(one: &Picture, two: &Picture) -> Option<String> {
+pub(crate) fn difference(one: &Picture, two: &Picture) -> Option<String> {
     assert_eq!((one.width, one.height), (two.width, two.height));
     let mut worst = (TOLERANCE, None);
     for top in (0..one.height).step_by(BLOCK as usize) {
@@ -58,7 +58,7 @@ fn read(path: &Path) -> Picture {
 }
 
 #[track_caller]
-fn assert_golden(name: &str, made: &Picture) {
+pub(crate) fn assert_golden(name: &str, made: &Picture) {
     let path = golden(name);
     if std::env::var_os("ROCKFALL_BLESS").is_some() {
         made.write_png(File::create(&path).unwrap()).unwrap();

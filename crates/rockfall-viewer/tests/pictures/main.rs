@@ -5,4 +5,5 @@ mod common;
 mod far;
 mod frames;
 mod golden;
+mod looks;
 mod shapes;

@@ -3,7 +3,7 @@
 use rockfall::glam::{DVec3, Quat, Vec3};
 use rockfall::{Backend, Capsule, Cuboid, Polygon, Rod, Scene, Sphere, Spring, Tether};
 use rockfall_viewer::camera::{Axes, Camera};
-use rockfall_viewer::draw::Background;
+use rockfall_viewer::draw::{Background, ColourBy, Range};
 
 use crate::common::{
     WIDTH, assert_covers, drawn_box, expected, is_drawn, outlines, picture, pixel, pixels, projected, simulation, take,
@@ -293,7 +293,7 @@ fn the_visible_part_of_a_sphere_in_a_box_is_correct() {
 fn is_first_tone(orientation: Quat, aside: f32) -> bool {
     let camera = Camera::new([0.0, 0.0, 8.0], [0.0, 0.0, 0.0]);
     let mut style = outlines();
-    style.colour_by = rockfall_viewer::draw::ColourBy::Kind;
+    style.colour_by = ColourBy::Kind;
     let ball = scene(|scene| scene.add_sphere(Sphere::new([0.0, 0.0, 0.0], 1.0).orientation(orientation)).unwrap());
     let shown = picture(ball, &camera, &style);
     let [x, y] = projected(&camera, Vec3::new(aside, 0.0, (1.0 - aside * aside).sqrt()));
@@ -316,4 +316,39 @@ fn the_pattern_turns_with_the_body() {
     // Each cap at a pole has one tone.
     assert!(!is_first_tone(turned(Vec3::X, 90.0), 0.0));
     assert!(is_first_tone(turned(Vec3::X, -90.0), 0.0));
+}
+
+/// A spring that pulls, one that pushes, one at rest, and a tether that pulls: orange, blue, grey and orange.
+#[test]
+fn springs_and_tethers_have_the_colours_of_their_tensions() {
+    let (camera, mut style) = (Camera::new([0.0, 2.0, 9.0], [0.0, 2.0, 0.0]), outlines());
+    style.colour_by = ColourBy::Tension;
+    style.range = Range::Auto;
+    let mut scene = Scene::new();
+    // The rod takes the first place among the values.
+    let ends = [-4.0, -3.5].map(|x| scene.add_sphere(Sphere::new([x, 2.0, 0.0], 0.1).fixed()).unwrap());
+    scene.add_rod(Rod::new(ends[0], ends[1], 0.05)).unwrap();
+    let places = [-2.0, -0.5, 1.0, 2.5];
+    for (x, rest) in places.into_iter().zip([1.0, 3.0, 2.0]) {
+        let ends = [1.0, 3.0].map(|y| scene.add_sphere(Sphere::new([x, y, 0.0], 0.3).fixed()).unwrap());
+        scene.add_spring(Spring::new(ends[0], ends[1], 10.0, rest)).unwrap();
+    }
+    let top = scene.add_sphere(Sphere::new([places[3], 3.0, 0.0], 0.3).fixed()).unwrap();
+    scene.add_tether(Tether::new(top, [places[3], 1.0, 0.0], 10.0).length(1.0)).unwrap();
+    let mut simulation = simulation(scene, Backend::Cpu);
+    let mut renderer = crate::common::renderer();
+    renderer.update(&mut simulation, &style).unwrap();
+    let made = crate::common::canvas().take(&mut renderer, &camera, &style).unwrap();
+    assert_eq!(renderer.range(&style), [-10.0, 10.0]);
+    // Red minus blue of what is drawn between the ends.
+    let warmth = |x: f32| {
+        let [left, top] = projected(&camera, Vec3::new(x - 0.2, 2.4, 0.0)).map(|side| side as u32);
+        let [right, bottom] = projected(&camera, Vec3::new(x + 0.2, 1.6, 0.0)).map(|side| side as u32);
+        let inside = (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y)));
+        let drawn: Vec<[u8; 3]> = inside.filter(|(x, y)| is_drawn(&made, *x, *y)).map(|(x, y)| pixel(&made, x, y)).collect();
+        assert!(drawn.len() > 20, "{x}: {} pixels", drawn.len());
+        drawn.iter().map(|[red, _, blue]| f32::from(*red) - f32::from(*blue)).sum::<f32>() / drawn.len() as f32
+    };
+    let [pulls, pushes, rests, tether] = places.map(warmth);
+    assert!(pulls > 25.0 && pushes < -25.0 && rests.abs() < 10.0 && tether > 25.0, "{pulls} {pushes} {rests} {tether}");
 }

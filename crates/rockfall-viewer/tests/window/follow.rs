@@ -103,6 +103,25 @@ fn the_camera_moves_with_the_body_that_it_follows() {
 }
 
 #[test]
+fn bodies_are_plotted_from_the_start_in_every_scene() {
+    let mut viewer = viewer(ROLLING);
+    let nth = |index: usize| -> rockfall_viewer::window::follow::Find { Rc::new(move |scene| scene.sphere_ids().nth(index)) };
+    viewer.plotted = vec![nth(1), nth(0), nth(7)];
+    viewer.plot_initially();
+    let ids: Vec<_> = viewer.session.simulation().scene().sphere_ids().collect();
+    assert_eq!(viewer.session.picked(), Some(Body::Sphere(ids[1])));
+    let kept: Vec<_> = viewer.session.kept().map(|kept| (kept.body, kept.track.points().len())).collect();
+    assert_eq!(kept, [(Body::Sphere(ids[0]), 1)]);
+    viewer.session.single_step();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.txt");
+    std::fs::write(&path, MOVING).unwrap();
+    assert!(viewer.load(&path));
+    let ids: Vec<_> = viewer.session.simulation().scene().sphere_ids().collect();
+    assert_eq!(viewer.session.picked(), Some(Body::Sphere(ids[1])));
+}
+
+#[test]
 fn scenes_that_are_opened_later_are_prepared() {
     let mut session = session(MOVING);
     session.prepare = Some(Rc::new(|scene| {

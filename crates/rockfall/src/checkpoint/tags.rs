@@ -1,11 +1,11 @@
-//! Names, colours and labels in a checkpoint: the length of what follows in bytes, 0 if no object has one; the different tags, each
-//! as name, colour and label; and the objects that have them, each as kind, index of the object and index of the tag.
+//! Names, colours, looks and labels in a checkpoint: the length of what follows in bytes, 0 if no object has one; the different tags, each
+//! as name, colour, look and label; and the objects that have them, each as kind, index of the object and index of the tag.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::words::{Damage, Head, Words};
-use crate::scene::{Colour, Handle, ObjectId, Registry, Scene, Tag};
+use crate::scene::{Colour, Handle, Look, ObjectId, Registry, Scene, Tag};
 
 pub(super) fn bytes(scene: &Scene) -> Vec<u8> {
     let mut numbers: HashMap<&Tag, u32> = HashMap::new();
@@ -14,9 +14,10 @@ pub(super) fn bytes(scene: &Scene) -> Vec<u8> {
     for (id, tag) in scene.tagged() {
         let next = numbers.len() as u32;
         let number = *numbers.entry(tag).or_insert_with(|| {
-            let Tag { name, colour, label } = tag.as_ref();
+            let Tag { name, colour, look, label } = tag.as_ref();
             tags.text(name.as_deref().unwrap_or_default());
             tags.u32(colour.map_or(0, |Colour([red, green, blue])| 1 + u32::from_be_bytes([0, red, green, blue])));
+            tags.u32(look.map_or(0, |look| 1 + look as u32));
             tags.text(label.as_deref().unwrap_or_default());
             next
         });
@@ -75,6 +76,12 @@ fn read(words: &mut Words) -> Result<Tag, Damage> {
             return Err(Damage::new(format!("it has the colour {colour}, expected at most 16777216")));
         };
         tag.colour = Some(Colour([red, green, blue]));
+    }
+    let look = words.u32()?;
+    if let Some(number) = look.checked_sub(1) {
+        let found = Look::ALL.get(number as usize);
+        let expected = Look::ALL.len();
+        tag.look = Some(*found.ok_or_else(|| Damage::new(format!("it has the look {look}, expected at most {expected}")))?);
     }
     tag.label = some(words.text()?);
     Ok(tag)

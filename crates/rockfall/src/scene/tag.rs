@@ -1,8 +1,8 @@
-//! Names, colours and labels of objects.
+//! Names, colours, looks and labels of objects.
 
 use std::sync::Arc;
 
-use super::{BoxId, CapsuleId, Colour, Handle, PolygonId, Registry, RodId, Scene, SphereId, SpringId};
+use super::{BoxId, CapsuleId, Colour, Handle, Look, PolygonId, Registry, RodId, Scene, SphereId, SpringId};
 use crate::error::{Error, Result, nearest, quoted};
 
 /// What an object is called and how it is drawn. No result depends on it. An object that is removed takes it along.
@@ -13,12 +13,14 @@ pub struct Tag {
     pub name: Option<String>,
     /// Colour in pictures; `None` for that of the kind of object.
     pub colour: Option<Colour>,
+    /// How its surface is drawn; `None` for the usual look of the kind of object.
+    pub look: Option<Look>,
     /// Text beside the object in pictures with labels. It is one line without ` #`, and not `-`.
     pub label: Option<String>,
 }
 
 impl Tag {
-    /// Creates a tag without name, colour and label.
+    /// Creates a tag without name, colour, look and label.
     pub fn new() -> Self {
         Self::default()
     }
@@ -35,6 +37,12 @@ impl Tag {
         self
     }
 
+    /// Sets the look.
+    pub fn look(mut self, look: Look) -> Self {
+        self.look = Some(look);
+        self
+    }
+
     /// Sets the label.
     pub fn label(mut self, label: impl Into<String>) -> Self {
         self.label = Some(label.into());
@@ -42,7 +50,7 @@ impl Tag {
     }
 
     fn is_empty(&self) -> bool {
-        self.name.is_none() && self.colour.is_none() && self.label.is_none()
+        *self == Self::default()
     }
 
     /// Checks that a scene text can express the tag.
@@ -143,7 +151,7 @@ where
 }
 
 impl Scene {
-    /// The name, colour and label of an object; `None` if it has none of them.
+    /// The name, colour, look and label of an object; `None` if it has none of them.
     ///
     /// # Errors
     /// [`Error::StaleHandle`] when the object is not in the scene.
@@ -151,7 +159,7 @@ impl Scene {
         Ok(self.tag_of(id.into())?.map(Arc::as_ref))
     }
 
-    /// Replaces the name, colour and label of an object. The spheres and the rod of a capsule get those of the capsule too.
+    /// Replaces the name, colour, look and label of an object. The spheres and the rod of a capsule get those of the capsule too.
     ///
     /// # Errors
     /// [`Error::Invalid`] as for [`Tag::validate`], [`Error::StaleHandle`] when the object is not in the scene.

@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use crate::Checkpoint;
-use crate::scene::{Capsule, Colour, Cuboid, ObjectId, Rod, Scene, Sphere, Spring, Tag};
+use crate::scene::{Capsule, Colour, Cuboid, Look, ObjectId, Rod, Scene, Sphere, Spring, Tag};
 use crate::{Backend, Options, Simulation};
 
 fn red() -> Colour {
@@ -39,8 +39,8 @@ fn sample() -> Scene {
     scene.set_tag(balls[2], Tag::new().name("right").label("the right one")).unwrap();
     scene.set_tag(rod, Tag::new().name("left")).unwrap();
     scene.set_tag(spring, Tag::new().colour(Colour([1, 2, 3]))).unwrap();
-    scene.set_tag(capsules[0], Tag::new().name("pill")).unwrap();
-    scene.set_tag(floor, Tag::new().name("floor")).unwrap();
+    scene.set_tag(capsules[0], Tag::new().name("pill").look(Look::Stone)).unwrap();
+    scene.set_tag(floor, Tag::new().name("floor").look(Look::Glass)).unwrap();
     scene
 }
 

@@ -20,6 +20,7 @@
 //! | `@use NAME` | nothing: the objects of the lines below are of this material; `@use -`: of none |
 //! | `@name NAME` | nothing: the name of the objects of the lines below; `@name -`: none |
 //! | `@colour COLOUR` | nothing: the colour of the objects of the lines below ([`Colour`](crate::Colour)); `@colour -`: that of their kind |
+//! | `@look LOOK` | nothing: how the objects of the lines below are drawn: `plain`, `striped`, `wood`, `stone` or `glass` ([`Look`](crate::Look)); `@look -`: as usual |
 //! | `@label TEXT` | nothing: text beside the objects of the lines below; `@label -`: none |
 //! | `@run dt=S integrator=NAME steps=N every=K substeps=N` | nothing: how the scene is meant to be run ([`RunDefaults`](crate::RunDefaults)) |
 //! | `@motion NAME velocity=x,y,z spin=w axis=x,y,z through=x,y,z amplitude=x,y,z frequency=F phase=P from=S to=S` | nothing: adds a term to the motion of that name ([`MotionTerm`](crate::MotionTerm)) |
@@ -29,7 +30,7 @@
 //! | `@surface velocity=x,y,z` | nothing: the surfaces of the boxes, polygons and meshes of the lines below move, like conveyors; `@surface -`: they do not |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty-one kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -147,7 +148,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 19] = [
+const AT_WORDS: [&str; 20] = [
     "@group",
     "@orientation",
     "@force",
@@ -158,6 +159,7 @@ const AT_WORDS: [&str; 19] = [
     "@use",
     "@name",
     "@colour",
+    "@look",
     "@label",
     "@run",
     "@mesh",
@@ -200,7 +202,7 @@ struct Reader<'a> {
     motion: Option<MotionId>,
     /// Velocity of the surface of the following boxes and polygons.
     surface: Vec3,
-    /// The name, colour and label of the following objects.
+    /// The name, colour, look and label of the following objects.
     tag: Option<Arc<Tag>>,
 }
 
@@ -255,6 +257,7 @@ impl<'a> Reader<'a> {
             "@use" => self.use_material(line),
             "@name" => self.name(line, number),
             "@colour" => self.colour(line, number),
+            "@look" => self.look(line, number),
             "@label" => self.label(line, number),
             "@run" => self.run(line, number),
             "@motion" => self.motion(line, number),

@@ -113,15 +113,20 @@ impl Writer<'_> {
         }
     }
 
-    /// Writes lines that set the name, colour and label of the following objects, if they change.
+    /// Writes lines that set the name, colour, look and label of the following objects, if they change.
     fn set_tag(&mut self, tag: Option<&Arc<Tag>>) {
         let tag = tag.map(|tag| Tag::clone(tag)).unwrap_or_default();
         let before = std::mem::replace(&mut self.tag, tag);
-        let Tag { name, colour, label } = &self.tag;
+        let Tag { name, colour, look, label } = &self.tag;
         let colours = [before.colour, *colour].map(|colour| colour.map(|colour| colour.to_string()));
-        for (word, old, new) in
-            [("@name", &before.name, name), ("@colour", &colours[0], &colours[1]), ("@label", &before.label, label)]
-        {
+        let looks = [before.look, *look].map(|look| look.map(|look| look.to_string()));
+        let lines = [
+            ("@name", &before.name, name),
+            ("@colour", &colours[0], &colours[1]),
+            ("@look", &looks[0], &looks[1]),
+            ("@label", &before.label, label),
+        ];
+        for (word, old, new) in lines {
             if old != new {
                 let _ = writeln!(self.text, "{word} {}", new.as_deref().unwrap_or("-"));
             }

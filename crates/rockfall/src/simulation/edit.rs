@@ -77,7 +77,7 @@ macro_rules! edits {
 }
 
 edits! {
-    Clean: /// Replaces the name, colour and label of an object.
+    Clean: /// Replaces the name, colour, look and label of an object.
         set_tag(id: impl Into<ObjectId>, tag: Tag) -> ();
     Everything: /// Adds a sphere.
         add_sphere(sphere: Sphere) -> SphereId;

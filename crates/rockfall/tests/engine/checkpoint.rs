@@ -156,7 +156,7 @@ fn without_lows(mut bytes: Vec<u8>) -> Vec<u8> {
     let lows = u64::from_le_bytes(bytes[at..at + 8].try_into().expect("8 bytes")) as usize;
     assert!(lows == 0 || lows == spheres, "{lows}");
     bytes.splice(at..at + 8 + 12 * lows, [0; 8]);
-    with_version(bytes, 9)
+    with_version(bytes, 10)
 }
 
 /// A small checkpoint with materials, and the springs of three contacts.
@@ -239,9 +239,9 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    for version in [0, 8, 10] {
+    for version in [0, 9, 11] {
         newer[8] = version;
-        let expected = format!("it has version {version} of the format, this rockfall reads version 9");
+        let expected = format!("it has version {version} of the format, this rockfall reads version 10");
         assert!(assert_rejected(&newer).contains(&expected));
     }
 }

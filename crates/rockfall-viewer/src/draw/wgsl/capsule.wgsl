@@ -8,6 +8,8 @@ struct CapsuleVertex {
     @location(3) @interpolate(flat) colour1: vec3f,
     @location(4) @interpolate(flat) colour2: vec3f,
     @location(5) @interpolate(flat) whole: u32,
+    @location(6) @interpolate(flat) look: u32,
+    @location(7) @interpolate(flat) offset: vec3f,
 }
 
 /// Returns a corner of the cube from -1 to 1, in the order of a triangle strip of 14 vertices.
@@ -29,6 +31,16 @@ fn capsule_corner(end1: vec3f, end2: vec3f, radius: f32, margin: f32, index: u32
 
 @vertex
 fn capsule_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) rod: u32) -> CapsuleVertex {
+    return capsule_of(corner, rod, false);
+}
+
+/// Rods and capsules of glass are drawn after all other bodies.
+@vertex
+fn glass_capsule_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) rod: u32) -> CapsuleVertex {
+    return capsule_of(corner, rod, true);
+}
+
+fn capsule_of(corner: u32, rod: u32, of_glass: bool) -> CapsuleVertex {
     let at = frame.rods_at + 4u * rod;
     let slots = vec2u(topology[at], topology[at + 1u]);
     let end1 = ball(slots.x).xyz;
@@ -36,6 +48,12 @@ fn capsule_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) r
     let radius = topology_float(at + 2u);
     let margin = pixel_width() * (length(0.5 * (end1 + end2) - frame.eye) + length(end2 - end1));
     var vertex: CapsuleVertex;
+    vertex.look = body_look(frame.spheres + rod);
+    if (vertex.look == LOOK_GLASS) != of_glass {
+        vertex.place = NOWHERE;
+        return vertex;
+    }
+    vertex.offset = pattern_offset(rod);
     vertex.place = frame.view_projection * vec4f(capsule_corner(end1, end2, radius, margin, corner), 1.0);
     vertex.end1 = vec4f(end1, radius);
     vertex.end2 = end2;
@@ -48,7 +66,7 @@ fn capsule_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) r
         // A capsule is one body, with the colour of its first end.
         vertex.colour1 = sphere_colour(slots.x);
         vertex.colour2 = vertex.colour1;
-    } else if frame.colour_by == BY_CONTACT_FORCE {
+    } else if is_pale() {
         vertex.colour1 = PALE;
         vertex.colour2 = PALE;
     } else {
@@ -108,6 +126,18 @@ fn intersect_ball(start: vec3f, ray: vec3f, radius: f32) -> f32 {
     return select(1e30, -b - sqrt(max(root, 0.0)), root >= 0.0);
 }
 
+/// Returns the place of a point of a capsule in the pattern of its look, whose unit is the radius. A rod has no orientation, so
+/// its pattern depends on the place along its axis alone. The grain is along the axis.
+fn capsule_pattern(vertex: CapsuleVertex, axis: vec3f, normal: vec3f, along: f32) -> vec3f {
+    if vertex.whole == 0u {
+        return vec3f(1.0, along, 0.0) + vertex.offset;
+    }
+    let pole = to_body(vertex.orientation, axis);
+    let u = aside_of(pole);
+    let n = to_body(vertex.orientation, normal);
+    return vec3f(dot(n, u), along + dot(n, pole), dot(n, cross(pole, u))) + vertex.offset;
+}
+
 /// Returns the weight of the second tone: each half of the capsule has four sectors around the axis in alternating tones, and
 /// the tones are swapped in the middle.
 fn capsule_tone(orientation: vec4f, axis: vec3f, normal: vec3f, middle: f32, width: f32) -> f32 {
@@ -145,13 +175,22 @@ fn capsule_surface(vertex: CapsuleVertex) -> Surface {
     let on_line = clamp(dot(point - vertex.end1.xyz, line) / max(dot(line, line), 1e-30), 0.0, 1.0);
     let normal = normalize(point - vertex.end1.xyz - on_line * line);
     var colour = mix(vertex.colour1, vertex.colour2, on_line);
-    if vertex.whole == 1u {
-        let width = distance * pixel_width() / (radius * max(-dot(normal, ray), 0.15));
-        let long = length(line);
+    let width = distance * pixel_width() / (radius * max(-dot(normal, ray), 0.15));
+    let long = max(length(line), 1e-20);
+    if vertex.look == LOOK_GLASS {
+        surface.colour = glass(colour, normal, -ray, glass_rim(normal, ray));
+        surface.depth = depth_at(point);
+        return surface;
+    } else if vertex.whole == 1u && vertex.look <= LOOK_STRIPED && vertex.look != LOOK_PLAIN {
         let middle = (on_line - 0.5) * long / radius;
         colour = mix(colour, second_tone(colour), capsule_tone(vertex.orientation, line / long, normal, middle, width));
+    } else if vertex.look == LOOK_STRIPED {
+        colour = mix(colour, second_tone(colour), stripes(0.5 * on_line * long / radius, 0.5 * width));
+    } else if vertex.look >= LOOK_WOOD {
+        let place = capsule_pattern(vertex, line / long, normal, on_line * long / radius);
+        colour *= shade_of(vertex.look, place, width);
     }
-    surface.colour = vec4f(lit(colour, point, normal, -ray), 1.0);
+    surface.colour = vec4f(lit(colour, point, normal, -ray, gloss_of(vertex.look)), 1.0);
     surface.depth = depth_at(point);
     return surface;
 }

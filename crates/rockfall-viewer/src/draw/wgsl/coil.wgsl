@@ -113,13 +113,13 @@ fn tether_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) tet
 fn tether_corner(index: u32, tether: u32, viewer: vec4f) -> CoilVertex {
     let at = frame.tethers_at + 7u * tether;
     let coil = coil_between(ball(topology[at]), vec4f(topology_vector(at + 1u), 0.0), topology_float(at + 5u));
-    return coil_vertex(coil, index, frame.kinds[KIND_TETHER].rgb, viewer);
+    return coil_vertex(coil, index, tether_colour(tether), viewer);
 }
 
 fn lit_coil(corner: CoilVertex) -> CoilVertex {
     var vertex = corner;
     if any(vertex.place != NOWHERE) {
-        vertex.colour = lit_roughly(vertex.colour, vertex.point, vertex.normal, normalize(frame.eye - vertex.point), COIL_TAPS);
+        vertex.colour = lit_roughly(vertex.colour, vertex.point, vertex.normal, normalize(frame.eye - vertex.point), GLOSS, COIL_TAPS);
     }
     return vertex;
 }

@@ -7,8 +7,13 @@ fn hash(index: u32) -> f32 {
     return f32(((word >> 22u) ^ word) & 0xffffu) / 65535.0;
 }
 
-/// Colour of the bodies behind force chains.
+/// Colour of the bodies behind force chains, and of those beside springs that are coloured by their tension.
 const PALE: vec3f = vec3f(0.62, 0.64, 0.66);
+
+/// Whether bodies are pale, because colours show forces between them.
+fn is_pale() -> bool {
+    return frame.colour_by == BY_CONTACT_FORCE || frame.colour_by == BY_TENSION;
+}
 
 fn value_of(slot: u32) -> f32 {
     if frame.colour_by == BY_SPEED {
@@ -52,8 +57,19 @@ fn object_colour(kind: u32, number: u32) -> vec3f {
     } else if kind == KIND_POLYGON {
         place += frame.rods + frame.springs + (frame.polygons_at - frame.boxes_at) / 12u;
     }
+    if kind == KIND_SPRING && frame.colour_by == BY_TENSION {
+        return scale_colour(values[place]);
+    }
     let own = colour_at(place);
     return select(frame.kinds[kind].rgb, own.rgb, own.a > 0.0);
+}
+
+/// Returns the colour of a tether, whose tension follows those of the springs.
+fn tether_colour(number: u32) -> vec3f {
+    if frame.colour_by != BY_TENSION {
+        return frame.kinds[KIND_TETHER].rgb;
+    }
+    return scale_colour(values[frame.spheres + frame.rods + frame.springs + number]);
 }
 
 /// Returns one of many colours that are easy to tell apart for successive numbers.
@@ -65,7 +81,7 @@ fn distinct_colour(number: u32) -> vec3f {
 
 /// Whether a body is coloured by a value on the scale.
 fn is_on_scale() -> bool {
-    return frame.colour_by != BY_KIND && frame.colour_by != BY_BODY && frame.colour_by != BY_CONTACT_FORCE;
+    return frame.colour_by != BY_KIND && frame.colour_by != BY_BODY && !is_pale();
 }
 
 fn sphere_colour(slot: u32) -> vec3f {
@@ -76,7 +92,7 @@ fn sphere_colour(slot: u32) -> vec3f {
     if own.a > 0.0 {
         return own.rgb;
     }
-    if frame.colour_by == BY_CONTACT_FORCE {
+    if is_pale() {
         return select(PALE, 0.6 * PALE, is_fixed(slot));
     }
     if frame.colour_by == BY_BODY && !is_fixed(slot) {
@@ -94,16 +110,19 @@ fn second_tone(colour: vec3f) -> vec3f {
     if is_on_scale() {
         return 0.62 * colour;
     }
-    if frame.colour_by == BY_CONTACT_FORCE {
+    if is_pale() {
         return 0.9 * colour;
     }
     return mix(colour, vec3f(0.93, 0.90, 0.84), 0.82);
 }
 
 /// Returns the second tone of a sphere. Of a few bodies the pattern shows how each one turns; in a crowd it is fainter, so that it
-/// does not cover the shapes. A fixed sphere has none.
-fn sphere_tone(slot: u32, colour: vec3f) -> vec3f {
-    if is_fixed(slot) {
+/// does not cover the shapes. A fixed sphere has none, and neither have most looks.
+fn sphere_tone(slot: u32, look: u32, colour: vec3f) -> vec3f {
+    if look == LOOK_STRIPED {
+        return second_tone(colour);
+    }
+    if look != LOOK_USUAL || is_fixed(slot) {
         return colour;
     }
     let crowd = smoothstep(5.0, 9.0, log2(f32(frame.spheres)));

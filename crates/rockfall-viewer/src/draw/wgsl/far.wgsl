@@ -27,7 +27,7 @@ fn far_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> Far
     vertex.place = middle + vec4f(side * (vertex.radius + 1.0) * 2.0 / frame.viewport * middle.w, 0.0, 0.0);
     vertex.point = ball.xyz;
     let colour = sphere_colour(slot);
-    vertex.colour = mix(colour, sphere_tone(slot, colour), 0.5);
+    vertex.colour = mix(colour, sphere_tone(slot, sphere_look(slot), colour), 0.5);
     return vertex;
 }
 
@@ -46,6 +46,6 @@ fn far_surface(vertex: FarVertex) -> FarSurface {
     let away = (vertex.place.xy - vertex.centre) / vertex.radius;
     let high = sqrt(max(1.0 - dot(away, away), 0.0));
     let normal = normalize(away.x * frame.right - away.y * frame.up - high * frame.forward);
-    surface.colour = vec4f(lit(vertex.colour, vertex.point, normal, normalize(frame.eye - vertex.point)), 1.0);
+    surface.colour = vec4f(lit(vertex.colour, vertex.point, normal, normalize(frame.eye - vertex.point), GLOSS), 1.0);
     return surface;
 }

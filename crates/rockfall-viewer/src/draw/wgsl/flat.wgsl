@@ -8,8 +8,11 @@ struct FlatVertex {
     @location(2) on_face: vec2f,
     @location(3) @interpolate(flat) sides: vec2f,
     @location(4) @interpolate(flat) colour: vec3f,
+    @location(5) @interpolate(flat) look: u32,
+    /// Place in the pattern of the look, whose y axis is along the longest edge, and the number of stripes up to it.
+    @location(6) local: vec4f,
     /// Brightness of the rim. Triangles have none, because a mesh would be full of lines.
-    @location(5) @interpolate(flat) rim: f32,
+    @location(7) @interpolate(flat) rim: f32,
 }
 
 /// Brightness of the side of a polygon that bodies can pass through.
@@ -37,10 +40,46 @@ fn face(corner: vec3f, first: vec3f, second: vec3f, normal: vec3f, index: u32) -
     return vertex;
 }
 
+/// Returns the place in the pattern of a look: coordinates along the edges with the longest edge as y, in typical radii, so that
+/// the pattern suits the bodies. `along` is relative to the middle. The fourth one counts stripes: an odd number of them, at least
+/// five, that are about as wide as the second longest edge.
+fn in_pattern(along: vec3f, longs: vec3f, number: u32) -> vec4f {
+    var place = along.zxy;
+    if longs.y > longs.x && longs.y >= longs.z {
+        place = along;
+    } else if longs.z > max(longs.x, longs.y) {
+        place = along.yzx;
+    }
+    let longest = max(longs.x, max(longs.y, longs.z));
+    let second = max(min(longs.x, max(longs.y, longs.z)), min(longs.y, longs.z));
+    let count = 2.0 * round(clamp(0.5 * longest / second, 2.0, 1000.0)) + 1.0;
+    return vec4f(place / frame.typical_radius + pattern_offset(number), (place.y / longest + 0.5) * count);
+}
+
+/// Returns the colour of a face with the pattern of its look. `width` is the width of a pixel on it,
+/// `stripe` that in stripes.
+fn patterned(vertex: FlatVertex, width: vec2f, stripe: f32) -> vec3f {
+    let pixel = max(width.x, width.y) / frame.typical_radius;
+    if vertex.look == LOOK_STRIPED {
+        return mix(vertex.colour, second_tone(vertex.colour), stripes(vertex.local.w, stripe));
+    }
+    return vertex.colour * shade_of(vertex.look, vertex.local.xyz, pixel);
+}
+
 @vertex
 fn box_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = box_corner(index, number);
-    if drawn[number] == 0u {
+    if drawn[number] == 0u || vertex.look == LOOK_GLASS {
+        vertex.place = NOWHERE;
+    }
+    return vertex;
+}
+
+/// Boxes of glass are drawn after all other bodies.
+@vertex
+fn glass_box_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
+    var vertex = box_corner(index, number);
+    if vertex.look != LOOK_GLASS {
         vertex.place = NOWHERE;
     }
     return vertex;
@@ -66,13 +105,27 @@ fn box_corner(index: u32, number: u32) -> FlatVertex {
     let normal = normalize(select(-through, through, far));
     var vertex = face(corner, edges[(axis + 1u) % 3u], edges[(axis + 2u) % 3u], normal, index % 6u);
     vertex.colour = object_colour(KIND_BOX, number);
+    vertex.look = box_look(number);
+    let place = vertex.point - topology_vector(at);
+    let longs = vec3f(length(edges[0]), length(edges[1]), length(edges[2]));
+    let along = vec3f(dot(place, edges[0]), dot(place, edges[1]), dot(place, edges[2])) / longs - 0.5 * longs;
+    vertex.local = in_pattern(along, longs, number);
     return vertex;
 }
 
 @vertex
 fn polygon_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = polygon_corner(index, number);
-    if polygon_drawn(number) != 1u {
+    if polygon_drawn(number) != 1u || vertex.look == LOOK_GLASS {
+        vertex.place = NOWHERE;
+    }
+    return vertex;
+}
+
+@vertex
+fn glass_polygon_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
+    var vertex = polygon_corner(index, number);
+    if vertex.look != LOOK_GLASS {
         vertex.place = NOWHERE;
     }
     return vertex;
@@ -102,6 +155,8 @@ fn polygon_corner(index: u32, number: u32) -> FlatVertex {
     vertex.point += more.x / vertex.sides.x * left + more.y / vertex.sides.y * right;
     vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
     vertex.colour = object_colour(KIND_POLYGON, number);
+    vertex.look = polygon_look(number);
+    vertex.local = in_pattern(vec3f(vertex.on_face - 0.5 * vertex.sides, 0.0), vec3f(vertex.sides, 0.0), number);
     return vertex;
 }
 
@@ -137,10 +192,14 @@ fn rim_at(vertex: FlatVertex, width: vec2f) -> f32 {
 @fragment
 fn box_surface(vertex: FlatVertex) -> @location(0) vec4f {
     let width = fwidth(vertex.on_face);
+    let stripe = fwidth(vertex.local.w);
     let view = normalize(frame.eye - vertex.point);
-    let lines = 0.14 * grid_at(vertex.on_face, width);
-    let colour = vertex.colour * (1.0 - lines - 0.25 * rim_at(vertex, width));
-    return vec4f(lit(colour, vertex.point, vertex.normal, view), 1.0);
+    if vertex.look == LOOK_GLASS {
+        return glass(vertex.colour, vertex.normal, view, rim_at(vertex, 1.6 * width));
+    }
+    let lines = select(0.0, 0.14 * grid_at(vertex.on_face, width), vertex.look == LOOK_USUAL);
+    let colour = patterned(vertex, width, stripe) * (1.0 - lines - 0.25 * rim_at(vertex, width));
+    return vec4f(lit(colour, vertex.point, vertex.normal, view, gloss_of(vertex.look)), 1.0);
 }
 
 @fragment
@@ -152,10 +211,15 @@ fn edges_surface(vertex: FlatVertex) -> @location(0) vec4f {
 @fragment
 fn polygon_surface(vertex: FlatVertex) -> @location(0) vec4f {
     let width = fwidth(vertex.on_face);
+    let stripe = fwidth(vertex.local.w);
     let view = normalize(frame.eye - vertex.point);
     let is_front = dot(vertex.normal, view) > 0.0;
+    if vertex.look == LOOK_GLASS {
+        return glass(vertex.colour, vertex.normal, view, vertex.rim * rim_at(vertex, 1.6 * width));
+    }
     // Both sides of a triangle can be touched.
     let brightness = select(BACK, 1.0, is_front | (vertex.rim == 0.0));
-    let colour = vertex.colour * brightness * (1.0 - 0.35 * vertex.rim * rim_at(vertex, width));
-    return vec4f(lit(colour, vertex.point, select(-vertex.normal, vertex.normal, is_front), view), 1.0);
+    let colour = patterned(vertex, width, stripe) * brightness * (1.0 - 0.35 * vertex.rim * rim_at(vertex, width));
+    let normal = select(-vertex.normal, vertex.normal, is_front);
+    return vec4f(lit(colour, vertex.point, normal, view, gloss_of(vertex.look)), 1.0);
 }

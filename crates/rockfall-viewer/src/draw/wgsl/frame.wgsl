@@ -48,6 +48,7 @@ struct Frame {
 const SHADOWS: u32 = 1u;
 const OCCLUSION: u32 = 2u;
 const CULL_HIDDEN: u32 = 4u;
+const LOOKS: u32 = 8u;
 
 /// Least radius of a shadow, in pixels of the shadow map. Of smaller spheres only some cast a shadow, of this radius. The
 /// filter is wider, so the difference is not visible.
@@ -57,6 +58,7 @@ const BY_KIND: u32 = 0u;
 const BY_SPEED: u32 = 1u;
 const BY_BODY: u32 = 5u;
 const BY_CONTACT_FORCE: u32 = 6u;
+const BY_TENSION: u32 = 7u;
 
 const KIND_SPHERE: u32 = 0u;
 const KIND_FIXED: u32 = 1u;

@@ -29,14 +29,22 @@ fn sunlight(point: vec3f, normal: vec3f, taps: u32) -> f32 {
     return mix(seen / f32(taps), 1.0, smoothstep(0.9, 1.0, edge));
 }
 
+/// Gloss of most surfaces.
+const GLOSS: f32 = 0.08;
+
+/// Returns the gloss of a look.
+fn gloss_of(look: u32) -> f32 {
+    return select(GLOSS, 0.0, look == LOOK_STONE);
+}
+
 /// Returns the light that a surface reflects: from the whole sky, with more from above, and from the sun. `view` is the unit
 /// vector towards the eye.
-fn lit(colour: vec3f, point: vec3f, normal: vec3f, view: vec3f) -> vec3f {
-    return lit_roughly(colour, point, normal, view, TAPS);
+fn lit(colour: vec3f, point: vec3f, normal: vec3f, view: vec3f, gloss: f32) -> vec3f {
+    return lit_roughly(colour, point, normal, view, gloss, TAPS);
 }
 
 /// Returns the same with this number of samples of the shadow filter.
-fn lit_roughly(colour: vec3f, point: vec3f, normal: vec3f, view: vec3f, taps: u32) -> vec3f {
+fn lit_roughly(colour: vec3f, point: vec3f, normal: vec3f, view: vec3f, gloss: f32, taps: u32) -> vec3f {
     let sky = mix(vec3f(0.25, 0.245, 0.24), vec3f(0.43, 0.46, 0.50), 0.5 + 0.5 * normal.y);
     let towards = dot(normal, frame.light);
     var sun = 0.0;
@@ -44,7 +52,7 @@ fn lit_roughly(colour: vec3f, point: vec3f, normal: vec3f, view: vec3f, taps: u3
         sun = sunlight(point, normal, taps);
     }
     let half_way = normalize(view + frame.light);
-    let gloss = 0.08 * pow(max(dot(normal, half_way), 0.0), 40.0) * sun;
-    let rim = 0.05 * pow(1.0 - max(dot(normal, view), 0.0), 3.0);
-    return colour * (sky + max(towards, 0.0) * sun * vec3f(0.82, 0.79, 0.73)) + vec3f(gloss + rim);
+    let shine = gloss * pow(max(dot(normal, half_way), 0.0), 40.0) * sun;
+    let rim = 0.625 * gloss * pow(1.0 - max(dot(normal, view), 0.0), 3.0);
+    return colour * (sky + max(towards, 0.0) * sun * vec3f(0.82, 0.79, 0.73)) + vec3f(shine + rim);
 }

@@ -6,6 +6,7 @@ struct BallShadow {
     @location(0) on_disc: vec2f,
     /// Depth of the centre, and the difference of depth that corresponds to a radius.
     @location(1) @interpolate(flat) depth: vec2f,
+    @location(2) @interpolate(flat) look: u32,
 }
 
 /// Transforms a point to the shadow map. Its depth is clamped, so that a body between the sun and the map still casts a shadow.
@@ -29,7 +30,9 @@ fn ball_in_map(ball: vec4f, radius: f32, corner: u32) -> BallShadow {
 fn sphere_shadow_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> BallShadow {
     let ball = ball(slot);
     // Sampled spheres have at least the least radius.
-    return ball_in_map(ball, max(ball.w, LEAST_SHADOW * frame.light_texel), corner);
+    var vertex = ball_in_map(ball, max(ball.w, LEAST_SHADOW * frame.light_texel), corner);
+    vertex.look = sphere_look(slot);
+    return vertex;
 }
 
 @vertex
@@ -41,7 +44,7 @@ fn anchor_shadow_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_in
 @fragment
 fn sphere_shadow(vertex: BallShadow) -> @builtin(frag_depth) f32 {
     let high = 1.0 - dot(vertex.on_disc, vertex.on_disc);
-    if high < 0.0 {
+    if high < 0.0 || is_lit_through(vertex.look, vertex.place) {
         discard;
     }
     return clamp(vertex.depth.x - vertex.depth.y * sqrt(high), 0.0, 1.0);
@@ -52,6 +55,7 @@ struct CapsuleShadow {
     @location(0) point: vec3f,
     @location(1) @interpolate(flat) end1: vec4f,
     @location(2) @interpolate(flat) line: vec3f,
+    @location(3) @interpolate(flat) look: u32,
 }
 
 @vertex
@@ -64,6 +68,7 @@ fn capsule_shadow_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_i
     vertex.line = end2 - end1;
     vertex.point = capsule_corner(end1, end2, vertex.end1.w, 0.0, corner);
     vertex.place = in_map(vertex.point);
+    vertex.look = body_look(frame.spheres + rod);
     return vertex;
 }
 
@@ -71,7 +76,7 @@ fn capsule_shadow_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_i
 fn capsule_shadow(vertex: CapsuleShadow) -> @builtin(frag_depth) f32 {
     let found = nearest_points(vertex.end1.xyz - vertex.point, vertex.line, -frame.light);
     let high = vertex.end1.w * vertex.end1.w - found.square;
-    if high < 0.0 {
+    if high < 0.0 || is_lit_through(vertex.look, vertex.place) {
         discard;
     }
     return in_map(vertex.point - (found.on_ray - sqrt(high)) * frame.light).z;
@@ -81,43 +86,50 @@ struct FlatShadow {
     @builtin(position) place: vec4f,
     /// Not clamped yet: clamped depths of corners far outside the map would tilt the whole face.
     @location(0) depth: f32,
+    @location(1) @interpolate(flat) look: u32,
 }
 
-fn flat_in_map(point: vec3f) -> FlatShadow {
+fn flat_in_map(point: vec3f, look: u32) -> FlatShadow {
     let place = frame.light_projection * vec4f(point, 1.0);
-    return FlatShadow(vec4f(place.xy, 0.5, 1.0), place.z);
+    return FlatShadow(vec4f(place.xy, 0.5, 1.0), place.z, look);
 }
 
 @vertex
 fn box_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatShadow {
     // Without this, the shadow of a wall that is not there would fall on the bodies.
     if drawn[number] == 0u {
-        return FlatShadow(NOWHERE, 1.0);
+        return FlatShadow(NOWHERE, 1.0, 0u);
     }
     // Faces towards the sun would shade themselves where they are far larger than the map, by rounding. The other faces of a box
     // cast the same shadow.
     let corner = box_corner(index, number);
     if dot(corner.normal, frame.light) > 0.0 {
-        return FlatShadow(NOWHERE, 1.0);
+        return FlatShadow(NOWHERE, 1.0, 0u);
     }
-    return flat_in_map(corner.point);
+    return flat_in_map(corner.point, corner.look);
 }
 
 @fragment
 fn box_shadow(vertex: FlatShadow) -> @builtin(frag_depth) f32 {
+    if is_lit_through(vertex.look, vertex.place) {
+        discard;
+    }
     return clamp(vertex.depth, 0.0, 1.0);
 }
 
 @vertex
 fn polygon_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatShadow {
     if polygon_drawn(number) == 0u {
-        return FlatShadow(NOWHERE, 1.0);
+        return FlatShadow(NOWHERE, 1.0, 0u);
     }
-    return flat_in_map(polygon_corner(index, number).point);
+    return flat_in_map(polygon_corner(index, number).point, polygon_look(number));
 }
 
 @fragment
 fn polygon_shadow(vertex: FlatShadow) -> @builtin(frag_depth) f32 {
+    if is_lit_through(vertex.look, vertex.place) {
+        discard;
+    }
     return clamp(vertex.depth, 0.0, 1.0);
 }
 

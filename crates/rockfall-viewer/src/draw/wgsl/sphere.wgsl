@@ -6,6 +6,8 @@ struct SphereVertex {
     @location(1) @interpolate(flat) orientation: vec4f,
     @location(2) @interpolate(flat) colour: vec3f,
     @location(3) @interpolate(flat) second: vec3f,
+    @location(4) @interpolate(flat) look: u32,
+    @location(5) @interpolate(flat) offset: vec3f,
 }
 
 /// Returns a corner of a quad that is perpendicular to the line of sight and contains the outline of a sphere: the cone of
@@ -26,12 +28,28 @@ fn outline_corner(ball: vec4f, corner: u32) -> vec4f {
 
 @vertex
 fn sphere_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> SphereVertex {
+    return sphere_corner(corner, slot, false);
+}
+
+/// Spheres of glass are drawn after all other bodies.
+@vertex
+fn glass_sphere_vertex(@builtin(vertex_index) corner: u32, @location(0) slot: u32) -> SphereVertex {
+    return sphere_corner(corner, slot, true);
+}
+
+fn sphere_corner(corner: u32, slot: u32, of_glass: bool) -> SphereVertex {
     var vertex: SphereVertex;
+    vertex.look = sphere_look(slot);
+    if (vertex.look == LOOK_GLASS) != of_glass {
+        vertex.place = NOWHERE;
+        return vertex;
+    }
     vertex.ball = ball(slot);
     vertex.place = outline_corner(vertex.ball, corner);
     vertex.orientation = orientation(slot);
     vertex.colour = sphere_colour(slot);
-    vertex.second = sphere_tone(slot, vertex.colour);
+    vertex.second = sphere_tone(slot, vertex.look, vertex.colour);
+    vertex.offset = pattern_offset(insertion_index(slot));
     return vertex;
 }
 
@@ -47,7 +65,7 @@ fn anchor_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) te
     vertex.ball = anchor_ball(tether);
     vertex.place = outline_corner(vertex.ball, corner);
     vertex.orientation = vec4f(0.0, 0.0, 0.0, 1.0);
-    vertex.colour = frame.kinds[KIND_TETHER].rgb;
+    vertex.colour = tether_colour(tether);
     vertex.second = vertex.colour;
     return vertex;
 }
@@ -74,9 +92,16 @@ fn sphere_surface(vertex: SphereVertex) -> Surface {
     let point = frame.eye + distance * ray;
     let normal = normalize(point - ball.xyz);
     let width = distance * pixel_width() / (ball.w * max(-dot(normal, ray), 0.15));
-    let tone = beach_ball(to_body(vertex.orientation, normal), width);
-    let colour = mix(vertex.colour, vertex.second, tone);
-    surface.colour = vec4f(lit(colour, point, normal, -ray), 1.0);
+    if vertex.look == LOOK_GLASS {
+        surface.colour = glass(vertex.colour, normal, -ray, glass_rim(normal, ray));
+        surface.depth = depth_at(point);
+        return surface;
+    }
+    let local = to_body(vertex.orientation, normal);
+    let tone = beach_ball(local, width);
+    let shade = shade_of(vertex.look, 1.25 * local + vertex.offset, 1.25 * width);
+    let colour = mix(vertex.colour, vertex.second, tone) * shade;
+    surface.colour = vec4f(lit(colour, point, normal, -ray, gloss_of(vertex.look)), 1.0);
     surface.depth = depth_at(point);
     return surface;
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use rockfall::glam::Vec3;
 use rockfall::output::AtomicFile;
-use rockfall::{Body, Error, RayHit};
+use rockfall::{Body, Error, RayHit, SphereId};
 
 use super::Session;
 use crate::grasp::first_visible;
@@ -79,6 +79,17 @@ impl Session {
         let title = self.watch.facts().map_or_else(String::new, |facts| facts.title.clone());
         self.kept.insert(0, Kept { body, title, track: self.track.clone() });
         self.kept.truncate(MOST_KEPT);
+    }
+
+    /// Picks the first of some spheres, and keeps the others in the plots beside it.
+    pub fn set_plotted(&mut self, spheres: &[SphereId]) {
+        self.kept.clear();
+        for (place, sphere) in spheres.iter().enumerate().rev() {
+            self.set_picked(Some(Body::Sphere(*sphere)));
+            if place > 0 && !self.is_kept() {
+                self.toggle_kept();
+            }
+        }
     }
 
     /// Returns the motion of the picked body in the recorded states up to now.

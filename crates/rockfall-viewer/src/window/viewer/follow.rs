@@ -93,6 +93,15 @@ impl Viewer {
         self.look_at_found();
     }
 
+    /// Picks the first of the spheres that [`Viewer::plotted`] finds in a scene that was opened, and keeps the others in the plots.
+    pub fn plot_initially(&mut self) {
+        let scene = self.session.simulation_ref().scene();
+        let spheres: Vec<SphereId> = self.plotted.iter().filter_map(|find| find(scene)).collect();
+        if !spheres.is_empty() {
+            self.session.set_plotted(&spheres);
+        }
+    }
+
     /// Moves the camera so that a sphere that was found is in the middle of the picture.
     fn look_at_found(&mut self) {
         if let (Some(_), Some(Follow { target: Target::Body(_), last })) = (&self.find, &self.follow) {

@@ -82,6 +82,7 @@ pub(super) const PAIR: Kind = Kind {
 pub(super) const USE: Kind = Kind { word: "@use", references: &["NAME"], numbers: &[], last_is_optional: false };
 pub(super) const NAME: Kind = Kind { word: "@name", references: &["NAME"], numbers: &[], last_is_optional: false };
 pub(super) const COLOUR: Kind = Kind { word: "@colour", references: &["COLOUR"], numbers: &[], last_is_optional: false };
+pub(super) const LOOK: Kind = Kind { word: "@look", references: &["LOOK"], numbers: &[], last_is_optional: false };
 pub(super) const LABEL: Kind = Kind { word: "@label", references: &["TEXT"], numbers: &[], last_is_optional: false };
 pub(super) const RUN: Kind = Kind {
     word: "@run",

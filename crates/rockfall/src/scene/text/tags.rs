@@ -1,7 +1,7 @@
-//! Lines that name and colour objects: `@name`, `@colour` and `@label`.
+//! Lines that say how objects are called and drawn: `@name`, `@colour`, `@look` and `@label`.
 
 use super::Reader;
-use super::line::{COLOUR, Kind, LABEL, Line, NAME, Wrong};
+use super::line::{COLOUR, Kind, LABEL, LOOK, Line, NAME, Wrong};
 use crate::error::{Result, quoted};
 use crate::scene::{ObjectId, Tag, shared};
 
@@ -20,6 +20,16 @@ impl Reader<'_> {
         match only_word(&COLOUR, line) {
             Ok(word) => self.tag(&COLOUR, "COLOUR", word, |tag, colour| {
                 tag.colour = colour.map(str::parse).transpose()?;
+                Ok(())
+            }),
+            Err(wrong) => self.not_understood(number, wrong),
+        }
+    }
+
+    pub(super) fn look(&mut self, line: &str, number: usize) -> Line<()> {
+        match only_word(&LOOK, line) {
+            Ok(word) => self.tag(&LOOK, "LOOK", word, |tag, look| {
+                tag.look = look.map(str::parse).transpose()?;
                 Ok(())
             }),
             Err(wrong) => self.not_understood(number, wrong),

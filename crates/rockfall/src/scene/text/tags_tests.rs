@@ -1,7 +1,7 @@
 use std::path::Path;
 
 use crate::Result;
-use crate::scene::{Colour, Loaded, Scene, Tag};
+use crate::scene::{Colour, Loaded, Look, Scene, Tag};
 
 fn parse(text: &str) -> Result<Loaded> {
     Scene::parse(text, Path::new("a.txt"))
@@ -36,6 +36,19 @@ fn names_colours_and_labels_hold_for_the_lines_below() {
 }
 
 #[test]
+fn looks_hold_for_the_lines_below() {
+    let scene = scene(
+        "@look Wood # of a beech\nS 0 9 0 0 0 0 0 0 0 0 1 0.5\n@look glass\nB 0 -1 0 1 0 0 0 1 0 0 0 1\n\
+         P 0 0 0 1 0 0 0 0 1\n@look -\nP 0 0 0 1 0 0 0 0 1\n",
+    );
+    let look = |id: crate::ObjectId| scene.tag(id).unwrap().map(|tag| tag.look.unwrap());
+    assert_eq!(look(scene.sphere_ids().next().unwrap().into()), Some(Look::Wood));
+    assert_eq!(look(scene.box_ids().next().unwrap().into()), Some(Look::Glass));
+    let polygons: Vec<_> = scene.polygon_ids().map(|id| look(id.into())).collect();
+    assert_eq!(polygons, [Some(Look::Glass), None]);
+}
+
+#[test]
 fn copies_of_a_block_have_the_same_name() {
     let scene = scene("@repeat 3 1 0 0\n@name row\nS 0 0 0 0 0 0 0 0 0 0 1 0.5\n@end\nS 9 0 5 0 0 0 0 0 0 0 1 0.5\n");
     assert_eq!(scene.named("row").unwrap().len(), 4);
@@ -58,6 +71,12 @@ fn wrong_names_and_colours_are_errors_with_line_and_field() {
         (
             "@colour light blue",
             "@colour 'blue': one word too many, expected `@colour COLOUR`, or `@colour -` for none".to_owned(),
+        ),
+        ("@look", "@look LOOK: missing, expected `@look LOOK`, or `@look -` for none".to_owned()),
+        ("@look marble", format!("@look LOOK: 'marble' is not allowed, expected one of {}", Look::NAMES.join(", "))),
+        (
+            "@look wod",
+            format!("@look LOOK: 'wod' (did you mean wood?) is not allowed, expected one of {}", Look::NAMES.join(", ")),
         ),
         ("@label", "@label TEXT: missing, expected `@label TEXT`, or `@label -` for none".to_owned()),
         ("@label a\tb", format!("@label TEXT: 'a\\tb' is not allowed, {label}")),
