@@ -8,7 +8,7 @@ use super::grains::{CELL, DENSITY, GRAVITY, grains, lattice};
 use super::{Cells, Random};
 use crate::error::Result;
 use crate::mesh::Mesh;
-use crate::scene::{Cuboid, MaterialId, Motion, MotionTerm, Pair, Scene, Sphere};
+use crate::scene::{Cuboid, Look, MaterialId, Motion, MotionTerm, Pair, Scene, Sphere, Tag};
 
 /// Young's modulus, in Pa. With it, overlaps stay below 1 % of the radius.
 const YOUNG: f32 = 5e6;
@@ -73,7 +73,7 @@ pub(super) fn mixer(spheres: u32, random: &mut Random) -> Result<Scene> {
     }
     let (radius, height) = (f64::from(drum), f64::from(2.5 * drum));
     let wall = Mesh::cylinder(radius, height, FACETS)?.transformed(1.0, DVec3::X, -90.0, DVec3::ZERO)?;
-    scene.add_mesh(&wall, |triangle| triangle.material(material))?;
+    add_glass(&mut scene, &wall, material)?;
     let wide = 1.5 * drum;
     scene.add_box(Cuboid::between([-wide, -0.2 * drum, -wide], [wide, 0.0, wide]).material(material))?;
     let motion = scene.add_motion(Motion::new("blades", MotionTerm::turn(TAU, DVec3::Y, DVec3::ZERO)))?;
@@ -117,7 +117,7 @@ pub(super) fn screw(spheres: u32, random: &mut Random) -> Result<Scene> {
     // The flight leaves a gap in which no grain gets stuck.
     let (middle, flight) = (0.5 * ASPECT * tube, tube - 0.75 * RADIUS);
     let length = f64::from(ASPECT * tube);
-    scene.add_mesh(&Mesh::cylinder(tube.into(), length, FACETS)?, |triangle| triangle.material(material))?;
+    add_glass(&mut scene, &Mesh::cylinder(tube.into(), length, FACETS)?, material)?;
     let motion = scene.add_motion(Motion::new("screw", MotionTerm::turn(-TAU, DVec3::Z, DVec3::ZERO)))?;
     let turns = length / f64::from(pitch);
     for mesh in [
@@ -128,9 +128,18 @@ pub(super) fn screw(spheres: u32, random: &mut Random) -> Result<Scene> {
     }
     let wide = 1.2 * tube;
     for [from, to] in [[-0.2 * tube, 0.0], [2.0 * middle, 2.0 * middle + 0.2 * tube]] {
-        scene.add_box(Cuboid::between([-wide, -wide, from], [wide, wide, to]).material(material))?;
+        let end = scene.add_box(Cuboid::between([-wide, -wide, from], [wide, wide, to]).material(material))?;
+        scene.set_tag(end, Tag::new().look(Look::Glass))?;
     }
     Ok(scene)
+}
+
+/// Adds a wall that can be looked through.
+fn add_glass(scene: &mut Scene, mesh: &Mesh, material: MaterialId) -> Result<()> {
+    for id in scene.add_mesh(mesh, |triangle| triangle.material(material))?.ids {
+        scene.set_tag(id, Tag::new().look(Look::Glass))?;
+    }
+    Ok(())
 }
 
 /// Whether a grain at a place touches neither the shaft of a screw nor its flight, which begins at the x axis and turns once per pitch.

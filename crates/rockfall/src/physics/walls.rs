@@ -16,7 +16,7 @@ pub(crate) struct Reach {
 impl Reach {
     /// `None` for an object that does not move on a prescribed path.
     pub(crate) fn of(view: &View, object: Object) -> Option<Self> {
-        let wall = view.wall(object)?;
+        let wall = view.wall(object).filter(|_| view.body(object) != 0)?;
         let (bounds, edges) = match object {
             Object::Cuboid(cuboid) => {
                 let record = view.cuboid(cuboid);

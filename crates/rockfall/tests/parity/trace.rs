@@ -227,7 +227,10 @@ fn add_springs(world: &mut World, plan: &Plan) {
                 *word = (f32::from_bits(*word) * [1.0, 0.5, 40.0][number % 3]).to_bits();
             }
             record[4..7].rotate_left(number % 2);
-            record[3] = (f32::from_bits(record[3]) * [0.8, 1.25][number % 2]).to_bits();
+            // A negative overlap marks a body that passes a polygon.
+            if f32::from_bits(record[3]) > 0.0 {
+                record[3] = (f32::from_bits(record[3]) * [0.8, 1.25][number % 2]).to_bits();
+            }
         }
     }
     world.histories = early.histories;
