@@ -8,11 +8,13 @@
 //!
 //! Every perturbed world must give the same words, which shows that rounding changes no decision.
 
+use std::ops::Range;
+
 use glam::{Vec3, Vec4};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::model::buffer::Buffer;
-use rockfall::model::layout::{HISTORY_BLOCK, HISTORY_WORDS, LINK_KEY, NO_KEY};
+use rockfall::model::layout::{HISTORY_BLOCK, HISTORY_WORDS, LINK_KEY, NO_KEY, WALL_WORDS};
 use rockfall::model::status::{COUNTER_BLOCKS, Counters, Status};
 use rockfall::model::step::Layout;
 use rockfall::model::world::World;
@@ -100,7 +102,7 @@ fn floats(world: &World) -> Vec<Floats> {
     }
     field(Buffer::Histories, "springs", springs(world).into_iter().flat_map(|(_, spring)| spring).collect());
     field(Buffer::Rates, "rates", world.rates.clone());
-    field(Buffer::Topology, "free accelerations", free(world));
+    field(Buffer::Topology, "floats", floats_of_topology(world));
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
     let status = &world.status;
     let measured = [status.escape_ratio, status.repeat_escape, status.total_counters().max_overlap, status.last_max_overlap];
@@ -108,17 +110,23 @@ fn floats(world: &World) -> Vec<Floats> {
     all
 }
 
-/// The sizes of free accelerations, which are floats in the topology buffer.
-fn free(world: &World) -> Vec<f32> {
-    let Layout { free_at, spheres, .. } = world.step.layout;
-    let count = if free_at == 0 { 0 } else { spheres as usize };
-    world.topology[free_at as usize..][..count].iter().copied().map(f32::from_bits).collect()
+/// The words of the topology buffer that stages write as floats: the sizes of free accelerations, and where walls move, the geometry of
+/// boxes and polygons and their motions. The numbers of bodies among them are denormal floats.
+fn float_words(world: &World) -> Vec<Range<usize>> {
+    let Layout { free_at, spheres, boxes_at, walls_at, boxes, polygons, .. } = world.step.layout;
+    let free = free_at..free_at + if free_at == 0 { 0 } else { spheres };
+    let walls = boxes_at..if walls_at == 0 { boxes_at } else { walls_at + (boxes + polygons) * WALL_WORDS };
+    [free, walls].map(|range| range.start as usize..range.end as usize).to_vec()
+}
+
+fn floats_of_topology(world: &World) -> Vec<f32> {
+    float_words(world).into_iter().flat_map(|range| &world.topology[range]).copied().map(f32::from_bits).collect()
 }
 
 /// The topology buffer with zeros in place of them.
-fn without_free(world: &World) -> Vec<u32> {
+fn words_of_topology(world: &World) -> Vec<u32> {
     let mut words = world.topology.clone();
-    words[world.step.layout.free_at as usize..][..free(world).len()].fill(0);
+    float_words(world).into_iter().for_each(|range| words[range].fill(0));
     words
 }
 
@@ -132,7 +140,7 @@ fn words(world: &World) -> Vec<(Buffer, &'static str, Vec<u32>)> {
     let counters = Status { counters, escape_ratio: 0, repeat_escape: 0, last_max_overlap: 0, ..world.status };
     vec![
         (Buffer::Aabbs, "ids and tags", tags),
-        (Buffer::Topology, "words", without_free(world)),
+        (Buffer::Topology, "words", words_of_topology(world)),
         (Buffer::Cells, "cells", world.cells.clone()),
         (Buffer::Lists, "counts and offsets", head),
         (Buffer::Lists, "entries", lists),
