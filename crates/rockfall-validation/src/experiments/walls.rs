@@ -64,7 +64,7 @@ fn closing(outcome: &mut Outcome) -> Result<()> {
     scene.add_sphere(Sphere::new([1.0, 0.0, 0.0], 0.1).velocity([1.0, 0.0, 0.0]))?;
     let mut simulation = on_cpu(scene, Integrator::VelocityVerlet)?;
     simulation.run(2_600, 0.005)?;
-    let hits = (simulation.report().total_collisions + 1) / 2;
+    let hits = simulation.report().total_collisions.div_ceil(2);
     outcome.check(format!("closing wall: speed after {hits} of its hits"), 1.0 + hits as f64, velocity(&mut simulation)?.length(), 1e-3);
     outcome.check("closing wall: 1 after at least 6 hits", 1.0, f64::from(u8::from(hits >= 6)), 0.0);
     Ok(())
