@@ -85,6 +85,7 @@ class SettingValues(TypedDict, total=False):
     gravity_direction: npt.ArrayLike
     contact_pull: bool
     resting_overlap: float
+    mesh_angle: float
     precision: PrecisionName
 
 

@@ -86,6 +86,7 @@ class Settings(Strict):
         gravity_direction: tuple[float, float, float]
         contact_pull: bool
         resting_overlap: float
+        mesh_angle: float
         precision: PrecisionName
 
     def __init__(self, native: Any) -> None:

@@ -28,6 +28,7 @@ const CONSTANTS: &[Constant] = &[
         accepts: |p| p == 0.0 || (1e-6..=0.5).contains(&p),
         put: |settings, p| settings.resting_overlap = p,
     },
+    Constant { name: "mesh_angle", accepts: |p| (0.6..=15.0).contains(&p), put: |settings, p| settings.mesh_angle = p },
     Constant {
         name: "gravity_direction",
         accepts: |p| p.is_finite() && p != 0.0,
