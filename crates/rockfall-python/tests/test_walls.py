@@ -54,6 +54,9 @@ def test_a_conveyor_takes_a_ball_along() -> None:
     scene = rf.Scene()
     scene.settings.gravity = 9.81
     scene.settings.coulomb_friction = 0.3
+    # At rest, the ball overlaps the belt by half a percent of its radius.
+    scene.settings.contact_force = 2e4
+    scene.settings.contact_damping = 100
     belt = scene.add_box((-2, -1, -1), (2, 0, 1), surface_velocity=(0.7, 0, 0))
     scene.add_spheres((-1, 0.1, 0), 0.1)
     sim = rf.Simulation(scene, dt=0.002, backend="cpu")

@@ -13,6 +13,7 @@ from rockfall import _rockfall
 from rockfall._arrays import IntArray, floats, integers
 from rockfall._bodies import Bodies, numbers_from
 from rockfall._names import tag_of
+from rockfall.typing import LookName
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -93,6 +94,7 @@ class Walls(Bodies):
         name: str | None = None,
         colour: str | None = None,
         label: str | None = None,
+        look: LookName | None = None,
     ) -> IntArray:
         """Add the triangles of a mesh as walls. Both of their sides can be touched.
 
@@ -119,8 +121,8 @@ class Walls(Bodies):
             Name of the motion that the mesh follows. See :meth:`add_motion`.
         surface_velocity : array_like of shape (3,), optional
             Velocity of the surface, like that of a conveyor, in units/s.
-        name, colour, label : str, optional
-            Name, colour and label of the triangles. See :meth:`set_tag`.
+        name, colour, label, look : str, optional
+            Name, colour, label and look of the triangles. See :meth:`set_tag`.
 
         Returns
         -------
@@ -134,7 +136,7 @@ class Walls(Bodies):
         ValueError
             For a file of another format, a wrong index, and a coordinate that is not finite.
         """
-        tag = tag_of(name, colour, label)
+        tag = tag_of(name, colour, label, look)
         self._check_motion(motion)
         is_file = isinstance(mesh, (str, os.PathLike))
         if is_file == (triangles is not None):
