@@ -138,10 +138,10 @@ class Walls(Bodies):
         """
         tag = tag_of(name, colour, label, look)
         self._check_motion(motion)
-        is_file = isinstance(mesh, (str, os.PathLike))
-        if is_file == (triangles is not None):
+        file = mesh if isinstance(mesh, (str, os.PathLike)) else None
+        if (file is None) != (triangles is not None):
             raise TypeError("triangles: expected indices with vertices, and none with a file")
-        corners = np.zeros((0, 3), np.float32) if is_file else floats("mesh", mesh, (3,))
+        corners = floats("mesh", mesh, (3,)) if file is None else np.zeros((0, 3), np.float32)
         indices = integers("triangles", [] if triangles is None else np.asarray(triangles).reshape(-1))
         if len(indices) % 3 or (len(indices) and not (0 <= indices.min() and indices.max() < max(len(corners), 1))):
             raise ValueError(f"triangles: expected shape (T, 3) with indices from 0 to {len(corners) - 1}")
@@ -149,7 +149,7 @@ class Walls(Bodies):
         number = int(self._material_numbers("material", material))
         self._edited()
         first, count, left_out = _rockfall.add_mesh(
-            self._native, mesh if is_file else None, corners, indices.reshape(-1, 3).tolist(), place, int(group), number
+            self._native, file, corners, indices.reshape(-1, 3).tolist(), place, int(group), number
         )
         if left_out:
             warnings.warn(f"{left_out} triangles have no area and were left out", stacklevel=2)

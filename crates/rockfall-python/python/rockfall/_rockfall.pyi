@@ -7,12 +7,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from rockfall.typing import LookName
+
 _Floats = npt.NDArray[np.float32]
 _Integers = npt.NDArray[np.int64]
 _Groups = npt.NDArray[np.uint16]
 _Switches = npt.NDArray[np.bool_]
 _Target = Scene | Simulation
-_Texts = tuple[str | None, str | None, str | None, str | None]
+_Texts = tuple[str | None, str | None, str | None, LookName | None]
 _Known = tuple[float | None, float | None, float | None]
 _Properties = tuple[list[float | None], list[str | None]]
 _Law = tuple[str, str, list[tuple[str, float]]]
