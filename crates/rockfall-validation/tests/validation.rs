@@ -54,6 +54,7 @@ experiments!(
     brazil,
     drum,
     surfaces,
+    walls,
     rest,
     silent,
     #[cfg(feature = "gpu")]
