@@ -1,6 +1,6 @@
 //! A constant that changes while a simulation runs takes effect, on both backends.
 
-use rockfall::{Backend, Cuboid, Integrator, Material, Options, Pair, Settings, Simulation, Sphere};
+use rockfall::{Backend, Cuboid, Integrator, Material, Options, Pair, Polygon, Settings, Simulation, Sphere};
 
 /// Another value of every constant. A name without one fails the test.
 fn other_value(name: &str) -> &'static str {
@@ -17,6 +17,7 @@ fn other_value(name: &str) -> &'static str {
         "continuous_collisions" => "on",
         "contact_pull" => "on",
         "resting_overlap" => "0.01",
+        "mesh_angle" => "5",
         "linear_damping" | "angular_damping" => "0.5",
         "contact_law" => "linear",
         "precision" => "double",
@@ -44,6 +45,12 @@ fn scene(law: &str) -> rockfall::Scene {
     scene
         .add_sphere(Sphere::new([-1.3, 3.2, 0.0], 0.05).velocity([20.0, 0.0, 0.2]).material(material))
         .expect("a valid sphere");
+    // A ball in a hollow edge of two triangles, whose normals differ by 8 degrees.
+    for side in [-1.0, 1.0] {
+        let triangle = Polygon::triangle([0.0, 4.5, -4.0], [0.0, 4.5, -2.0], [side, 4.57, -3.0]).material(material);
+        scene.add_polygon(triangle).expect("a valid triangle");
+    }
+    scene.add_sphere(Sphere::new([0.005, 4.99, -3.0], 0.5).material(material)).expect("a valid sphere");
     for (x, overlap) in [(-4.0, 0.004), (-2.5, 0.002)] {
         scene
             .add_sphere(Sphere::new([x, 0.5 - overlap, 3.0], 0.5).velocity([0.3, 0.0, 0.0]).material(material))

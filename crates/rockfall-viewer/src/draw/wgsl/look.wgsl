@@ -38,7 +38,7 @@ fn polygon_look(number: u32) -> u32 {
 /// Returns a hash of a point of the integer grid, from 0 to 1.
 fn grid_hash(point: vec3i) -> f32 {
     let bits = vec3u(point);
-    return hash(bits.x * 1597334677u ^ bits.y * 3812015801u ^ bits.z * 2798796415u);
+    return hash((bits.x * 1597334677u) ^ (bits.y * 3812015801u) ^ (bits.z * 2798796415u));
 }
 
 /// Returns smooth noise from 0 to 1 with a period of about 1 unit (value noise: hashes at the points of a grid, interpolated).
