@@ -25,11 +25,11 @@ fn vector(random: &mut Pcg64Mcg, most: f32) -> Vec3 {
 
 /// A wall near the origin: a box, a polygon or a triangle, whose nearest side faces up.
 fn add_wall(scene: &mut Scene, random: &mut Pcg64Mcg, group: u16, motion: Option<MotionId>) {
-    let surface = if group % 4 == 0 { vector(random, 2.0) } else { Vec3::ZERO };
+    let surface = if group.is_multiple_of(4) { vector(random, 2.0) } else { Vec3::ZERO };
     let turn = Quat::from_scaled_axis(vector(random, 0.4));
     let [x, z] = [turn * Vec3::X, turn * Vec3::Z].map(|edge| random.random_range(0.8..1.6) * edge);
     let corner = vector(random, 0.1) - 0.45 * (x + z);
-    if group % 3 == 0 {
+    if group.is_multiple_of(3) {
         let down = -random.random_range(0.3..0.8) * (turn * Vec3::Y);
         let mut cuboid = Cuboid::new(corner, x, down, z).group(group).surface_velocity(surface);
         cuboid.motion = motion;

@@ -394,7 +394,7 @@ fn a_belt_takes_a_ball_along(backend: Backend) {
         let integrator = if law == ContactLaw::Thesis { Integrator::Rk4 } else { Integrator::VelocityVerlet };
         let mut simulation = open(scene, backend, integrator);
         let dt = if law == ContactLaw::Thesis { 0.002_f64 } else { 5e-5 };
-        let slips = 2.0 * speed / (7.0 * f64::from(friction) * f64::from(gravity));
+        let slips = 2.0 * speed / (7.0 * f64::from(friction) * gravity);
         simulation.run((0.5 * slips / dt) as u64, dt as f32).expect("steps");
         let half = only(&mut simulation);
         close(f64::from(half.velocity.x), speed / 7.0, 0.03 * speed, &format!("velocity while it slips, {law}"));
@@ -430,7 +430,7 @@ fn a_floor_bears_the_weight(backend: Backend) {
         assert_eq!(load.contacts, 2, "{law}");
         let tolerance = if backend == Backend::Cpu { 0.01 } else { 0.05 };
         close(load.force.y, -9.81 * 3.5, tolerance * 35.0, &format!("weight, {law}"));
-        near(load.torque.as_vec3(), expected, f64::from(tolerance) * 8.0, &format!("torque, {law}"));
+        near(load.torque.as_vec3(), expected, tolerance * 8.0, &format!("torque, {law}"));
         assert!(simulation.wall_load("wall").unwrap_err().to_string().contains("'wall'"));
     }
 }
