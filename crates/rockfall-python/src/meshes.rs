@@ -7,7 +7,7 @@ use rockfall::glam::DVec3;
 use rockfall::{Mesh, Polygon};
 
 use crate::arguments::Rows;
-use crate::doors::{Doors, with};
+use crate::doors::with;
 use crate::errors::Raise;
 use crate::materials::materials_of;
 

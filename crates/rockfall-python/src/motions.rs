@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{Motion, MotionId, MotionTerm};
 
-use crate::doors::{Doors, look, with};
+use crate::doors::{look, with};
 use crate::errors::Raise;
 use crate::names::object;
 use crate::simulation::Simulation;
