@@ -204,7 +204,7 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Topology,
     ),
     Mistake("loads", 0, "walls.wgsl", "dot(wall.surface, n) * n", "0.0 * n", Buffer::Wrenches),
-    Mistake("loads", 0, "contact.wgsl", "half.spin = wall.spin", "half.spin = -wall.spin", Buffer::Wrenches),
+    Mistake("loads", 0, "walls.wgsl", "wall.velocity + cross(", "wall.velocity - cross(", Buffer::Wrenches),
     Mistake("loads", 0, "geometry.wgsl", "on_third.y < least", "on_third.y > least", Buffer::Wrenches),
     Mistake(
         "loads",
@@ -214,7 +214,6 @@ static MISTAKES: &[Mistake] = &[
         "unit_interval(place.x - place.y)",
         Buffer::Wrenches,
     ),
-    Mistake("loads", 0, "before.wgsl", "(other != id) &", "(other == id) &", Buffer::Wrenches),
     Mistake("kick", 3, "kick.wgsl", "velocity.xyz + 0.5 * step.dt", "velocity.xyz + step.dt", Buffer::Start),
     Mistake("kick", 3, "kick.wgsl", "forces_due = 0u", "forces_due = 1u", Buffer::Status),
     Mistake("loads", 3, "net_force.wgsl", "3u * u32(VERLET)", "0u", Buffer::Status),
