@@ -197,7 +197,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("move_walls", 1, "move_walls.wgsl", "(pass_.index + 1u) / 2u", "pass_.index / 2u", Buffer::Topology),
     Mistake(
         "move_walls",
-        0,
+        1,
         "move_walls.wgsl",
         "let around = cross(spin, corner",
         "let around = cross(corner, spin",
