@@ -204,7 +204,6 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Topology,
     ),
     Mistake("loads", 0, "walls.wgsl", "dot(wall.surface, n) * n", "0.0 * n", Buffer::Wrenches),
-    Mistake("loads", 0, "walls.wgsl", "wall.velocity + cross(", "wall.velocity - cross(", Buffer::Wrenches),
     Mistake("loads", 0, "geometry.wgsl", "on_third.y < least", "on_third.y > least", Buffer::Wrenches),
     Mistake(
         "loads",
@@ -297,7 +296,6 @@ static MISTAKES: &[Mistake] = &[
     Mistake("find_collisions", 0, "geometry.wgsl", "clamp(along, 0.0, 1.0)", "along", Buffer::Lists),
     Mistake("loads", 0, "geometry.wgsl", "if found.w < least {", "if found.w >= least {", Buffer::Wrenches),
     Mistake("weigh_collisions", 0, "collision.wgsl", "select(1.0, 1.0 - half.at,", "select(1.0, half.at,", Buffer::Start),
-    Mistake("weigh_collisions", 0, "couplings.wgsl", "gathered |= select(", "gathered = select(", Buffer::Start),
     Mistake("sweep_at_once", 0, "sweep_at_once.wgsl", "sweeps < SWEEPS;", "sweeps < SWEEPS / 2u;", Buffer::Start),
     Mistake("sweep_at_once", 0, "cluster.wgsl", "max(0.0, fma(fma", "max(-1e9, fma(fma", Buffer::Start),
     Mistake("sweep_at_once", 0, "cluster.wgsl", "SWEEP_SIZES[sweeps / 2u]", "SWEEP_SIZES[3u - sweeps / 2u]", Buffer::Start),
