@@ -25,18 +25,19 @@ struct Candidate {
     id: u32,
     /// Distance of the nearest point from the centre of the sphere; negative if the centre is inside a box.
     distance: f32,
-    /// The distance by which candidates are ordered.
-    order: f32,
     /// Unit vector from the centre to the nearest point, if the distance is positive.
     normal: Vec3,
 }
 
 impl Candidate {
     fn of(view: &View, sphere: u32, id: u32, touch: &Touch) -> Self {
-        let distance = view.radius(sphere) - touch.overlap;
-        let is_face = distance < 0.0 || is_over_face(view, Object::Sphere(sphere), view.object(id));
-        let order = if is_face { distance } else { distance + EDGE * distance };
-        Self { id, distance, order, normal: touch.normal }
+        Self { id, distance: view.radius(sphere) - touch.overlap, normal: touch.normal }
+    }
+
+    /// The distance by which candidates are ordered: a face comes before an edge. The sphere is where it is in the view.
+    fn rank(&self, view: &View, sphere: u32) -> f32 {
+        let is_face = self.distance < 0.0 || is_over_face(view, Object::Sphere(sphere), view.object(self.id));
+        if is_face { self.distance } else { self.distance + EDGE * self.distance }
     }
 
     /// Whether a nearer candidate hides this one. A box that contains the centre hides only what is wholly behind its face.
@@ -82,13 +83,13 @@ fn geometry(view: &View, id: u32) -> (bool, [Vec3; 4]) {
 }
 
 /// The order of two candidates. It depends on their geometry alone, unless they are identical.
-fn order(view: &View, one: &Candidate, other: &Candidate) -> Ordering {
+fn order(view: &View, (one_rank, one): &(f32, Candidate), (other_rank, other): &(f32, Candidate)) -> Ordering {
     let numbers = |id| {
         let (is_polygon, vectors) = geometry(view, id);
         (is_polygon, vectors.map(|vector| vector.to_array()))
     };
-    let by_distance = one.order.partial_cmp(&other.order).unwrap_or(Ordering::Equal);
-    by_distance.then_with(|| numbers(one.id).partial_cmp(&numbers(other.id)).unwrap_or(Ordering::Equal))
+    let by_rank = one_rank.partial_cmp(other_rank).unwrap_or(Ordering::Equal);
+    by_rank.then_with(|| numbers(one.id).partial_cmp(&numbers(other.id)).unwrap_or(Ordering::Equal))
 }
 
 /// The boxes and polygons that a sphere overlaps but does not touch, because a nearer one hides them, and the edges of boxes that are no
@@ -116,14 +117,16 @@ impl Hidden {
     fn from_sphere(view: &View, sphere: u32, statics: impl Iterator<Item = Entry>) -> Self {
         let mut hidden = Self(Vec::new());
         let candidate = |id| Some(Candidate::of(view, sphere, id, &touch(view, sphere, id, 0)?));
-        let mut candidates: Vec<Candidate> = statics.filter_map(|entry| candidate(entry.id())).collect();
+        let candidates: Vec<Candidate> = statics.filter_map(|entry| candidate(entry.id())).collect();
         if candidates.len() < 2 {
             return hidden;
         }
+        let ranked = candidates.into_iter().map(|candidate| (candidate.rank(view, sphere), candidate));
+        let mut candidates: Vec<(f32, Candidate)> = ranked.collect();
         candidates.sort_by(|one, other| order(view, one, other));
         let ball = (view.position(sphere), view.radius(sphere));
         let mut kept: Vec<Candidate> = Vec::new();
-        for candidate in candidates {
+        for (_, candidate) in candidates {
             if kept.iter().any(|nearer| candidate.is_behind(view, ball, nearer)) {
                 hidden.0.push((candidate.id, 0));
             } else {

@@ -22,17 +22,8 @@ fn a_mesh_becomes_triangles_and_slivers_are_left_out() {
     let is_right = |polygon: &Polygon| polygon.is_triangle && polygon.group == 3 && polygon.motion == Some(motion);
     assert!(scene.polygons().iter().all(is_right));
     // The right angles of both triangles.
-    assert_eq!(shapes(&scene).map_corners(), [Vec3::Z, Vec3::X]);
-}
-
-trait Corners {
-    fn map_corners(&self) -> Vec<Vec3>;
-}
-
-impl Corners for Vec<[Vec3; 3]> {
-    fn map_corners(&self) -> Vec<Vec3> {
-        self.iter().map(|shape| shape[0]).collect()
-    }
+    let corners: Vec<Vec3> = shapes(&scene).iter().map(|shape| shape[0]).collect();
+    assert_eq!(corners, [Vec3::Z, Vec3::X]);
 }
 
 #[test]
