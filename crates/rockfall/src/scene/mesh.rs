@@ -70,9 +70,7 @@ fn from_widest_corner(vertices: [Vec3; 3]) -> Option<Polygon> {
     let by_coordinates = |one: usize, other: usize| compare(&[vertices[other]], &[vertices[one]]);
     let first = (0..3).max_by(|one, other| opposite(*one).total_cmp(&opposite(*other)).then(by_coordinates(*one, *other)))?;
     let [a, b, c] = [0, 1, 2].map(|k| vertices[(first + k) % 3]);
-    let polygon = Polygon::triangle(a, b, c);
-    let (left, right) = (polygon.left.as_dvec3(), polygon.right.as_dvec3());
-    (left.cross(right).length() >= 1e-4 * left.length() * right.length()).then_some(polygon)
+    Some(Polygon::triangle(a, b, c)).filter(|polygon| !polygon.has_parallel_edges())
 }
 
 fn order(one: &Polygon, other: &Polygon) -> Ordering {
@@ -81,9 +79,8 @@ fn order(one: &Polygon, other: &Polygon) -> Ordering {
 
 /// Compares the coordinates of vectors one after the other.
 fn compare(one: &[Vec3], other: &[Vec3]) -> Ordering {
-    let numbers = |vectors: &[Vec3]| vectors.iter().flat_map(|vector| vector.to_array()).collect::<Vec<f32>>();
-    let pairs = numbers(one).into_iter().zip(numbers(other));
-    pairs.into_iter().map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+    let [one, other] = [one, other].map(|vectors| vectors.iter().flat_map(|vector| vector.to_array()));
+    one.zip(other).map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
 }
 
 #[cfg(test)]

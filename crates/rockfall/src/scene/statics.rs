@@ -157,13 +157,18 @@ impl Polygon {
         self
     }
 
+    /// Whether both edges are parallel within 1e-4 rad.
+    pub(super) fn has_parallel_edges(&self) -> bool {
+        let (left, right) = (self.left.as_dvec3(), self.right.as_dvec3());
+        left.cross(right).length() < 1e-4 * left.length() * right.length()
+    }
+
     pub(crate) fn validate(&self) -> Result<()> {
         finite("polygon.corner", self.corner)?;
         finite("polygon.surface_velocity", self.surface_velocity)?;
         usable_edge("polygon.left", self.left)?;
         usable_edge("polygon.right", self.right)?;
-        let (left, right) = (self.left.as_dvec3(), self.right.as_dvec3());
-        if left.cross(right).length() < 1e-4 * left.length() * right.length() {
+        if self.has_parallel_edges() {
             return Err(invalid("polygon.right", self.right.to_array(), "an edge that is not parallel to the first"));
         }
         Ok(())
