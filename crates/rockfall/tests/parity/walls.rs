@@ -55,8 +55,10 @@ fn scene(seed: u64, rods: bool, coulomb: f32) -> Scene {
             add_wall(&mut scene, &mut random, group, motion);
         }
         let radius = random.random_range(0.15..0.3);
-        let place = vector(&mut random, 0.4) * Vec3::new(1.0, 0.0, 1.0) + random.random_range(0.6..1.0) * radius * Vec3::Y;
-        let ball = Sphere::new(place, radius).mass(1.5).velocity(vector(&mut random, 1.5)).group(group);
+        let place = vector(&mut random, 0.25) * Vec3::new(1.0, 0.0, 1.0) + random.random_range(0.3..0.9) * radius * Vec3::Y;
+        // A pair that separates fast has no force.
+        let speed = if group.is_multiple_of(2) { 1.5 } else { 0.05 };
+        let ball = Sphere::new(place, radius).mass(1.5).velocity(vector(&mut random, speed)).group(group);
         let ball = ball.angular_momentum(vector(&mut random, 0.05));
         let ball = scene.add_sphere(ball).unwrap();
         if rods && group % 6 == 1 {
@@ -76,8 +78,8 @@ fn poses(seed: u64) -> Vec<f32> {
     for _ in 0..ROWS as usize * BODIES {
         let turn = Mat3::from_quat(Quat::from_scaled_axis(vector(&mut random, 0.03))) - Mat3::IDENTITY;
         let rows = [0, 1, 2].map(|row| turn.row(row));
-        let [point, shift, velocity] = [0.3, 0.02, 1.0].map(|most| vector(&mut random, most));
-        let [acceleration, spin] = [20.0, 2.0].map(|most| vector(&mut random, most));
+        let [point, shift, velocity] = [0.3, 0.02, 0.2].map(|most| vector(&mut random, most));
+        let [acceleration, spin] = [20.0, 0.4].map(|most| vector(&mut random, most));
         for vector in rows.into_iter().chain([point, shift, velocity, acceleration, spin]) {
             table.extend(vector.extend(0.0).to_array());
         }
@@ -116,6 +118,14 @@ pub(crate) fn trace(seed: u64, integrator: Integrator, rods: bool) -> Trace {
     Trace { scenarios, findings: Findings::default(), after: world }
 }
 
+/// Number of spheres on which a force acts after a scenario of `loads`.
+fn forces(scenario: &Scenario) -> usize {
+    let mut world = scenario.before.clone();
+    scenario.runs.iter().for_each(|run| run.on_cpu(&mut world));
+    let rods = 4 * world.step.layout.rods as usize;
+    world.wrenches[rods..].iter().step_by(2).filter(|force| force.truncate().length() > 0.0).count()
+}
+
 #[test]
 fn backends_agree_on_moving_walls() {
     for (seed, integrator, rods) in [(1, Integrator::Rk4, false), (2, Integrator::SymplecticEuler, true)] {
@@ -124,7 +134,8 @@ fn backends_agree_on_moving_walls() {
         let count = |name: &str| trace.scenarios.iter().filter(|scenario| scenario.is(name)).count();
         let passes = if integrator == Integrator::Rk4 { 2 } else { 1 };
         assert!(count("move_walls") >= passes && count("loads") >= passes, "{integrator}");
-        let touching = trace.after.wrenches.iter().filter(|wrench| wrench.truncate().length() > 0.0).count();
-        assert!(touching > 100, "{touching} loads");
+        let loads = trace.scenarios.iter().filter(|scenario| scenario.is("loads"));
+        let touching: usize = loads.map(forces).sum();
+        assert!(touching > 20 * passes, "{touching} forces");
     }
 }
