@@ -26,6 +26,7 @@ pub mod layout;
 pub(crate) mod lists;
 pub(crate) mod muscles;
 pub mod part;
+pub(crate) mod period;
 pub(crate) mod rest;
 pub(crate) mod state;
 pub mod status;

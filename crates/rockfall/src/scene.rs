@@ -17,6 +17,7 @@ mod mesh;
 mod motion;
 mod muscle;
 mod objects;
+pub(crate) mod periodic;
 mod pose;
 mod references;
 mod registry;
@@ -69,6 +70,7 @@ pub struct Scene {
     pub(crate) motions: Registry<Motion>,
     pub(crate) materials: Registry<Material>,
     pub(crate) pairs: Pairs,
+    pub(crate) periodic: [Option<[f32; 2]>; 3],
     pub(crate) references: References,
     pub(crate) tag_changes: u64,
 }
@@ -116,6 +118,7 @@ impl Scene {
             motions: Registry::new(number, "motion"),
             materials: Registry::new(number, "material"),
             pairs: Pairs::new(),
+            periodic: [None; 3],
             references: References::default(),
             tag_changes: 0,
         }

@@ -425,6 +425,10 @@ fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&Contact
 fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     scene.settings.validate()?;
     check_contact_law(scene, scene.integrator(options.integrator), options.contact_force_law.as_ref())?;
+    if scene.is_periodic() && options.broad_phase == BroadPhase::SortAndSkip {
+        let value = options.broad_phase.to_string();
+        return Err(Error::Invalid { field: "broad_phase", value, expected: "auto, grid or brute-force for a periodic scene" });
+    }
     let mut world = pack(scene, options)?;
     place_walls(&mut world, scene, &MuscleClock::default());
     if let Some(capacity) = options.pair_capacity {

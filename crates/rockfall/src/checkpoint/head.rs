@@ -2,7 +2,7 @@
 //! a new field that is missing here.
 
 use super::laws::{KeptContactLaw, KeptLaw};
-use super::motions;
+use super::{motions, periods};
 use super::words::{Damage, Head, Words};
 use super::{Checkpoint, History};
 use crate::model::muscles::MuscleClock;
@@ -70,6 +70,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     }
     materials(&mut head, scene);
     motions::put(&mut head, scene);
+    periods::put(&mut head, scene);
     laws(&mut head, force_laws, &checkpoint.kept_laws);
     let given = contact_force_law.as_ref().map(KeptContactLaw::of);
     contact_law(&mut head, given.as_ref().or(kept_contact_law.as_ref()));
@@ -130,6 +131,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     };
     read_materials(words, &mut scene)?;
     motions::read(words, &mut scene)?;
+    periods::read(words, &mut scene)?;
     let kept_laws = read_laws(words)?;
     let kept_contact_law = read_contact_law(words)?;
     let (springs, rates) = (Vec::new(), Vec::new());

@@ -94,6 +94,8 @@ constants! {
     /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): the integrator is symplectic Euler, so that velocities are half a step
     /// behind positions. `synchronise` keeps those at the time of the positions in a fifth region of `Start`.
     pub const FLAG_HALF_STEP: u32 = 2048;
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): the scene is periodic along some axis.
+    pub const FLAG_PERIODIC: u32 = 4096;
     /// Words of the rates of a sphere: acceleration x, y, z, torque x, y, z.
     pub const RATE_WORDS: u32 = 6;
     /// Shift of the material in a tag.

@@ -3,6 +3,7 @@
 use std::mem::offset_of;
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 
 use crate::model::declare::block;
 use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_VERLET, SPRING_WORDS};
@@ -174,6 +175,18 @@ block! {
         pub free_at: u32,
         /// First word of the table of pairs, which has [`PAIR_WORDS`](crate::model::layout::PAIR_WORDS) words per pair.
         pub pairs_at: u32,
+        /// Period along x, in units; 0 where the scene is not periodic.
+        pub period_x: f32,
+        /// Period along y.
+        pub period_y: f32,
+        /// Period along z.
+        pub period_z: f32,
+        /// Least x of the box of a periodic scene. AABBs are brought back so that their centres are in the box.
+        pub from_x: f32,
+        /// Least y of the box.
+        pub from_y: f32,
+        /// Least z of the box.
+        pub from_z: f32,
     }
 }
 
@@ -187,6 +200,19 @@ pub struct Step {
     pub lists: ListSettings,
     /// The numbers of objects, the sizes and offsets of arrays.
     pub layout: Layout,
+}
+
+impl Aabb {
+    /// The centre.
+    pub(crate) fn centre(&self) -> Vec3 {
+        0.5 * Vec3::from_array(self.min) + 0.5 * Vec3::from_array(self.max)
+    }
+
+    /// The AABB, displaced.
+    pub(crate) fn moved(self, by: Vec3) -> Self {
+        let moved = |place: [f32; 3]| (Vec3::from_array(place) + by).to_array();
+        Self { min: moved(self.min), max: moved(self.max), ..self }
+    }
 }
 
 impl ListSettings {

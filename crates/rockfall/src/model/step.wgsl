@@ -5,7 +5,7 @@
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
 // Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), springs with muscles
-// (MUSCLES), moving boxes or polygons (WALLS), triangles (TRIANGLES), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
+// (MUSCLES), moving boxes or polygons (WALLS), triangles (TRIANGLES), periodic boundaries (PERIODIC), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
 // cohesion (COHESION). Whether the integrator is velocity Verlet (VERLET). Whether geometry uses the low parts of positions (DOUBLE).
 // Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
@@ -13,6 +13,8 @@ const LARGE: bool = true;
 const MUSCLES: bool = true;
 const WALLS: bool = true;
 const TRIANGLES: bool = true;
+// Whether the scene is periodic along some axis. Geometry then uses the low parts of positions, too.
+const PERIODIC: bool = true;
 const MATERIALS: bool = true;
 const RESISTANCE: bool = true;
 const COHESION: bool = true;

@@ -1,7 +1,7 @@
 //! The facts of a scene on which special paths depend.
 
 use crate::model::layout::{
-    FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_RESISTANCE,
+    FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_PERIODIC, FLAG_RESISTANCE,
     FLAG_TRIANGLES, FLAG_VERLET, MANY_OBJECTS,
 };
 use crate::model::step::Step;
@@ -35,6 +35,8 @@ pub struct Traits {
     pub walls: bool,
     /// Some polygons are triangles.
     pub triangles: bool,
+    /// The scene is periodic along some axis.
+    pub periodic: bool,
     /// There are properties of pairs of materials.
     pub materials: bool,
     /// There are pairs with rolling or twisting resistance.
@@ -75,6 +77,7 @@ impl Step {
             free_table: layout.free_at != 0,
             walls: layout.walls_at != 0,
             triangles: has(FLAG_TRIANGLES),
+            periodic: has(FLAG_PERIODIC),
             materials: layout.materials > 0,
             resistance: has(FLAG_RESISTANCE),
             cohesion: has(FLAG_COHESION),

@@ -5,14 +5,19 @@ use glam::{Vec3, Vec4};
 use crate::fine::Fine;
 use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, KIND_ROD, KIND_SHIFT, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, PAIR_WORDS, POLYGON_WORDS,
-    ROD_WORDS, SPRING_WORDS, TETHER_WORDS, WALL_BODY, WALL_SURFACE, WALL_WORDS,
+    ROD_WORDS, SPRING_WORDS, TETHER_WORDS,
 };
 use crate::model::muscles::{half_steps, muscle_length};
+use crate::model::period::Periods;
 use crate::model::status::Status;
 use crate::model::step::{Layout, Step};
 use crate::user_laws::forces::ForceLaws;
 use crate::user_laws::set::UserLaws;
 use crate::user_laws::{ContactForceLaw, ForceInput, MOST_PARAMETERS};
+
+mod walls;
+
+pub(crate) use walls::Wall;
 
 /// A squared distance up to this counts as zero (docs/physics.md section 2.3).
 pub(crate) const TINY: f32 = 1e-30;
@@ -62,41 +67,6 @@ pub(crate) struct PolygonRecord {
     pub(crate) left: Vec3,
     pub(crate) right: Vec3,
     pub(crate) is_triangle: bool,
-}
-
-/// The motion of a box or polygon at the time of a view.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Wall {
-    /// The corner, its velocity in units/s and its acceleration in units/s².
-    corner: Vec3,
-    pub(crate) velocity: Vec3,
-    pub(crate) acceleration: Vec3,
-    /// Angular velocity, in rad/s.
-    pub(crate) spin: Vec3,
-    /// Velocity of its surface, in units/s.
-    surface: Vec3,
-}
-
-impl Wall {
-    /// From the corner to a point.
-    pub(crate) fn lever(&self, point: Vec3) -> Vec3 {
-        point - self.corner
-    }
-
-    /// Velocity of the wall at a point.
-    pub(crate) fn velocity_at(&self, point: Vec3) -> Vec3 {
-        self.velocity + self.spin.cross(self.lever(point))
-    }
-
-    /// Velocity of its surface at a contact point. A conveyor has a part of its own in the tangent plane.
-    pub(crate) fn surface_velocity_at(&self, point: Vec3, normal: Vec3) -> Vec3 {
-        self.velocity_at(point) + (self.surface - self.surface.dot(normal) * normal)
-    }
-
-    /// Acceleration of the wall at a point.
-    pub(crate) fn acceleration_at(&self, point: Vec3) -> Vec3 {
-        self.acceleration + self.spin.cross(self.spin.cross(self.lever(point)))
-    }
 }
 
 /// Something attached to a sphere: a rod, spring, tether or external force. Decoded from one adjacency word.
@@ -281,8 +251,16 @@ impl<'a> View<'a> {
     }
 
     /// The vector from the centre of one sphere to that of another.
-    pub(crate) fn between(&self, from: u32, to: u32) -> Vec3 {
+    pub(crate) fn apart(&self, from: u32, to: u32) -> Vec3 {
         if self.step.is_double() { self.fine(to).minus(self.fine(from)) } else { self.position(to) - self.position(from) }
+    }
+
+    /// The vector from the centre of one sphere to the nearest image of that of another (docs/physics.md section 2.14).
+    pub(crate) fn between(&self, from: u32, to: u32) -> Vec3 {
+        match Periods::of(self.step) {
+            None => self.apart(from, to),
+            Some(periods) => periods.nearest(self.fine(to).wide() - self.fine(from).wide()).as_vec3(),
+        }
     }
 
     pub(crate) fn radius(&self, sphere: u32) -> f32 {
@@ -410,37 +388,6 @@ impl<'a> View<'a> {
         let [px, py, pz, lx, ly, lz, rx, ry, rz, kind] = self.floats(self.step.layout.polygons_at, polygon, POLYGON_WORDS);
         let (corner, left, right) = (Vec3::new(px, py, pz), Vec3::new(lx, ly, lz), Vec3::new(rx, ry, rz));
         PolygonRecord { corner, left, right, is_triangle: kind.to_bits() != 0 }
-    }
-
-    /// Number of the body that a box or polygon belongs to: 0 for the world, which never moves. 0 for spheres and rods.
-    pub(crate) fn body(&self, object: Object) -> u32 {
-        self.wall_record(object).map_or(0, |at| self.topology[at + WALL_BODY])
-    }
-
-    /// The motion of a box or polygon that moves, or whose surface does.
-    pub(crate) fn wall(&self, object: Object) -> Option<Wall> {
-        let at = self.wall_record(object)?;
-        let vector =
-            |place: usize| Vec3::from_array(std::array::from_fn(|axis| f32::from_bits(self.topology[at + place + axis])));
-        let corner = match object {
-            Object::Cuboid(cuboid) => self.cuboid(cuboid).corner,
-            Object::Polygon(polygon) => self.polygon(polygon).corner,
-            Object::Sphere(_) | Object::Rod(_) => return None,
-        };
-        let surface = vector(WALL_SURFACE);
-        let moves = self.topology[at + WALL_BODY] != 0 || surface != Vec3::ZERO;
-        moves.then(|| Wall { corner, velocity: vector(0), spin: vector(4), acceleration: vector(8), surface })
-    }
-
-    /// First word of the motion of a box or polygon, in scenes in which some of them move.
-    fn wall_record(&self, object: Object) -> Option<usize> {
-        let Layout { walls_at, boxes, .. } = self.step.layout;
-        let index = match object {
-            Object::Cuboid(cuboid) => cuboid,
-            Object::Polygon(polygon) => boxes + polygon,
-            Object::Sphere(_) | Object::Rod(_) => return None,
-        };
-        (walls_at != 0).then_some((walls_at + index * WALL_WORDS) as usize)
     }
 
     /// Group (low 16 bits) and material (high 16 bits) of an object.

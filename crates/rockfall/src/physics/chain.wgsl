@@ -55,7 +55,7 @@ fn sphere_is_inside(sphere: u32, rod: u32, other: ChainPart, n: vec3f) -> bool {
     let ends = rod_ends(rod);
     let axis = between(ends.x, ends.y);
     let squared = dot(axis, axis);
-    if (squared <= TINY) | !may_touch(step.spheres + rod, other.id) {
+    if squared <= TINY {
         return false;
     }
     // From the middle, towards the sphere: the same parameter and the same limit as in `touch_sphere_rod`.
@@ -65,6 +65,10 @@ fn sphere_is_inside(sphere: u32, rod: u32, other: ChainPart, n: vec3f) -> bool {
     let own = state[position_at(sphere)].w;
     let radius = rod_radius(rod);
     if (towards > 0.5 + AT_END) | (own * own * (1.0 - along * along / squared) > INSIDE_ROD * radius * radius) {
+        return false;
+    }
+    // Last, because it reads most.
+    if !may_touch(step.spheres + rod, other.id) {
         return false;
     }
     if (other.id < step.spheres) | (towards < 0.5 - NEAR_END) {
@@ -84,9 +88,12 @@ fn along_rod(rod: u32, end: u32) -> vec3f {
 
 // Whether the chain goes on straight at an end of a rod, and the other part is beside the next rod.
 fn is_beyond_bend(rod: u32, end: u32, next: u32, other: ChainPart) -> bool {
+    if next == rod {
+        return false;
+    }
     let own = along_rod(rod, end);
     let their = along_rod(next, end);
-    if (next == rod) | (-dot(own, their) < STRAIGHT) {
+    if -dot(own, their) < STRAIGHT {
         return false;
     }
     let side = dot(to_part(end, other), own - their);

@@ -1,9 +1,9 @@
-// requires model/step.wgsl physics/travel.wgsl
+// requires model/step.wgsl physics/period.wgsl physics/travel.wgsl
 
 // Tests whether a sphere is still inside the ball for which its pair list is valid.
 
 // How far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. The ball must be
-// inside by more than the rounding errors far from the origin.
+// inside by more than the rounding errors far from the origin. In periodic scenes, the nearest image of the ball counts.
 fn distance_outside(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     if !ESCAPES {
         return -1.0;
@@ -15,8 +15,11 @@ fn distance_outside(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
         return -1.0;
     }
     let middle = 0.5 * aabb.min + 0.5 * aabb.max;
-    let far = max(abs(aabb.min), abs(aabb.max));
-    return length(position - middle) + radius - room + ROUNDING_SLACK * max(max(far.x, far.y), far.z);
+    var far = max(abs(aabb.min), abs(aabb.max));
+    if PERIODIC {
+        far = max(far, abs(position));
+    }
+    return length(nearest_image(position - middle)) + radius - room + ROUNDING_SLACK * max(max(far.x, far.y), far.z);
 }
 
 // How far a sphere is outside the ball that its AABB encloses, in units of 0.02 r; 0 when it is inside.

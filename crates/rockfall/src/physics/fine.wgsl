@@ -1,4 +1,4 @@
-// requires model/step.wgsl
+// requires model/step.wgsl physics/period.wgsl
 
 // Positions as the sum of a high and a low part (docs/physics.md section 5.8). Each component of `low` is at most half of the distance
 // of neighbouring f32 numbers at that of `high`.
@@ -64,13 +64,38 @@ fn fine_from(point: vec3f, sphere: u32) -> Fine {
 
 // The vector from the centre of sphere a to that of sphere b. The difference of the high parts is exact where the spheres are near each
 // other (Sterbenz 1974).
-fn fine_between(a: u32, b: u32) -> Fine {
+fn fine_apart(a: u32, b: u32) -> Fine {
     let from_ = fine_position(a);
     let to = fine_position(b);
     return fine_moved(sum_of(to.high, -from_.high), to.low - from_.low);
 }
 
-// The vector from the centre of sphere a to that of sphere b.
+// A vector without some whole periods.
+fn without_periods(d: Fine, count: vec3f) -> Fine {
+    let way = product_of(count, periods());
+    return fine_moved(fine_moved(d, -way.high), -way.low);
+}
+
+// The vector from the centre of sphere a to the nearest image of that of sphere b.
+fn fine_between(a: u32, b: u32) -> Fine {
+    let apart = fine_apart(a, b);
+    if PERIODIC {
+        return without_periods(apart, whole_periods(apart.high));
+    }
+    return apart;
+}
+
+// The vector from a corner of a box or polygon to the image of the centre of a sphere that is nearest to the middle of the shape.
+// `to_middle` leads from the corner to the middle.
+fn fine_from_corner(corner: vec3f, to_middle: vec3f, sphere: u32) -> Fine {
+    let apart = fine_from(corner, sphere);
+    if PERIODIC {
+        return without_periods(apart, whole_periods(apart.high - to_middle));
+    }
+    return apart;
+}
+
+// The vector from the centre of sphere a to the nearest image of that of sphere b.
 fn between(a: u32, b: u32) -> vec3f {
     if DOUBLE {
         return fine_between(a, b).high;

@@ -5,6 +5,7 @@
 use glam::Vec3;
 
 use crate::model::lists::Lists;
+use crate::model::period::Periods;
 use crate::model::view::{Object, View};
 use crate::physics::sides::wall_of;
 use crate::physics::surface::hid;
@@ -125,5 +126,9 @@ impl Motions for Earlier<'_> {
 
     fn velocity(&self, sphere: u32) -> Vec3 {
         self.view.velocity(sphere)
+    }
+
+    fn periods(&self) -> Option<Periods> {
+        Periods::of(self.view.step)
     }
 }

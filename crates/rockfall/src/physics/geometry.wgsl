@@ -82,16 +82,43 @@ fn place_from(origin: u32, sphere: u32) -> vec3f {
     return state[position_at(sphere)].xyz;
 }
 
+// From the corner of a box or polygon to its middle, from which the nearest image counts. Triangles have that of their parallelogram.
+fn middle_of_box(box: Cuboid) -> vec3f {
+    return 0.5 * (box.i + box.j + box.k);
+}
+
+fn middle_of_polygon(face: Polygon) -> vec3f {
+    return 0.5 * (face.left + face.right);
+}
+
+// The image of a place that is nearest to the middle of a box or polygon.
+fn near_shape(id: u32, place: vec3f) -> vec3f {
+    if !PERIODIC {
+        return place;
+    }
+    let boxes = step.spheres + step.rods;
+    var middle = vec3f(0.0);
+    if id < boxes + step.boxes {
+        let box = cuboid(id - boxes);
+        middle = box.corner + middle_of_box(box);
+    } else {
+        let face = polygon(id - boxes - step.boxes);
+        middle = face.corner + middle_of_polygon(face);
+    }
+    return middle + nearest_image(place - middle);
+}
+
 fn box_from(origin: u32, box: Cuboid) -> Cuboid {
     if DOUBLE {
-        return Cuboid(-fine_from(box.corner, origin).high, box.i, box.j, box.k);
+        return Cuboid(-fine_from_corner(box.corner, middle_of_box(box), origin).high, box.i, box.j, box.k);
     }
     return box;
 }
 
 fn polygon_from(origin: u32, face: Polygon) -> Polygon {
     if DOUBLE {
-        return Polygon(-fine_from(face.corner, origin).high, face.left, face.right, face.is_triangle);
+        let corner = -fine_from_corner(face.corner, middle_of_polygon(face), origin).high;
+        return Polygon(corner, face.left, face.right, face.is_triangle);
     }
     return face;
 }
@@ -256,7 +283,7 @@ fn touch_sphere_box(centre: vec4f, box: Cuboid) -> Touch {
 
 // The same for a position with a low part.
 fn touch_box_finely(i: u32, radius: f32, box: Cuboid) -> Touch {
-    let from_corner = fine_from(box.corner, i);
+    let from_corner = fine_from_corner(box.corner, middle_of_box(box), i);
     let far = from_corner.high;
     let t = vec3f(dot(far, box.i), dot(far, box.j), dot(far, box.k)) / squared_edges(box);
     let c = clamp(t, vec3f(0.0), vec3f(1.0));
@@ -466,7 +493,7 @@ fn touch_sphere_polygon(centre: vec4f, polygon: Polygon) -> Touch {
 // The same for a position with a low part.
 fn touch_polygon_finely(i: u32, radius: f32, polygon: Polygon) -> Touch {
     let front = face_of(polygon);
-    let from_corner = fine_from(polygon.corner, i);
+    let from_corner = fine_from_corner(polygon.corner, middle_of_polygon(polygon), i);
     let nearest = nearest_on_polygon(polygon, along_edges(front, from_corner.high), from_corner.high);
     // The parts along the edges do not change the height. Without them the rest is small, so the rounding of the normal matters little.
     var rest = from_corner;

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use glam::Vec3;
 
+use crate::fine::Fine;
 use crate::model::lists::{Entry, Lists};
 use crate::model::view::{BoxRecord, Object, RodRecord, View};
 use crate::physics::chain::touch;
@@ -50,6 +51,7 @@ impl Candidate {
         let cosine = self.normal.dot(nearer.normal);
         let front = if nearer.distance < 0.0 {
             let (_, [corner, edges @ ..]) = geometry(view, self.id);
+            let centre = view.near_shape(view.object(self.id), Fine { high: centre, low: Vec3::ZERO }).high;
             let along = |vector: Vec3| vector.dot(nearer.normal);
             let low = edges.map(|edge| along(edge).min(0.0));
             let lowest = if is_triangle(view, self.id) { low[0].min(low[1]) } else { low.iter().sum() };
@@ -141,7 +143,7 @@ impl Hidden {
         let id = view.step.layout.spheres + rod;
         let statics: Vec<Entry> = statics.collect();
         let origin = origin_of(view, view.rod(rod));
-        let cuboid = |entry: &Entry| box_from(&view.cuboid(entry.id() - view.step.movers()), origin);
+        let cuboid = |entry: &Entry| box_from(view, &view.cuboid(entry.id() - view.step.movers()), origin);
         let continues = |entry: &Entry, points: &[Vec3]| {
             let body = |entry: &Entry| view.body(view.object(entry.id()));
             let is_other = |other: &&Entry| other.id() != entry.id() && other.feature() == 0 && body(other) == body(entry);

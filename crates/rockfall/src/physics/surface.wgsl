@@ -38,9 +38,10 @@ fn is_static(id: u32) -> bool {
     return id >= step.spheres + step.rods;
 }
 
-// How far the part of a box or polygon that is most in front of a plane is behind the parallel plane through x.
-fn front_of_shape(id: u32, x: vec3f, n: vec3f) -> f32 {
+// How far the part of a box or polygon that is most in front of a plane is behind the parallel plane through a place.
+fn front_of_shape(id: u32, place: vec3f, n: vec3f) -> f32 {
     let boxes = step.spheres + step.rods;
+    let x = near_shape(id, place);
     if id < boxes + step.boxes {
         let box = cuboid(id - boxes);
         return dot(box.corner - x, n) + min(dot(box.i, n), 0.0) + min(dot(box.j, n), 0.0) + min(dot(box.k, n), 0.0);
@@ -120,9 +121,10 @@ fn is_first_shape(one: u32, other: u32) -> bool {
     return select(select(order_of_vectors(a.right, b.right), left, left != 0), corner, corner != 0) < 0;
 }
 
-// Whether the point of a box or polygon that is nearest to x is on a face, and not on an edge or a corner. x is outside of the box.
-fn has_face_at(id: u32, x: vec3f) -> bool {
+// Whether the point of a box or polygon that is nearest to a place is on a face, and not on an edge or a corner. The place is outside of the box.
+fn has_face_at(id: u32, place: vec3f) -> bool {
     let boxes = step.spheres + step.rods;
+    let x = near_shape(id, place);
     if id < boxes + step.boxes {
         return is_over_box(x, cuboid(id - boxes));
     }

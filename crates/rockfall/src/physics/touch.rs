@@ -1,10 +1,11 @@
 //! The narrow phase: where two objects overlap (docs/physics.md sections 2.6 to 2.9), or how far they are apart (signed
 //! geometry, section 2.10).
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::fine::Fine;
 use crate::model::layout::BOX_FEATURES;
+use crate::model::period::Periods;
 use crate::model::view::{BoxRecord, Object, PolygonRecord, RodRecord, TINY, View};
 use crate::physics::fine_geometry::{fine_box, fine_polygon, fine_spheres};
 use crate::physics::geometry::{
@@ -26,44 +27,59 @@ pub(crate) trait Motions {
         None
     }
 
-    /// The vector from the centre of one sphere to that of another.
+    /// The periods of the scene.
+    fn periods(&self) -> Option<Periods>;
+
+    /// The position, with its low part where positions have one.
+    fn place(&self, sphere: u32) -> Fine {
+        self.fine_position(sphere).unwrap_or_else(|| Fine { high: self.position(sphere), low: Vec3::ZERO })
+    }
+
+    /// The image of a position that is nearest to a place.
+    fn near(&self, place: DVec3, position: Fine) -> Fine {
+        self.periods().map_or(position, |periods| periods.near(place, position))
+    }
+
+    /// The vector from the centre of one sphere to the nearest image of that of another.
     fn between(&self, from: u32, to: u32) -> Vec3 {
-        match (self.fine_position(from), self.fine_position(to)) {
-            (Some(from), Some(to)) => to.minus(from),
-            _ => self.position(to) - self.position(from),
+        match (self.fine_position(from), self.periods()) {
+            (None, None) => self.position(to) - self.position(from),
+            _ => self.near(self.place(from).wide(), self.place(to)).minus(self.place(from)),
         }
     }
 
     /// The position of a sphere as seen from an origin. With double precision the difference keeps its digits.
     fn seen_from(&self, origin: Fine, sphere: u32) -> Vec3 {
-        self.fine_position(sphere).map_or_else(|| self.position(sphere), |place| place.minus(origin))
+        self.fine_position(sphere).map_or_else(|| self.position(sphere), |place| self.near(origin.wide(), place).minus(origin))
     }
 
     /// The contact of two spheres with these radii.
     fn spheres(&self, [a, b]: [u32; 2], radii: [f32; 2]) -> Touch {
         if let (Some(a), Some(b)) = (self.fine_position(a), self.fine_position(b)) {
-            let (normal, overlap) = fine_spheres(a, b, radii);
+            let (normal, overlap) = fine_spheres(a, self.near(a.wide(), b), radii);
             return Touch { normal, overlap, a: 0.0, b: 0.0 };
         }
-        round(self.position(b) - self.position(a), radii[0] + radii[1], Vec3::Y, 0.0, 0.0)
+        round(self.between(a, b), radii[0] + radii[1], Vec3::Y, 0.0, 0.0)
     }
 
     /// The contact of a sphere of this radius with a box.
     fn on_box(&self, sphere: u32, radius: f32, cuboid: &BoxRecord) -> Touch {
-        if let Some(centre) = self.fine_position(sphere) {
+        let centre = self.near(cuboid.middle().as_dvec3(), self.place(sphere));
+        if self.fine_position(sphere).is_some() {
             let (normal, overlap) = fine_box(cuboid, centre, radius);
             return Touch { normal, overlap, a: 0.0, b: 0.0 };
         }
-        let (normal, distance) = point_box(cuboid, self.position(sphere), radius);
+        let (normal, distance) = point_box(cuboid, centre.high, radius);
         Touch { normal, overlap: radius - distance, a: 0.0, b: 0.0 }
     }
 
     /// The contact of a sphere of this radius with a polygon. `None` behind the plane of a parallelogram.
     fn on_polygon(&self, sphere: u32, radius: f32, polygon: &PolygonRecord) -> Option<Touch> {
+        let centre = self.near(polygon.middle().as_dvec3(), self.place(sphere));
         let (normal, overlap) = match self.fine_position(sphere) {
-            Some(centre) => fine_polygon(polygon, centre, radius)?,
+            Some(_) => fine_polygon(polygon, centre, radius)?,
             None => {
-                let (normal, distance) = point_polygon(polygon, self.position(sphere), radius)?;
+                let (normal, distance) = point_polygon(polygon, centre.high, radius)?;
                 (normal, radius - distance)
             }
         };
@@ -82,6 +98,10 @@ impl Motions for View<'_> {
 
     fn fine_position(&self, sphere: u32) -> Option<Fine> {
         self.step.is_double().then(|| self.fine(sphere))
+    }
+
+    fn periods(&self) -> Option<Periods> {
+        Periods::of(self.step)
     }
 }
 
@@ -170,12 +190,12 @@ fn immovable(view: &View, object: Object) -> bool {
 pub(crate) fn is_over_face(view: &View, a: Object, b: Object) -> bool {
     match (a, b) {
         (Object::Sphere(sphere), Object::Cuboid(cuboid)) => {
-            let t = box_parameters(&view.cuboid(cuboid), view.position(sphere));
+            let t = box_parameters(&view.cuboid(cuboid), view.near_shape(b, view.precise(sphere)).high);
             t.to_array().into_iter().filter(|t| !(0.0..=1.0).contains(t)).count() == 1
         }
         (Object::Sphere(sphere), Object::Polygon(polygon)) => {
             let record = view.polygon(polygon);
-            let (_, height, is_inside) = point_over_polygon(&record, view.position(sphere));
+            let (_, height, is_inside) = point_over_polygon(&record, view.near_shape(b, view.precise(sphere)).high);
             is_inside && (height >= 0.0 || record.is_triangle)
         }
         _ => false,
@@ -246,7 +266,8 @@ pub(crate) fn ends(at: &impl Motions, rod: RodRecord, origin: Fine) -> [Vec3; 2]
 }
 
 /// A box as seen from an origin.
-pub(crate) fn box_from(cuboid: &BoxRecord, origin: Fine) -> BoxRecord {
+pub(crate) fn box_from(at: &impl Motions, cuboid: &BoxRecord, origin: Fine) -> BoxRecord {
+    let origin = at.near(cuboid.middle().as_dvec3(), origin);
     BoxRecord { corner: Fine { high: cuboid.corner, low: Vec3::ZERO }.minus(origin), ..*cuboid }
 }
 
@@ -275,7 +296,7 @@ fn rod_rod(at: &impl Motions, a: RodRecord, b: RodRecord) -> Option<Touch> {
 /// Returns the contact of a rod with feature f of a box: edge f, or, when no edge is hit, vertex f.
 fn rod_box(view: &View, rod: RodRecord, cuboid: &BoxRecord, feature: u32) -> Option<Touch> {
     let origin = origin_of(view, rod);
-    if is_beside(&box_from(cuboid, origin), ends(view, rod, origin), rod.radius) {
+    if is_beside(&box_from(view, cuboid, origin), ends(view, rod, origin), rod.radius) {
         return None;
     }
     let edge = |edge: u32| rod_edge(view, rod, cuboid, edge, true);
@@ -299,7 +320,7 @@ fn is_beside(cuboid: &BoxRecord, ends: [Vec3; 2], radius: f32) -> bool {
 /// Returns the contact of a rod with an edge of a box. With `must_touch`, the distance must be less than the rod's radius.
 fn rod_edge(at: &impl Motions, rod: RodRecord, cuboid: &BoxRecord, edge: u32, must_touch: bool) -> Option<Touch> {
     let origin = origin_of(at, rod);
-    let (cuboid, [end1, end2]) = (&box_from(cuboid, origin), ends(at, rod, origin));
+    let (cuboid, [end1, end2]) = (&box_from(at, cuboid, origin), ends(at, rod, origin));
     let edge = box_edge(cuboid, edge);
     let pair = segment_segment([end1, end2], [edge.start, edge.end], rod.radius)?;
     let on_axis = end1 + pair.a * (end2 - end1);
@@ -309,7 +330,7 @@ fn rod_edge(at: &impl Motions, rod: RodRecord, cuboid: &BoxRecord, edge: u32, mu
 /// Returns the contact of a rod with a vertex of a box. With `must_touch`, the distance must be less than the rod's radius.
 fn rod_vertex(at: &impl Motions, rod: RodRecord, cuboid: &BoxRecord, vertex: u32, must_touch: bool) -> Option<Touch> {
     let origin = origin_of(at, rod);
-    let (cuboid, [end1, end2]) = (&box_from(cuboid, origin), ends(at, rod, origin));
+    let (cuboid, [end1, end2]) = (&box_from(at, cuboid, origin), ends(at, rod, origin));
     let (vertex, outward) = box_vertex(cuboid, vertex);
     let (a, to_rod) = point_segment(vertex, [end1, end2], rod.radius)?;
     near_feature(cuboid, rod.radius, end1 + a * (end2 - end1), a, -to_rod, outward, must_touch)

@@ -6,6 +6,7 @@
 use glam::{Vec3, Vec4};
 
 use crate::model::layout::ROUNDING_SLACK;
+use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
 use crate::model::view::View;
 
@@ -55,7 +56,7 @@ pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
 
 /// Like [`escape_ratio`], for a sphere with this centre and radius.
 pub(crate) fn outside(step: &Step, aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
-    let out = distance_outside(aabb, centre, radius + step.layout.neck * radius);
+    let out = distance_outside(step, aabb, centre, radius + step.layout.neck * radius);
     if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
@@ -65,17 +66,25 @@ pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Ve
     let (step, radius) = (view.step, view.radius(sphere));
     let middle = position_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
     let reach = radius + step.layout.neck * radius + travel_bound(step, velocity, radius, step.lists.list_interval);
-    !view.is_fixed(sphere) && distance_outside(&aabbs[sphere as usize], middle, reach) > 0.0
+    !view.is_fixed(sphere) && distance_outside(step, &aabbs[sphere as usize], middle, reach) > 0.0
 }
 
 /// Returns how far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. The ball must be
-/// inside by more than the rounding errors far from the origin.
-fn distance_outside(aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
+/// inside by more than the rounding errors far from the origin. In periodic scenes, the nearest image of the ball counts.
+fn distance_outside(step: &Step, aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
     let (min, max) = (Vec3::from_array(aabb.min), Vec3::from_array(aabb.max));
     let (middle, room) = (0.5 * min + 0.5 * max, (0.5 * max - 0.5 * min).min_element());
     // The AABB is unbounded and has no centre.
     if room > 1e37 {
         return -1.0;
     }
-    centre.distance(middle) + radius - room + ROUNDING_SLACK * min.abs().max(max.abs()).max_element()
+    let far = min.abs().max(max.abs()).max_element();
+    let (apart, far) = match Periods::of(step) {
+        None => (centre.distance(middle), far),
+        Some(periods) => {
+            let apart = periods.nearest((centre - middle).as_dvec3());
+            (apart.as_vec3().length(), far.max(centre.abs().max_element()))
+        }
+    };
+    apart + radius - room + ROUNDING_SLACK * far
 }

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/walls.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/period.wgsl physics/walls.wgsl
 
 // Bounds for the motion of walls within some steps (docs/physics.md section 2.12).
 
@@ -62,8 +62,14 @@ fn margin_of_wall(reach: Reach, repeat: f32) -> f32 {
 
 // How far a wall may be outside its AABB after some steps, in units of 0.02 of the size of most bodies; 0 when it is inside.
 fn escape_of_wall(reach: Reach, aabb: Aabb, steps: f32) -> f32 {
-    let beyond = max(aabb.min - reach.least, reach.most - aabb.max);
-    let far = max(abs(aabb.min), abs(aabb.max));
+    var far = max(abs(aabb.min), abs(aabb.max));
+    var back = vec3f(0.0);
+    if PERIODIC {
+        far = max(far, max(abs(reach.least), abs(reach.most)));
+        let apart = 0.5 * (reach.least + reach.most) - (0.5 * aabb.min + 0.5 * aabb.max);
+        back = nearest_image(apart) - apart;
+    }
+    let beyond = max(aabb.min - (reach.least + back), reach.most + back - aabb.max);
     var out = max(max(beyond.x, beyond.y), beyond.z) + ROUNDING_SLACK * max(max(far.x, far.y), far.z);
     if steps > 0.0 {
         out += way_of_wall(reach, steps);

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::model::layout::{FLAG_CONTINUOUS, ROUNDING_SLACK};
+use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
 use crate::model::view::{Object, PolygonRecord, View};
 
@@ -76,7 +77,15 @@ pub(crate) fn escape(view: &View, aabb: &Aabb, reach: &Reach, steps: f32) -> f32
     let (step, (min, max)) = (view.step, reach.bounds);
     let way = if steps > 0.0 { reach.way(step, steps) } else { 0.0 };
     let (least, most) = (Vec3::from_array(aabb.min), Vec3::from_array(aabb.max));
-    let slack = ROUNDING_SLACK * least.abs().max(most.abs()).max_element();
+    let mut far = least.abs().max(most.abs()).max_element();
+    let (mut min, mut max) = (min, max);
+    if let Some(periods) = Periods::of(step) {
+        far = far.max(min.abs().max(max.abs()).max_element());
+        let apart = 0.5 * min + 0.5 * max - aabb.centre();
+        let back = periods.nearest(apart.as_dvec3()).as_vec3() - apart;
+        (min, max) = (min + back, max + back);
+    }
+    let slack = ROUNDING_SLACK * far;
     let out = (least - min).max(max - most).max_element() + way + slack;
     if out <= 0.0 { 0.0 } else { (out / (0.02 * size(step))).clamp(1e-3, 1e30) }
 }

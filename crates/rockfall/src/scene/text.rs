@@ -54,6 +54,7 @@ mod materials;
 mod mesh;
 mod motion;
 mod objects;
+mod periodic;
 mod repeat;
 mod run;
 mod set;
@@ -148,7 +149,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 20] = [
+const AT_WORDS: [&str; 21] = [
     "@group",
     "@orientation",
     "@force",
@@ -167,6 +168,7 @@ const AT_WORDS: [&str; 20] = [
     "@motion",
     "@move",
     "@surface",
+    "@periodic",
     "@repeat",
     "@end",
 ];
@@ -263,6 +265,7 @@ impl<'a> Reader<'a> {
             "@motion" => self.motion(line, number),
             "@move" => self.follow(line, number),
             "@surface" => self.surface(line, number),
+            "@periodic" => self.periodic(line, number),
             "@end" => {
                 let message = "no `@repeat` above, expected one before the lines to repeat".to_owned();
                 self.not_understood(number, Wrong { field: "@end".to_owned(), message })

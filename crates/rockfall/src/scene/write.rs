@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Quat, Vec3};
 
+use super::periodic::AXES;
 use super::{Material, MaterialId, MotionId, MotionTerm, Pair, Rod, RunDefaults, Scene, Sphere, Tag};
 use crate::error::{Error, Result};
 use crate::output::AtomicFile;
@@ -35,6 +36,7 @@ impl Scene {
         };
         writer.settings();
         writer.run();
+        writer.periods();
         writer.materials();
         writer.motions();
         writer.spheres_and_rods();
@@ -183,6 +185,14 @@ impl Writer<'_> {
                 let _ = write!(self.text, " {}={model}", Pair::COHESION);
             }
             self.constants(&Pair::KEYS, |key| copy.property(key).copied().flatten());
+        }
+    }
+
+    fn periods(&mut self) {
+        for (axis, bounds) in AXES.iter().zip(self.scene.periodic()) {
+            if let Some([from, to]) = bounds {
+                let _ = writeln!(self.text, "@periodic {axis} {from} {to}");
+            }
         }
     }
 

@@ -94,6 +94,8 @@ pub enum PrecisionReason {
     },
     /// The contact law has a history: springs that are shortened where a contact slides.
     History,
+    /// The scene is periodic.
+    Periodic,
 }
 
 impl fmt::Display for ChosenPrecision {
@@ -104,6 +106,7 @@ impl fmt::Display for ChosenPrecision {
             Some(PrecisionReason::History) => {
                 f.write_str(", because grains creep where rounding moves the springs of this contact law")
             }
+            Some(PrecisionReason::Periodic) => f.write_str(", because the scene is periodic"),
             Some(PrecisionReason::Coarse { distance, resolution, length, is_overlap }) => {
                 let [distance, resolution, length] = [distance, resolution, length].map(nearest);
                 let of = if is_overlap { "an overlap at rest" } else { "a radius" };
@@ -132,6 +135,9 @@ impl Scene {
     fn needs_double(&self) -> Option<PrecisionReason> {
         if self.settings.contact_law.has_history() {
             return Some(PrecisionReason::History);
+        }
+        if self.is_periodic() {
+            return Some(PrecisionReason::Periodic);
         }
         let corners =
             self.boxes().iter().flat_map(|cuboid| [cuboid.corner, cuboid.corner + cuboid.edges.into_iter().sum::<Vec3>()]);

@@ -110,6 +110,7 @@ const SHARED: &[Part] = &[
     part!("physics/lengths.wgsl"),
     part!("physics/motion.wgsl"),
     part!("physics/pairs.wgsl"),
+    part!("physics/period.wgsl"),
     part!("physics/rotation.wgsl"),
     part!("physics/sine.wgsl"),
     part!("physics/seams_of_list.wgsl"),
@@ -219,6 +220,8 @@ pub struct Variant {
     pub walls: bool,
     /// There may be triangles.
     pub triangles: bool,
+    /// The scene is periodic.
+    pub periodic: bool,
     /// There may be pairs of materials.
     pub materials: bool,
     /// There may be pairs with rolling or twisting resistance.
@@ -252,6 +255,7 @@ impl Variant {
             muscles: traits.muscles,
             walls: traits.walls,
             triangles: traits.triangles,
+            periodic: traits.periodic,
             materials: traits.materials,
             resistance: traits.resistance,
             cohesion: traits.cohesion,
@@ -274,6 +278,7 @@ impl Variant {
             ("MUSCLES", self.muscles),
             ("WALLS", self.walls),
             ("TRIANGLES", self.triangles),
+            ("PERIODIC", self.periodic),
             ("MATERIALS", self.materials),
             ("RESISTANCE", self.resistance),
             ("COHESION", self.cohesion),

@@ -204,6 +204,11 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Topology,
     ),
     Mistake("loads", 0, "walls.wgsl", "dot(wall.surface, n) * n", "0.0 * n", Buffer::Wrenches),
+    Mistake("loads", 0, "walls.wgsl", "+ wall.to_middle;", "- wall.to_middle;", Buffer::Wrenches),
+    Mistake("loads", 0, "period.wgsl", "round(d / max(", "floor(d / max(", Buffer::Wrenches),
+    Mistake("loads", 0, "fine.wgsl", "apart.high - to_middle", "apart.high + to_middle", Buffer::Wrenches),
+    Mistake("update_aabbs", 0, "update_aabbs.wgsl", "floor((centre -", "round((centre -", Buffer::Aabbs),
+    Mistake("count_pairs", 0, "meet.wgsl", "b.max - way", "b.max + way", Buffer::Lists),
     Mistake("loads", 0, "geometry.wgsl", "on_third.y < least", "on_third.y > least", Buffer::Wrenches),
     Mistake(
         "loads",
@@ -643,7 +648,8 @@ fn is_rejected(verdicts: &Verdicts, gpu: &impl Deref<Target = Gpu>, trials: &[Tr
 fn every_kernel_with_a_mistake_is_rejected() {
     let mut traces: Vec<Trace> = plans().iter().map(trace).collect();
     traces.push(crossings::trace(1, false));
-    traces.push(walls::trace(1, Integrator::Rk4, false));
+    traces.push(walls::trace(1, Integrator::Rk4, false, false));
+    traces.push(walls::trace(3, Integrator::Rk4, false, true));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();
     let verdicts = Verdicts::of("parity");

@@ -8,7 +8,7 @@ use rockfall::model::layout::POSE_FLOATS;
 use rockfall::model::status::REBUILD_REQUESTED;
 use rockfall::model::world::World;
 use rockfall::step::schedule::{Phase, Run};
-use rockfall::{BroadPhase, Cuboid, Integrator, Motion, MotionId, MotionTerm, Polygon, Rod, Scene, Sphere};
+use rockfall::{BroadPhase, Cuboid, Integrator, Motion, MotionId, MotionTerm, Polygon, Precision, Rod, Scene, Sphere};
 
 use crate::assert_scenario_matches;
 use crate::decisions::Findings;
@@ -39,6 +39,25 @@ fn add_wall(scene: &mut Scene, random: &mut Pcg64Mcg, group: u16, motion: Option
         (polygon.motion, polygon.is_triangle) = (motion, group % 3 == 1);
         scene.add_polygon(polygon).unwrap();
     }
+}
+
+/// Period along each axis, of traces with periodic boundaries.
+const PERIOD: f32 = 3.0;
+
+/// Makes a scene periodic, with faces of the box near the walls. Every ball without a rod gets a second one, which is some periods
+/// away and touches the image of the first one.
+fn with_periods(mut scene: Scene, random: &mut Pcg64Mcg) -> Scene {
+    scene.settings.precision = Precision::Double;
+    (0..3).for_each(|axis| scene.set_periodic(axis, Some([-0.1, PERIOD - 0.1])).unwrap());
+    let mut way = || PERIOD * Vec3::from_array(std::array::from_fn(|_| random.random_range(-2_i8..3).into()));
+    let is_end = |id| scene.rods().iter().any(|rod| [rod.end1, rod.end2].contains(&id));
+    let single: Vec<_> = scene.sphere_ids().filter(|id| !is_end(*id)).collect();
+    for id in single {
+        let mut ball = *scene.sphere(id).unwrap();
+        ball.position += 1.7 * ball.radius * Vec3::Y + way();
+        scene.add_sphere(ball).unwrap();
+    }
+    scene
 }
 
 fn scene(seed: u64, rods: bool, coulomb: f32) -> Scene {
@@ -89,9 +108,11 @@ fn poses(seed: u64) -> Vec<f32> {
 }
 
 /// Scenarios of the stages in which walls move or count.
-pub(crate) fn trace(seed: u64, integrator: Integrator, rods: bool) -> Trace {
+pub(crate) fn trace(seed: u64, integrator: Integrator, rods: bool, periodic: bool) -> Trace {
     let coulomb = if integrator == Integrator::SymplecticEuler { 0.3 } else { 0.0 };
-    let mut world = World::build(&scene(seed, rods, coulomb)).unwrap();
+    let scene = scene(seed, rods, coulomb);
+    let scene = if periodic { with_periods(scene, &mut Pcg64Mcg::seed_from_u64(seed)) } else { scene };
+    let mut world = World::build(&scene).unwrap();
     world.set_integrator(integrator);
     let mut world = with_step_settings(world);
     world.set_pair_rows(world.movers() * 4);
@@ -100,7 +121,15 @@ pub(crate) fn trace(seed: u64, integrator: Integrator, rods: bool) -> Trace {
     // So large that no wall leaves it within the step.
     world.step.lists.margin_scale = 40.0;
     world.status.lengths_due = 0;
-    let concerned = ["move_walls", "update_aabbs", "find_collisions", "rod_loads", "loads", "apply_friction_impulses"];
+    let concerned = [
+        "move_walls",
+        "update_aabbs",
+        "count_pairs",
+        "find_collisions",
+        "rod_loads",
+        "loads",
+        "apply_friction_impulses",
+    ];
     let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce));
     let runs: Vec<Run> = runs.filter(|run| run.applies(&world.step)).copied().collect();
     let mut scenarios = Vec::new();
@@ -126,16 +155,25 @@ fn forces(scenario: &Scenario) -> usize {
     world.wrenches[rods..].iter().step_by(2).filter(|force| force.truncate().length() > 0.0).count()
 }
 
+/// Compares the stages of a trace, and returns how many forces act in each evaluation, on average.
+fn check(seed: u64, integrator: Integrator, rods: bool, periodic: bool) -> usize {
+    let trace = trace(seed, integrator, rods, periodic);
+    trace.scenarios.iter().for_each(|scenario| assert_scenario_matches(seed, scenario));
+    let count = |name: &str| trace.scenarios.iter().filter(|scenario| scenario.is(name)).count();
+    let passes = if integrator == Integrator::Rk4 { 2 } else { 1 };
+    assert!(count("move_walls") >= passes && count("loads") >= passes, "{integrator}");
+    let loads = trace.scenarios.iter().filter(|scenario| scenario.is("loads"));
+    loads.map(forces).sum::<usize>() / count("loads")
+}
+
 #[test]
 fn backends_agree_on_moving_walls() {
-    for (seed, integrator, rods) in [(1, Integrator::Rk4, false), (2, Integrator::SymplecticEuler, true)] {
-        let trace = trace(seed, integrator, rods);
-        trace.scenarios.iter().for_each(|scenario| assert_scenario_matches(seed, scenario));
-        let count = |name: &str| trace.scenarios.iter().filter(|scenario| scenario.is(name)).count();
-        let passes = if integrator == Integrator::Rk4 { 2 } else { 1 };
-        assert!(count("move_walls") >= passes && count("loads") >= passes, "{integrator}");
-        let loads = trace.scenarios.iter().filter(|scenario| scenario.is("loads"));
-        let touching: usize = loads.map(forces).sum();
-        assert!(touching > 20 * passes, "{touching} forces");
-    }
+    assert!(check(1, Integrator::Rk4, false, false) > 10);
+    assert!(check(2, Integrator::SymplecticEuler, true, false) > 10);
+}
+
+#[test]
+fn backends_agree_on_periodic_boundaries() {
+    assert!(check(3, Integrator::Rk4, false, true) > 40);
+    assert!(check(4, Integrator::SymplecticEuler, true, true) > 40);
 }

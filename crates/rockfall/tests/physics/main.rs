@@ -12,6 +12,7 @@ mod faults;
 mod force_laws;
 mod laws;
 mod meshes;
+mod periodic;
 mod ray;
 mod verlet;
 mod walls;

@@ -186,6 +186,7 @@ impl DeviceWorlds {
             muscles: false,
             walls: false,
             triangles: false,
+            periodic: false,
             law: LAW_THESIS,
             materials: false,
             resistance: false,

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::error::{Error, Result};
 use crate::model::layout::{
-    FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_RESISTANCE, FLAG_TRIANGLES, GROUP_MASK, KIND_FORCE, KIND_ROD,
+    FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_PERIODIC, FLAG_RESISTANCE, FLAG_TRIANGLES, GROUP_MASK, KIND_FORCE, KIND_ROD,
     KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS, SOME_RODS,
     WALL_BODY, WALL_SURFACE, WALL_WORDS, max_objects,
 };
@@ -161,7 +161,7 @@ fn pack_forces(
     }
 }
 
-/// Appends boxes, polygons, and the tags of all objects. Returns the flags of groups and triangles.
+/// Appends boxes, polygons, and the tags of all objects. Returns the flags of groups, triangles and periods.
 fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut Vec<u32>) -> Result<u32> {
     layout.boxes_at = topology.len() as u32;
     for cuboid in scene.boxes() {
@@ -185,7 +185,15 @@ fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut
     }
     let differ = topology[tags_at..].windows(2).any(|tags| (tags[0] ^ tags[1]) & GROUP_MASK != 0);
     let has_triangles = scene.polygons().iter().any(|polygon| polygon.is_triangle);
-    Ok(if differ { FLAG_GROUPS } else { 0 } | if has_triangles { FLAG_TRIANGLES } else { 0 })
+    let flag = |holds: bool, flag: u32| if holds { flag } else { 0 };
+    Ok(flag(differ, FLAG_GROUPS) | flag(has_triangles, FLAG_TRIANGLES) | flag(pack_periods(scene, layout), FLAG_PERIODIC))
+}
+
+/// Writes the periods of the scene, and returns whether there are some.
+fn pack_periods(scene: &Scene, layout: &mut Layout) -> bool {
+    let boxes = scene.periodic().map(|bounds| bounds.map_or((0.0, 0.0), |[from, to]| (to - from, from)));
+    [(layout.period_x, layout.from_x), (layout.period_y, layout.from_y), (layout.period_z, layout.from_z)] = boxes;
+    scene.is_periodic()
 }
 
 /// Appends the motions of boxes and polygons, and a copy of their geometry as it is written, if some of them or their surfaces move.

@@ -30,7 +30,7 @@ fn drift_of(sphere: u32, wall: u32) -> vec3f {
 fn crossing_of_spheres(a: u32, b: u32) -> f32 {
     let one = state[position_at(a)];
     let two = state[position_at(b)];
-    let d = two.xyz - one.xyz;
+    let d = between(a, b);
     let p = path_of(b) - path_of(a);
     let pp = dot(p, p);
     if !(pp > 0.0) {
@@ -52,8 +52,9 @@ fn crossing_of_spheres(a: u32, b: u32) -> f32 {
 }
 
 // The contact of a sphere with a box or polygon.
-fn contact_with_shape(centre: vec4f, id: u32) -> Touch {
+fn contact_with_shape(place: vec4f, id: u32) -> Touch {
     let boxes = step.spheres + step.rods;
+    let centre = vec4f(near_shape(id, place.xyz), place.w);
     if id < boxes + step.boxes {
         return touch_sphere_box(centre, cuboid(id - boxes));
     }
@@ -105,7 +106,11 @@ fn contact_before(a: u32, b: u32, time: f32) -> ContactBefore {
     let boxes = step.spheres + step.rods;
     if b < step.spheres {
         let their = state[position_at(b)];
-        found = touch_spheres(centre, vec4f(their.xyz - time * path_of(b), their.w));
+        var place = their.xyz;
+        if PERIODIC {
+            place = own.xyz + nearest_image(place - own.xyz);
+        }
+        found = touch_spheres(centre, vec4f(place - time * path_of(b), their.w));
         approach -= state[velocity_at(b)].xyz;
     } else {
         found = contact_with_shape(centre, b);

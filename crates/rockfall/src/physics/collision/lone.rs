@@ -10,6 +10,7 @@ use glam::Vec3;
 use crate::fine::Fine;
 use crate::model::impulse::Impulse;
 use crate::model::layout::FLAG_CONTINUOUS;
+use crate::model::period::Periods;
 use crate::model::view::{Object, View, Wall};
 use crate::physics::collision::body::{Body, Capsule, Part};
 use crate::physics::collision::{Change, Collision};
@@ -124,6 +125,10 @@ impl Motions for EarlierState<'_> {
         let place = || self.find(sphere).map_or_else(|| self.view.fine(sphere), |known| known.1);
         self.view.step.is_double().then(place)
     }
+
+    fn periods(&self) -> Option<Periods> {
+        Periods::of(self.view.step)
+    }
 }
 
 /// A position after a displacement. With single precision it has no low part.
@@ -177,6 +182,10 @@ impl Motions for SeenFromWall<'_> {
 
     fn fine_position(&self, sphere: u32) -> Option<Fine> {
         self.before.fine_position(sphere).map(|place| self.seen(place))
+    }
+
+    fn periods(&self) -> Option<Periods> {
+        self.before.periods()
     }
 }
 
@@ -302,8 +311,7 @@ impl Kept {
             Self::Feature(feature) => line(view, before, view.object(k.a), view.object(k.b), feature),
             Self::Face { sphere, present } => {
                 let now = view.precise(sphere);
-                let before = before.fine_position(sphere).unwrap_or(Fine { high: before.position(sphere), low: Vec3::ZERO });
-                let moved = before.minus(now);
+                let moved = before.place(sphere).minus(now);
                 Some(Touch { overlap: present.overlap + moved.dot(present.normal), ..present })
             }
         }

@@ -262,7 +262,7 @@ fn in_scene(a: ContactSide, place: vec3f) -> vec3f {
 
 // How far a wall has taken a point of it, which was at `place` at the time `tau` earlier (docs/physics.md section 2.12).
 fn taken_along(wall: Wall, place: vec3f, tau: f32, with_acceleration: bool) -> vec3f {
-    let around = cross(wall.spin, place - wall.corner + tau * wall.velocity);
+    let around = cross(wall.spin, lever_on_wall(wall, place) + tau * wall.velocity);
     let slowed = select(vec3f(0.0), wall.acceleration, with_acceleration);
     return tau * (wall.velocity + around) + 0.5 * tau * tau * (cross(wall.spin, around) - slowed);
 }

@@ -66,7 +66,7 @@ pub(crate) fn attached_curvature(view: &View, sphere: u32, own: Vec3, of: impl F
                 let spring = view.spring(attachment.index);
                 let other = if spring.ends[0] == sphere { spring.ends[1] } else { spring.ends[0] };
                 let theirs = of(other);
-                let d = view.between(sphere, other);
+                let d = view.apart(sphere, other);
                 let part = if theirs.is_some() { 0.5 } else { 1.0 };
                 sum += part * curvature(d, theirs.unwrap_or_default() - own, spring.stiffness, spring.length);
             }
@@ -84,7 +84,7 @@ fn spring_force(view: &View, spring: u32, sphere: u32) -> Vec3 {
     let spring = view.spring(spring);
     let other = if spring.ends[0] == sphere { spring.ends[1] } else { spring.ends[0] };
     hooke(
-        view.between(sphere, other),
+        view.apart(sphere, other),
         view.velocity(other) - view.velocity(sphere),
         spring.stiffness,
         spring.length,

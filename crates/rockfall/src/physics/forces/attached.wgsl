@@ -27,7 +27,7 @@ fn attached_force(i: u32, kind: u32, index: u32) -> vec3f {
         let constants = vector_at(spring + 2u);
         if DOUBLE {
             let resting = vec3f(constants.x, rest_length(index, constants.y), constants.z);
-            let distance = fine_between(i, other);
+            let distance = fine_apart(i, other);
             return spring_force_along(distance.high, state[velocity_at(i)].xyz, state[velocity_at(other)].xyz, resting);
         }
         return spring_force(

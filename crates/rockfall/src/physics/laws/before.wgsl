@@ -15,7 +15,7 @@ fn comes_from_behind(own: vec4f, velocity: vec3f, id: u32) -> bool {
     if TRIANGLES && face.is_triangle {
         return false;
     }
-    return dot(own.xyz - face.corner - step.dt * velocity, normalize(cross(face.left, face.right))) < 0.0;
+    return dot(near_shape(id, own.xyz) - face.corner - step.dt * velocity, normalize(cross(face.left, face.right))) < 0.0;
 }
 
 // The spring of a contact of a sphere with a box or polygon that has none of its own: that of a box or polygon which it hides.

@@ -32,10 +32,11 @@ use rayon::prelude::*;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
-use crate::model::layout::{FLAG_CONTINUOUS, ROUNDING_MARGIN};
+use crate::model::layout::{FLAG_CONTINUOUS, FLAG_PERIODIC, ROUNDING_MARGIN};
 use crate::model::part::part;
+use crate::model::period::Periods;
 use crate::model::status::{REBUILD_REQUESTED, REJECTED_ESCAPED};
-use crate::model::step::Aabb;
+use crate::model::step::{Aabb, Step};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::travel::{EXACT_MARGIN, MOST_OF_REPEAT, margin_for_escape, position_ahead, trail, travel_bound};
@@ -76,6 +77,7 @@ fn aabb(view: &View, repeat: f32, id: u32) -> Aabb {
     let (min, max) = match view.object(id) {
         Object::Sphere(sphere) => bounds(sphere, view.radius(sphere)),
         Object::Rod(rod) => {
+            // Both ends are beside each other, also in periodic scenes.
             let rod = view.rod(rod);
             let [one, two] = rod.ends.map(|end| bounds(end, rod.radius));
             (one.0.min(two.0), one.1.max(two.1))
@@ -86,25 +88,27 @@ fn aabb(view: &View, repeat: f32, id: u32) -> Aabb {
         }
         Object::Polygon(polygon) => wall_bounds(view, repeat, id, hull_of_polygon(&view.polygon(polygon))),
     };
-    Aabb { min: min.to_array(), id, max: max.to_array(), tag: view.tag(id) }
+    let aabb = Aabb { min: min.to_array(), id, max: max.to_array(), tag: view.tag(id) };
+    Periods::of(view.step).map_or(aabb, |periods| periods.brought_back(aabb))
 }
 
 /// Returns the bounds of all places that a ball of this radius about the centre of a sphere may reach before lists are rebuilt.
 fn ball_bounds(view: &View, margin: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
     let reach = radius + view.step.layout.neck * radius + margin;
     let middle = position_ahead(view.step, view.position(sphere), view.motion(sphere));
-    grown((middle - reach, middle + reach))
+    grown(view.step, (middle - reach, middle + reach))
 }
 
 /// Returns the bounds of all places that a box or polygon may reach before lists are rebuilt.
 fn wall_bounds(view: &View, repeat: f32, id: u32, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
     let margin = Reach::of(view, view.object(id)).map_or(0.0, |reach| reach.margin(view.step, repeat));
-    grown((min - margin, max + margin))
+    grown(view.step, (min - margin, max + margin))
 }
 
-/// Bounds with room for rounding.
-fn grown((min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
-    let room = ROUNDING_MARGIN * min.abs().max(max.abs()).max_element();
+/// Bounds with room for rounding: twice as much in periodic scenes, where AABBs are compared with images.
+fn grown(step: &Step, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    let share = if step.constants.flags & FLAG_PERIODIC != 0 { 2.0 * ROUNDING_MARGIN } else { ROUNDING_MARGIN };
+    let room = share * min.abs().max(max.abs()).max_element();
     (min - room, max + room)
 }
 

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/travel.wgsl physics/wall_bounds.wgsl physics/walls.wgsl step/broad_phase/due.wgsl
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/period.wgsl physics/travel.wgsl physics/wall_bounds.wgsl physics/walls.wgsl step/broad_phase/due.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -72,11 +72,20 @@ fn hull_of(id: u32) -> Hull {
     );
 }
 
-// There is room for rounding.
+// There is room for rounding: twice as much in periodic scenes, where AABBs are compared with images.
 fn grown(hull: Hull) -> Hull {
     let far = max(abs(hull.min), abs(hull.max));
-    let room = vec3f(ROUNDING_MARGIN * max(max(far.x, far.y), far.z));
+    let room = vec3f(select(1.0, 2.0, PERIODIC) * ROUNDING_MARGIN * max(max(far.x, far.y), far.z));
     return Hull(hull.min - room, hull.max + room);
+}
+
+// The image of a hull whose centre is in the box of a periodic scene.
+fn brought_back(hull: Hull) -> Hull {
+    let length = periods();
+    let centre = 0.5 * hull.min + 0.5 * hull.max;
+    let turns = floor((centre - vec3f(step.from_x, step.from_y, step.from_z)) / max(length, vec3f(TINY)));
+    let way = select(vec3f(0.0), turns * length, length > vec3f(0.0));
+    return Hull(hull.min - way, hull.max - way);
 }
 
 @compute @workgroup_size(256)
@@ -97,6 +106,9 @@ fn update_aabbs(
         }
     }
     hull = grown(hull);
+    if PERIODIC {
+        hull = brought_back(hull);
+    }
     aabbs[2u * id] = vec4u(bitcast<vec3u>(hull.min), id);
     aabbs[2u * id + 1u] = vec4u(bitcast<vec3u>(hull.max), topology[step.tags_at + id]);
 }

@@ -3,13 +3,14 @@
 use glam::Vec4;
 
 use crate::model::layout::{BOX_FEATURES, ENTRY_BITS, FEATURE_BITS, WORKGROUP};
+use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
 
 /// Calls `take` with each list entry of a mover, in ascending order of id, then feature.
 pub(crate) fn for_each_pair(step: &Step, aabbs: &[Aabb], mover: u32, mut take: impl FnMut(u32)) {
     let own = &aabbs[mover as usize];
     for (id, other) in (0..).zip(aabbs) {
-        if may_meet(own, other) {
+        if may_meet(step, own, other) {
             entries(step, mover, id, &mut take);
         }
     }
@@ -32,7 +33,7 @@ pub(crate) fn for_each_near(
             continue;
         }
         for id in block {
-            if may_meet(own, &aabbs[*id as usize]) {
+            if may_meet(step, own, &aabbs[*id as usize]) {
                 entries(step, mover, *id, &mut take);
             }
         }
@@ -40,8 +41,16 @@ pub(crate) fn for_each_near(
 }
 
 /// Returns whether two AABBs overlap (touching counts) and the groups are equal. It has no branches, because it is called in
-/// the hottest loop.
-pub(crate) fn may_meet(a: &Aabb, b: &Aabb) -> bool {
+/// the hottest loop. In periodic scenes, the nearest image of the second one counts.
+pub(crate) fn may_meet(step: &Step, a: &Aabb, b: &Aabb) -> bool {
+    let image;
+    let b = match Periods::of(step) {
+        None => b,
+        Some(periods) => {
+            image = periods.near_aabb(a, b);
+            &image
+        }
+    };
     let axis = |k: usize| (a.min[k] <= b.max[k]) & (b.min[k] <= a.max[k]);
     axis(0) & axis(1) & axis(2) & same_group(a, b)
 }

@@ -1,10 +1,15 @@
-// requires model/step.wgsl
+// requires model/step.wgsl physics/period.wgsl
 
 // The test of every broad phase: whether two objects may meet, and how many list entries they make.
 
 // Returns whether two AABBs overlap (touching counts) and the groups, the low 16 bits of the tags, are equal.
+// In periodic scenes, the nearest image of the second one counts.
 fn aabbs_meet(a: Aabb, b: Aabb) -> bool {
-    return all(a.min <= b.max) & all(b.min <= a.max) & (((a.tag ^ b.tag) & 0xffffu) == 0u);
+    var way = vec3f(0.0);
+    if PERIODIC {
+        way = periods() * whole_periods(0.5 * b.min + 0.5 * b.max - (0.5 * a.min + 0.5 * a.max));
+    }
+    return all(a.min <= b.max - way) & all(b.min - way <= a.max) & (((a.tag ^ b.tag) & 0xffffu) == 0u);
 }
 
 // Returns the number of entries that an object makes in the list of a mover. A box makes one for each feature in the list of

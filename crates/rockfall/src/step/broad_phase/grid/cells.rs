@@ -15,6 +15,7 @@ use crate::model::layout::{
     CELLS_AT, EDGES_AT, FARTHEST_AT, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, LONG_LEVEL, ROW_LEVEL, ROW_Y, ROW_Z, SLICE,
     TOP_LEVEL,
 };
+use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
 use crate::model::world::World;
 use crate::step::broad_phase::meet::{entries, may_meet, same_group};
@@ -208,10 +209,27 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Writes the range of sorted objects in every row of cells around an AABB to `spans`. Rows may share places of the table.
+    /// Writes the range of sorted objects in every row of cells around an AABB and its images to `spans`. Rows may share places of the
+    /// table.
     fn rows(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
-        let all = self.sorted.len() as u32;
         spans.clear();
+        match Periods::of(self.step) {
+            None => self.rows_around(aabb, spans),
+            Some(periods) => {
+                let images = periods.images().map(|way| aabb.moved(way));
+                images.filter(|image| periods.reaches(image, self.largest_edge())).for_each(|image| self.rows_around(&image, spans));
+            }
+        }
+    }
+
+    /// Largest edge of all objects.
+    fn largest_edge(&self) -> f32 {
+        self.levels.iter().map(|level| level.edge).fold(0.0, f32::max)
+    }
+
+    /// Adds the rows of cells around one AABB to `spans`.
+    fn rows_around(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
+        let all = self.sorted.len() as u32;
         for level in &self.levels {
             let block = level.around(aabb);
             if block.covers_too_much(all, self.step.layout.cells) {
@@ -252,6 +270,7 @@ impl Around {
         self.extents.resize(most, Vec4::ZERO);
         self.ids.resize(most, 0);
         let (centre, half) = centre_and_half(aabb);
+        let periods = Periods::of(grid.step);
         let mut count = 0;
         for (start, end) in &self.spans {
             let span = *start as usize..*end as usize;
@@ -264,7 +283,11 @@ impl Around {
                 }
                 // There are no branches here, because processors would often mispredict them. An object without bounds is never
                 // apart.
-                let apart = (*extent - centre).abs().truncate().cmpgt(Vec3::splat(extent.w + half)).any();
+                let mut apart = (*extent - centre).truncate();
+                if let Some(periods) = &periods {
+                    apart = periods.nearest(apart.as_dvec3()).as_vec3();
+                }
+                let apart = apart.abs().cmpgt(Vec3::splat(extent.w + half)).any();
                 (self.extents[count], self.ids[count]) = (*extent, *id);
                 count += usize::from(!apart);
             }
@@ -283,13 +306,17 @@ impl Around {
         let own = &grid.aabbs[mover as usize];
         found.clear();
         let is_sphere = mover < grid.step.layout.spheres;
+        let periods = Periods::of(grid.step);
         if is_sphere {
             let (centre, half) = centre_and_half(own);
             let (centre, half) = (Vec3x4::splat(centre.truncate()), Vec4::splat(half));
             found.resize(lanes.len() * LANES, 0);
             let mut count = 0;
             for ((centres, halves), ids) in lanes.iter().zip(ids.chunks(LANES)) {
-                let (d, reach) = (*centres - centre, *halves + half);
+                let (mut d, reach) = (*centres - centre, *halves + half);
+                if let Some(periods) = &periods {
+                    d = Vec3x4::from_rows(d.to_rows().map(|d| periods.nearest(d.as_dvec3()).as_vec3().extend(0.0))).0;
+                }
                 let apart = d.dot(d).cmpgt(reach * reach).bitmask();
                 for (lane, id) in ids.iter().enumerate() {
                     found[count] = *id;
@@ -306,7 +333,7 @@ impl Around {
         }
         let spheres: &[u32] = if is_sphere { &[] } else { ids };
         for id in others.iter().chain(spheres) {
-            if may_meet(own, &grid.aabbs[*id as usize]) {
+            if may_meet(grid.step, own, &grid.aabbs[*id as usize]) {
                 entries(grid.step, mover, *id, |entry| found.push(entry));
             }
         }

@@ -1,4 +1,4 @@
-// requires model/step.wgsl step/broad_phase/grid/cells.wgsl step/broad_phase/meet.wgsl
+// requires model/step.wgsl physics/period.wgsl step/broad_phase/grid/cells.wgsl step/broad_phase/meet.wgsl
 
 // Searches the cells around a mover for all objects that it may meet. The stage that uses it defines `emit`, which handles an
 // object. The objects come in any order, as places among the sorted objects or as marked ids. An object may come twice. The
@@ -218,19 +218,70 @@ fn test_span(mover: u32, probe: Probe, span: Span) {
     }
 }
 
+// Number of images of a mover that search the cells: those displaced by one period or none along each axis.
+const IMAGES: u32 = select(1u, 27u, PERIODIC);
+
+// An image of an AABB in the box of a periodic scene. The one in the middle is the AABB itself.
+fn image_of(own: Aabb, image: u32) -> Aabb {
+    if !PERIODIC {
+        return own;
+    }
+    let turns = vec3f(vec3u(image, image / 3u, image / 9u) % vec3u(3u)) - vec3f(1.0);
+    let way = turns * periods();
+    return Aabb(own.min + way, own.id, own.max + way, own.tag);
+}
+
+// Whether an image may meet objects whose centres are in the box. Along axes without a period there is one image.
+fn is_image_in_box(own: Aabb, image: u32) -> bool {
+    if !PERIODIC {
+        return true;
+    }
+    var edge = 0.0;
+    for (var rest = cells[0]; rest != 0u; rest &= rest - 1u) {
+        edge = max(edge, bitcast<f32>(cells[EDGES_AT + firstTrailingBit(rest)]));
+    }
+    let from_ = vec3f(step.from_x, step.from_y, step.from_z);
+    let length = periods();
+    let is_displaced = (vec3u(image, image / 3u, image / 9u) % vec3u(3u)) != vec3u(1u);
+    let is_beyond = (own.max + edge < from_) | (own.min - edge > from_ + length);
+    return !any((length > vec3f(0.0)) & is_beyond) & !any((length <= vec3f(0.0)) & is_displaced);
+}
+
 // Emits all objects that a mover may meet, or those in the portion of a thread.
 fn emit_neighbours(mover: u32, portion: Portion) {
-    let own = aabbs[mover];
-    let probe = probe_of(mover, own);
-    let thread = u32(portion.y + portion.z * portion.across) * portion.parts + portion.part;
-    let threads = u32(portion.across * portion.across) * portion.parts;
+    emit_statics(mover, portion);
+    for (var image = 0u; image < IMAGES; image++) {
+        let own = image_of(aabbs[mover], image);
+        if is_image_in_box(own, image) {
+            search_cells(mover, own, portion);
+        }
+    }
+}
+
+fn thread_of(portion: Portion) -> u32 {
+    return u32(portion.y + portion.z * portion.across) * portion.parts + portion.part;
+}
+
+fn threads_of(portion: Portion) -> u32 {
+    return u32(portion.across * portion.across) * portion.parts;
+}
+
+// Emits boxes and polygons that are so few that every mover tests them.
+fn emit_statics(mover: u32, portion: Portion) {
     if are_statics_tested_apart() {
-        for (var id = step.spheres + step.rods + thread; id < objects(); id += threads) {
-            if aabbs_meet(own, aabbs[id]) {
+        for (var id = step.spheres + step.rods + thread_of(portion); id < objects(); id += threads_of(portion)) {
+            if aabbs_meet(aabbs[mover], aabbs[id]) {
                 emit(mover, id | ID_MARK);
             }
         }
     }
+}
+
+// Emits the objects in the cells around an AABB of a mover.
+fn search_cells(mover: u32, own: Aabb, portion: Portion) {
+    let probe = probe_of(mover, own);
+    let thread = thread_of(portion);
+    let threads = threads_of(portion);
     // Whether all sorted objects are tested, because the AABB covers too many cells.
     var tests_all = false;
     var levels = cells[0];
