@@ -35,6 +35,13 @@ impl Frame {
         let references = scene.sphere_ids().map(|id| scene.reference(id)).collect();
         Ok(Self { step: report.steps, time: report.time, spheres, references, contacts })
     }
+
+    /// Brings all spheres into the box of a periodic scene. In other scenes they stay.
+    pub fn bring_into_box(&mut self, scene: &Scene) {
+        if scene.is_periodic() {
+            self.spheres.iter_mut().for_each(|sphere| sphere.bring_into_box(scene));
+        }
+    }
 }
 
 /// Insertion indices of the spheres of a scene.

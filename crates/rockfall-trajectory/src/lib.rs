@@ -94,6 +94,7 @@ impl Content for Trajectory {
 #[derive(Debug)]
 pub struct Writer {
     target: Target<npz::Frames>,
+    unwrapped: bool,
 }
 
 impl Writer {
@@ -102,7 +103,7 @@ impl Writer {
     /// # Errors
     /// [`rockfall::Error::File`] if the path cannot be written to.
     pub fn create(path: impl AsRef<Path>, format: Format) -> Result<Self> {
-        Ok(Self { target: Target::create::<Trajectory>(path.as_ref(), format)? })
+        Ok(Self { target: Target::create::<Trajectory>(path.as_ref(), format)?, unwrapped: false })
     }
 
     /// Continues a trajectory from a mark, whether it was finished or not. Frames after the mark are removed.
@@ -110,7 +111,14 @@ impl Writer {
     /// # Errors
     /// [`rockfall::Error::File`] if the path cannot be written to, or if the contents before the mark are missing or have changed.
     pub fn resume(path: impl AsRef<Path>, format: Format, mark: Mark) -> Result<Self> {
-        Ok(Self { target: Target::resume::<Trajectory>(path.as_ref(), format, mark)? })
+        Ok(Self { target: Target::resume::<Trajectory>(path.as_ref(), format, mark)?, unwrapped: false })
+    }
+
+    /// Sets whether spheres of periodic scenes are written where they have got to, with all periods that they have passed. Without it,
+    /// they are written where they are in the box.
+    pub fn unwrapped(mut self, unwrapped: bool) -> Self {
+        self.unwrapped = unwrapped;
+        self
     }
 
     /// Adds the current state as a frame. With [`Format::Npz`], the objects must be the same in all frames.
@@ -128,6 +136,9 @@ impl Writer {
     /// As for [`Writer::frame`].
     pub fn frame_at(&mut self, simulation: &mut Simulation, step: u64, time: f64) -> Result<()> {
         let mut frame = Frame::of(simulation, !self.target.is_csv())?;
+        if !self.unwrapped {
+            frame.bring_into_box(simulation.scene());
+        }
         (frame.step, frame.time) = (step, time);
         self.target.write(|series| match series {
             Series::Csv(file) => csv::frame(file, &frame),

@@ -54,11 +54,8 @@ impl Extent {
 }
 
 pub(crate) fn extent_of_spheres(scene: &Scene) -> Option<Extent> {
-    extent(scene.spheres().iter())
-}
-
-fn extent<'a>(spheres: impl Iterator<Item = &'a Sphere>) -> Option<Extent> {
-    spheres.map(|sphere| Extent::around(sphere.position, sphere.radius)).reduce(Extent::with)
+    let around = |sphere: &Sphere| Extent::around(scene.in_box(sphere.position), sphere.radius);
+    scene.spheres().iter().map(around).reduce(Extent::with)
 }
 
 /// Extents of the boxes and polygons.

@@ -79,10 +79,11 @@ impl Survey {
     pub fn add(&mut self, scene: &Scene) {
         let spheres = scene.spheres().iter().step_by(self.stride);
         for ((path, velocity), sphere) in self.paths.iter_mut().zip(&mut self.velocities).zip(spheres) {
-            path.push(sphere.position);
+            let position = scene.in_box(sphere.position);
+            path.push(position);
             velocity[1] = sphere.velocity;
-            if sphere.position.y >= self.lowest && sphere.position.is_finite() && !sphere.fixed {
-                let place = Extent::around(sphere.position, sphere.radius);
+            if position.y >= self.lowest && position.is_finite() && !sphere.fixed {
+                let place = Extent::around(position, sphere.radius);
                 self.above = Some(self.above.map_or(place, |above| above.with(place)));
             }
         }

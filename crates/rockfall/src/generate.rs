@@ -50,6 +50,8 @@ pub enum Kind {
     Column,
     /// Grains in a box that is shaken up and down.
     Vibrated,
+    /// Grains between two plates that slide past each other, in a periodic box.
+    ShearCell,
     /// Grains in an upright drum with blades that turn.
     Mixer,
     /// Grains in a tube with a screw that turns.
@@ -58,7 +60,7 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Pile,
         Self::Mixed,
         Self::Soft,
@@ -67,6 +69,7 @@ impl Kind {
         Self::Drum,
         Self::Column,
         Self::Vibrated,
+        Self::ShearCell,
         Self::Mixer,
         Self::Screw,
     ];
@@ -82,6 +85,7 @@ impl Kind {
             Self::Drum => "drum",
             Self::Column => "column",
             Self::Vibrated => "vibrated",
+            Self::ShearCell => "shear-cell",
             Self::Mixer => "mixer",
             Self::Screw => "screw",
         }
@@ -104,6 +108,7 @@ impl Kind {
             Self::Drum => Drum::new(spheres).spin(DRUM_SPIN).scene(seed),
             Self::Column => grains::column(spheres, &mut random),
             Self::Vibrated => machines::vibrated(spheres, &mut random),
+            Self::ShearCell => machines::shear_cell(spheres, &mut random),
             Self::Mixer => machines::mixer(spheres, &mut random),
             Self::Screw => machines::screw(spheres, &mut random),
         }?;
@@ -116,7 +121,7 @@ impl Kind {
     /// Whether scenes of this kind have grains with the contact law `hertz-mindlin`, in SI units. They need the integrator
     /// `velocity-verlet` or `symplectic-euler`.
     pub fn has_grains(self) -> bool {
-        matches!(self, Self::Drum | Self::Column | Self::Vibrated | Self::Mixer | Self::Screw)
+        matches!(self, Self::Drum | Self::Column | Self::Vibrated | Self::ShearCell | Self::Mixer | Self::Screw)
     }
 
     /// The time step for which scenes of this kind are made, in s.
@@ -124,7 +129,7 @@ impl Kind {
         match self {
             Self::Drum => Drum::STEP,
             Self::Column => grains::COLUMN_STEP,
-            Self::Vibrated | Self::Mixer | Self::Screw => machines::MACHINE_STEP,
+            Self::Vibrated | Self::ShearCell | Self::Mixer | Self::Screw => machines::MACHINE_STEP,
             _ => 0.02,
         }
     }
@@ -137,6 +142,7 @@ impl Kind {
             Self::Column => grains::note(),
             Self::Drum => machines::note("drum"),
             Self::Vibrated => machines::note("shaker"),
+            Self::ShearCell => machines::note("lid"),
             Self::Mixer => machines::note("blades"),
             Self::Screw => machines::note("screw"),
             _ => String::new(),
@@ -157,7 +163,7 @@ impl FromStr for Kind {
         Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| Error::Invalid {
             field: "kind",
             value: quoted(text),
-            expected: "pile, mixed, soft, chain, hopper, drum, column, vibrated, mixer or screw",
+            expected: "pile, mixed, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw",
         })
     }
 }

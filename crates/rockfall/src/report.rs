@@ -2,7 +2,8 @@
 
 use glam::{DVec3, Mat3, Quat, Vec3};
 
-use crate::scene::Sphere;
+use crate::fine::Fine;
+use crate::scene::{Scene, Sphere};
 
 /// Counts and times of all steps so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -117,6 +118,13 @@ impl SphereState {
     /// The centre with all its digits, in units: the sum of `position` and `position_low`.
     pub fn centre(&self) -> [f64; 3] {
         (self.position.as_dvec3() + self.position_low.as_dvec3()).to_array()
+    }
+
+    /// Displaces the sphere by whole periods, so that its centre is in the box of a periodic scene.
+    pub fn bring_into_box(&mut self, scene: &Scene) {
+        let centre = DVec3::from_array(self.centre());
+        let Fine { high, low } = Fine::at((centre + scene.way_into_box(centre)).to_array());
+        (self.position, self.position_low) = (high, low);
     }
 
     /// Orientation as a rotation matrix. Its columns are the axes of the sphere's own frame.

@@ -65,6 +65,12 @@ pub(crate) struct Frame {
     colour_by: u32,
     /// Pixels along a side of the shadow map.
     light_size: f32,
+    /// Period along each axis, 0 where the scene is not periodic.
+    period: Vec3,
+    unused: f32,
+    /// Least corner of the box of a periodic scene.
+    least: Vec3,
+    unused_too: f32,
     kinds: [Vec4; 8],
     scale: [Vec4; 9],
 }
@@ -188,6 +194,10 @@ impl Frame {
             insertion_indices_at: step.layout.insertion_indices_at,
             colour_by: style.colour_by as u32,
             light_size: SHADOW_SIZE as f32,
+            period: Vec3::new(step.layout.period_x, step.layout.period_y, step.layout.period_z),
+            unused: 0.0,
+            least: Vec3::new(step.layout.from_x, step.layout.from_y, step.layout.from_z),
+            unused_too: 0.0,
             kinds: style.kinds.map(opaque),
             scale: style.colour_by.scale().map(opaque),
         }
@@ -265,6 +275,8 @@ mod tests {
             insertion_indices_at,
             colour_by,
             light_size,
+            period,
+            least,
             kinds,
             scale,
         ];

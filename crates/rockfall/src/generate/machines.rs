@@ -1,5 +1,6 @@
-//! Machines with walls that move, with grains in them, in SI units: a box that is shaken, a mixer, and a screw.
+//! Machines with walls that move, with grains in them, in SI units: a box that is shaken, a shear cell, a mixer, and a screw.
 
+use std::f32::consts::PI;
 use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec2, Vec3};
@@ -56,6 +57,44 @@ pub(super) fn vibrated(spheres: u32, random: &mut Random) -> Result<Scene> {
     ];
     for (from, to) in walls {
         scene.add_box(Cuboid::between(from, to).material(material).motion(motion))?;
+    }
+    Ok(scene)
+}
+
+/// A layer of grains between two ribbed plates that slide past each other, in a box that is periodic along them. The upper plate first
+/// comes down.
+pub(super) fn shear_cell(spheres: u32, random: &mut Random) -> Result<Scene> {
+    /// Speed of a plate, in m/s, the time in which the upper one comes down, in s, and the part of the volume that is then filled.
+    const SPEED: f64 = 0.1;
+    const PRESS: f64 = 0.2;
+    const FILLED: f32 = 0.56;
+    const THICK: f32 = 2.0 * RADIUS;
+    let (mut scene, material) = empty()?;
+    let cell = 2.0 * CELL * RADIUS;
+    let side = ((spheres as f32 / 2.0).cbrt().ceil() as u32).max(6);
+    let length = side as f32 * cell;
+    [0, 2].into_iter().try_for_each(|axis| scene.set_periodic(axis, Some([0.0, length])))?;
+    for index in 0..spheres {
+        let [x, y, z] = [index % side, index / (side * side), index / side % side].map(|place| (place as f32 + 0.5) * cell);
+        scene.add_sphere(grain(Vec3::new(x, y + RADIUS, z), random, material))?;
+    }
+    let solid: f32 = scene.spheres().iter().map(|sphere| 4.0 / 3.0 * PI * sphere.radius.powi(3)).sum();
+    let top = (spheres.div_ceil(side * side) as f32) * cell + 2.0 * RADIUS;
+    let pressed = (solid / (FILLED * length * length)).min(0.9 * top);
+    let slide = |name: &str, speed: f64| Motion::new(name, MotionTerm::translation([speed, 0.0, 0.0]));
+    let down = MotionTerm::translation([0.0, -f64::from(top - pressed) / PRESS, 0.0]).during(0.0, PRESS);
+    let base = scene.add_motion(slide("base", -SPEED))?;
+    let lid = scene.add_motion(slide("lid", SPEED).and(down))?;
+    let mut add = |motion, from: [f32; 2], low: f32, high: f32| {
+        let cuboid = Cuboid::between([from[0], low, 0.0], [from[1], high, length]);
+        scene.add_box(cuboid.material(material).motion(motion))
+    };
+    add(base, [0.0, length], -THICK, 0.0)?;
+    add(lid, [0.0, length], top, top + THICK)?;
+    for rib in 0..side / 2 {
+        let from = 2.0 * cell * rib as f32;
+        add(base, [from, from + RADIUS], 0.0, RADIUS)?;
+        add(lid, [from, from + RADIUS], top - RADIUS, top)?;
     }
     Ok(scene)
 }
@@ -173,13 +212,13 @@ mod tests {
     /// Grains of the machines start apart from the walls and from each other.
     #[test]
     fn grains_start_free() {
-        for kind in [Kind::Vibrated, Kind::Mixer, Kind::Screw] {
+        for kind in [Kind::Vibrated, Kind::ShearCell, Kind::Mixer, Kind::Screw] {
             for spheres in [1, 50, 700] {
                 let scene = kind.generate(spheres, 3).unwrap();
                 assert_eq!(scene.counts().spheres, spheres as usize, "{kind}");
                 let placement = scene.placement().unwrap();
                 assert!(placement.deepest < 1e-3 && placement.falling.is_empty(), "{kind} {spheres}: {placement:?}");
-                assert!(scene.motions().len() == 1 && scene.run.dt == Some(MACHINE_STEP), "{kind}");
+                assert!(!scene.motions().is_empty() && scene.run.dt == Some(MACHINE_STEP), "{kind}");
             }
         }
     }

@@ -44,12 +44,12 @@ impl Scene {
     }
 
     /// The image of a position, in units, that is in the box of a periodic scene. Along other axes the position stays.
-    pub fn in_box(&self, position: [f64; 3]) -> [f64; 3] {
-        (DVec3::from_array(position) + self.way_into_box(position)).to_array()
+    pub fn in_box(&self, position: Vec3) -> Vec3 {
+        if self.is_periodic() { (position.as_dvec3() + self.way_into_box(position.as_dvec3())).as_vec3() } else { position }
     }
 
     /// The displacement of a position, in units, that takes it into the box of a periodic scene: whole periods along each axis.
-    pub(crate) fn way_into_box(&self, position: [f64; 3]) -> DVec3 {
+    pub fn way_into_box(&self, position: DVec3) -> DVec3 {
         let back = |axis: usize| {
             let Some([from, to]) = self.periodic[axis] else { return 0.0 };
             let (from, period) = (f64::from(from), f64::from(to - from));

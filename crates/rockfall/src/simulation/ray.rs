@@ -69,7 +69,7 @@ impl Ray {
         let poses = scene.poses(time);
         let spheres = nearest(scene.spheres(), |sphere| {
             let centre = sphere.position.as_dvec3();
-            self.sphere(centre, sphere.radius.into())
+            self.sphere(centre + scene.way_into_box(centre), sphere.radius.into())
         });
         let rods = nearest(scene.rods(), |rod| self.rod(scene, rod));
         let boxes = nearest(scene.boxes(), |cuboid| self.cuboid(&poses.of_box(cuboid)));
@@ -104,7 +104,9 @@ impl Ray {
 
     fn rod(&self, scene: &Scene, rod: &Rod) -> Option<Entry> {
         let [one, two] = [rod.end1, rod.end2].map(|end| scene.sphere(end).map(|sphere| sphere.position.as_dvec3()));
-        self.capsule(one.ok()?, two.ok()?, rod.radius.into())
+        let (one, two) = (one.ok()?, two.ok()?);
+        let way = scene.way_into_box(one);
+        self.capsule(one + way, two + way, rod.radius.into())
     }
 
     /// Intersects the infinite cylinder around the capsule: the ray meets its side or, beyond an end, the sphere of that end.

@@ -44,7 +44,7 @@ fn capsule_of(corner: u32, rod: u32, of_glass: bool) -> CapsuleVertex {
     let at = frame.rods_at + 4u * rod;
     let slots = vec2u(topology[at], topology[at + 1u]);
     let end1 = ball(slots.x).xyz;
-    let end2 = ball(slots.y).xyz;
+    let end2 = ball_beside(slots.y, end1).xyz;
     let radius = topology_float(at + 2u);
     let margin = pixel_width() * (length(0.5 * (end1 + end2) - frame.eye) + length(end2 - end1));
     var vertex: CapsuleVertex;

@@ -14,11 +14,16 @@ const THINNEST: f32 = 0.7;
 /// Slot of an end that is not the centre of a sphere.
 const NO_SLOT: u32 = 0xffffffffu;
 
-fn chain_end(slot: u32, point: vec3f) -> vec3f {
-    if slot == NO_SLOT {
-        return point;
+/// The first end is in the box of a periodic scene, the other one beside it.
+fn chain_ends(slots: vec2u, point1: vec3f, point2: vec3f) -> array<vec3f, 2> {
+    var ends = array<vec3f, 2>(point1, point2);
+    if slots.x != NO_SLOT {
+        ends[0] = ball(slots.x).xyz;
     }
-    return ball(slot).xyz;
+    if slots.y != NO_SLOT {
+        ends[1] = ball_beside(slots.y, ends[0]).xyz;
+    }
+    return ends;
 }
 
 @vertex
@@ -29,8 +34,9 @@ fn chain_vertex(
     @location(2) point2: vec3f,
     @location(3) force: f32,
 ) -> ChainVertex {
-    let end1 = chain_end(slots.x, point1);
-    let end2 = chain_end(slots.y, point2);
+    let ends = chain_ends(slots, point1, point2);
+    let end1 = ends[0];
+    let end2 = ends[1];
     let side = vec2f(vec2u(corner & 1u, corner >> 1u)) * 2.0 - 1.0;
     let middle = select(end1, end2, side.y > 0.0);
     let aside = cross(end2 - end1, middle - frame.eye);

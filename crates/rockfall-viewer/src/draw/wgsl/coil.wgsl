@@ -101,7 +101,8 @@ fn spring_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) spr
 
 fn spring_corner(index: u32, spring: u32, viewer: vec4f) -> CoilVertex {
     let at = frame.springs_at + 5u * spring;
-    let coil = coil_between(ball(topology[at]), ball(topology[at + 1u]), topology_float(at + 3u));
+    let end = ball(topology[at]);
+    let coil = coil_between(end, ball_beside(topology[at + 1u], end.xyz), topology_float(at + 3u));
     return coil_vertex(coil, index, object_colour(KIND_SPRING, spring), viewer);
 }
 

@@ -41,6 +41,10 @@ struct Frame {
     insertion_indices_at: u32,
     colour_by: u32,
     light_size: f32,
+    /// Period along each axis, 0 where the scene is not periodic.
+    period: vec3f,
+    /// Least corner of the box of a periodic scene.
+    least: vec3f,
     kinds: array<vec4f, 8>,
     scale: array<vec4f, 9>,
 }
@@ -88,13 +92,30 @@ fn topology_vector(at: u32) -> vec3f {
     return vec3f(topology_float(at), topology_float(at + 1u), topology_float(at + 2u));
 }
 
-/// Centre and radius of a sphere.
-fn ball(slot: u32) -> vec4f {
+/// Centre and radius of a sphere, as it is in the state.
+fn ball_of_state(slot: u32) -> vec4f {
     let now = state[slot];
     if frame.blend >= 1.0 {
         return now;
     }
     return vec4f(mix(old_positions[slot].xyz, now.xyz, frame.blend), now.w);
+}
+
+/// Whole periods, for a number of them along each axis. The number along axes without a period does not matter.
+fn periods(count: vec3f) -> vec3f {
+    return select(vec3f(0.0), frame.period * count, frame.period > vec3f(0.0));
+}
+
+/// Centre and radius of a sphere: the image in the box of a periodic scene.
+fn ball(slot: u32) -> vec4f {
+    let own = ball_of_state(slot);
+    return vec4f(own.xyz - periods(floor((own.xyz - frame.least) / max(frame.period, vec3f(1e-30)))), own.w);
+}
+
+/// Centre and radius of a sphere: the image next to a place.
+fn ball_beside(slot: u32, place: vec3f) -> vec4f {
+    let own = ball_of_state(slot);
+    return vec4f(own.xyz - periods(round((own.xyz - place) / max(frame.period, vec3f(1e-30)))), own.w);
 }
 
 fn orientation(slot: u32) -> vec4f {

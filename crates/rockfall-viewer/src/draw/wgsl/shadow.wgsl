@@ -62,7 +62,7 @@ struct CapsuleShadow {
 fn capsule_shadow_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_index) rod: u32) -> CapsuleShadow {
     let at = frame.rods_at + 4u * rod;
     let end1 = ball(topology[at]).xyz;
-    let end2 = ball(topology[at + 1u]).xyz;
+    let end2 = ball_beside(topology[at + 1u], end1).xyz;
     var vertex: CapsuleShadow;
     vertex.end1 = vec4f(end1, topology_float(at + 2u));
     vertex.line = end2 - end1;
