@@ -15,7 +15,7 @@ from rockfall._arrays import time_step, whole
 from rockfall._contact_law import ContactLaw, ContactLawOf, native_contact_law
 from rockfall._laws import ForceLaw, LawTable, native_laws
 from rockfall._look import look
-from rockfall._motions import WallLoad, motion_term
+from rockfall._motions import PlaneFlow, WallLoad, motion_term
 from rockfall._picture import Picture
 from rockfall._progress import Progress
 from rockfall._reports import Backend, Profile, Report, StageTime
@@ -231,6 +231,24 @@ class Simulation(Stored, LawTable, ContactLawOf):
         self._commit()
         force, torque, contacts = _rockfall.wall_load(self._native, name)
         return WallLoad(np.array(force), np.array(torque), contacts)
+
+    @property
+    def gauges(self) -> dict[str, WallLoad | PlaneFlow]:
+        """What the gauges measure in the current state, by name. See :meth:`add_gauge` and :meth:`wall_load`.
+
+        Raises
+        ------
+        ValueError
+            If the walls of a gauge were removed.
+        """
+        self._commit()
+        found: dict[str, WallLoad | PlaneFlow] = {}
+        for name, (load, flow) in _rockfall.gauges(self._native):
+            if load is not None:
+                found[name] = WallLoad(np.array(load[0]), np.array(load[1]), load[2])
+            elif flow is not None:
+                found[name] = PlaneFlow(*flow)
+        return found
 
     def run(self, steps: int, *, progress: bool = False) -> Report:
         """Run steps.
