@@ -14,6 +14,7 @@ use super::camera::{Named, Shot};
 use super::footage::{Footage, Past, device};
 use super::{Arguments, Product, colours};
 use crate::failure::Failure;
+use crate::render::plots::check_gauges;
 use crate::interrupt::Interrupt;
 use crate::options::counted;
 use crate::output;
@@ -49,6 +50,9 @@ impl Studio {
         renderer.set_overlay(&overlay);
         let scene = footage.simulation().scene();
         let find = |name: &str| Named::parse(name).map_err(Failure::usage)?.of(scene, "--plot");
+        for plot in &arguments.plot {
+            check_gauges(plot, is_recorded, scene)?;
+        }
         let graphs: Result<_, Failure> = arguments.plot.iter().map(|plot| plot.of(scene, find)).collect();
         renderer.set_plots(graphs?);
         Ok(Self { footage, renderer, canvas, style, overlay, interrupt })
