@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 use crate::error::Result;
 use crate::scene::{Body, Pose, Scene, Sphere};
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, engine};
 use crate::simulation::observe::{Contact, ContactAction};
 
 /// Sums over steps: the loads that the gauges of a scene measure, and the work done on bodies by what moves them.
@@ -61,10 +61,10 @@ impl Simulation {
     ///
     /// # Errors
     /// As for [`Simulation::run`], [`Simulation::contacts`] and [`Simulation::gauges`].
-    #[cfg(not(target_family = "wasm"))]
     pub fn run_metered(&mut self, steps: u64, dt: f32, meter: &mut Meter) -> Result<()> {
+        let device = self.engine.waiter();
         if !(meter.has_loads || meter.has_work) {
-            return self.run(steps, dt).map(drop);
+            return engine::block_on(device, self.run_async(steps, dt)).map(drop);
         }
         self.set_time_step(dt)?;
         if meter.has_work && meter.last.is_none() {
@@ -72,7 +72,8 @@ impl Simulation {
             meter.last = Some(self.drive_of(&contacts));
         }
         for _ in 0..steps {
-            self.run(1, dt)?;
+            let device = self.engine.waiter();
+            engine::block_on(device, self.run_async(1, dt))?;
             let contacts = self.contacts()?;
             if meter.has_loads {
                 for (sums, load) in meter.loads.iter_mut().zip(self.loads_of(&contacts)?) {
