@@ -173,7 +173,8 @@ impl Plot {
         scene: &Scene,
         find: impl FnMut(&str) -> std::result::Result<SphereId, E>,
     ) -> std::result::Result<Graph, E> {
-        let spheres: Vec<SphereId> = self.bodies().iter().map(String::as_str).map(find).collect::<std::result::Result<_, E>>()?;
+        let spheres: Vec<SphereId> =
+            self.bodies().iter().map(String::as_str).map(find).collect::<std::result::Result<_, E>>()?;
         let lines = match self.quantity {
             Quantity::Energy => {
                 let has_springs = scene.counts().springs + scene.counts().tethers > 0;

@@ -14,11 +14,11 @@ use super::camera::{Named, Shot};
 use super::footage::{Footage, Past, device};
 use super::{Arguments, Product, colours};
 use crate::failure::Failure;
-use crate::render::plots::check_gauges;
 use crate::interrupt::Interrupt;
 use crate::options::counted;
 use crate::output;
 use crate::progress::Progress;
+use crate::render::plots::check_gauges;
 
 /// Quality of a JPEG file, from 1 to 100: no artefacts that the eye sees at the edges of bodies.
 const JPEG_QUALITY: u8 = 92;

@@ -57,7 +57,8 @@ impl Wanted {
         }
         let files = [&self.out, &self.contacts, &self.tensions, &self.gauges];
         if self.every.is_some() && files.into_iter().all(Option::is_none) {
-            let message = "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE or --gauges FILE";
+            let message =
+                "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE or --gauges FILE";
             return Err(Failure::usage(message));
         }
         if self.trace_every.is_some() && self.trace.is_none() {

@@ -107,9 +107,8 @@ fn the_trace_has_a_line_for_the_start_and_one_for_every_step() {
     assert_eq!(lines.len(), 42);
     assert_eq!(lines[1], "0,0,0,3.5,0,0,0,0,0,0,0,0,0,0,0,0,");
     // What the law of the thesis dissipates is not known.
-    let fields = |line: &str| -> Vec<f64> {
-        line.strip_suffix(',').unwrap().split(',').map(|field| field.parse().unwrap()).collect()
-    };
+    let fields =
+        |line: &str| -> Vec<f64> { line.strip_suffix(',').unwrap().split(',').map(|field| field.parse().unwrap()).collect() };
     for (step, line) in lines[1..].iter().enumerate() {
         let fields = fields(line);
         assert_eq!(fields.len(), 16, "{line}");

@@ -2,9 +2,9 @@
 //! a new field that is missing here.
 
 use super::laws::{KeptContactLaw, KeptLaw};
-use super::{gauges, motions};
 use super::words::{Damage, Head, Words};
 use super::{Checkpoint, History};
+use super::{gauges, motions};
 use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::report::Report;

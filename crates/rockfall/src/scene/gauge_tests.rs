@@ -28,7 +28,10 @@ fn gauges_are_read_and_written() {
 #[test]
 fn a_wrong_gauge_is_an_error_at_its_line() {
     for (line, expected) in [
-        ("@gauge name=a wall=dram", "a.txt:2: @gauge wall: 'dram' (similar: 'drum') is not allowed, expected the name of a motion"),
+        (
+            "@gauge name=a wall=dram",
+            "a.txt:2: @gauge wall: 'dram' (similar: 'drum') is not allowed, expected the name of a motion",
+        ),
         ("@gauge name=a wall=a\n", "a.txt:2: @gauge wall: 'a' is not allowed"),
         ("@gauge name=a", "@gauge wall or plane: missing, expected `@gauge name=N wall=NAME|plane=x,y,z,nx,ny,nz`"),
         ("@gauge wall=drum", "@gauge name: missing"),
@@ -36,12 +39,18 @@ fn a_wrong_gauge_is_an_error_at_its_line() {
         ("@gauge name=a name=b wall=drum", "@gauge name: given twice in the line, expected one name"),
         ("@gauge name=a plane=0,0,0,1,0", "@gauge plane: '0,0,0,1,0' is not allowed, expected six numbers x,y,z,nx,ny,nz"),
         ("@gauge name=a plane=0,0,0,1,0,inf", "@gauge plane: 'inf' is not a finite number"),
-        ("@gauge name=a plane=1,0,0,0,0,0", "@gauge plane: [1.0, 0.0, 0.0] [0.0, 0.0, 0.0] is not allowed, expected six finite"),
+        (
+            "@gauge name=a plane=1,0,0,0,0,0",
+            "@gauge plane: [1.0, 0.0, 0.0] [0.0, 0.0, 0.0] is not allowed, expected six finite",
+        ),
         ("@gauge name=1a wall=drum", "@gauge name: '1a' is not allowed, expected one word"),
         ("@gauge name=a wal=drum", "@gauge 'wal': an unknown key, did you mean wall?"),
         ("@gauge drum name=a", "@gauge 'drum': expected KEY=VALUE with a key of name, wall, plane"),
         ("@gauge drum", "@gauge line: no value, expected `@gauge name=N"),
-        ("@gauge name=a wall=drum\n@gauge name=a wall=floor", "a.txt:3: @gauge name: 'a' is not allowed, expected a name that no"),
+        (
+            "@gauge name=a wall=drum\n@gauge name=a wall=floor",
+            "a.txt:3: @gauge name: 'a' is not allowed, expected a name that no",
+        ),
     ] {
         let error = parse(line).unwrap_err();
         assert!(error.contains(expected), "{line}: {error}");

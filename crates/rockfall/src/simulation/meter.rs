@@ -6,8 +6,8 @@ use glam::{DVec3, Vec3};
 
 use crate::error::Result;
 use crate::scene::{Body, Pose, Scene, Sphere};
-use crate::simulation::{Simulation, engine};
 use crate::simulation::observe::{Contact, ContactAction};
+use crate::simulation::{Simulation, engine};
 
 /// Sums over steps: the loads that the gauges of a scene measure, and the work done on bodies by what moves them.
 /// [`Simulation::run_metered`] adds to them. It reads the state back after every step, so a plain run is faster.
@@ -96,7 +96,8 @@ impl Simulation {
     fn drive_of(&self, contacts: &[Contact]) -> Drive {
         let time = self.muscle_clock.written_time();
         let mut drive = Drive::default();
-        let driven = Driven { scene: &self.scene, poses: self.scene.motions().iter().map(|motion| motion.pose(time)).collect() };
+        let driven =
+            Driven { scene: &self.scene, poses: self.scene.motions().iter().map(|motion| motion.pose(time)).collect() };
         for contact in contacts {
             // Body B has the effect of the contact, and body A the opposite one.
             let velocity = driven.velocity(contact.a, contact) - driven.velocity(contact.b, contact);

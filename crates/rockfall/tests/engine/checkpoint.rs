@@ -3,7 +3,8 @@
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{
-    Backend, BroadPhase, Checkpoint, Counts, Error, Gauge, GaugeReading, Integrator, Material, Options, Pair, Scene, Simulation, Sphere, SphereId,
+    Backend, BroadPhase, Checkpoint, Counts, Error, Gauge, GaugeReading, Integrator, Material, Options, Pair, Scene,
+    Simulation, Sphere, SphereId,
 };
 
 use crate::common::mixed::{Run, assert_bitwise_identical, mixed};

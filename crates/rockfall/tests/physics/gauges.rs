@@ -2,8 +2,8 @@
 
 use rockfall::glam::DVec3;
 use rockfall::{
-    Backend, Checkpoint, ContactLaw, Cuboid, Gauge, GaugeReading, Integrator, Material, MaterialId, Meter, Motion, MotionTerm, Muscle,
-    Options, Pair, Polygon, Scene, Simulation, Sphere, Spring, Tag, WallLoad,
+    Backend, Checkpoint, ContactLaw, Cuboid, Gauge, GaugeReading, Integrator, Material, MaterialId, Meter, Motion, MotionTerm,
+    Muscle, Options, Pair, Polygon, Scene, Simulation, Sphere, Spring, Tag, WallLoad,
 };
 
 use crate::common::{close, near, on, spheres, with};
