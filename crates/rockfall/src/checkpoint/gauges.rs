@@ -1,4 +1,5 @@
-//! The gauges in a checkpoint: their number, then the name of each, what it measures, and what was in front of its plane at the start.
+//! The gauges in a checkpoint: their number, then the name of each, what it measures, and what was in front of its plane at the
+//! start.
 
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
 //! The flow through the planes of gauges.
 //!
-//! A sphere that passes a plane several times counts once for each passage along the normal and is subtracted once for each passage
-//! against it. So the sum over all steps is the difference between what is in front of the plane now and what was at the start, and
-//! no step in between has to be looked at. Spheres that edits add, remove or move change what was at the start.
+//! Each passage along the normal counts once, and each passage against it is subtracted. So the sum over all steps is the difference
+//! between what is in front of the plane now and what was at the start, and no step in between has to be looked at. Spheres that
+//! edits add, remove or move change what was at the start.
 
 use glam::DVec3;
 
@@ -14,7 +14,8 @@ use crate::scene::{Front, Gauge, Scene};
 pub(super) struct Flow {
     /// For every gauge, what was in front at the start, changed by edits since.
     bases: Vec<Front>,
-    /// The mass of every sphere in order of addition, 0 for fixed ones, as they were when the world was packed. Empty without planes.
+    /// The mass of every sphere in order of addition, 0 for fixed ones, as they were when the world was packed. Empty without
+    /// planes.
     masses: Vec<f32>,
 }
 

@@ -25,8 +25,8 @@ pub struct WallLoad {
 pub enum GaugeReading {
     /// The load on walls.
     Wall(WallLoad),
-    /// What has passed a plane since the start, along its normal minus against it. Fixed spheres do not count, and neither do spheres
-    /// that edits add, remove or move across the plane.
+    /// What has passed a plane since the start, along its normal minus against it. Fixed spheres do not count, and neither do
+    /// spheres that edits add, remove or move across the plane.
     Plane {
         /// Mass of the spheres.
         mass: f64,

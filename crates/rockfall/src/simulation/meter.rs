@@ -14,7 +14,8 @@ use crate::simulation::{Simulation, engine};
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Meter {
-    /// For every gauge, the sums of the force on its walls, in mass units/s², and of the torque about the origin, in mass units²/s². Both are 0 for a plane.
+    /// For every gauge, the sums of the force on its walls, in mass units/s², and of the torque about the origin, in mass units²/s².
+    /// Both are 0 for a plane.
     pub loads: Vec<[DVec3; 2]>,
     /// Number of steps that the sums of loads have.
     pub steps: u64,
@@ -55,12 +56,12 @@ impl Meter {
 }
 
 impl Simulation {
-    /// Runs `steps` steps of `dt` seconds like [`Simulation::run`], and adds the state after each of them to a meter. The results are the
-    /// same. The work of a step is the trapezoidal rule for forces, from the state before it to that after it, and the sum of the
-    /// impulses times the velocities of the walls. The states between two calls with one meter must not be edited.
+    /// Runs `steps` steps of `dt` seconds like `run`, and adds the state after each of them to a meter. The results are the same. The
+    /// work of a step is the trapezoidal rule for forces, from the state before it to that after it, and the sum of the impulses times
+    /// the velocities of the walls. The states between two calls with one meter must not be edited.
     ///
     /// # Errors
-    /// As for [`Simulation::run`], [`Simulation::contacts`] and [`Simulation::gauges`].
+    /// As for [`Simulation::run_async`], [`Simulation::contacts`] and [`Simulation::gauges`].
     pub fn run_metered(&mut self, steps: u64, dt: f32, meter: &mut Meter) -> Result<()> {
         let device = self.engine.waiter();
         if !(meter.has_loads || meter.has_work) {
