@@ -23,6 +23,7 @@ pub(crate) mod camera;
 pub(crate) mod captions;
 pub(crate) mod colours;
 mod footage;
+pub(crate) mod plots;
 mod studio;
 
 use camera::Named;
@@ -104,8 +105,8 @@ pub(crate) struct Arguments {
     light: Option<[f32; 3]>,
     #[command(flatten)]
     captions: Captions,
-    /// Plot a quantity over time beside the picture: energy, contacts, or height, speed, x, y or z of bodies, as in
-    /// height:left,right; may be repeated
+    /// Plot a quantity over time beside the picture: energy, contacts, the size of the force on the walls of gauges, as in
+    /// gauge:weight, or height, speed, x, y or z of bodies, as in height:left,right; may be repeated
     #[arg(long, value_name = "WHAT", value_parser = Plot::parse)]
     plot: Vec<Plot>,
     /// Draw without shadows and ambient occlusion

@@ -19,11 +19,13 @@ use crate::summary::Summary;
 
 mod contacts;
 mod errors;
+mod gauges;
 mod outputs;
 mod past;
 mod resume;
 mod save;
 mod tensions;
+mod trace;
 
 use outputs::{Outputs, Wanted};
 pub(crate) use past::Past;
@@ -34,14 +36,14 @@ const DEFAULT_STEPS: u64 = 1000;
 
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --save, \
+Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --gauges, --save, \
 --checkpoint) and exits with code 130. A step that takes longer than 0.8 s is abandoned: the last checkpoint and the .part files \
 stay as they are. A second Ctrl-C ends the run at once. If a step fails, --out and --trace are written up to that step if the \
 device can still be read, and the last checkpoint is left unchanged.
 
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
 everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --trace-every, --contacts, --tensions, \
---save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
+--gauges, --save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
 reported. With the same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
 those of a run that was never stopped. A checkpoint of a program that uses the library or of Python has no number of steps, so \
 it needs --steps. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
@@ -54,7 +56,10 @@ its value.
 are stable (rockfall check reports it). Everywhere else, steps and the time step are whole steps.
 
 --trace writes a line for step 0 and then for every step, with --trace-every K for every K-th step. A line counts the collisions \
-since the line before it; its contacts and overlap are those at its step, with --substeps those of the last part.
+since the line before it; its contacts and overlap are those at its step, with --substeps those of the last part. work is \
+what moving walls, conveyors and muscles have done on the bodies since the first line. In scenes with them, every step is read \
+back for it. dissipated is work minus the growth of all energies in the line, with the contact laws linear and hertz-mindlin in \
+scenes without external forces; elsewhere it is empty. It includes what the tangential springs of contacts store.
 
 The extension of a file chooses its format, in upper or lower case; an unknown one is an error. Devices such as /dev/stdout get \
 CSV. Without --every, --out writes the final state: .csv, .npz for NumPy, .vtp for ParaView. With --every K, it writes the state \
@@ -68,6 +73,11 @@ second body. Friction impulses (--set coulomb_friction=...) are not included: on
 step,time,kind,index,a,b,length,tension: kind is spring, muscle or tether; index counts springs with muscles, or tethers, from 0; a \
 and b are the indices of the spheres, with an empty b for a tether; length is in units, and tension in mass units/s², with the \
 damping, negative where the spring pushes. Rods are not in it: the model keeps their lengths without a force.
+
+--gauges writes what the @gauge lines of the scene measure, in the columns step,time,gauge,fx,fy,fz,tx,ty,tz,mass,count: for walls \
+the force of the bodies on them and its torque about the origin, for planes the mass and the number of spheres that have passed \
+since the start, along the normal minus against it. With --every K there is a line for each gauge at step 0 and then every K \
+steps, where forces and torques are means over the states after the K steps; every step is read back for them.
 
 --save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
 beginning of the scene, up to the first empty line, but no other comments. Its line @run has the time step and the integrator of \
@@ -93,7 +103,7 @@ pub(crate) struct Arguments {
     /// Write the final state of every sphere: .csv, .npz or .vtp
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the state to --out, the contacts to --contacts, and the tensions to --tensions, every K steps instead: .csv, .npz or .pvd [default: that of the scene]
+    /// Write the state to --out, the contacts to --contacts, the tensions to --tensions, and the gauges to --gauges, every K steps instead: .csv, .npz or .pvd [default: that of the scene]
     #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
     /// Write the energies and momenta of every step: .csv
@@ -108,6 +118,9 @@ pub(crate) struct Arguments {
     /// Write the length and tension of every spring, muscle and tether of the final state: .csv
     #[arg(long, value_name = "FILE")]
     tensions: Option<PathBuf>,
+    /// Write what the gauges of the scene measure in the final state, or their means over K steps every K steps: .csv
+    #[arg(long, value_name = "FILE")]
+    gauges: Option<PathBuf>,
     /// Write the final state as a scene file, with its settings: .txt
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
@@ -199,8 +212,8 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
 fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
     let wanted = arguments.wanted(loaded.scene.run.every)?;
-    let Arguments { out, trace, contacts, tensions, save, checkpoint, .. } = arguments;
-    for file in [out, trace, contacts, tensions, save, checkpoint].into_iter().flatten() {
+    let Arguments { out, trace, contacts, tensions, gauges, save, checkpoint, .. } = arguments;
+    for file in [out, trace, contacts, tensions, gauges, save, checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
     let (comments, title) = (loaded.comments, loaded.title.clone());
@@ -213,6 +226,9 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let counts = scene.counts();
     if arguments.tensions.is_some() && counts.springs + counts.tethers == 0 {
         output::note(&format!("note: --tensions: {}", output::NO_LINKS));
+    }
+    if arguments.gauges.is_some() && scene.gauges().is_empty() {
+        output::note("note: --gauges: the scene has no gauges (a line `@gauge name=N wall=NAME` adds one)");
     }
     let mut outputs = Outputs::open(wanted, None)?;
     let mut options = arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going);
@@ -229,7 +245,7 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
 impl Arguments {
     /// Output files from the arguments. `every` is the number of steps between two frames that the scene has.
     fn wanted(&self, every: Option<u64>) -> Result<Wanted, Failure> {
-        let has_frames = self.out.is_some() || self.contacts.is_some() || self.tensions.is_some();
+        let has_frames = [&self.out, &self.contacts, &self.tensions, &self.gauges].into_iter().any(Option::is_some);
         let every = self.every.or(every.filter(|_| has_frames));
         // Without --every, a .pvd file has an error of its own.
         let of_states = |path: &Option<PathBuf>| {
@@ -240,6 +256,7 @@ impl Arguments {
             ("--out", &self.out, of_states(&self.out)),
             ("--contacts", &self.contacts, of_states(&self.contacts)),
             ("--tensions", &self.tensions, files::TENSIONS),
+            ("--gauges", &self.gauges, files::GAUGES),
             ("--trace", &self.trace, files::TRACE),
             ("--save", &self.save, files::SCENE),
             ("--checkpoint", &self.checkpoint, files::CHECKPOINT),
@@ -253,6 +270,7 @@ impl Arguments {
             trace_every: self.trace_every,
             contacts: self.contacts.clone(),
             tensions: self.tensions.clone(),
+            gauges: self.gauges.clone(),
             save: self.save.clone(),
             checkpoint: self.checkpoint.clone(),
             checkpoint_every: self.checkpoint_every,
@@ -274,8 +292,8 @@ fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
     interrupt.leaves(run.outputs.left());
     while result.is_ok() && !interrupt.is_requested() && done(run) < run.past.steps {
         let chunk = run.outputs.steps_from(done(run), progress.chunk());
-        let moved = run.simulation.run(chunk.saturating_mul(parts), run.past.part());
-        result = moved.map(drop).map_err(|error| Failure::of(run.past.in_steps(error), run.simulation.scene()));
+        let moved = run.outputs.advance(&mut run.simulation, chunk.saturating_mul(parts), run.past.part());
+        result = moved.map_err(|error| Failure::of(run.past.in_steps(error), run.simulation.scene()));
         run.past.seconds = seconds + start.elapsed().as_secs_f64();
         result = result.and_then(|()| run.outputs.after_step(&mut run.simulation, &mut run.past));
         interrupt.leaves(run.outputs.left());

@@ -23,6 +23,7 @@ use crate::options::{Engine, Physics};
 use crate::render::camera::Named;
 use crate::render::captions::Captions;
 use crate::render::colours::{self, Paint};
+use crate::render::plots::check_gauges;
 use crate::run::Given;
 use crate::source::Source;
 
@@ -47,8 +48,8 @@ pub(crate) struct Arguments {
     /// repeated
     #[arg(long, value_name = "WHAT=COLOUR", value_parser = colours::paint)]
     colour: Vec<Paint>,
-    /// Plot the energies, which the panel always has, or height and speed of bodies over time, as in height:left,right; may be
-    /// repeated
+    /// Plot the energies or the forces on walls, as in gauge:weight, which the panel always has, or height and speed of bodies over
+    /// time, as in height:left,right; may be repeated
     #[arg(long, value_name = "WHAT", value_parser = plot)]
     plot: Vec<Plot>,
     #[command(flatten)]
@@ -137,8 +138,8 @@ fn prepare(paints: Vec<Paint>) -> Prepare {
 fn plot(text: &str) -> Result<Plot, String> {
     let plot = Plot::parse(text)?;
     match plot.quantity() {
-        Quantity::Energy | Quantity::Height | Quantity::Speed => Ok(plot),
-        other => Err(format!("the window does not plot {}, expected energy, height or speed", other.name())),
+        Quantity::Energy | Quantity::Height | Quantity::Speed | Quantity::Gauge => Ok(plot),
+        other => Err(format!("the window does not plot {}, expected energy, height, speed or gauge", other.name())),
     }
 }
 
@@ -173,6 +174,9 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
     }
     if let Some(followed) = &arguments.follow {
         followed.of(&scene, "--follow")?;
+    }
+    for plot in &arguments.plot {
+        check_gauges(plot, playback.is_some(), &scene)?;
     }
     let plotted = plotted(&arguments.plot)?;
     for body in &plotted {

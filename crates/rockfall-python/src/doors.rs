@@ -6,7 +6,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use rockfall::glam::Vec3;
 use rockfall::{
-    BoxId, Capsule, CapsuleId, Cuboid, Facets, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Pair, Polygon,
+    BoxId, Capsule, CapsuleId, Cuboid, Facets, Gauge, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Pair, Polygon,
     PolygonId, Result, Rod, RodId, Settings, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
 
@@ -85,6 +85,7 @@ doors! {
     set_tag(id: ObjectId, tag: Tag) -> ();
     add_mesh(mesh: &Mesh, with: &dyn Fn(Polygon) -> Polygon) -> Facets;
     add_motion(motion: Motion) -> MotionId;
+    add_gauge(gauge: Gauge) -> ();
     update_motion(id: MotionId, change: Change<Motion>) -> ();
     set_motion(id: ObjectId, motion: Option<MotionId>) -> ();
     set_surface_velocity(id: ObjectId, velocity: Vec3) -> ();

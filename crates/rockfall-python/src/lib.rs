@@ -10,6 +10,7 @@ mod evolve;
 mod fields;
 mod film;
 mod fork;
+mod gauges;
 mod ids;
 mod laws;
 mod materials;
@@ -55,6 +56,8 @@ mod _rockfall {
     use crate::materials::{add_material, materials, pair, set_pair, update_material};
     #[pymodule_export]
     use crate::meshes::add_mesh;
+    #[pymodule_export]
+    use crate::gauges::{add_gauge, gauges};
     #[pymodule_export]
     use crate::motions::{add_motion, follow, go_on, motions, set_surface_velocity, wall_load};
     #[pymodule_export]

@@ -122,7 +122,12 @@ impl Look {
             Err(_) => named(scene, name).map_err(|error| PyKeyError::new_err(format!("plot: {error}"))),
         };
         let plot = |text: &String| Plot::parse(text).map_err(|error| PyValueError::new_err(format!("plot: {error}")));
-        self.plot.iter().map(|text| plot(text)?.of(scene, find)).collect()
+        let graph = |text: &String| {
+            let plot = plot(text)?;
+            plot.check_gauges(scene).map_err(|error| PyKeyError::new_err(format!("plot: {error}")))?;
+            plot.of(scene, find)
+        };
+        self.plot.iter().map(graph).collect()
     }
 
     /// The camera for the state of a simulation.

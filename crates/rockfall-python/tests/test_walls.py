@@ -114,6 +114,37 @@ def test_wrong_walls_name_what_was_expected(tmp_path: Path) -> None:
     assert scene.counts.polygons == 0
 
 
+def test_gauges() -> None:
+    scene = rf.Scene()
+    scene.settings.gravity = 10.0
+    scene.add_box((-1, -1, -1), (1, 0, 1), name="floor")
+    scene.add_spheres([(0.3, 0.1, 0), (-0.5, 0.1, 0), (5, 1.5, 0)], 0.1, mass=[1.0, 2.0, 4.0])
+    scene.add_gauge("weight", wall="floor")
+    scene.add_gauge("down", plane=((0, 1, 0), (0, -1, 0)))
+    assert "@gauge name=weight wall=floor\n@gauge name=down plane=0,1,0,0,-1,0" in scene.to_text()
+    sim = rf.Simulation(scene, dt=0.005, backend="cpu")
+    assert sim.gauges["down"] == rf.PlaneFlow(0.0, 0)
+    sim.run(2000)
+    weight, down = sim.gauges["weight"], sim.gauges["down"]
+    assert isinstance(weight, rf.WallLoad)
+    np.testing.assert_allclose(weight.force, (0, -30, 0), atol=0.1)
+    assert weight.contacts == 2
+    assert down == rf.PlaneFlow(4.0, 1)
+    sim.add_gauge("later", plane=((0, 1, 0), (0, -1, 0)))
+    copy = sim.copy()
+    assert list(copy.gauges) == ["weight", "down", "later"]
+    assert (copy.gauges["down"], copy.gauges["later"]) == (down, rf.PlaneFlow(0.0, 0))
+    for wrong in ({}, {"wall": "floor", "plane": ((0, 0, 0), (1, 0, 0))}):
+        with pytest.raises(TypeError, match="one of them"):
+            scene.add_gauge("a", **wrong)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="flor"):
+        scene.add_gauge("a", wall="flor")
+    with pytest.raises(ValueError, match="plane"):
+        scene.add_gauge("a", plane=((0, 0, 0), (0, 0, 0)))
+    with pytest.raises(ValueError, match="weight"):
+        scene.add_gauge("weight", wall="floor")
+
+
 def test_a_floor_bears_the_weight() -> None:
     scene = rf.Scene()
     scene.settings.gravity = 9.81

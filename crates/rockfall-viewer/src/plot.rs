@@ -1,7 +1,7 @@
 //! Plots of quantities over time beside pictures, and the names of the quantities.
 
 use rockfall::glam::Vec3;
-use rockfall::{Body, Energy, ObjectId, Result, Scene, Simulation, SphereId};
+use rockfall::{Body, Energy, Gauge, GaugeReading, Gauged, ObjectId, Result, Scene, Simulation, SphereId};
 
 use crate::palette::Rgb;
 
@@ -48,11 +48,14 @@ pub enum Quantity {
     Height,
     /// The speed of bodies.
     Speed,
+    /// The size of the force on the walls of gauges.
+    Gauge,
 }
 
 impl Quantity {
     /// All values.
-    pub const ALL: [Self; 7] = [Self::Energy, Self::Contacts, Self::X, Self::Y, Self::Z, Self::Height, Self::Speed];
+    pub const ALL: [Self; 8] =
+        [Self::Energy, Self::Contacts, Self::X, Self::Y, Self::Z, Self::Height, Self::Speed, Self::Gauge];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
@@ -64,6 +67,7 @@ impl Quantity {
             Self::Z => "z",
             Self::Height => "height",
             Self::Speed => "speed",
+            Self::Gauge => "gauge",
         }
     }
 
@@ -74,15 +78,16 @@ impl Quantity {
             Self::Contacts => "",
             Self::X | Self::Y | Self::Z | Self::Height => "units",
             Self::Speed => "units/s",
+            Self::Gauge => "mass units/s²",
         }
     }
 
     /// Whether bodies have it, and not the scene as a whole.
     pub fn is_of_bodies(self) -> bool {
-        !matches!(self, Self::Energy | Self::Contacts)
+        !matches!(self, Self::Energy | Self::Contacts | Self::Gauge)
     }
 
-    /// The value of a body at a place with a velocity, where `up` is the unit vector against gravity. NaN for quantities of scenes.
+    /// The value of a body at a place with a velocity, where `up` is the unit vector against gravity. NaN for other quantities.
     pub(crate) fn of_body(self, (place, velocity): (Vec3, Vec3), up: Vec3) -> f32 {
         match self {
             Self::X => place.x,
@@ -90,16 +95,17 @@ impl Quantity {
             Self::Z => place.z,
             Self::Height => place.dot(up),
             Self::Speed => velocity.length(),
-            Self::Energy | Self::Contacts => f32::NAN,
+            Self::Energy | Self::Contacts | Self::Gauge => f32::NAN,
         }
     }
 }
 
-/// A plot that was asked for: a quantity, and the names or numbers of the bodies.
+/// A plot that was asked for: a quantity, and the names or numbers of the bodies, or the names of gauges.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plot {
     quantity: Quantity,
-    bodies: Vec<String>,
+    /// Bodies or gauges.
+    names: Vec<String>,
 }
 
 impl Plot {
@@ -108,21 +114,24 @@ impl Plot {
     /// # Errors
     /// A text that says what was expected.
     pub fn parse(text: &str) -> std::result::Result<Self, String> {
-        let (name, bodies) = text.split_once(':').map_or((text, None), |(name, bodies)| (name, Some(bodies)));
+        let (name, names) = text.split_once(':').map_or((text, None), |(name, names)| (name, Some(names)));
         let known = || Quantity::ALL.map(Quantity::name).join(", ");
         let found = Quantity::ALL.into_iter().find(|quantity| quantity.name() == name);
         let quantity = found.ok_or_else(|| format!("{name} is not known, expected one of: {}", known()))?;
-        let bodies: Vec<String> = bodies.map_or_else(Vec::new, |all| all.split(',').map(|one| one.trim().to_owned()).collect());
-        if bodies.iter().any(String::is_empty) || quantity.is_of_bodies() == bodies.is_empty() {
-            return Err(match quantity.is_of_bodies() {
-                true => format!("expected names or numbers of bodies, as in {name}:left,right or {name}:3"),
-                false => format!("{name} is that of the whole scene, expected no bodies"),
+        let names: Vec<String> = names.map_or_else(Vec::new, |all| all.split(',').map(|one| one.trim().to_owned()).collect());
+        let has_names = quantity.is_of_bodies() || quantity == Quantity::Gauge;
+        if names.iter().any(String::is_empty) || has_names == names.is_empty() {
+            return Err(match quantity {
+                Quantity::Gauge => "expected names of gauges, as in gauge:weight".to_owned(),
+                _ if has_names => format!("expected names or numbers of bodies, as in {name}:left,right or {name}:3"),
+                _ => format!("{name} is that of the whole scene, expected no bodies"),
             });
         }
-        if bodies.len() > COLOURS.len() {
-            return Err(format!("expected at most {} bodies, got {}", COLOURS.len(), bodies.len()));
+        if names.len() > COLOURS.len() {
+            let what = if quantity == Quantity::Gauge { "gauges" } else { "bodies" };
+            return Err(format!("expected at most {} {what}, got {}", COLOURS.len(), names.len()));
         }
-        Ok(Self { quantity, bodies })
+        Ok(Self { quantity, names })
     }
 
     /// The quantity that the plot shows.
@@ -130,9 +139,29 @@ impl Plot {
         self.quantity
     }
 
-    /// The names or numbers of the bodies; none for a quantity of the whole scene.
+    /// The names or numbers of the bodies; none for other quantities.
     pub fn bodies(&self) -> &[String] {
-        &self.bodies
+        if self.quantity.is_of_bodies() { &self.names } else { &[] }
+    }
+
+    /// Checks that a scene has the gauges, and that they are those of walls.
+    ///
+    /// # Errors
+    /// A text that says what was expected.
+    pub fn check_gauges(&self, scene: &Scene) -> std::result::Result<(), String> {
+        let names = if self.quantity == Quantity::Gauge { self.names.as_slice() } else { &[] };
+        for name in names {
+            match scene.gauges().iter().find(|gauge| gauge.name == *name) {
+                Some(Gauge { of: Gauged::Wall(_), .. }) => {}
+                Some(_) => return Err(format!("gauge:{name}: the gauge of a plane, expected that of a wall")),
+                None if scene.gauges().is_empty() => return Err(format!("gauge:{name}: the scene has no gauges")),
+                None => {
+                    let known: Vec<&str> = scene.gauges().iter().map(|gauge| gauge.name.as_str()).collect();
+                    return Err(format!("gauge:{name}: unknown, expected one of {}", known.join(", ")));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Finds the bodies; `find` returns the sphere that a name or a number means.
@@ -144,7 +173,8 @@ impl Plot {
         scene: &Scene,
         find: impl FnMut(&str) -> std::result::Result<SphereId, E>,
     ) -> std::result::Result<Graph, E> {
-        let spheres: Vec<SphereId> = self.bodies.iter().map(String::as_str).map(find).collect::<std::result::Result<_, E>>()?;
+        let spheres: Vec<SphereId> =
+            self.bodies().iter().map(String::as_str).map(find).collect::<std::result::Result<_, E>>()?;
         let lines = match self.quantity {
             Quantity::Energy => {
                 let has_springs = scene.counts().springs + scene.counts().tethers > 0;
@@ -152,7 +182,7 @@ impl Plot {
                 shown.map(|(name, colour)| (name.to_owned(), colour)).collect()
             }
             Quantity::Contacts => vec![(String::new(), COLOURS[0])],
-            _ => self.bodies.iter().cloned().zip(COLOURS).collect(),
+            _ => self.names.iter().cloned().zip(COLOURS).collect(),
         };
         let bodies = spheres.into_iter().map(|sphere| whole(scene, Body::Sphere(sphere))).collect();
         Ok(Graph { quantity: self.quantity, bodies, lines })
@@ -169,7 +199,7 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// The present value of every line; NaN for a body that was removed.
+    /// The present value of every line; NaN for a body that was removed and for a gauge that is not there.
     fn values(&self, simulation: &mut Simulation) -> Result<Vec<f64>> {
         Ok(match self.quantity {
             Quantity::Energy => {
@@ -178,6 +208,11 @@ impl Graph {
                 all.filter(|((name, _), _)| is_shown(name)).map(|(_, value)| value).collect()
             }
             Quantity::Contacts => vec![simulation.contacts()?.len() as f64],
+            Quantity::Gauge => {
+                let forces = gauge_forces(simulation)?;
+                let force = |name: &str| forces.iter().find(|(known, _)| known == name).map_or(f64::NAN, |(_, force)| *force);
+                self.lines.iter().map(|(name, _)| force(name)).collect()
+            }
             quantity => {
                 let scene = simulation.sync()?;
                 let up = up(scene);
@@ -186,6 +221,17 @@ impl Graph {
             }
         })
     }
+}
+
+/// The names of the gauges of walls, and the sizes of the forces that they measure.
+pub(crate) fn gauge_forces(simulation: &mut Simulation) -> Result<Vec<(String, f64)>> {
+    let readings = simulation.gauges()?;
+    let gauges = simulation.scene().gauges().iter().zip(readings);
+    let force = |(gauge, reading): (&Gauge, GaugeReading)| match reading {
+        GaugeReading::Wall(load) => Some((gauge.name.clone(), load.force.length())),
+        _ => None,
+    };
+    Ok(gauges.filter_map(force).collect())
 }
 
 /// The sphere that the name of a body means: of several objects with the name, the first sphere, or else the first end of a rod or a

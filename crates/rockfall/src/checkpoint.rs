@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels |
+//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; gauges; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one |
 //! | 4 | CRC-32 of all bytes before |
@@ -27,8 +27,9 @@ use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::output::AtomicFile;
 use crate::report::Report;
-use crate::scene::{AnyId, Scene};
+use crate::scene::{AnyId, Front, Scene};
 
+mod gauges;
 mod head;
 mod laws;
 mod motions;
@@ -76,6 +77,8 @@ pub struct Checkpoint {
     pub(crate) history: History,
     /// The tangential springs of contacts, for laws with history.
     pub(crate) springs: Vec<KeptSpring>,
+    /// For every gauge, what was in front of its plane at the start, changed by edits since.
+    pub(crate) fronts: Vec<Front>,
     /// The force laws, for a checkpoint from a file.
     pub(crate) kept_laws: Vec<KeptLaw>,
     /// The contact law of the program, for a checkpoint from a file.

@@ -11,6 +11,7 @@ mod bonded;
 mod checks;
 mod colour;
 mod contact_law;
+mod gauge;
 mod look;
 mod materials;
 mod mesh;
@@ -36,6 +37,8 @@ pub(crate) use checks::finite;
 pub use colour::Colour;
 pub(crate) use colour::is_hexadecimal;
 pub(crate) use contact_law::{Dampings, TANGENTIAL_RATIO};
+pub(crate) use gauge::Front;
+pub use gauge::{Gauge, Gauged};
 pub use look::Look;
 pub(crate) use materials::Pairs;
 pub use materials::{CohesionModel, MAX_MATERIALS, Material, MaterialId, Pair, RollingModel};
@@ -43,6 +46,7 @@ pub use mesh::Facets;
 pub use motion::{Motion, MotionId, MotionTerm};
 pub use muscle::Muscle;
 pub use objects::{Capsule, CapsuleId, CapsuleParts, Rod, RodId, Sphere, SphereId, Spring, SpringId, Tether, TetherId};
+pub(crate) use pose::Pose;
 pub(crate) use references::References;
 pub use registry::Handle;
 pub(crate) use registry::Registry;
@@ -68,6 +72,7 @@ pub struct Scene {
     pub(crate) boxes: Registry<Cuboid>,
     pub(crate) polygons: Registry<Polygon>,
     pub(crate) motions: Registry<Motion>,
+    pub(crate) gauges: Vec<Gauge>,
     pub(crate) materials: Registry<Material>,
     pub(crate) pairs: Pairs,
     pub(crate) periodic: [Option<[f32; 2]>; 3],
@@ -116,6 +121,7 @@ impl Scene {
             boxes: Registry::new(number, "box"),
             polygons: Registry::new(number, "polygon"),
             motions: Registry::new(number, "motion"),
+            gauges: Vec::new(),
             materials: Registry::new(number, "material"),
             pairs: Pairs::new(),
             periodic: [None; 3],

@@ -29,10 +29,12 @@ mod engine;
 #[cfg(feature = "gpu")]
 mod exchange;
 mod flight;
+mod flow;
 mod force_laws;
 mod gauge;
 mod keep;
 mod lists;
+mod meter;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(crate) mod mirror;
 pub(crate) mod observe;
@@ -53,8 +55,10 @@ pub use contact_springs::ContactSprings;
 use edit::Dirty;
 use engine::Engine;
 use flight::Portioning;
-pub use gauge::WallLoad;
+use flow::Flow;
+pub use gauge::{GaugeReading, WallLoad};
 use lists::ListPolicy;
+pub use meter::Meter;
 pub use observe::{Contact, ContactAction, MaxOverlap, SphereDiagnostics};
 use order::Disorder;
 pub use ray::RayHit;
@@ -80,6 +84,8 @@ pub struct Simulation {
     packed: Vec<SphereId>,
     /// Handles of all objects at that time, by number; empty with the law of the thesis.
     packed_ids: Vec<AnyId>,
+    /// What passed the planes of gauges.
+    flow: Flow,
     disorder: Disorder,
     /// Number of times that the scene was packed or its memory was sorted.
     packings: u64,
@@ -185,6 +191,7 @@ impl Simulation {
         Self {
             packed: scene.sphere_ids().collect(),
             packed_ids: ids_of(&scene),
+            flow: Flow::start(&scene),
             disorder: Disorder::default(),
             packings: 1,
             status: world.status,

@@ -18,6 +18,7 @@ use crate::interrupt::Interrupt;
 use crate::options::counted;
 use crate::output;
 use crate::progress::Progress;
+use crate::render::plots::check_gauges;
 
 /// Quality of a JPEG file, from 1 to 100: no artefacts that the eye sees at the edges of bodies.
 const JPEG_QUALITY: u8 = 92;
@@ -49,6 +50,9 @@ impl Studio {
         renderer.set_overlay(&overlay);
         let scene = footage.simulation().scene();
         let find = |name: &str| Named::parse(name).map_err(Failure::usage)?.of(scene, "--plot");
+        for plot in &arguments.plot {
+            check_gauges(plot, is_recorded, scene)?;
+        }
         let graphs: Result<_, Failure> = arguments.plot.iter().map(|plot| plot.of(scene, find)).collect();
         renderer.set_plots(graphs?);
         Ok(Self { footage, renderer, canvas, style, overlay, interrupt })

@@ -1,23 +1,21 @@
 //! Files that a run writes: the final state or a trajectory, the trace, and checkpoints that refer to both.
 
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use rockfall::output::{AtomicFile, Mark};
-use rockfall::{Error, Report, Simulation};
-use rockfall_trajectory::csv::{self, numbers};
+use rockfall::{Meter, Simulation};
+use rockfall_trajectory::csv;
 use rockfall_trajectory::{Format, Frame, Writer, vtp};
 
 use super::contacts::ContactsFile;
 use super::errors::{lost, written};
-use super::past::{Past, PastFile, whole};
+use super::gauges::GaugesFile;
+use super::past::{Metered, Past, PastFile, whole};
 use super::save;
 use super::tensions::TensionsFile;
+use super::trace::TraceFile;
 use crate::failure::Failure;
 use crate::output;
-
-const TRACE_HEADER: &str = "step,time,kinetic,potential,spring,contact,momentum_x,momentum_y,momentum_z,\
-                            angular_x,angular_y,angular_z,max_overlap,contacts,collisions";
 
 /// Output files requested by the command line or by the run that is resumed.
 #[derive(Debug, Default)]
@@ -28,6 +26,7 @@ pub(crate) struct Wanted {
     pub(crate) trace_every: Option<u64>,
     pub(crate) contacts: Option<PathBuf>,
     pub(crate) tensions: Option<PathBuf>,
+    pub(crate) gauges: Option<PathBuf>,
     pub(crate) save: Option<PathBuf>,
     pub(crate) checkpoint: Option<PathBuf>,
     pub(crate) checkpoint_every: Option<u64>,
@@ -45,6 +44,7 @@ impl Wanted {
             ("--out", &out),
             ("--contacts", &contacts),
             ("--tensions", &self.tensions),
+            ("--gauges", &self.gauges),
             ("--trace", &self.trace),
             ("--save", &self.save),
             ("--checkpoint", &self.checkpoint),
@@ -55,8 +55,10 @@ impl Wanted {
                 return Err(Failure::usage(format!("{other} and {one} name the same file")));
             }
         }
-        if self.every.is_some() && [&self.out, &self.contacts, &self.tensions].into_iter().all(Option::is_none) {
-            let message = "--every needs a file to write to: expected --out FILE, --contacts FILE or --tensions FILE";
+        let files = [&self.out, &self.contacts, &self.tensions, &self.gauges];
+        if self.every.is_some() && files.into_iter().all(Option::is_none) {
+            let message =
+                "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE or --gauges FILE";
             return Err(Failure::usage(message));
         }
         if self.trace_every.is_some() && self.trace.is_none() {
@@ -88,33 +90,33 @@ enum Out {
 /// Open output files. They are opened before the run, so that a bad path fails at once.
 pub(crate) struct Outputs {
     out: Option<Out>,
-    trace: Option<(PathBuf, AtomicFile)>,
-    /// Steps between two lines of the trace; every step if it is not given.
-    trace_every: Option<u64>,
+    trace: Option<TraceFile>,
     contacts: Option<ContactsFile>,
     tensions: Option<TensionsFile>,
+    gauges: Option<GaugesFile>,
     save: Option<(PathBuf, AtomicFile)>,
     checkpoint: Option<PathBuf>,
     checkpoint_every: Option<u64>,
-    /// Whether the trace, the trajectory, the contacts and the tensions are new, and need their first line and frame.
-    is_new: [bool; 4],
+    /// Sums over steps, for the trace and the gauges.
+    meter: Meter,
+    /// Whether the trajectory, the contacts and the tensions are new, and need their first frame.
+    is_new: [bool; 3],
     /// The step of the last checkpoint.
     saved_at: Option<u64>,
-    /// Total number of collisions up to the last line of the trace, once it is known.
-    collisions: Option<u64>,
 }
 
 impl Outputs {
     /// Opens the files. A file that the earlier run `past` had begun is continued.
     pub(crate) fn open(wanted: Wanted, past: Option<&Past>) -> Result<Self, Failure> {
-        let Wanted { out, every, trace, trace_every, contacts, tensions, save, checkpoint, checkpoint_every } = wanted;
+        let Wanted { out, every, trace, trace_every, contacts, tensions, gauges, save, checkpoint, checkpoint_every } = wanted;
         let marked = |path: &Path, past: Option<&PastFile>| -> Option<Mark> {
             past.filter(|past| past.path == whole(path)).and_then(PastFile::mark)
         };
         let out_mark = out.as_deref().and_then(|path| marked(path, past.and_then(|past| past.out.as_ref())));
         let contacts_mark = contacts.as_deref().and_then(|path| marked(path, past.and_then(|past| past.contacts.as_ref())));
         let tensions_mark = tensions.as_deref().and_then(|path| marked(path, past.and_then(|past| past.tensions.as_ref())));
-        let continues = out_mark.is_some() || contacts_mark.is_some() || tensions_mark.is_some();
+        let gauges_mark = gauges.as_deref().and_then(|path| marked(path, past.and_then(|past| past.gauges.as_ref())));
+        let continues = [out_mark, contacts_mark, tensions_mark, gauges_mark].iter().any(Option::is_some);
         if let Some(begun) = past.and_then(|past| past.every).filter(|begun| continues && every != Some(*begun)) {
             let message = "omit --every, or give another --out";
             return Err(Failure::usage(format!("--every: the existing frames were written with --every {begun}; {message}")));
@@ -127,34 +129,34 @@ impl Outputs {
                 "--trace-every: the existing lines were written with --trace-every {begun}; {message}"
             )));
         }
-        let collisions = past.and_then(|past| past.traced_collisions).filter(|_| trace_mark.is_some());
-        let trace = trace.map(|path| open_trace(&path, trace_mark).map(|file| (path, file))).transpose()?;
         if let Some(path) = &checkpoint {
             // Only tests that the path is writable: every checkpoint is written as a new file.
             AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?.discard();
         }
         Ok(Self {
             out: out.map(|path| Out::open(path, every, out_mark)).transpose()?,
-            trace,
-            trace_every,
+            trace: trace.map(|path| TraceFile::open(path, trace_every, trace_mark, past)).transpose()?,
             contacts: contacts.map(|path| ContactsFile::open(path, every, contacts_mark)).transpose()?,
             tensions: tensions.map(|path| TensionsFile::open(path, every, tensions_mark)).transpose()?,
+            gauges: gauges.map(|path| GaugesFile::open(path, every, gauges_mark)).transpose()?,
             save: save.map(|path| save::open(&path).map(|file| (path, file))).transpose()?,
             checkpoint,
             checkpoint_every,
-            is_new: [trace_mark.is_none(), out_mark.is_none(), contacts_mark.is_none(), tensions_mark.is_none()],
+            meter: Meter::default(),
+            is_new: [out_mark, contacts_mark, tensions_mark].map(|mark| mark.is_none()),
             saved_at: None,
-            collisions,
         })
     }
 
     /// Writes the header of a new trace, and the state before the first step to a new trace and trajectory.
     pub(crate) fn begin(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
-        self.collisions.get_or_insert(simulation.report().total_collisions);
-        let [trace, frames, contacts, tensions] = self.is_new;
-        if let Some((path, file)) = self.trace.as_mut().filter(|_| trace) {
-            writeln!(file, "{TRACE_HEADER}").map_err(|error| Failure::file(path, &error))?;
-            self.trace(simulation, past)?;
+        self.begin_meter(simulation, past);
+        let [frames, contacts, tensions] = self.is_new;
+        if let Some(trace) = &mut self.trace {
+            trace.begin(simulation, past, &self.meter)?;
+        }
+        if let Some(gauges) = &mut self.gauges {
+            gauges.begin(simulation, past)?;
         }
         let step = past.step(simulation.report().steps);
         if let Some(Out::Frames(_, writer, _)) = self.out.as_mut().filter(|_| frames) {
@@ -169,24 +171,43 @@ impl Outputs {
         }
     }
 
+    /// Begins the sums over steps, or continues those of files that the earlier run had begun.
+    fn begin_meter(&mut self, simulation: &Simulation, past: &Past) {
+        let has_means = self.gauges.as_ref().is_some_and(|gauges| gauges.every().is_some());
+        self.meter = Meter::new(simulation.scene(), has_means, self.trace.is_some());
+        let Some(metered) = &past.metered else { return };
+        if self.trace.as_ref().is_some_and(|trace| !trace.is_new()) {
+            self.meter.work = metered.work();
+        }
+        if self.gauges.as_ref().is_some_and(|gauges| !gauges.is_new()) {
+            metered.put_loads(&mut self.meter);
+        }
+    }
+
+    /// Runs steps of the simulation, and adds them to the sums that the files need.
+    pub(crate) fn advance(&mut self, simulation: &mut Simulation, steps: u64, dt: f32) -> rockfall::Result<()> {
+        simulation.run_metered(steps, dt, &mut self.meter)
+    }
+
     /// Number of steps from `step` until an output is due, at most `most`.
     pub(crate) fn steps_from(&self, step: u64, most: u64) -> u64 {
         let every = match &self.out {
             Some(Out::Frames(_, _, every)) => Some(*every),
             _ => None,
         };
-        let trace = self.trace.as_ref().map(|_| self.trace_every.unwrap_or(1));
+        let trace = self.trace.as_ref().map(TraceFile::every);
+        let gauges = self.gauges.as_ref().and_then(GaugesFile::every);
         let until = |every: u64| every - step % every;
         let contacts = self.contacts.as_ref().and_then(ContactsFile::every);
         let tensions = self.tensions.as_ref().and_then(TensionsFile::every);
-        [every, trace, contacts, tensions, self.checkpoint_every].into_iter().flatten().map(until).fold(most, u64::min)
+        [every, trace, contacts, tensions, gauges, self.checkpoint_every].into_iter().flatten().map(until).fold(most, u64::min)
     }
 
     /// Writes the outputs that are due after a step.
     pub(crate) fn after_step(&mut self, simulation: &mut Simulation, past: &mut Past) -> Result<(), Failure> {
         let step = past.step(simulation.report().steps);
-        if step.is_multiple_of(self.trace_every.unwrap_or(1)) {
-            self.trace(simulation, past)?;
+        if let Some(trace) = &mut self.trace {
+            trace.after_step(simulation, past, &self.meter, step)?;
         }
         if let Some(Out::Frames(_, writer, every)) = &mut self.out
             && step.is_multiple_of(*every)
@@ -199,32 +220,13 @@ impl Outputs {
         if let Some(file) = &mut self.tensions {
             file.after_step(simulation, past, step)?;
         }
+        if let Some(file) = &mut self.gauges {
+            file.after_step(simulation, past, &mut self.meter, step)?;
+        }
         match self.checkpoint_every {
             Some(every) if step.is_multiple_of(every) => self.save(simulation, past),
             _ => Ok(()),
         }
-    }
-
-    /// Writes the line of the current state to the trace.
-    fn trace(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
-        let Some((path, file)) = &mut self.trace else { return Ok(()) };
-        let energy = simulation.energy()?;
-        let report: Report = simulation.report();
-        let before = self.collisions.replace(report.total_collisions).unwrap_or_default();
-        let collisions = report.total_collisions.saturating_sub(before);
-        let mut write = || {
-            let step = past.step(report.steps);
-            write!(file, "{step}")?;
-            let energies = [energy.kinetic, energy.potential, energy.spring, energy.contact];
-            numbers(file, &[past.time(step)])?;
-            // Adding 0 turns -0, the value of an empty sum, into 0.
-            numbers(file, &energies.map(|energy| energy + 0.0))?;
-            numbers(file, &(energy.momentum + 0.0).to_array())?;
-            numbers(file, &(energy.angular_momentum + 0.0).to_array())?;
-            numbers(file, &[report.max_overlap])?;
-            writeln!(file, ",{},{collisions}", report.contacts)
-        };
-        write().map_err(|error: io::Error| Failure::file(path, &error))
     }
 
     /// Writes a checkpoint, unless one of this step has been written.
@@ -236,14 +238,11 @@ impl Outputs {
             Some(Out::State(path, _) | Out::LastFrame(path, _)) => (Some(PastFile::new(whole(path), None)), None),
             None => (None, None),
         };
-        past.trace = match &mut self.trace {
-            Some((path, file)) => {
-                let mark = file.mark().map_err(|error| Failure::file(path, &error))?;
-                Some(PastFile::new(whole(path), mark))
-            }
-            None => None,
-        };
-        (past.trace_every, past.traced_collisions) = (self.trace_every, self.collisions);
+        (past.trace, past.trace_every, past.traced_collisions, past.traced_energy) = (None, None, None, None);
+        if let Some(trace) = &mut self.trace {
+            trace.put(past)?;
+        }
+        past.metered = (self.trace.is_some() || self.gauges.is_some()).then(|| Metered::of(&self.meter));
         if let Some(file) = &mut self.contacts {
             past.contacts = Some(file.as_past()?);
             past.every = past.every.or(file.every());
@@ -252,6 +251,8 @@ impl Outputs {
         }
         past.tensions = self.tensions.as_mut().map(TensionsFile::as_past).transpose()?;
         past.every = past.every.or_else(|| self.tensions.as_ref()?.every());
+        past.gauges = self.gauges.as_mut().map(GaugesFile::as_past).transpose()?;
+        past.every = past.every.or_else(|| self.gauges.as_ref()?.every());
         past.save = self.save.as_ref().map(|(path, _)| whole(path));
         past.checkpoint_every = self.checkpoint_every;
         let mut checkpoint = simulation.checkpoint()?;
@@ -271,9 +272,8 @@ impl Outputs {
             Err(failure) if first.is_ok() => first = Err(failure),
             Err(failure) => drop(output::report(failure)),
         };
-        if let Some((path, file)) = self.trace {
-            let result = file.commit().map_err(|error| Failure::file(&path, &error));
-            note(path, result);
+        if let Some(file) = self.trace {
+            note(file.path().to_owned(), file.finish());
         }
         match self.out {
             Some(Out::State(path, file)) => {
@@ -293,6 +293,9 @@ impl Outputs {
             note(file.path().to_owned(), file.finish(simulation, past));
         }
         if let Some(file) = self.tensions {
+            note(file.path().to_owned(), file.finish(simulation, past));
+        }
+        if let Some(file) = self.gauges {
             note(file.path().to_owned(), file.finish(simulation, past));
         }
         if let Some((path, file)) = self.save {
@@ -348,15 +351,6 @@ fn write_state(path: &Path, mut file: AtomicFile, simulation: &mut Simulation, p
         false => csv::state(&mut file, &frame),
     };
     write.and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))
-}
-
-fn open_trace(path: &Path, mark: Option<Mark>) -> Result<AtomicFile, Failure> {
-    match mark {
-        Some(mark) => {
-            AtomicFile::resume(path, mark).map_err(|source| lost(&Error::File { file: path.to_owned(), source }, "--trace"))
-        }
-        None => AtomicFile::create(path).map_err(|error| Failure::file(path, &error)),
-    }
 }
 
 /// Prints which files hold the results so far.

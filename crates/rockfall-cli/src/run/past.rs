@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use rockfall::glam::DVec3;
 use rockfall::output::Mark;
-use rockfall::{Energy, Error, Report, decimal_time};
+use rockfall::{Energy, Error, Meter, Report, decimal_time};
 use serde::{Deserialize, Serialize};
 
 /// Options and progress of a run. Stored as JSON in the note of a checkpoint.
@@ -35,6 +36,10 @@ pub(crate) struct Past {
     pub(crate) traced_collisions: Option<u64>,
     pub(crate) contacts: Option<PastFile>,
     pub(crate) tensions: Option<PastFile>,
+    pub(crate) gauges: Option<PastFile>,
+    /// Bits of the total energy at the first line of `trace`.
+    pub(crate) traced_energy: Option<u64>,
+    pub(crate) metered: Option<Metered>,
     /// Scene file that is written at the end, as an absolute path.
     pub(crate) save: Option<PathBuf>,
     pub(crate) checkpoint_every: Option<u64>,
@@ -55,6 +60,41 @@ pub(crate) struct PastFile {
     pub(crate) path: PathBuf,
     bytes: Option<u64>,
     crc32: u32,
+}
+
+/// The sums of a [`Meter`], as the bits of their numbers.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Metered {
+    work: u64,
+    steps: u64,
+    /// Force and torque of every gauge.
+    loads: Vec<[u64; 6]>,
+}
+
+impl Metered {
+    pub(super) fn of(meter: &Meter) -> Self {
+        let bits = |[force, torque]: &[DVec3; 2]| {
+            let [x, y, z] = force.to_array();
+            let [u, v, w] = torque.to_array();
+            [x, y, z, u, v, w].map(f64::to_bits)
+        };
+        Self { work: meter.work.to_bits(), steps: meter.steps, loads: meter.loads.iter().map(bits).collect() }
+    }
+
+    pub(super) fn work(&self) -> f64 {
+        f64::from_bits(self.work)
+    }
+
+    /// Gives a meter the sums of loads, if it has as many gauges.
+    pub(super) fn put_loads(&self, meter: &mut Meter) {
+        if self.loads.len() == meter.loads.len() {
+            meter.steps = self.steps;
+            for (sums, bits) in meter.loads.iter_mut().zip(&self.loads) {
+                let numbers = bits.map(f64::from_bits);
+                *sums = [DVec3::from_slice(&numbers), DVec3::from_slice(&numbers[3..])];
+            }
+        }
+    }
 }
 
 impl PastFile {

@@ -142,6 +142,11 @@ fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Fai
         wanted.tensions = wanted.tensions.or(before.cloned());
         wanted.every = wanted.every.or(past.every);
     }
+    let before = past.gauges.as_ref().map(|file| &file.path);
+    if wanted.gauges.as_deref().is_none_or(|gauges| Some(&whole(gauges)) == before) {
+        wanted.gauges = wanted.gauges.or(before.cloned());
+        wanted.every = wanted.every.or(past.every);
+    }
     wanted.save = wanted.save.or(past.save.clone());
     let before = past.trace.as_ref().map(|file| &file.path);
     if wanted.trace.as_deref().is_none_or(|trace| Some(&whole(trace)) == before) {

@@ -5,6 +5,7 @@ mod commands;
 mod common;
 mod evolve;
 mod full_disk;
+mod gauges;
 mod intent;
 mod keep;
 mod names;

@@ -39,7 +39,10 @@ fn wrong_names_of_the_file_are_errors() {
     for (more, expected) in [
         ("--tensions a.npz", "--tensions a.npz: unknown extension .npz, expected a name that ends in .csv"),
         ("--tensions a.csv --trace a.csv", "--tensions and --trace name the same file"),
-        ("--every 2", "--every needs a file to write to: expected --out FILE, --contacts FILE or --tensions FILE"),
+        (
+            "--every 2",
+            "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE or --gauges FILE",
+        ),
     ] {
         let (_, err) = rockfall.run(&format!("run scene.txt --backend cpu --steps 1 {more}"), 2);
         assert!(err.contains(expected), "{more}: {err}");

@@ -33,7 +33,7 @@ from rockfall._film import Film, film
 from rockfall._info import devices, info
 from rockfall._laws import ForceLaw
 from rockfall._materials import Material, Pair
-from rockfall._motions import MotionTerm, WallLoad
+from rockfall._motions import MotionTerm, PlaneFlow, WallLoad
 from rockfall._names import Named, Tag
 from rockfall._objects import Counts, Objects
 from rockfall._picture import Picture
@@ -79,6 +79,7 @@ __all__ = [
     "Overlap",
     "Pair",
     "Picture",
+    "PlaneFlow",
     "Profile",
     "Recording",
     "Report",

@@ -189,7 +189,7 @@ def film(
         Length of the trails of the spheres, in s of the simulation.
     plot : str or sequence of str
         Quantities over time beside the picture: ``"energy"``, ``"contacts"``, or height, speed, x, y or z of bodies by their names
-        or numbers, as in ``"height:left,right"``.
+        or numbers, as in ``"height:left,right"``, or the size of the force on walls by the names of gauges, as in ``"gauge:weight"``.
     on_step : callable, optional
         ``on_step(sim)`` is called after every step, for example to set forces. The steps are then run once.
     world : int, optional

@@ -59,6 +59,15 @@ class WallLoad(NamedTuple):
     contacts: int
 
 
+class PlaneFlow(NamedTuple):
+    """What has passed the plane of a gauge, along its normal minus against it. See :attr:`Simulation.gauges`."""
+
+    #: Mass of the spheres.
+    mass: float
+    #: Number of spheres.
+    count: int
+
+
 def _vector(name: str, value: npt.ArrayLike) -> list[float]:
     array = np.asarray(value, dtype=np.float64)
     if array.shape != (3,):
@@ -200,6 +209,38 @@ class Walls(Bodies):
         self._edited()
         term = motion_term(velocity, spin, axis, through, amplitude, frequency, phase, start, end)
         _rockfall.add_motion(self._native, name, term)
+
+    def add_gauge(
+        self,
+        name: str,
+        *,
+        wall: str | None = None,
+        plane: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    ) -> None:
+        """Add a gauge of the load on walls, or of the flow through a plane. It changes no result.
+
+        Parameters
+        ----------
+        name : str
+            One word that no other gauge has as its name.
+        wall : str, optional
+            Name of boxes or polygons, or of the motion that they follow.
+        plane : pair of array_like, each of shape (3,), optional
+            A point of a plane, in units, and its normal. The gauge counts spheres whose centre passes the plane along the normal, and
+            subtracts those that pass it against the normal. Fixed spheres do not count, and neither do spheres that are added, removed or
+            moved by hand. In a simulation it counts from now on.
+
+        Raises
+        ------
+        ValueError
+            For a name that is in use or not one word, an unknown wall, and a plane with numbers that are not finite or without a
+            direction.
+        """
+        if (wall is None) == (plane is None):
+            raise TypeError("wall, plane: expected one of them")
+        point, normal = (_ZERO, _Z) if plane is None else plane
+        self._edited()
+        _rockfall.add_gauge(self._native, name, wall, [*_vector("plane", point), *_vector("plane", normal)])
 
     def add_motion_table(self, name: str, times: npt.ArrayLike, displacements: npt.ArrayLike) -> None:
         """Add a translation along straight lines, each at constant speed.

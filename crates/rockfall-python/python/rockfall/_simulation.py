@@ -15,7 +15,7 @@ from rockfall._arrays import time_step, whole
 from rockfall._contact_law import ContactLaw, ContactLawOf, native_contact_law
 from rockfall._laws import ForceLaw, LawTable, native_laws
 from rockfall._look import look
-from rockfall._motions import WallLoad, motion_term
+from rockfall._motions import PlaneFlow, WallLoad, motion_term
 from rockfall._picture import Picture
 from rockfall._progress import Progress
 from rockfall._reports import Backend, Profile, Report, StageTime
@@ -232,6 +232,24 @@ class Simulation(Stored, LawTable, ContactLawOf):
         force, torque, contacts = _rockfall.wall_load(self._native, name)
         return WallLoad(np.array(force), np.array(torque), contacts)
 
+    @property
+    def gauges(self) -> dict[str, WallLoad | PlaneFlow]:
+        """What the gauges measure in the current state, by name. See :meth:`add_gauge` and :meth:`wall_load`.
+
+        Raises
+        ------
+        ValueError
+            If the walls of a gauge were removed.
+        """
+        self._commit()
+        found: dict[str, WallLoad | PlaneFlow] = {}
+        for name, (load, flow) in _rockfall.gauges(self._native):
+            if load is not None:
+                found[name] = WallLoad(np.array(load[0]), np.array(load[1]), load[2])
+            elif flow is not None:
+                found[name] = PlaneFlow(*flow)
+        return found
+
     def run(self, steps: int, *, progress: bool = False) -> Report:
         """Run steps.
 
@@ -422,7 +440,8 @@ class Simulation(Stored, LawTable, ContactLawOf):
             What an arrow at every sphere shows, with a key: velocity, force or gravity.
         plot : str or sequence of str
             Quantities over time beside the picture, as in :func:`rockfall.film`: ``"energy"``, ``"contacts"``, or height, speed, x, y
-            or z of bodies by their names or numbers, as in ``"height:left,right"``. A simulation keeps no values of the past: the lines
+            or z of bodies by their names or numbers, as in ``"height:left,right"``, or the size of the force on walls by the names of
+            gauges, as in ``"gauge:weight"``. A simulation keeps no values of the past: the lines
             go through this state and those of the pictures with the same plots before.
 
         Raises

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use rockfall::glam::DVec3;
 use rockfall::{
-    ContactLaw, Cuboid, Integrator, Material, MaterialId, Mesh, Motion, MotionId, MotionTerm, Pair, Polygon, Scene, Simulation, Sphere,
+    ContactLaw, Cuboid, Gauge, GaugeReading, Integrator, Material, MaterialId, Mesh, Meter, Motion, MotionId, MotionTerm, Pair, Polygon, Scene, Simulation, Sphere,
     Tag,
 };
 
@@ -85,14 +85,17 @@ fn belt(outcome: &mut Outcome) -> Result<()> {
     let (samples, dt) = (30, 5e-5);
     let steps = (2.0 * slips / f64::from(samples) / f64::from(dt)).round() as u64;
     let (mut measured, mut off) = (Vec::new(), 0.0_f64);
+    let mut meter = Meter::new(simulation.scene(), false, true);
     for sample in 1..=samples {
-        simulation.run(steps, dt)?;
+        simulation.run_metered(steps, dt, &mut meter)?;
         let (time, speed) = (f64::from(sample) * steps as f64 * f64::from(dt), velocity(&mut simulation)?.x);
         off = off.max((speed - theory(time)).abs());
         measured.push((time, speed));
     }
     outcome.check("belt: greatest difference from the velocity of theory (units/s)", 0.0, off, 0.02 * SPEED);
     outcome.check("belt: final velocity (units/s)", 2.0 * SPEED / 7.0, velocity(&mut simulation)?.x, 0.005 * SPEED);
+    let work = 2.0 * 0.5 * SPEED * SPEED / 7.0;
+    outcome.check("belt: work on the ball (mass units²/s²)", work, meter.work, 0.01 * work);
     let axes = (Axis::linear("time (s)"), Axis::linear("velocity of the ball (units/s)"));
     outcome.charts.push(
         Chart::new("walls-belt", "A ball that is put on a belt", axes.0, axes.1)
@@ -245,13 +248,14 @@ fn floors(outcome: &mut Outcome) -> Result<()> {
             let ball = Sphere::new([x, 0.11, z], 0.1).mass(1.0 + k as f32).velocity([0.2, 0.0, 0.1 * k as f32]);
             scene.add_sphere(ball.material(rubber))?;
         }
+        scene.add_gauge(Gauge::wall("weight", "floor"))?;
         let mut simulation = on_cpu(scene, Integrator::VelocityVerlet)?;
         simulation.run(6_000, 2e-4)?;
-        let load = simulation.wall_load("floor")?;
+        let [GaugeReading::Wall(load)] = simulation.gauges()?[..] else { return Err("expected the reading of a wall".into()) };
         Ok((load.force.y, simulation.spheres()?[2].position.as_dvec3()))
     };
     let ((force, one), (_, many)) = (run(1)?, run(16)?);
-    outcome.check("floor: load on it (mass units/s²)", -6.0 * f64::from(GRAVITY), force, 1e-3 * 60.0);
+    outcome.check("floor: weight on a gauge (mass units/s²)", -6.0 * f64::from(GRAVITY), force, 1e-3 * 60.0);
     outcome.check("plane of 512 triangles: distance of a ball from that on 2 (units)", 0.0, (one - many).length(), 0.0);
     Ok(())
 }

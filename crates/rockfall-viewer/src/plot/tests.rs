@@ -12,10 +12,11 @@ fn scene(text: &str) -> Scene {
 #[test]
 fn plots_say_what_they_expect() {
     let wrong = |text: &str| Plot::parse(text).unwrap_err();
-    assert!(wrong("hight:1").contains("expected one of: energy, contacts, x, y, z, height, speed"));
+    assert!(wrong("hight:1").contains("expected one of: energy, contacts, x, y, z, height, speed, gauge"));
     assert!(wrong("height").contains("expected names or numbers of bodies, as in height:left,right"));
     assert!(wrong("height:").contains("names or numbers") && wrong("height:1,").contains("names or numbers"));
     assert!(wrong("energy:1").contains("expected no bodies"));
+    assert!(wrong("gauge").contains("expected names of gauges, as in gauge:weight"));
     assert!(wrong("x:1,2,3,4,5,6,7").contains("at most 6 bodies, got 7"));
 }
 
@@ -125,4 +126,23 @@ fn plots_in_tiny_pictures_are_left_out() {
         let scene = Picture { width, height, pixels: vec![[9, 9, 9, 255]; (width * height) as usize] };
         layout.complete(scene, &plots).unwrap();
     }
+}
+
+#[test]
+fn gauges_have_the_size_of_the_force() {
+    let scene = scene(
+        "set gravity 10\n@name floor\nB -9 -1 -9 18 0 0 0 1 0 0 0 18\nS 1 0 0.1 0 0 0 0 0 0 0 3 0.1\n\
+         @gauge name=weight wall=floor\n@gauge name=down plane=0,1,0,0,-1,0\n",
+    );
+    let wrong = |text: &str| Plot::parse(text).unwrap().check_gauges(&scene).unwrap_err();
+    assert_eq!(wrong("gauge:weight,down"), "gauge:down: the gauge of a plane, expected that of a wall");
+    assert_eq!(wrong("gauge:a"), "gauge:a: unknown, expected one of weight, down");
+    let plot = Plot::parse("gauge:weight").unwrap();
+    plot.check_gauges(&scene).unwrap();
+    assert!(plot.bodies().is_empty());
+    let graph = plot.of(&scene, |_| -> std::result::Result<SphereId, ()> { panic!("no bodies") }).unwrap();
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
+    simulation.run(3000, 0.005).unwrap();
+    let values = graph.values(&mut simulation).unwrap();
+    assert!(values.len() == 1 && (values[0] - 30.0).abs() < 0.1, "{values:?}");
 }

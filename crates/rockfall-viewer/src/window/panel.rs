@@ -6,11 +6,12 @@ use rockfall::Counts;
 
 use super::constants_panel;
 use super::viewer::Viewer;
+use super::watch::GaugeSample;
 use crate::draw::{ColourBy, Style};
 use crate::legend::{Legend, number};
 use crate::palette::{Kind, Rgb};
 use crate::plot::axes::{multiples, ranges, step};
-use crate::plot::{self as quantities, ENERGIES};
+use crate::plot::{self as quantities, COLOURS as GAUGE_COLOURS, ENERGIES};
 
 /// Names and colours of the phases. The colours are those of Okabe and Ito.
 const PHASES: [(&str, Rgb); 4] = [
@@ -36,6 +37,9 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     section(ui, "Constants", true, &mut |ui| constants_panel::show(ui, viewer));
     section(ui, "Colours", true, &mut |ui| colours(ui, viewer));
     section(ui, "Energy over time", true, &mut |ui| energies(ui, viewer));
+    if viewer.session.watch.gauges().back().is_some_and(|last| !last.forces.is_empty()) {
+        section(ui, "Forces on walls over time", true, &mut |ui| gauges(ui, viewer));
+    }
     section(ui, "Time of the phases", false, &mut |ui| phases(ui, viewer));
 }
 
@@ -180,6 +184,28 @@ fn energies(ui: &mut Ui, viewer: &mut Viewer) {
     if ui.small_button("Measure now").clicked() {
         viewer.session.sample(true);
     }
+}
+
+/// Plots the sizes of the forces on the walls of gauges.
+fn gauges(ui: &mut Ui, viewer: &Viewer) {
+    let samples = viewer.session.watch.gauges();
+    let Some(last) = samples.back() else { return };
+    let named = || last.forces.iter().zip(GAUGE_COLOURS.iter().cycle());
+    ui.horizontal_wrapped(|ui| {
+        for ((name, force), rgb) in named() {
+            ui.label(RichText::new(format!("{name} {force:.4}")).color(colour(*rgb)).small());
+        }
+    });
+    let points = |name: &str| -> Vec<[f64; 2]> {
+        let force = |sample: &GaugeSample| sample.forces.iter().find(|(known, _)| known == name).map(|(_, force)| *force);
+        samples.iter().filter_map(|sample| Some([sample.time, force(sample)?])).collect()
+    };
+    let every: Vec<[f64; 2]> = last.forces.iter().flat_map(|(name, _)| points(name)).collect();
+    widened(plot("gauges", PLOT_HEIGHT), &every).show(ui, |plot| {
+        for ((name, _), rgb) in named() {
+            plot.line(Line::new(name.as_str(), points(name).into_iter().collect::<PlotPoints>()).stroke(stroke(*rgb)));
+        }
+    });
 }
 
 /// Shows names in their colours with the last values.

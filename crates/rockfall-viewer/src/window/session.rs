@@ -332,7 +332,8 @@ impl Session {
             return;
         }
         let start = Instant::now();
-        let sampled = self.watch.sample(&mut self.simulation, self.picked, &self.names);
+        let is_recorded = self.playback.is_some();
+        let sampled = self.watch.sample(&mut self.simulation, self.picked, &self.names, is_recorded);
         if self.ok_or_report(sampled).is_none() {
             self.watch.disable();
         }

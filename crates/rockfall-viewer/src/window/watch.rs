@@ -10,7 +10,7 @@ use rockfall::step::schedule::Phase;
 use rockfall::{Body, Energy, Profile, RodId, Scene, Simulation, SphereId};
 
 use super::names::Names;
-use crate::plot::motion;
+use crate::plot::{gauge_forces, motion};
 
 /// Least time between two samples, in s.
 const INTERVAL: f64 = 0.25;
@@ -32,6 +32,15 @@ pub struct EnergySample {
     pub time: f64,
     /// The energies.
     pub energy: Energy,
+}
+
+/// The sizes of the forces on the walls of all gauges at one time.
+#[derive(Clone, Debug)]
+pub struct GaugeSample {
+    /// Simulated time, in s.
+    pub time: f64,
+    /// Names of the gauges, and forces in mass units/s².
+    pub forces: Vec<(String, f64)>,
 }
 
 /// Wall times of the four phases of one step.
@@ -56,6 +65,7 @@ pub struct Facts {
 #[derive(Clone, Debug)]
 pub struct Watch {
     energies: VecDeque<EnergySample>,
+    gauges: VecDeque<GaugeSample>,
     phases: VecDeque<PhaseSample>,
     facts: Option<Facts>,
     /// Number of steps at the last sample. Without a further step no sample is due.
@@ -67,8 +77,8 @@ pub struct Watch {
 
 impl Default for Watch {
     fn default() -> Self {
-        let (energies, phases) = Default::default();
-        Self { energies, phases, facts: None, sampled_at: None, next_at: 0.0, next_phases_at: 0.0, automatic: true }
+        let (energies, gauges, phases) = Default::default();
+        Self { energies, gauges, phases, facts: None, sampled_at: None, next_at: 0.0, next_phases_at: 0.0, automatic: true }
     }
 }
 
@@ -76,6 +86,11 @@ impl Watch {
     /// Returns the energies over time.
     pub fn energies(&self) -> &VecDeque<EnergySample> {
         &self.energies
+    }
+
+    /// Returns the forces on the walls of gauges over time.
+    pub fn gauges(&self) -> &VecDeque<GaugeSample> {
+        &self.gauges
     }
 
     /// Returns the times of the phases over time.
@@ -118,6 +133,7 @@ impl Watch {
     /// Removes the samples after a simulated time, in s, because the simulation went back to it.
     pub(super) fn rewind(&mut self, time: f64) {
         self.energies.retain(|sample| sample.time <= time);
+        self.gauges.retain(|sample| sample.time <= time);
         self.phases.retain(|sample| sample.time <= time);
         (self.sampled_at, self.next_at) = (None, 0.0);
     }
@@ -132,11 +148,22 @@ impl Watch {
         keep(&mut self.phases, PhaseSample { time, seconds });
     }
 
-    pub(super) fn sample(&mut self, simulation: &mut Simulation, picked: Option<Body>, names: &Names) -> rockfall::Result<()> {
+    /// Takes a sample. A state of a trajectory (`is_recorded`) has no springs of contacts, so gauges are not read.
+    pub(super) fn sample(
+        &mut self,
+        simulation: &mut Simulation,
+        picked: Option<Body>,
+        names: &Names,
+        is_recorded: bool,
+    ) -> rockfall::Result<()> {
         let energy = simulation.energy()?;
         let report = simulation.report();
         if self.sampled_at != Some(report.steps) {
             keep(&mut self.energies, EnergySample { time: report.time, energy });
+            if !is_recorded && !simulation.scene().gauges().is_empty() {
+                let forces = gauge_forces(simulation)?;
+                keep(&mut self.gauges, GaugeSample { time: report.time, forces });
+            }
         }
         self.sampled_at = Some(report.steps);
         let picked = picked.filter(|body| is_there(simulation, *body));

@@ -2,9 +2,9 @@
 //! a new field that is missing here.
 
 use super::laws::{KeptContactLaw, KeptLaw};
-use super::{motions, periods};
 use super::words::{Damage, Head, Words};
 use super::{Checkpoint, History};
+use super::{gauges, motions, periods};
 use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::report::Report;
@@ -24,6 +24,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         history,
         springs: _,
         rates: _,
+        fronts,
         kept_laws: _,
         kept_contact_law,
     } = checkpoint;
@@ -71,6 +72,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     materials(&mut head, scene);
     motions::put(&mut head, scene);
     periods::put(&mut head, scene);
+    gauges::put(&mut head, scene, fronts);
     laws(&mut head, force_laws, &checkpoint.kept_laws);
     let given = contact_force_law.as_ref().map(KeptContactLaw::of);
     contact_law(&mut head, given.as_ref().or(kept_contact_law.as_ref()));
@@ -132,6 +134,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     read_materials(words, &mut scene)?;
     motions::read(words, &mut scene)?;
     periods::read(words, &mut scene)?;
+    let fronts = gauges::read(words, &mut scene)?;
     let kept_laws = read_laws(words)?;
     let kept_contact_law = read_contact_law(words)?;
     let (springs, rates) = (Vec::new(), Vec::new());
@@ -146,6 +149,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         history,
         springs,
         rates,
+        fronts,
         kept_laws,
         kept_contact_law,
     };

@@ -32,6 +32,11 @@ impl Pose {
         [0, 1, 2].map(|order| self.turn[order] * point + self.shift[order])
     }
 
+    /// Velocity of the body's point that is at a place now.
+    pub(crate) fn velocity_at(&self, place: DVec3) -> DVec3 {
+        self.of_point(self.turn[0].transpose() * (place - self.shift[0]))[1]
+    }
+
     /// Angular velocity, in rad/s.
     pub(crate) fn spin(&self) -> DVec3 {
         // R' R^T is the matrix of the cross product with it.

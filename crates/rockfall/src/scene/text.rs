@@ -28,9 +28,11 @@
 //! | `@mesh FILE scale=s at=x,y,z axis=x,y,z turn=degrees name=N` | the triangles of an STL, OBJ or PLY file ([`Mesh`](crate::Mesh)): scaled, turned about the axis through its origin, and moved. A relative path begins at the folder of the scene file |
 //! | `@move NAME` | nothing: the boxes and polygons of the lines below follow that motion; `@move -`: none |
 //! | `@surface velocity=x,y,z` | nothing: the surfaces of the boxes, polygons and meshes of the lines below move, like conveyors; `@surface -`: they do not |
+//! | `@gauge name=N wall=NAME` | nothing: measures the load on the boxes and polygons of that name or motion ([`Gauge`](crate::Gauge)) |
+//! | `@gauge name=N plane=x,y,z,nx,ny,nz` | nothing: counts the spheres that pass the plane through that point, across that normal |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty-one kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty-two kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -49,6 +51,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 mod comment;
+mod gauge;
 mod line;
 mod materials;
 mod mesh;
@@ -65,7 +68,7 @@ use line::{GROUP, Line, TETHER, Wrong};
 
 use repeat::{Block, Copy};
 
-use super::{MaterialId, MotionId, Scene, SphereId, Tag};
+use super::{Gauge, MaterialId, MotionId, Scene, SphereId, Tag};
 use crate::error::{Error, Result, nearest, quoted};
 use crate::settings::Precision;
 
@@ -124,6 +127,7 @@ impl Scene {
         reader
             .check_blocks()
             .and_then(|()| reader.check_run())
+            .and_then(|()| reader.add_gauges())
             .map_err(|(line, Wrong { field, message })| Error::SceneLine { file: name.to_owned(), line, field, message })?;
         reader.round_positions();
         Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments, title: title.lines })
@@ -149,7 +153,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 21] = [
+const AT_WORDS: [&str; 22] = [
     "@group",
     "@orientation",
     "@force",
@@ -169,6 +173,7 @@ const AT_WORDS: [&str; 21] = [
     "@move",
     "@surface",
     "@periodic",
+    "@gauge",
     "@repeat",
     "@end",
 ];
@@ -196,6 +201,8 @@ struct Reader<'a> {
     run_at: Option<usize>,
     /// The sphere that each reference stands for: the last one defined with it.
     references: HashMap<u32, SphereId>,
+    /// The gauges, with their lines. Walls may follow below.
+    gauges: Vec<(usize, Gauge)>,
     /// The group of the following objects.
     group: u16,
     /// The material of the following objects.
@@ -223,6 +230,7 @@ impl<'a> Reader<'a> {
             repeated: 0,
             run_at: None,
             references: HashMap::new(),
+            gauges: Vec::new(),
             group: 0,
             material: None,
             motion: None,
@@ -266,6 +274,7 @@ impl<'a> Reader<'a> {
             "@move" => self.follow(line, number),
             "@surface" => self.surface(line, number),
             "@periodic" => self.periodic(line, number),
+            "@gauge" => self.gauge(line, number),
             "@end" => {
                 let message = "no `@repeat` above, expected one before the lines to repeat".to_owned();
                 self.not_understood(number, Wrong { field: "@end".to_owned(), message })

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{DVec3, Quat, Vec3};
 
 use super::periodic::AXES;
-use super::{Material, MaterialId, MotionId, MotionTerm, Pair, Rod, RunDefaults, Scene, Sphere, Tag};
+use super::{Gauge, Gauged, Material, MaterialId, MotionId, MotionTerm, Pair, Rod, RunDefaults, Scene, Sphere, Tag};
 use crate::error::{Error, Result};
 use crate::output::AtomicFile;
 use crate::settings::{Precision, Settings};
@@ -42,6 +42,7 @@ impl Scene {
         writer.spheres_and_rods();
         writer.springs_and_tethers();
         writer.statics();
+        writer.gauges();
         writer.text
     }
 
@@ -379,6 +380,18 @@ impl Writer<'_> {
             self.set_surface(polygon.surface_velocity);
             let word = if polygon.is_triangle { "@triangle" } else { "P" };
             self.vectors(word, &[polygon.corner, polygon.left, polygon.right]);
+        }
+    }
+
+    fn gauges(&mut self) {
+        for Gauge { name, of } in self.scene.gauges() {
+            let of = match of {
+                Gauged::Wall(wall) => format!("wall={wall}"),
+                Gauged::Plane { point: DVec3 { x, y, z }, normal } => {
+                    format!("plane={x},{y},{z},{},{},{}", normal.x, normal.y, normal.z)
+                }
+            };
+            let _ = writeln!(self.text, "@gauge name={name} {of}");
         }
     }
 

@@ -307,6 +307,8 @@ impl Simulation {
         if self.dirty != Dirty::Clean {
             self.pull_forces().await?;
         }
+        let moves = self.dirty == Dirty::Everything || !self.edits.is_empty();
+        let fronts = moves.then(|| self.flow.in_front_of(&self.world, &self.scene));
         let springs = if self.dirty == Dirty::Everything { self.springs().await? } else { Vec::new() };
         let edits = std::mem::take(&mut self.edits);
         for (id, edit) in &edits {
@@ -314,6 +316,9 @@ impl Simulation {
             if let Ok(sphere) = self.scene.spheres.get_mut(*id) {
                 edit.apply(sphere);
             }
+        }
+        if let Some(before) = fronts {
+            self.flow.edited(before, &self.scene);
         }
         match std::mem::replace(&mut self.dirty, Dirty::Clean) {
             Dirty::Everything => {

@@ -1,11 +1,11 @@
-//! Forces on walls, as a gauge would measure them.
+//! Gauges: loads on walls, and the flow through planes.
 
 use glam::{DVec3, Vec3};
 
-use crate::error::{Error, Result, quoted};
-use crate::scene::{Body, ObjectId, Scene};
+use crate::error::Result;
+use crate::scene::{Gauge, Gauged, Scene};
 use crate::simulation::Simulation;
-use crate::simulation::observe::ContactAction;
+use crate::simulation::observe::{Contact, ContactAction};
 
 /// The load of all contacts on a wall in one state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +19,22 @@ pub struct WallLoad {
     pub contacts: u64,
 }
 
+/// What a [`Gauge`] measures in one state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum GaugeReading {
+    /// The load on walls.
+    Wall(WallLoad),
+    /// What has passed a plane since the start, along its normal minus against it. Fixed spheres do not count, and neither do
+    /// spheres that edits add, remove or move across the plane.
+    Plane {
+        /// Mass of the spheres.
+        mass: f64,
+        /// Number of spheres.
+        count: i64,
+    },
+}
+
 impl Simulation {
     /// The load on the boxes and polygons that follow the motion of a name or have it as their own name, in the current state. The sum is
     /// in the order of [`Simulation::contacts`], so it does not depend on memory.
@@ -27,40 +43,75 @@ impl Simulation {
     /// (`coulomb_friction`, `collision_friction`) are left out.
     ///
     /// # Errors
-    /// [`Error::Invalid`] if no box and no polygon has this name or motion, and as for [`Simulation::contacts`].
+    /// [`Error::Invalid`](crate::Error::Invalid) if no box and no polygon has this name or motion, and as for [`Simulation::contacts`].
     pub fn wall_load(&mut self, name: &str) -> Result<WallLoad> {
-        let found = {
-            let scene = self.scene();
-            let mut walls = scene.box_ids().map(Body::Box).chain(scene.polygon_ids().map(Body::Polygon));
-            walls.any(|body| is_wall(scene, body, name))
-        };
-        if !found {
-            let expected = "the name of a motion, or of boxes or polygons";
-            return Err(Error::Invalid { field: "wall", value: quoted(name), expected });
-        }
+        self.scene().check_wall("wall", name)?;
         let dt = f64::from(self.time_step());
-        let mut load = WallLoad::default();
-        for contact in self.contacts()?.iter().filter(|contact| is_wall(self.scene(), contact.b, name)) {
-            let force = match contact.action {
-                ContactAction::Force(force) => force.as_dvec3(),
-                ContactAction::Impulse(Vec3::ZERO) => DVec3::ZERO,
-                ContactAction::Impulse(impulse) => impulse.as_dvec3() / dt,
-            };
-            load.force += force;
-            load.torque += contact.point.as_dvec3().cross(force);
-            load.contacts += 1;
+        let contacts = self.contacts()?;
+        Ok(load(&contacts, self.scene(), name, dt))
+    }
+
+    /// The readings of all gauges of the scene in the current state, in order of addition; see [`Simulation::wall_load`] for walls.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) if the walls of a gauge were removed, and as for [`Simulation::contacts`].
+    pub fn gauges(&mut self) -> Result<Vec<GaugeReading>> {
+        let walls = self.wall_loads()?;
+        self.sync()?;
+        let passed = self.flow.passed(&self.scene);
+        let readings = walls.into_iter().zip(passed).map(|(load, front)| match load {
+            Some(load) => GaugeReading::Wall(load),
+            None => GaugeReading::Plane { mass: front.mass, count: front.count },
+        });
+        Ok(readings.collect())
+    }
+
+    /// For every gauge the load on its wall; `None` for a plane.
+    fn wall_loads(&mut self) -> Result<Vec<Option<WallLoad>>> {
+        if self.scene.gauges().iter().all(|gauge| gauge.of.is_plane()) {
+            return Ok(vec![None; self.scene.gauges().len()]);
         }
-        Ok(load)
+        let contacts = self.contacts()?;
+        self.loads_of(&contacts)
+    }
+
+    /// For every gauge the load of contacts on its wall; `None` for a plane.
+    pub(super) fn loads_of(&self, contacts: &[Contact]) -> Result<Vec<Option<WallLoad>>> {
+        let dt = f64::from(self.time_step());
+        let of = |gauge: &Gauge| match &gauge.of {
+            Gauged::Wall(wall) => {
+                self.scene.check_wall("gauge.wall", wall)?;
+                Ok(Some(load(contacts, &self.scene, wall, dt)))
+            }
+            Gauged::Plane { .. } => Ok(None),
+        };
+        self.scene.gauges().iter().map(of).collect()
+    }
+
+    /// Adds a gauge. That of a plane counts from now on.
+    ///
+    /// # Errors
+    /// As for [`Scene::add_gauge`] and [`Simulation::sync`].
+    pub fn add_gauge(&mut self, gauge: Gauge) -> Result<()> {
+        self.sync()?;
+        self.scene.add_gauge(gauge)?;
+        self.flow.begin(&self.scene);
+        Ok(())
     }
 }
 
-/// Whether a body is a box or polygon that has a name or follows the motion of that name.
-fn is_wall(scene: &Scene, body: Body, name: &str) -> bool {
-    let (motion, id) = match body {
-        Body::Box(id) => (scene.cuboid(id).ok().and_then(|cuboid| cuboid.motion), ObjectId::from(id)),
-        Body::Polygon(id) => (scene.polygon(id).ok().and_then(|polygon| polygon.motion), ObjectId::from(id)),
-        _ => return false,
-    };
-    let of_motion = motion.and_then(|id| scene.motion(id).ok()).is_some_and(|motion| motion.name == name);
-    of_motion || scene.tag(id).ok().flatten().is_some_and(|tag| tag.name.as_deref() == Some(name))
+/// The load of contacts on the walls of a name.
+fn load(contacts: &[Contact], scene: &Scene, name: &str, dt: f64) -> WallLoad {
+    let mut load = WallLoad::default();
+    for contact in contacts.iter().filter(|contact| scene.is_wall(contact.b, name)) {
+        let force = match contact.action {
+            ContactAction::Force(force) => force.as_dvec3(),
+            ContactAction::Impulse(Vec3::ZERO) => DVec3::ZERO,
+            ContactAction::Impulse(impulse) => impulse.as_dvec3() / dt,
+        };
+        load.force += force;
+        load.torque += contact.point.as_dvec3().cross(force);
+        load.contacts += 1;
+    }
+    load
 }

@@ -10,8 +10,10 @@ use crate::model::layout::SLICE;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::options::BackendInfo;
 use crate::options::Options;
+use crate::scene::Front;
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
+use crate::simulation::flow::Flow;
 use crate::simulation::lists::ListPolicy;
 use crate::simulation::order::Disorder;
 use crate::simulation::rates::put_rates;
@@ -68,6 +70,7 @@ impl Simulation {
             },
             springs,
             rates,
+            fronts: self.flow.bases().to_vec(),
             kept_laws: Vec::new(),
             kept_contact_law: None,
         })
@@ -106,7 +109,7 @@ impl Simulation {
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
         let simulation = Self::assemble(checkpoint.scene, checkpoint.options, world, engine, info);
-        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
+        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history, &checkpoint.fronts))
     }
 
     /// [`Simulation::resume`] on the caller's wgpu device; see [`Simulation::on_device`].
@@ -118,7 +121,7 @@ impl Simulation {
         checkpoint.check_laws()?;
         let (springs, rates) = (&checkpoint.springs, &checkpoint.rates);
         let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, springs, rates, device, queue)?;
-        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
+        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history, &checkpoint.fronts))
     }
 
     /// [`Simulation::resume`] on a GPU that others share.
@@ -132,7 +135,7 @@ impl Simulation {
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let engine = Engine::on(gpu, &world)?;
         let simulation = Self::assemble(checkpoint.scene, options, world, engine, info.clone());
-        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
+        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history, &checkpoint.fronts))
     }
 
     /// Replaces the state by that of a checkpoint, without opening a device again. Handles of the simulation that took the
@@ -159,13 +162,15 @@ impl Simulation {
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
         self.apply_history(checkpoint.time_step, checkpoint.report, checkpoint.history);
+        self.flow = Flow::resumed(&self.scene, &checkpoint.fronts);
         self.rebuild(&checkpoint.springs, &checkpoint.rates)?;
         self.status.collided = 0;
         Ok(())
     }
 
-    fn with_history(mut self, time_step: f32, report: crate::Report, history: History) -> Self {
+    fn with_history(mut self, time_step: f32, report: crate::Report, history: History, fronts: &[Front]) -> Self {
         self.apply_history(time_step, report, history);
+        self.flow = Flow::resumed(&self.scene, fronts);
         self.disorder = Disorder::sorted_at(report.steps);
         self
     }

@@ -3,7 +3,8 @@
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{
-    Backend, BroadPhase, Checkpoint, Counts, Error, Integrator, Material, Options, Pair, Scene, Simulation, Sphere, SphereId,
+    Backend, BroadPhase, Checkpoint, Counts, Error, Gauge, GaugeReading, Integrator, Material, Options, Pair, Scene,
+    Simulation, Sphere, SphereId,
 };
 
 use crate::common::mixed::{Run, assert_bitwise_identical, mixed};
@@ -148,15 +149,15 @@ fn after_counts(checkpoint: &Checkpoint, bytes: &[u8]) -> usize {
     bytes.windows(counts.len()).position(|window| window == counts).expect("the counts are in the file") + counts.len()
 }
 
-/// The bytes of a checkpoint without materials, pairs, motions, laws, springs of contacts and rates, and without the low parts of positions.
+/// The bytes of a checkpoint without materials, pairs, motions, gauges, laws, springs of contacts and rates, and without the low parts of positions.
 fn without_lows(mut bytes: Vec<u8>) -> Vec<u8> {
     let checkpoint = Checkpoint::from_bytes(&bytes, "memory").expect("a valid checkpoint");
     let spheres = checkpoint.scene.spheres().len();
-    let at = after_counts(&checkpoint, &bytes) + 36;
+    let at = after_counts(&checkpoint, &bytes) + 40;
     let lows = u64::from_le_bytes(bytes[at..at + 8].try_into().expect("8 bytes")) as usize;
     assert!(lows == 0 || lows == spheres, "{lows}");
     bytes.splice(at..at + 8 + 12 * lows, [0; 8]);
-    with_version(bytes, 10)
+    with_version(bytes, 11)
 }
 
 /// A small checkpoint with materials, and the springs of three contacts.
@@ -165,7 +166,8 @@ fn small_with_materials() -> Vec<u8> {
                 @pair a b restitution=0.5 friction=0.4\n@use a\nS 7 0 0.49 0 1 0 0 0 0 0 - 0.5\n\
                 C 3 0.49 0 4 0.49 0 1 0 0 - 0.5\n@use b\n\
                 @motion lift velocity=0,2,0 from=1\n@motion lift spin=3 axis=0,0,1 through=4,0,0 from=0.25 to=0.5\n@move lift\n\
-                B -5 -1 -5 10 0 0 0 1 0 0 0 10\n@use -\n@material c\n";
+                B -5 -1 -5 10 0 0 0 1 0 0 0 10\n@use -\n@material c\n\
+                @gauge name=weight wall=lift\n@gauge name=on plane=0.001,0.5,1,2,0,0\n";
     let scene = Scene::parse(text, "a.txt".as_ref()).expect("a scene").scene;
     let options = Options::new().backend(Backend::Cpu).integrator(Integrator::SymplecticEuler);
     let mut simulation = Simulation::with_options(scene, options).expect("it opens");
@@ -189,6 +191,12 @@ fn materials_and_springs_are_kept() {
     let turn = rockfall::MotionTerm::turn(3.0, [0.0, 0.0, 1.0], [4.0, 0.0, 0.0]).during(0.25, 0.5);
     assert_eq!(lift.terms, [rockfall::MotionTerm::translation([0.0, 2.0, 0.0]).during(1.0, f64::INFINITY), turn]);
     assert_eq!((lift.name.as_str(), scene.boxes()[0].motion), ("lift", scene.find_motion("lift")));
+    let gauges = [Gauge::wall("weight", "lift"), Gauge::plane("on", [0.001, 0.5, 1.0], [2.0, 0.0, 0.0])];
+    assert_eq!(scene.gauges(), gauges);
+    // The first ball has passed the plane since the start.
+    let mut resumed = Simulation::resume(checkpoint.clone()).expect("it resumes");
+    let [GaugeReading::Wall(load), flow] = resumed.gauges().expect("gauges")[..] else { panic!("a wall first") };
+    assert_eq!((load.contacts, flow), (3, GaugeReading::Plane { mass: f64::from(scene.spheres()[0].mass), count: 1 }));
     assert_eq!(checkpoint.to_bytes(), bytes, "the same state must give the same bytes");
     // Three contacts with springs of 28 bytes are more than the bytes of the same scene before its first step.
     let mut fresh = Simulation::with_options(scene.clone(), checkpoint.options.clone()).expect("it opens");
@@ -239,9 +247,9 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    for version in [0, 9, 11] {
+    for version in [0, 10, 12] {
         newer[8] = version;
-        let expected = format!("it has version {version} of the format, this rockfall reads version 10");
+        let expected = format!("it has version {version} of the format, this rockfall reads version 11");
         assert!(assert_rejected(&newer).contains(&expected));
     }
 }

@@ -10,6 +10,7 @@ mod continuous;
 mod errata;
 mod faults;
 mod force_laws;
+mod gauges;
 mod laws;
 mod meshes;
 mod periodic;

@@ -117,6 +117,8 @@ pub(super) const SURFACE: Kind =
     Kind { word: "@surface", references: &[], numbers: &["velocity=x,y,z"], last_is_optional: false };
 pub(super) const PERIODIC: Kind =
     Kind { word: "@periodic", references: &["AXIS"], numbers: &["FROM", "TO"], last_is_optional: false };
+pub(super) const GAUGE: Kind =
+    Kind { word: "@gauge", references: &[], numbers: &["name=N", "wall=NAME|plane=x,y,z,nx,ny,nz"], last_is_optional: false };
 pub(super) const REPEAT: Kind =
     Kind { word: "@repeat", references: &["N"], numbers: &["dx", "dy", "dz"], last_is_optional: false };
 pub(super) const MARK: Kind = Kind { word: "@capsule", references: &["end1", "end2"], numbers: &[], last_is_optional: false };

@@ -113,11 +113,21 @@ pub(super) fn number(kind: &Kind, key: &str, value: &str) -> Line<f64> {
 
 /// Three numbers with commas between them.
 pub(super) fn vector(kind: &Kind, key: &str, value: &str) -> Line<DVec3> {
-    let numbers: Vec<&str> = value.split(',').collect();
-    let [x, y, z] = numbers[..] else {
-        return Err(kind.wrong(key, format!("{} is not allowed, expected three numbers x,y,z without spaces", quoted(value))));
-    };
-    Ok(DVec3::new(number(kind, key, x)?, number(kind, key, y)?, number(kind, key, z)?))
+    numbers(kind, key, value, "three numbers x,y,z").map(DVec3::from_array)
+}
+
+/// Numbers with commas between them.
+pub(super) fn numbers<const N: usize>(kind: &Kind, key: &str, value: &str, expected: &str) -> Line<[f64; N]> {
+    let words: Vec<&str> = value.split(',').collect();
+    if words.len() != N {
+        let message = format!("{} is not allowed, expected {expected} without spaces", quoted(value));
+        return Err(kind.wrong(key, message));
+    }
+    let mut all = [0.0; N];
+    for (place, word) in all.iter_mut().zip(words) {
+        *place = number(kind, key, word)?;
+    }
+    Ok(all)
 }
 
 #[cfg(test)]
