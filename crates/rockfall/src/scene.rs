@@ -11,6 +11,7 @@ mod bonded;
 mod checks;
 mod colour;
 mod contact_law;
+mod inlet;
 mod look;
 mod materials;
 mod mesh;
@@ -35,6 +36,8 @@ pub(crate) use checks::finite;
 pub use colour::Colour;
 pub(crate) use colour::is_hexadecimal;
 pub(crate) use contact_law::{Dampings, TANGENTIAL_RATIO};
+pub(crate) use inlet::{FlowState, InletState, Passed, Sum};
+pub use inlet::{GrainMass, Inlet, Outlet, Radii, Rate, SizedBy};
 pub use look::Look;
 pub(crate) use materials::Pairs;
 pub use materials::{CohesionModel, MAX_MATERIALS, Material, MaterialId, Pair, RollingModel};
@@ -67,6 +70,8 @@ pub struct Scene {
     pub(crate) boxes: Registry<Cuboid>,
     pub(crate) polygons: Registry<Polygon>,
     pub(crate) motions: Registry<Motion>,
+    pub(crate) inlets: Vec<Inlet>,
+    pub(crate) outlets: Vec<Outlet>,
     pub(crate) materials: Registry<Material>,
     pub(crate) pairs: Pairs,
     pub(crate) references: References,
@@ -114,6 +119,8 @@ impl Scene {
             boxes: Registry::new(number, "box"),
             polygons: Registry::new(number, "polygon"),
             motions: Registry::new(number, "motion"),
+            inlets: Vec::new(),
+            outlets: Vec::new(),
             materials: Registry::new(number, "material"),
             pairs: Pairs::new(),
             references: References::default(),

@@ -14,7 +14,7 @@ use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
-use crate::scene::{AnyId, Scene, SphereId};
+use crate::scene::{AnyId, FlowState, Scene, SphereId};
 use crate::settings::{BroadPhase, ContactLaw, DEFAULT_TIME_STEP, Integrator, Precision, Settings};
 use crate::step::schedule::Phase;
 use crate::step::walls::move_walls::place_walls;
@@ -29,6 +29,7 @@ mod engine;
 #[cfg(feature = "gpu")]
 mod exchange;
 mod flight;
+mod flow;
 mod force_laws;
 mod gauge;
 mod keep;
@@ -53,6 +54,7 @@ pub use contact_springs::ContactSprings;
 use edit::Dirty;
 use engine::Engine;
 use flight::Portioning;
+pub use flow::{Flow, Inflow, Outflow};
 pub use gauge::WallLoad;
 use lists::ListPolicy;
 pub use observe::{Contact, ContactAction, MaxOverlap, SphereDiagnostics};
@@ -107,6 +109,7 @@ pub struct Simulation {
     calm_steps: u64,
     /// Steps since the last step in which many collisions shared a body.
     few_steps: u64,
+    flow: FlowState,
 }
 
 impl Simulation {
@@ -181,6 +184,7 @@ impl Simulation {
         // A later change of the contact law must not change it, and a checkpoint stores it.
         options.integrator = scene.integrator(options.integrator).into();
         let time_step = scene.run.time_step().unwrap_or(DEFAULT_TIME_STEP);
+        let flow = FlowState::of(&scene);
         let lists = ListPolicy::start(engine.dispatches() && world.movers() <= FEW_MOVERS);
         Self {
             packed: scene.sphere_ids().collect(),
@@ -206,6 +210,7 @@ impl Simulation {
             observation: None,
             synced: true,
             forces_synced: true,
+            flow,
             calm_steps: 0,
             few_steps: 0,
         }
@@ -260,7 +265,7 @@ impl Simulation {
             self.observation = None;
         }
         if !same {
-            self.scene.settings = self.scene.resolved_settings();
+            self.scene.settings = self.scene.with_grains().resolved_settings();
         }
         let flags = self.world.step.constants.flags;
         self.world.set_settings(&self.scene.settings);
@@ -403,13 +408,13 @@ fn resolve(mut scene: Scene, options: &Options) -> Result<Scene> {
     if options.contact_force_law.is_some() && scene.settings.contact_law != ContactLaw::User {
         scene.settings.set("contact_law", ContactLaw::User.name())?;
     }
-    scene.settings = scene.resolved_settings();
+    scene.settings = scene.with_grains().resolved_settings();
     Ok(scene)
 }
 
 /// Checks that the contact law of a scene has all that it needs.
 fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&ContactForceLaw>) -> Result<()> {
-    scene.check_contact_law(integrator)?;
+    scene.with_grains().check_contact_law(integrator)?;
     if scene.settings.contact_law == ContactLaw::User && law.is_none() {
         return Err(Error::Invalid {
             field: "contact_law",

@@ -28,9 +28,11 @@
 //! | `@mesh FILE scale=s at=x,y,z axis=x,y,z turn=degrees name=N` | the triangles of an STL, OBJ or PLY file ([`Mesh`](crate::Mesh)): scaled, turned about the axis through its origin, and moved. A relative path begins at the folder of the scene file |
 //! | `@move NAME` | nothing: the boxes and polygons of the lines below follow that motion; `@move -`: none |
 //! | `@surface velocity=x,y,z` | nothing: the surfaces of the boxes, polygons and meshes of the lines below move, like conveyors; `@surface -`: they do not |
+//! | `@inlet name=N box=x0,y0,z0,x1,y1,z1 rate=PER_S radius=r by=number density=D velocity=x,y,z from=S to=S limit=COUNT seed=N` | nothing: spheres of the material in use come in while a simulation runs ([`Inlet`](crate::Inlet)). `mass_rate=` or `volume_rate=` may replace `rate=`, `mass=` may replace `density=`, `radius=` also takes `a..b` and `lognormal:median,sigma`, `by=mass` weights radii by mass |
+//! | `@outlet name=N box=x0,y0,z0,x1,y1,z1` | nothing: spheres that enter the box are removed ([`Outlet`](crate::Outlet)) |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty-one kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty-three kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -49,6 +51,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 mod comment;
+mod inlet;
 mod line;
 mod materials;
 mod mesh;
@@ -148,7 +151,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 20] = [
+const AT_WORDS: [&str; 22] = [
     "@group",
     "@orientation",
     "@force",
@@ -167,6 +170,8 @@ const AT_WORDS: [&str; 20] = [
     "@motion",
     "@move",
     "@surface",
+    "@inlet",
+    "@outlet",
     "@repeat",
     "@end",
 ];
@@ -263,6 +268,8 @@ impl<'a> Reader<'a> {
             "@motion" => self.motion(line, number),
             "@move" => self.follow(line, number),
             "@surface" => self.surface(line, number),
+            "@inlet" => self.inlet(line, number),
+            "@outlet" => self.outlet(line, number),
             "@end" => {
                 let message = "no `@repeat` above, expected one before the lines to repeat".to_owned();
                 self.not_understood(number, Wrong { field: "@end".to_owned(), message })

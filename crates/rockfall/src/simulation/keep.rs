@@ -10,6 +10,7 @@ use crate::model::layout::SLICE;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::options::BackendInfo;
 use crate::options::Options;
+use crate::scene::FlowState;
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
 use crate::simulation::lists::ListPolicy;
@@ -66,6 +67,7 @@ impl Simulation {
                 lookahead: lists.lookahead.max(1.0),
                 clock: self.muscle_clock,
             },
+            flow: self.flow.clone(),
             springs,
             rates,
             kept_laws: Vec::new(),
@@ -106,7 +108,7 @@ impl Simulation {
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
         let simulation = Self::assemble(checkpoint.scene, checkpoint.options, world, engine, info);
-        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
+        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history, checkpoint.flow))
     }
 
     /// [`Simulation::resume`] on the caller's wgpu device; see [`Simulation::on_device`].
@@ -118,7 +120,7 @@ impl Simulation {
         checkpoint.check_laws()?;
         let (springs, rates) = (&checkpoint.springs, &checkpoint.rates);
         let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, springs, rates, device, queue)?;
-        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
+        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history, checkpoint.flow))
     }
 
     /// [`Simulation::resume`] on a GPU that others share.
@@ -132,7 +134,7 @@ impl Simulation {
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let engine = Engine::on(gpu, &world)?;
         let simulation = Self::assemble(checkpoint.scene, options, world, engine, info.clone());
-        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history))
+        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history, checkpoint.flow))
     }
 
     /// Replaces the state by that of a checkpoint, without opening a device again. Handles of the simulation that took the
@@ -159,13 +161,15 @@ impl Simulation {
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
         self.apply_history(checkpoint.time_step, checkpoint.report, checkpoint.history);
+        self.flow = checkpoint.flow.clone();
         self.rebuild(&checkpoint.springs, &checkpoint.rates)?;
         self.status.collided = 0;
         Ok(())
     }
 
-    fn with_history(mut self, time_step: f32, report: crate::Report, history: History) -> Self {
+    fn with_history(mut self, time_step: f32, report: crate::Report, history: History, flow: FlowState) -> Self {
         self.apply_history(time_step, report, history);
+        self.flow = flow;
         self.disorder = Disorder::sorted_at(report.steps);
         self
     }

@@ -116,7 +116,9 @@ impl Simulation {
         let time = self.muscle_clock.time();
         let mut scene = self.sync()?.clone();
         scene.advance_muscles(time);
-        scene.advance_motions(self.muscle_clock.written_time());
+        let written = self.muscle_clock.written_time();
+        scene.advance_motions(written);
+        scene.advance_inlets(written, self.flow.inlets.iter().map(|inlet| inlet.serial));
         Ok(scene)
     }
 
