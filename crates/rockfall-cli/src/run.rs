@@ -58,7 +58,7 @@ since the line before it; its contacts and overlap are those at its step, with -
 
 The extension of a file chooses its format, in upper or lower case; an unknown one is an error. Devices such as /dev/stdout get \
 CSV. Without --every, --out writes the final state: .csv, .npz for NumPy, .vtp for ParaView. With --every K, it writes the state \
-at the start and after every K-th step: .npz holds arrays [frames, spheres, ...], .vtp or .pvd writes NAME.pvd and a folder NAME \
+at the start and after every K-th step: .npz holds arrays [frames, spheres, ...], so it is not for scenes with inlets or outlets; .vtp or .pvd writes NAME.pvd and a folder NAME \
 with the frames, .csv has the columns step,time in front.
 
 --contacts writes the contacts of the same states: both bodies, point, normal, overlap, and the force or the impulse on the \
@@ -214,10 +214,11 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     if arguments.tensions.is_some() && counts.springs + counts.tethers == 0 {
         output::note(&format!("note: --tensions: {}", output::NO_LINKS));
     }
+    wanted.check_for(&scene)?;
     let mut outputs = Outputs::open(wanted, None)?;
     let mut options = arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going);
     options.pair_capacity = arguments.capacity;
-    let precision = scene.chosen_precision().to_string();
+    let precision = scene.with_grains().chosen_precision().to_string();
     let mut simulation = Simulation::with_options(scene, options)?;
     // Energies and contacts at the start depend on it.
     simulation.set_time_step(past.part())?;

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use rockfall::output::{AtomicFile, Mark};
-use rockfall::{Error, Report, Simulation};
+use rockfall::{Error, Report, Scene, Simulation};
 use rockfall_trajectory::csv::{self, numbers};
 use rockfall_trajectory::{Format, Frame, Writer, vtp};
 
@@ -72,6 +72,23 @@ impl Wanted {
             }
         }
         Ok(())
+    }
+}
+
+impl Wanted {
+    /// Returns an error if a file cannot hold what happens in the scene.
+    pub(super) fn check_for(&self, scene: &Scene) -> Result<(), Failure> {
+        let changes = !(scene.inlets().is_empty() && scene.outlets().is_empty());
+        match &self.out {
+            Some(path) if changes && self.every.is_some() && Format::of(path) == Some(Format::Npz) => {
+                Err(Failure::usage(format!(
+                    "--out {}: the number of spheres changes in a scene with inlets or outlets, but an .npz file has equally many in \
+                     all frames; expected .csv or .pvd",
+                    path.display()
+                )))
+            }
+            _ => Ok(()),
+        }
     }
 }
 

@@ -101,7 +101,7 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
     if !physics.set.is_empty() {
         past.changed = true;
         // A resumed simulation uses its constants as stored, so `resting_overlap` has to be resolved here.
-        checkpoint.scene.settings = checkpoint.scene.resolved_settings();
+        checkpoint.scene.settings = checkpoint.scene.with_grains().resolved_settings();
     }
     if let Some(substeps) = arguments.substeps {
         let integrator = options.integrator.resolve(checkpoint.scene.settings.contact_law);

@@ -150,7 +150,7 @@ impl Scene {
 
     /// The scene with the smallest and the largest sphere of every inlet, and without the inlets, for checks of what the scene will
     /// contain.
-    pub(crate) fn with_grains(&self) -> Cow<'_, Self> {
+    pub fn with_grains(&self) -> Cow<'_, Self> {
         if self.inlets.is_empty() {
             return Cow::Borrowed(self);
         }
