@@ -148,7 +148,7 @@ impl Summary<'_> {
 fn flow_rows(flow: &Flow, row: &mut impl FnMut(&str, String)) {
     let amount = |spheres: u64, mass: f64| format!("{} of mass {}", counted(spheres as usize, "sphere", "spheres"), short(mass));
     for inlet in &flow.inlets {
-        let waiting = if inlet.waiting > 0 { format!(", {} waiting for room", inlet.waiting) } else { String::new() };
+        let waiting = if inlet.waiting > 0 { format!(", {} due and not in yet", inlet.waiting) } else { String::new() };
         row("in", format!("{} through {}{waiting}", amount(inlet.spheres, inlet.mass), inlet.name));
     }
     for outlet in &flow.outlets {

@@ -87,3 +87,14 @@ def test_a_rate_that_does_not_fit_is_a_concern() -> None:
     scene = rf.Scene()
     scene.add_inlet("feed", (0, 0, 0), (1, 1, 1), volume_rate=50, radius=0.1, velocity=(0, -1, 0))
     assert any("spheres will wait" in concern for concern in scene.check(DT))
+
+
+def test_recordings_of_changing_spheres(tmp_path: Path) -> None:
+    sim = rf.Simulation(chute(), dt=DT, backend="cpu")
+    with pytest.raises(ValueError, match="expected .csv or .pvd"):
+        sim.record(tmp_path / "run.npz", every=10)
+    with sim.record(tmp_path / "run.csv", every=10):
+        sim.run(100)
+    lines = (tmp_path / "run.csv").read_text().splitlines()
+    references = {int(line.split(",")[16]) for line in lines[1:]}
+    assert references == set(range(1, len(references) + 1))

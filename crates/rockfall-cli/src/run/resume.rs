@@ -49,6 +49,7 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
     change(&mut checkpoint, &mut past, arguments, given)?;
 
     let wanted = wanted(arguments, &past, path)?;
+    wanted.check_for(&checkpoint.scene)?;
     let mut outputs = Outputs::open(wanted, Some(&past))?;
     let (device, program) = (checkpoint.device.clone(), checkpoint.program.clone());
     let mut simulation = Simulation::resume(checkpoint).map_err(|error| match error {

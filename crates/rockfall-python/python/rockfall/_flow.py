@@ -22,7 +22,7 @@ class Inflow(NamedTuple):
     spheres: int
     #: Their mass.
     mass: float
-    #: Number of spheres that are due and have no room yet, at most 65,536.
+    #: Number of spheres that are due and not in yet, because there is no room or the inlet acts in a later step; at most 65,536.
     waiting: int
 
 

@@ -84,7 +84,13 @@ fn put_inlet(head: &mut Head, scene: &Scene, inlet: &Inlet) {
     };
     head.u32(kind);
     head.f64(rate);
-    head.text(&radii.to_string());
+    let (kind, numbers) = match *radii {
+        Radii::Equal(radius) => (0, [radius, 0.0]),
+        Radii::Uniform(from, to) => (1, [from, to]),
+        Radii::LogNormal { median, sigma } => (2, [median, sigma]),
+    };
+    head.u32(kind);
+    numbers.into_iter().for_each(|number| head.f64(number));
     head.text(&by.to_string());
     let (kind, mass) = match *mass {
         GrainMass::OfMaterial => (0, 0.0),
@@ -114,13 +120,19 @@ fn read_inlet(words: &mut Words, scene: &Scene) -> Result<Inlet, Damage> {
         (2, rate) => Rate::Volume(rate),
         (kind, _) => return Err(Damage::new(format!("an inlet has a rate of kind {kind}, expected 0 to 2"))),
     };
-    let (radii, by): (Radii, _) = (words.text()?.parse()?, words.text()?.parse()?);
+    let radii = match (words.u32()?, words.f64()?, words.f64()?) {
+        (0, radius, rest) if rest.to_bits() == 0 => Radii::Equal(radius),
+        (1, from, to) => Radii::Uniform(from, to),
+        (2, median, sigma) => Radii::LogNormal { median, sigma },
+        (kind, ..) => return Err(Damage::new(format!("an inlet has radii of kind {kind} that cannot be read"))),
+    };
+    let by = words.text()?.parse()?;
     let mut inlet = Inlet::new(name, corners.map(|corner| corner.to_array()), rate, 1.0).radii(radii, by);
     inlet.mass = match (words.u32()?, words.f64()?) {
-        (0, _) => GrainMass::OfMaterial,
+        (0, rest) if rest.to_bits() == 0 => GrainMass::OfMaterial,
         (1, mass) => GrainMass::Mass(mass),
         (2, density) => GrainMass::Density(density),
-        (kind, _) => return Err(Damage::new(format!("an inlet has a mass of kind {kind}, expected 0 to 2"))),
+        (kind, _) => return Err(Damage::new(format!("an inlet has a mass of kind {kind} that cannot be read"))),
     };
     inlet.velocity = words.vec3()?;
     (inlet.from, inlet.to) = (words.f64()?, words.f64()?);
@@ -155,8 +167,11 @@ fn put_number(head: &mut Head, number: Option<u64>) {
 }
 
 fn read_number(words: &mut Words) -> Result<Option<u64>, Damage> {
-    let (is_known, number) = (words.bool()?, words.u64()?);
-    Ok(is_known.then_some(number))
+    match (words.bool()?, words.u64()?) {
+        (true, number) => Ok(Some(number)),
+        (false, 0) => Ok(None),
+        (false, number) => Err(Damage::new(format!("a missing number is {number}, expected 0"))),
+    }
 }
 
 fn put_passed(head: &mut Head, passed: &Passed) {

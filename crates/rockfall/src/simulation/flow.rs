@@ -42,7 +42,7 @@ pub struct Inflow {
     pub spheres: u64,
     /// Their mass.
     pub mass: f64,
-    /// Number of spheres that are due and have no room yet, at most 65,536.
+    /// Number of spheres that are due and not in yet, because there is no room or the inlet acts in a later step; at most 65,536.
     pub waiting: u64,
 }
 

@@ -1,5 +1,6 @@
 //! What inlets and outlets have done so far.
 
+use super::Rate;
 use super::sum::Sum;
 use crate::scene::Scene;
 
@@ -49,10 +50,15 @@ impl FlowState {
 
     /// Adds the inlets and outlets that were added to the scene.
     pub(crate) fn complete(&mut self, scene: &Scene) {
-        self.next_reference = self.next_reference.max(scene.references.next());
+        if self.inlets.len() < scene.inlets().len() {
+            self.next_reference = self.next_reference.max(scene.references.next());
+        }
         for (number, inlet) in scene.inlets().iter().enumerate().skip(self.inlets.len()) {
             let density = scene.inlet_density(inlet);
-            let sum = (0..inlet.after).map(|serial| inlet.share(&inlet.grain(number, serial, density))).sum();
+            let sum = match inlet.rate {
+                Rate::Number(_) => inlet.after as f64,
+                _ => (0..inlet.after).map(|serial| inlet.share(&inlet.grain(number, serial, density))).sum(),
+            };
             self.inlets.push(InletState { serial: inlet.after, sum, ..InletState::default() });
         }
         self.outlets.resize(scene.outlets().len(), Passed::default());

@@ -50,7 +50,7 @@ fn values(inlet: &Inlet) -> String {
         ("by", (*by != SizedBy::Number).then(|| by.to_string())),
         (mass_key, (!mass_key.is_empty()).then(|| mass.to_string())),
         ("velocity", (super::bits(*velocity) != [0; 3]).then(|| format!("{x},{y},{z}"))),
-        ("from", (*from != 0.0).then(|| from.to_string())),
+        ("from", (from.to_bits() != 0).then(|| from.to_string())),
         ("to", to.is_finite().then(|| to.to_string())),
         ("limit", number(*limit)),
         ("seed", (*seed != 0).then(|| seed.to_string())),
