@@ -102,7 +102,7 @@ impl Summary<'_> {
         row("integrator", simulation.integrator().to_string());
         row("settings", changed(simulation.settings()));
         row("precision", self.precision.to_owned());
-        row("comments", options::counted(self.comments, "line of the scene", "lines of the scene"));
+        row("comments", counted(self.comments, "line of the scene", "lines of the scene"));
         row("objects", InWords(simulation.scene().counts()).to_string());
         if let Some(chosen) = check::chosen_contact(simulation.settings()) {
             row("constants", chosen);
@@ -146,7 +146,8 @@ impl Summary<'_> {
 
 /// Rows about inlets and outlets, if there are any.
 fn flow_rows(flow: &Flow, row: &mut impl FnMut(&str, String)) {
-    let amount = |spheres: u64, mass: f64| format!("{} of mass {}", counted(spheres as usize, "sphere", "spheres"), short(mass));
+    let amount =
+        |spheres: u64, mass: f64| format!("{} of mass {}", counted(spheres as usize, "sphere", "spheres"), short(mass));
     for inlet in &flow.inlets {
         let waiting = if inlet.waiting > 0 { format!(", {} due and not in yet", inlet.waiting) } else { String::new() };
         row("in", format!("{} through {}{waiting}", amount(inlet.spheres, inlet.mass), inlet.name));

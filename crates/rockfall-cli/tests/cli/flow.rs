@@ -16,7 +16,8 @@ fn a_run_reports_what_came_in_and_left() {
     let rockfall = Rockfall::with(FEED);
     let (out, err) = rockfall.run("run scene.txt --backend cpu", 0);
     assert_eq!(err, "");
-    let line = |name: &str| out.lines().find(|line| line.trim_start().starts_with(name)).unwrap_or_else(|| panic!("{out}")).to_owned();
+    let line =
+        |name: &str| out.lines().find(|line| line.trim_start().starts_with(name)).unwrap_or_else(|| panic!("{out}")).to_owned();
     assert!(line("in ").ends_with("through feed") && line("out ").ends_with("through drain"), "{out}");
     assert!(line("inside ").contains("spheres of mass"), "{out}");
     let (out, _) = rockfall.run("run scene.txt --backend cpu --json", 0);
@@ -34,7 +35,10 @@ fn a_run_reports_what_came_in_and_left() {
 fn a_run_in_two_parts_writes_the_same_files() {
     let rockfall = Rockfall::with(FEED);
     rockfall.run("run scene.txt --backend cpu --out whole.csv --every 10 --trace whole.trace.csv", 0);
-    rockfall.run("run scene.txt --backend cpu --out parts.csv --every 10 --trace parts.trace.csv --steps 77 --checkpoint a.ckpt", 0);
+    rockfall.run(
+        "run scene.txt --backend cpu --out parts.csv --every 10 --trace parts.trace.csv --steps 77 --checkpoint a.ckpt",
+        0,
+    );
     rockfall.run("run --resume a.ckpt --steps 200", 0);
     assert!(rockfall.read("whole.csv") == rockfall.read("parts.csv"));
     assert!(rockfall.read("whole.trace.csv") == rockfall.read("parts.trace.csv"));

@@ -57,24 +57,8 @@ pub(super) fn read(words: &mut Words, scene: &mut Scene) -> Result<FlowState, Da
 }
 
 fn put_inlet(head: &mut Head, scene: &Scene, inlet: &Inlet) {
-    let Inlet {
-        name,
-        corners,
-        rate,
-        radii,
-        by,
-        mass,
-        velocity,
-        from,
-        to,
-        limit,
-        seed,
-        every,
-        after,
-        material,
-        group,
-        tag,
-    } = inlet;
+    let Inlet { name, corners, rate, radii, by, mass, velocity, from, to, limit, seed, every, after, material, group, tag } =
+        inlet;
     head.text(name);
     put_corners(head, corners);
     let (kind, rate) = match *rate {

@@ -22,7 +22,8 @@ fn chi_squared(uniform: impl Iterator<Item = f64>) -> f64 {
 fn normal(x: f64) -> f64 {
     let z = x.abs() / 2.0_f64.sqrt();
     let t = 1.0 / (1.0 + 0.327_591_1 * z);
-    let sum = [1.061_405_429, -1.453_152_027, 1.421_413_741, -0.284_496_736, 0.254_829_592].into_iter().fold(0.0, |s, a| s * t + a);
+    let sum =
+        [1.061_405_429, -1.453_152_027, 1.421_413_741, -0.284_496_736, 0.254_829_592].into_iter().fold(0.0, |s, a| s * t + a);
     let tail = 0.5 * sum * t * (-z * z).exp();
     if x < 0.0 { tail } else { 1.0 - tail }
 }
@@ -80,7 +81,8 @@ fn spheres_follow_from_the_key_alone() {
         (grain, inlet.place(number, serial, grain.radius, attempt).to_array())
     };
     assert_eq!(key(&one, 0, 5, 3), key(&one.clone(), 0, 5, 3));
-    let all = [key(&one, 0, 5, 3), key(&one, 1, 5, 3), key(&one, 0, 6, 3), key(&one, 0, 5, 4), key(&one.clone().seed(8), 0, 5, 3)];
+    let all =
+        [key(&one, 0, 5, 3), key(&one, 1, 5, 3), key(&one, 0, 6, 3), key(&one, 0, 5, 4), key(&one.clone().seed(8), 0, 5, 3)];
     for (index, first) in all.iter().enumerate() {
         for second in &all[index + 1..] {
             assert_ne!(first.1, second.1);

@@ -8,8 +8,8 @@ use crate::fine::Fine;
 use crate::mesh::Mesh;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
-    BoxId, Capsule, CapsuleId, Cuboid, Facets, Inlet, Material, MaterialId, Motion, MotionId, MotionTerm, ObjectId, Outlet, Pair,
-    Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
+    BoxId, Capsule, CapsuleId, Cuboid, Facets, Inlet, Material, MaterialId, Motion, MotionId, MotionTerm, ObjectId, Outlet,
+    Pair, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
 use crate::simulation::rates::put_rates;

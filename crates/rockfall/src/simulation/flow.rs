@@ -101,7 +101,8 @@ impl Simulation {
             }
             for number in 0..self.scene.inlets.len() {
                 let inlet = &self.scene.inlets[number];
-                if step.is_multiple_of(self.inlet_steps(inlet)) && self.is_due(number, self.muscle_clock.written_time()) {
+                let (state, time) = (&self.flow.inlets[number], self.muscle_clock.written_time());
+                if step.is_multiple_of(self.inlet_steps(inlet)) && is_due(&self.scene, number, inlet, state, time) {
                     self.pull().await?;
                     self.let_in(number)?;
                 }
@@ -129,7 +130,7 @@ impl Simulation {
         let mut room = Room::of(scene, &inlet, time);
         for _ in 0..MOST {
             let grain = inlet.grain(number, state.serial, density);
-            if !next_is_due(scene, number, &inlet, state, time) {
+            if !is_due(scene, number, &inlet, state, time) {
                 break;
             }
             let places = state.tries..state.tries + TRIES;
@@ -151,20 +152,18 @@ impl Simulation {
         Ok(())
     }
 
-    fn is_due(&self, number: usize, time: f64) -> bool {
-        next_is_due(&self.scene, number, &self.scene.inlets[number], &self.flow.inlets[number], time)
-    }
-
     /// Number of steps from `step` to the next one before which an outlet looks at its box or a sphere is due.
     fn steps_to_next(&self, step: u64) -> u64 {
         let until = |every: u64| every - step % every;
         let outlets = self.scene.outlets().iter().map(|outlet| until(self.outlet_steps(outlet)));
         let inlets = self.scene.inlets().iter().enumerate().map(|(number, inlet)| {
+            let needed = needed(&self.scene, number, inlet, &self.flow.inlets[number]);
+            let Some(needed) = needed.filter(|needed| *needed <= inlet.due(f64::INFINITY)) else { return u64::MAX };
             let every = self.inlet_steps(inlet);
             // Where the next sphere is due later, the inlet is asked again then.
-            let times = (0..1000).map(|times| until(every).saturating_add(every.saturating_mul(times)));
-            let is_due = |steps: &u64| self.is_due(number, self.muscle_clock.written_time_after(steps.saturating_mul(2)));
-            times.clone().find(is_due).or(times.last()).unwrap_or(1)
+            let mut times = (0..1000).map(|times| until(every).saturating_add(every.saturating_mul(times)));
+            let time_after = |steps: u64| self.muscle_clock.written_time_after(steps.saturating_mul(2));
+            times.clone().find(|steps| needed <= inlet.due(time_after(*steps))).or(times.next_back()).unwrap_or(1)
         });
         outlets.chain(inlets).min().unwrap_or(u64::MAX)
     }
@@ -194,19 +193,21 @@ impl Simulation {
     }
 }
 
-/// Whether the next sphere of an inlet is due.
-fn next_is_due(scene: &Scene, number: usize, inlet: &Inlet, state: &InletState, time: f64) -> bool {
-    if inlet.limit.is_some_and(|limit| state.serial >= limit) {
-        return false;
-    }
-    let grain = inlet.grain(number, state.serial, scene.inlet_density(inlet));
-    state.sum + inlet.share(&grain) <= inlet.due(time)
+/// What the rate counts of all spheres up to the next one, which is due when it has let in as much; `None` at the limit.
+fn needed(scene: &Scene, number: usize, inlet: &Inlet, state: &InletState) -> Option<f64> {
+    let is_open = inlet.limit.is_none_or(|limit| state.serial < limit);
+    let share = || inlet.share(&inlet.grain(number, state.serial, scene.inlet_density(inlet)));
+    is_open.then(|| state.sum + share())
+}
+
+fn is_due(scene: &Scene, number: usize, inlet: &Inlet, state: &InletState, time: f64) -> bool {
+    needed(scene, number, inlet, state).is_some_and(|needed| needed <= inlet.due(time))
 }
 
 /// Number of spheres that are due and not in yet.
 fn waiting(scene: &Scene, number: usize, inlet: &Inlet, state: &InletState, time: f64) -> u64 {
     let (mut next, density) = (*state, scene.inlet_density(inlet));
-    while next.serial - state.serial < MOST && next_is_due(scene, number, inlet, &next, time) {
+    while next.serial - state.serial < MOST && is_due(scene, number, inlet, &next, time) {
         next.sum += inlet.share(&inlet.grain(number, next.serial, density));
         next.serial += 1;
     }
@@ -229,9 +230,8 @@ fn leaving(scene: &Scene, outlet: &Outlet) -> Vec<SphereId> {
         }
     }
     let spheres = scene.sphere_ids().zip(scene.spheres());
-    let alone = spheres.filter(|(id, sphere)| {
-        !sphere.fixed && outlet.contains(sphere.position.as_dvec3()) && !of_capsules.contains(id)
-    });
+    let alone = spheres
+        .filter(|(id, sphere)| !sphere.fixed && outlet.contains(sphere.position.as_dvec3()) && !of_capsules.contains(id));
     gone.extend(alone.map(|(id, _)| id));
     gone
 }

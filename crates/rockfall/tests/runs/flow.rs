@@ -37,7 +37,8 @@ both!(
 
 fn masses_balance_exactly(backend: Backend) {
     let mut scene = chute();
-    let there = [0.3_f32, 7.7].map(|mass| scene.add_sphere(Sphere::new([mass - 4.0, 0.15, 0.0], 0.1).mass(mass)).expect("a sphere"));
+    let there =
+        [0.3_f32, 7.7].map(|mass| scene.add_sphere(Sphere::new([mass - 4.0, 0.15, 0.0], 0.1).mass(mass)).expect("a sphere"));
     scene.add_sphere(Sphere::new([0.0, -2.0, 0.0], 0.1).fixed()).expect("a sphere");
     let mut simulation = open(&scene, backend);
     let start = simulation.flow();
@@ -52,7 +53,7 @@ fn masses_balance_exactly(backend: Backend) {
     let Flow { inlets, outlets, .. } = simulation.flow();
     // 240 steps of 1/64 s, at 60 /s. The inlet acts every 5 steps, and a sphere has a mass of up to 8.6.
     assert!((225.0 - 60.0 * 5.0 / 64.0 - 8.6..=225.0).contains(&inlets[0].mass) && inlets[0].waiting <= 4, "{inlets:?}");
-    assert!(outlets[0].spheres > 20, "{outlets:?}");
+    assert!(outlets[0].spheres > 10, "{outlets:?}");
     assert!(simulation.sphere(there[1]).is_ok() || simulation.sphere(there[0]).is_ok());
 }
 
@@ -133,7 +134,10 @@ fn springs_of_other_contacts_are_kept(backend: Backend) {
     let mut alone = open(&scene, backend);
     alone.run(3000, dt).expect("steps");
     let mut checkpoint = alone.checkpoint().expect("a checkpoint");
-    let feed = Inlet::new("feed", [[2.0, 0.0, -0.5], [2.5, 0.5, 0.5]], Rate::Number(64.0), 0.05).material(soft).every(64).velocity([3.0, 0.0, 0.0]);
+    let feed = Inlet::new("feed", [[2.0, 0.0, -0.5], [2.5, 0.5, 0.5]], Rate::Number(64.0), 0.05)
+        .material(soft)
+        .every(64)
+        .velocity([3.0, 0.0, 0.0]);
     checkpoint.scene.add_inlet(feed.during(0.0, 10.0)).expect("an inlet");
     checkpoint.scene.add_outlet(Outlet::new("drain", [[2.6, -1.0, -2.0], [9.0, 3.0, 2.0]]).every(32)).expect("an outlet");
     let mut busy = Simulation::resume(checkpoint).expect("it resumes");

@@ -285,6 +285,7 @@ fn the_silo_is_fed_and_drained() {
     assert!(resting_overlap(&mut simulation, dt) < 0.05);
     // Nothing leaks through the walls: grains are in the silo, on the belt or right of it.
     let states = simulation.spheres().expect("states");
-    let is_inside = |state: &&SphereState| state.position.y < 0.0 || state.position.x.abs() < 0.41 && state.position.z.abs() < 0.1;
+    let is_inside =
+        |state: &&SphereState| state.position.y < 0.0 || state.position.x.abs() < 0.41 && state.position.z.abs() < 0.1;
     assert_eq!(states.iter().filter(|state| !is_inside(state)).count(), 0);
 }

@@ -31,7 +31,8 @@ impl Scene {
         let size = inlet.corners[1] - inlet.corners[0];
         let velocity = inlet.velocity.as_dvec3();
         // Spheres also fall out of the box.
-        let down = self.settings.gravity_direction.as_dvec3().normalize_or_zero().abs() * f64::from(self.settings.gravity).abs();
+        let down =
+            self.settings.gravity_direction.as_dvec3().normalize_or_zero().abs() * f64::from(self.settings.gravity).abs();
         let speed = (velocity * velocity + 2.0 * down * size).map(f64::sqrt);
         let flow = speed.x * size.y * size.z + speed.y * size.z * size.x + speed.z * size.x * size.y;
         let largest = SOLID * flow / of_volume;

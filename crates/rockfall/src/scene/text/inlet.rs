@@ -40,9 +40,9 @@ impl Reader<'_> {
         let values = Values::read(&INLET, &INLET_KEYS, line)?;
         let mut inlet = Inlet::new("", [[0.0; 3]; 2], values.rate()?, 0.0);
         inlet.corners = values.corners(self.offset())?;
-        inlet.radii = values.parsed("radius", "a radius r, a range a..b or lognormal:median,sigma")?.ok_or_else(|| {
-            INLET.wrong("radius", "missing, expected radius=r, radius=a..b or radius=lognormal:median,sigma")
-        })?;
+        inlet.radii = values
+            .parsed("radius", "a radius r, a range a..b or lognormal:median,sigma")?
+            .ok_or_else(|| INLET.wrong("radius", "missing, expected radius=r, radius=a..b or radius=lognormal:median,sigma"))?;
         inlet.by = values.parsed("by", "number or mass")?.unwrap_or_default();
         inlet.mass = match (values.number("mass")?, values.number("density")?) {
             (Some(mass), _) => GrainMass::Mass(mass),
@@ -138,9 +138,7 @@ impl<'a> Values<'a> {
         let value = self.of("box").ok_or_else(|| self.kind.wrong("box", format!("missing, {expected}")))?;
         let numbers: Vec<f64> = value.split(',').map(|word| number(self.kind, "box", word)).collect::<Line<_>>()?;
         match numbers[..] {
-            [a, b, c, d, e, f] => {
-                Ok([DVec3::new(a, b, c), DVec3::new(d, e, f)].map(|corner| corner + offset))
-            }
+            [a, b, c, d, e, f] => Ok([DVec3::new(a, b, c), DVec3::new(d, e, f)].map(|corner| corner + offset)),
             _ => Err(self.kind.wrong("box", format!("{} is not allowed, {expected}", quoted(value)))),
         }
     }

@@ -53,7 +53,10 @@ fn wrong_lines_name_the_field_and_what_was_expected() {
     let cases = [
         ("@inlet rate=5 radius=0.1", "@inlet box: missing, expected six numbers box=x0,y0,z0,x1,y1,z1 without spaces"),
         ("@inlet box=0,0,0,1,1,1 radius=0.1", "@inlet rate: missing, expected rate=, mass_rate= or volume_rate="),
-        ("@inlet box=0,0,0,1,1,1 rate=5", "@inlet radius: missing, expected radius=r, radius=a..b or radius=lognormal:median,sigma"),
+        (
+            "@inlet box=0,0,0,1,1,1 rate=5",
+            "@inlet radius: missing, expected radius=r, radius=a..b or radius=lognormal:median,sigma",
+        ),
         ("@inlet box=0,0,0,1,1 rate=5 radius=1", "@inlet box: '0,0,0,1,1' is not allowed, expected six numbers"),
         ("@inlet box=0,0,0,1,-1,1 rate=5 radius=0.1", "with x0 < x1, y0 < y1 and z0 < z1"),
         ("@inlet box=0,0,0,1,1,1 rate=5 radius=0.6", "@inlet box: 1 wide for a diameter of 1.2 is not allowed"),
@@ -69,7 +72,10 @@ fn wrong_lines_name_the_field_and_what_was_expected() {
         (&format!("@inlet {good} rates=1"), "@inlet 'rates': an unknown key, did you mean rate?"),
         (&format!("@inlet {good} seed=1 seed=2"), "@inlet seed: given twice in the line"),
         (&format!("@inlet {good} by=volume"), "@inlet by: 'volume' is not allowed, expected number or mass"),
-        (&format!("@inlet {good} name=a\n@inlet {good} name=a"), "silo.txt:2: @inlet name: 'a' is not allowed, expected a name that"),
+        (
+            &format!("@inlet {good} name=a\n@inlet {good} name=a"),
+            "silo.txt:2: @inlet name: 'a' is not allowed, expected a name that",
+        ),
         ("@outlet name=a", "@outlet box: missing, expected six numbers"),
         ("@outlet box=0,0,0,1,1,1 rate=3", "@outlet 'rate': an unknown key"),
     ];
