@@ -9,7 +9,6 @@ use super::tag::check_name;
 use super::{MaterialId, Scene, Sphere, Tag};
 use crate::error::{Error, Result, quoted};
 
-mod concerns;
 mod grains;
 mod state;
 mod sum;

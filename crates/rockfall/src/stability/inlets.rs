@@ -1,8 +1,7 @@
 //! Warnings about inlets that cannot keep their rate.
 
-use super::{Inlet, Rate};
 use crate::report::short_number;
-use crate::scene::Scene;
+use crate::scene::{Inlet, Rate, Scene};
 
 /// Largest share of the space behind an inlet that spheres at random places fill.
 const SOLID: f64 = 0.3;
