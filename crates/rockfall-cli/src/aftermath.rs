@@ -92,7 +92,8 @@ pub(crate) fn warn_of_overlaps(name: &str, simulation: &mut Simulation) -> Resul
 
 /// How much the energy grew, if that is too much and nothing in the scene explains it.
 ///
-/// Moving surfaces (fixed spheres with a velocity or a spin), external forces, muscles and a restitution of more than 1 do work.
+/// Moving surfaces (fixed spheres with a velocity or a spin), external forces, muscles and a restitution of more than 1 do work, and
+/// spheres that come and go have an energy.
 /// Without them the energy can only fall. Integrators and late contacts make errors, which are measured by the energy that took part in
 /// the motion: the kinetic, spring and contact energy at the start, what bodies fell, and 1 % of the weights times the radii.
 fn growth(scene: &Scene, before: &Energy, after: &Energy) -> Option<f64> {
@@ -102,7 +103,8 @@ fn growth(scene: &Scene, before: &Energy, after: &Energy) -> Option<f64> {
     });
     let forces = scene.spheres().iter().any(|sphere| sphere.force.length_squared() > 0.0);
     let muscles = scene.springs().iter().any(|spring| spring.muscle.is_some());
-    if surfaces || forces || muscles || settings.restitution > 1.0 {
+    let comes_and_goes = !(scene.inlets().is_empty() && scene.outlets().is_empty());
+    if surfaces || forces || muscles || comes_and_goes || settings.restitution > 1.0 {
         return None;
     }
     let movers = scene.spheres().iter().filter(|sphere| !sphere.fixed);

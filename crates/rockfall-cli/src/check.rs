@@ -29,7 +29,10 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     let mut text = String::new();
     // Writing to a string cannot fail.
     let comments = counted(loaded.comments, "comment", "comments");
-    let _ = writeln!(text, "{name}: {}, {comments}", InWords(scene.counts()));
+    let doors = [(scene.inlets().len(), "inlet", "inlets"), (scene.outlets().len(), "outlet", "outlets")];
+    let doors = doors.into_iter().filter(|(count, ..)| *count > 0);
+    let doors: String = doors.map(|(count, one, many)| format!("{}, ", counted(count, one, many))).collect();
+    let _ = writeln!(text, "{name}: {}, {doors}{comments}", InWords(scene.counts()));
     let defaults = Settings::default();
     for setting in Settings::NAMES {
         let value = scene.settings.get(setting).filter(|value| defaults.get(setting).as_ref() != Some(value));
@@ -44,28 +47,30 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     }
     let suspicious_lines = loaded.warnings.iter().map(|warning| format!("{name}:{}: {}", warning.line, warning.text));
     warnings(&mut text, suspicious_lines);
-    if let Some(chosen) = chosen_contact(&scene.resolved_settings()) {
+    // Spheres that come in count, too.
+    let judged = &*scene.with_grains();
+    if let Some(chosen) = chosen_contact(&judged.resolved_settings()) {
         let _ = writeln!(text, "{chosen}");
     }
-    let _ = writeln!(text, "precision {}", scene.chosen_precision());
-    let refused = scene.check_contact_law(integrator).err();
-    let is_of_program = scene.settings.contact_law == ContactLaw::User;
-    let (slow, in_time): (Vec<_>, Vec<_>) = scene.law_times().into_iter().partition(|time| time.is_exceeded_by(dt));
+    let _ = writeln!(text, "precision {}", judged.chosen_precision());
+    let refused = judged.check_contact_law(integrator).err();
+    let is_of_program = judged.settings.contact_law == ContactLaw::User;
+    let (slow, in_time): (Vec<_>, Vec<_>) = judged.law_times().into_iter().partition(|time| time.is_exceeded_by(dt));
     for time in in_time {
-        let _ = writeln!(text, "{}", time.describe(&scene, dt));
+        let _ = writeln!(text, "{}", time.describe(judged, dt));
     }
-    let stiff = scene.stability(dt, integrator);
+    let stiff = judged.stability(dt, integrator);
     if stiff.is_empty() && slow.is_empty() && refused.is_none() && !is_of_program {
         let _ = writeln!(text, "stable at a time step of {} s ({integrator})", as_text(dt));
     }
     text.push_str(&concerns(&name, &scene, dt, integrator));
-    let parts = scene.substeps_for(dt, integrator);
+    let parts = judged.substeps_for(dt, integrator);
     if (2..=MAX_SUBSTEPS).contains(&parts) {
         let _ = writeln!(text, "rockfall run --substeps {parts} makes the time step short enough for springs and contacts");
     }
-    text.push_str(&suggestion(&scene, dt, integrator));
+    text.push_str(&suggestion(judged, dt, integrator));
     text.push_str(&placement(&name, &scene)?);
-    if scene.counts().spheres == 0 {
+    if is_still(&scene) {
         warnings(&mut text, [format!("{name}: no spheres, so nothing will move")].into_iter());
     }
     output::print(&text)?;
@@ -81,6 +86,11 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Whether nothing can move.
+fn is_still(scene: &Scene) -> bool {
+    scene.counts().spheres == 0 && scene.inlets().is_empty()
+}
+
 /// Prints the warnings about a scene that is to be run, and applies the settings of the command line. Returns the scene and the
 /// number of parts of a step.
 pub(crate) fn prepare(
@@ -89,7 +99,7 @@ pub(crate) fn prepare(
     physics: &Physics,
     substeps: Option<Substeps>,
 ) -> Result<(Scene, u32), Failure> {
-    if loaded.scene.counts().spheres == 0 {
+    if is_still(&loaded.scene) {
         output::note(&format!("warning: {name}: no spheres, so nothing will move"));
     }
     for warning in &loaded.warnings {
@@ -99,7 +109,7 @@ pub(crate) fn prepare(
     physics.change(&mut scene.settings)?;
     let integrator = physics.integrator_for(&scene);
     let dt = physics.dt_for(&scene);
-    let parts = Substeps::or_of(substeps, &scene).of(&scene, dt, integrator)?;
+    let parts = Substeps::or_of(substeps, &scene).of(&scene.with_grains(), dt, integrator)?;
     warn(name, &scene, dt / parts as f32, integrator);
     Ok((scene, parts))
 }
@@ -116,15 +126,17 @@ pub(crate) fn chosen_contact(settings: &Settings) -> Option<String> {
 /// that are likely mistakes.
 pub(crate) fn concerns(name: &str, scene: &Scene, dt: f32, integrator: Integrator) -> String {
     let mut text = String::new();
+    let judged = &*scene.with_grains();
     // Springs and tethers may cause thousands of warnings of one kind.
-    let (stiff, others) = (scene.stability(dt, integrator), scene.concerns(dt, integrator));
-    warnings(&mut text, stiff.iter().map(|warning| format!("{name}: {}", warning.describe(scene))));
+    let (stiff, others) = (judged.stability(dt, integrator), judged.concerns(dt, integrator));
+    warnings(&mut text, stiff.iter().map(|warning| format!("{name}: {}", warning.describe(judged))));
     // Rods come last, and there may be thousands of them, too.
-    let rods = scene.odd_rods().len();
+    let rods = judged.odd_rods().len();
     let (others, rods) = others[stiff.len()..].split_at(others.len() - stiff.len() - rods);
     for list in [others, rods] {
         warnings(&mut text, list.iter().map(|warning| format!("{name}: {warning}")));
     }
+    warnings(&mut text, scene.inlet_concerns().into_iter().map(|warning| format!("{name}: {warning}")));
     text
 }
 

@@ -129,7 +129,7 @@ impl Saved {
         if !physics.set.is_empty() {
             physics.change(&mut checkpoint.scene.settings)?;
             // A resumed simulation uses its constants as stored, so `resting_overlap` has to be resolved here.
-            checkpoint.scene.settings = checkpoint.scene.resolved_settings();
+            checkpoint.scene.settings = checkpoint.scene.with_grains().resolved_settings();
         }
         checkpoint.time_step = dt / parts as f32;
         Ok((dt, parts, checkpoint))

@@ -223,6 +223,23 @@ pub(crate) fn counts_json(counts: &rockfall::Counts) -> serde_json::Value {
     })
 }
 
+/// What came in, left and is inside, as JSON.
+pub(crate) fn flow_json(flow: &rockfall::Flow) -> serde_json::Value {
+    let inlets = flow.inlets.iter().map(
+        |inlet| serde_json::json!({"name": inlet.name, "spheres": inlet.spheres, "mass": inlet.mass, "waiting": inlet.waiting}),
+    );
+    let outlets = flow
+        .outlets
+        .iter()
+        .map(|outlet| serde_json::json!({"name": outlet.name, "spheres": outlet.spheres, "mass": outlet.mass}));
+    serde_json::json!({
+        "inlets": inlets.collect::<Vec<_>>(),
+        "outlets": outlets.collect::<Vec<_>>(),
+        "spheres": flow.spheres,
+        "mass": flow.mass,
+    })
+}
+
 /// A count with its noun: `1 sphere`, `2 spheres`, `3 boxes`.
 pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })

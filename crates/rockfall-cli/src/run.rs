@@ -63,7 +63,7 @@ scenes without external forces; elsewhere it is empty. It includes what the tang
 
 The extension of a file chooses its format, in upper or lower case; an unknown one is an error. Devices such as /dev/stdout get \
 CSV. Without --every, --out writes the final state: .csv, .npz for NumPy, .vtp for ParaView. With --every K, it writes the state \
-at the start and after every K-th step: .npz holds arrays [frames, spheres, ...], .vtp or .pvd writes NAME.pvd and a folder NAME \
+at the start and after every K-th step: .npz holds arrays [frames, spheres, ...], so it is not for scenes with inlets or outlets; .vtp or .pvd writes NAME.pvd and a folder NAME \
 with the frames, .csv has the columns step,time in front.
 
 --contacts writes the contacts of the same states: both bodies, point, normal, overlap, and the force or the impulse on the \
@@ -106,6 +106,9 @@ pub(crate) struct Arguments {
     /// Write the state to --out, the contacts to --contacts, the tensions to --tensions, and the gauges to --gauges, every K steps instead: .csv, .npz or .pvd [default: that of the scene]
     #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
+    /// In periodic scenes, write to --out where spheres have got to, with all periods that they have passed, not where they are in the box
+    #[arg(long)]
+    unwrapped: bool,
     /// Write the energies and momenta of every step: .csv
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
@@ -230,10 +233,11 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     if arguments.gauges.is_some() && scene.gauges().is_empty() {
         output::note("note: --gauges: the scene has no gauges (a line `@gauge name=N wall=NAME` adds one)");
     }
+    wanted.check_for(&scene)?;
     let mut outputs = Outputs::open(wanted, None)?;
     let mut options = arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going);
     options.pair_capacity = arguments.capacity;
-    let precision = scene.chosen_precision().to_string();
+    let precision = scene.with_grains().chosen_precision().to_string();
     let mut simulation = Simulation::with_options(scene, options)?;
     // Energies and contacts at the start depend on it.
     simulation.set_time_step(past.part())?;
@@ -266,6 +270,7 @@ impl Arguments {
         let wanted = Wanted {
             out: self.out.clone(),
             every,
+            unwrapped: self.unwrapped,
             trace: self.trace.clone(),
             trace_every: self.trace_every,
             contacts: self.contacts.clone(),

@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
-use rockfall::{Energy, MaxOverlap, Scene, Settings, Simulation, short_number};
+use rockfall::{Energy, Flow, MaxOverlap, Scene, Settings, Simulation, short_number};
 use serde_json::json;
 
 use crate::check;
 use crate::failure::Failure;
-use crate::options::{self, InWords};
+use crate::options::{self, InWords, counted};
 use crate::picture;
 
 /// Data for the summary that the simulation itself does not have.
@@ -83,6 +83,7 @@ impl Summary<'_> {
             "collisions": report.total_collisions,
             "replays": report.replays,
             "non_finite": report.non_finite,
+            "flow": options::flow_json(&simulation.flow()),
         });
         format!("{object}\n")
     }
@@ -101,7 +102,7 @@ impl Summary<'_> {
         row("integrator", simulation.integrator().to_string());
         row("settings", changed(simulation.settings()));
         row("precision", self.precision.to_owned());
-        row("comments", options::counted(self.comments, "line of the scene", "lines of the scene"));
+        row("comments", counted(self.comments, "line of the scene", "lines of the scene"));
         row("objects", InWords(simulation.scene().counts()).to_string());
         if let Some(chosen) = check::chosen_contact(simulation.settings()) {
             row("constants", chosen);
@@ -125,6 +126,7 @@ impl Summary<'_> {
         let [units, radii, resting] = [units, radii, resting].map(|number| short(number.into()));
         row("overlap", format!("{units} at the end, {radii} radii; {resting} radii between bodies at rest"));
         row("collisions", format!("{} in all, {} in the last step", report.total_collisions, report.collisions));
+        flow_rows(&simulation.flow(), &mut row);
         if report.replays > 0 {
             let steps = if report.replays == 1 { "step" } else { "steps" };
             row("replays", format!("{} {steps} repeated, with new lists or more memory", report.replays));
@@ -139,6 +141,22 @@ impl Summary<'_> {
         }
         text.push_str(&picture::side_view(scene, &left));
         Ok(text)
+    }
+}
+
+/// Rows about inlets and outlets, if there are any.
+fn flow_rows(flow: &Flow, row: &mut impl FnMut(&str, String)) {
+    let amount =
+        |spheres: u64, mass: f64| format!("{} of mass {}", counted(spheres as usize, "sphere", "spheres"), short(mass));
+    for inlet in &flow.inlets {
+        let waiting = if inlet.waiting > 0 { format!(", {} due and not in yet", inlet.waiting) } else { String::new() };
+        row("in", format!("{} through {}{waiting}", amount(inlet.spheres, inlet.mass), inlet.name));
+    }
+    for outlet in &flow.outlets {
+        row("out", format!("{} through {}", amount(outlet.spheres, outlet.mass), outlet.name));
+    }
+    if !(flow.inlets.is_empty() && flow.outlets.is_empty()) {
+        row("inside", amount(flow.spheres, flow.mass));
     }
 }
 

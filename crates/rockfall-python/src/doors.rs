@@ -8,6 +8,8 @@ use rockfall::glam::Vec3;
 use rockfall::{
     BoxId, Capsule, CapsuleId, Cuboid, Facets, Gauge, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Pair, Polygon,
     PolygonId, Result, Rod, RodId, Settings, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
+    BoxId, Capsule, CapsuleId, Cuboid, Facets, Inlet, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Outlet, Pair,
+    Polygon, PolygonId, Result, Rod, RodId, Settings, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
 
 use crate::errors::Raise;
@@ -89,6 +91,8 @@ doors! {
     update_motion(id: MotionId, change: Change<Motion>) -> ();
     set_motion(id: ObjectId, motion: Option<MotionId>) -> ();
     set_surface_velocity(id: ObjectId, velocity: Vec3) -> ();
+    add_inlet(inlet: Inlet) -> ();
+    add_outlet(outlet: Outlet) -> ();
 }
 
 /// Calls a function with the objects of a native scene or simulation, without the GIL.

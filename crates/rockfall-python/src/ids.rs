@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyLookupError;
 use pyo3::prelude::*;
-use rockfall::{BoxId, CapsuleId, MaterialId, PolygonId, RodId, SphereId, SpringId, TetherId};
+use rockfall::{Body, BoxId, CapsuleId, MaterialId, PolygonId, RodId, SphereId, SpringId, TetherId};
 
 /// The handles of all objects that were ever added, by kind. The position in a list is the number that Python sees. It is never
 /// given to another object.
@@ -31,6 +31,18 @@ impl Ids {
             polygons: scene.polygon_ids().collect(),
             materials: scene.material_ids().collect(),
         }
+    }
+}
+
+impl Ids {
+    /// Numbers the spheres that came in through inlets since the last call and are still there.
+    pub(crate) fn add_incoming(&mut self, scene: &rockfall::Scene) {
+        if scene.inlets().is_empty() {
+            return;
+        }
+        // They were added after all others.
+        let last = self.spheres.iter().rev().find_map(|id| Body::Sphere(*id).index(scene).ok());
+        self.spheres.extend(scene.sphere_ids().skip(last.map_or(0, |index| index + 1)));
     }
 }
 

@@ -9,6 +9,7 @@ mod errors;
 mod evolve;
 mod fields;
 mod film;
+mod flow;
 mod fork;
 mod gauges;
 mod ids;
@@ -46,6 +47,8 @@ mod _rockfall {
     use crate::fields::fields;
     #[pymodule_export]
     use crate::film::{Film, Filming};
+    #[pymodule_export]
+    use crate::flow::{add_inlet, add_outlet, flow};
     #[pymodule_export]
     use crate::fork::forked;
     #[pymodule_export]

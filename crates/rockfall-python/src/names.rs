@@ -12,9 +12,9 @@ use crate::errors::Raise;
 use crate::ids::{Ids, handle};
 
 /// Name, colour, label and look.
-type Texts = (Option<String>, Option<String>, Option<String>, Option<String>);
+pub(crate) type Texts = (Option<String>, Option<String>, Option<String>, Option<String>);
 
-fn tag_of((name, colour, label, look): Texts) -> rockfall::Result<Tag> {
+pub(crate) fn tag_of((name, colour, label, look): Texts) -> rockfall::Result<Tag> {
     let mut tag = Tag::new();
     (tag.name, tag.label) = (name, label);
     tag.colour = colour.as_deref().map(str::parse::<Colour>).transpose()?;

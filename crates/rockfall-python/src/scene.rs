@@ -108,7 +108,8 @@ impl Scene {
         detached(py, || {
             let scene = &self.lock().scene;
             let integrator = scene.integrator(integrator);
-            let mut found: Vec<String> = scene.concerns(dt, integrator).iter().map(|concern| in_python(concern)).collect();
+            let concerns = scene.with_grains().concerns(dt, integrator).into_iter().chain(scene.inlet_concerns());
+            let mut found: Vec<String> = concerns.map(|concern| in_python(&concern)).collect();
             let placement = scene.placement().or_raise()?;
             found.extend(placement.overlaps.iter().map(|overlap| format!("{} at the start", overlap.describe(scene))));
             Ok(found)

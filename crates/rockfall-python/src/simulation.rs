@@ -84,7 +84,9 @@ impl Simulation {
             let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
             self.waiting.fetch_sub(1, Ordering::Relaxed);
             running.check(running.simulation.backend().kind == Backend::Gpu)?;
-            call(&mut running)
+            let running = &mut **running;
+            running.ids.add_incoming(running.simulation.scene());
+            call(running)
         })
     }
 
@@ -254,7 +256,10 @@ impl Simulation {
     /// Warnings about a time step or constants that do not suit the scene.
     fn concerns(&self, py: Python<'_>, dt: f32) -> PyResult<Vec<String>> {
         self.locked(py, |running| {
-            let found = running.simulation.scene().concerns(dt, running.simulation.integrator());
+            let scene = running.simulation.scene();
+            let found = scene.with_grains().concerns(dt, running.simulation.integrator());
+            let inlets = scene.inlet_concerns();
+            let found = found.into_iter().chain(inlets).collect::<Vec<_>>();
             Ok(found.iter().map(|concern| in_python(concern)).collect())
         })
     }

@@ -142,7 +142,10 @@ impl Frames {
 }
 
 fn changed() -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, "the number of spheres has changed between frames")
+    io::Error::new(
+        io::ErrorKind::InvalidData,
+        "the number of spheres has changed between frames, expected .csv or .pvd for that",
+    )
 }
 
 /// Writes the arrays that are the same in all frames.

@@ -108,6 +108,10 @@ impl Reader {
             return Err(failed(unusable(&format!("the time of frame {} is before that of frame {at}", at + 1))));
         }
         let scene = Scene::parse_bytes(&text, path)?.scene;
+        if moments.len() > 1 && !(scene.inlets().is_empty() && scene.outlets().is_empty()) {
+            let reason = "its spheres come and go, so its frames cannot be read back; expected the scene file, which has inlets or outlets";
+            return Err(failed(unusable(reason)));
+        }
         let reader = Self { path: path.to_owned(), scene, moments, file };
         let spheres = reader.scene.counts().spheres;
         match &reader.file {

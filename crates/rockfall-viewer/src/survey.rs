@@ -51,6 +51,8 @@ pub struct Survey {
     lowest: f32,
     /// Extent of all places above that.
     above: Option<Extent>,
+    /// The inlets and all spheres, in a scene whose spheres come and go. The bodies are then not the same in all states.
+    coming: Option<Extent>,
 }
 
 impl Survey {
@@ -70,6 +72,7 @@ impl Survey {
             down: scene.settings.gravity_direction,
             lowest: lowest.unwrap_or(f32::NEG_INFINITY),
             above: None,
+            coming: Extent::of(scene.inlets().iter().flat_map(|inlet| inlet.corners).map(|corner| corner.as_vec3())),
         };
         survey.add(scene);
         survey
@@ -77,6 +80,11 @@ impl Survey {
 
     /// Adds a later state of the same scene.
     pub fn add(&mut self, scene: &Scene) {
+        if !(scene.inlets().is_empty() && scene.outlets().is_empty()) {
+            let there = scene.spheres().iter().filter(|sphere| sphere.position.y >= self.lowest && sphere.position.is_finite());
+            let there = there.map(|sphere| Extent::around(sphere.position, sphere.radius));
+            self.coming = there.chain(self.coming).reduce(Extent::with);
+        }
         let spheres = scene.spheres().iter().step_by(self.stride);
         for ((path, velocity), sphere) in self.paths.iter_mut().zip(&mut self.velocities).zip(spheres) {
             let position = scene.in_box(sphere.position);
@@ -96,6 +104,9 @@ impl Survey {
 
     /// Returns the centres and radii of the bodies that a picture should show, in all states.
     pub fn balls(&self) -> Vec<(Vec3, f32)> {
+        if let Some(extent) = self.coming {
+            return extent.corners().map(|corner| (corner, 0.0)).collect();
+        }
         let grounds = self.grounds();
         let groups: Vec<&Group> =
             self.groups.iter().filter(|group| !matches!(group.bodies[..], [one] if grounds[one])).collect();

@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; gauges; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels |
+//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; gauges; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels; inlets and outlets, and what they have done |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one |
 //! | 4 | CRC-32 of all bytes before |
@@ -27,14 +27,16 @@ use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::output::AtomicFile;
 use crate::report::Report;
-use crate::scene::{AnyId, Front, Scene};
+use crate::scene::{AnyId, FlowState, Front, Scene};
 
 mod gauges;
+
+mod flow;
 mod head;
 mod laws;
 mod motions;
-mod periods;
 mod objects;
+mod periods;
 mod springs;
 mod tags;
 pub(crate) mod words;
@@ -75,6 +77,8 @@ pub struct Checkpoint {
     /// The version of rockfall that took the checkpoint. A later version may round differently.
     pub program: String,
     pub(crate) history: History,
+    /// What inlets and outlets have done.
+    pub(crate) flow: FlowState,
     /// The tangential springs of contacts, for laws with history.
     pub(crate) springs: Vec<KeptSpring>,
     /// For every gauge, what was in front of its plane at the start, changed by edits since.
@@ -166,6 +170,7 @@ impl Checkpoint {
             checkpoint.rates = read_rates(&mut words, counts.spheres)?;
             let lows = read_lows(&mut words, counts.spheres)?;
             let tags = tags::take(&mut words)?;
+            checkpoint.flow = flow::read(&mut words, &mut checkpoint.scene)?;
             objects::read(&mut words, &counts, &mut checkpoint.scene)?;
             put_lows(&mut checkpoint.scene, &lows);
             tags::put(tags, &mut checkpoint.scene)?;
@@ -182,6 +187,7 @@ impl Checkpoint {
         head.extend(rates(&self.rates));
         head.extend(lows(&self.scene));
         head.extend(tags::bytes(&self.scene));
+        head.extend(flow::bytes(self));
         let length = PREFIX + head.len() + objects::length(&self.scene) + SUFFIX;
         let mut out = Hashed { out, crc32: crc32fast::Hasher::new() };
         out.write_all(&MAGIC)?;

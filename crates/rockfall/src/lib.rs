@@ -109,14 +109,15 @@ pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time, short_number};
 pub use scene::{
-    Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, Facets, Gauge, Gauged, LineWarning,
-    Loaded, Look, Material, MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId, Pair, Polygon, PolygonId, Rod, RodId,
-    RollingModel, RunDefaults, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
+    Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, Facets, Gauge, Gauged, GrainMass,
+    Inlet, LineWarning, Loaded, Look, Material, MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId, Outlet, Pair,
+    Polygon, PolygonId, Radii, Rate, Rod, RodId, RollingModel, RunDefaults, Scene, SizedBy, Sphere, SphereId, Spring, SpringId,
+    Tag, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{
-    Contact, ContactAction, ContactSprings, GaugeReading, Link, MaxOverlap, Meter, RayHit, Simulation, SphereDiagnostics,
-    Tension, WallLoad,
+    Contact, ContactAction, ContactSprings, Flow, GaugeReading, Inflow, Link, MaxOverlap, Meter, Outflow, RayHit, Simulation,
+    SphereDiagnostics, Tension, WallLoad,
 };
 pub use user_laws::{ContactForceLaw, ContactInput, ContactResponse, ForceInput, ForceLaw, ForceLoad, Impact, PairParameter};
 #[cfg(feature = "gpu")]

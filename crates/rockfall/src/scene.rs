@@ -12,6 +12,7 @@ mod checks;
 mod colour;
 mod contact_law;
 mod gauge;
+mod inlet;
 mod look;
 mod materials;
 mod mesh;
@@ -39,6 +40,8 @@ pub(crate) use colour::is_hexadecimal;
 pub(crate) use contact_law::{Dampings, TANGENTIAL_RATIO};
 pub(crate) use gauge::Front;
 pub use gauge::{Gauge, Gauged};
+pub(crate) use inlet::{FlowState, InletState, Passed, Sum};
+pub use inlet::{GrainMass, Inlet, Outlet, Radii, Rate, SizedBy};
 pub use look::Look;
 pub(crate) use materials::Pairs;
 pub use materials::{CohesionModel, MAX_MATERIALS, Material, MaterialId, Pair, RollingModel};
@@ -73,6 +76,8 @@ pub struct Scene {
     pub(crate) polygons: Registry<Polygon>,
     pub(crate) motions: Registry<Motion>,
     pub(crate) gauges: Vec<Gauge>,
+    pub(crate) inlets: Vec<Inlet>,
+    pub(crate) outlets: Vec<Outlet>,
     pub(crate) materials: Registry<Material>,
     pub(crate) pairs: Pairs,
     pub(crate) periodic: [Option<[f32; 2]>; 3],
@@ -122,6 +127,8 @@ impl Scene {
             polygons: Registry::new(number, "polygon"),
             motions: Registry::new(number, "motion"),
             gauges: Vec::new(),
+            inlets: Vec::new(),
+            outlets: Vec::new(),
             materials: Registry::new(number, "material"),
             pairs: Pairs::new(),
             periodic: [None; 3],

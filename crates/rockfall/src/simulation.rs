@@ -14,7 +14,7 @@ use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
-use crate::scene::{AnyId, Scene, SphereId};
+use crate::scene::{AnyId, FlowState, Scene, SphereId};
 use crate::settings::{BroadPhase, ContactLaw, DEFAULT_TIME_STEP, Integrator, Precision, Settings};
 use crate::step::schedule::Phase;
 use crate::step::walls::move_walls::place_walls;
@@ -40,6 +40,7 @@ pub(crate) mod mirror;
 pub(crate) mod observe;
 pub(crate) mod observed;
 mod order;
+mod planes;
 mod prepare;
 mod profile;
 mod rates;
@@ -55,12 +56,13 @@ pub use contact_springs::ContactSprings;
 use edit::Dirty;
 use engine::Engine;
 use flight::Portioning;
-use flow::Flow;
+pub use flow::{Flow, Inflow, Outflow};
 pub use gauge::{GaugeReading, WallLoad};
 use lists::ListPolicy;
 pub use meter::Meter;
 pub use observe::{Contact, ContactAction, MaxOverlap, SphereDiagnostics};
 use order::Disorder;
+use planes::Planes;
 pub use ray::RayHit;
 pub use tensions::{Link, Tension};
 
@@ -85,7 +87,7 @@ pub struct Simulation {
     /// Handles of all objects at that time, by number; empty with the law of the thesis.
     packed_ids: Vec<AnyId>,
     /// What passed the planes of gauges.
-    flow: Flow,
+    planes: Planes,
     disorder: Disorder,
     /// Number of times that the scene was packed or its memory was sorted.
     packings: u64,
@@ -113,6 +115,7 @@ pub struct Simulation {
     calm_steps: u64,
     /// Steps since the last step in which many collisions shared a body.
     few_steps: u64,
+    flow: FlowState,
 }
 
 impl Simulation {
@@ -187,11 +190,12 @@ impl Simulation {
         // A later change of the contact law must not change it, and a checkpoint stores it.
         options.integrator = scene.integrator(options.integrator).into();
         let time_step = scene.run.time_step().unwrap_or(DEFAULT_TIME_STEP);
+        let flow = FlowState::of(&scene);
         let lists = ListPolicy::start(engine.dispatches() && world.movers() <= FEW_MOVERS);
         Self {
             packed: scene.sphere_ids().collect(),
             packed_ids: ids_of(&scene),
-            flow: Flow::start(&scene),
+            planes: Planes::start(&scene),
             disorder: Disorder::default(),
             packings: 1,
             status: world.status,
@@ -213,6 +217,7 @@ impl Simulation {
             observation: None,
             synced: true,
             forces_synced: true,
+            flow,
             calm_steps: 0,
             few_steps: 0,
         }
@@ -267,7 +272,7 @@ impl Simulation {
             self.observation = None;
         }
         if !same {
-            self.scene.settings = self.scene.resolved_settings();
+            self.scene.settings = self.scene.with_grains().resolved_settings();
         }
         let flags = self.world.step.constants.flags;
         self.world.set_settings(&self.scene.settings);
@@ -410,13 +415,13 @@ fn resolve(mut scene: Scene, options: &Options) -> Result<Scene> {
     if options.contact_force_law.is_some() && scene.settings.contact_law != ContactLaw::User {
         scene.settings.set("contact_law", ContactLaw::User.name())?;
     }
-    scene.settings = scene.resolved_settings();
+    scene.settings = scene.with_grains().resolved_settings();
     Ok(scene)
 }
 
 /// Checks that the contact law of a scene has all that it needs.
 fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&ContactForceLaw>) -> Result<()> {
-    scene.check_contact_law(integrator)?;
+    scene.with_grains().check_contact_law(integrator)?;
     if scene.settings.contact_law == ContactLaw::User && law.is_none() {
         return Err(Error::Invalid {
             field: "contact_law",

@@ -38,6 +38,7 @@ mod bounds;
 mod connected;
 mod depth;
 mod falling;
+mod inlets;
 mod intent;
 mod laws;
 mod muscles;

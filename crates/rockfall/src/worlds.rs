@@ -196,6 +196,13 @@ impl Worlds {
     }
 
     fn create_all(&self, scenes: Vec<Scene>) -> Result<Vec<World>> {
+        if let Some(world) = scenes.iter().position(|scene| !(scene.inlets().is_empty() && scene.outlets().is_empty())) {
+            return Err(Error::Invalid {
+                field: "worlds",
+                value: format!("a scene with inlets or outlets for world {world}"),
+                expected: "scenes without inlets and outlets: a Simulation for each of these",
+            });
+        }
         // Each is packed by one thread.
         let on_host: Vec<Result<Option<World>>> = scenes.par_iter().map(|scene| self.create_on_host(scene)).collect();
         let complete = |(world, scene): (Result<Option<World>>, Scene)| match world? {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use rockfall::output::{AtomicFile, Mark};
-use rockfall::{Meter, Simulation};
+use rockfall::{Meter, Scene, Simulation};
 use rockfall_trajectory::csv;
 use rockfall_trajectory::{Format, Frame, Writer, vtp};
 
@@ -22,6 +22,8 @@ use crate::output;
 pub(crate) struct Wanted {
     pub(crate) out: Option<PathBuf>,
     pub(crate) every: Option<u64>,
+    /// Spheres of periodic scenes are written where they have got to, not where they are in the box.
+    pub(crate) unwrapped: bool,
     pub(crate) trace: Option<PathBuf>,
     pub(crate) trace_every: Option<u64>,
     pub(crate) contacts: Option<PathBuf>,
@@ -61,6 +63,9 @@ impl Wanted {
                 "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE or --gauges FILE";
             return Err(Failure::usage(message));
         }
+        if self.unwrapped && self.out.is_none() {
+            return Err(Failure::usage("--unwrapped needs a file to write to: expected --out FILE"));
+        }
         if self.trace_every.is_some() && self.trace.is_none() {
             return Err(Failure::usage("--trace-every needs a file to write to: expected --trace FILE"));
         }
@@ -74,6 +79,23 @@ impl Wanted {
             }
         }
         Ok(())
+    }
+}
+
+impl Wanted {
+    /// Returns an error if a file cannot hold what happens in the scene.
+    pub(super) fn check_for(&self, scene: &Scene) -> Result<(), Failure> {
+        let changes = !(scene.inlets().is_empty() && scene.outlets().is_empty());
+        match &self.out {
+            Some(path) if changes && self.every.is_some() && Format::of(path) == Some(Format::Npz) => {
+                Err(Failure::usage(format!(
+                    "--out {}: the number of spheres changes in a scene with inlets or outlets, but an .npz file has equally many in \
+                     all frames; expected .csv or .pvd",
+                    path.display()
+                )))
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -95,6 +117,7 @@ pub(crate) struct Outputs {
     tensions: Option<TensionsFile>,
     gauges: Option<GaugesFile>,
     save: Option<(PathBuf, AtomicFile)>,
+    unwrapped: bool,
     checkpoint: Option<PathBuf>,
     checkpoint_every: Option<u64>,
     /// Sums over steps, for the trace and the gauges.
@@ -108,7 +131,19 @@ pub(crate) struct Outputs {
 impl Outputs {
     /// Opens the files. A file that the earlier run `past` had begun is continued.
     pub(crate) fn open(wanted: Wanted, past: Option<&Past>) -> Result<Self, Failure> {
-        let Wanted { out, every, trace, trace_every, contacts, tensions, gauges, save, checkpoint, checkpoint_every } = wanted;
+        let Wanted {
+            out,
+            every,
+            unwrapped,
+            trace,
+            trace_every,
+            contacts,
+            tensions,
+            gauges,
+            save,
+            checkpoint,
+            checkpoint_every,
+        } = wanted;
         let marked = |path: &Path, past: Option<&PastFile>| -> Option<Mark> {
             past.filter(|past| past.path == whole(path)).and_then(PastFile::mark)
         };
@@ -134,12 +169,13 @@ impl Outputs {
             AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?.discard();
         }
         Ok(Self {
-            out: out.map(|path| Out::open(path, every, out_mark)).transpose()?,
+            out: out.map(|path| Out::open(path, every, unwrapped, out_mark)).transpose()?,
             trace: trace.map(|path| TraceFile::open(path, trace_every, trace_mark, past)).transpose()?,
             contacts: contacts.map(|path| ContactsFile::open(path, every, contacts_mark)).transpose()?,
             tensions: tensions.map(|path| TensionsFile::open(path, every, tensions_mark)).transpose()?,
             gauges: gauges.map(|path| GaugesFile::open(path, every, gauges_mark)).transpose()?,
             save: save.map(|path| save::open(&path).map(|file| (path, file))).transpose()?,
+            unwrapped,
             checkpoint,
             checkpoint_every,
             meter: Meter::default(),
@@ -255,6 +291,7 @@ impl Outputs {
         past.every = past.every.or_else(|| self.gauges.as_ref()?.every());
         past.save = self.save.as_ref().map(|(path, _)| whole(path));
         past.checkpoint_every = self.checkpoint_every;
+        past.unwrapped = self.unwrapped;
         let mut checkpoint = simulation.checkpoint()?;
         checkpoint.note = serde_json::to_string(past).map_err(|error| Failure::Run(error.to_string()))?;
         written(checkpoint.save(&path))?;
@@ -277,7 +314,7 @@ impl Outputs {
         }
         match self.out {
             Some(Out::State(path, file)) => {
-                let result = write_state(&path, file, simulation, past);
+                let result = write_state(&path, file, self.unwrapped, simulation, past);
                 note(path, result);
             }
             Some(Out::LastFrame(path, mut writer)) => {
@@ -322,28 +359,37 @@ impl Outputs {
 }
 
 impl Out {
-    fn open(path: PathBuf, every: Option<u64>, mark: Option<Mark>) -> Result<Self, Failure> {
+    fn open(path: PathBuf, every: Option<u64>, unwrapped: bool, mark: Option<Mark>) -> Result<Self, Failure> {
         let format = Format::of(&path).unwrap_or(Format::Csv);
         if let Some(every) = every {
             let writer = match mark {
                 Some(mark) => Writer::resume(&path, format, mark).map_err(|error| lost(&error, "--out"))?,
                 None => written(Writer::create(&path, format))?,
             };
-            return Ok(Self::Frames(path, writer, every));
+            return Ok(Self::Frames(path, writer.unwrapped(unwrapped), every));
         }
         // A single state as .vtp or CSV needs no trajectory writer.
         if format == Format::Npz {
             let writer = written(Writer::create(&path, format))?;
-            return Ok(Self::LastFrame(path, writer));
+            return Ok(Self::LastFrame(path, writer.unwrapped(unwrapped)));
         }
         let file = AtomicFile::create(&path).map_err(|error| Failure::file(&path, &error))?;
         Ok(Self::State(path, file))
     }
 }
 
-fn write_state(path: &Path, mut file: AtomicFile, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
+fn write_state(
+    path: &Path,
+    mut file: AtomicFile,
+    unwrapped: bool,
+    simulation: &mut Simulation,
+    past: &Past,
+) -> Result<(), Failure> {
     let is_vtp = Format::of(path) == Some(Format::Vtp);
     let mut frame = Frame::of(simulation, is_vtp)?;
+    if !unwrapped {
+        frame.bring_into_box(simulation.scene());
+    }
     frame.step = past.step(frame.step);
     frame.time = past.time(frame.step);
     let write = match is_vtp {

@@ -29,6 +29,8 @@ pub(crate) struct Past {
     pub(crate) out: Option<PastFile>,
     /// Steps between two frames of `out`.
     pub(crate) every: Option<u64>,
+    /// Whether spheres of periodic scenes are written where they have got to.
+    pub(crate) unwrapped: bool,
     pub(crate) trace: Option<PastFile>,
     /// Steps between two lines of `trace`; every step if missing.
     pub(crate) trace_every: Option<u64>,

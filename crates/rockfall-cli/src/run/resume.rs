@@ -49,6 +49,7 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
     change(&mut checkpoint, &mut past, arguments, given)?;
 
     let wanted = wanted(arguments, &past, path)?;
+    wanted.check_for(&checkpoint.scene)?;
     let mut outputs = Outputs::open(wanted, Some(&past))?;
     let (device, program) = (checkpoint.device.clone(), checkpoint.program.clone());
     let mut simulation = Simulation::resume(checkpoint).map_err(|error| match error {
@@ -101,7 +102,7 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
     if !physics.set.is_empty() {
         past.changed = true;
         // A resumed simulation uses its constants as stored, so `resting_overlap` has to be resolved here.
-        checkpoint.scene.settings = checkpoint.scene.resolved_settings();
+        checkpoint.scene.settings = checkpoint.scene.with_grains().resolved_settings();
     }
     if let Some(substeps) = arguments.substeps {
         let integrator = options.integrator.resolve(checkpoint.scene.settings.contact_law);
@@ -154,6 +155,7 @@ fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Fai
         wanted.trace_every = wanted.trace_every.or(past.trace_every);
     }
     wanted.checkpoint = wanted.checkpoint.or(Some(path.to_owned()));
+    wanted.unwrapped |= past.unwrapped;
     wanted.checkpoint_every = wanted.checkpoint_every.or(past.checkpoint_every);
     wanted.check()?;
     Ok(wanted)

@@ -4,6 +4,7 @@ mod bench;
 mod commands;
 mod common;
 mod evolve;
+mod flow;
 mod full_disk;
 mod gauges;
 mod intent;

@@ -30,6 +30,7 @@ from rockfall._device import DeviceArray
 from rockfall._evolve import Creature, Evolution, evolve
 from rockfall._fields import Fields
 from rockfall._film import Film, film
+from rockfall._flow import Flow, Inflow, Outflow
 from rockfall._info import devices, info
 from rockfall._laws import ForceLaw
 from rockfall._materials import Material, Pair
@@ -69,13 +70,16 @@ __all__ = [
     "Evolution",
     "Fields",
     "Film",
+    "Flow",
     "ForceLaw",
     "Frame",
     "Impact",
+    "Inflow",
     "Material",
     "MotionTerm",
     "Named",
     "Objects",
+    "Outflow",
     "Overlap",
     "Pair",
     "Picture",

@@ -12,6 +12,7 @@ from rockfall import _rockfall
 from rockfall._arrays import GROUP, MATERIAL, MATRIX, NOT_NEGATIVE, POSITIVE, VECTOR, IntArray, Kind, floats, integers
 from rockfall._attributes import Strict
 from rockfall._bodies import first_of
+from rockfall._flow import Flows
 from rockfall._materials import Materials
 from rockfall._motions import Walls
 from rockfall._names import tag_of
@@ -49,7 +50,7 @@ class Counts(NamedTuple):
     polygons: int
 
 
-class Objects(Walls, Strict):
+class Objects(Walls, Flows, Strict):
     """Objects that can be added, removed and changed. The base of :class:`Scene` and :class:`Simulation`.
 
     Every ``add`` method takes N objects at once. An argument with one value instead of N counts for all of them. It returns

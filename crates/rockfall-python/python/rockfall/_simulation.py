@@ -13,6 +13,7 @@ import numpy.typing as npt
 from rockfall import _rockfall
 from rockfall._arrays import time_step, whole
 from rockfall._contact_law import ContactLaw, ContactLawOf, native_contact_law
+from rockfall._flow import Flow, Inflow, Outflow
 from rockfall._laws import ForceLaw, LawTable, native_laws
 from rockfall._look import look
 from rockfall._motions import PlaneFlow, WallLoad, motion_term
@@ -249,6 +250,15 @@ class Simulation(Stored, LawTable, ContactLawOf):
             elif flow is not None:
                 found[name] = PlaneFlow(*flow)
         return found
+    def flow(self) -> Flow:
+        """What came in through inlets and left through outlets since the start, and what is inside.
+
+        In a scene to which the program adds nothing, what came in minus what left is the change of what is inside, exactly.
+        """
+        inlets, outlets, spheres, mass = _rockfall.flow(self._native)
+        came = {name: Inflow(*numbers) for name, *numbers in inlets}
+        left = {name: Outflow(count, total) for name, count, total, _ in outlets}
+        return Flow(came, left, spheres, mass)
 
     def run(self, steps: int, *, progress: bool = False) -> Report:
         """Run steps.

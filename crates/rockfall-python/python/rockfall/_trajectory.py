@@ -35,6 +35,8 @@ class Recording(Strict):
     def __init__(self, simulation: Simulation, path: str | os.PathLike[str], every: int) -> None:
         self._every = whole("every", every, least=1)
         self._path = os.fspath(path)
+        if self._needs_same_spheres() and (simulation.flow.inlets or simulation.flow.outlets):
+            raise ValueError(f"path: {self._path} has equally many spheres in all frames; expected .csv or .pvd, with inlets or outlets")
         self._writer = _rockfall.TrajectoryWriter(self._path)
         self._simulation: Simulation | None = simulation
         self._start = simulation.steps

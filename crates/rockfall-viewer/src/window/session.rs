@@ -368,11 +368,10 @@ impl Session {
         self.ok_or_report(set).is_some()
     }
 
-    /// Returns the scene in the state that was read back last, without the tether of a held body. Its muscles begin with their
-    /// present phases.
+    /// Returns the scene in the state that was read back last, without the tether of a held body. Its muscles, moving walls
+    /// and inlets go on where they are.
     fn scene_without_hold(&self) -> Scene {
-        let mut scene = self.simulation.scene().clone();
-        scene.advance_muscles(self.simulation.muscle_time());
+        let mut scene = self.simulation.last_snapshot();
         if let Some(held) = &self.held {
             // The tether exists as long as a body is held.
             let _ = scene.remove_tether(held.tether);

@@ -8,7 +8,7 @@ use super::{gauges, motions, periods};
 use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::report::Report;
-use crate::scene::{Counts, Material, Pair, Scene};
+use crate::scene::{Counts, FlowState, Material, Pair, Scene};
 use crate::settings::Settings;
 use crate::user_laws::{ForceLaw, PairParameter};
 
@@ -22,6 +22,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         device,
         program,
         history,
+        flow: _,
         springs: _,
         rates: _,
         fronts,
@@ -147,6 +148,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         device,
         program,
         history,
+        flow: FlowState::default(),
         springs,
         rates,
         fronts,

@@ -14,11 +14,7 @@ pub(super) fn bytes(scene: &Scene) -> Vec<u8> {
     for (id, tag) in scene.tagged() {
         let next = numbers.len() as u32;
         let number = *numbers.entry(tag).or_insert_with(|| {
-            let Tag { name, colour, look, label } = tag.as_ref();
-            tags.text(name.as_deref().unwrap_or_default());
-            tags.u32(colour.map_or(0, |Colour([red, green, blue])| 1 + u32::from_be_bytes([0, red, green, blue])));
-            tags.u32(look.map_or(0, |look| 1 + look as u32));
-            tags.text(label.as_deref().unwrap_or_default());
+            put_tag(&mut tags, tag);
             next
         });
         let (kind, index) = place(scene, id);
@@ -36,6 +32,13 @@ pub(super) fn bytes(scene: &Scene) -> Vec<u8> {
         head.u64(0);
     }
     head.bytes
+}
+
+pub(super) fn put_tag(head: &mut Head, Tag { name, colour, look, label }: &Tag) {
+    head.text(name.as_deref().unwrap_or_default());
+    head.u32(colour.map_or(0, |Colour([red, green, blue])| 1 + u32::from_be_bytes([0, red, green, blue])));
+    head.u32(look.map_or(0, |look| 1 + look as u32));
+    head.text(label.as_deref().unwrap_or_default());
 }
 
 /// The bytes of the tags, which can be read when the objects are known.
@@ -66,7 +69,7 @@ pub(super) fn put(given: &[u8], scene: &mut Scene) -> Result<(), Damage> {
     if written[size_of::<u64>()..] == *given { Ok(()) } else { Err(Damage::new("its names are not in order")) }
 }
 
-fn read(words: &mut Words) -> Result<Tag, Damage> {
+pub(super) fn read(words: &mut Words) -> Result<Tag, Damage> {
     let some = |text: String| Some(text).filter(|text| !text.is_empty());
     let mut tag = Tag::new();
     tag.name = some(words.text()?);

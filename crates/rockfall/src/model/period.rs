@@ -63,8 +63,7 @@ impl Periods {
     pub(crate) fn reaches(&self, aabb: &Aabb, length: f32) -> bool {
         let [from, period] = [self.from, self.length].map(DVec3::as_vec3);
         let is_beyond = |axis: usize| {
-            period[axis] > 0.0
-                && (aabb.max[axis] + length < from[axis] || aabb.min[axis] - length > from[axis] + period[axis])
+            period[axis] > 0.0 && (aabb.max[axis] + length < from[axis] || aabb.min[axis] - length > from[axis] + period[axis])
         };
         !(0..3).any(is_beyond)
     }

@@ -15,6 +15,11 @@ impl References {
         self.0[slot] = Some((sphere, reference));
     }
 
+    /// The number after all that were ever given to spheres, from 1.
+    pub(crate) fn next(&self) -> u32 {
+        self.0.iter().flatten().map(|(_, reference)| reference.saturating_add(1)).max().unwrap_or(1).max(1)
+    }
+
     /// Whether no sphere ever had a reference.
     pub(crate) fn is_empty(&self) -> bool {
         self.0.is_empty()

@@ -28,11 +28,14 @@
 //! | `@mesh FILE scale=s at=x,y,z axis=x,y,z turn=degrees name=N` | the triangles of an STL, OBJ or PLY file ([`Mesh`](crate::Mesh)): scaled, turned about the axis through its origin, and moved. A relative path begins at the folder of the scene file |
 //! | `@move NAME` | nothing: the boxes and polygons of the lines below follow that motion; `@move -`: none |
 //! | `@surface velocity=x,y,z` | nothing: the surfaces of the boxes, polygons and meshes of the lines below move, like conveyors; `@surface -`: they do not |
+//! | `@periodic AXIS FROM TO` | nothing: the scene is periodic along x, y or z, between two coordinates ([`Scene::set_periodic`](crate::Scene::set_periodic)) |
 //! | `@gauge name=N wall=NAME` | nothing: measures the load on the boxes and polygons of that name or motion ([`Gauge`](crate::Gauge)) |
 //! | `@gauge name=N plane=x,y,z,nx,ny,nz` | nothing: counts the spheres that pass the plane through that point, across that normal |
+//! | `@inlet name=N box=x0,y0,z0,x1,y1,z1 rate=PER_S radius=r by=number density=D velocity=x,y,z from=S to=S limit=COUNT seed=N` | nothing: spheres of the material in use come in while a simulation runs ([`Inlet`](crate::Inlet)). `mass_rate=` or `volume_rate=` may replace `rate=`, `mass=` may replace `density=`, `radius=` also takes `a..b` and `lognormal:median,sigma`, `by=mass` weights radii by mass |
+//! | `@outlet name=N box=x0,y0,z0,x1,y1,z1` | nothing: spheres that enter the box are removed ([`Outlet`](crate::Outlet)) |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty-two kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty-six kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -52,6 +55,7 @@ use glam::Vec3;
 
 mod comment;
 mod gauge;
+mod inlet;
 mod line;
 mod materials;
 mod mesh;
@@ -153,7 +157,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 22] = [
+const AT_WORDS: [&str; 24] = [
     "@group",
     "@orientation",
     "@force",
@@ -174,6 +178,8 @@ const AT_WORDS: [&str; 22] = [
     "@surface",
     "@periodic",
     "@gauge",
+    "@inlet",
+    "@outlet",
     "@repeat",
     "@end",
 ];
@@ -275,6 +281,8 @@ impl<'a> Reader<'a> {
             "@surface" => self.surface(line, number),
             "@periodic" => self.periodic(line, number),
             "@gauge" => self.gauge(line, number),
+            "@inlet" => self.inlet(line, number),
+            "@outlet" => self.outlet(line, number),
             "@end" => {
                 let message = "no `@repeat` above, expected one before the lines to repeat".to_owned();
                 self.not_understood(number, Wrong { field: "@end".to_owned(), message })

@@ -43,6 +43,7 @@ impl Scene {
         writer.springs_and_tethers();
         writer.statics();
         writer.gauges();
+        writer.doors();
         writer.text
     }
 
@@ -62,6 +63,8 @@ impl Scene {
         write().map_err(|source| Error::File { file: path.to_owned(), source })
     }
 }
+
+mod doors;
 
 /// The bits of a vector, which also distinguish 0 from -0.
 fn bits(vector: Vec3) -> [u32; 3] {

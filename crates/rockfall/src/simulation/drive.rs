@@ -59,13 +59,14 @@ impl Simulation {
         let mut left = times;
         let mut attempts = 0;
         while left > 0 {
+            let until = self.pass().await?;
             self.keep_order().await?;
             let phases = self.phases_for_lists(phases);
             let was_exact = self.lists.is_exact();
             let overdue = self.overdue(phases);
             let all: Vec<Phase> = overdue.iter().chain(phases).copied().collect();
             // Overdue phases run once, not in every step.
-            let most = if overdue.is_empty() { left.min(self.in_order_for()).min(BASE_STEPS) } else { 1 };
+            let most = if overdue.is_empty() { left.min(until).min(self.in_order_for()).min(BASE_STEPS) } else { 1 };
             let done = self.stretch(&all, most, recorder.as_deref_mut()).await?;
             left -= done;
             attempts = if done > 0 { 0 } else { attempts + 1 };

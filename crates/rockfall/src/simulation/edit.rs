@@ -8,8 +8,8 @@ use crate::fine::Fine;
 use crate::mesh::Mesh;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
-    BoxId, Capsule, CapsuleId, Cuboid, Facets, Material, MaterialId, Motion, MotionId, MotionTerm, ObjectId, Pair, Polygon,
-    PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
+    BoxId, Capsule, CapsuleId, Cuboid, Facets, Inlet, Material, MaterialId, Motion, MotionId, MotionTerm, ObjectId, Outlet,
+    Pair, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
 use crate::simulation::rates::put_rates;
@@ -138,6 +138,10 @@ edits! {
         set_motion(id: impl Into<ObjectId>, motion: Option<MotionId>) -> ();
     Everything: /// Sets the surface velocity of a box or polygon, in units/s, for example to stop a conveyor.
         set_surface_velocity(id: impl Into<ObjectId>, velocity: impl Into<Vec3>) -> ();
+    Clean: /// Adds an inlet. Its times are those of the simulation.
+        add_inlet(inlet: Inlet) -> ();
+    Clean: /// Adds an outlet.
+        add_outlet(outlet: Outlet) -> ();
     Topology: /// Adds a material.
         add_material(material: Material) -> MaterialId;
     Topology: /// Changes the constants of a material.
@@ -308,7 +312,7 @@ impl Simulation {
             self.pull_forces().await?;
         }
         let moves = self.dirty == Dirty::Everything || !self.edits.is_empty();
-        let fronts = moves.then(|| self.flow.in_front_of(&self.world, &self.scene));
+        let fronts = moves.then(|| self.planes.in_front_of(&self.world, &self.scene));
         let springs = if self.dirty == Dirty::Everything { self.springs().await? } else { Vec::new() };
         let edits = std::mem::take(&mut self.edits);
         for (id, edit) in &edits {
@@ -318,7 +322,7 @@ impl Simulation {
             }
         }
         if let Some(before) = fronts {
-            self.flow.edited(before, &self.scene);
+            self.planes.edited(before, &self.scene);
         }
         match std::mem::replace(&mut self.dirty, Dirty::Clean) {
             Dirty::Everything => {

@@ -1,105 +1,237 @@
-//! The flow through the planes of gauges.
-//!
-//! Each passage along the normal counts once, and each passage against it is subtracted. So the sum over all steps is the difference
-//! between what is in front of the plane now and what was at the start, and no step in between has to be looked at. Spheres that
-//! edits add, remove or move change what was at the start.
+//! Spheres that come in through inlets and leave through outlets, between two steps (docs/physics.md section 2.15).
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
-use crate::model::world::World;
-use crate::scene::{Front, Gauge, Scene};
+use crate::error::Result;
+use crate::scene::{Inlet, InletState, ObjectId, Outlet, Passed, Scene, SphereId, shared};
+use crate::simulation::Simulation;
+use crate::simulation::edit::Dirty;
 
-/// What is in front of the planes of all gauges.
-#[derive(Debug, Default)]
-pub(super) struct Flow {
-    /// For every gauge, what was in front at the start, changed by edits since.
-    bases: Vec<Front>,
-    /// The mass of every sphere in order of addition, 0 for fixed ones, as they were when the world was packed. Empty without
-    /// planes.
-    masses: Vec<f32>,
+mod room;
+
+use room::Room;
+
+/// Places that are tried for a sphere each time before it waits.
+const TRIES: u64 = 100;
+/// Most spheres that an inlet inserts at a time, and most that are counted as waiting.
+const MOST: u64 = 1 << 16;
+/// Steps between two looks where nothing gives a time scale.
+const FEW_STEPS: u64 = 10;
+
+/// What came in and left since the start of a simulation, and what is inside. The ends of a capsule count as two spheres.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Flow {
+    /// The inlets, in order of addition.
+    pub inlets: Vec<Inflow>,
+    /// The outlets, in order of addition.
+    pub outlets: Vec<Outflow>,
+    /// Number of spheres in the scene that are not fixed.
+    pub spheres: u64,
+    /// Their mass.
+    pub mass: f64,
 }
 
-impl Flow {
-    /// The flow at the start: nothing has passed.
-    pub(super) fn start(scene: &Scene) -> Self {
-        Self { bases: fronts(scene), masses: masses(scene) }
+/// What came in through an inlet.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Inflow {
+    /// Name of the inlet.
+    pub name: String,
+    /// Number of spheres that came in.
+    pub spheres: u64,
+    /// Their mass.
+    pub mass: f64,
+    /// Number of spheres that are due and not in yet, because there is no room or the inlet acts in a later step; at most 65,536.
+    pub waiting: u64,
+}
+
+/// What left through an outlet.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Outflow {
+    /// Name of the outlet.
+    pub name: String,
+    /// Number of spheres that left.
+    pub spheres: u64,
+    /// Their mass.
+    pub mass: f64,
+}
+
+impl Simulation {
+    /// What came in through inlets and left through outlets since the start, and what is inside. Reads nothing back.
+    ///
+    /// In a scene to which a program adds nothing, what came in minus what left is the change of what is inside, exactly.
+    pub fn flow(&self) -> Flow {
+        let mut state = self.flow.clone();
+        state.complete(&self.scene);
+        let time = self.muscle_clock.written_time();
+        let mut inside = Passed::default();
+        self.scene.spheres().iter().filter(|sphere| !sphere.fixed).for_each(|sphere| inside.add(sphere.mass));
+        let inlets = self.scene.inlets().iter().zip(&state.inlets).enumerate().map(|(number, (inlet, state))| Inflow {
+            name: inlet.name.clone(),
+            spheres: state.passed.spheres,
+            mass: state.passed.mass.value(),
+            waiting: waiting(&self.scene, number, inlet, state, time),
+        });
+        let outlets = self.scene.outlets().iter().zip(&state.outlets).map(|(outlet, passed)| Outflow {
+            name: outlet.name.clone(),
+            spheres: passed.spheres,
+            mass: passed.mass.value(),
+        });
+        Flow { inlets: inlets.collect(), outlets: outlets.collect(), spheres: inside.spheres, mass: inside.mass.value() }
     }
 
-    /// The flow at a checkpoint. Gauges that were added to its scene begin there.
-    pub(super) fn resumed(scene: &Scene, bases: &[Front]) -> Self {
-        let mut flow = Self::start(scene);
-        flow.bases.iter_mut().zip(bases).for_each(|(base, kept)| *base = *kept);
-        flow
-    }
-
-    /// For every gauge, what was in front at the start, changed by edits since.
-    pub(super) fn bases(&self) -> &[Front] {
-        &self.bases
-    }
-
-    /// What has passed the plane of every gauge, in the state of a scene.
-    pub(super) fn passed(&self, scene: &Scene) -> Vec<Front> {
-        fronts(scene).into_iter().zip(&self.bases).map(|(now, base)| now.less(*base)).collect()
-    }
-
-    /// Begins to count for a gauge that was added to the scene.
-    pub(super) fn begin(&mut self, scene: &Scene) {
-        let added = fronts(scene).into_iter().skip(self.bases.len());
-        self.bases.extend(added);
-        self.masses = masses(scene);
-    }
-
-    /// What is in front of every plane in the arrays of the simulation, whose spheres may have been removed from the scene. Empty
-    /// without planes.
-    pub(super) fn in_front_of(&self, world: &World, scene: &Scene) -> Vec<Front> {
-        let spheres = self.masses.len();
-        if spheres == 0 {
-            return Vec::new();
+    /// Lets inlets and outlets act, if they do so before the next step. Returns the number of steps up to the next such time.
+    pub(super) async fn pass(&mut self) -> Result<u64> {
+        if self.scene.inlets.is_empty() && self.scene.outlets.is_empty() {
+            return Ok(u64::MAX);
         }
-        let mut slots = vec![0; spheres];
-        (0..spheres).for_each(|slot| slots[world.insertion_index(slot)] = slot);
-        let state = &world.states[0];
-        let centre = |slot: usize| {
-            let [high, low] = [state[slot], state[3 * spheres + slot]].map(|row| row.truncate().as_dvec3());
-            high + low
-        };
-        let spheres: Vec<(f32, DVec3)> = self.masses.iter().zip(&slots).map(|(mass, slot)| (*mass, centre(*slot))).collect();
-        scene.gauges().iter().map(|gauge| front(gauge, spheres.iter().copied())).collect()
-    }
-
-    /// Takes into account that edits have changed the spheres; `before` was in front before them.
-    pub(super) fn edited(&mut self, before: Vec<Front>, scene: &Scene) {
-        if !scene.gauges().iter().any(|gauge| gauge.of.is_plane()) {
-            return;
+        self.flow.complete(&self.scene);
+        self.muscle_clock.set_time_step(self.time_step);
+        let step = self.report.steps;
+        // Not between the phases of a step, and once before a step that is repeated.
+        if self.status.collided == 0 && self.flow.acted != Some(step) {
+            self.flow.acted = Some(step);
+            for number in 0..self.scene.outlets.len() {
+                if step.is_multiple_of(self.outlet_steps(&self.scene.outlets[number])) {
+                    self.pull().await?;
+                    self.let_out(number)?;
+                }
+            }
+            for number in 0..self.scene.inlets.len() {
+                let inlet = &self.scene.inlets[number];
+                let (state, time) = (&self.flow.inlets[number], self.muscle_clock.written_time());
+                if step.is_multiple_of(self.inlet_steps(inlet)) && is_due(&self.scene, number, inlet, state, time) {
+                    self.pull().await?;
+                    self.let_in(number)?;
+                }
+            }
+            self.flush_async().await?;
         }
-        let before = before.into_iter().chain(std::iter::repeat(Front::default()));
-        for ((base, now), before) in self.bases.iter_mut().zip(fronts(scene)).zip(before) {
-            *base = now.less(before.less(*base));
+        Ok(self.steps_to_next(step))
+    }
+
+    fn let_out(&mut self, number: usize) -> Result<()> {
+        let gone = leaving(&self.scene, &self.scene.outlets[number]);
+        for id in &gone {
+            self.flow.outlets[number].add(self.scene.sphere(*id)?.mass);
         }
-        self.masses = masses(scene);
+        if !gone.is_empty() {
+            self.remove_spheres(&gone)?;
+        }
+        Ok(())
+    }
+
+    fn let_in(&mut self, number: usize) -> Result<()> {
+        let (scene, state) = (&mut self.scene, &mut self.flow.inlets[number]);
+        let inlet = scene.inlets[number].clone();
+        let (time, density, tag) = (self.muscle_clock.written_time(), scene.inlet_density(&inlet), shared(inlet.tag.clone()));
+        let mut room = Room::of(scene, &inlet, time);
+        for _ in 0..MOST {
+            let grain = inlet.grain(number, state.serial, density);
+            if !is_due(scene, number, &inlet, state, time) {
+                break;
+            }
+            let places = state.tries..state.tries + TRIES;
+            let mut places = places.map(|attempt| inlet.place(number, state.serial, grain.radius, attempt));
+            let Some(centre) = places.find(|centre| room.has_room(*centre, grain.radius)) else {
+                state.tries += TRIES;
+                break;
+            };
+            let id = scene.add_sphere(inlet.sphere_of(centre, grain.radius, grain.mass))?;
+            scene.references.set(id, self.flow.next_reference);
+            self.flow.next_reference = self.flow.next_reference.saturating_add(1);
+            scene.share_tag(ObjectId::from(id), &tag)?;
+            room.add(centre, grain.radius);
+            state.sum += inlet.share(&grain);
+            state.passed.add(grain.mass);
+            (state.serial, state.tries) = (state.serial + 1, 0);
+            self.dirty = Dirty::Everything;
+        }
+        Ok(())
+    }
+
+    /// Number of steps from `step` to the next one before which an outlet looks at its box or a sphere is due.
+    fn steps_to_next(&self, step: u64) -> u64 {
+        let until = |every: u64| every - step % every;
+        let outlets = self.scene.outlets().iter().map(|outlet| until(self.outlet_steps(outlet)));
+        let inlets = self.scene.inlets().iter().enumerate().map(|(number, inlet)| {
+            let needed = needed(&self.scene, number, inlet, &self.flow.inlets[number]);
+            let Some(needed) = needed.filter(|needed| *needed <= inlet.due(f64::INFINITY)) else { return u64::MAX };
+            let every = self.inlet_steps(inlet);
+            // Where the next sphere is due later, the inlet is asked again then.
+            let mut times = (0..1000).map(|times| until(every).saturating_add(every.saturating_mul(times)));
+            let time_after = |steps: u64| self.muscle_clock.written_time_after(steps.saturating_mul(2));
+            times.clone().find(|steps| needed <= inlet.due(time_after(*steps))).or(times.next_back()).unwrap_or(1)
+        });
+        outlets.chain(inlets).min().unwrap_or(u64::MAX)
+    }
+
+    /// Number of steps between two times at which an inlet may insert spheres: those in which a sphere moves on by its diameter.
+    fn inlet_steps(&self, inlet: &Inlet) -> u64 {
+        let (small, large) = inlet.radii.bounds(inlet.by);
+        let width = 2.0 * (small * large).sqrt();
+        let speed = f64::from(inlet.velocity.length()) + (self.free_fall() * width).sqrt();
+        inlet.every.unwrap_or_else(|| self.steps_in(width / speed))
+    }
+
+    /// Number of steps between two looks at an outlet: a sphere that has fallen from 50 times the height of the box crosses it in no
+    /// less time.
+    fn outlet_steps(&self, outlet: &Outlet) -> u64 {
+        let height = (outlet.corners[1] - outlet.corners[0]).min_element();
+        outlet.every.unwrap_or_else(|| self.steps_in(0.1 * (height / self.free_fall()).sqrt()))
+    }
+
+    fn free_fall(&self) -> f64 {
+        let Vec3 { x, y, z } = self.gravity();
+        DVec3::new(x.into(), y.into(), z.into()).length()
+    }
+
+    fn steps_in(&self, seconds: f64) -> u64 {
+        if seconds.is_finite() { ((seconds / f64::from(self.time_step)) as u64).max(1) } else { FEW_STEPS }
     }
 }
 
-/// What is in front of the plane of a gauge, of spheres with their masses and centres.
-fn front(gauge: &Gauge, spheres: impl Iterator<Item = (f32, DVec3)>) -> Front {
-    let mut front = Front::default();
-    if gauge.of.is_plane() {
-        let counted = spheres.filter(|(mass, centre)| *mass != 0.0 && gauge.of.has_in_front(*centre));
-        counted.for_each(|(mass, _)| front.add(mass));
+/// What the rate counts of all spheres up to the next one, which is due when it has let in as much; `None` at the limit.
+fn needed(scene: &Scene, number: usize, inlet: &Inlet, state: &InletState) -> Option<f64> {
+    let is_open = inlet.limit.is_none_or(|limit| state.serial < limit);
+    let share = || inlet.share(&inlet.grain(number, state.serial, scene.inlet_density(inlet)));
+    is_open.then(|| state.sum + share())
+}
+
+fn is_due(scene: &Scene, number: usize, inlet: &Inlet, state: &InletState, time: f64) -> bool {
+    needed(scene, number, inlet, state).is_some_and(|needed| needed <= inlet.due(time))
+}
+
+/// Number of spheres that are due and not in yet.
+fn waiting(scene: &Scene, number: usize, inlet: &Inlet, state: &InletState, time: f64) -> u64 {
+    let (mut next, density) = (*state, scene.inlet_density(inlet));
+    while next.serial - state.serial < MOST && is_due(scene, number, inlet, &next, time) {
+        next.sum += inlet.share(&inlet.grain(number, next.serial, density));
+        next.serial += 1;
     }
-    front
+    next.serial - state.serial
 }
 
-fn fronts(scene: &Scene) -> Vec<Front> {
-    let spheres = || scene.spheres().iter().map(|sphere| (mass(sphere), DVec3::from_array(sphere.centre())));
-    scene.gauges().iter().map(|gauge| front(gauge, spheres())).collect()
-}
-
-fn mass(sphere: &crate::scene::Sphere) -> f32 {
-    if sphere.fixed { 0.0 } else { sphere.mass }
-}
-
-fn masses(scene: &Scene) -> Vec<f32> {
-    let has_planes = scene.gauges().iter().any(|gauge| gauge.of.is_plane());
-    if has_planes { scene.spheres().iter().map(mass).collect() } else { Vec::new() }
+/// The spheres that an outlet removes: those whose centre is in its box, and both ends of capsules whose centre is. Fixed spheres stay.
+fn leaving(scene: &Scene, outlet: &Outlet) -> Vec<SphereId> {
+    let mut of_capsules = std::collections::HashSet::new();
+    let mut gone = Vec::new();
+    for capsule in scene.capsules() {
+        let ends = [capsule.end1, capsule.end2];
+        of_capsules.extend(ends);
+        let [one, other] = ends.map(|id| scene.sphere(id));
+        if let (Ok(one), Ok(other)) = (one, other)
+            && !(one.fixed || other.fixed)
+            && outlet.contains((one.position.as_dvec3() + other.position.as_dvec3()) / 2.0)
+        {
+            gone.extend(ends);
+        }
+    }
+    let spheres = scene.sphere_ids().zip(scene.spheres());
+    let alone = spheres
+        .filter(|(id, sphere)| !sphere.fixed && outlet.contains(sphere.position.as_dvec3()) && !of_capsules.contains(id));
+    gone.extend(alone.map(|(id, _)| id));
+    gone
 }

@@ -58,7 +58,7 @@ impl Simulation {
     pub fn gauges(&mut self) -> Result<Vec<GaugeReading>> {
         let walls = self.wall_loads()?;
         self.sync()?;
-        let passed = self.flow.passed(&self.scene);
+        let passed = self.planes.passed(&self.scene);
         let readings = walls.into_iter().zip(passed).map(|(load, front)| match load {
             Some(load) => GaugeReading::Wall(load),
             None => GaugeReading::Plane { mass: front.mass, count: front.count },
@@ -95,7 +95,7 @@ impl Simulation {
     pub fn add_gauge(&mut self, gauge: Gauge) -> Result<()> {
         self.sync()?;
         self.scene.add_gauge(gauge)?;
-        self.flow.begin(&self.scene);
+        self.planes.begin(&self.scene);
         Ok(())
     }
 }

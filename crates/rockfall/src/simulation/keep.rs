@@ -10,12 +10,12 @@ use crate::model::layout::SLICE;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::options::BackendInfo;
 use crate::options::Options;
-use crate::scene::Front;
+use crate::scene::{FlowState, Front};
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
-use crate::simulation::flow::Flow;
 use crate::simulation::lists::ListPolicy;
 use crate::simulation::order::Disorder;
+use crate::simulation::planes::Planes;
 use crate::simulation::rates::put_rates;
 use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, check_contact_law, engine, prepare};
@@ -68,9 +68,10 @@ impl Simulation {
                 lookahead: lists.lookahead.max(1.0),
                 clock: self.muscle_clock,
             },
+            flow: self.flow.clone(),
             springs,
             rates,
-            fronts: self.flow.bases().to_vec(),
+            fronts: self.planes.bases().to_vec(),
             kept_laws: Vec::new(),
             kept_contact_law: None,
         })
@@ -109,7 +110,13 @@ impl Simulation {
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
         let simulation = Self::assemble(checkpoint.scene, checkpoint.options, world, engine, info);
-        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history, &checkpoint.fronts))
+        Ok(simulation.with_history(
+            checkpoint.time_step,
+            checkpoint.report,
+            checkpoint.history,
+            &checkpoint.fronts,
+            checkpoint.flow,
+        ))
     }
 
     /// [`Simulation::resume`] on the caller's wgpu device; see [`Simulation::on_device`].
@@ -121,7 +128,13 @@ impl Simulation {
         checkpoint.check_laws()?;
         let (springs, rates) = (&checkpoint.springs, &checkpoint.rates);
         let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, springs, rates, device, queue)?;
-        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history, &checkpoint.fronts))
+        Ok(simulation.with_history(
+            checkpoint.time_step,
+            checkpoint.report,
+            checkpoint.history,
+            &checkpoint.fronts,
+            checkpoint.flow,
+        ))
     }
 
     /// [`Simulation::resume`] on a GPU that others share.
@@ -135,7 +148,13 @@ impl Simulation {
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let engine = Engine::on(gpu, &world)?;
         let simulation = Self::assemble(checkpoint.scene, options, world, engine, info.clone());
-        Ok(simulation.with_history(checkpoint.time_step, checkpoint.report, checkpoint.history, &checkpoint.fronts))
+        Ok(simulation.with_history(
+            checkpoint.time_step,
+            checkpoint.report,
+            checkpoint.history,
+            &checkpoint.fronts,
+            checkpoint.flow,
+        ))
     }
 
     /// Replaces the state by that of a checkpoint, without opening a device again. Handles of the simulation that took the
@@ -162,15 +181,24 @@ impl Simulation {
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
         self.apply_history(checkpoint.time_step, checkpoint.report, checkpoint.history);
-        self.flow = Flow::resumed(&self.scene, &checkpoint.fronts);
+        self.planes = Planes::resumed(&self.scene, &checkpoint.fronts);
+        self.flow = checkpoint.flow.clone();
         self.rebuild(&checkpoint.springs, &checkpoint.rates)?;
         self.status.collided = 0;
         Ok(())
     }
 
-    fn with_history(mut self, time_step: f32, report: crate::Report, history: History, fronts: &[Front]) -> Self {
+    fn with_history(
+        mut self,
+        time_step: f32,
+        report: crate::Report,
+        history: History,
+        fronts: &[Front],
+        flow: FlowState,
+    ) -> Self {
         self.apply_history(time_step, report, history);
-        self.flow = Flow::resumed(&self.scene, fronts);
+        self.planes = Planes::resumed(&self.scene, fronts);
+        self.flow = flow;
         self.disorder = Disorder::sorted_at(report.steps);
         self
     }

@@ -107,17 +107,24 @@ impl Simulation {
     }
 
     /// Reads the state back, and returns a scene from which another simulation goes on where this one is: the phases of its
-    /// muscles are the present ones, and so are the poses of its moving walls. A scene has no springs of contacts (docs/physics.md section 4.11), so with a contact law that keeps
+    /// muscles are the present ones, and so are the poses of its moving walls and the sequence of spheres of its inlets. A scene has no springs of contacts (docs/physics.md section 4.11), so with a contact law that keeps
     /// them the contacts begin anew; a [`Checkpoint`](crate::Checkpoint) keeps them.
     ///
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn snapshot(&mut self) -> Result<Scene> {
-        let time = self.muscle_clock.time();
-        let mut scene = self.sync()?.clone();
-        scene.advance_muscles(time);
-        scene.advance_motions(self.muscle_clock.written_time());
-        Ok(scene)
+        self.sync()?;
+        Ok(self.last_snapshot())
+    }
+
+    /// [`Simulation::snapshot`] of the state that was read back last. Reads nothing back.
+    pub fn last_snapshot(&self) -> Scene {
+        let mut scene = self.scene.clone();
+        let written = self.muscle_clock.written_time();
+        scene.advance_muscles(self.muscle_clock.time());
+        scene.advance_motions(written);
+        scene.advance_inlets(written, self.flow.inlets.iter().map(|inlet| inlet.serial));
+        scene
     }
 
     /// Energies and momenta of the current state. The energy of a spring is that at its present rest length. With symplectic Euler

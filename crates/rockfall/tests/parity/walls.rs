@@ -121,15 +121,8 @@ pub(crate) fn trace(seed: u64, integrator: Integrator, rods: bool, periodic: boo
     // So large that no wall leaves it within the step.
     world.step.lists.margin_scale = 40.0;
     world.status.lengths_due = 0;
-    let concerned = [
-        "move_walls",
-        "update_aabbs",
-        "count_pairs",
-        "find_collisions",
-        "rod_loads",
-        "loads",
-        "apply_friction_impulses",
-    ];
+    let concerned =
+        ["move_walls", "update_aabbs", "count_pairs", "find_collisions", "rod_loads", "loads", "apply_friction_impulses"];
     let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce));
     let runs: Vec<Run> = runs.filter(|run| run.applies(&world.step)).copied().collect();
     let mut scenarios = Vec::new();

@@ -4,8 +4,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{
-    Backend, BroadPhase, Capsule, Checkpoint, ContactLaw, Cuboid, Integrator, Material, Motion, MotionTerm, Options, Pair, Polygon,
-    Scene, Simulation, Sphere, SphereState, Spring,
+    Backend, BroadPhase, Capsule, Checkpoint, ContactLaw, Cuboid, Integrator, Material, Motion, MotionTerm, Options, Pair,
+    Polygon, Scene, Simulation, Sphere, SphereState, Spring,
 };
 
 use crate::common::{bits_of, close, near, with};
@@ -158,7 +158,10 @@ fn a_pair_across_a_face_moves_as_inside(backend: Backend) {
                 scene.add_sphere(other).expect("a valid sphere");
                 let mut simulation = open(scene, backend, integrator, BroadPhase::Grid);
                 let report = simulation.run(if continuous { 4 } else { 40 }, 0.01).expect("steps");
-                (simulation.spheres().expect("spheres").iter().map(|ball| ball.velocity).collect::<Vec<_>>(), report.total_collisions)
+                (
+                    simulation.spheres().expect("spheres").iter().map(|ball| ball.velocity).collect::<Vec<_>>(),
+                    report.total_collisions,
+                )
             };
             let (inside, hits) = run(Vec3::ZERO);
             assert_eq!(hits, 1, "{integrator}, continuous {continuous}");
@@ -261,7 +264,8 @@ fn checkpoints_have_periods(backend: Backend) {
     let mut simulation = open(scene, backend, integrator, BroadPhase::Auto);
     simulation.run(60, dt).expect("steps");
     let checkpoint = simulation.checkpoint().expect("a checkpoint").to_bytes();
-    let mut resumed = Simulation::resume(Checkpoint::from_bytes(&checkpoint, "memory").expect("it reads back")).expect("it resumes");
+    let mut resumed =
+        Simulation::resume(Checkpoint::from_bytes(&checkpoint, "memory").expect("it reads back")).expect("it resumes");
     simulation.run(60, dt).expect("steps");
     resumed.run(60, dt).expect("steps");
     assert_eq!(resumed.scene().periodic(), periods_from(0.5, 0.5));

@@ -5,6 +5,7 @@
 mod common;
 
 mod behaviour;
+mod flow;
 mod placement;
 mod properties;
 mod scenes;

@@ -268,3 +268,23 @@ fn no_scene_is_too_stiff_for_the_default_time_step() {
         assert!(0.02 * 0.02 * stiffness <= 0.5, "{name}: contact_force {stiffness}");
     }
 }
+
+/// The silo fills, and grains leave it by the belt.
+#[test]
+fn the_silo_is_fed_and_drained() {
+    let scene = load("silo");
+    let (dt, integrator) = (scene.run.dt.expect("a time step"), scene.run.integrator.expect("an integrator"));
+    assert_eq!(scene.check_contact_law(scene.integrator(integrator)).map_err(|error| error.to_string()), Ok(()));
+    assert_eq!((scene.counts().spheres, scene.inlet_concerns()), (0, Vec::<String>::new()));
+    let options = Options::new().backend(Backend::Cpu).integrator(integrator);
+    let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
+    simulation.run(16_000, dt).expect("steps");
+    let flow = simulation.flow();
+    assert_eq!(flow.inlets[0].mass - flow.outlets[0].mass, flow.mass, "{flow:?}");
+    assert!(flow.inlets[0].waiting < 10 && flow.outlets[0].spheres > 20, "{flow:?}");
+    // Nothing leaks through the walls: grains are in the silo, on the belt or right of it.
+    let states = simulation.spheres().expect("states");
+    let is_inside =
+        |state: &&SphereState| state.position.y < 0.0 || state.position.x.abs() < 0.41 && state.position.z.abs() < 0.1;
+    assert_eq!(states.iter().filter(|state| !is_inside(state)).count(), 0);
+}

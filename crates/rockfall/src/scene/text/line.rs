@@ -119,6 +119,32 @@ pub(super) const PERIODIC: Kind =
     Kind { word: "@periodic", references: &["AXIS"], numbers: &["FROM", "TO"], last_is_optional: false };
 pub(super) const GAUGE: Kind =
     Kind { word: "@gauge", references: &[], numbers: &["name=N", "wall=NAME|plane=x,y,z,nx,ny,nz"], last_is_optional: false };
+pub(super) const INLET: Kind = Kind {
+    word: "@inlet",
+    references: &[],
+    numbers: &[
+        "name=N",
+        "box=x0,y0,z0,x1,y1,z1",
+        "rate=PER_S|mass_rate=M|volume_rate=V",
+        "radius=r|a..b|lognormal:median,sigma",
+        "by=number|mass",
+        "mass=M|density=D",
+        "velocity=x,y,z",
+        "from=S",
+        "to=S",
+        "limit=COUNT",
+        "seed=N",
+        "every=STEPS",
+        "after=COUNT",
+    ],
+    last_is_optional: false,
+};
+pub(super) const OUTLET: Kind = Kind {
+    word: "@outlet",
+    references: &[],
+    numbers: &["name=N", "box=x0,y0,z0,x1,y1,z1", "every=STEPS"],
+    last_is_optional: false,
+};
 pub(super) const REPEAT: Kind =
     Kind { word: "@repeat", references: &["N"], numbers: &["dx", "dy", "dz"], last_is_optional: false };
 pub(super) const MARK: Kind = Kind { word: "@capsule", references: &["end1", "end2"], numbers: &[], last_is_optional: false };

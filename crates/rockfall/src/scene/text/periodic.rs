@@ -14,7 +14,8 @@ impl Reader<'_> {
             return self.not_understood(at, PERIODIC.wrong("line", found));
         };
         let Some(place) = AXES.iter().position(|name| *name == axis) else {
-            return self.not_understood(at, PERIODIC.wrong("axis", format!("{} is not allowed, expected x, y or z", quoted(axis))));
+            return self
+                .not_understood(at, PERIODIC.wrong("axis", format!("{} is not allowed, expected x, y or z", quoted(axis))));
         };
         if self.scene.periodic()[place].is_some() {
             return Err(PERIODIC.wrong(axis, "given again, expected one line for each axis"));
@@ -50,7 +51,10 @@ mod tests {
             ("@periodic x 1", "box.txt:2: @periodic line: 2 words, expected `@periodic AXIS FROM TO`"),
             ("@periodic w 0 1", "box.txt:2: @periodic axis: \"w\" is not allowed, expected x, y or z"),
             ("@periodic x 0 inf", "box.txt:2: @periodic to: \"inf\" is not a finite number"),
-            ("@periodic y 2 1", "box.txt:2: @periodic periodic: 2 to 1 is not allowed, expected two finite numbers in ascending order"),
+            (
+                "@periodic y 2 1",
+                "box.txt:2: @periodic periodic: 2 to 1 is not allowed, expected two finite numbers in ascending order",
+            ),
             ("@periodic x 0 1\n@periodic x 0 2", "box.txt:3: @periodic x: given again, expected one line for each axis"),
         ] {
             assert_eq!(error(&format!("{head}{line}\n")), expected);

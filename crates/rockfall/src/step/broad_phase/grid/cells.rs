@@ -217,7 +217,9 @@ impl<'a> Grid<'a> {
             None => self.rows_around(aabb, spans),
             Some(periods) => {
                 let images = periods.images().map(|way| aabb.moved(way));
-                images.filter(|image| periods.reaches(image, self.largest_edge())).for_each(|image| self.rows_around(&image, spans));
+                images
+                    .filter(|image| periods.reaches(image, self.largest_edge()))
+                    .for_each(|image| self.rows_around(&image, spans));
             }
         }
     }

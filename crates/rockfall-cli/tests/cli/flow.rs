@@ -1,0 +1,72 @@
+//! Scenes whose spheres come and go.
+
+use crate::common::Rockfall;
+
+/// Grains of mass 2 fall past a plate. Before step n, n / 2 of them are due.
+const FEED: &str = "@run dt=0.01 steps=200\nB -1 -0.1 -1  1 0 0  0 0.1 0  0 0 2
+@inlet name=feed box=-0.5,1,-0.5,0.5,2,0.5 rate=50 radius=0.05..0.1 mass=2 velocity=0,-4,0 every=1
+@outlet name=drain box=-9,-5,-9,9,-1,9 every=10\n";
+
+fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn a_run_reports_what_came_in_and_left() {
+    let rockfall = Rockfall::with(FEED);
+    let (out, err) = rockfall.run("run scene.txt --backend cpu", 0);
+    assert_eq!(err, "");
+    let line =
+        |name: &str| out.lines().find(|line| line.trim_start().starts_with(name)).unwrap_or_else(|| panic!("{out}")).to_owned();
+    assert!(line("in ").ends_with("through feed") && line("out ").ends_with("through drain"), "{out}");
+    assert!(line("inside ").contains("spheres of mass"), "{out}");
+    let (out, _) = rockfall.run("run scene.txt --backend cpu --json", 0);
+    let flow = &json(&out)["flow"];
+    let (feed, drain) = (&flow["inlets"][0], &flow["outlets"][0]);
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    assert_eq!((&feed["name"], &drain["name"]), (&"feed".into(), &"drain".into()));
+    assert!(number(&feed["spheres"]) > 90.0 && number(&drain["spheres"]) > 10.0, "{flow}");
+    assert_eq!(number(&feed["mass"]), 2.0 * number(&feed["spheres"]));
+    assert_eq!(number(&feed["mass"]) - number(&drain["mass"]), number(&flow["mass"]));
+    assert_eq!(json(&out)["objects"]["spheres"], flow["spheres"]);
+}
+
+#[test]
+fn a_run_in_two_parts_writes_the_same_files() {
+    let rockfall = Rockfall::with(FEED);
+    rockfall.run("run scene.txt --backend cpu --out whole.csv --every 10 --trace whole.trace.csv", 0);
+    rockfall.run(
+        "run scene.txt --backend cpu --out parts.csv --every 10 --trace parts.trace.csv --steps 77 --checkpoint a.ckpt",
+        0,
+    );
+    rockfall.run("run --resume a.ckpt --steps 200", 0);
+    assert!(rockfall.read("whole.csv") == rockfall.read("parts.csv"));
+    assert!(rockfall.read("whole.trace.csv") == rockfall.read("parts.trace.csv"));
+    assert!(rockfall.read("whole.csv").lines().count() > 500);
+}
+
+#[test]
+fn files_that_cannot_hold_it_are_refused() {
+    let rockfall = Rockfall::with(FEED);
+    let (_, err) = rockfall.run("run scene.txt --backend cpu --out run.npz --every 10", 2);
+    assert!(err.contains("--out run.npz: the number of spheres changes") && err.contains("expected .csv or .pvd"), "{err}");
+    rockfall.run("run scene.txt --backend cpu --out run.npz", 0);
+    rockfall.run("run scene.txt --backend cpu --out run.pvd --every 10", 0);
+    let (_, err) = rockfall.run("render run.pvd --out run.png --size 64x48", 2);
+    assert!(err.contains("its spheres come and go"), "{err}");
+}
+
+#[test]
+fn check_counts_inlets_and_judges_their_spheres() {
+    let (out, _) = Rockfall::with(FEED).run("check scene.txt", 0);
+    assert!(out.contains("1 box, 1 inlet, 1 outlet, ") && !out.contains("nothing will move"), "{out}");
+    let crowded = FEED.replace("rate=50", "rate=5000");
+    let (out, _) = Rockfall::with(&crowded).run("check scene.txt", 0);
+    assert!(out.contains("warning: scene.txt: the inlet feed lets in 5000 spheres/s, but no more than about"), "{out}");
+    // The time step of contacts is judged by the spheres that will come in.
+    let stiff = format!("set contact_force 1e9\n{FEED}");
+    let (out, _) = Rockfall::with(&stiff).run("check scene.txt", 0);
+    assert!(out.contains("the contact force is too stiff for the time step"), "{out}");
+    let (out, _) = Rockfall::with("@outlet box=-9,-5,-9,9,-1,9 every=10\n# nothing\n").run("check scene.txt", 0);
+    assert!(out.contains("no spheres, so nothing will move"), "{out}");
+}

@@ -1,0 +1,184 @@
+"""Inlets and outlets: grains that come and go."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from rockfall import _rockfall
+from rockfall._bodies import Bodies
+from rockfall._names import tag_of
+from rockfall.typing import LookName
+
+_ZERO = (0.0, 0.0, 0.0)
+
+
+class Inflow(NamedTuple):
+    """What came in through an inlet."""
+
+    #: Number of spheres that came in.
+    spheres: int
+    #: Their mass.
+    mass: float
+    #: Number of spheres that are due and not in yet, because there is no room or the inlet acts in a later step; at most 65,536.
+    waiting: int
+
+
+class Outflow(NamedTuple):
+    """What left through an outlet."""
+
+    #: Number of spheres that left.
+    spheres: int
+    #: Their mass.
+    mass: float
+
+
+class Flow(NamedTuple):
+    """What came in and left since the start of a simulation, as :attr:`Simulation.flow` returns it. The ends of a capsule count as
+    two spheres."""
+
+    #: The inlets, by name.
+    inlets: dict[str, Inflow]
+    #: The outlets, by name.
+    outlets: dict[str, Outflow]
+    #: Number of spheres in the scene that are not fixed.
+    spheres: int
+    #: Their mass.
+    mass: float
+
+
+def _corners(low: npt.ArrayLike, high: npt.ArrayLike) -> list[list[float]]:
+    corners = []
+    for name, value in (("low", low), ("high", high)):
+        array = np.asarray(value, dtype=np.float64)
+        if array.shape != (3,):
+            raise ValueError(f"{name}: expected shape (3,), got {array.shape}")
+        corners.append([float(number) for number in array])
+    return corners
+
+
+def _radius(radius: float | tuple[float, float] | str) -> str:
+    if isinstance(radius, str):
+        return radius
+    numbers = np.asarray(radius, dtype=np.float64)
+    if numbers.shape not in ((), (2,)):
+        raise ValueError(f"radius: expected a number, a pair or 'lognormal:median,sigma', got shape {numbers.shape}")
+    return "..".join(repr(float(number)) for number in np.atleast_1d(numbers))
+
+
+class Flows(Bodies):
+    """Adds inlets and outlets. A base of :class:`Objects`."""
+
+    def add_inlet(
+        self,
+        name: str,
+        low: npt.ArrayLike,
+        high: npt.ArrayLike,
+        *,
+        rate: float | None = None,
+        mass_rate: float | None = None,
+        volume_rate: float | None = None,
+        radius: float | tuple[float, float] | str,
+        by: Literal["number", "mass"] = "number",
+        mass: float | None = None,
+        density: float | None = None,
+        velocity: npt.ArrayLike = _ZERO,
+        start: float = 0.0,
+        end: float = np.inf,
+        limit: int | None = None,
+        seed: int = 0,
+        every: int | None = None,
+        group: int = 0,
+        material: int | str | None = None,
+        colour: str | None = None,
+        label: str | None = None,
+        look: LookName | None = None,
+    ) -> None:
+        """Add a box in which spheres appear while a simulation runs.
+
+        Radii and places are random, without overlaps, and follow from the seed. A sphere for which there is no room waits. How steps are
+        divided into calls of :meth:`Simulation.run` does not matter.
+
+        Parameters
+        ----------
+        name : str
+            One word that no other inlet has as its name.
+        low, high : array_like, shape (3,)
+            Two opposite corners of the box, in units. Spheres appear wholly inside it.
+        rate, mass_rate, volume_rate : float
+            One of them: spheres, mass, or volume of spheres in units³, per second.
+        radius : float, pair of floats or str
+            The radius in units, the two ends of a range, or ``"lognormal:median,sigma"``.
+        by : {"number", "mass"}
+            What the distribution of radii counts.
+        mass, density : float, optional
+            Mass of a sphere, or its density in mass/units³. By default that of the material, else a mass of 1.
+        velocity : array_like, shape (3,)
+            Velocity with which spheres appear, in units/s.
+        start, end : float
+            Times in s from and up to which spheres become due.
+        limit : int, optional
+            Greatest number of spheres.
+        seed : int
+            Seed of the radii and places.
+        every : int, optional
+            Number of steps between two times at which spheres may appear. By default it follows from radii, velocity and gravity.
+        group : int
+            Collision group from 0 to 65535.
+        material : int or str, optional
+            Material, by number or by name. See :meth:`add_material`.
+        colour, label, look : str, optional
+            Colour, label and look of the spheres. See :meth:`set_tag`.
+
+        Raises
+        ------
+        ValueError
+            For numbers out of range, a box that is too small for the largest sphere, and a name that is in use.
+        """
+        rates = {"rate": rate, "mass_rate": mass_rate, "volume_rate": volume_rate}
+        given = [(key, float(value)) for key, value in rates.items() if value is not None]
+        if len(given) != 1:
+            raise TypeError(f"rate, mass_rate, volume_rate: expected one of them, got {len(given)}")
+        if mass is not None and density is not None:
+            raise TypeError("mass, density: expected at most one of them")
+        corners = _corners(low, high)
+        spheres = {
+            "rate": given[0],
+            "radius": _radius(radius),
+            "by": by,
+            "mass": None if mass is None else float(mass),
+            "density": None if density is None else float(density),
+            "velocity": [float(number) for number in np.asarray(velocity, np.float64)],
+            "times": (float(start), float(end)),
+            "limit": limit,
+            "seed": seed,
+            "every": every,
+            "group": group,
+            "material": int(self._material_numbers("material", material)),
+            "tag": tag_of(None, colour, label, look),
+        }
+        self._edited()
+        _rockfall.add_inlet(self._native, name, corners, spheres)
+
+    def add_outlet(self, name: str, low: npt.ArrayLike, high: npt.ArrayLike, *, every: int | None = None) -> None:
+        """Add a box in which spheres disappear, with their rods, springs and tethers. A capsule disappears when its middle enters.
+
+        Parameters
+        ----------
+        name : str
+            One word that no other outlet has as its name.
+        low, high : array_like, shape (3,)
+            Two opposite corners of the box, in units.
+        every : int, optional
+            Number of steps between two looks at the box. By default it follows from the box and gravity.
+
+        Raises
+        ------
+        ValueError
+            For a box without volume, and a name that is in use.
+        """
+        corners = _corners(low, high)
+        self._edited()
+        _rockfall.add_outlet(self._native, name, corners, every)

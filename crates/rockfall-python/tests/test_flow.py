@@ -1,0 +1,100 @@
+"""Inlets and outlets."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rockfall as rf
+
+DT = 1 / 64
+
+
+def chute() -> rf.Scene:
+    scene = rf.Scene()
+    scene.add_box((0.4, -0.5, -1), (2, 0, 1))
+    scene.add_inlet(
+        "feed", (-1, 2, -0.8), (1, 2.6, 0.8), mass_rate=60, radius=(0.08, 0.16), by="mass", density=500, velocity=(0, -1, 0),
+        seed=3, colour="orange",
+    )
+    scene.add_outlet("drain", (-5, -4, -5), (5, -1, 5))
+    return scene
+
+
+def test_grains_come_and_go_and_balance() -> None:
+    sim = rf.Simulation(chute(), dt=DT, backend="cpu")
+    assert sim.flow == rf.Flow({"feed": rf.Inflow(0, 0.0, 0)}, {"drain": rf.Outflow(0, 0.0)}, 0, 0.0)
+    sim.run(150)
+    flow = sim.flow
+    feed, drain = flow.inlets["feed"], flow.outlets["drain"]
+    assert feed.spheres > 20 and drain.spheres > 5
+    assert feed.mass - drain.mass == flow.mass
+    assert feed.spheres - drain.spheres == flow.spheres == len(sim.positions)
+    # Numbers are never used again, and belong to the rows of arrays.
+    numbers = sim.sphere_ids
+    assert (np.diff(numbers) > 0).all()
+    sim.set(numbers[-1], velocity=(0, 7, 0))
+    assert sim.velocities[-1, 1] == 7
+    before = set(numbers)
+    sim.run(50)
+    assert set(sim.sphere_ids) - before, "new ones have new numbers"
+
+
+def test_calls_and_checkpoints_do_not_matter(tmp_path: Path) -> None:
+    whole, parts = (rf.Simulation(chute(), dt=DT, backend="cpu") for _ in range(2))
+    whole.run(120)
+    parts.run(31)
+    parts.save_checkpoint(tmp_path / "half.ckpt")
+    parts = rf.Simulation.resume(tmp_path / "half.ckpt")
+    parts.run(89)
+    assert whole.flow == parts.flow
+    np.testing.assert_array_equal(whole.positions, parts.positions)
+
+
+def test_radii() -> None:
+    scene = rf.Scene()
+    for name, radius in [("one", 0.1), ("range", (0.1, 0.2)), ("normal", "lognormal:0.1,0.2")]:
+        scene.add_inlet(name, (0, 0, 0), (1, 1, 1), rate=0, radius=radius)
+    text = scene.to_text()
+    for radius in ["radius=0.1 ", "radius=0.1..0.2", "radius=lognormal:0.1,0.2"]:
+        assert radius in text + " ", text
+    assert rf.Scene.parse(text).to_text() == text
+
+
+def test_wrong_inlets_are_refused() -> None:
+    scene = rf.Scene()
+    box = ((0, 0, 0), (1, 1, 1))
+    with pytest.raises(TypeError, match="expected one of them, got 0"):
+        scene.add_inlet("a", *box, radius=0.1)
+    with pytest.raises(TypeError, match="expected one of them, got 2"):
+        scene.add_inlet("a", *box, rate=1, mass_rate=1, radius=0.1)
+    with pytest.raises(ValueError, match="a box whose edges are at least as long"):
+        scene.add_inlet("a", *box, rate=1, radius=0.6)
+    with pytest.raises(ValueError, match="radius"):
+        scene.add_inlet("a", *box, rate=1, radius="wide")
+    with pytest.raises(ValueError, match="six finite numbers"):
+        scene.add_outlet("a", (0, 0, 0), (1, 0, 1))
+    with pytest.raises(LookupError):
+        scene.add_inlet("a", *box, rate=1, radius=0.1, material="none")
+    scene.add_outlet("a", *box)
+    with pytest.raises(ValueError, match="no other outlet"):
+        scene.add_outlet("a", *box)
+
+
+def test_a_rate_that_does_not_fit_is_a_concern() -> None:
+    scene = rf.Scene()
+    scene.add_inlet("feed", (0, 0, 0), (1, 1, 1), volume_rate=50, radius=0.1, velocity=(0, -1, 0))
+    assert any("spheres will wait" in concern for concern in scene.check(DT))
+
+
+def test_recordings_of_changing_spheres(tmp_path: Path) -> None:
+    sim = rf.Simulation(chute(), dt=DT, backend="cpu")
+    with pytest.raises(ValueError, match="expected .csv or .pvd"):
+        sim.record(tmp_path / "run.npz", every=10)
+    with sim.record(tmp_path / "run.csv", every=10):
+        sim.run(100)
+    lines = (tmp_path / "run.csv").read_text().splitlines()
+    references = {int(line.split(",")[16]) for line in lines[1:]}
+    assert references == set(range(1, len(references) + 1))

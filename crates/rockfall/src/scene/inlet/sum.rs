@@ -1,0 +1,43 @@
+//! Sums of masses.
+
+/// A sum of `f32` that is exact as long as it fits twice the digits of an `f64`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Sum {
+    pub(crate) high: f64,
+    /// What is left of the sum beyond the digits of `high`.
+    pub(crate) low: f64,
+}
+
+impl Sum {
+    pub(crate) fn add(&mut self, number: f32) {
+        let (sum, left) = two_sum(self.high, number.into());
+        (self.high, self.low) = two_sum(sum, self.low + left);
+    }
+
+    /// The sum, rounded.
+    pub(crate) fn value(self) -> f64 {
+        self.high + self.low
+    }
+}
+
+/// The rounded sum, and what is left of it (Knuth).
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let of_b = sum - a;
+    (sum, (a - (sum - of_b)) + (b - of_b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_lose_nothing() {
+        let mut sum = Sum::default();
+        for number in [1e16_f32, 1.0, 3.0, 1e-8] {
+            sum.add(number);
+        }
+        sum.add(-1e16);
+        assert_eq!(sum.value(), 4.0 + f64::from(1e-8_f32), "f64 alone has 5 digits less");
+    }
+}

@@ -1,0 +1,137 @@
+//! Where the box of an inlet has room for a sphere.
+
+use glam::{DVec3, Vec3};
+
+use crate::scene::{Cuboid, Inlet, Polygon, Scene};
+
+/// What is near the box of an inlet.
+pub(super) struct Room {
+    /// Centres and radii of spheres.
+    spheres: Vec<(DVec3, f64)>,
+    /// Ends and radii of rods.
+    rods: Vec<([DVec3; 2], f64)>,
+    /// Corners and edges.
+    boxes: Vec<(DVec3, [DVec3; 3])>,
+    triangles: Vec<[DVec3; 3]>,
+}
+
+impl Room {
+    /// What the spheres of an inlet can touch, at a time in s.
+    pub(super) fn of(scene: &Scene, inlet: &Inlet, time: f64) -> Self {
+        let [low, high] = inlet.corners;
+        // Spheres stay inside the box, so it is enough that an object overlaps it.
+        let overlaps = |points: &[DVec3], margin: f64| {
+            let (least, greatest) = (points.iter().copied().reduce(DVec3::min), points.iter().copied().reduce(DVec3::max));
+            least.is_some_and(|least| (least - margin).cmple(high).all())
+                && greatest.is_some_and(|greatest| (greatest + margin).cmpge(low).all())
+        };
+        let poses = scene.poses(time);
+        let spheres = scene.spheres().iter().filter(|sphere| sphere.group == inlet.group);
+        let spheres = spheres.map(|sphere| (sphere.position.as_dvec3(), f64::from(sphere.radius)));
+        let rods = scene.rods().iter().filter(|rod| rod.group == inlet.group).filter_map(|rod| {
+            let [Ok(one), Ok(other)] = [rod.end1, rod.end2].map(|id| scene.sphere(id)) else { return None };
+            Some(([one, other].map(|end| end.position.as_dvec3()), f64::from(rod.radius)))
+        });
+        let boxes = scene.boxes().iter().filter(|cuboid| cuboid.group == inlet.group).map(|cuboid| {
+            let Cuboid { corner, edges, .. } = poses.of_box(cuboid);
+            (corner.as_dvec3(), edges.map(Vec3::as_dvec3))
+        });
+        let polygons = scene.polygons().iter().filter(|polygon| polygon.group == inlet.group);
+        Self {
+            spheres: spheres.filter(|(centre, radius)| overlaps(&[*centre], *radius)).collect(),
+            rods: rods.filter(|(ends, radius)| overlaps(ends, *radius)).collect(),
+            boxes: boxes.filter(|(corner, edges)| overlaps(&corners(*corner, edges), 0.0)).collect(),
+            triangles: polygons
+                .flat_map(|polygon| triangles(&poses.of_polygon(polygon)))
+                .filter(|triangle| overlaps(triangle, 0.0))
+                .collect(),
+        }
+    }
+
+    pub(super) fn add(&mut self, centre: DVec3, radius: f32) {
+        // The centre that the sphere has.
+        self.spheres.push((centre.as_vec3().as_dvec3(), radius.into()));
+    }
+
+    /// Whether a sphere touches nothing.
+    pub(super) fn has_room(&self, centre: DVec3, radius: f32) -> bool {
+        let (centre, radius) = (centre.as_vec3().as_dvec3(), f64::from(radius));
+        let is_free = |point: DVec3, other: f64| centre.distance_squared(point) >= (radius + other) * (radius + other);
+        self.spheres.iter().all(|(other, other_radius)| is_free(*other, *other_radius))
+            && self.rods.iter().all(|(ends, other_radius)| is_free(on_segment(centre, ends), *other_radius))
+            && self.boxes.iter().all(|(corner, edges)| is_free(in_box(centre, *corner, edges), 0.0))
+            && self.triangles.iter().all(|triangle| is_free(on_triangle(centre, triangle), 0.0))
+    }
+}
+
+fn corners(corner: DVec3, [i, j, k]: &[DVec3; 3]) -> [DVec3; 8] {
+    std::array::from_fn(|index| {
+        let share = |bit: usize| f64::from(u8::from(index & bit != 0));
+        corner + *i * share(1) + *j * share(2) + *k * share(4)
+    })
+}
+
+/// A triangle, or the two halves of a parallelogram.
+fn triangles(polygon: &Polygon) -> Vec<[DVec3; 3]> {
+    let [corner, left, right] = [polygon.corner, polygon.left, polygon.right].map(Vec3::as_dvec3);
+    let (first, second) = (corner + left, corner + right);
+    let half = [corner, first, second];
+    if polygon.is_triangle { vec![half] } else { vec![half, [first + right, first, second]] }
+}
+
+/// The point of a segment that is nearest to a point.
+fn on_segment(point: DVec3, [one, other]: &[DVec3; 2]) -> DVec3 {
+    let along = other - one;
+    let share = (point - one).dot(along) / along.length_squared();
+    one + along * if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) }
+}
+
+/// The point of a box that is nearest to a point. The edges are orthogonal.
+fn in_box(point: DVec3, corner: DVec3, edges: &[DVec3; 3]) -> DVec3 {
+    let from_corner = point - corner;
+    corner + edges.iter().map(|edge| *edge * (from_corner.dot(*edge) / edge.length_squared()).clamp(0.0, 1.0)).sum::<DVec3>()
+}
+
+/// The point of a triangle that is nearest to a point: its foot if that is inside, otherwise the nearest point of an edge.
+fn on_triangle(point: DVec3, [a, b, c]: &[DVec3; 3]) -> DVec3 {
+    let normal = (b - a).cross(c - a);
+    let inside = [[a, b], [b, c], [c, a]].iter().all(|[from, to]| (*to - *from).cross(point - *from).dot(normal) >= 0.0);
+    if inside {
+        return point - normal * ((point - a).dot(normal) / normal.length_squared());
+    }
+    let edges = [[*a, *b], [*b, *c], [*c, *a]].map(|edge| on_segment(point, &edge));
+    edges.into_iter().min_by(|p, q| point.distance_squared(*p).total_cmp(&point.distance_squared(*q))).unwrap_or(*a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Rate, Rod, Sphere};
+
+    #[test]
+    fn spheres_touch_nothing() {
+        let mut scene = Scene::new();
+        scene.add_box(Cuboid::between([-1.0, -1.0, -1.0], [1.0, 0.0, 1.0])).unwrap();
+        scene.add_polygon(Polygon::new([0.5, 0.0, -1.0], [0.0, 0.0, 2.0], [0.0, 2.0, 0.0])).unwrap();
+        let ends = [[-0.5, 1.0, -0.5], [-0.5, 1.0, 0.5]].map(|end| scene.add_sphere(Sphere::new(end, 0.01)).unwrap());
+        scene.add_rod(Rod::new(ends[0], ends[1], 0.05)).unwrap();
+        let inlet = Inlet::new("in", [[-1.0, -1.0, -1.0], [1.0, 2.0, 1.0]], Rate::Number(1.0), 0.1);
+        let mut room = Room::of(&scene, &inlet, 0.0);
+        room.add(DVec3::new(0.0, 1.0, 0.0), 0.2);
+        let cases = [
+            ([0.0, 0.1, 0.0], true),
+            ([0.0, 0.09, 0.0], false),
+            ([0.0, -0.5, 0.0], false),
+            ([0.39, 1.0, 0.9], true),
+            ([0.41, 1.0, 0.9], false),
+            ([0.41, 1.9, -0.9], false),
+            ([-0.5, 1.16, 0.0], true),
+            ([-0.5, 1.14, 0.3], false),
+            ([0.29, 1.0, 0.0], false),
+            ([0.31, 1.0, 0.0], true),
+        ];
+        for (centre, expected) in cases {
+            assert_eq!(room.has_room(DVec3::from_array(centre), 0.1), expected, "{centre:?}");
+        }
+    }
+}
