@@ -12,6 +12,7 @@ mod film;
 mod flow;
 mod fork;
 mod gauges;
+mod periodic;
 mod ids;
 mod laws;
 mod materials;
@@ -61,6 +62,8 @@ mod _rockfall {
     use crate::meshes::add_mesh;
     #[pymodule_export]
     use crate::gauges::{add_gauge, gauges};
+    #[pymodule_export]
+    use crate::periodic::{periodic, set_periodic};
     #[pymodule_export]
     use crate::motions::{add_motion, follow, go_on, motions, set_surface_velocity, wall_load};
     #[pymodule_export]

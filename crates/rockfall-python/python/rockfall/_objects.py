@@ -16,6 +16,7 @@ from rockfall._flow import Flows
 from rockfall._materials import Materials
 from rockfall._motions import Walls
 from rockfall._names import tag_of
+from rockfall._periodic import Periodic
 from rockfall._settings import SETTINGS, Settings
 from rockfall.typing import KindName, LookName
 
@@ -50,7 +51,7 @@ class Counts(NamedTuple):
     polygons: int
 
 
-class Objects(Walls, Flows, Strict):
+class Objects(Walls, Flows, Periodic, Strict):
     """Objects that can be added, removed and changed. The base of :class:`Scene` and :class:`Simulation`.
 
     Every ``add`` method takes N objects at once. An argument with one value instead of N counts for all of them. It returns

@@ -10,6 +10,7 @@ import numpy as np
 from rockfall import _rockfall
 from rockfall._arrays import time_step, whole
 from rockfall._objects import Objects
+from rockfall._periodic import AXES
 from rockfall.typing import IntegratorName
 
 #: Time step of scenes that have none, in s.
@@ -56,6 +57,24 @@ class Scene(Objects):
         scene = cls.__new__(cls)
         scene._native = native
         return scene
+
+    def set_periodic(self, axis: str, low: float | None = None, high: float | None = None) -> None:
+        """Make the scene periodic along ``axis`` ("x", "y" or "z"), from ``low`` to ``high`` (units). Without bounds it is not.
+
+        Bodies meet the nearest images of each other. Boxes and polygons are not repeated, but may span the box. A sphere or rod may
+        not be longer along the axis than half of the period; that is checked when a simulation is made.
+
+        Raises
+        ------
+        ValueError
+            For another axis, or bounds that are not finite or not in ascending order.
+        """
+        if axis not in AXES:
+            raise ValueError(f"axis: expected 'x', 'y' or 'z', got {axis!r}")
+        if (low is None) != (high is None):
+            raise ValueError("low, high: expected both bounds, or none of them")
+        bounds = None if low is None or high is None else [float(low), float(high)]
+        _rockfall.set_periodic(self._native, AXES.index(axis), bounds)
 
     @classmethod
     def parse(cls, text: str, name: str = "scene") -> Scene:
