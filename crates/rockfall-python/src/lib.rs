@@ -49,6 +49,8 @@ mod _rockfall {
     #[pymodule_export]
     use crate::fork::forked;
     #[pymodule_export]
+    use crate::gauges::{add_gauge, gauges};
+    #[pymodule_export]
     use crate::laws::{
         add_force_law, contact_law, force_laws, impact, remove_force_law, set_contact_law_parameter, set_force_law_parameter,
     };
@@ -56,8 +58,6 @@ mod _rockfall {
     use crate::materials::{add_material, materials, pair, set_pair, update_material};
     #[pymodule_export]
     use crate::meshes::add_mesh;
-    #[pymodule_export]
-    use crate::gauges::{add_gauge, gauges};
     #[pymodule_export]
     use crate::motions::{add_motion, follow, go_on, motions, set_surface_velocity, wall_load};
     #[pymodule_export]
