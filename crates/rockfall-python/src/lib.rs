@@ -12,7 +12,6 @@ mod film;
 mod flow;
 mod fork;
 mod gauges;
-mod periodic;
 mod ids;
 mod laws;
 mod materials;
@@ -22,6 +21,7 @@ mod motions;
 mod names;
 mod objects;
 mod observe;
+mod periodic;
 mod picture;
 mod portions;
 mod scene;
@@ -53,6 +53,8 @@ mod _rockfall {
     #[pymodule_export]
     use crate::fork::forked;
     #[pymodule_export]
+    use crate::gauges::{add_gauge, gauges};
+    #[pymodule_export]
     use crate::laws::{
         add_force_law, contact_law, force_laws, impact, remove_force_law, set_contact_law_parameter, set_force_law_parameter,
     };
@@ -60,10 +62,6 @@ mod _rockfall {
     use crate::materials::{add_material, materials, pair, set_pair, update_material};
     #[pymodule_export]
     use crate::meshes::add_mesh;
-    #[pymodule_export]
-    use crate::gauges::{add_gauge, gauges};
-    #[pymodule_export]
-    use crate::periodic::{periodic, set_periodic};
     #[pymodule_export]
     use crate::motions::{add_motion, follow, go_on, motions, set_surface_velocity, wall_load};
     #[pymodule_export]
@@ -74,6 +72,8 @@ mod _rockfall {
     };
     #[pymodule_export]
     use crate::observe::{cast_rays, contacts, counts, diagnostics, energy, max_overlap, table, tensions};
+    #[pymodule_export]
+    use crate::periodic::{periodic, set_periodic};
     #[pymodule_export]
     use crate::picture::{Picture, Studio, framing};
     #[pymodule_export]
