@@ -58,8 +58,8 @@ def test_radii() -> None:
     for name, radius in [("one", 0.1), ("range", (0.1, 0.2)), ("normal", "lognormal:0.1,0.2")]:
         scene.add_inlet(name, (0, 0, 0), (1, 1, 1), rate=0, radius=radius)
     text = scene.to_text()
-    for radius in ["radius=0.1 ", "radius=0.1..0.2", "radius=lognormal:0.1,0.2"]:
-        assert radius in text + " ", text
+    for radius in ["radius=0.1\n", "radius=0.1..0.2", "radius=lognormal:0.1,0.2"]:
+        assert radius in text, text
     assert rf.Scene.parse(text).to_text() == text
 
 

@@ -238,8 +238,9 @@ fn worlds_refuse_inlets() {
 
 #[test]
 fn a_material_that_the_law_needs_is_demanded_at_the_start() {
-    let mut scene = chute();
+    let mut scene = Scene::new();
     scene.settings.set("contact_law", "linear").expect("a law");
+    scene.add_inlet(chute().inlets()[0].clone()).expect("an inlet");
     let error = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap_err().to_string();
-    assert!(error.contains("without a material"), "{error}");
+    assert!(error.contains("linear without a material for sphere number 0"), "{error}");
 }
