@@ -49,6 +49,7 @@ experiments! {
     drum: "A rotating drum",
     surfaces: "Several shapes that form one surface",
     walls: "Walls that move, belts and meshes",
+    boxes: "Periodic boxes, and grains that come and go",
     rest: "Rest",
     silent: "Slow motion, stiff chains, and symplectic Euler",
     #[cfg(feature = "gpu")]

@@ -55,6 +55,7 @@ experiments!(
     drum,
     surfaces,
     walls,
+    boxes,
     rest,
     silent,
     #[cfg(feature = "gpu")]
