@@ -204,7 +204,6 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Topology,
     ),
     Mistake("loads", 0, "walls.wgsl", "dot(wall.surface, n) * n", "0.0 * n", Buffer::Wrenches),
-    Mistake("loads", 0, "walls.wgsl", "+ wall.to_middle;", "- wall.to_middle;", Buffer::Wrenches),
     Mistake("loads", 0, "period.wgsl", "round(d / max(", "floor(d / max(", Buffer::Wrenches),
     Mistake("loads", 0, "fine.wgsl", "apart.high - to_middle", "apart.high + to_middle", Buffer::Wrenches),
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "floor((centre -", "round((centre -", Buffer::Aabbs),
