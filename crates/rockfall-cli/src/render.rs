@@ -104,8 +104,8 @@ pub(crate) struct Arguments {
     light: Option<[f32; 3]>,
     #[command(flatten)]
     captions: Captions,
-    /// Plot a quantity over time beside the picture: energy, contacts, or height, speed, x, y or z of bodies, as in
-    /// height:left,right; may be repeated
+    /// Plot a quantity over time beside the picture: energy, kinetic, potential, momentum, contacts, or height, speed, x, y, z, vx, vy
+    /// or vz of bodies, as in height:left,right; may be repeated
     #[arg(long, value_name = "WHAT", value_parser = Plot::parse)]
     plot: Vec<Plot>,
     /// Draw without shadows and ambient occlusion
@@ -231,7 +231,7 @@ impl Arguments {
 
     /// Where the scene and the plots are in the pictures.
     fn layout(&self) -> Layout {
-        Layout::new(self.size, self.plot.len())
+        Layout::new(self.size, self.plot.len()).dark(self.style().background.is_dark())
     }
 
     fn cut(&self) -> Cut {

@@ -70,6 +70,7 @@ impl Shooting {
             look_at: look.look_at.map(Into::into),
             follow,
             orbit: orbit.to_radians(),
+            room_above: overlay.room_above(look.layout().scene()[1]),
         };
         let scale = (!live && look.range.is_none() && style.colour_by.title().is_some()).then_some(0.0);
         let moments: Vec<_> = (0..timing.pictures()).map(|index| timing.moment(index)).collect();

@@ -152,6 +152,8 @@ fn a_reset_restores_the_scene() {
 #[test]
 fn escape_closes_what_is_open_before_the_window() {
     let mut viewer = viewer(BALL);
+    let ball = viewer.session.simulation_ref().scene().sphere_ids().next().expect("a ball");
+    viewer.session.set_picked(Some(ball.into()));
     viewer.command(Command::ToggleMessages);
     viewer.command(Command::Help);
     viewer.busy = true;
@@ -161,6 +163,8 @@ fn escape_closes_what_is_open_before_the_window() {
     changes(&mut viewer, Command::Close, &[]);
     changes(&mut viewer, Command::Close, &[("help", "false")]);
     changes(&mut viewer, Command::Close, &[("all messages", "false")]);
+    changes(&mut viewer, Command::Close, &[]);
+    assert_eq!(viewer.session.picked(), None, "the window of the picked body");
     changes(&mut viewer, Command::Close, &[("quit", "true")]);
 }
 
@@ -239,6 +243,33 @@ fn saved_changes_and_a_reset_scene_are_not_asked_about() {
     viewer.command(Command::Reset);
     assert!(!viewer.session.is_changed());
     changes(&mut viewer, Command::Close, &[("quit", "true")]);
+}
+
+/// Undo back to what was opened or saved leaves no changes. What cannot be undone stays a change.
+#[test]
+fn edits_that_were_undone_are_no_changes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut viewer = viewer(BALL);
+    let mut is_changed = |commands: &[Command]| {
+        commands.iter().for_each(|command| viewer.command(*command));
+        viewer.session.is_changed()
+    };
+    let nudge = Command::Nudge { constant: 4, up: true };
+    assert!(is_changed(&[nudge, Command::Throw, Command::Undo]));
+    assert!(!is_changed(&[Command::Undo]));
+    assert!(is_changed(&[Command::Redo]));
+    assert!(is_changed(&[Command::Throw]));
+    assert!(viewer.session.save(&folder.path().join("saved.txt")));
+    viewer.command(Command::Undo);
+    assert!(viewer.session.is_changed(), "the thrown sphere is in the file only");
+    viewer.command(Command::Redo);
+    assert!(!viewer.session.is_changed());
+    // A reset can be undone, and then the changes are back.
+    viewer.command(nudge);
+    viewer.command(Command::Reset);
+    assert!(!viewer.session.is_changed());
+    viewer.command(Command::Undo);
+    assert!(viewer.session.is_changed());
 }
 
 #[test]
