@@ -92,7 +92,11 @@ fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<It
             let middle = 0.5 * (spheres.min + spheres.max);
             let depth = spheres.min.y - object.max.y;
             let shown = if depth <= ground * size { depth } else { depth.min(fall * size) };
-            return Extent::of([middle.with_y(spheres.min.y - shown), middle]);
+            let below = Extent::of([middle.with_y(spheres.min.y - shown), middle]);
+            // The top of a floor that is not wider than the way of the spheres.
+            let whole = !moves && shown == depth && object.size() < size + depth;
+            let top = Extent { min: object.min.with_y(object.max.y), max: object.max };
+            return if whole { below.map(|below| below.with(top)) } else { below };
         }
         let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
         (near && object.size() < most * size).then_some(object)
@@ -157,6 +161,9 @@ pub(crate) mod tests {
         let ground = |top: f32| Cuboid::between([-500.0, top - 1.0, -500.0], [500.0, top, 500.0]);
         assert_eq!(bounds(&scene(&[ground(-50.0)])).0.y, -50.0);
         assert_eq!(bounds(&scene(&[ground(-200.0)])).0.y, 1.5 - 3.75);
+        // All of a floor that is not too wide is shown.
+        let floor = |width: f32| bounds(&scene(&[Cuboid::between([0.0, -9.0, -width], [width, -8.0, 0.0])])).1.x;
+        assert_eq!([floor(6.0), floor(20.0)], [6.0, 3.25]);
     }
 
     #[test]

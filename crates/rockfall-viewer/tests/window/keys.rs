@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use rockfall::Settings;
+use rockfall::{ContactLaw, Integrator, Settings};
 use rockfall::glam::{Vec2, Vec3};
 use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::window::constants::CONSTANTS;
@@ -278,4 +278,28 @@ fn one_key_starts_the_scene_again() {
     (0..5).for_each(|_| viewer.command(Command::SingleStep));
     viewer.command(Command::Restart);
     assert!(viewer.session.running() && heights(&mut viewer.session) == [3.0]);
+}
+
+/// The contact law takes the place of an integrator of the scene that it does not allow.
+#[test]
+fn a_contact_law_replaces_an_integrator_that_it_does_not_allow() {
+    let scene = |materials: &str| format!("@run integrator=rk4 dt=0.001\n@material wood young=5e6 poisson=0.3\n{materials}{BALL}");
+    let mut session = session(&scene("@use wood\n"));
+    session.single_step();
+    let law = |law: ContactLaw| move |settings: &mut Settings| settings.contact_law = law;
+    session.change_settings(law(ContactLaw::HertzMindlin));
+    assert!(messages(&session).iter().any(|text| text.contains("velocity-verlet")), "{:?}", messages(&session));
+    let simulation = session.simulation_ref();
+    assert_eq!((simulation.integrator(), simulation.report().steps), (Integrator::VelocityVerlet, 1));
+    session.single_step();
+    assert_eq!(session.simulation_ref().report().steps, 2);
+    session.undo();
+    assert_eq!(session.settings().contact_law, ContactLaw::Thesis);
+    // A scene that the law refuses stays as it is.
+    let mut session = crate::common::session(&scene(""));
+    session.change_settings(law(ContactLaw::HertzMindlin));
+    assert_eq!(session.simulation_ref().integrator(), Integrator::Rk4);
+    assert_eq!(session.simulation_ref().scene().run.integrator, Some(Integrator::Rk4.into()));
+    session.single_step();
+    assert_eq!(session.simulation_ref().report().steps, 1);
 }
