@@ -46,7 +46,8 @@ fn of_argument(word: &str, command: &Command, arguments: &[String]) -> Option<St
         own.or_else(|| arguments.get(at + 1).map(String::as_str)).filter(|value| value.parse::<f64>().is_ok())
     });
     if word == "--look" {
-        let value = at.and_then(|at| arguments[at].split_once('=').map(|(_, value)| value).or(arguments.get(at + 1).map(|x| &**x)));
+        let value =
+            at.and_then(|at| arguments[at].split_once('=').map(|(_, value)| value).or(arguments.get(at + 1).map(|x| &**x)));
         let name = value.filter(|value| Look::ALL.iter().any(|look| look.to_string() == **value)).unwrap_or("NAME");
         return Some(format!("looks are in the scene: a line '@look {name}' above the objects"));
     }

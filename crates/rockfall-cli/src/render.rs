@@ -15,8 +15,8 @@ use crate::failure::Failure;
 use crate::files;
 use crate::input::{Input, Saved};
 use crate::interrupt::Interrupt;
-use crate::output;
 use crate::options::{Engine, Physics, Substeps, whole};
+use crate::output;
 use crate::run::Given;
 use crate::source::Source;
 
@@ -258,7 +258,9 @@ impl Arguments {
         let [width, height] = self.size;
         if matches!(product, Product::Film(Format::Mp4 | Format::WebM)) && (width % 2 == 1 || height % 2 == 1) {
             let [wide, high] = self.size.map(|side| side.next_multiple_of(2));
-            output::note(&format!("note: --size {width}x{height}: this format needs even sides, so the film has {wide}x{high}"));
+            output::note(&format!(
+                "note: --size {width}x{height}: this format needs even sides, so the film has {wide}x{high}"
+            ));
         }
     }
 

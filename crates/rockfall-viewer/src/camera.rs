@@ -203,7 +203,8 @@ mod tests {
         let camera = Camera::framing(-Vec3::ONE, Vec3::ONE, ASPECT, Direction::Front);
         let highest = |camera: Camera| {
             let projection = camera.view_projection(ASPECT);
-            let corners = Extent { min: -Vec3::ONE, max: Vec3::ONE }.corners().map(|corner| projection.project_point3(corner).y);
+            let corners =
+                Extent { min: -Vec3::ONE, max: Vec3::ONE }.corners().map(|corner| projection.project_point3(corner).y);
             corners.fold((1.0_f32, -1.0_f32), |(least, most), y| (least.min(y), most.max(y)))
         };
         let (least, most) = highest(camera.with_room_above(0.1));

@@ -136,7 +136,8 @@ pub fn connected(scene: &Scene, start: SphereId) -> Vec<SphereId> {
 
 /// The material of a body that is added: that of the first moving sphere with one, or else of the first other object.
 fn material(scene: &Scene) -> Option<MaterialId> {
-    let spheres = |fixed: bool| scene.spheres().iter().filter(move |sphere| sphere.fixed == fixed).map(|sphere| sphere.material);
+    let spheres =
+        |fixed: bool| scene.spheres().iter().filter(move |sphere| sphere.fixed == fixed).map(|sphere| sphere.material);
     let others = scene.rods().iter().map(|rod| rod.material).chain(scene.boxes().iter().map(|cuboid| cuboid.material));
     let mut all = spheres(false).chain(spheres(true)).chain(others).chain(scene.polygons().iter().map(|face| face.material));
     all.find_map(|material| material)

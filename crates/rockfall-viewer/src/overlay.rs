@@ -102,7 +102,9 @@ impl Overlay {
             }
         }
         if self.labels {
-            motion.labels().for_each(|(place, radius, text)| self.label(&projection, (place, radius), text, 0.75 * em, &mut marks));
+            motion
+                .labels()
+                .for_each(|(place, radius, text)| self.label(&projection, (place, radius), text, 0.75 * em, &mut marks));
         }
         self.captions(motion, &projection, size, em, &mut marks);
         marks
@@ -124,7 +126,12 @@ impl Overlay {
             return marks.push(text(at, [0.5, 0.5]));
         }
         let [top, end] = [at[1] - radius, at[1] - radius - LEADER * em];
-        marks.push(Mark::Line { ends: [[at[0], top], [at[0], end]], width: (0.1 * em).max(1.0), colour: self.ink(), opacity: 0.7 });
+        marks.push(Mark::Line {
+            ends: [[at[0], top], [at[0], end]],
+            width: (0.1 * em).max(1.0),
+            colour: self.ink(),
+            opacity: 0.7,
+        });
         marks.push(text([at[0], end], [0.5, 1.0]));
     }
 

@@ -244,7 +244,8 @@ impl Survey {
     fn velocity_of(&self, groups: &[&Group], without: Option<usize>, end: usize) -> Vec3 {
         let groups = groups.iter().enumerate().filter(|(at, _)| Some(*at) != without).map(|(_, group)| *group);
         let bodies = groups.flat_map(|group| &group.bodies).filter(|body| !self.fixed[**body]);
-        let (sum, count) = bodies.fold((Vec3::ZERO, 0_u16), |(sum, count), body| (sum + self.velocities[*body][end], count + 1));
+        let (sum, count) =
+            bodies.fold((Vec3::ZERO, 0_u16), |(sum, count), body| (sum + self.velocities[*body][end], count + 1));
         sum / f32::from(count.max(1))
     }
 

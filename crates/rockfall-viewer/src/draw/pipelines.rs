@@ -216,7 +216,8 @@ impl Pipelines {
             bodies.make(RenderTarget::Edges, topology, &format!("glass_{name}_vertex"), Some(&format!("{name}_surface")))
         };
         let hiding = |name: &str| {
-            let surfaces = [(RenderTarget::Panes, format!("{name}_surface")), (RenderTarget::Edges, "edges_surface".to_owned())];
+            let surfaces =
+                [(RenderTarget::Panes, format!("{name}_surface")), (RenderTarget::Edges, "edges_surface".to_owned())];
             let vertex = format!("{name}_edges_vertex");
             surfaces.map(|(target, surface)| bodies.make(target, TriangleList, &vertex, Some(&surface)))
         };

@@ -18,16 +18,10 @@ struct Paper {
     white: f32,
 }
 
-const LIGHT: Paper =
-    Paper { paper: [255; 4], grid: [0.88, 0.89, 0.90], axis: [0.45, 0.48, 0.52], ink: INK, white: 0.0 };
+const LIGHT: Paper = Paper { paper: [255; 4], grid: [0.88, 0.89, 0.90], axis: [0.45, 0.48, 0.52], ink: INK, white: 0.0 };
 /// For pictures with a dark background.
-const DARK: Paper = Paper {
-    paper: [22, 24, 28, 255],
-    grid: [0.20, 0.22, 0.25],
-    axis: [0.58, 0.61, 0.65],
-    ink: [0.90, 0.92, 0.94],
-    white: 0.4,
-};
+const DARK: Paper =
+    Paper { paper: [22, 24, 28, 255], grid: [0.20, 0.22, 0.25], axis: [0.58, 0.61, 0.65], ink: [0.90, 0.92, 0.94], white: 0.4 };
 /// Part of the width of a wide picture, and of the height of a high one, that the plots take.
 const PART: f32 = 0.36;
 /// Height of the letters, divided by that of other text.

@@ -12,7 +12,9 @@ fn scene(text: &str) -> Scene {
 #[test]
 fn plots_say_what_they_expect() {
     let wrong = |text: &str| Plot::parse(text).unwrap_err();
-    assert!(wrong("hight:1").contains("expected one of: energy, kinetic, potential, momentum, contacts, x, y, z, height, speed"));
+    assert!(
+        wrong("hight:1").contains("expected one of: energy, kinetic, potential, momentum, contacts, x, y, z, height, speed")
+    );
     assert!(wrong("height").contains("expected names or numbers of bodies, as in height:left,right"));
     assert!(wrong("height:").contains("names or numbers") && wrong("height:1,").contains("names or numbers"));
     assert!(wrong("energy:1").contains("expected no bodies"));

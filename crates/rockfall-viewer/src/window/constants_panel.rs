@@ -173,7 +173,10 @@ mod tests {
     #[test]
     fn constants_of_the_other_contact_law_are_grey() {
         let grey = |law: ContactLaw| Settings::NAMES.iter().filter(|name| !is_used(name, law)).count();
-        assert_eq!([ContactLaw::Thesis, ContactLaw::HertzMindlin, ContactLaw::Linear].map(grey), [0, OF_THESIS.len(), OF_THESIS.len()]);
+        assert_eq!(
+            [ContactLaw::Thesis, ContactLaw::HertzMindlin, ContactLaw::Linear].map(grey),
+            [0, OF_THESIS.len(), OF_THESIS.len()]
+        );
     }
 
     /// Every constant is a switch, a name, a number or a direction, so that the panel can show it.

@@ -49,7 +49,8 @@ impl Names {
         };
         let bodies = |id: &ObjectId| match *id {
             ObjectId::Sphere(id) => whole(scene, Body::Sphere(id)) == Body::Sphere(id),
-            ObjectId::Spring(_) => false,
+            // A capsule is named like its rod.
+            ObjectId::Spring(_) | ObjectId::Capsule(_) => false,
             _ => true,
         };
         let is_unique = scene.named(name).is_ok_and(|found| found.iter().filter(|id| bodies(id)).count() <= 1);

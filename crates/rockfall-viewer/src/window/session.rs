@@ -344,21 +344,10 @@ impl Session {
         let before = *self.simulation.settings();
         let mut settings = before;
         change(&mut settings);
-        let refused = self.without_integrator_of(&settings);
-        let changed = self.simulation.set_settings(settings);
-        let is_changed = self.ok_or_report(changed).is_some();
-        if is_changed {
+        let changed = self.apply_settings(settings);
+        if self.ok_or_report(changed).is_some() {
             self.edited_settings(before);
             self.warn_soon();
-        }
-        match refused {
-            Some(state) if !is_changed => drop(self.restore(&state)),
-            Some(_) => {
-                let (law, integrator) = (settings.contact_law, self.simulation.integrator());
-                let text = format!("integrator {integrator}, because the contact law {law} does not allow that of the scene, rk4");
-                self.tell(Level::Note, text);
-            }
-            None => (),
         }
     }
 

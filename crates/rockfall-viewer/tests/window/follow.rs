@@ -159,7 +159,7 @@ fn show(viewer: &mut Viewer, frames: std::ops::Range<u32>) {
 /// A ball that leaves the picture is kept in it, until the user moves the camera.
 #[test]
 fn the_camera_shows_what_leaves_the_picture_until_it_is_moved() {
-    let flying = "set gravity 0\nS 1 -2 0 0 3 0 0 0 0 0 1 0.5\nS 2 -2 3 0 0 0 0 0 0 0 1 0.5\n";
+    let flying = "set gravity 0\nS 1 -2 0 0 1.5 0 0 0 0 0 1 0.5\nS 2 -2 3 0 0 0 0 0 0 0 1 0.5\n";
     let mut viewer = viewer(flying);
     let before = viewer.camera;
     show(&mut viewer, 0..2);

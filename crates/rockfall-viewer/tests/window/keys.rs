@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use rockfall::{ContactLaw, Integrator, Settings};
 use rockfall::glam::{Vec2, Vec3};
+use rockfall::{ContactLaw, Integrator, Settings};
 use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::window::constants::CONSTANTS;
 use rockfall_viewer::window::controls::Command;
@@ -153,7 +153,7 @@ fn a_reset_restores_the_scene() {
 fn escape_closes_what_is_open_before_the_window() {
     let mut viewer = viewer(BALL);
     let ball = viewer.session.simulation_ref().scene().sphere_ids().next().expect("a ball");
-    viewer.session.set_picked(Some(ball.into()));
+    viewer.session.set_picked(Some(rockfall::Body::Sphere(ball)));
     viewer.command(Command::ToggleMessages);
     viewer.command(Command::Help);
     viewer.busy = true;
@@ -283,7 +283,8 @@ fn one_key_starts_the_scene_again() {
 /// The contact law takes the place of an integrator of the scene that it does not allow.
 #[test]
 fn a_contact_law_replaces_an_integrator_that_it_does_not_allow() {
-    let scene = |materials: &str| format!("@run integrator=rk4 dt=0.001\n@material wood young=5e6 poisson=0.3\n{materials}{BALL}");
+    let scene =
+        |materials: &str| format!("@run integrator=rk4 dt=0.001\n@material wood young=5e6 poisson=0.3\n{materials}{BALL}");
     let mut session = session(&scene("@use wood\n"));
     session.single_step();
     let law = |law: ContactLaw| move |settings: &mut Settings| settings.contact_law = law;
@@ -295,6 +296,8 @@ fn a_contact_law_replaces_an_integrator_that_it_does_not_allow() {
     assert_eq!(session.simulation_ref().report().steps, 2);
     session.undo();
     assert_eq!(session.settings().contact_law, ContactLaw::Thesis);
+    let simulation = session.simulation_ref();
+    assert_eq!((simulation.integrator(), simulation.report().steps), (Integrator::Rk4, 2));
     // A scene that the law refuses stays as it is.
     let mut session = crate::common::session(&scene(""));
     session.change_settings(law(ContactLaw::HertzMindlin));

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use rockfall::{Checkpoint, Settings};
+use rockfall::{Checkpoint, Integrator, Settings};
 
 use super::{Session, Source};
 use crate::window::message::Level;
@@ -113,6 +113,33 @@ fn changed(one: &Settings, two: &Settings) -> String {
 }
 
 impl Session {
+    /// Changes the constants. Another kind of contact law needs another integrator, unless the command line or the scene has one that
+    /// it allows.
+    pub(super) fn apply_settings(&mut self, settings: Settings) -> rockfall::Result<()> {
+        let has_history = settings.contact_law.has_history();
+        if self.simulation.settings().contact_law.has_history() == has_history {
+            return self.simulation.set_settings(settings);
+        }
+        settings.validate()?;
+        self.release();
+        let mut state = self.simulation.checkpoint()?;
+        state.scene.settings = settings;
+        let run = &mut state.scene.run;
+        run.integrator = run.integrator.filter(|own| !has_history || own.resolve(settings.contact_law) != Integrator::Rk4);
+        let mut simulation = (self.opener)(state.scene.clone())?;
+        simulation.restore(&state)?;
+        let before = std::mem::replace(&mut self.simulation, simulation).integrator();
+        self.objects_version += 1;
+        self.simulation_version += 1;
+        self.apply_time_step(self.pace.time_step);
+        let now = self.simulation.integrator();
+        if now != before {
+            let law = settings.contact_law;
+            self.tell(Level::Note, format!("integrator {now} instead of {before}, for the contact law {law}"));
+        }
+        Ok(())
+    }
+
     /// Records a change of the constants.
     pub(super) fn edited_settings(&mut self, before: Settings) {
         let name = changed(&before, self.simulation.settings());
@@ -205,7 +232,7 @@ impl Session {
         let inverse = match before {
             Before::Settings(before) => {
                 let present = *self.simulation.settings();
-                let set = self.simulation.set_settings(*before);
+                let set = self.apply_settings(*before);
                 self.ok_or_report(set)?;
                 Before::Settings(Box::new(present))
             }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use rockfall::{Checkpoint, Integrator, Settings};
+use rockfall::Checkpoint;
 
 use super::Session;
 use crate::window::past::Past;
@@ -77,19 +77,6 @@ impl Session {
         // Going back moves bodies. It does not move sliders.
         state.scene.settings = *self.simulation.settings();
         self.restore(&state);
-    }
-
-    /// Takes away the integrator of the scene if a contact law does not allow it, so that one is chosen, and returns the state with
-    /// it. An integrator of the command line stays.
-    pub(super) fn without_integrator_of(&mut self, settings: &Settings) -> Option<Checkpoint> {
-        let is_own = self.simulation.scene().run.integrator.is_some();
-        if !is_own || !settings.contact_law.has_history() || self.simulation.integrator() != Integrator::Rk4 {
-            return None;
-        }
-        let before = self.state()?;
-        let mut without = before.clone();
-        without.scene.run.integrator = None;
-        self.restore(&without).then_some(before)
     }
 
     /// Replaces the state of the simulation, and returns whether that was possible.

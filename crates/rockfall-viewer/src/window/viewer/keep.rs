@@ -82,7 +82,8 @@ impl Viewer {
         let elapsed = now - std::mem::replace(&mut kept.moved, now);
         let Some(goal) = kept.goal else { return };
         let part = (1.0 - (-elapsed / EASE).exp()) as f32;
-        let [eye, target] = [(self.camera.eye, goal.eye), (self.camera.target, goal.target)].map(|(from, to)| from.lerp(to, part));
+        let [eye, target] =
+            [(self.camera.eye, goal.eye), (self.camera.target, goal.target)].map(|(from, to)| from.lerp(to, part));
         self.camera = Camera { eye, target, ..goal };
         if eye.distance(goal.eye) < ARRIVED * goal.eye.distance(goal.target) {
             self.camera = goal;
