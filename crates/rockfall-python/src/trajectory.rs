@@ -115,7 +115,7 @@ impl TrajectoryReader {
             let count = numbers.len() / columns;
             PyArray1::from_vec(py, numbers).reshape([count, columns])
         };
-        let vectors = |vectors: Vec<rockfall::glam::Vec3>| rows(vectors.iter().flat_map(|v| v.to_array()).collect(), 3);
+        let vectors = |vectors: Vec<Vec3>| rows(vectors.iter().flat_map(|v| v.to_array()).collect(), 3);
         let turns = orientations.iter().flat_map(|q| [q.w, q.x, q.y, q.z]).collect();
         Ok([vectors(positions)?, vectors(velocities)?, rows(turns, 4)?, vectors(angular_momenta)?])
     }

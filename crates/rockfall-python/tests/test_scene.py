@@ -203,7 +203,7 @@ def test_check_reports_a_long_time_step(scene: rf.Scene) -> None:
     assert any("time step" in line for line in scene.check(dt=1.0)), scene.check(dt=1.0)
     single = rf.Scene()
     single.add_sphere([0, 0, 0], 1.0)
-    assert single.check() == ["sphere 0 will fall for ever: nothing holds it, and nothing is below it along gravity"]
+    assert single.check() == ["sphere number 0 will fall for ever: nothing holds it, and nothing is below it along gravity"]
     single.add_box([-1, -3, -1], [1, -2, 1])
     assert single.check() == []
     for _ in range(12):

@@ -174,7 +174,7 @@ fn films_of_trajectories_show_the_recorded_states() {
         ("run.npz --set gravity=1 --out x.gif", "--set: run.npz is a trajectory"),
         ("run.npz --at 21 --out x.png", "run.npz has the steps 0 to 20"),
         ("run.npz --at 9s --out x.png", "--at 9s: run.npz has the times 0 to 0.4 s"),
-        ("run.npz --at -1s --out x.png", "expected a whole number of steps, or a time in s as in 0.5s"),
+        ("run.npz --at=-1s --out x.png", "expected a whole number of steps, or a time in s as in 0.5s"),
         ("run.npz --at 5 --steps 16 --out x.gif", "run.npz has the steps 0 to 20"),
     ] {
         let err = folder.rockfall(&format!("render {arguments}"), 2);
@@ -406,7 +406,8 @@ fn mp4_needs_ffmpeg_and_reports_when_it_is_missing_or_fails() {
     let arguments = fs::read_to_string(folder.path("arguments")).unwrap();
     assert!(arguments.contains("-c:v libvpx-vp9") && arguments.contains("-f webm"), "{arguments}");
     fs::remove_file(folder.path("a.WebM")).unwrap();
-    run(0);
+    let err = run(0);
+    assert!(err.contains("--size 65x47: this format needs even sides, so the film has 66x48"), "{err}");
     fs::remove_file(folder.path("arguments")).unwrap();
     // The codecs need even sides.
     assert_eq!(fs::read_to_string(folder.path("a.mp4")).unwrap().trim(), (6 * 66 * 48 * 3).to_string());
