@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Command;
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
-use rockfall::Settings;
+use rockfall::{Look, Settings};
 
 /// Adds a hint to an error about `arguments`, the words after the name of the program.
 pub(crate) fn add(error: &mut Error, command: &Command, arguments: &[String]) {
@@ -45,6 +45,12 @@ fn of_argument(word: &str, command: &Command, arguments: &[String]) -> Option<St
         let own = arguments[at].split_once('=').map(|(_, value)| value);
         own.or_else(|| arguments.get(at + 1).map(String::as_str)).filter(|value| value.parse::<f64>().is_ok())
     });
+    if word == "--look" {
+        let value =
+            at.and_then(|at| arguments[at].split_once('=').map(|(_, value)| value).or(arguments.get(at + 1).map(|x| &**x)));
+        let name = value.filter(|value| Look::ALL.iter().any(|look| look.to_string() == **value)).unwrap_or("NAME");
+        return Some(format!("looks are in the scene: a line '@look {name}' above the objects"));
+    }
     if let Some(name) = word.strip_prefix("--") {
         return constant(name, value.unwrap_or("VALUE")).or_else(|| time(name));
     }

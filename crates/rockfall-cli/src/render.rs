@@ -16,6 +16,7 @@ use crate::files;
 use crate::input::{Input, Saved};
 use crate::interrupt::Interrupt;
 use crate::options::{Engine, Physics, Substeps, whole};
+use crate::output;
 use crate::run::Given;
 use crate::source::Source;
 
@@ -57,9 +58,10 @@ pub(crate) struct Arguments {
     /// FILE.png or .jpg for a picture; FILE.gif, .apng or FOLDER/ for a film, or .mp4 or .webm with the program ffmpeg
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
-    /// Number of steps before the picture is taken or the film begins; in a trajectory, the number of the step
-    #[arg(long, value_name = "STEP", value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
-    at: Option<u64>,
+    /// Number of steps before the picture is taken or the film begins, or simulated time as in 0.5s; in a trajectory, the number of
+    /// the step, or the time
+    #[arg(long, value_name = "STEP", value_parser = At::parse, allow_negative_numbers = true)]
+    at: Option<At>,
     /// Number of steps that the film shows [default: that of the scene]
     #[arg(long, value_name = "N", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     steps: Option<u64>,
@@ -105,8 +107,8 @@ pub(crate) struct Arguments {
     light: Option<[f32; 3]>,
     #[command(flatten)]
     captions: Captions,
-    /// Plot a quantity over time beside the picture: energy, contacts, the size of the force on the walls of gauges, as in
-    /// gauge:weight, or height, speed, x, y or z of bodies, as in height:left,right; may be repeated
+    /// Plot a quantity over time beside the picture: energy, kinetic, potential, momentum, contacts, the size of the force on the walls
+    /// of gauges, as in gauge:weight, or height, speed, x, y, z, vx, vy or vz of bodies, as in height:left,right; may be repeated
     #[arg(long, value_name = "WHAT", value_parser = Plot::parse)]
     plot: Vec<Plot>,
     /// Draw without shadows and ambient occlusion
@@ -163,6 +165,23 @@ fn speed(text: &str) -> Result<f64, String> {
 fn colour_by(text: &str) -> Result<ColourBy, String> {
     let found = ColourBy::ALL.into_iter().find(|by| by.name() == text);
     found.ok_or_else(|| format!("expected one of: {}", ColourBy::ALL.map(ColourBy::name).join(" ")))
+}
+
+/// When the picture is taken or the film begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum At {
+    Step(u64),
+    /// Simulated time, in s.
+    Time(f64),
+}
+
+impl At {
+    fn parse(text: &str) -> Result<Self, String> {
+        let time = text.strip_suffix('s').and_then(|time| time.trim_end().parse::<f64>().ok());
+        let time = time.filter(|time| time.is_finite() && *time >= 0.0).map(Self::Time);
+        let found = time.or_else(|| text.parse().ok().map(Self::Step));
+        found.ok_or_else(|| "expected a whole number of steps, or a time in s as in 0.5s".to_owned())
+    }
 }
 
 /// What is written: a picture or a film.
@@ -232,7 +251,18 @@ impl Arguments {
 
     /// Where the scene and the plots are in the pictures.
     fn layout(&self) -> Layout {
-        Layout::new(self.size, self.plot.len())
+        Layout::new(self.size, self.plot.len()).dark(self.style().background.is_dark())
+    }
+
+    /// Says how the size of a film differs from the one that was asked for.
+    fn note_size(&self, product: Product) {
+        let [width, height] = self.size;
+        if matches!(product, Product::Film(Format::Mp4 | Format::WebM)) && (width % 2 == 1 || height % 2 == 1) {
+            let [wide, high] = self.size.map(|side| side.next_multiple_of(2));
+            output::note(&format!(
+                "note: --size {width}x{height}: this format needs even sides, so the film has {wide}x{high}"
+            ));
+        }
     }
 
     fn cut(&self) -> Cut {
@@ -250,6 +280,7 @@ pub(crate) fn render(arguments: &Arguments, given: &Given, interrupt: &'static I
     };
     let product = arguments.product(matches!(input, Input::Trajectory(_)) || own_steps.is_some())?;
     Source::is_not(Some(&arguments.scene), &arguments.out)?;
+    arguments.note_size(product);
     let footage = match input {
         Input::Scene(source) => Footage::Live(Box::new(scene(arguments, *source, interrupt)?)),
         Input::Checkpoint(saved) => Footage::Live(Box::new(checkpoint(arguments, given, *saved, interrupt)?)),

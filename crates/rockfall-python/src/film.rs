@@ -3,14 +3,14 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use pyo3::exceptions::{PyIndexError, PyValueError};
+use pyo3::exceptions::{PyIndexError, PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use rockfall::{Checkpoint, SphereId};
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::{Range, Style};
 use rockfall_viewer::film::{Follower, Format, Moment, Player, Reel, Shot, Timing, View, plotted, surveyed};
 use rockfall_viewer::overlay::Overlay;
-use rockfall_viewer::plot::Graph;
+use rockfall_viewer::plot::{Graph, named};
 use rockfall_viewer::survey::Survey;
 
 use crate::errors::Raise;
@@ -28,6 +28,13 @@ mod live;
 /// A live film is of steps that Python runs: [`Filming::see`] is called after [`Filming::due`] steps, then [`Filming::end`].
 #[pyclass(frozen, module = "rockfall._rockfall")]
 pub(crate) struct Filming(Mutex<Owned<Shooting>>);
+
+/// The body that a camera follows.
+#[derive(FromPyObject)]
+enum Followed {
+    Number(i64),
+    Name(String),
+}
 
 struct Shooting {
     tools: Tools,
@@ -70,6 +77,7 @@ impl Shooting {
             look_at: look.look_at.map(Into::into),
             follow,
             orbit: orbit.to_radians(),
+            room_above: overlay.room_above(look.layout().scene()[1]),
         };
         let scale = (!live && look.range.is_none() && style.colour_by.title().is_some()).then_some(0.0);
         let moments: Vec<_> = (0..timing.pictures()).map(|index| timing.moment(index)).collect();
@@ -123,6 +131,12 @@ impl Shooting {
         };
         simulation.run(moment.step - self.surveyed_steps, self.timing.dt).or_raise()?;
         self.surveyed_steps = moment.step;
+        self.note(simulation)?;
+        Ok(true)
+    }
+
+    /// Takes what the camera and the colour scale depend on from a state.
+    fn note(&mut self, simulation: &mut rockfall::Simulation) -> PyResult<()> {
         let has_arrows = self.overlay.arrows.is_some();
         if self.scale.is_some() || has_arrows || !self.tools.renderer.motion().plots().is_empty() {
             self.tools.renderer.update(simulation, &self.style).or_raise()?;
@@ -140,7 +154,15 @@ impl Shooting {
             Some(survey) => survey.add(scene),
             None => self.survey = Some(Survey::new(scene)),
         }
-        Ok(true)
+        Ok(())
+    }
+
+    /// Looks at a further state of a live film, before the first picture, from which the camera and the colour scale are chosen.
+    fn look(&mut self, simulation: &mut rockfall::Simulation) -> PyResult<()> {
+        if self.scale.is_none() && self.look.range.is_none() && self.style.colour_by.title().is_some() {
+            self.scale = Some(0.0);
+        }
+        self.note(simulation)
     }
 
     /// Takes the next picture.
@@ -228,13 +250,20 @@ impl Filming {
         dt: f32,
         fps: u32,
         speed: f64,
-        follow: Option<i64>,
+        follow: Option<Followed>,
         orbit: f32,
         live: bool,
     ) -> PyResult<Self> {
         let timing = Timing { steps, dt, fps, speed };
         simulation.get().read(simulation.py(), |running| {
-            let follow = follow.map(|number| handle(&running.ids.spheres, "sphere", number)).transpose()?;
+            let scene = running.simulation.scene();
+            let find = |followed: Followed| match followed {
+                Followed::Number(number) => handle(&running.ids.spheres, "sphere", number),
+                Followed::Name(name) => {
+                    named(scene, &name).map_err(|error| PyKeyError::new_err(format!("follow: {error}")))
+                }
+            };
+            let follow = follow.map(find).transpose()?;
             let graphs = look.graphs(running.simulation.scene(), &running.ids)?;
             let shooting = Shooting::new(&mut running.simulation, look, graphs, timing, follow, orbit, live)?;
             Ok(Self(Mutex::new(Owned::new(shooting))))
@@ -265,6 +294,11 @@ impl Filming {
     /// Number of steps before the next state that a live film must see; `None` when all pictures are taken.
     fn due(&self) -> Option<u64> {
         self.lock().due()
+    }
+
+    /// Looks at a state of a live film before its first picture.
+    fn look(&self, simulation: &Bound<'_, Simulation>) -> PyResult<()> {
+        self.with(simulation, Shooting::look)
     }
 
     /// Sees the state after a number of steps. The simulation may be another one each time, with the same objects.

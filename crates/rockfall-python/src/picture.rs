@@ -107,12 +107,14 @@ impl Look {
             arrows: arrows.transpose()?,
             arrow_key: None,
             trails: self.trails,
+            dark: self.style()?.background.is_dark(),
         })
     }
 
     /// Where the scene and the plots are in the pictures.
     pub(crate) fn layout(&self) -> Layout {
-        Layout::new(self.size.into(), self.plot.len())
+        let dark = self.style().is_ok_and(|style| style.background.is_dark());
+        Layout::new(self.size.into(), self.plot.len()).dark(dark)
     }
 
     /// The plots of a scene.

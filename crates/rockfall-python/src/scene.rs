@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
-use rockfall::{IntegratorChoice, RunDefaults};
+use rockfall::{Body, IntegratorChoice, RunDefaults};
 
 use crate::errors::{Raise, in_python};
 use crate::fork::detached;
 use crate::ids::Ids;
+
+/// Number of bodies that fall for ever that are named.
+const SHOWN: usize = 10;
 
 /// Time step in s, integrator, steps, every, substeps.
 type RunValues = (Option<f32>, Option<String>, Option<u64>, Option<u64>, Option<u32>);
@@ -112,6 +115,12 @@ impl Scene {
             let mut found: Vec<String> = concerns.map(|concern| in_python(&concern)).collect();
             let placement = scene.placement().or_raise()?;
             found.extend(placement.overlaps.iter().map(|overlap| format!("{} at the start", overlap.describe(scene))));
+            let falls = "will fall for ever: nothing holds it, and nothing is below it along gravity";
+            let falling = placement.falling.iter().take(SHOWN).map(|sphere| scene.name_of(Body::Sphere(*sphere)));
+            found.extend(falling.map(|body| format!("{body} {falls}")));
+            if placement.falling.len() > SHOWN {
+                found.push(format!("{} more bodies will fall for ever", placement.falling.len() - SHOWN));
+            }
             Ok(found)
         })
     }

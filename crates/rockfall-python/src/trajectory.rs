@@ -5,6 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rockfall::glam::Vec3;
 use rockfall_trajectory::{Format, Reader, States, Writer};
 
 use crate::errors::Raise;
@@ -58,6 +59,16 @@ impl TrajectoryWriter {
 #[pyclass(frozen, module = "rockfall._rockfall")]
 pub(crate) struct TrajectoryReader(Mutex<Reader>);
 
+/// Moves states towards later ones by a part of the way.
+fn mix(states: &mut States, after: &States, part: f32) {
+    let pairs = |now: &mut Vec<Vec3>, then: &[Vec3]| now.iter_mut().zip(then).for_each(|(now, then)| *now = now.lerp(*then, part));
+    pairs(&mut states.positions, &after.positions);
+    pairs(&mut states.velocities, &after.velocities);
+    pairs(&mut states.angular_momenta, &after.angular_momenta);
+    let turns = states.orientations.iter_mut().zip(&after.orientations);
+    turns.for_each(|(now, then)| *now = now.lerp(*then, part));
+}
+
 type Frame<'py> = [Bound<'py, PyArray2<f32>>; 4];
 
 #[pymethods]
@@ -79,6 +90,23 @@ impl TrajectoryReader {
         })
     }
 
+    /// Gives the state between two frames to a simulation of the scene, with its step and time.
+    fn show(&self, simulation: &Bound<'_, Simulation>, frame: usize, next: usize, blend: f32) -> PyResult<()> {
+        simulation.get().change(simulation.py(), |simulation| {
+            let mut reader = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut states = reader.frame(frame).or_raise()?;
+            let [from, to] = [frame, next].map(|place| reader.moments()[place]);
+            if blend > 0.0 {
+                mix(&mut states, &reader.frame(next).or_raise()?, blend);
+            }
+            states.apply(simulation).or_raise()?;
+            let mut state = simulation.checkpoint().or_raise()?;
+            state.report.time = from.time + f64::from(blend) * (to.time - from.time);
+            state.report.steps = from.step;
+            simulation.restore(&state).or_raise()
+        })
+    }
+
     /// Positions, velocities, orientations w, x, y, z, and angular momenta.
     fn frame<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Frame<'py>> {
         let states = detached(py, || self.0.lock().unwrap_or_else(PoisonError::into_inner).frame(index)).or_raise()?;
@@ -87,7 +115,7 @@ impl TrajectoryReader {
             let count = numbers.len() / columns;
             PyArray1::from_vec(py, numbers).reshape([count, columns])
         };
-        let vectors = |vectors: Vec<rockfall::glam::Vec3>| rows(vectors.iter().flat_map(|v| v.to_array()).collect(), 3);
+        let vectors = |vectors: Vec<Vec3>| rows(vectors.iter().flat_map(|v| v.to_array()).collect(), 3);
         let turns = orientations.iter().flat_map(|q| [q.w, q.x, q.y, q.z]).collect();
         Ok([vectors(positions)?, vectors(velocities)?, rows(turns, 4)?, vectors(angular_momenta)?])
     }

@@ -271,3 +271,66 @@ def test_a_simulation_on_the_gpu_is_filmed_on_its_device(sim: rf.Simulation) -> 
     np.testing.assert_allclose(gpu.positions, sim.positions, atol=1e-4)
     difference = np.abs(films[0][2].numpy().astype(int) - films[1][2].numpy().astype(int))
     assert difference.mean() < 1
+
+
+@pytest.fixture
+def twin(sim: rf.Simulation) -> rf.Simulation:
+    return rf.Simulation(sim.scene, dt=0.01, backend="cpu")
+
+
+@pytest.fixture
+def recorded(twin: rf.Simulation, sim: rf.Simulation, tmp_path: pathlib.Path) -> rf.Trajectory:
+    # The twin stays at the start.
+    path = tmp_path / "run.npz"
+    with sim.record(path, every=5):
+        sim.run(40)
+    return rf.Trajectory(path)
+
+
+def test_a_trajectory_is_filmed_like_the_simulation(
+    sim: rf.Simulation, twin: rf.Simulation, recorded: rf.Trajectory
+) -> None:
+    options: dict[str, Any] = {"size": SIZE, "colour_by": "speed", "clock": True}
+    films = [rf.film(twin, 40, fps=20, **options), rf.film(recorded, fps=20, **options)]
+    assert [len(film) for film in films] == [9, 9]
+    for live, again in zip(*films, strict=True):
+        np.testing.assert_allclose(live.numpy().astype(int), again.numpy().astype(int), atol=4)
+    # Pictures between two frames, and a part of the trajectory.
+    assert len(rf.film(recorded, fps=40, size=SIZE)) == 17
+    part = rf.film(recorded[4:], fps=20, plot="height:1", trails=0.1, follow=1, size=SIZE)
+    assert len(part) == 5 and not np.array_equal(part[0].numpy(), part[4].numpy())
+    for wrong in ({"steps": 3}, {"on_step": print}, {"world": 0}):
+        with pytest.raises(TypeError, match=f"{next(iter(wrong))}: expected None for a Trajectory"):
+            rf.film(recorded, **wrong)
+    with pytest.raises(ValueError, match="trajectory: expected frames at several times"):
+        rf.film(recorded[3:4])
+    with pytest.raises(TypeError, match="steps: expected the number of steps"):
+        rf.film(sim)
+
+
+def test_a_frame_of_a_trajectory_is_drawn(sim: rf.Simulation, recorded: rf.Trajectory) -> None:
+    camera: dict[str, Any] = {"size": SIZE, "camera": [0, 4, 9], "look_at": [0, 0.5, 0], "clock": True}
+    np.testing.assert_allclose(recorded.render(**camera).numpy().astype(int), sim.render(**camera).numpy().astype(int), atol=2)
+    first = recorded.render(frame=0, **camera)
+    assert not np.array_equal(first.numpy(), recorded.render(**camera).numpy())
+    np.testing.assert_array_equal(first.numpy(), recorded.render(frame=-9, **camera).numpy())
+    with pytest.raises(IndexError, match="frame 9 does not exist: the trajectory has 9 frames"):
+        recorded.render(frame=9)
+
+
+def test_columns_of_a_trajectory_have_the_names_of_tables(recorded: rf.Trajectory) -> None:
+    np.testing.assert_array_equal(recorded["y"], recorded.positions[:, :, 1])
+    np.testing.assert_array_equal(recorded["vz"], recorded.velocities[:, :, 2])
+    np.testing.assert_array_equal(recorded["qw"], recorded.orientations[:, :, 0])
+    with pytest.raises(KeyError, match="expected one of x, y, z, vx"):
+        recorded["height"]
+
+
+def test_a_body_is_followed_by_its_name() -> None:
+    scene = rf.Scene.parse("set gravity 0\n@name left\nS 1 0 0 0 5 0 0 0 0 0 1 0.5\n@name -\nS 2 0 3 0 0 0 0 0 0 0 1 0.5\n")
+    films = [rf.film(rf.Simulation(scene, backend="cpu"), 10, follow=body, size=SIZE) for body in ("left", 0, 1)]
+    pictures = [film[-1].numpy() for film in films]
+    np.testing.assert_array_equal(pictures[0], pictures[1])
+    assert not np.array_equal(pictures[0], pictures[2])
+    with pytest.raises(KeyError, match="follow: lefd: .*did you mean"):
+        rf.film(rf.Simulation(scene, backend="cpu"), 10, follow="lefd", size=SIZE)

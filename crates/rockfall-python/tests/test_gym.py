@@ -218,3 +218,23 @@ except ImportError as error:
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "pip install 'rockfall[gym]'" in done.stdout
+
+
+def test_a_picture_before_processes_does_not_break_them() -> None:
+    # A forked process cannot use a graphics device that its parent has used.
+    code = """
+import warnings
+import gymnasium as gym
+import rockfall as rf
+warnings.simplefilter("ignore")
+env = gym.make("rockfall/Cart-v0", render_mode="rgb_array", render_size=(64, 36))
+env.reset(seed=1)
+env.render()
+assert env.unwrapped._envs.worlds.backend.kind == "cpu"
+envs = gym.make_vec("rockfall/Cart-v0", num_envs=2, vectorization_mode="async", vector_kwargs={"context": "fork"})
+envs.reset(seed=1)
+print(envs.step(envs.action_space.sample())[1])
+envs.close()
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
+    assert "[1. 1.]" in done.stdout, done.stderr

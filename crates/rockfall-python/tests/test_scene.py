@@ -203,7 +203,21 @@ def test_check_reports_a_long_time_step(scene: rf.Scene) -> None:
     assert any("time step" in line for line in scene.check(dt=1.0)), scene.check(dt=1.0)
     single = rf.Scene()
     single.add_sphere([0, 0, 0], 1.0)
+    assert single.check() == ["sphere number 0 will fall for ever: nothing holds it, and nothing is below it along gravity"]
+    single.add_box([-1, -3, -1], [1, -2, 1])
     assert single.check() == []
+    for _ in range(12):
+        single.add_sphere([5, 3 * single.counts.spheres, 0], 1.0)
+    found = single.check()
+    assert len(found) == 11 and found[10] == "2 more bodies will fall for ever"
+
+
+def test_settings_can_be_pickled(scene: rf.Scene) -> None:
+    scene.settings.update(gravity=3.7, contact_law="linear", collisions=True, gravity_direction=(0, 0, -1))
+    for twin in (pickle.loads(pickle.dumps(scene.settings)), copy.deepcopy(scene.settings)):
+        assert dict(twin.items()) == dict(scene.settings.items())
+        twin.gravity = 1.0
+    assert scene.settings.gravity == pytest.approx(3.7)
 
 
 def test_a_million_objects_are_added_in_a_second() -> None:

@@ -159,6 +159,9 @@ def test_tables(tmp_path):
     result = rf.sweep(lambda a: None, {"a": [1, 2, 3]}, squares, backend="cpu", workers=1, progress=False)
     assert result.columns() == {"a": [1, 2, 3], "square": [1, 4, 9]}
     assert len(result[1:]) == 2 and result[1] == {"a": 2, "square": 4}
+    assert result["square"] == [1, 4, 9]
+    with pytest.raises(KeyError, match="did you mean"):
+        result["sqare"]
     pandas = pytest.importorskip("pandas")
     assert result.to_pandas().equals(pandas.DataFrame({"a": [1, 2, 3], "square": [1, 4, 9]}))
     parquet = pytest.importorskip("pyarrow.parquet")

@@ -266,10 +266,7 @@ def test_threads_and_progress(capsys: pytest.CaptureFixture[str]) -> None:
     assert "50/50" in shown or "50 of 50" in shown
 
 
-def test_no_worlds_and_worlds_without_spheres() -> None:
-    worlds = rf.Worlds([], backend="cpu")
-    worlds.run(5)
-    assert len(worlds) == 0 and worlds.positions.shape == (0, 0, 3) and worlds.centres.shape == (0, 3)
+def test_worlds_without_spheres() -> None:
     empty = rf.Worlds(rf.Scene(), count=2, backend="cpu")
     empty.run(5)
     assert empty.positions.shape == (2, 0, 3) and empty.report()["steps"].tolist() == [5, 5]
@@ -281,9 +278,10 @@ WRONG: list[tuple[Any, type[Exception], str]] = [
     (lambda w: rf.Worlds(rf.Scene()), TypeError, "count: expected the number of worlds"),
     (lambda w: rf.Worlds([rf.Scene()], count=2), TypeError, "count: expected None for several scenes"),
     (lambda w: rf.Worlds(rf.Scene(), count=-1), ValueError, "count: expected a whole number of at least 0"),
-    (lambda w: rf.Worlds([], dt=0), ValueError, "dt: expected a finite number"),
-    (lambda w: rf.Worlds([], backend="tpu"), ValueError, "tpu"),
-    (lambda w: rf.Worlds([], integrator=5), TypeError, "integrator: expected a str"),
+    (lambda w: rf.Worlds([]), ValueError, "scenes: expected at least one Scene"),
+    (lambda w: rf.Worlds([rf.Scene()], dt=0), ValueError, "dt: expected a finite number"),
+    (lambda w: rf.Worlds([rf.Scene()], backend="tpu"), ValueError, "tpu"),
+    (lambda w: rf.Worlds([rf.Scene()], integrator=5), TypeError, "integrator: expected a str"),
     (lambda w: w.run(-1), ValueError, "steps: expected a whole number"),
     (lambda w: w.run(5, every=0), ValueError, "every: expected a whole number of at least 1"),
     (lambda w: w.reset(2), LookupError, "worlds: there is no world 2, expected numbers below 2"),

@@ -18,12 +18,23 @@ pub(crate) struct Block {
     most: Vec3,
 }
 
+/// The upper face of a block.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Top {
+    pub(crate) normal: Vec3,
+    pub(crate) corner: Vec3,
+    /// Lengths of its sides.
+    pub(crate) sides: [f32; 2],
+    /// Height of the block across it.
+    pub(crate) height: f32,
+}
+
 impl Block {
     pub(crate) fn of_box(cuboid: &Cuboid) -> Self {
         Self::new(cuboid.corner, cuboid.edges, Vec3::ONE)
     }
 
-    fn of_polygon(polygon: &Polygon) -> Self {
+    pub(crate) fn of_polygon(polygon: &Polygon) -> Self {
         let normal = polygon.left.cross(polygon.right).normalize_or(Vec3::Y);
         Self::new(polygon.corner, [polygon.left, polygon.right, normal], Vec3::new(1.0, 1.0, 0.0))
     }
@@ -49,6 +60,25 @@ impl Block {
         down.length() < TOUCH * radius && down.y > 0.5 * radius
     }
 
+    /// The upper face.
+    pub(crate) fn top(&self) -> Top {
+        // That of a polygon is its solid side.
+        let axes = if self.most.z == 0.0 { 2..3 } else { 0..3 };
+        let faces = axes.flat_map(|axis| [(axis, 0.0), (axis, self.most[axis])]);
+        let faces = faces.map(|(axis, at)| {
+            let edge = self.edges[axis];
+            let outwards = if at == 0.0 && self.most[axis] > 0.0 { -edge } else { edge };
+            Top {
+                normal: outwards.normalize_or_zero(),
+                corner: self.corner + at * edge,
+                sides: [self.edges[(axis + 1) % 3].length(), self.edges[(axis + 2) % 3].length()],
+                height: self.most[axis] * edge.length(),
+            }
+        });
+        let top = faces.reduce(|one, other| if other.normal.y > one.normal.y { other } else { one });
+        top.expect("a block has faces")
+    }
+
     pub(crate) fn corners(&self) -> [Vec3; 8] {
         std::array::from_fn(|bits| {
             let part = |bit: usize| if bits >> bit & 1 == 1 { self.most[bit] } else { 0.0 };
@@ -65,6 +95,20 @@ impl Block {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_upper_face_is_that_of_a_box_and_the_solid_side_of_a_polygon() {
+        let top = Block::of_box(&Cuboid::between([0.0, 1.0, 0.0], [2.0, 4.0, 5.0])).top();
+        assert_eq!((top.normal, top.corner.y, top.height), (Vec3::Y, 4.0, 3.0));
+        assert_eq!(top.sides.iter().product::<f32>(), 10.0);
+        for (polygon, normal) in [
+            (Polygon::new([0.0; 3], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0]), Vec3::Y),
+            (Polygon::new([0.0; 3], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0]), Vec3::NEG_Y),
+        ] {
+            let top = Block::of_polygon(&polygon).top();
+            assert_eq!((top.normal, top.height), (normal, 0.0));
+        }
+    }
 
     #[test]
     fn a_ball_lies_on_what_is_below_it() {

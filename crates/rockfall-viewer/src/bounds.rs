@@ -14,8 +14,12 @@ const SURROUNDINGS_OF_FILM: f32 = 0.2;
 const CARRIERS_OF_FILM: f32 = 1.5;
 /// Greatest number of tests whether a sphere lies on an object.
 const MOST_TESTS: usize = 2_000_000;
-/// Distance that the spheres may fall without leaving the picture, divided by their extent.
+/// Distance that the spheres may fall without leaving the picture, divided by their extent, if the ground is farther below than
+/// [`FALL_TO_GROUND`], or if there are many spheres.
 const FALL_DISTANCE: f32 = 1.0;
+/// Distance up to which the ground below a few spheres is in the picture, divided by their extent, and the number of few spheres.
+const FALL_TO_GROUND: f32 = 30.0;
+const FEW: usize = 20;
 /// Distance below the lowest place of the spheres in a film up to which the ground is shown, divided by their extent.
 const GROUND_DISTANCE: f32 = 0.15;
 
@@ -82,10 +86,17 @@ fn is_under(object: Extent, spheres: Extent) -> bool {
 fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<Item = Extent> {
     let size = spheres.size();
     let (fall, most) = if moves { (GROUND_DISTANCE, SURROUNDINGS_OF_FILM) } else { (FALL_DISTANCE, SURROUNDINGS) };
+    let ground = if moves || scene.spheres().len() > FEW { fall } else { FALL_TO_GROUND };
     let objects = extents_of_static_objects(scene).filter_map(move |object| {
         if is_under(object, spheres) {
             let middle = 0.5 * (spheres.min + spheres.max);
-            return Extent::of([middle.with_y(object.max.y.max(spheres.min.y - fall * size)), middle]);
+            let depth = spheres.min.y - object.max.y;
+            let shown = if depth <= ground * size { depth } else { depth.min(fall * size) };
+            let below = Extent::of([middle.with_y(spheres.min.y - shown), middle]);
+            // The top of a floor that is not wider than the way of the spheres.
+            let whole = !moves && shown == depth && object.size() < size + depth;
+            let top = Extent { min: object.min.with_y(object.max.y), max: object.max };
+            return if whole { below.map(|below| below.with(top)) } else { below };
         }
         let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
         (near && object.size() < most * size).then_some(object)
@@ -143,6 +154,16 @@ pub(crate) mod tests {
         assert_eq!((min, max), (Vec3::new(-0.5, 1.5, -0.5), Vec3::new(3.25, 2.5, 0.5)));
         let (min, max) = bounds(&scene(&[Cuboid::between([-500.0, -1.0, -500.0], [500.0, 0.0, 500.0])]));
         assert_eq!((min, max), (Vec3::new(-0.5, 0.0, -0.5), Vec3::new(3.25, 2.5, 0.5)));
+    }
+
+    #[test]
+    fn the_ground_below_a_few_spheres_is_shown_also_if_it_is_far() {
+        let ground = |top: f32| Cuboid::between([-500.0, top - 1.0, -500.0], [500.0, top, 500.0]);
+        assert_eq!(bounds(&scene(&[ground(-50.0)])).0.y, -50.0);
+        assert_eq!(bounds(&scene(&[ground(-200.0)])).0.y, 1.5 - 3.75);
+        // All of a floor that is not too wide is shown.
+        let floor = |width: f32| bounds(&scene(&[Cuboid::between([0.0, -9.0, -width], [width, -8.0, 0.0])])).1.x;
+        assert_eq!([floor(6.0), floor(20.0)], [6.0, 3.25]);
     }
 
     #[test]

@@ -126,6 +126,13 @@ impl Camera {
         Self { eye: self.target + Quat::from_rotation_y(angle) * (self.eye - self.target), ..self }
     }
 
+    /// Returns the camera moved back and up, so that what it showed leaves this part of the picture free at the upper edge.
+    pub(crate) fn with_room_above(self, part: f32) -> Self {
+        let away = (self.eye - self.target) / (1.0 - part);
+        let shift = part * away.length() * (0.5 * self.field_of_view).tan() * self.axes().up;
+        Self { eye: self.target + away + shift, target: self.target + shift, ..self }
+    }
+
     /// Returns the camera moved without turning it, so that it looks at another target.
     pub fn looking_at(self, target: Vec3) -> Self {
         Self { eye: self.eye + (target - self.target), target, ..self }
@@ -189,6 +196,19 @@ mod tests {
             let ndc = camera.view_projection(ASPECT).project_point3(origin + 3.5 * direction);
             assert!((ndc.x - x).abs() < 1e-5 && (ndc.y - y).abs() < 1e-5, "{ndc}");
         }
+    }
+
+    #[test]
+    fn room_above_leaves_the_upper_part_of_the_picture_free() {
+        let camera = Camera::framing(-Vec3::ONE, Vec3::ONE, ASPECT, Direction::Front);
+        let highest = |camera: Camera| {
+            let projection = camera.view_projection(ASPECT);
+            let corners =
+                Extent { min: -Vec3::ONE, max: Vec3::ONE }.corners().map(|corner| projection.project_point3(corner).y);
+            corners.fold((1.0_f32, -1.0_f32), |(least, most), y| (least.min(y), most.max(y)))
+        };
+        let (least, most) = highest(camera.with_room_above(0.1));
+        assert!(highest(camera).1 > 0.8 && most < 0.8 && least > -1.0, "{least} {most}");
     }
 
     #[test]

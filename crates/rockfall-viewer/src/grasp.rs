@@ -1,7 +1,7 @@
 //! Bodies that are held, dragged and thrown with a pointer: the part that the window and other front ends share.
 
 use rockfall::glam::Vec3;
-use rockfall::{Body, RayHit, Result, RodId, Scene, Simulation, Sphere, SphereId, Tether};
+use rockfall::{Body, MaterialId, RayHit, Result, RodId, Scene, Simulation, Sphere, SphereId, Tether};
 
 /// Angular frequency of the tether that holds a body, in rad/s.
 const ANGULAR_FREQUENCY: f32 = 10.0;
@@ -134,7 +134,16 @@ pub fn connected(scene: &Scene, start: SphereId) -> Vec<SphereId> {
     moving
 }
 
-/// Returns a sphere with the mean radius and density of the moving spheres.
+/// The material of a body that is added: that of the first moving sphere with one, or else of the first other object.
+fn material(scene: &Scene) -> Option<MaterialId> {
+    let spheres =
+        |fixed: bool| scene.spheres().iter().filter(move |sphere| sphere.fixed == fixed).map(|sphere| sphere.material);
+    let others = scene.rods().iter().map(|rod| rod.material).chain(scene.boxes().iter().map(|cuboid| cuboid.material));
+    let mut all = spheres(false).chain(spheres(true)).chain(others).chain(scene.polygons().iter().map(|face| face.material));
+    all.find_map(|material| material)
+}
+
+/// Returns a sphere with the mean radius and density of the moving spheres, and a material of the scene if it has any.
 pub fn thrown(scene: &Scene, origin: Vec3, velocity: Vec3) -> Sphere {
     let moving = || scene.spheres().iter().filter(|sphere| !sphere.fixed);
     let count = moving().count();
@@ -146,5 +155,7 @@ pub fn thrown(scene: &Scene, origin: Vec3, velocity: Vec3) -> Sphere {
     } else {
         (0.5, 1.0)
     };
-    Sphere::new(origin, radius as f32).mass(mass as f32).velocity(velocity)
+    let mut sphere = Sphere::new(origin, radius as f32).mass(mass as f32).velocity(velocity);
+    sphere.material = material(scene);
+    sphere
 }

@@ -31,5 +31,6 @@ pub mod plot;
 mod read_back;
 mod sheet;
 pub mod survey;
+mod tags;
 #[cfg(feature = "window")]
 pub mod window;

@@ -1,6 +1,7 @@
 //! Text, arrows and trails over a picture.
 
 use rockfall::Result;
+use rockfall::glam::Vec3;
 
 use crate::camera::Camera;
 pub use crate::draw::Arrows;
@@ -24,8 +25,8 @@ pub struct Overlay {
     pub clock: bool,
     /// Whether a bar shows the length of a round number of units at the distance of the middle of the picture.
     pub scale_bar: bool,
-    /// Whether spheres have their labels ([`rockfall::Tag`]), or else their numbers: their references in the scene text, or the order
-    /// of addition.
+    /// Whether spheres have their labels ([`rockfall::Tag`]), or in a scene without labels their numbers: their references in the
+    /// scene text, or the order of addition.
     pub labels: bool,
     /// The vector of every sphere that an arrow shows.
     pub arrows: Option<Arrows>,
@@ -33,15 +34,23 @@ pub struct Overlay {
     pub arrow_key: Option<f32>,
     /// Length of the trails of the spheres, in s of the simulation; 0 for none.
     pub trails: f64,
+    /// Whether the background is dark, so that lines have to be light.
+    pub dark: bool,
 }
 
 const DARK: Rgb = [0x21, 0x29, 0x33];
+const LIGHT: Rgb = [0xe4, 0xe8, 0xec];
 const ARROW: Rgb = [0xd5, 0x5e, 0x00];
 const TRAIL: Rgb = [0x00, 0x72, 0xb2];
 /// Length of the arrow of the key, divided by the height of the picture.
 const KEY: f32 = 0.12;
 /// Greatest length of the scale bar, divided by the width of the picture.
 const BAR: f32 = 0.2;
+/// Length of the line between a ball and its label, in heights of letters.
+const LEADER: f32 = 0.8;
+/// Distance of captions from the edges of the picture, and height of the letters of the title, in heights of letters.
+const EDGE: f32 = 0.9;
+const TITLE: f32 = 1.2;
 /// Length of the head of an arrow, in heights of letters.
 const HEAD: f32 = 0.7;
 
@@ -56,6 +65,12 @@ impl Overlay {
     /// Whether it needs the places of the spheres.
     pub fn needs_places(&self) -> bool {
         self.labels || self.arrows.is_some() || self.trails > 0.0
+    }
+
+    /// Part of the height of a picture that the title and the clock take at its upper edge.
+    pub fn room_above(&self, height: u32) -> f32 {
+        let lines = if self.title.is_some() || self.clock { 2.0 * EDGE + TITLE } else { 0.0 };
+        lines * letters(height) / height as f32
     }
 
     /// Draws the overlay for the state that a renderer has.
@@ -87,25 +102,45 @@ impl Overlay {
             }
         }
         if self.labels {
-            let labels = motion.labels().filter_map(|(place, label)| Some((projection.place(place)?, label)));
-            marks.extend(labels.map(|(at, label)| Mark::Text {
-                text: label.to_owned(),
-                at,
-                align: [0.5, 0.5],
-                em: 0.75 * em,
-                panel: true,
-            }));
+            motion
+                .labels()
+                .for_each(|(place, radius, text)| self.label(&projection, (place, radius), text, 0.75 * em, &mut marks));
         }
         self.captions(motion, &projection, size, em, &mut marks);
         marks
     }
 
+    /// Colour of lines.
+    fn ink(&self) -> Rgb {
+        if self.dark { LIGHT } else { DARK }
+    }
+
+    /// The text of a ball: in its middle if the ball is larger than the text, or else above it with a line.
+    fn label(&self, projection: &Projection, (place, radius): (Vec3, f32), text: &str, em: f32, marks: &mut Vec<Mark>) {
+        let Some(at) = projection.place(place) else { return };
+        let radius = radius * projection.pixels_per_unit_at(place);
+        // About the half of the diagonal of the text with its background.
+        let half = 0.5 * (0.6 * em * (text.chars().count() as f32 + 1.0)).hypot(1.6 * em);
+        let text = |at: [f32; 2], align: [f32; 2]| Mark::Text { text: text.to_owned(), at, align, em, panel: true };
+        if radius > half {
+            return marks.push(text(at, [0.5, 0.5]));
+        }
+        let [top, end] = [at[1] - radius, at[1] - radius - LEADER * em];
+        marks.push(Mark::Line {
+            ends: [[at[0], top], [at[0], end]],
+            width: (0.1 * em).max(1.0),
+            colour: self.ink(),
+            opacity: 0.7,
+        });
+        marks.push(text([at[0], end], [0.5, 1.0]));
+    }
+
     /// The title, the clock, and the keys of arrows and lengths in the corners.
     fn captions(&self, motion: &Motion, projection: &Projection, [width, height]: [f32; 2], em: f32, marks: &mut Vec<Mark>) {
-        let edge = 0.9 * em;
+        let edge = EDGE * em;
         let text = |text: String, at: [f32; 2], align: [f32; 2], em: f32| Mark::Text { text, at, align, em, panel: true };
         if let Some(title) = &self.title {
-            marks.push(text(title.clone(), [edge, edge], [0.0, 0.0], 1.2 * em));
+            marks.push(text(title.clone(), [edge, edge], [0.0, 0.0], TITLE * em));
         }
         if self.clock {
             marks.push(text(clock(motion.time()), [width - edge, edge], [1.0, 0.0], em));
@@ -117,7 +152,7 @@ impl Overlay {
             let [left, right] = [width - edge - pixels, width - edge];
             let unit = if length == 1.0 { "unit" } else { "units" };
             marks.push(text(format!("{} {unit}", number(length)), [right, bottom - 0.6 * em], [1.0, 1.0], em));
-            let line = |ends: [[f32; 2]; 2]| Mark::Line { ends, width: 0.14 * em, colour: DARK, opacity: 1.0 };
+            let line = |ends: [[f32; 2]; 2]| Mark::Line { ends, width: 0.14 * em, colour: self.ink(), opacity: 1.0 };
             let tick = |x: f32| line([[x, bottom - 0.25 * em], [x, bottom + 0.25 * em]]);
             marks.extend([line([[left, bottom], [right, bottom]]), tick(left), tick(right)]);
             bottom -= 3.2 * em;
@@ -147,14 +182,14 @@ fn pointed([from, to]: [[f32; 2]; 2], em: f32) -> Vec<Mark> {
     vec![line, Mark::Triangle { corners: [to, side(1.0), side(-1.0)], colour: ARROW }]
 }
 
-/// Lines through the past places of the spheres, which fade with age.
+/// Lines through the past places of the spheres, in their own colours, which fade with age.
 fn trails(motion: &Motion, projection: &Projection, width: f32, marks: &mut Vec<Mark>) {
-    for (ends, age) in motion.trails() {
+    for (ends, age, colour) in motion.trails() {
         if let [Some(from), Some(to)] = ends.map(|place| projection.place(place)) {
             marks.push(Mark::Line {
                 ends: [from, to],
                 width: width.max(1.0),
-                colour: TRAIL,
+                colour: colour.unwrap_or(TRAIL),
                 opacity: 0.9 * (1.0 - age) + 0.05,
             });
         }

@@ -4,6 +4,7 @@ use rockfall::glam::Vec3;
 use rockfall::{Body, Energy, Gauge, GaugeReading, Gauged, ObjectId, Result, Scene, Simulation, SphereId};
 
 use crate::palette::Rgb;
+use crate::tags::{colour_of, name_of, object_of};
 
 pub(crate) mod axes;
 mod chart;
@@ -34,8 +35,15 @@ pub(crate) fn energies(energy: &Energy) -> [f64; 5] {
 /// A quantity that a plot shows over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// The energies of the scene.
+    /// The energies of the scene. The potential energy is relative to that in the first state, because it is larger than all
+    /// others where the scene is far from the origin.
     Energy,
+    /// The kinetic energy of the scene.
+    Kinetic,
+    /// The potential energy of the scene.
+    Potential,
+    /// The components of the momentum of the scene.
+    Momentum,
     /// The number of contacts of the scene.
     Contacts,
     /// The x coordinate of bodies.
@@ -48,25 +56,51 @@ pub enum Quantity {
     Height,
     /// The speed of bodies.
     Speed,
+    /// The x component of the velocity of bodies.
+    Vx,
+    /// The y component of the velocity of bodies.
+    Vy,
+    /// The z component of the velocity of bodies.
+    Vz,
     /// The size of the force on the walls of gauges.
     Gauge,
 }
 
 impl Quantity {
     /// All values.
-    pub const ALL: [Self; 8] =
-        [Self::Energy, Self::Contacts, Self::X, Self::Y, Self::Z, Self::Height, Self::Speed, Self::Gauge];
+    pub const ALL: [Self; 14] = [
+        Self::Energy,
+        Self::Kinetic,
+        Self::Potential,
+        Self::Momentum,
+        Self::Contacts,
+        Self::X,
+        Self::Y,
+        Self::Z,
+        Self::Height,
+        Self::Speed,
+        Self::Vx,
+        Self::Vy,
+        Self::Vz,
+        Self::Gauge,
+    ];
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Energy => "energy",
+            Self::Kinetic => "kinetic",
+            Self::Potential => "potential",
+            Self::Momentum => "momentum",
             Self::Contacts => "contacts",
             Self::X => "x",
             Self::Y => "y",
             Self::Z => "z",
             Self::Height => "height",
             Self::Speed => "speed",
+            Self::Vx => "vx",
+            Self::Vy => "vy",
+            Self::Vz => "vz",
             Self::Gauge => "gauge",
         }
     }
@@ -74,17 +108,27 @@ impl Quantity {
     /// Unit of the values; empty for a number.
     pub fn unit(self) -> &'static str {
         match self {
-            Self::Energy => "mass units²/s²",
+            Self::Energy | Self::Kinetic | Self::Potential => "mass units²/s²",
+            Self::Momentum => "mass units/s",
             Self::Contacts => "",
             Self::X | Self::Y | Self::Z | Self::Height => "units",
-            Self::Speed => "units/s",
+            Self::Speed | Self::Vx | Self::Vy | Self::Vz => "units/s",
             Self::Gauge => "mass units/s²",
+        }
+    }
+
+    /// What the axis of a plot shows.
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Self::Kinetic => "kinetic energy",
+            Self::Potential => "potential energy",
+            other => other.name(),
         }
     }
 
     /// Whether bodies have it, and not the scene as a whole.
     pub fn is_of_bodies(self) -> bool {
-        !matches!(self, Self::Energy | Self::Contacts | Self::Gauge)
+        !matches!(self, Self::Energy | Self::Kinetic | Self::Potential | Self::Momentum | Self::Contacts | Self::Gauge)
     }
 
     /// The value of a body at a place with a velocity, where `up` is the unit vector against gravity. NaN for other quantities.
@@ -95,7 +139,10 @@ impl Quantity {
             Self::Z => place.z,
             Self::Height => place.dot(up),
             Self::Speed => velocity.length(),
-            Self::Energy | Self::Contacts | Self::Gauge => f32::NAN,
+            Self::Vx => velocity.x,
+            Self::Vy => velocity.y,
+            Self::Vz => velocity.z,
+            Self::Energy | Self::Kinetic | Self::Potential | Self::Momentum | Self::Contacts | Self::Gauge => f32::NAN,
         }
     }
 }
@@ -181,11 +228,20 @@ impl Plot {
                 let shown = ENERGIES.into_iter().filter(|(name, _)| has_springs || *name != "springs");
                 shown.map(|(name, colour)| (name.to_owned(), colour)).collect()
             }
-            Quantity::Contacts => vec![(String::new(), COLOURS[0])],
-            _ => self.names.iter().cloned().zip(COLOURS).collect(),
+            Quantity::Momentum => ["x", "y", "z"].map(str::to_owned).into_iter().zip(COLOURS).collect(),
+            Quantity::Contacts | Quantity::Kinetic | Quantity::Potential => vec![(String::new(), COLOURS[0])],
+            Quantity::Gauge => self.names.iter().cloned().zip(COLOURS).collect(),
+            _ => {
+                let given = |(text, sphere): (&String, &SphereId)| match text.parse::<u32>() {
+                    Ok(_) => name_of(scene, *sphere).unwrap_or(text).to_owned(),
+                    Err(_) => text.clone(),
+                };
+                let colours = colours_of(scene, spheres.iter().map(|sphere| Body::Sphere(*sphere)));
+                self.names.iter().zip(&spheres).map(given).zip(colours).collect()
+            }
         };
         let bodies = spheres.into_iter().map(|sphere| whole(scene, Body::Sphere(sphere))).collect();
-        Ok(Graph { quantity: self.quantity, bodies, lines })
+        Ok(Graph { quantity: self.quantity, bodies, lines, start: None })
     }
 }
 
@@ -196,17 +252,24 @@ pub struct Graph {
     bodies: Vec<Body>,
     /// Names and colours of the lines.
     lines: Vec<(String, Rgb)>,
+    /// The potential energy in the first state.
+    start: Option<f64>,
 }
 
 impl Graph {
     /// The present value of every line; NaN for a body that was removed and for a gauge that is not there.
-    fn values(&self, simulation: &mut Simulation) -> Result<Vec<f64>> {
+    fn values(&mut self, simulation: &mut Simulation) -> Result<Vec<f64>> {
         Ok(match self.quantity {
             Quantity::Energy => {
-                let all = ENERGIES.iter().zip(energies(&simulation.energy()?));
+                let mut energy = simulation.energy()?;
+                energy.potential -= *self.start.get_or_insert(energy.potential);
+                let all = ENERGIES.iter().zip(energies(&energy));
                 let is_shown = |name: &str| self.lines.iter().any(|(shown, _)| shown == name);
                 all.filter(|((name, _), _)| is_shown(name)).map(|(_, value)| value).collect()
             }
+            Quantity::Kinetic => vec![simulation.energy()?.kinetic],
+            Quantity::Potential => vec![simulation.energy()?.potential],
+            Quantity::Momentum => simulation.energy()?.momentum.to_array().to_vec(),
             Quantity::Contacts => vec![simulation.contacts()?.len() as f64],
             Quantity::Gauge => {
                 let forces = gauge_forces(simulation)?;
@@ -232,6 +295,21 @@ pub(crate) fn gauge_forces(simulation: &mut Simulation) -> Result<Vec<(String, f
         _ => None,
     };
     Ok(gauges.filter_map(force).collect())
+}
+
+/// The colours of the lines of bodies: those that the scene gives them, or else the next of [`COLOURS`] that no line has.
+pub(crate) fn colours_of(scene: &Scene, bodies: impl Iterator<Item = Body>) -> Vec<Rgb> {
+    let given = bodies.map(|body| object_of(body).and_then(|object| colour_of(scene, object)));
+    let given: Vec<Option<Rgb>> = given.take(COLOURS.len()).collect();
+    let mut colours: Vec<Rgb> = Vec::with_capacity(given.len());
+    for colour in &given {
+        let is_free = |colour: &Rgb| !colours.contains(colour);
+        let others = COLOURS.iter().copied().filter(|other| !given.contains(&Some(*other)));
+        // Lines of the same colour could not be told apart.
+        let found = colour.iter().copied().chain(others).chain(COLOURS).find(|colour| is_free(colour));
+        colours.push(found.unwrap_or(COLOURS[0]));
+    }
+    colours
 }
 
 /// The sphere that the name of a body means: of several objects with the name, the first sphere, or else the first end of a rod or a

@@ -23,6 +23,8 @@ pub(crate) struct Sheet<'a> {
     pub(crate) picture: &'a mut Picture,
     font: FontRef<'a>,
     pub(crate) em: f32,
+    /// Colour of text.
+    pub(crate) ink: [f32; 3],
 }
 
 impl<'a> Sheet<'a> {
@@ -30,7 +32,7 @@ impl<'a> Sheet<'a> {
         let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
             .map_err(|error| Error::Device(format!("the built-in font: {error}")))?;
         let em = letters(picture.height);
-        Ok(Self { picture, font, em })
+        Ok(Self { picture, font, em, ink: INK })
     }
 }
 
@@ -98,7 +100,7 @@ impl Sheet<'_> {
             outline.draw(|dx, dy, part| {
                 let (px, py) = (corner.x + dx as f32, corner.y + dy as f32);
                 if px >= 0.0 && py >= 0.0 {
-                    self.mix(px as u32, py as u32, INK, part.min(1.0));
+                    self.mix(px as u32, py as u32, self.ink, part.min(1.0));
                 }
             });
         }

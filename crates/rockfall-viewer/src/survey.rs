@@ -53,6 +53,8 @@ pub struct Survey {
     above: Option<Extent>,
     /// The inlets and all spheres, in a scene whose spheres come and go. The bodies are then not the same in all states.
     coming: Option<Extent>,
+    /// Whether the past places are those of trails in a single picture.
+    has_trails: bool,
 }
 
 impl Survey {
@@ -73,6 +75,7 @@ impl Survey {
             lowest: lowest.unwrap_or(f32::NEG_INFINITY),
             above: None,
             coming: Extent::of(scene.inlets().iter().flat_map(|inlet| inlet.corners).map(|corner| corner.as_vec3())),
+            has_trails: false,
         };
         survey.add(scene);
         survey
@@ -97,9 +100,21 @@ impl Survey {
         }
     }
 
-    /// Whether the survey has several states.
+    /// Adds the places of all spheres in past states, the oldest first: those of the trails in a picture of the present state.
+    pub fn add_trails<'a>(&mut self, past: impl Iterator<Item = &'a [Vec3]>) {
+        let spheres = self.stride * self.paths.len().saturating_sub(1);
+        for places in past.filter(|places| places.len() > spheres) {
+            self.has_trails = true;
+            for (path, place) in self.paths.iter_mut().zip(places.iter().step_by(self.stride)) {
+                // The last place stays the present one.
+                path.insert(path.len() - 1, *place);
+            }
+        }
+    }
+
+    /// Whether the survey has several states of a film.
     pub(crate) fn moves(&self) -> bool {
-        self.paths.first().is_some_and(|path| path.len() > 1)
+        !self.has_trails && self.paths.first().is_some_and(|path| path.len() > 1)
     }
 
     /// Returns the centres and radii of the bodies that a picture should show, in all states.
@@ -201,10 +216,11 @@ impl Survey {
             escaped.push(left.swap_remove(at));
         }
         let Some(others) = self.extent_of(&left, None) else { return Vec::new() };
-        let mut shown: Vec<_> = self.paths(left).collect();
+        let mut shown: Vec<_> = self.paths(left.iter().copied()).collect();
         // The start of a body that flies away is shown, if it starts among the others.
         let bodies = || escaped.iter().flat_map(|group| &group.bodies).copied();
-        let starts = bodies().filter(|body| !self.is_gone(*body, 0, others, others.size()));
+        let drift = self.velocity_of(&left, None, 0);
+        let starts = bodies().filter(|body| !self.is_gone(*body, 0, others, others.size(), drift));
         let near = starts.map(|body| Extent::around(self.ends(body)[0], self.radii[body]));
         let room = near.fold(others, Extent::with).grown(0.3 * others.size());
         shown.extend(self.paths(escaped.iter().copied()).filter(|(place, _)| room.contains(*place)));
@@ -214,23 +230,35 @@ impl Survey {
     /// Whether all bodies of a group fall or fly away from the others.
     fn escapes(&self, at: usize, left: &[&Group]) -> bool {
         let Some(others) = self.extent_of(left, Some(at)) else { return false };
+        let [start, end] = [0, 1].map(|end| self.velocity_of(left, Some(at), end));
         let has_gone = |body: &usize| {
             let [first, last] = self.ends(*body);
             // What was beside the others at the start is a measure of the scene too, so that a film about a single ball and a
             // small fixed one shows the ball.
             let with_start = others.with(Extent::around(first, self.radii[*body])).size();
-            let size = if self.is_gone(*body, 0, others, others.size()) { others.size() } else { with_start };
-            !last.is_finite() || self.is_gone(*body, 1, others, size)
+            let size = if self.is_gone(*body, 0, others, others.size(), start) { others.size() } else { with_start };
+            !last.is_finite() || self.is_gone(*body, 1, others, size, end)
         };
         !left[at].held && left[at].bodies.iter().all(has_gone)
     }
 
-    /// Whether a body, at the start (0) or at the end (1), is far from others of this size and leaves them.
-    fn is_gone(&self, body: usize, end: usize, others: Extent, size: f32) -> bool {
+    /// Whether a body, at the start (0) or at the end (1), is far from others of this size and mean velocity, and leaves them.
+    fn is_gone(&self, body: usize, end: usize, others: Extent, size: f32, drift: Vec3) -> bool {
         let place = self.ends(body)[end];
         let beside = others.to(place);
-        let room = if beside.dot(self.down) > 0.7 * beside.length() { FALLEN } else { FLOWN };
-        beside.length() > room * size && leaves(others, place, self.velocities[body][end])
+        // Above a static object, a body may still fall onto it.
+        let has_fallen = beside.dot(self.down) > 0.7 * beside.length() && !(place.y >= self.lowest && self.lowest.is_finite());
+        let room = if has_fallen { FALLEN } else { FLOWN };
+        beside.length() > room * size && leaves(others, place, self.velocities[body][end] - drift)
+    }
+
+    /// The mean velocity of the moving bodies of some groups at the start (0) or at the end (1), without one of the groups.
+    fn velocity_of(&self, groups: &[&Group], without: Option<usize>, end: usize) -> Vec3 {
+        let groups = groups.iter().enumerate().filter(|(at, _)| Some(*at) != without).map(|(_, group)| *group);
+        let bodies = groups.flat_map(|group| &group.bodies).filter(|body| !self.fixed[**body]);
+        let (sum, count) =
+            bodies.fold((Vec3::ZERO, 0_u16), |(sum, count), body| (sum + self.velocities[*body][end], count + 1));
+        sum / f32::from(count.max(1))
     }
 
     /// Extent of the paths of some groups and the anchors, without one of the groups.

@@ -29,6 +29,7 @@ impl Shot {
             look_at: arguments.look_at.map(Into::into),
             follow: arguments.follow.as_ref().map(|what| what.of(scene, "--follow")).transpose()?,
             orbit: arguments.orbit.unwrap_or(0.0).to_radians(),
+            room_above: arguments.captions.overlay().room_above(arguments.layout().scene()[1]),
         };
         let same = || Failure::usage("--camera and --look-at are the same point, expected two different points");
         let shot = film::Shot::new(&view, survey, scene, width / height)?.ok_or_else(same)?;

@@ -39,6 +39,7 @@ impl Captions {
             arrows: self.arrows,
             arrow_key: None,
             trails: self.trails.unwrap_or(0.0),
+            dark: false,
         }
     }
 }

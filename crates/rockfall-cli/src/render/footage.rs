@@ -7,9 +7,11 @@ use rockfall_viewer::draw::{Renderer, Style};
 use rockfall_viewer::film::{Moment, Player, Timing};
 use rockfall_viewer::survey::Survey;
 
+use super::At;
 use crate::aftermath;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::options::as_written;
 use crate::progress::Progress;
 
 /// The states that a picture or a film shows.
@@ -51,16 +53,16 @@ impl Footage {
         }
     }
 
-    /// Goes to the first state: after `at` steps, or at step `at` of a trajectory. `None` is the start. `look` is called with states
+    /// Goes to the first state: after the steps or the time `at`, or to the step or the time `at` of a trajectory. `None` is the start. `look` is called with states
     /// before it, and their times.
     pub(super) fn go_to(
         &mut self,
-        at: Option<u64>,
+        at: Option<At>,
         past: Past,
         mut look: impl FnMut(&mut Simulation, f64) -> rockfall::Result<()>,
     ) -> Result<(), Failure> {
         match self {
-            Self::Live(live) => live.go_to(at.unwrap_or(0), past, &mut look),
+            Self::Live(live) => live.go_to(at.map_or(0, |at| live.steps_to(at)), past, &mut look),
             Self::Recorded(recorded) => recorded.go_to(at, past, &mut look),
         }
     }
@@ -181,6 +183,14 @@ impl Live {
         moved.map(drop).map_err(|error| Failure::of(error, self.simulation.scene()))
     }
 
+    /// The number of steps to a moment.
+    fn steps_to(&self, at: At) -> u64 {
+        match at {
+            At::Step(step) => step,
+            At::Time(time) => (time / as_written(self.dt)).round() as u64,
+        }
+    }
+
     /// Runs the steps before the first state.
     fn go_to(&mut self, at: u64, past: Past, look: Look<'_>) -> Result<(), Failure> {
         let mut progress = Progress::new(at);
@@ -282,13 +292,19 @@ impl Recorded {
         Moment { step: frame as u64, blend: if blend < 1e-4 { 0.0 } else { blend as f32 } }
     }
 
-    fn go_to(&mut self, at: Option<u64>, past: Past, look: Look<'_>) -> Result<(), Failure> {
-        let [first, last] = self.ends().map(|end| end.step);
-        let at = at.unwrap_or(first);
-        if !(first..=last).contains(&at) {
-            return Err(self.outside(&format!("--at {at}"), first, last));
-        }
-        self.start = self.moment_of(at as f64, |frame| frame.step as f64);
+    fn go_to(&mut self, at: Option<At>, past: Past, look: Look<'_>) -> Result<(), Failure> {
+        let [first, last] = self.ends();
+        self.start = match at.unwrap_or(At::Step(first.step)) {
+            At::Step(step) if (first.step..=last.step).contains(&step) => {
+                self.moment_of(step as f64, |frame| frame.step as f64)
+            }
+            At::Time(time) if (first.time..=last.time).contains(&time) => self.moment_of(time, |frame| frame.time),
+            At::Step(step) => return Err(self.outside(&format!("--at {step}"), first.step, last.step)),
+            At::Time(time) => {
+                let (name, from, to) = (&self.name, first.time, last.time);
+                return Err(Failure::usage(format!("--at {time}s: {name} has the times {from} to {to} s")));
+            }
+        };
         let start = self.start.step as usize;
         let oldest = self.reader.moments()[start].time - past.trails;
         let trails = self.reader.moments()[..start].iter().filter(|frame| frame.time >= oldest).count();

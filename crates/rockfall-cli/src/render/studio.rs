@@ -46,7 +46,8 @@ impl Studio {
         for (object, tag) in colours::apply(&arguments.colour, simulation.scene(), &mut style)? {
             simulation.set_tag(object, tag)?;
         }
-        let overlay = arguments.captions.overlay();
+        let mut overlay = arguments.captions.overlay();
+        overlay.dark = style.background.is_dark();
         renderer.set_overlay(&overlay);
         let scene = footage.simulation().scene();
         let find = |name: &str| Named::parse(name).map_err(Failure::usage)?.of(scene, "--plot");
@@ -63,7 +64,8 @@ impl Studio {
         let mut file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?;
         self.go_to_start(arguments, false)?;
         let simulation = self.footage.simulation();
-        let survey = Survey::new(simulation.sync()?);
+        let mut survey = Survey::new(simulation.sync()?);
+        survey.add_trails(self.renderer.motion().past());
         let shot = Shot::new(arguments, &survey, simulation)?;
         let camera = shot.at(0.0, None);
         self.renderer.start_from(simulation);

@@ -140,6 +140,7 @@ fn wrong_arguments_have_a_tip_that_helps() {
         ("run scene.txt --set gravity 9.81", "tip: a constant is set with NAME=VALUE: '--set gravity=9.81'"),
         ("scene.txt", "tip: to run this scene, use 'rockfall run scene.txt'"),
         ("missing.txt", "tip: to run this scene, use 'rockfall run missing.txt'"),
+        ("render scene.txt --out a.png --look wood", "tip: looks are in the scene: a line '@look wood' above the objects"),
         ("run scene.txt -every 1", "tip: options of several letters begin with two dashes: '--every'"),
         ("run scene.txt --seteps 1", "tip: a similar argument exists: '--steps'"),
     ];

@@ -142,6 +142,8 @@ fn the_last_picture_of_a_film_shows_the_last_step() {
     folder.render(&format!("--out all/ --steps 10 --fps 30 {camera}"), 0);
     folder.render(&format!("--out last.png --at 10 {camera}"), 0);
     assert_eq!(folder.picture("all/0006.png"), folder.picture("last.png"));
+    folder.render(&format!("--out last.png --at 0.2s {camera}"), 0);
+    assert_eq!(folder.picture("all/0006.png"), folder.picture("last.png"), "10 steps of 0.02 s");
     folder.render(&format!("--out next.png --at 9 {camera}"), 0);
     assert_ne!(folder.picture("all/0006.png"), folder.picture("next.png"));
 }
@@ -158,8 +160,10 @@ fn films_of_trajectories_show_the_recorded_states() {
         // Without --steps, to its end.
         assert_eq!(folder.film(out, &format!("--fps 10 {camera}")), live, "{out}");
         assert_eq!(folder.film(out, &format!("--fps 10 --at 10 --steps 5 {camera}")), live[2..4], "{out}");
-        folder.rockfall(&format!("render {out} --at 15 --out a.png --size 96x64 {camera}"), 0);
-        assert_eq!(folder.picture("a.png").0, live[3], "{out}");
+        for at in ["15", "0.3s"] {
+            folder.rockfall(&format!("render {out} --at {at} --out a.png --size 96x64 {camera}"), 0);
+            assert_eq!(folder.picture("a.png").0, live[3], "{out} {at}");
+        }
     }
     // Between two frames, bodies are between their places in the frames.
     let between = folder.film("run.npz", &format!("--fps 20 {camera}"));
@@ -169,6 +173,8 @@ fn films_of_trajectories_show_the_recorded_states() {
         ("run.npz --dt 0.1 --out x.gif", "--dt: run.npz is a trajectory"),
         ("run.npz --set gravity=1 --out x.gif", "--set: run.npz is a trajectory"),
         ("run.npz --at 21 --out x.png", "run.npz has the steps 0 to 20"),
+        ("run.npz --at 9s --out x.png", "--at 9s: run.npz has the times 0 to 0.4 s"),
+        ("run.npz --at=-1s --out x.png", "expected a whole number of steps, or a time in s as in 0.5s"),
         ("run.npz --at 5 --steps 16 --out x.gif", "run.npz has the steps 0 to 20"),
     ] {
         let err = folder.rockfall(&format!("render {arguments}"), 2);
@@ -400,7 +406,8 @@ fn mp4_needs_ffmpeg_and_reports_when_it_is_missing_or_fails() {
     let arguments = fs::read_to_string(folder.path("arguments")).unwrap();
     assert!(arguments.contains("-c:v libvpx-vp9") && arguments.contains("-f webm"), "{arguments}");
     fs::remove_file(folder.path("a.WebM")).unwrap();
-    run(0);
+    let err = run(0);
+    assert!(err.contains("--size 65x47: this format needs even sides, so the film has 66x48"), "{err}");
     fs::remove_file(folder.path("arguments")).unwrap();
     // The codecs need even sides.
     assert_eq!(fs::read_to_string(folder.path("a.mp4")).unwrap().trim(), (6 * 66 * 48 * 3).to_string());

@@ -11,16 +11,17 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy.typing as npt
 
-from rockfall._filming import Shot, rehearsed, watched
+from rockfall._filming import Shot, played, rehearsed, watched
 from rockfall._look import look
 from rockfall._picture import Picture
 from rockfall.typing import ColourName
 
 if TYPE_CHECKING:
     from rockfall._simulation import Simulation
+    from rockfall._trajectory import Trajectory
     from rockfall._worlds import Worlds
 
-    Filmed = TypeVar("Filmed", Simulation, Worlds)
+    Filmed = TypeVar("Filmed", Simulation, Worlds, Trajectory)
 
 #: Most pictures per second of a GIF, whose times are in hundredths of a second.
 _GIF_FPS = 50
@@ -118,7 +119,7 @@ class Film:
 
 def film(
     sim: Filmed,
-    steps: int,
+    steps: int | None = None,
     fps: int = 25,
     *,
     speed: float = 1.0,
@@ -127,7 +128,7 @@ def film(
     range: tuple[float, float] | None = None,
     camera: npt.ArrayLike | None = None,
     look_at: npt.ArrayLike | None = None,
-    follow: int | None = None,
+    follow: int | str | None = None,
     orbit: float = 0.0,
     view: str | None = None,
     plain: bool = False,
@@ -142,17 +143,19 @@ def film(
     world: int | None = None,
     progress: bool = False,
 ) -> Film:
-    """Run steps of a simulation or of worlds and film them.
+    """Run steps of a simulation or of worlds and film them, or film a trajectory.
 
-    The simulation is then in the same state as after ``sim.run(steps)``. Pictures between two steps show positions in between.
+    The simulation is then in the same state as after ``sim.run(steps)``. Pictures between two steps, or between two frames of a
+    trajectory, show positions in between.
     :func:`rockfall.gym.film` films an environment of Gymnasium.
 
     Parameters
     ----------
-    sim : Simulation or Worlds
-        The simulation, or the worlds, of which all advance. The film starts in the current state.
-    steps : int
-        Number of steps.
+    sim : Simulation, Worlds or Trajectory
+        The simulation, or the worlds, of which all advance. The film starts in the current state. Or a trajectory, all of which is
+        shown: ``film(trajectory[20:])`` begins with frame 20.
+    steps : int, optional
+        Number of steps; none for a trajectory.
     fps : int
         Pictures per second, up to 1000.
     speed : float
@@ -167,8 +170,8 @@ def film(
         Position of the camera, in units; by default chosen so that all that happens is in view.
     look_at : array_like, shape (3,), optional
         Point in the middle of the pictures, in units.
-    follow : int, optional
-        Number of a sphere that stays in the middle of the pictures, instead of ``look_at``.
+    follow : int or str, optional
+        Number of a sphere, or a name in the scene, that stays in the middle of the pictures, instead of ``look_at``.
     orbit : float
         Turns the camera around the middle of the pictures, in degrees per second of film.
     view : str, optional
@@ -188,8 +191,9 @@ def film(
     trails : float
         Length of the trails of the spheres, in s of the simulation.
     plot : str or sequence of str
-        Quantities over time beside the picture: ``"energy"``, ``"contacts"``, or height, speed, x, y or z of bodies by their names
-        or numbers, as in ``"height:left,right"``, or the size of the force on walls by the names of gauges, as in ``"gauge:weight"``.
+        Quantities over time beside the picture: ``"energy"``, ``"kinetic"``, ``"potential"``, ``"momentum"``, ``"contacts"``, or
+        height, speed, x, y, z, vx, vy or vz of bodies by their names or numbers, as in ``"height:left,right"``, or the size of the
+        force on walls by the names of gauges, as in ``"gauge:weight"``.
     on_step : callable, optional
         ``on_step(sim)`` is called after every step, for example to set forces. The steps are then run once.
     world : int, optional
@@ -240,11 +244,17 @@ def _taken(
 ) -> tuple[Any, Shot]:
     """The native film of a simulation or of a world."""
     from rockfall._simulation import Simulation
+    from rockfall._trajectory import Trajectory
     from rockfall._worlds import Worlds
 
+    if isinstance(sim, Trajectory):
+        return _of_trajectory(sim, shown, timing, on_step, world, progress)
     if not isinstance(sim, (Simulation, Worlds)):
-        raise TypeError(f"sim: expected a rockfall.Simulation or rockfall.Worlds, got {type(sim).__name__}")
+        expected = "a rockfall.Simulation, rockfall.Worlds or rockfall.Trajectory"
+        raise TypeError(f"sim: expected {expected}, got {type(sim).__name__}")
     steps, fps, *others = timing
+    if steps is None:
+        raise TypeError("steps: expected the number of steps, got None")
     shot = Shot.checked(shown, steps, sim.dt, fps, *others)
     if on_step is not None and not callable(on_step):
         raise TypeError(f"on_step: expected a function, got {type(on_step).__name__}")
@@ -258,6 +268,23 @@ def _taken(
         return watched(sim, sim._committed, shot, on_step, progress), shot
     sim._check()
     return rehearsed(sim._committed(), shot, progress), shot
+
+
+def _of_trajectory(
+    trajectory: Trajectory, shown: dict[str, Any], timing: tuple[Any, ...], on_step: Any, world: Any, progress: bool
+) -> tuple[Any, Shot]:
+    """The native film of a trajectory, whose steps are its frames."""
+    from rockfall._trajectory import Shown
+
+    steps, fps, *others = timing
+    for name, value in (("steps", steps), ("on_step", on_step), ("world", world)):
+        if value is not None:
+            raise TypeError(f"{name}: expected None for a Trajectory, which has its steps; trajectory[20:40] is a part of it")
+    states = Shown(trajectory)
+    if not states.interval > 0.0:
+        raise ValueError("trajectory: expected frames at several times")
+    shot = Shot.checked(shown, len(trajectory) - 1, states.interval, fps, *others)
+    return played(states, len(trajectory), shot, progress), shot
 
 
 def _of_world(worlds: Worlds, world: int, shot: Shot, on_step: Callable[[Any], object] | None, progress: bool) -> Any:

@@ -12,6 +12,10 @@ from rockfall._look import number
 from rockfall._progress import Progress
 
 
+#: About the number of frames of a trajectory from which the camera is chosen.
+_SURVEYED = 200
+
+
 @dataclass(frozen=True)
 class Shot:
     """What a film shows, and when."""
@@ -21,7 +25,7 @@ class Shot:
     dt: float
     fps: int
     speed: float
-    follow: int | None
+    follow: int | str | None
     orbit: float
 
     @classmethod
@@ -35,7 +39,8 @@ class Shot:
         pace, turn = number("speed", speed, positive=True), number("orbit", orbit)
         if follow is not None and look["look_at"] is not None:
             raise ValueError("look_at, follow: expected only one of them")
-        return cls(look, count, dt, rate, pace, None if follow is None else whole("follow", follow), turn)
+        followed = follow if follow is None or isinstance(follow, str) else whole("follow", follow)
+        return cls(look, count, dt, rate, pace, followed, turn)
 
     def stretched(self, factor: int) -> Shot:
         """The same shot of ``factor`` times as many steps."""
@@ -59,6 +64,23 @@ def rehearsed(simulation: Any, shot: Shot, progress: bool) -> Any:
         while filming.take(simulation):
             bar.advance(1)
     return filming.finish(simulation)
+
+
+def played(states: Any, frames: int, shot: Shot, progress: bool) -> Any:
+    """Films a trajectory with this number of frames. ``states`` gives its states to a native simulation."""
+    states.show(0)
+    filming = shot.begin(states.native, live=True)
+    for frame in range(0, frames, max(1, frames // _SURVEYED)):
+        states.show(frame)
+        filming.look(states.native)
+    with Progress(frames if progress else None, "frame") as bar:
+        seen = 0
+        while (due := filming.due()) is not None:
+            states.show_interval(due)
+            filming.see(states.native, due)
+            bar.advance(due - seen)
+            seen = due
+    return filming.end()
 
 
 class Live:

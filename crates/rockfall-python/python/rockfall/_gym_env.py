@@ -77,7 +77,7 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
     render_size : (int, int)
         Width and height of the pictures, in pixels.
     backend, integrator
-        As for :class:`rockfall.Worlds`.
+        As for :class:`rockfall.Worlds`; but "auto" is the CPU for a single environment of up to 64 spheres and rods.
 
     Raises
     ------
@@ -362,15 +362,24 @@ class WorldEnv(gymnasium.Env[FloatArray, FloatArray]):
         return None if pictures is None else pictures[0]
 
 
+#: Number of spheres and rods up to which "auto" is the CPU for a single environment, as for a Simulation.
+_SMALL = 64
+
+
 def _worlds(bodies: Any, num_envs: Any, dt: float, backend: BackendName, integrator: IntegratorName) -> Worlds:
-    if bodies is None or isinstance(bodies, Scene):
+    bodies = walker() if bodies is None else bodies
+    is_single = isinstance(bodies, Scene) and num_envs in (None, 1)
+    if backend == "auto" and is_single and bodies.counts.spheres + bodies.counts.rods <= _SMALL:
+        # It needs no graphics device, which a forked process could not use.
+        backend = "cpu"
+    if isinstance(bodies, Scene):
         count = 1 if num_envs is None else whole("num_envs", num_envs, least=1)
-        return Worlds(walker() if bodies is None else bodies, dt, count=count, backend=backend, integrator=integrator)
+        return Worlds(bodies, dt, count=count, backend=backend, integrator=integrator)
+    if isinstance(bodies, Sequence) and not bodies:
+        raise ValueError("bodies: expected at least one Scene")
     worlds = Worlds(bodies, dt, backend=backend, integrator=integrator)
     if num_envs is not None and num_envs != len(worlds):
         raise ValueError(f"num_envs: expected the number of bodies, {len(worlds)}, got {num_envs}")
-    if len(worlds) == 0:
-        raise ValueError("bodies: expected at least one Scene")
     return worlds
 
 

@@ -162,7 +162,8 @@ class Scene(Objects):
         return list(self._native.warnings())
 
     def check(self, dt: float | None = None, integrator: IntegratorName = "auto") -> list[str]:
-        """Warnings about a time step (in s) or constants that do not suit the scene, and about bodies that overlap.
+        """Warnings about a time step (in s) or constants that do not suit the scene, about bodies that overlap, and about bodies
+        that nothing holds and that fall for ever.
 
         Without a time step, that of :attr:`run` is checked, or 0.02 s.
 

@@ -123,8 +123,19 @@ class Settings(Strict):
                 raise AttributeError(f"{name}: {hint(name, SETTINGS)}")
             setattr(self, name, value)
 
+    def __reduce__(self) -> Any:
+        # The copy belongs to no scene.
+        return (_settings, ({name: _rockfall.get_setting(self._native, name) for name in SETTINGS},))
+
     def __repr__(self) -> str:
         return "Settings(" + ", ".join(f"{name}={value}" for name, value in self.items()) + ")"
+
+
+def _settings(texts: dict[str, str]) -> Settings:
+    native = _rockfall.Scene()
+    for name, text in texts.items():
+        _rockfall.set_setting(native, name, text)
+    return Settings(native)
 
 
 def _add_property(name: str, default: str, unit: str, doc: str) -> None:

@@ -449,9 +449,9 @@ class Simulation(Stored, LawTable, ContactLawOf):
         arrows : str, optional
             What an arrow at every sphere shows, with a key: velocity, force or gravity.
         plot : str or sequence of str
-            Quantities over time beside the picture, as in :func:`rockfall.film`: ``"energy"``, ``"contacts"``, or height, speed, x, y
-            or z of bodies by their names or numbers, as in ``"height:left,right"``, or the size of the force on walls by the names of
-            gauges, as in ``"gauge:weight"``. A simulation keeps no values of the past: the lines
+            Quantities over time beside the picture, as in :func:`rockfall.film`, such as ``"energy"``, the height of bodies by
+            their names or numbers, as in ``"height:left,right"``, or the size of the force on walls by the names of gauges, as in
+            ``"gauge:weight"``. A simulation keeps no values of the past: the lines
             go through this state and those of the pictures with the same plots before.
 
         Raises

@@ -8,6 +8,7 @@ import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, cast, overload
 
+from rockfall._attributes import hint
 from rockfall._info import devices
 from rockfall._progress import Progress
 from rockfall._workers import SweepError, call, failed, on_processes, script_of, stop_if_reading
@@ -23,7 +24,7 @@ _NEEDS_CLOUDPICKLE = "functions of a notebook, and functions in functions, need 
 class SweepResult(Sequence[dict[str, Any]]):
     """Parameters and results of all runs of a sweep, in the order of the parameters.
 
-    A row is a dict with the parameters of a run followed by its results.
+    A row is a dict with the parameters of a run followed by its results. ``result["y"]`` is the list of one of them in all runs.
     """
 
     def __init__(self, rows: list[dict[str, Any]]) -> None:
@@ -38,7 +39,15 @@ class SweepResult(Sequence[dict[str, Any]]):
     @overload
     def __getitem__(self, index: slice) -> SweepResult: ...
 
-    def __getitem__(self, index: int | slice) -> dict[str, Any] | SweepResult:
+    @overload
+    def __getitem__(self, index: str) -> list[Any]: ...
+
+    def __getitem__(self, index: int | slice | str) -> dict[str, Any] | SweepResult | list[Any]:
+        if isinstance(index, str):
+            columns = self.columns()
+            if index not in columns:
+                raise KeyError(f"{index}: {hint(index, columns)}")
+            return columns[index]
         return SweepResult(self._rows[index]) if isinstance(index, slice) else self._rows[index]
 
     def __repr__(self) -> str:

@@ -14,10 +14,15 @@ import numpy as np
 from rockfall import _rockfall
 from rockfall._arrays import FloatArray, whole
 from rockfall._attributes import Strict
+from rockfall._look import look
+from rockfall._picture import Picture
 from rockfall._scene import Scene
 from rockfall._tables import needed
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from rockfall._options import PictureOptions
     from rockfall._simulation import Simulation
 
 _ARRAYS = ("positions", "velocities", "orientations", "angular_momenta")
@@ -118,7 +123,8 @@ class Trajectory(Strict, Sequence[Frame]):
     """A trajectory file, ``.npz`` or ``.pvd``, as a sequence of frames that are read when they are used.
 
     ``trajectory[-1]`` is a frame, and ``trajectory[::10]`` a trajectory of every tenth one. :attr:`positions` and the other arrays
-    hold all frames at once.
+    hold all frames at once, and ``trajectory["y"]`` one of the columns of :meth:`to_pandas`, of shape (T, N). :meth:`render` draws a
+    frame, and :func:`rockfall.film` films a trajectory.
 
     Raises
     ------
@@ -196,6 +202,53 @@ class Trajectory(Strict, Sequence[Frame]):
         places = {"time": self.times, "step": ("time", self.steps), "axis": list("xyz"), "component": list("wxyz")}
         return xarray.Dataset(arrays, coords=places)
 
+    def _column(self, name: str) -> FloatArray:
+        """A column of the tables in all frames."""
+        for field, names in enumerate(_COLUMNS):
+            if name in names:
+                column: FloatArray = self._stack(field, len(names))[:, :, names.index(name)]
+                return column
+        known = [name for names in _COLUMNS for name in names]
+        raise KeyError(f"{name}: expected one of {', '.join(known)}")
+
+    def render(
+        self,
+        size: tuple[int, int] = (1280, 720),
+        *,
+        frame: int = -1,
+        **options: Unpack[PictureOptions],
+    ) -> Picture:
+        """Draw a frame. The picture shows itself in a notebook.
+
+        Parameters
+        ----------
+        size : (int, int)
+            Width and height, in pixels.
+        frame : int
+            Number of the frame; by default the last one.
+        **options
+            As for :meth:`Worlds.render`. :func:`rockfall.film` also has trails and plots.
+
+        Raises
+        ------
+        IndexError
+            For a frame that does not exist.
+        ValueError, LookupError, SimulationError
+            As for :meth:`Simulation.render`.
+        """
+        shown = look(size, **options)
+        shot = Shown(self)
+        shot.show(self._index(frame))
+        return Picture(_rockfall.Studio().take(shot.native, shown, True))
+
+    def _index(self, index: int) -> int:
+        """The place of a frame, counted from the first one."""
+        place = index.__index__()
+        place += len(self) if place < 0 else 0
+        if not 0 <= place < len(self):
+            raise IndexError(f"frame {index} does not exist: the trajectory has {len(self)} frames")
+        return place
+
     def _arrays(self) -> dict[str, FloatArray]:
         frames = [self._native.frame(place) for place in self._places]
         if not frames:
@@ -211,16 +264,17 @@ class Trajectory(Strict, Sequence[Frame]):
     @overload
     def __getitem__(self, index: slice) -> Trajectory: ...
 
-    def __getitem__(self, index: int | slice) -> Frame | Trajectory:
+    @overload
+    def __getitem__(self, index: str) -> FloatArray: ...
+
+    def __getitem__(self, index: int | slice | str) -> Frame | Trajectory | FloatArray:
+        if isinstance(index, str):
+            return self._column(index)
         if isinstance(index, slice):
             part = Trajectory.__new__(Trajectory)
             part._path, part._native, part._all, part._places = self._path, self._native, self._all, self._places[index]
             return part
-        place = index.__index__()
-        place += len(self) if place < 0 else 0
-        if not 0 <= place < len(self):
-            raise IndexError(f"frame {index} does not exist: the trajectory has {len(self)} frames")
-        number = self._places[place]
+        number = self._places[self._index(index)]
         return Frame(*self._all[number], *self._native.frame(number))
 
     def __iter__(self) -> Iterator[Frame]:
@@ -230,3 +284,35 @@ class Trajectory(Strict, Sequence[Frame]):
         times = self.times
         ends = f" from {times[0]:g} to {times[-1]:g} s" if times else ""
         return f"<rockfall.Trajectory {self._path!r}: {len(self)} frames{ends}>"
+
+
+class Shown:
+    """A simulation that takes the states of a trajectory, to draw them."""
+
+    def __init__(self, trajectory: Trajectory) -> None:
+        from rockfall._simulation import Simulation
+
+        if len(trajectory) == 0:
+            raise ValueError("trajectory: expected at least one frame")
+        self._trajectory = trajectory
+        steps, times = trajectory.steps, trajectory.times
+        #: Mean time between two frames, in s.
+        self.interval = (times[-1] - times[0]) / (len(times) - 1) if len(times) > 1 else 0.0
+        passed = steps[-1] - steps[0]
+        # Forces of collisions depend on the time step.
+        dt = (times[-1] - times[0]) / passed if passed > 0 and times[-1] > times[0] else None
+        self.native = Simulation(trajectory.scene, dt, backend="cpu", check=False)._native
+
+    def show(self, frame: int, blend: float = 0.0) -> None:
+        """Shows the state at a frame, or between it and the next one."""
+        places = self._trajectory._places
+        self._trajectory._native.show(self.native, places[frame], places[min(frame + 1, len(places) - 1)], blend)
+
+    def show_interval(self, number: int) -> None:
+        """Shows the state after a number of mean intervals."""
+        times = self._trajectory.times
+        time = times[0] + number * self.interval
+        frame = min(max(int(np.searchsorted(times, time + 1e-6 * self.interval, side="right")) - 1, 0), len(times) - 1)
+        after = times[min(frame + 1, len(times) - 1)]
+        blend = (time - times[frame]) / (after - times[frame]) if after > times[frame] else 0.0
+        self.show(frame, float(np.clip(blend, 0.0, 1.0)) if blend > 1e-6 else 0.0)

@@ -98,7 +98,7 @@ def film(
     seed: int | None = None,
     size: tuple[int, int] = (1280, 720),
     speed: float = 1.0,
-    follow: int | None = None,
+    follow: int | str | None = None,
     orbit: float = 0.0,
     trails: float = 0.0,
     progress: bool = False,

@@ -6,7 +6,9 @@ use rockfall::glam::Vec3;
 use rockfall::{Result, Scene, Simulation, Sphere, SphereDiagnostics, SphereId};
 
 use crate::draw::range::{RecentPercentile, percentile};
+use crate::palette::Rgb;
 use crate::plot::Plots;
+use crate::tags::colour_of;
 
 /// Number of spheres that have trails. In larger scenes only some have.
 const MOST_TRAILS: usize = 1000;
@@ -77,7 +79,9 @@ pub struct Motion {
     /// How much the state before is shown, from 0 to 1.
     back: f32,
     labels: Vec<String>,
-    /// [`Scene::tag_changes`] of the labels.
+    /// Radii, and colours that the scene gives, of all spheres.
+    looks: Vec<(f32, Option<Rgb>)>,
+    /// [`Scene::tag_changes`] of the labels and colours.
     tag_changes: u64,
     recent: RecentPercentile,
     past: VecDeque<State>,
@@ -127,6 +131,7 @@ impl Motion {
         }
         if self.labels.len() != self.now.places.len() || self.tag_changes != scene.tag_changes() {
             (self.labels, self.tag_changes) = (labels(scene), scene.tag_changes());
+            self.looks = scene.sphere_ids().zip(scene.spheres()).map(|(id, it)| (it.radius, colour_of(scene, id))).collect();
         }
         Ok(())
     }
@@ -206,8 +211,11 @@ impl Motion {
         self.places().zip(arrows)
     }
 
-    pub(crate) fn labels(&self) -> impl Iterator<Item = (Vec3, &str)> {
-        self.places().zip(&self.labels).map(|(place, label)| (place, label.as_str())).filter(|(_, label)| !label.is_empty())
+    /// Places, radii and texts.
+    pub(crate) fn labels(&self) -> impl Iterator<Item = (Vec3, f32, &str)> {
+        let labels = self.labels.iter().map(String::as_str).zip(&self.looks);
+        let all = self.places().zip(labels).map(|(place, (label, (radius, _)))| (place, *radius, label));
+        all.filter(|(.., label)| !label.is_empty())
     }
 
     /// A round number above the 99th percentile of the lengths of the arrows of the last states.
@@ -215,28 +223,35 @@ impl Motion {
         self.recent.range()[1]
     }
 
-    /// The lines between past places, with their age from 0 to 1, the oldest first.
-    pub(crate) fn trails(&self) -> impl Iterator<Item = ([Vec3; 2], f32)> {
+    /// The places of the spheres in the states of the trails, the oldest first.
+    pub fn past(&self) -> impl Iterator<Item = &[Vec3]> {
+        self.past.iter().map(|state| state.places.as_slice())
+    }
+
+    /// The lines between past places, with their age from 0 to 1 and the colour that the scene gives to the sphere, the oldest first.
+    pub(crate) fn trails(&self) -> impl Iterator<Item = ([Vec3; 2], f32, Option<Rgb>)> {
         let (end, seconds) = (self.time(), self.seconds.max(f64::MIN_POSITIVE));
         let pairs = self.past.iter().zip(self.past.iter().skip(1));
         pairs.flat_map(move |(from, to)| {
             let age = ((end - to.time) / seconds).clamp(0.0, 1.0) as f32;
             let stride = to.places.len().div_ceil(MOST_TRAILS).max(1);
-            let ends = from.places.iter().zip(&to.places).step_by(stride).filter(|(from, to)| from != to);
-            ends.map(move |(from, to)| ([*from, *to], age))
+            let ends = from.places.iter().zip(&to.places).enumerate().step_by(stride).filter(|(_, (from, to))| from != to);
+            ends.map(move |(body, (from, to))| ([*from, *to], age, self.looks.get(body).and_then(|(_, colour)| *colour)))
         })
     }
 }
 
-/// The texts beside the spheres: their labels, or else their numbers, which are references, or in a scene without references the
-/// order of addition. The label of a capsule is at its first end.
+/// The texts beside the spheres: their labels, or in a scene without labels their numbers, which are references, or in a scene
+/// without references the order of addition. The label of a capsule is at its first end.
 fn labels(scene: &Scene) -> Vec<String> {
     let has_references = scene.sphere_ids().any(|sphere| scene.reference(sphere).is_some());
     let label_of = |sphere: SphereId| scene.tag(sphere).ok().flatten()?.label.clone();
     let second: HashSet<SphereId> = scene.capsules().iter().map(|parts| parts.end2).collect();
+    let has_labels = scene.sphere_ids().any(|sphere| label_of(sphere).is_some());
     let label = |(index, sphere): (usize, SphereId)| match label_of(sphere) {
         Some(_) if second.contains(&sphere) => String::new(),
         Some(label) => label,
+        None if has_labels => String::new(),
         None if has_references => scene.reference(sphere).map_or_else(String::new, |reference| reference.to_string()),
         None => index.to_string(),
     };

@@ -12,6 +12,9 @@ use crate::draw::style::Style;
 use crate::draw::targets::{Bodies, Targets, fill};
 use crate::draw::timing::Pass;
 
+/// Opacity of a face that hides bodies.
+const PANE: f64 = 0.16;
+
 /// Vertices that a kind of object is drawn with.
 #[derive(Clone, Copy)]
 enum Shape {
@@ -121,14 +124,7 @@ impl Renderer {
             pass.draw(0..3, 0..1);
         }
         self.draw_glass(&mut pass, culls_hidden);
-        if self.step.layout.boxes > 0 {
-            pass.set_pipeline(&self.pipelines.box_edges);
-            pass.draw(0..36, 0..self.step.layout.boxes);
-        }
-        if self.step.layout.polygons > 0 {
-            pass.set_pipeline(&self.pipelines.polygon_edges);
-            pass.draw(0..6, 0..self.step.layout.polygons);
-        }
+        self.draw_hiding(&mut pass);
         if let Some((chains, count)) = self.chains.drawn() {
             pass.set_pipeline(&self.pipelines.chains);
             pass.set_vertex_buffer(0, chains.slice(..));
@@ -164,6 +160,20 @@ impl Renderer {
         self.cull.draw(pass, List::Near);
         if culls_hidden {
             self.cull.draw(pass, List::SecondNear);
+        }
+    }
+
+    /// Draws the boxes and polygons that hide bodies: translucent faces, then edges.
+    fn draw_hiding(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_blend_constant(wgpu::Color { r: PANE, g: PANE, b: PANE, a: PANE });
+        let Pipelines { hiding_boxes, hiding_polygons, .. } = &self.pipelines;
+        for (pipelines, vertices, count) in
+            [(hiding_boxes, 36, self.step.layout.boxes), (hiding_polygons, 6, self.step.layout.polygons)]
+        {
+            for pipeline in pipelines.iter().filter(|_| count > 0) {
+                pass.set_pipeline(pipeline);
+                pass.draw(0..vertices, 0..count);
+            }
         }
     }
 

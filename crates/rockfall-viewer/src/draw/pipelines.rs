@@ -34,6 +34,8 @@ enum RenderTarget {
     Ground,
     /// The same, blended over the bodies, with depth test but without writing depth: edges and glass.
     Edges,
+    /// The same with a constant opacity.
+    Panes,
     /// The same, over everything, without depth test.
     Chains,
     /// The shadow map.
@@ -62,8 +64,9 @@ pub(crate) struct Pipelines {
     pub(crate) anchors: Kind,
     pub(crate) sky: wgpu::RenderPipeline,
     pub(crate) ground: wgpu::RenderPipeline,
-    pub(crate) box_edges: wgpu::RenderPipeline,
-    pub(crate) polygon_edges: wgpu::RenderPipeline,
+    /// The faces and the edges of boxes and polygons that hide bodies.
+    pub(crate) hiding_boxes: [wgpu::RenderPipeline; 2],
+    pub(crate) hiding_polygons: [wgpu::RenderPipeline; 2],
     pub(crate) chains: wgpu::RenderPipeline,
     /// Spheres of glass.
     pub(crate) glass_spheres: wgpu::RenderPipeline,
@@ -154,6 +157,13 @@ impl<'a> PipelineBuilder<'a> {
     }
 }
 
+/// Shows what lies behind through an opaque surface. The constant is the opacity.
+const PANE: wgpu::BlendComponent = wgpu::BlendComponent {
+    src_factor: wgpu::BlendFactor::Constant,
+    dst_factor: wgpu::BlendFactor::OneMinusConstant,
+    operation: wgpu::BlendOperation::Add,
+};
+
 impl RenderTarget {
     fn colour(self) -> Option<Option<wgpu::ColorTargetState>> {
         match self {
@@ -161,6 +171,11 @@ impl RenderTarget {
             Self::Ground | Self::Edges | Self::Chains => Some(Some(wgpu::ColorTargetState {
                 format: LIGHT_FORMAT,
                 blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })),
+            Self::Panes => Some(Some(wgpu::ColorTargetState {
+                format: LIGHT_FORMAT,
+                blend: Some(wgpu::BlendState { color: PANE, alpha: PANE }),
                 write_mask: wgpu::ColorWrites::ALL,
             })),
             Self::Shadows => None,
@@ -174,14 +189,14 @@ impl RenderTarget {
 
     fn depth(self) -> Option<wgpu::DepthStencilState> {
         let compare = match self {
-            Self::Bodies | Self::Ground | Self::Edges => wgpu::CompareFunction::Greater,
+            Self::Bodies | Self::Ground | Self::Edges | Self::Panes => wgpu::CompareFunction::Greater,
             Self::Sky | Self::Chains => wgpu::CompareFunction::Always,
             Self::Shadows => wgpu::CompareFunction::Less,
             Self::Texture(_) => return None,
         };
         Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
-            depth_write_enabled: Some(!matches!(self, Self::Sky | Self::Edges | Self::Chains)),
+            depth_write_enabled: Some(!matches!(self, Self::Sky | Self::Edges | Self::Panes | Self::Chains)),
             depth_compare: Some(compare),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
@@ -200,6 +215,12 @@ impl Pipelines {
         let glass = |topology, name: &str| {
             bodies.make(RenderTarget::Edges, topology, &format!("glass_{name}_vertex"), Some(&format!("{name}_surface")))
         };
+        let hiding = |name: &str| {
+            let surfaces =
+                [(RenderTarget::Panes, format!("{name}_surface")), (RenderTarget::Edges, "edges_surface".to_owned())];
+            let vertex = format!("{name}_edges_vertex");
+            surfaces.map(|(target, surface)| bodies.make(target, TriangleList, &vertex, Some(&surface)))
+        };
         Self {
             glass_spheres: listed.make(RenderTarget::Edges, TriangleStrip, "glass_sphere_vertex", Some("sphere_surface")),
             glass: [glass(TriangleStrip, "capsule"), glass(TriangleList, "box"), glass(TriangleList, "polygon")],
@@ -213,8 +234,8 @@ impl Pipelines {
             anchors: bodies.kind(TriangleStrip, "anchor", "sphere", true),
             sky: bodies.make(RenderTarget::Sky, TriangleList, "whole_picture", Some("sky")),
             ground: bodies.make(RenderTarget::Ground, TriangleList, "whole_picture", Some("ground")),
-            box_edges: bodies.make(RenderTarget::Edges, TriangleList, "box_edges_vertex", Some("edges_surface")),
-            polygon_edges: bodies.make(RenderTarget::Edges, TriangleList, "polygon_edges_vertex", Some("edges_surface")),
+            hiding_boxes: hiding("box"),
+            hiding_polygons: hiding("polygon"),
             chains: chained.make(RenderTarget::Chains, TriangleStrip, "chain_vertex", Some("chain_surface")),
             occlusion: occlusion.make(RenderTarget::Texture(OPENNESS_FORMAT), TriangleList, "whole_picture", Some("occlusion")),
             finish: finish.make(RenderTarget::Texture(format), TriangleList, "whole_picture", Some("finish")),

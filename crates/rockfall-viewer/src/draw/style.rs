@@ -106,6 +106,14 @@ pub struct Background {
     pub zenith: Rgb,
 }
 
+impl Background {
+    /// Whether dark lines could hardly be seen on it.
+    pub fn is_dark(&self) -> bool {
+        let brightness = |[red, green, blue]: Rgb| 0.3 * f32::from(red) + 0.6 * f32::from(green) + 0.1 * f32::from(blue);
+        brightness(self.horizon) < 90.0
+    }
+}
+
 impl Default for Background {
     fn default() -> Self {
         Self { horizon: [0xee, 0xf0, 0xf2], zenith: [0xc6, 0xd3, 0xe0] }

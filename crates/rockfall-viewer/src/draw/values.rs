@@ -1,6 +1,6 @@
 //! The values that the colours show, and the range of their scale.
 
-use rockfall::{ObjectId, Result, Scene, Simulation};
+use rockfall::{Result, Scene, Simulation};
 
 use crate::draw::motion::Arrows;
 use crate::draw::range::{RecentPercentile, percentile, percentile_in};
@@ -8,6 +8,7 @@ use crate::draw::style::{ColourBy, Range, Style};
 use crate::draw::{Motion, Renderer, palette};
 use crate::plot::{Graph, Plots};
 use crate::survey::Survey;
+use crate::tags::colour_of;
 
 /// Distance from the bodies of a scene up to which others count for the scale, divided by the extent of the bodies.
 const REGION: f32 = 2.0;
@@ -17,17 +18,11 @@ fn coded(colour: Option<palette::Rgb>) -> f32 {
     colour.map_or(0.0, |[r, g, b]| (1 + (u32::from(r) << 16) + (u32::from(g) << 8) + u32::from(b)) as f32)
 }
 
-/// The colour that the scene gives to an object, or else that of its look.
-fn given(scene: &Scene, id: impl Into<ObjectId>) -> Option<palette::Rgb> {
-    let tag = scene.tag(id).ok()??;
-    Some(tag.colour.or_else(|| tag.look?.colour())?.0)
-}
-
 /// The coded colours of rods, springs, boxes and polygons, each in insertion order.
 fn colours(scene: &Scene) -> Vec<f32> {
-    let rods = scene.rod_ids().map(|id| given(scene, id));
-    let springs = scene.spring_ids().map(|id| given(scene, id));
-    let statics = scene.box_ids().map(|id| given(scene, id)).chain(scene.polygon_ids().map(|id| given(scene, id)));
+    let rods = scene.rod_ids().map(|id| colour_of(scene, id));
+    let springs = scene.spring_ids().map(|id| colour_of(scene, id));
+    let statics = scene.box_ids().map(|id| colour_of(scene, id)).chain(scene.polygon_ids().map(|id| colour_of(scene, id)));
     rods.chain(springs).chain(statics).map(coded).collect()
 }
 
@@ -143,7 +138,7 @@ impl Renderer {
         }
         (self.colours_due, self.tag_changes) = (false, scene.tag_changes());
         let own = |index: usize| self.colours.get(index).copied().flatten();
-        let spheres = scene.sphere_ids().enumerate().map(|(index, id)| coded(own(index).or_else(|| given(scene, id))));
+        let spheres = scene.sphere_ids().enumerate().map(|(index, id)| coded(own(index).or_else(|| colour_of(scene, id))));
         let spheres: Vec<f32> = spheres.collect();
         self.buffers.set_colours(&self.queue, spheres.len(), &colours(scene));
         self.buffers.set_values(&self.queue, simulation, spheres.into_iter());

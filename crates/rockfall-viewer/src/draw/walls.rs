@@ -1,8 +1,8 @@
-//! Boxes and polygons between the camera and the bodies, like the near walls of a pit. They are not drawn, except for their
-//! edges.
+//! Boxes and polygons between the camera and the bodies, like the near walls of a pit. They are translucent. A floor or a ramp on
+//! which a body lies is not.
 
 use rockfall::glam::Vec3;
-use rockfall::{Cuboid, Look, Polygon, Scene};
+use rockfall::{Look, Polygon, Scene};
 
 use crate::block::Block;
 use crate::draw::looks::look;
@@ -17,15 +17,16 @@ const OUTLINE: usize = 8;
 const OUTLINE_RADIUS: f32 = 0.9;
 /// Height of the lower point of a body that has to be visible, above its lowest point and divided by its radius.
 const FOOT: f32 = 0.08;
-/// A box is a floor if its height divided by its width is less than this, or if more bodies lie on it than it hides.
+/// A box is a floor if its height, across its upper face, divided by the width of that face is less than this, or if more bodies lie
+/// on it than it hides.
 const FLOOR_HEIGHT: f32 = 0.25;
-/// A polygon is a floor for a camera that sees its solid side if the normal of this side points upwards by at least this.
+/// A polygon, or the upper face of a box, is a floor for a camera that sees it if its normal points upwards by at least this.
 const FLOOR_NORMAL: f32 = 0.3;
-/// A floor is removed only if it hides more than this part of the bodies. It may hide some that fall past it, and without it
-/// the bodies on it would float.
+/// A floor on which nothing lies is removed only if it hides more than this part of the bodies. It may hide some that fall past it.
+/// A floor on which a body lies is never removed: the body would float.
 const FLOOR_SHARE: f32 = 0.1;
 
-/// A polygon that is not drawn casts its shadow if it is one of many that make up a surface, such as a bowl, whose shadow would
+/// A translucent polygon casts its shadow if it is one of many that make up a surface, such as a bowl, whose shadow would
 /// have a hole. It is one of many if it touches another one, and if its area is less than this part of that of all polygons.
 const PART_OF_SURFACE: f32 = 0.125;
 /// Distance up to which polygons touch, divided by the extent of one.
@@ -36,11 +37,11 @@ const MANY_POLYGONS: usize = 2000;
 /// Number of frames for which a wall stays away, so that it does not flicker when bodies move behind it.
 const HELD: u32 = 45;
 
-/// A box.
+/// A box or a polygon.
 #[derive(Debug)]
 struct Wall {
     block: Block,
-    /// Number of bodies that lie on the box.
+    /// Number of bodies that lie on it.
     carried: usize,
 }
 
@@ -48,12 +49,12 @@ struct Wall {
 #[derive(Debug, Default)]
 pub(crate) struct Walls {
     boxes: Vec<Wall>,
-    polygons: Vec<Polygon>,
+    polygons: Vec<(Polygon, Wall)>,
     /// Whether each polygon is one of many that make up a surface.
     parts: Vec<bool>,
     /// Whether each box and each polygon is of glass. It hides nothing.
     glass: Vec<bool>,
-    /// For how many calls each box and each polygon is not drawn.
+    /// For how many calls each box and each polygon is translucent.
     held: Vec<u32>,
     /// The centre and radius of every body.
     balls: Vec<(Vec3, f32)>,
@@ -62,10 +63,10 @@ pub(crate) struct Walls {
 impl Walls {
     /// Takes the boxes and polygons of a scene.
     pub(crate) fn set_scene(&mut self, scene: &Scene) {
-        let wall = |cuboid: &Cuboid| Wall { block: Block::of_box(cuboid), carried: 0 };
-        self.boxes = scene.boxes().iter().map(wall).collect();
-        self.polygons = scene.polygons().to_vec();
-        self.parts = parts_of_surfaces(&self.polygons);
+        let wall = |block: Block| Wall { block, carried: 0 };
+        self.boxes = scene.boxes().iter().map(|cuboid| wall(Block::of_box(cuboid))).collect();
+        self.polygons = scene.polygons().iter().map(|polygon| (*polygon, wall(Block::of_polygon(polygon)))).collect();
+        self.parts = parts_of_surfaces(scene.polygons());
         self.held.clear();
     }
 
@@ -89,17 +90,18 @@ impl Walls {
         let stride = (tests * balls.len()).div_ceil(MOST_TESTS).max(1);
         // An odd stride does not always meet the same body or the same state.
         let stride = stride | 1;
-        for wall in &mut self.boxes {
+        for wall in self.boxes.iter_mut().chain(self.polygons.iter_mut().map(|(_, wall)| wall)) {
             wall.carried = balls.iter().step_by(stride).filter(|(place, radius)| wall.block.carries(*place, *radius)).count();
         }
         self.balls = balls.into_iter().step_by(stride).collect();
     }
 
-    /// Returns for each box, then for each polygon, 1 if it is drawn and 0 or 2 if it hides a body. It still casts its shadow if
-    /// that is 2. With `hold`, a wall that has hidden a body stays away for the next [`HELD`] calls.
+    /// Returns for each box, then for each polygon, 1 if it is drawn and 0 or 2 if it is translucent, because it hides a body. It
+    /// still casts its shadow if that is 2. With `hold`, a wall that has hidden a body stays translucent for the next [`HELD`]
+    /// calls.
     pub(crate) fn drawn(&mut self, eye: Vec3, hold: bool) -> Vec<u32> {
         let boxes = self.boxes.iter().map(|wall| self.is_before(wall, eye));
-        let polygons = self.polygons.iter().map(|polygon| self.is_polygon_before(polygon, eye));
+        let polygons = self.polygons.iter().map(|(polygon, wall)| self.is_polygon_before(polygon, wall, eye));
         let glass = self.glass.iter().copied().chain(std::iter::repeat(false));
         let hides: Vec<bool> = boxes.chain(polygons).zip(glass).map(|(hides, glass)| hides && !glass).collect();
         self.held.resize(hides.len(), 0);
@@ -124,28 +126,51 @@ impl Walls {
         }
         let hides = |ball: &&(Vec3, f32)| centre_and_foot(**ball).iter().any(|point| crosses_unit_cube(from, local(*point)));
         let hidden = self.balls.iter().filter(hides).count();
-        self.is_removed(hidden, wall.carried > hidden || wall.is_flat(eye))
+        self.is_removed(hidden, wall.floor(eye, hidden))
     }
 
-    fn is_polygon_before(&self, polygon: &Polygon, eye: Vec3) -> bool {
+    fn is_polygon_before(&self, polygon: &Polygon, wall: &Wall, eye: Vec3) -> bool {
         let normal = polygon.left.cross(polygon.right);
-        let is_floor = normal.dot(eye - polygon.corner) > 0.0 && normal.y > FLOOR_NORMAL * normal.length();
         let hidden = self.balls.iter().filter(|ball| hides(polygon, normal, eye, **ball)).count();
-        self.is_removed(hidden, is_floor)
+        self.is_removed(hidden, wall.floor(eye, hidden))
     }
 
-    fn is_removed(&self, hidden: usize, is_floor: bool) -> bool {
-        hidden > 0 && (!is_floor || hidden as f32 > FLOOR_SHARE * self.balls.len() as f32)
+    fn is_removed(&self, hidden: usize, floor: Floor) -> bool {
+        let share = hidden as f32 / self.balls.len().max(1) as f32;
+        hidden > 0
+            && match floor {
+                Floor::None => true,
+                Floor::Empty => share > FLOOR_SHARE,
+                Floor::Carries => false,
+            }
     }
 }
 
+/// Whether a wall is a floor or a ramp that the camera sees from above.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Floor {
+    None,
+    /// Nothing lies on it.
+    Empty,
+    Carries,
+}
+
 impl Wall {
-    /// Whether the box is flat and seen from above.
-    fn is_flat(&self, eye: Vec3) -> bool {
-        let edges = &self.block.edges;
-        let extent = edges.iter().fold(Vec3::ZERO, |sum, edge| sum + edge.abs());
-        let top = self.block.corner.y + edges.iter().map(|edge| edge.y.max(0.0)).sum::<f32>();
-        extent.y < FLOOR_HEIGHT * extent.x.min(extent.z) && eye.y > top
+    /// Whether the wall is a floor for an eye from which it hides this number of bodies.
+    fn floor(&self, eye: Vec3, hidden: usize) -> Floor {
+        let top = self.block.top();
+        if top.normal.y < FLOOR_NORMAL || top.normal.dot(eye - top.corner) <= 0.0 {
+            return Floor::None;
+        }
+        let is_flat = top.height < FLOOR_HEIGHT * top.sides[0].min(top.sides[1]);
+        // The upper face is larger than those on the sides.
+        let is_broad = top.height < top.sides[0].min(top.sides[1]);
+        match self.carried {
+            0 if is_flat => Floor::Empty,
+            0 => Floor::None,
+            carried if is_broad || carried > hidden => Floor::Carries,
+            _ => Floor::None,
+        }
     }
 }
 
@@ -227,7 +252,7 @@ fn crosses_unit_cube(from: Vec3, to: Vec3) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use rockfall::Sphere;
+    use rockfall::{Cuboid, Sphere};
 
     use super::*;
 
@@ -371,6 +396,28 @@ mod tests {
         assert!(drawn(&[], &strips, &[]).contains(&2));
         let apart: Vec<Polygon> = (0..20).map(|k| pane(-5.0 + 0.5 * k as f32, 0.4)).collect();
         assert!(!drawn(&[], &apart, &[]).contains(&2));
+    }
+
+    /// A ramp on which a ball rolls, above another one, hides what rolls on the lower one.
+    #[test]
+    fn a_ramp_or_a_floor_that_carries_a_body_is_never_removed() {
+        let ramp = Cuboid::new([-2.0, 0.1, 1.0], [4.0, 1.0, 0.0], [-0.02, 0.08, 0.0], [0.0, 0.0, 3.0]);
+        let beside = [Vec3::new(0.1, 0.81, 2.5)];
+        let seen = |eye: Vec3, more: &[Vec3]| {
+            let mut scene = Scene::new();
+            let below = (0..10).map(|k| Vec3::new(0.1 * k as f32 - 0.5, 0.1, 0.5));
+            below.chain(more.iter().copied()).for_each(|place| drop(scene.add_sphere(Sphere::new(place, 0.1)).unwrap()));
+            scene.add_box(ramp).unwrap();
+            let mut walls = Walls::default();
+            walls.set_scene(&scene);
+            walls.set_bodies(&Survey::new(&scene));
+            walls.drawn(eye, false)
+        };
+        let above = Vec3::new(0.0, 9.0, 9.0);
+        assert_eq!(seen(above, &[]), [0]);
+        assert_eq!(seen(above, &beside), [1]);
+        // From below, its upper face is not seen.
+        assert_eq!(seen(Vec3::new(0.0, -1.0, 9.0), &[beside[0], Vec3::new(0.0, 3.0, 0.0)]), [0]);
     }
 
     #[test]

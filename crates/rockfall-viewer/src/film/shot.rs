@@ -24,6 +24,8 @@ pub struct View {
     pub follow: Option<SphereId>,
     /// Angular speed around the target, in rad per second of film.
     pub orbit: f32,
+    /// Part of the height of the picture that stays free at its upper edge for text, if the whole camera is chosen.
+    pub room_above: f32,
 }
 
 /// A camera that may follow a body and orbit.
@@ -41,7 +43,10 @@ impl Shot {
     /// # Errors
     /// [`rockfall::Error::StaleHandle`] when the followed body is not in the scene.
     pub fn new(view: &View, survey: &Survey, scene: &Scene, aspect: f32) -> Result<Option<Self>> {
-        let framing = Camera::of_survey(survey, scene, aspect, view.from, view.orbit != 0.0);
+        let mut framing = Camera::of_survey(survey, scene, aspect, view.from, view.orbit != 0.0);
+        if view.camera.is_none() && view.look_at.is_none() && view.follow.is_none() {
+            framing = framing.with_room_above(view.room_above);
+        }
         let mut eye = framing.eye;
         let mut target = view.look_at.unwrap_or(framing.target);
         if let Some(sphere) = view.follow {
@@ -122,6 +127,8 @@ mod tests {
         let distance = follow.camera().eye.distance(follow.camera().target);
         assert!((distance - part.max(FOLLOW_RADII * 0.5)).abs() < 1e-3, "{distance} {part}");
         assert_eq!(follow.at(1.0, Some(Vec3::ZERO)).target, Vec3::ZERO);
+        let room = shot(View { room_above: 0.1, ..View::default() }).unwrap().camera();
+        assert_eq!(room, framing.with_room_above(0.1));
         let orbit = shot(View { orbit: std::f32::consts::PI, ..View::default() }).unwrap();
         let [start, end] = [0.0, 1.0].map(|seconds| orbit.at(seconds, None));
         let [one, other] = [start, end].map(|camera| camera.eye - camera.target);

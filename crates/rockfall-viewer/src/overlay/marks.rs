@@ -71,6 +71,7 @@ pub(super) struct Projection {
     eye: Vec3,
     forward: Vec3,
     near: f32,
+    distance: f32,
     pixels_per_unit: f32,
 }
 
@@ -84,6 +85,7 @@ impl Projection {
             eye: camera.eye,
             forward,
             near: camera.near(),
+            distance,
             pixels_per_unit: 0.5 * size[1] / ((0.5 * camera.field_of_view).tan() * distance),
         }
     }
@@ -91,6 +93,11 @@ impl Projection {
     /// Length of a unit at the distance of the middle of the picture, in pixels.
     pub(super) fn pixels_per_unit(&self) -> f32 {
         self.pixels_per_unit
+    }
+
+    /// Length of a unit at the distance of a point in front of the camera, in pixels.
+    pub(super) fn pixels_per_unit_at(&self, point: Vec3) -> f32 {
+        self.pixels_per_unit * self.distance / (point - self.eye).dot(self.forward)
     }
 
     /// The place of a point on the picture; `None` if it is not in front of the camera, or far outside.

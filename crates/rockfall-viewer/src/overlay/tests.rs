@@ -41,6 +41,9 @@ fn captions_have_the_title_the_time_and_a_round_length() {
     assert_eq!(texts(&marks), ["A title", "t = 0.30 s", "1 unit"]);
     let bar = marks.iter().find_map(|mark| if let Mark::Line { ends, .. } = mark { Some(ends) } else { None }).unwrap();
     assert!((bar[1][0] - bar[0][0] - 60.0).abs() < 1e-3, "{bar:?}");
+    let dark = Overlay { dark: true, ..overlay.clone() }.marks(&motion(&overlay, 4), &camera(), SIZE, 11.0);
+    let is_light = |mark: &Mark| matches!(mark, Mark::Line { colour, .. } if *colour == LIGHT);
+    assert_eq!([&marks, &dark].map(|marks| marks.iter().filter(|mark| is_light(mark)).count()), [0, 3]);
     assert_eq!([0.7, 1.0, 3.9, 51.0].map(round_below), [0.5, 1.0, 2.0, 50.0]);
 }
 
@@ -53,6 +56,45 @@ fn arrows_and_labels_are_at_the_spheres() {
     let tip = marks.iter().find_map(|mark| if let Mark::Triangle { corners, .. } = mark { Some(corners[0]) } else { None });
     let expected = [160.0 + 0.2 * 60.0 + KEY * 240.0, 120.0];
     assert!(tip.unwrap().iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 0.01), "{tip:?}");
+}
+
+/// A label that is larger than its ball is above it, so that the ball is seen.
+#[test]
+fn labels_do_not_cover_small_balls() {
+    let overlay = Overlay { labels: true, ..Overlay::default() };
+    let label = |em: f32| {
+        let marks = overlay.marks(&motion(&overlay, 1), &camera(), SIZE, em);
+        let at = marks.iter().find_map(|mark| if let Mark::Text { at, align, .. } = mark { Some((*at, *align)) } else { None });
+        (at.unwrap(), marks.iter().any(|mark| matches!(mark, Mark::Line { .. })))
+    };
+    // The radius of the ball is 12 pixels.
+    assert_eq!(label(8.0), (([100.0, 120.0], [0.5, 0.5]), false));
+    let (([x, y], align), has_line) = label(24.0);
+    assert!(has_line && align == [0.5, 1.0] && x == 100.0 && y < 120.0 - 12.0 - 10.0, "{x} {y}");
+}
+
+#[test]
+fn a_trail_has_the_colour_of_its_sphere_and_labels_replace_numbers() {
+    let overlay = Overlay { labels: true, trails: 1.0, ..Overlay::default() };
+    let text = "set gravity 0\n@colour #102030\n@label ball\nS 7 0 0 0 1 0 0 0 0 0 1 0.2\n@colour -\n@label -\n\
+                S 8 0 1 0 1 0 0 0 0 0 1 0.2\n";
+    let scene = Scene::parse(text, std::path::Path::new("test")).unwrap().scene;
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
+    let mut motion = Motion::default();
+    motion.want(true, None, 1.0);
+    motion.set_blend(1.0);
+    for _ in 0..2 {
+        motion.update(&mut simulation).unwrap();
+        motion.record();
+        simulation.run(1, 0.1).unwrap();
+    }
+    let marks = overlay.marks(&motion, &camera(), SIZE, 11.0);
+    let colours = marks.iter().filter_map(|mark| match mark {
+        Mark::Line { colour, .. } if *colour != DARK => Some(*colour),
+        _ => None,
+    });
+    assert_eq!(colours.collect::<Vec<_>>(), [[0x10, 0x20, 0x30], TRAIL]);
+    assert_eq!(texts(&marks), ["ball"]);
 }
 
 #[test]

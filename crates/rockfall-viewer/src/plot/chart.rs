@@ -6,15 +6,33 @@ use super::axes::{exponent, label, multiples, step};
 use super::{Plots, Quantity};
 use crate::palette::Rgb;
 use crate::pixels::Picture;
-use crate::sheet::{Sheet, letters};
+use crate::sheet::{INK, Sheet, letters};
 
-const PAPER: [u8; 4] = [255, 255, 255, 255];
-const GRID: [f32; 3] = [0.88, 0.89, 0.90];
-const AXIS: [f32; 3] = [0.45, 0.48, 0.52];
+/// The colours of a plot.
+struct Paper {
+    paper: [u8; 4],
+    grid: [f32; 3],
+    axis: [f32; 3],
+    ink: [f32; 3],
+    /// Part of white in the lines.
+    white: f32,
+}
+
+const LIGHT: Paper = Paper { paper: [255; 4], grid: [0.88, 0.89, 0.90], axis: [0.45, 0.48, 0.52], ink: INK, white: 0.0 };
+/// For pictures with a dark background.
+const DARK: Paper =
+    Paper { paper: [22, 24, 28, 255], grid: [0.20, 0.22, 0.25], axis: [0.58, 0.61, 0.65], ink: [0.90, 0.92, 0.94], white: 0.4 };
 /// Part of the width of a wide picture, and of the height of a high one, that the plots take.
 const PART: f32 = 0.36;
 /// Height of the letters, divided by that of other text.
 const LETTERS: f32 = 0.72;
+
+impl Paper {
+    /// The colour of a line that has this one on white paper.
+    fn line(&self, colour: Rgb) -> Rgb {
+        colour.map(|channel| (f32::from(channel) + self.white * (255.0 - f32::from(channel))).round() as u8)
+    }
+}
 
 /// Where the scene and the plots are in a picture: the plots are to the right in a wide picture, and below in others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +41,7 @@ pub struct Layout {
     size: [u32; 2],
     /// Width and height of the picture of the scene, in the upper left corner.
     scene: [u32; 2],
+    dark: bool,
 }
 
 impl Layout {
@@ -35,7 +54,12 @@ impl Layout {
             _ if width as f32 >= 1.2 * height as f32 => [rest(width), height],
             _ => [width, rest(height)],
         };
-        Self { size, scene }
+        Self { size, scene, dark: false }
+    }
+
+    /// Sets whether the plots are dark, for a picture with a dark background.
+    pub fn dark(self, dark: bool) -> Self {
+        Self { dark, ..self }
     }
 
     /// Width and height of the picture of the scene.
@@ -52,16 +76,18 @@ impl Layout {
             return Ok(scene);
         }
         let [width, height] = self.size;
-        let mut picture = Picture { width, height, pixels: vec![PAPER; width as usize * height as usize] };
+        let paper = if self.dark { &DARK } else { &LIGHT };
+        let mut picture = Picture { width, height, pixels: vec![paper.paper; width as usize * height as usize] };
         let rows = picture.pixels.chunks_mut(width as usize).zip(scene.pixels.chunks(scene.width as usize));
         rows.for_each(|(to, from)| to[..from.len()].copy_from_slice(from));
         let [left, top] = if self.scene[0] < width { [self.scene[0] as f32, 0.0] } else { [0.0, self.scene[1] as f32] };
         let mut sheet = Sheet::new(&mut picture)?;
+        sheet.ink = paper.ink;
         sheet.em = (LETTERS * letters(height.min(width))).max(8.0);
         let high = (height as f32 - top) / plots.len() as f32;
         for graph in 0..plots.len() {
             let top = top + high * graph as f32;
-            Chart { plots, graph, bottom: top + high, right: width as f32 }.draw(&mut sheet, left, top);
+            Chart { plots, graph, paper, bottom: top + high, right: width as f32 }.draw(&mut sheet, left, top);
         }
         Ok(picture)
     }
@@ -71,6 +97,7 @@ impl Layout {
 struct Chart<'a> {
     plots: &'a Plots,
     graph: usize,
+    paper: &'a Paper,
     right: f32,
     bottom: f32,
 }
@@ -113,10 +140,10 @@ impl Chart<'_> {
         let field = Field { corners, times, values };
         for (value, label) in &labels {
             let [_, y] = field.place([times[0], *value]);
-            sheet.fill([corners[0], y.round(), corners[2], y.round() + 1.0], GRID, |_, _| 1.0);
+            sheet.fill([corners[0], y.round(), corners[2], y.round() + 1.0], self.paper.grid, |_, _| 1.0);
             sheet.text(label, corners[0] - 0.4 * em - sheet.width(label), y - 0.5 * em);
         }
-        time_axis(sheet, &field);
+        time_axis(sheet, &field, self.paper.axis);
         self.lines(sheet, &field);
     }
 
@@ -131,9 +158,10 @@ impl Chart<'_> {
         let graph = &self.plots.graphs()[self.graph];
         let factor = if power == 0 { String::new() } else { format!("1e{power} ") };
         let title = match (graph.quantity.unit(), factor.trim()) {
-            ("", "") => graph.quantity.name().to_owned(),
-            (unit, _) => format!("{} in {factor}{unit}", graph.quantity.name()),
+            ("", "") => graph.quantity.title().to_owned(),
+            (unit, _) => format!("{} in {factor}{unit}", graph.quantity.title()),
         };
+        let title = if graph.quantity == Quantity::Energy { format!("{title}, potential 0 at the start") } else { title };
         sheet.text(&title, left, top);
         let (mut x, mut y) = (left, top + 1.4 * em);
         let mut is_empty = true;
@@ -142,7 +170,7 @@ impl Chart<'_> {
             if !is_empty && x + width > self.right - 0.5 * em {
                 (x, y) = (left, y + 1.3 * em);
             }
-            sheet.line([[x, y + 0.5 * em], [x + 1.0 * em, y + 0.5 * em]], 0.2 * em, *colour, 1.0);
+            sheet.line([[x, y + 0.5 * em], [x + 1.0 * em, y + 0.5 * em]], 0.2 * em, self.paper.line(*colour), 1.0);
             sheet.text(name, x + 1.4 * em, y);
             (x, is_empty) = (x + width + 0.8 * em, false);
         }
@@ -157,10 +185,10 @@ impl Chart<'_> {
             let points: Vec<[f64; 2]> = self.plots.points(self.graph, index).collect();
             let is_shown = |point: &[f64; 2]| point[1].is_finite() && (field.times[0]..=field.times[1]).contains(&point[0]);
             for pair in points.windows(2).filter(|pair| pair.iter().all(is_shown)) {
-                sheet.line([field.place(pair[0]), field.place(pair[1])], (0.13 * em).max(1.2), *colour, 1.0);
+                sheet.line([field.place(pair[0]), field.place(pair[1])], (0.13 * em).max(1.2), self.paper.line(*colour), 1.0);
             }
             if let Some(last) = points.last().filter(|last| is_shown(last)) {
-                dot(sheet, field.place(*last), *colour);
+                dot(sheet, field.place(*last), self.paper.line(*colour));
             }
         }
     }
@@ -171,17 +199,17 @@ fn dot(sheet: &mut Sheet<'_>, at: [f32; 2], colour: Rgb) {
     sheet.line([at, at], 0.45 * sheet.em, colour, 1.0);
 }
 
-fn time_axis(sheet: &mut Sheet<'_>, field: &Field) {
+fn time_axis(sheet: &mut Sheet<'_>, field: &Field, axis: [f32; 3]) {
     let em = sheet.em;
     let [left, top, right, bottom] = field.corners;
-    sheet.fill([left, top, left + 1.0, bottom], AXIS, |_, _| 1.0);
-    sheet.fill([left, bottom, right, bottom + 1.0], AXIS, |_, _| 1.0);
+    sheet.fill([left, top, left + 1.0, bottom], axis, |_, _| 1.0);
+    sheet.fill([left, bottom, right, bottom + 1.0], axis, |_, _| 1.0);
     let power = exponent(field.times);
     let most = f64::from((right - left) / (3.2 * em));
     for value in step(field.times, most).into_iter().flat_map(|step| multiples(field.times, step).map(move |at| (at, step))) {
         let text = label(value.0, value.1, power);
         let [x, _] = field.place([value.0, 0.0]);
-        sheet.fill([x.round(), bottom, x.round() + 1.0, bottom + 0.3 * em], AXIS, |_, _| 1.0);
+        sheet.fill([x.round(), bottom, x.round() + 1.0, bottom + 0.3 * em], axis, |_, _| 1.0);
         let width = sheet.width(&text);
         sheet.text(&text, (x - 0.5 * width).min(right + em - width), bottom + 0.45 * em);
     }

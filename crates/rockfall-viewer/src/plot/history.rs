@@ -54,7 +54,7 @@ impl Plots {
     /// Takes the values of the present state.
     pub(crate) fn update(&mut self, simulation: &mut Simulation) -> Result<()> {
         self.now.clear();
-        for graph in &self.graphs {
+        for graph in &mut self.graphs {
             self.now.extend(graph.values(simulation)?);
         }
         Ok(())

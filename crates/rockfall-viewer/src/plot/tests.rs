@@ -12,7 +12,8 @@ fn scene(text: &str) -> Scene {
 #[test]
 fn plots_say_what_they_expect() {
     let wrong = |text: &str| Plot::parse(text).unwrap_err();
-    assert!(wrong("hight:1").contains("expected one of: energy, contacts, x, y, z, height, speed, gauge"));
+    let known = "expected one of: energy, kinetic, potential, momentum, contacts, x, y, z, height, speed, vx, vy, vz, gauge";
+    assert!(wrong("hight:1").contains(known), "{}", wrong("hight:1"));
     assert!(wrong("height").contains("expected names or numbers of bodies, as in height:left,right"));
     assert!(wrong("height:").contains("names or numbers") && wrong("height:1,").contains("names or numbers"));
     assert!(wrong("energy:1").contains("expected no bodies"));
@@ -38,15 +39,37 @@ fn fallen(steps: u32, plots: &[&str]) -> Plots {
 
 #[test]
 fn plots_have_the_values_of_bodies_and_of_the_scene() {
-    let plots = fallen(1, &["energy", "height:0,1", "x:2", "speed:0"]);
+    let plots = fallen(1, &["energy", "height:0,1", "x:2", "speed:0", "vy:0", "kinetic", "potential", "momentum"]);
     let last = |graph, line| plots.points(graph, line).last().unwrap();
     let near = |[time, value]: [f64; 2], expected: f64| time == 0.1 && (value - expected).abs() < 1e-4;
     // No springs, so no line of them: total, kinetic, potential, contacts.
     assert_eq!(plots.graphs()[0].lines.len(), 4);
-    assert!(near(last(0, 0), 10.0 * (9.0 + 2.0 * 3.0)) && near(last(0, 1), 0.5 * 3.0), "{:?}", last(0, 1));
+    // The potential energy is relative to that at the start.
+    assert!(near(last(0, 0), 0.0) && near(last(0, 1), 0.5 * 3.0) && near(last(0, 2), -0.5 * 3.0), "{:?}", last(0, 1));
     // The middle of the capsule, whichever end is named.
     assert!(near(last(1, 0), 8.95) && near(last(1, 1), 2.95) && near(last(2, 0), 6.0));
-    assert!(near(last(3, 0), 1.0));
+    assert!(near(last(3, 0), 1.0) && near(last(4, 0), -1.0));
+    assert!(near(last(5, 0), 0.5 * 3.0) && near(last(6, 0), 10.0 * (8.95 + 2.0 * 2.95)));
+    assert!(near(last(7, 0), 0.0) && near(last(7, 1), -3.0), "{:?}", last(7, 1));
+}
+
+#[test]
+fn lines_have_the_colours_and_names_of_the_bodies() {
+    let scene = scene(
+        "@colour red\n@name left\nS 1 0 9 0 0 0 0 0 0 0 1 0.5\n@colour -\nS 2 3 9 0 0 0 0 0 0 0 1 0.5\n@name -\n\
+         S 3 6 9 0 0 0 0 0 0 0 1 0.5\n@colour #0072b2\nS 4 9 9 0 0 0 0 0 0 0 1 0.5\nS 5 12 9 0 0 0 0 0 0 0 1 0.5\n",
+    );
+    let spheres: Vec<SphereId> = scene.sphere_ids().collect();
+    let find = |text: &str| text.parse::<usize>().map(|index| spheres[index - 1]);
+    let graph = Plot::parse("x:1,2,3,4,5").unwrap().of(&scene, find).unwrap();
+    let expected = [
+        ("left", "red".parse::<rockfall::Colour>().unwrap().0),
+        ("left", COLOURS[1]),
+        ("3", COLOURS[2]),
+        ("4", COLOURS[0]),
+        ("5", COLOURS[3]),
+    ];
+    assert_eq!(graph.lines, expected.map(|(name, colour)| (name.to_owned(), colour)));
 }
 
 #[test]
@@ -98,6 +121,20 @@ fn plots_are_beside_a_wide_picture_and_below_a_high_one() {
     assert_eq!(Layout::new([400, 240], 0).scene(), [400, 240]);
 }
 
+#[test]
+fn plots_beside_a_dark_picture_are_dark() {
+    let plots = fallen(10, &["height:0"]);
+    let brightness = |dark: bool| {
+        let layout = Layout::new([400, 240], 1).dark(dark);
+        let [width, height] = layout.scene();
+        let scene = Picture { width, height, pixels: vec![[9, 9, 9, 255]; (width * height) as usize] };
+        let picture = layout.complete(scene, &plots).unwrap();
+        let right = picture.pixels.chunks(400).flat_map(|row| &row[width as usize..]);
+        right.map(|pixel| f32::from(pixel[1])).sum::<f32>() / (240.0 * (400 - width) as f32)
+    };
+    assert!(brightness(false) > 230.0 && brightness(true) < 60.0, "{} {}", brightness(false), brightness(true));
+}
+
 /// The line of a film is as long as the time that has passed.
 #[test]
 fn lines_grow_with_the_time() {
@@ -140,7 +177,7 @@ fn gauges_have_the_size_of_the_force() {
     let plot = Plot::parse("gauge:weight").unwrap();
     plot.check_gauges(&scene).unwrap();
     assert!(plot.bodies().is_empty());
-    let graph = plot.of(&scene, |_| -> std::result::Result<SphereId, ()> { panic!("no bodies") }).unwrap();
+    let mut graph = plot.of(&scene, |_| -> std::result::Result<SphereId, ()> { panic!("no bodies") }).unwrap();
     let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
     simulation.run(3000, 0.005).unwrap();
     let values = graph.values(&mut simulation).unwrap();

@@ -57,6 +57,26 @@ fn one_of_few_bodies_that_falls_for_ever_is_left_out() {
     assert!(Survey::new(&scene).extent().unwrap().size() < 4.0);
 }
 
+/// A state shortly after the start: small balls one above the other, which fall with the same velocity.
+#[test]
+fn balls_that_fall_together_are_shown() {
+    for floor in [false, true] {
+        let mut scene = Scene::new();
+        for (height, velocity) in [(5.0, -1.0), (8.0, -1.0), (9.0, -1.0)] {
+            let mut ball = Sphere::new([0.0, height, 0.0], 0.05);
+            ball.velocity.y = velocity;
+            scene.add_sphere(ball).unwrap();
+        }
+        if floor {
+            scene.add_box(Cuboid::between([-2.0, -1.0, -2.0], [2.0, 0.0, 2.0])).unwrap();
+        }
+        assert_eq!(Survey::new(&scene).extent().unwrap().min.y, 4.95, "{floor}");
+    }
+    // What falls onto a floor is shown also if it alone falls.
+    let place = |body: usize, state: usize| Vec3::Y * if body == 0 { 60.0 + fallen(state) } else { 80.0 + 0.01 * state as f32 };
+    assert_eq!(survey(2, 6, true, place).extent().unwrap().min.y, 47.0);
+}
+
 #[test]
 fn one_of_two_bodies_that_moves_to_a_side_is_shown() {
     let place = |body: usize, state: usize| 2.0 * body as f32 * Vec3::Y + Vec3::X * if body == 0 { state as f32 } else { 0.0 };

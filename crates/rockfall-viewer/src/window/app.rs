@@ -241,6 +241,7 @@ impl OpenWindow {
             self.viewer.session.fail(&error);
         }
         self.viewer.follow();
+        self.viewer.keep_in_view();
         self.viewer.session.sample(false);
         let steps = self.viewer.session.simulation_ref().report().steps;
         self.viewer.rates.frame(now, steps);

@@ -17,7 +17,9 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     ui.spacing_mut().slider_width = 64.0;
     ui.spacing_mut().interact_size.x = 44.0;
     for entry in Settings::TABLE {
-        if let Err(error) = constant(ui, &mut settings, entry, viewer.controls) {
+        let is_used = is_used(entry.name, before.contact_law);
+        let changed = ui.add_enabled_ui(is_used, |ui| constant(ui, &mut settings, entry, viewer.controls)).inner;
+        if let Err(error) = changed {
             viewer.session.fail(&error);
         }
     }
@@ -31,6 +33,14 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
         viewer.session.change_settings(|present| *present = settings);
         repaint_for_warnings(ui);
     }
+}
+
+/// Constants that only the contact law of the thesis uses.
+const OF_THESIS: [&str; 4] = ["contact_force", "contact_damping", "friction", "resting_overlap"];
+
+/// Whether a contact law uses a constant. The panel shows the others grey.
+fn is_used(name: &str, law: ContactLaw) -> bool {
+    !law.has_history() || !OF_THESIS.contains(&name)
 }
 
 fn time_step(ui: &mut Ui, viewer: &mut Viewer) {
@@ -159,6 +169,15 @@ fn about(entry: &Entry, controls: Controls) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn constants_of_the_other_contact_law_are_grey() {
+        let grey = |law: ContactLaw| Settings::NAMES.iter().filter(|name| !is_used(name, law)).count();
+        assert_eq!(
+            [ContactLaw::Thesis, ContactLaw::HertzMindlin, ContactLaw::Linear].map(grey),
+            [0, OF_THESIS.len(), OF_THESIS.len()]
+        );
+    }
 
     /// Every constant is a switch, a name, a number or a direction, so that the panel can show it.
     #[test]

@@ -1,6 +1,9 @@
 //! Names of bodies as the scene file refers to them.
 
-use rockfall::{Body, Scene};
+use rockfall::{Body, ObjectId, Scene};
+
+use crate::plot::whole;
+use crate::tags::{name_of, object_of};
 
 /// The lines of a scene file that bodies come from: for every object of a kind its line number, from 1.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -36,9 +39,25 @@ impl Names {
         self.spheres.len()
     }
 
-    /// Returns the name of a body, and the line of the file that it comes from. A sphere is named by its reference in the file,
-    /// other bodies and spheres without a reference by their index from 0 among those of their kind.
+    /// Returns the name of a body, and the line of the file that it comes from. The name is that of the scene (`@name`); where several
+    /// bodies have it, it is followed by the number of the body. Without one it is the number: for a sphere its reference in the
+    /// file, for other bodies and spheres without a reference their index from 0 among those of their kind.
     pub fn name(&self, scene: &Scene, body: Body) -> (String, Option<usize>) {
+        let (number, line) = self.number(scene, body);
+        let Some(name) = object_of(body).and_then(|object| name_of(scene, object)) else {
+            return (number, line);
+        };
+        let bodies = |id: &ObjectId| match *id {
+            ObjectId::Sphere(id) => whole(scene, Body::Sphere(id)) == Body::Sphere(id),
+            // A capsule is named like its rod.
+            ObjectId::Spring(_) | ObjectId::Capsule(_) => false,
+            _ => true,
+        };
+        let is_unique = scene.named(name).is_ok_and(|found| found.iter().filter(|id| bodies(id)).count() <= 1);
+        (if is_unique { name.to_owned() } else { format!("{name}, {number}") }, line)
+    }
+
+    fn number(&self, scene: &Scene, body: Body) -> (String, Option<usize>) {
         let capsules = scene.capsules();
         match body {
             Body::Sphere(id) => {
@@ -83,6 +102,19 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+
+    #[test]
+    fn bodies_have_the_names_of_the_scene() {
+        let text = "@name ball1\nS 11 0 0 0 0 0 0 0 0 0 1 0.5\n@name floor\nB 0 0 0 1 0 0 0 1 0 0 0 1\n\
+                    @name log\nC 3 0 0 4 0 0 0 0 0 1 0.2\nC 3 3 0 4 3 0 0 0 0 1 0.2\n@name pin\nC 3 6 0 4 6 0 0 0 0 1 0.2\n";
+        let scene = Scene::parse(text, Path::new("test")).unwrap().scene;
+        let names = Names::of(text);
+        let name = |body: Body| names.name(&scene, body).0;
+        assert_eq!(name(Body::Sphere(scene.sphere_ids().next().unwrap())), "ball1");
+        assert_eq!(name(Body::Box(scene.box_ids().next().unwrap())), "floor");
+        let rods: Vec<_> = scene.rod_ids().map(|id| name(Body::Rod(id))).collect();
+        assert_eq!(rods, ["log, capsule 0", "log, capsule 1", "pin"]);
+    }
 
     #[test]
     fn bodies_are_named_as_in_the_file() {

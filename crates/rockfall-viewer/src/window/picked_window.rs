@@ -9,7 +9,8 @@ use rockfall::glam::Vec3;
 use super::panel;
 use super::track::Point;
 use super::viewer::Viewer;
-use crate::plot::{COLOURS, Quantity};
+use crate::palette::Rgb;
+use crate::plot::{Quantity, colours_of};
 
 const WIDTH: f32 = 300.0;
 /// Size of the text of the values, in points.
@@ -41,7 +42,7 @@ pub(super) fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
 }
 
 /// Plots a quantity of bodies over time, with a colour for each.
-fn plot(ui: &mut Ui, tracks: &[(&str, &VecDeque<Point>)], quantity: Quantity, up: Vec3) {
+fn plot(ui: &mut Ui, tracks: &[(&str, &VecDeque<Point>)], colours: &[Rgb], quantity: Quantity, up: Vec3) {
     let shown = tracks.iter().map(|(_, points)| {
         let stride = points.len().div_ceil(MOST_POINTS).max(1);
         let value = |point: &Point| f64::from(quantity.of_body((point.position, point.velocity), up));
@@ -52,8 +53,8 @@ fn plot(ui: &mut Ui, tracks: &[(&str, &VecDeque<Point>)], quantity: Quantity, up
     let title = format!("{} in {} over time in s", quantity.name(), quantity.unit());
     ui.label(RichText::new(&title).weak().small());
     panel::widened(panel::plot(&title, PLOT_HEIGHT), &shown.concat()).show(ui, |plot| {
-        for (((name, _), points), colour) in tracks.iter().zip(shown).zip(COLOURS) {
-            plot.line(Line::new(*name, PlotPoints::from(points)).stroke(panel::stroke(colour)));
+        for (((name, _), points), colour) in tracks.iter().zip(shown).zip(colours) {
+            plot.line(Line::new(*name, PlotPoints::from(points)).stroke(panel::stroke(*colour)));
         }
     });
 }
@@ -67,12 +68,14 @@ fn motion(ui: &mut Ui, title: &str, viewer: &mut Viewer) {
     }
     let mut tracks = vec![(title, points)];
     tracks.extend(viewer.session.kept().map(|kept| (kept.title.as_str(), kept.track.points())));
-    plot(ui, &tracks, Quantity::Height, up);
-    plot(ui, &tracks, Quantity::Speed, up);
+    let bodies = viewer.session.picked().into_iter().chain(viewer.session.kept().map(|kept| kept.body));
+    let colours = colours_of(viewer.session.simulation_ref().scene(), bodies);
+    plot(ui, &tracks, &colours, Quantity::Height, up);
+    plot(ui, &tracks, &colours, Quantity::Speed, up);
     if tracks.len() > 1 {
         ui.horizontal_wrapped(|ui| {
-            for ((title, _), colour) in tracks.iter().zip(COLOURS) {
-                ui.label(RichText::new(*title).color(panel::colour(colour)).small());
+            for ((title, _), colour) in tracks.iter().zip(&colours) {
+                ui.label(RichText::new(*title).color(panel::colour(*colour)).small());
             }
         });
     }

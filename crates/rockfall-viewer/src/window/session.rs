@@ -24,7 +24,7 @@ mod pointer;
 mod rewind;
 
 use concerns::Checked;
-use edits::Edits;
+use edits::{Edits, Revisions};
 use picked::Kept;
 
 use playback::Playback;
@@ -79,8 +79,7 @@ pub struct Session {
     names: Names,
     past: Past,
     edits: Edits,
-    /// Whether the user has changed the scene since it was opened or saved.
-    changed: bool,
+    revisions: Revisions,
     /// Time at which the user will have stopped changing constants, in s, so that warnings about them are due.
     warn_at: Option<f64>,
     /// What the last warnings were about.
@@ -130,7 +129,7 @@ impl Session {
             names,
             past: Past::default(),
             edits: Edits::default(),
-            changed: false,
+            revisions: Revisions::default(),
             warn_at: None,
             checked: None,
             objects_version: 0,
@@ -141,6 +140,7 @@ impl Session {
             now: 0.0,
             frame_started: Instant::now(),
         };
+        session.revisions.opened_or_saved();
         session.warn();
         Ok(session)
     }
@@ -190,9 +190,9 @@ impl Session {
         self.scene_version
     }
 
-    /// Whether the user has changed the scene since it was opened or saved. Steps are no changes.
+    /// Whether the user has changed the scene since it was opened or saved. Steps and edits that were undone are no changes.
     pub fn is_changed(&self) -> bool {
-        self.changed
+        self.revisions.is_changed()
     }
 
     /// Returns the physical constants.
@@ -345,7 +345,7 @@ impl Session {
         let before = *self.simulation.settings();
         let mut settings = before;
         change(&mut settings);
-        let changed = self.simulation.set_settings(settings);
+        let changed = self.apply_settings(settings);
         if self.ok_or_report(changed).is_some() {
             self.edited_settings(before);
             self.warn_soon();

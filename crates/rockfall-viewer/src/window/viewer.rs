@@ -21,10 +21,12 @@ use crate::overlay::Overlay;
 
 mod files;
 mod follow;
+mod keep;
 mod mouse;
 
 use files::SavedFile;
 use follow::Follow;
+use keep::Kept;
 pub use mouse::Button;
 use mouse::Drag;
 
@@ -94,6 +96,8 @@ pub struct Viewer {
     pub plotted: Vec<Find>,
     /// What the camera moves with.
     follow: Option<Follow>,
+    /// What the camera keeps in the picture.
+    kept: Option<Kept>,
 }
 
 impl Viewer {
@@ -129,6 +133,7 @@ impl Viewer {
             clicked: None,
             scene_seen: 0,
             follow: None,
+            kept: None,
             find: None,
             plotted: Vec::new(),
             direction: Direction::default(),
@@ -190,8 +195,8 @@ impl Viewer {
         self.frame_if_new_scene();
     }
 
-    /// Closes the topmost thing that is open: a question, the file dialog, a menu or field, the tables. If nothing is open, ends a
-    /// recording or else the program.
+    /// Closes the topmost thing that is open: a question, the file dialog, a menu or field, the tables, the window of the picked body.
+    /// If nothing is open, ends a recording or else the program.
     fn escape(&mut self) {
         if self.leaving {
             self.leaving = false;
@@ -204,6 +209,8 @@ impl Viewer {
             self.help = false;
         } else if self.messages {
             self.messages = false;
+        } else if self.session.picked().is_some() {
+            self.session.set_picked(None);
         } else if self.capture.is_recording() {
             self.stop_recording();
         } else {
@@ -230,7 +237,7 @@ impl Viewer {
     fn frame_scene(&mut self) {
         self.camera = framing(&self.session, self.size, self.direction);
         self.framed = self.camera;
-        self.limits = None;
+        (self.limits, self.kept) = (None, None);
         self.follow_from_start();
     }
 
@@ -291,7 +298,7 @@ impl Viewer {
 
     /// Whether the picture changes without input.
     pub fn is_moving(&self) -> bool {
-        self.session.running() || self.arrows.any()
+        self.session.running() || self.arrows.any() || self.is_easing()
     }
 }
 

@@ -204,7 +204,7 @@ fn a_far_spring_is_a_thin_line() {
 }
 
 #[test]
-fn walls_before_a_body_leave_only_their_edges() {
+fn walls_before_a_body_are_translucent() {
     let camera = Camera::new([0.0, 0.5, 10.0], [0.0, 0.5, 0.0]);
     let style = rockfall_viewer::draw::Style::default();
     let shown = |fill: &dyn Fn(&mut Scene)| {
@@ -228,7 +228,9 @@ fn walls_before_a_body_leave_only_their_edges() {
         let behind = shown(wall);
         for point in [Vec3::new(0.0, 0.5, 0.5), Vec3::new(0.0, 0.05, 0.2), Vec3::new(0.8, 0.5, 0.0)] {
             let [x, y] = projected(&camera, point).map(|place| place as u32);
-            assert_eq!(pixel(&behind, x, y), pixel(&free, x, y), "{name}: {point} is behind something");
+            let pair = pixel(&behind, x, y).into_iter().zip(pixel(&free, x, y));
+            let change = pair.map(|(one, other)| one.abs_diff(other)).max().unwrap_or(0);
+            assert!((4..80).contains(&change), "{name}: {point} is behind something opaque or nothing: {change}");
         }
         // The upper edge is a dark line.
         let [x, y] = projected(&camera, Vec3::new(0.4, 1.6, if name == "box" { 2.5 } else { 2.0 }));

@@ -137,3 +137,44 @@ fn scenes_that_are_opened_later_are_prepared() {
     let tag = scene.tag(left(scene).unwrap()).unwrap();
     assert_eq!(tag, Some(&Tag::new().name("left").colour(Colour([1, 2, 3]))));
 }
+
+/// Whether all spheres are in the picture.
+fn all_in_picture(viewer: &mut Viewer) -> bool {
+    let (camera, aspect) = (viewer.camera, viewer.aspect());
+    let spheres = viewer.session.simulation().spheres().expect("spheres are read");
+    spheres.iter().all(|sphere| {
+        let ndc = camera.view_projection(aspect).project_point3(sphere.position);
+        ndc.x.abs() < 1.0 && ndc.y.abs() < 1.0
+    })
+}
+
+fn show(viewer: &mut Viewer, frames: std::ops::Range<u32>) {
+    viewer.session.set_running(true);
+    for frame in frames {
+        viewer.session.frame(f64::from(frame) * 0.05, 0.05, |_| ());
+        viewer.keep_in_view();
+    }
+}
+
+/// A ball that leaves the picture is kept in it, until the user moves the camera.
+#[test]
+fn the_camera_shows_what_leaves_the_picture_until_it_is_moved() {
+    let flying = "set gravity 0\nS 1 -2 0 0 1.5 0 0 0 0 0 1 0.5\nS 2 -2 3 0 0 0 0 0 0 0 1 0.5\n";
+    let mut viewer = viewer(flying);
+    let before = viewer.camera;
+    show(&mut viewer, 0..2);
+    assert_eq!(viewer.camera, before, "a camera that shows all does not move");
+    show(&mut viewer, 2..200);
+    assert!(viewer.camera.eye.distance(viewer.camera.target) > 1.05 * before.eye.distance(before.target));
+    assert!(all_in_picture(&mut viewer));
+    // The camera eases and does not jump.
+    let moved = viewer.camera;
+    viewer.scroll(1.0);
+    let turned = viewer.camera;
+    show(&mut viewer, 200..500);
+    assert!(viewer.camera == turned && moved != turned && !all_in_picture(&mut viewer));
+    // Home shows the scene from the initial direction, and keeps it in view again.
+    viewer.command(Command::ResetCamera);
+    show(&mut viewer, 500..700);
+    assert!(all_in_picture(&mut viewer));
+}

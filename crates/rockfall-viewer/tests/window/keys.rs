@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use rockfall::Settings;
 use rockfall::glam::{Vec2, Vec3};
+use rockfall::{ContactLaw, Integrator, Settings};
 use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::window::constants::CONSTANTS;
 use rockfall_viewer::window::controls::Command;
@@ -152,6 +152,8 @@ fn a_reset_restores_the_scene() {
 #[test]
 fn escape_closes_what_is_open_before_the_window() {
     let mut viewer = viewer(BALL);
+    let ball = viewer.session.simulation_ref().scene().sphere_ids().next().expect("a ball");
+    viewer.session.set_picked(Some(rockfall::Body::Sphere(ball)));
     viewer.command(Command::ToggleMessages);
     viewer.command(Command::Help);
     viewer.busy = true;
@@ -161,6 +163,8 @@ fn escape_closes_what_is_open_before_the_window() {
     changes(&mut viewer, Command::Close, &[]);
     changes(&mut viewer, Command::Close, &[("help", "false")]);
     changes(&mut viewer, Command::Close, &[("all messages", "false")]);
+    changes(&mut viewer, Command::Close, &[]);
+    assert_eq!(viewer.session.picked(), None, "the window of the picked body");
     changes(&mut viewer, Command::Close, &[("quit", "true")]);
 }
 
@@ -241,10 +245,64 @@ fn saved_changes_and_a_reset_scene_are_not_asked_about() {
     changes(&mut viewer, Command::Close, &[("quit", "true")]);
 }
 
+/// Undo back to what was opened or saved leaves no changes. What cannot be undone stays a change.
+#[test]
+fn edits_that_were_undone_are_no_changes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut viewer = viewer(BALL);
+    let mut is_changed = |commands: &[Command]| {
+        commands.iter().for_each(|command| viewer.command(*command));
+        viewer.session.is_changed()
+    };
+    let nudge = Command::Nudge { constant: 4, up: true };
+    assert!(is_changed(&[nudge, Command::Throw, Command::Undo]));
+    assert!(!is_changed(&[Command::Undo]));
+    assert!(is_changed(&[Command::Redo]));
+    assert!(is_changed(&[Command::Throw]));
+    assert!(viewer.session.save(&folder.path().join("saved.txt")));
+    viewer.command(Command::Undo);
+    assert!(viewer.session.is_changed(), "the thrown sphere is in the file only");
+    viewer.command(Command::Redo);
+    assert!(!viewer.session.is_changed());
+    // A reset can be undone, and then the changes are back.
+    viewer.command(nudge);
+    viewer.command(Command::Reset);
+    assert!(!viewer.session.is_changed());
+    viewer.command(Command::Undo);
+    assert!(viewer.session.is_changed());
+}
+
 #[test]
 fn one_key_starts_the_scene_again() {
     let mut viewer = viewer(BALL);
     (0..5).for_each(|_| viewer.command(Command::SingleStep));
     viewer.command(Command::Restart);
     assert!(viewer.session.running() && heights(&mut viewer.session) == [3.0]);
+}
+
+/// The contact law takes the place of an integrator of the scene that it does not allow.
+#[test]
+fn a_contact_law_replaces_an_integrator_that_it_does_not_allow() {
+    let scene =
+        |materials: &str| format!("@run integrator=rk4 dt=0.001\n@material wood young=5e6 poisson=0.3\n{materials}{BALL}");
+    let mut session = session(&scene("@use wood\n"));
+    session.single_step();
+    let law = |law: ContactLaw| move |settings: &mut Settings| settings.contact_law = law;
+    session.change_settings(law(ContactLaw::HertzMindlin));
+    assert!(messages(&session).iter().any(|text| text.contains("velocity-verlet")), "{:?}", messages(&session));
+    let simulation = session.simulation_ref();
+    assert_eq!((simulation.integrator(), simulation.report().steps), (Integrator::VelocityVerlet, 1));
+    session.single_step();
+    assert_eq!(session.simulation_ref().report().steps, 2);
+    session.undo();
+    assert_eq!(session.settings().contact_law, ContactLaw::Thesis);
+    let simulation = session.simulation_ref();
+    assert_eq!((simulation.integrator(), simulation.report().steps), (Integrator::Rk4, 2));
+    // A scene that the law refuses stays as it is.
+    let mut session = crate::common::session(&scene(""));
+    session.change_settings(law(ContactLaw::HertzMindlin));
+    assert_eq!(session.simulation_ref().integrator(), Integrator::Rk4);
+    assert_eq!(session.simulation_ref().scene().run.integrator, Some(Integrator::Rk4.into()));
+    session.single_step();
+    assert_eq!(session.simulation_ref().report().steps, 1);
 }

@@ -322,3 +322,29 @@ fn several_bodies_are_plotted_together() {
     session.toggle_kept();
     assert!(!session.is_kept());
 }
+
+/// A thrown sphere has a material of the scene, without which the law `hertz-mindlin` would refuse it.
+#[test]
+fn a_thrown_sphere_has_a_material_of_the_scene() {
+    let wood = "set contact_law hertz-mindlin\n@material wood density=600 young=5e6 poisson=0.3\n@use wood\n";
+    let mut viewer = viewer(&format!("{wood}{BALL}"));
+    viewer.session.throw(Vec3::new(3.0, 3.0, 0.0), Vec3::Z);
+    viewer.session.single_step();
+    assert_eq!((positions(&mut viewer.session).len(), viewer.session.simulation_ref().report().steps), (2, 1));
+    assert!(messages(&viewer.session).iter().all(|text| !text.contains("material")), "{:?}", messages(&viewer.session));
+}
+
+/// A second sphere of wood would need a stiffness of the pair wood wood.
+#[test]
+fn a_sphere_that_the_contact_law_refuses_is_removed_at_once() {
+    let law =
+        "set contact_law linear\n@material wood density=600\n@material iron density=600\n@pair wood iron stiffness=1000\n";
+    let mut session =
+        session(&format!("{law}@use wood\nS 1 0 3 0 0 0 0 0 0 0 1 0.5\n@use iron\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n"));
+    session.throw(Vec3::new(3.0, 3.0, 0.0), Vec3::Z);
+    assert!(messages(&session).iter().any(|text| text.contains("'wood' 'wood'")), "{:?}", messages(&session));
+    assert_eq!(positions(&mut session).len(), 1);
+    assert!(!session.is_changed() && session.can_undo() == [false; 2]);
+    session.single_step();
+    assert_eq!(session.simulation_ref().report().steps, 1);
+}

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::error::{Error, Result};
+use crate::report::short_number;
 use crate::scene::checks::{finite, invalid};
 use crate::scene::materials::MaterialId;
 use crate::scene::motion::MotionId;
@@ -76,16 +77,20 @@ impl Cuboid {
             usable_edge("box.edge", edge)?;
         }
         let [i, j, k] = self.edges.map(Vec3::as_dvec3);
-        for (one, other) in [(i, j), (j, k), (k, i)] {
-            if one.dot(other).abs() > 1e-4 * one.length() * other.length() {
-                return Err(Error::Invalid {
-                    field: "box.edges",
-                    value: format!("{:?}", self.edges.map(|edge| edge.to_array())),
-                    expected: "three edges at right angles to each other",
-                });
-            }
+        let pairs = [("i and j", i, j), ("j and k", j, k), ("k and i", k, i)];
+        let cosines = pairs.map(|(names, one, other)| (names, one.normalize().dot(other.normalize())));
+        let wrong = cosines.iter().filter(|(_, cosine)| cosine.abs() > 1e-4);
+        let wrong: Vec<String> = wrong
+            .map(|(names, cosine)| format!("{} degrees between {names}", short_number(cosine.acos().to_degrees(), 6)))
+            .collect();
+        if wrong.is_empty() {
+            return Ok(());
         }
-        Ok(())
+        Err(Error::Invalid {
+            field: "box.edges",
+            value: format!("{:?} with {}", self.edges.map(|edge| edge.to_array()), wrong.join(", ")),
+            expected: "three edges at right angles to each other",
+        })
     }
 }
 

@@ -291,7 +291,7 @@ fn every_error_names_line_and_field_and_what_was_expected() {
         ("P 0 0 0 1 0 0 2 0 0", "P right: [2.0, 0.0, 0.0] is not allowed, expected an edge that is not parallel to the first"),
         (
             "B 0 0 0 1 0 0 1 1 0 0 0 1",
-            "B edges: [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]] is not allowed, \
+            "B edges: [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]] with 45 degrees between i and j is not allowed, \
              expected three edges at right angles to each other",
         ),
         ("B 0 0 0 1 0 0 0 1 0 0 0 x", "B k z: 'x' is not a number, expected a finite number"),

@@ -57,7 +57,7 @@ fn a_plot_grows_with_the_film_on_axes_that_stay() {
 fn plots_of_what_the_scene_lacks_are_refused() {
     let folder = Folder::new();
     for (plot, message) in [
-        ("hight:1", "expected one of: energy, contacts, x, y, z, height, speed"),
+        ("hight:1", "expected one of: energy, kinetic, potential, momentum, contacts, x, y, z, height, speed, vx"),
         ("height", "expected names or numbers of bodies, as in height:left,right"),
         ("energy:1", "expected no bodies"),
         ("height:left", "--plot left: no object has the name 'left'"),

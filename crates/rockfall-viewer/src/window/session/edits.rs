@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use rockfall::{Checkpoint, Settings};
+use rockfall::{Checkpoint, Integrator, Settings};
 
 use super::{Session, Source};
 use crate::window::message::Level;
@@ -22,8 +22,8 @@ enum Before {
     TimeStep(f32),
     /// The state of the same scene.
     State(Box<Checkpoint>),
-    /// The state of a scene that was replaced.
-    Scene(Box<(Source, Checkpoint)>),
+    /// The state of a scene that was replaced, and its revision that was opened or saved.
+    Scene(Box<(Source, Checkpoint, Option<u64>)>),
 }
 
 impl Before {
@@ -41,8 +41,40 @@ struct Edit {
     /// Name in messages.
     name: String,
     before: Before,
+    /// The revision that the edit replaced.
+    revision: u64,
     /// Wall time of its last change, in s.
     at: f64,
+}
+
+/// The revisions of the scene: every edit makes a new one, and undo goes back to an earlier one.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Revisions {
+    present: u64,
+    newest: u64,
+    /// The one that was opened or saved; `None` if undo cannot lead back to it.
+    clean: Option<u64>,
+}
+
+impl Revisions {
+    /// Makes a new revision, and returns the one that it replaces. An edit that cannot be undone stays whatever is undone.
+    fn edit(&mut self, can_undo: bool) -> u64 {
+        self.newest += 1;
+        if !can_undo {
+            self.clean = None;
+        }
+        std::mem::replace(&mut self.present, self.newest)
+    }
+
+    /// The present revision is that of a file.
+    pub(super) fn opened_or_saved(&mut self) {
+        self.clean = Some(self.present);
+    }
+
+    /// Whether the scene differs from the one that was opened or saved.
+    pub(super) fn is_changed(&self) -> bool {
+        self.clean != Some(self.present)
+    }
 }
 
 /// The edits that can be undone and redone.
@@ -81,20 +113,52 @@ fn changed(one: &Settings, two: &Settings) -> String {
 }
 
 impl Session {
+    /// Changes the constants. Another kind of contact law needs another integrator, unless the command line or the scene has one that
+    /// it allows.
+    pub(super) fn apply_settings(&mut self, settings: Settings) -> rockfall::Result<()> {
+        let has_history = settings.contact_law.has_history();
+        if self.simulation.settings().contact_law.has_history() == has_history {
+            return self.simulation.set_settings(settings);
+        }
+        settings.validate()?;
+        self.release();
+        let mut state = self.simulation.checkpoint()?;
+        state.scene.settings = settings;
+        let run = &mut state.scene.run;
+        run.integrator = run.integrator.filter(|own| !has_history || own.resolve(settings.contact_law) != Integrator::Rk4);
+        let mut simulation = (self.opener)(state.scene.clone())?;
+        simulation.restore(&state)?;
+        let before = std::mem::replace(&mut self.simulation, simulation).integrator();
+        self.objects_version += 1;
+        self.simulation_version += 1;
+        self.apply_time_step(self.pace.time_step);
+        let now = self.simulation.integrator();
+        if now != before {
+            let law = settings.contact_law;
+            self.tell(Level::Note, format!("integrator {now} instead of {before}, for the contact law {law}"));
+        }
+        Ok(())
+    }
+
     /// Records a change of the constants.
     pub(super) fn edited_settings(&mut self, before: Settings) {
         let name = changed(&before, self.simulation.settings());
-        self.changed |= !name.is_empty();
-        if !name.is_empty() && !self.edits.continues(&name, self.now) {
-            self.edits.push(Edit { name, before: Before::Settings(Box::new(before)), at: self.now });
+        if !name.is_empty() {
+            self.edited_number(name, Before::Settings(Box::new(before)));
         }
     }
 
     /// Records a change of the time step.
     pub(super) fn edited_time_step(&mut self, before: f32) {
-        self.changed |= before != self.pace.time_step;
-        if before != self.pace.time_step && !self.edits.continues("time step", self.now) {
-            self.edits.push(Edit { name: "time step".to_owned(), before: Before::TimeStep(before), at: self.now });
+        if before != self.pace.time_step {
+            self.edited_number("time step".to_owned(), Before::TimeStep(before));
+        }
+    }
+
+    fn edited_number(&mut self, name: String, before: Before) {
+        let revision = self.revisions.edit(true);
+        if !self.edits.continues(&name, self.now) {
+            self.edits.push(Edit { name, before, revision, at: self.now });
         }
     }
 
@@ -109,18 +173,22 @@ impl Session {
 
     /// Records a change of the bodies.
     pub(super) fn edited_state(&mut self, name: &str, before: Option<Checkpoint>) {
-        self.changed = true;
+        let revision = self.revisions.edit(before.is_some());
         if let Some(before) = before {
             // Recorded states from here on do not have this edit.
             self.past.forget_from(self.simulation.report().steps);
-            self.edits.push(Edit { name: name.to_owned(), before: Before::State(Box::new(before)), at: self.now });
+            self.edits.push(Edit { name: name.to_owned(), before: Before::State(Box::new(before)), revision, at: self.now });
         }
     }
 
-    /// Records the replacement of the scene.
+    /// Records the replacement of the scene by one from a file.
     pub(super) fn edited_scene(&mut self, name: &str, before: Option<(Source, Checkpoint)>) {
-        if let Some(before) = before {
-            self.edits.push(Edit { name: name.to_owned(), before: Before::Scene(Box::new(before)), at: self.now });
+        let clean = self.revisions.clean;
+        let revision = self.revisions.edit(before.is_some());
+        self.revisions.opened_or_saved();
+        if let Some((source, state)) = before {
+            let before = Before::Scene(Box::new((source, state, clean)));
+            self.edits.push(Edit { name: name.to_owned(), before, revision, at: self.now });
         }
     }
 
@@ -160,11 +228,11 @@ impl Session {
 
     /// Restores what an edit replaced, and returns the edit that reverts this.
     fn swap(&mut self, edit: Edit) -> Option<Edit> {
-        let Edit { name, before, .. } = edit;
+        let Edit { name, before, revision, .. } = edit;
         let inverse = match before {
             Before::Settings(before) => {
                 let present = *self.simulation.settings();
-                let set = self.simulation.set_settings(*before);
+                let set = self.apply_settings(*before);
                 self.ok_or_report(set)?;
                 Before::Settings(Box::new(present))
             }
@@ -185,17 +253,18 @@ impl Session {
                 Before::State(Box::new(present))
             }
             Before::Scene(before) => {
-                let (source, state) = *before;
-                let present = (self.source.clone(), self.state()?);
+                let (source, state, clean) = *before;
+                let present = (self.source.clone(), self.state()?, self.revisions.clean);
                 self.set_running(false);
                 self.restore(&state).then_some(())?;
                 self.replaced(source);
+                self.revisions.clean = clean;
                 self.simulation_version += 1;
                 Before::Scene(Box::new(present))
             }
         };
-        self.changed = true;
+        let revision = std::mem::replace(&mut self.revisions.present, revision);
         // A later change of the same constant is another edit.
-        Some(Edit { name, before: inverse, at: f64::NEG_INFINITY })
+        Some(Edit { name, before: inverse, revision, at: f64::NEG_INFINITY })
     }
 }

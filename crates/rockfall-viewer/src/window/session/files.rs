@@ -126,7 +126,6 @@ impl Session {
                 self.pace.time_step = time_step;
             }
         }
-        self.changed = false;
         self.names = names_of(&self.source);
         self.forget_bodies();
         (self.past, self.watch) = (Past::default(), Watch::default());
@@ -166,7 +165,7 @@ impl Session {
         let saved = synced.and_then(|()| self.scene_to_save().save(path));
         let saved = self.ok_or_report(saved).is_some();
         if saved {
-            self.changed = false;
+            self.revisions.opened_or_saved();
             self.tell(Level::Note, format!("saved as {}", path.display()));
         }
         saved

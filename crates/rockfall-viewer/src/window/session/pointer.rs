@@ -99,7 +99,15 @@ impl Session {
         sphere.position = place;
         let before = self.state_for_undo();
         let added = self.simulation.add_sphere(sphere);
-        if self.ok_or_report(added).is_some() {
+        let Some(added) = self.ok_or_report(added) else {
+            return;
+        };
+        // A sphere that the simulation refuses would stop every later step.
+        let accepted = self.simulation.flush();
+        if self.ok_or_report(accepted).is_none() {
+            let removed = self.simulation.remove_sphere(added);
+            self.ok_or_report(removed);
+        } else {
             self.objects_version += 1;
             self.edited_state("throw", before);
             if !self.running {
