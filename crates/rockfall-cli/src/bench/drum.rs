@@ -37,6 +37,9 @@ pub(crate) struct Arguments {
     /// Number of polygons of the drum
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = whole(6_u32, 10_000), allow_negative_numbers = true)]
     facets: u32,
+    /// Let the walls turn instead of the direction of gravity, and make them of triangles
+    #[arg(long)]
+    triangles: bool,
     /// Number of timed steps in each run
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     steps: u64,
@@ -92,7 +95,7 @@ impl Turning {
         let end = self.steps + steps;
         while self.steps < end {
             let until = (self.steps / arguments.turn_every + 1).saturating_mul(arguments.turn_every).min(end);
-            if self.steps.is_multiple_of(arguments.turn_every) {
+            if !arguments.triangles && self.steps.is_multiple_of(arguments.turn_every) {
                 let mut settings = *self.simulation.settings();
                 settings.gravity_direction = Drum::down(arguments.angle(self.steps));
                 self.simulation.set_settings(settings)?;
@@ -113,7 +116,7 @@ impl Arguments {
     fn drum(&self, grains: u32) -> Drum {
         let mut drum = Drum::new(grains);
         (drum.radius, drum.facets) = (self.radius, self.facets);
-        drum
+        if self.triangles { drum.triangles().spin(TAU * self.rpm / 60.0) } else { drum }
     }
 
     fn measure(&self, grains: u32) -> Result<Measured, Failure> {
@@ -160,10 +163,14 @@ impl Arguments {
 
     fn table(&self, sizes: &[Measured]) -> String {
         let device = sizes.first().map_or("", |size| &size.backend.device);
+        let turning = match self.triangles {
+            true => "walls of triangles turn".to_owned(),
+            false => format!("gravity turned every {} steps", self.turn_every),
+        };
         let mut text = format!(
             "rockfall bench drum, hertz-mindlin, rolling model c, {}, {} polygons, {} revolutions per minute: {device}\n\
-             {} steps of {} s after {} warm-up steps, gravity turned every {} steps, median (minimum to maximum) of {} runs\n",
-            self.integrator, self.facets, self.rpm, self.steps, self.dt, self.warmup, self.turn_every, self.runs
+             {} steps of {} s after {} warm-up steps, {turning}, median (minimum to maximum) of {} runs\n",
+            self.integrator, self.facets, self.rpm, self.steps, self.dt, self.warmup, self.runs
         );
         for size in sizes {
             let steps = self.warmup + u64::from(self.runs) * self.steps;
@@ -197,6 +204,7 @@ impl Arguments {
             "radius": as_written(self.radius),
             "drum_radii": radii,
             "facets": self.facets,
+            "triangles": self.triangles,
             "rpm": self.rpm,
             "turn_every": self.turn_every,
             "dt": as_written(self.dt),

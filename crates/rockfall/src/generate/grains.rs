@@ -45,6 +45,8 @@ pub struct Drum {
     pub rough_ends: bool,
     /// Angular velocity of the walls about the z axis, in rad/s. 0: they stand still.
     pub spin: f64,
+    /// Whether the wall consists of triangles, about as long as wide, instead of polygons as long as the drum.
+    pub triangles: bool,
 }
 
 impl Drum {
@@ -54,12 +56,20 @@ impl Drum {
     /// Describes a drum as in the benchmark: its length is 4 times its radius, which is 0.2 m for 1,000,000 grains of radius
     /// 2 mm.
     pub fn new(grains: u32) -> Self {
-        Self { grains, radius: 0.002, facets: 48, length: 4.0, filling: 5.0 / 9.0, friction: 0.65, rough_ends: true, spin: 0.0 }
+        let filling = 5.0 / 9.0;
+        let (spin, triangles) = (0.0, false);
+        Self { grains, radius: 0.002, facets: 48, length: 4.0, filling, friction: 0.65, rough_ends: true, spin, triangles }
     }
 
     /// Lets the walls turn by `spin` rad/s about the z axis, by a motion with the name `drum`.
     pub fn spin(mut self, spin: f64) -> Self {
         self.spin = spin;
+        self
+    }
+
+    /// Makes the wall of triangles.
+    pub fn triangles(mut self) -> Self {
+        self.triangles = true;
         self
     }
 
@@ -127,8 +137,22 @@ impl Drum {
             let (sin, cos) = (TAU * facet as f32 / self.facets as f32).sin_cos();
             let (outwards, along) = (Vec3::new(cos, sin, 0.0), Vec3::new(-sin, cos, 0.0));
             let corner = drum * outwards - half_width * along - reach * Vec3::Z;
+            let across = 2.0 * half_width * along;
+            if self.triangles {
+                let pieces = (reach / half_width).round().max(1.0);
+                let up = 2.0 * reach / pieces * Vec3::Z;
+                for piece in 0..pieces as u32 {
+                    let corner = corner + piece as f32 * up;
+                    for triangle in
+                        [Polygon::triangle(corner, up, across), Polygon::triangle(corner + up + across, -up, -across)]
+                    {
+                        scene.add_polygon(Polygon { motion, ..triangle.material(wall) })?;
+                    }
+                }
+                continue;
+            }
             // Solid from the inside: the side that z x along points to.
-            let facet = Polygon::new(corner, 2.0 * reach * Vec3::Z, 2.0 * half_width * along).material(wall);
+            let facet = Polygon::new(corner, 2.0 * reach * Vec3::Z, across).material(wall);
             scene.add_polygon(Polygon { motion, ..facet })?;
         }
         let wide = 1.3 * drum;
