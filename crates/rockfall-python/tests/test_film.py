@@ -98,7 +98,7 @@ def test_plots_are_beside_the_pictures_and_grow() -> None:
             lines = [blue(picture) for picture in pictures]
             assert lines[0] < lines[2] < lines[4], lines
     for plot, error, text in [
-        ("hight:0", ValueError, "plot: hight is not known, expected one of: energy, contacts, x"),
+        ("hight:0", ValueError, "plot: hight is not known, expected one of: energy, kinetic, potential, momentum, contacts, x"),
         ("height:7", LookupError, "there is no sphere 7"),
         ("height:bal", KeyError, "did you mean 'ball'"),
         (3, TypeError, "plot: expected a text or a list of texts"),
@@ -248,7 +248,7 @@ def test_worlds_are_filmed(sim: rf.Simulation) -> None:
 
 
 def test_a_film_needs_a_simulation_and_leaves_a_recording_alone(sim: rf.Simulation, tmp_path: pathlib.Path) -> None:
-    with pytest.raises(TypeError, match=r"sim: expected a rockfall\.Simulation or rockfall\.Worlds, got Scene"):
+    with pytest.raises(TypeError, match=r"sim: expected a rockfall\.Simulation, rockfall\.Worlds or rockfall\.Trajectory, got Scene"):
         rf.film(sim.scene, 5)  # type: ignore[arg-type]
     with sim.record(tmp_path / "a.npz"), pytest.raises(ValueError, match="finish the recording first"):
         rf.film(sim, 5, size=SIZE)

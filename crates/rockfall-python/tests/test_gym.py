@@ -225,7 +225,7 @@ def test_a_picture_before_processes_does_not_break_them() -> None:
     code = """
 import warnings
 import gymnasium as gym
-import rockfall as rf
+import rockfall.gym
 warnings.simplefilter("ignore")
 env = gym.make("rockfall/Cart-v0", render_mode="rgb_array", render_size=(64, 36))
 env.reset(seed=1)
@@ -238,3 +238,19 @@ envs.close()
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300)
     assert "[1. 1.]" in done.stdout, done.stderr
+
+
+def test_a_single_small_environment_needs_no_graphics_device(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+
+    class Worlds(rf.Worlds):
+        def __init__(self, *scenes: Any, backend: Any, **options: Any) -> None:
+            asked.append(backend)
+            super().__init__(*scenes, backend="cpu", **options)
+
+    monkeypatch.setattr("rockfall._gym_env.Worlds", Worlds)
+    rf.gym.make()
+    rf.gym.make(backend="gpu")
+    rf.gym.make(rf.gym.walker(40))
+    rf.gym.make_vec(num_envs=2)
+    assert asked == ["cpu", "gpu", "auto", "auto"]

@@ -59,7 +59,7 @@ def test_plots_beside_pictures_have_the_states_that_were_drawn() -> None:
     sim.render(**options, plot=["energy"])
     again = sim.render(**options, plot="height:ball").numpy()
     assert not np.array_equal(again[:, beside], lines[:, beside])
-    with pytest.raises(ValueError, match="plot: heigth is not known, expected one of: energy, contacts"):
+    with pytest.raises(ValueError, match="plot: heigth is not known, expected one of: energy, kinetic"):
         sim.render(**options, plot="heigth:ball")
     with pytest.raises(KeyError, match="plot: bal: no object has the name 'bal': did you mean 'ball'"):
         sim.render(**options, plot="height:bal")

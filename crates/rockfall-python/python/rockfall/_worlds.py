@@ -361,10 +361,10 @@ def _natives(scenes: Sequence[Scene] | Scene, count: int | None) -> tuple[list[A
         raise TypeError("count: expected the number of worlds with this scene, got None")
     if not several and count is not None:
         raise TypeError("count: expected None for several scenes; it is the number of worlds with one scene")
-    found = _scenes("scenes", scenes)
-    if not found:
+    natives = [scene._native for scene in _scenes("scenes", scenes)]
+    if not natives:
         raise ValueError("scenes: expected at least one Scene")
-    return [scene._native for scene in found], None if count is None else whole("count", count)
+    return natives, None if count is None else whole("count", count)
 
 
 def _scenes(name: str, value: Any) -> list[Scene]:

@@ -406,7 +406,9 @@ mod tests {
         let seen = |eye: Vec3, more: &[Vec3]| {
             let mut scene = Scene::new();
             let below = (0..10).map(|k| Vec3::new(0.1 * k as f32 - 0.5, 0.1, 0.5));
-            below.chain(more.iter().copied()).for_each(|place| drop(scene.add_sphere(Sphere::new(place, 0.1)).unwrap()));
+            for place in below.chain(more.iter().copied()) {
+                scene.add_sphere(Sphere::new(place, 0.1)).unwrap();
+            }
             scene.add_box(ramp).unwrap();
             let mut walls = Walls::default();
             walls.set_scene(&scene);

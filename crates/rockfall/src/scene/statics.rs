@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use crate::error::{Error, Result};
-use crate::report::short_number;
 use crate::scene::checks::{finite, invalid};
 use crate::scene::materials::MaterialId;
 use crate::scene::motion::MotionId;
@@ -80,9 +79,8 @@ impl Cuboid {
         let pairs = [("i and j", i, j), ("j and k", j, k), ("k and i", k, i)];
         let cosines = pairs.map(|(names, one, other)| (names, one.normalize().dot(other.normalize())));
         let wrong = cosines.iter().filter(|(_, cosine)| cosine.abs() > 1e-4);
-        let wrong: Vec<String> = wrong
-            .map(|(names, cosine)| format!("{} degrees between {names}", short_number(cosine.acos().to_degrees(), 6)))
-            .collect();
+        let degrees = |cosine: &f64| (1e4 * cosine.acos().to_degrees()).round() / 1e4;
+        let wrong: Vec<String> = wrong.map(|(names, cosine)| format!("{} degrees between {names}", degrees(cosine))).collect();
         if wrong.is_empty() {
             return Ok(());
         }
