@@ -143,9 +143,9 @@ impl Drum {
                 let up = 2.0 * reach / pieces * Vec3::Z;
                 for piece in 0..pieces as u32 {
                     let corner = corner + piece as f32 * up;
-                    for triangle in
-                        [Polygon::triangle(corner, up, across), Polygon::triangle(corner + up + across, -up, -across)]
-                    {
+                    let far = corner + up + across;
+                    let halves = [(corner, corner + up, corner + across), (far, corner + across, corner + up)];
+                    for triangle in halves.map(|(a, b, c)| Polygon::triangle(a, b, c)) {
                         scene.add_polygon(Polygon { motion, ..triangle.material(wall) })?;
                     }
                 }
