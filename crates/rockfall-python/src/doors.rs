@@ -6,8 +6,8 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use rockfall::glam::Vec3;
 use rockfall::{
-    BoxId, Capsule, CapsuleId, Cuboid, Facets, Gauge, Inlet, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Outlet, Pair,
-    Polygon, PolygonId, Result, Rod, RodId, Settings, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
+    BoxId, Capsule, CapsuleId, Cuboid, Facets, Gauge, Inlet, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Outlet,
+    Pair, Polygon, PolygonId, Result, Rod, RodId, Settings, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
 
 use crate::errors::Raise;

@@ -259,9 +259,7 @@ impl Filming {
             let scene = running.simulation.scene();
             let find = |followed: Followed| match followed {
                 Followed::Number(number) => handle(&running.ids.spheres, "sphere", number),
-                Followed::Name(name) => {
-                    named(scene, &name).map_err(|error| PyKeyError::new_err(format!("follow: {error}")))
-                }
+                Followed::Name(name) => named(scene, &name).map_err(|error| PyKeyError::new_err(format!("follow: {error}"))),
             };
             let follow = follow.map(find).transpose()?;
             let graphs = look.graphs(running.simulation.scene(), &running.ids)?;

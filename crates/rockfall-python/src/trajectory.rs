@@ -61,7 +61,8 @@ pub(crate) struct TrajectoryReader(Mutex<Reader>);
 
 /// Moves states towards later ones by a part of the way.
 fn mix(states: &mut States, after: &States, part: f32) {
-    let pairs = |now: &mut Vec<Vec3>, then: &[Vec3]| now.iter_mut().zip(then).for_each(|(now, then)| *now = now.lerp(*then, part));
+    let pairs =
+        |now: &mut Vec<Vec3>, then: &[Vec3]| now.iter_mut().zip(then).for_each(|(now, then)| *now = now.lerp(*then, part));
     pairs(&mut states.positions, &after.positions);
     pairs(&mut states.velocities, &after.velocities);
     pairs(&mut states.angular_momenta, &after.angular_momenta);

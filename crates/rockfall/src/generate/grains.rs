@@ -266,6 +266,19 @@ mod tests {
     use super::super::Kind;
     use super::*;
 
+    /// The triangles are those of the polygons: the same area, and no grain touches them at the start.
+    #[test]
+    fn a_drum_may_be_made_of_triangles() {
+        let drum = Drum::new(300);
+        let area =
+            |scene: &Scene, share: f32| scene.polygons().iter().map(|face| share * face.left.cross(face.right).length()).sum();
+        let (plain, fine) = (drum.scene(0).unwrap(), drum.spin(1.0).triangles().scene(0).unwrap());
+        let [one, other]: [f32; 2] = [area(&plain, 1.0), area(&fine, 0.5)];
+        assert!((other / one - 1.0).abs() < 1e-4, "{one} {other}");
+        assert!(fine.counts().polygons > 1_000 && fine.polygons().iter().all(|face| face.is_triangle && face.motion.is_some()));
+        assert!(fine.placement().unwrap().deepest < 1e-3);
+    }
+
     #[test]
     fn the_drum_of_the_benchmark_has_a_radius_of_a_fifth_of_a_metre() {
         let radius = Drum::new(1_000_000).drum_radius().unwrap();
