@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
-// requires physics/fine.wgsl physics/geometry.wgsl physics/pairs.wgsl
+// requires physics/fine.wgsl physics/geometry.wgsl physics/pairs.wgsl physics/period.wgsl
 // requires physics/walls.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
@@ -49,17 +49,26 @@ fn four_spheres(entries: vec4u, are_needed: vec4<bool>) -> Four {
 // rebuilt.
 const SLACK: f32 = 1.00001;
 
+// Bound for what the low parts of positions, which `close` leaves out, and the rounding of differences and whole periods add to a
+// distance, as a part of the largest coordinate.
+const LOW_PARTS: f32 = 1e-6;
+
+fn largest_coordinate(place: vec4f) -> f32 {
+    let size = abs(place.xyz);
+    return max(max(size.x, size.y), size.z);
+}
+
 // Which of four spheres are close enough to a sphere to touch it.
 fn close(own: vec4f, four: Four) -> vec4<bool> {
+    let a = nearest_image(four.a.xyz - own.xyz);
+    let b = nearest_image(four.b.xyz - own.xyz);
+    let c = nearest_image(four.c.xyz - own.xyz);
+    let d = nearest_image(four.d.xyz - own.xyz);
+    var reach = vec4f(own.w) + vec4f(four.a.w, four.b.w, four.c.w, four.d.w);
     if DOUBLE {
-        // The high parts of positions do not tell.
-        return vec4<bool>(true);
+        let far = vec4f(largest_coordinate(four.a), largest_coordinate(four.b), largest_coordinate(four.c), largest_coordinate(four.d));
+        reach += LOW_PARTS * max(far, vec4f(largest_coordinate(own)));
     }
-    let a = four.a.xyz - own.xyz;
-    let b = four.b.xyz - own.xyz;
-    let c = four.c.xyz - own.xyz;
-    let d = four.d.xyz - own.xyz;
-    let reach = vec4f(own.w) + vec4f(four.a.w, four.b.w, four.c.w, four.d.w);
     return vec4f(dot(a, a), dot(b, b), dot(c, c), dot(d, d)) < SLACK * reach * reach;
 }
 

@@ -42,25 +42,27 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
 // Contacts by a law with history.
 fn add_law_contacts(i: u32, net: ptr<function, Net>) {
     var chain = new_chain(i);
+    let own = state[position_at(i)];
     let count = count_of(i);
     let first = first_of(i);
-    var hidden = 0u;
-    for (var e = 0u; e < count; e++) {
-        if e % ENTRIES_PER_MASK == 0u {
-            hidden = hidden_entries(i, state[position_at(i)], first, e, count);
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
+        // Necks connect spheres that are apart.
+        var rest = 0xffffffffu >> (32u - min(ENTRIES_PER_MASK, count - begin));
+        if !COHESION {
+            rest = entries_near(own, 0u, first, begin, count);
         }
-        if ((hidden >> (e % ENTRIES_PER_MASK)) & 1u) != 0u {
-            continue;
-        }
-        let entry = entry_at(slot_at(first, e));
-        let met = mover_contact(i, entry);
-        if !met.touches {
-            continue;
-        }
-        add_push(met.push, net);
-        count_if(met.is_a, met.push, net);
-        if met.owns {
-            put_spring(entry_key(entry_id(entry), entry_feature(entry)), met.spring, &chain);
+        rest &= ~hidden_entries(i, own, first, begin, count);
+        for (; rest != 0u; rest &= rest - 1u) {
+            let entry = entry_at(slot_at(first, begin + firstTrailingBit(rest)));
+            let met = mover_contact(i, entry);
+            if !met.touches {
+                continue;
+            }
+            add_push(met.push, net);
+            count_if(met.is_a, met.push, net);
+            if met.owns {
+                put_spring(entry_key(entry_id(entry), entry_feature(entry)), met.spring, &chain);
+            }
         }
     }
     if advances_springs() {
