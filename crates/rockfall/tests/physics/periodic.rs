@@ -141,36 +141,30 @@ fn bodies_may_be_written_in_any_image(backend: Backend) {
 
 /// Two balls that meet across a face, or across an edge of the box, do what they do inside of it.
 fn a_pair_across_a_face_moves_as_inside(backend: Backend) {
-    for (integrator, continuous) in
-        [(Integrator::Rk4, true), (Integrator::SymplecticEuler, false), (Integrator::VelocityVerlet, false)]
-    {
-        {
-            let run = |shift: Vec3| {
-                let mut scene = smooth();
-                scene.settings.continuous_collisions = continuous;
-                set_periods(&mut scene, [Some([0.0, 2.0]), Some([0.0, 2.0]), None]);
-                let speed = if continuous { 30.0 } else { 1.0 };
-                let one = Sphere::new(Vec3::new(0.75, 0.75, 0.0) + shift, 0.125).velocity([speed, 0.875 * speed, 0.0]);
-                let mut other = Sphere::new(Vec3::new(1.25, 1.25, 0.0) + shift, 0.25).velocity([-speed, -speed, 0.0]).mass(2.0);
-                // Across the corner of the box, the other ball is brought back.
-                other.position -= 2.0 * shift;
-                scene.add_sphere(one).expect("a valid sphere");
-                scene.add_sphere(other).expect("a valid sphere");
-                let mut simulation = open(scene, backend, integrator, BroadPhase::Grid);
-                let report = simulation.run(if continuous { 4 } else { 40 }, 0.01).expect("steps");
-                (
-                    simulation.spheres().expect("spheres").iter().map(|ball| ball.velocity).collect::<Vec<_>>(),
-                    report.total_collisions,
-                )
-            };
-            let (inside, hits) = run(Vec3::ZERO);
-            assert_eq!(hits, 1, "{integrator}, continuous {continuous}");
-            let (across, _) = run(Vec3::new(1.0, 1.0, 0.0));
-            assert_eq!(inside, across, "{integrator}, continuous {continuous}");
-            let momentum: f64 = inside.iter().zip([1.0, 2.0]).map(|(velocity, mass)| mass * f64::from(velocity.x)).sum();
-            let speed = if continuous { 30.0 } else { 1.0 };
-            close(momentum, -speed, 1e-5 * speed, "momentum");
-        }
+    let cases = [(Integrator::Rk4, true), (Integrator::SymplecticEuler, false), (Integrator::VelocityVerlet, false)];
+    for (integrator, continuous) in cases {
+        let speed = if continuous { 30.0 } else { 1.0 };
+        let run = |shift: Vec3| {
+            let mut scene = smooth();
+            scene.settings.continuous_collisions = continuous;
+            set_periods(&mut scene, [Some([0.0, 2.0]), Some([0.0, 2.0]), None]);
+            let one = Sphere::new(Vec3::new(0.75, 0.75, 0.0) + shift, 0.125).velocity([speed, 0.875 * speed, 0.0]);
+            let mut other = Sphere::new(Vec3::new(1.25, 1.25, 0.0) + shift, 0.25).velocity([-speed, -speed, 0.0]).mass(2.0);
+            // Across the corner of the box, the other ball is brought back.
+            other.position -= 2.0 * shift;
+            scene.add_sphere(one).expect("a valid sphere");
+            scene.add_sphere(other).expect("a valid sphere");
+            let mut simulation = open(scene, backend, integrator, BroadPhase::Grid);
+            let report = simulation.run(if continuous { 4 } else { 40 }, 0.01).expect("steps");
+            let velocities = simulation.spheres().expect("spheres").iter().map(|ball| ball.velocity).collect::<Vec<_>>();
+            (velocities, report.total_collisions)
+        };
+        let (inside, hits) = run(Vec3::ZERO);
+        assert_eq!(hits, 1, "{integrator}, continuous {continuous}");
+        let (across, _) = run(Vec3::new(1.0, 1.0, 0.0));
+        assert_eq!(inside, across, "{integrator}, continuous {continuous}");
+        let momentum: f64 = inside.iter().zip([1.0, 2.0]).map(|(velocity, mass)| mass * f64::from(velocity.x)).sum();
+        close(momentum, -f64::from(speed), 1e-5 * f64::from(speed), "momentum");
     }
 }
 
