@@ -412,7 +412,7 @@ fn without_a_display_the_message_suggests_render() {
 fn bodies_to_plot_are_picked_from_the_start() {
     let scene = "@name left\nS 1 0 2 0 0 0 0 0 0 0 1 0.5\n@name right\nS 2 3 2 0 0 0 0 0 0 0 1 0.5\n";
     let mut session = Session::open(&[("scene.txt", scene)], "--backend cpu --plot height:right,left --plot energy");
-    session.wait("the picked body", |report| report["picked"].to_string().contains("sphere 2"));
+    session.wait("the picked body", |report| report["picked"] == "right");
     session.quit();
     let rockfall = Rockfall::with(scene);
     for (plot, expected) in [
