@@ -70,7 +70,8 @@ fn the_kernel_of_worlds_is_valid_and_fits_workgroup_memory() {
     let of_one = bytes_of_worlds(WorldBatch { sizes: WorldSizes::MOST, shared: false });
     assert!((4 * 1024..=5 * 1024).contains(&of_one), "{of_one} bytes");
     let of_three = bytes_of_worlds(WorldBatch { sizes: WorldSizes::BODIES, shared: true });
-    assert!((7 * 1024..=8 * 1024).contains(&of_three), "{of_three} bytes");
+    // With the alignment of its variables.
+    assert!((7 * 1024..=8 * 1024 + 64).contains(&of_three), "{of_three} bytes");
 }
 
 /// Workgroup memory of the kernel of worlds, which must be valid.

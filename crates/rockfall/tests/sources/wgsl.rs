@@ -134,6 +134,10 @@ fn every_file_belongs_to_a_stage_or_is_shared() {
     }
 }
 
+/// Files that are one with others: geometry has the arithmetic of positions, which has that of periods.
+const COMES_WITH: [(&str, &[&str]); 2] =
+    [("physics/fine.wgsl", &["physics/period.wgsl"]), ("physics/geometry.wgsl", &["physics/fine.wgsl", "physics/period.wgsl"])];
+
 /// A file must declare or require every name that it uses, except bindings of the stage and hooks.
 #[test]
 fn files_require_the_files_that_they_use() {
@@ -148,8 +152,11 @@ fn files_require_the_files_that_they_use() {
     let is_hook = |name: &str| HOOKS.iter().any(|(hook, _)| *hook == name);
     let mut found = Vec::new();
     for (name, file) in &files {
-        let from_requirements: BTreeSet<String> =
-            requires(file.part).flat_map(|part| files[part.file].declares.clone()).collect();
+        let with_others = requires(file.part).flat_map(|part| {
+            let others = COMES_WITH.iter().filter(move |(file, _)| *file == part.file).flat_map(|(_, others)| *others);
+            std::iter::once(part.file).chain(others.copied())
+        });
+        let from_requirements: BTreeSet<String> = with_others.flat_map(|file| files[file].declares.clone()).collect();
         for used in file.uses.difference(&from_requirements) {
             let Some(from) = declarers.get(used.as_str()) else { continue };
             let is_own = file.declares.contains(used);
