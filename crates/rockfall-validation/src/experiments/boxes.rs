@@ -166,7 +166,7 @@ fn balance(outcome: &mut Outcome) -> Result<()> {
     }
     let flow = simulation.flow();
     outcome.check("inlet and outlet: mass in, less out, less inside", 0.0, off, 0.0);
-    outcome.check("inlet: mass that came in 4 s", 400.0, came, 2.0);
+    outcome.check("inlet: mass that came in 4 s", 400.0, came, 12.0);
     outcome.check("outlet: 1 if spheres have left", 1.0, f64::from(u8::from(flow.outlets[0].spheres > 200)), 0.0);
     Ok(())
 }

@@ -36,7 +36,11 @@ impl Scene {
             let length = to - from;
             if !(from.is_finite() && to.is_finite() && length.is_finite() && length > 0.0) {
                 let value = format!("{from} to {to}");
-                return Err(Error::Invalid { field: "periodic", value, expected: "two finite numbers in ascending order" });
+                return Err(Error::Invalid {
+                    field: "periodic.bounds",
+                    value,
+                    expected: "two finite numbers in ascending order",
+                });
             }
         }
         *place = bounds;

@@ -49,11 +49,11 @@ mod tests {
         let head = "# a box\n";
         for (line, expected) in [
             ("@periodic x 1", "box.txt:2: @periodic line: 2 words, expected `@periodic AXIS FROM TO`"),
-            ("@periodic w 0 1", "box.txt:2: @periodic axis: \"w\" is not allowed, expected x, y or z"),
-            ("@periodic x 0 inf", "box.txt:2: @periodic to: \"inf\" is not a finite number"),
+            ("@periodic w 0 1", "box.txt:2: @periodic axis: 'w' is not allowed, expected x, y or z"),
+            ("@periodic x 0 inf", "box.txt:2: @periodic to: 'inf' is not a finite number"),
             (
                 "@periodic y 2 1",
-                "box.txt:2: @periodic periodic: 2 to 1 is not allowed, expected two finite numbers in ascending order",
+                "box.txt:2: @periodic bounds: 2 to 1 is not allowed, expected two finite numbers in ascending order",
             ),
             ("@periodic x 0 1\n@periodic x 0 2", "box.txt:3: @periodic x: given again, expected one line for each axis"),
         ] {
