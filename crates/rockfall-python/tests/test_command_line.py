@@ -15,6 +15,8 @@ import rockfall as rf
 def scenes() -> list[pathlib.Path]:
     """The scenes of the repository that are small enough to run in a test."""
     found = [path for path in sorted((ROOT / "scenes").glob("*.txt")) if path.stat().st_size < 100_000]
+    # An .npz file has equally many spheres in all frames.
+    found = [path for path in found if "@inlet" not in path.read_text()]
     assert len(found) >= 3
     return found
 

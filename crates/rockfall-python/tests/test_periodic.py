@@ -10,12 +10,12 @@ def test_bodies_pass_the_faces_of_the_box() -> None:
     scene = rf.Scene()
     scene.settings.gravity = 0
     scene.set_periodic("x", -1, 1)
-    scene.add_spheres([[0.75, 0, 0], [-0.75, 0, 0]], radius=0.1, velocities=[[1, 0, 0], [-1, 0, 0]])
+    scene.add_spheres([[0.75, 0, 0], [-0.75, 0, 0]], radius=0.1, velocity=[[1, 0, 0], [-1, 0, 0]])
     assert scene.periodic == {"x": (-1.0, 1.0)}
     again = rf.Scene.parse(scene.to_text())
     assert again.periodic == scene.periodic
-    sim = rf.Simulation(scene, backend="cpu")
-    sim.run(100, 0.01)
+    sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+    sim.run(100)
     # They meet at the face and fly back.
     assert sim.velocities[0, 0] < 0 < sim.velocities[1, 0]
     assert sim.periodic == scene.periodic

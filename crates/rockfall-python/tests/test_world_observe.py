@@ -73,7 +73,8 @@ def test_unsuitable_time_steps_are_warned_of_once() -> None:
     stiff = rf.Scene()
     a, b = stiff.add_spheres([[0, 0, 0], [1, 0, 0]], 0.1)
     stiff.add_spring(a, b, 1e6)
-    expected = stiff.check(0.1)
+    # Worlds are not searched for bodies that fall for ever.
+    expected = [text for text in stiff.check(0.1) if "fall for ever" not in text]
     assert expected
     worlds = rf.Worlds([rf.Scene(), stiff, stiff], dt=0.1, backend="cpu", keep_going=True)
     assert warned(worlds, 0) == []

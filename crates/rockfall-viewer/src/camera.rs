@@ -127,6 +127,7 @@ impl Camera {
     }
 
     /// Returns the camera moved back and up, so that what it showed leaves this part of the picture free at the upper edge.
+    #[cfg_attr(target_family = "wasm", allow(dead_code, reason = "pictures with titles are native"))]
     pub(crate) fn with_room_above(self, part: f32) -> Self {
         let away = (self.eye - self.target) / (1.0 - part);
         let shift = part * away.length() * (0.5 * self.field_of_view).tan() * self.axes().up;

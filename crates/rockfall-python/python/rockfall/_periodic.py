@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import VECTOR, floats
+from rockfall._arrays import floats
 from rockfall._attributes import Strict
 
 AXES = ("x", "y", "z")
@@ -29,7 +29,7 @@ class Periodic(Strict):
     def in_box(self, positions: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Positions, of shape (N, 3), of the images that are in the box of a periodic scene. Positions of a simulation are where
         bodies have got to, with all periods that they have passed. In other scenes the positions stay."""
-        found = np.array(floats("positions", positions, VECTOR), dtype=np.float64)
+        found = np.array(floats("positions", positions, (3,)), dtype=np.float64)
         for place, axis in enumerate(AXES):
             if axis in self.periodic:
                 low, high = self.periodic[axis]

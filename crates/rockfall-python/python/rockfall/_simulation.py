@@ -250,6 +250,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
             elif flow is not None:
                 found[name] = PlaneFlow(*flow)
         return found
+    @property
     def flow(self) -> Flow:
         """What came in through inlets and left through outlets since the start, and what is inside.
 
