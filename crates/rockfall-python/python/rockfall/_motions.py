@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
@@ -59,7 +60,8 @@ class WallLoad(NamedTuple):
     contacts: int
 
 
-class PlaneFlow(NamedTuple):
+@dataclass(frozen=True)
+class PlaneFlow:
     """What has passed the plane of a gauge, along its normal minus against it. See :attr:`Simulation.gauges`."""
 
     #: Mass of the spheres.

@@ -257,7 +257,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         In a scene to which the program adds nothing, what came in minus what left is the change of what is inside, exactly.
         """
         inlets, outlets, spheres, mass = _rockfall.flow(self._native)
-        came = {name: Inflow(*numbers) for name, *numbers in inlets}
+        came = {name: Inflow(count, total, waiting) for name, count, total, waiting in inlets}
         left = {name: Outflow(count, total) for name, count, total, _ in outlets}
         return Flow(came, left, spheres, mass)
 
