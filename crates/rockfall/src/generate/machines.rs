@@ -67,7 +67,7 @@ pub(super) fn shear_cell(spheres: u32, random: &mut Random) -> Result<Scene> {
     /// Speed of a plate, in m/s, the time in which the upper one comes down, in s, and the part of the volume that is then filled.
     const SPEED: f64 = 0.1;
     const PRESS: f64 = 0.2;
-    const FILLED: f32 = 0.56;
+    const FILLED: f32 = 0.53;
     const THICK: f32 = 2.0 * RADIUS;
     let (mut scene, material) = empty()?;
     let cell = 2.0 * CELL * RADIUS;
