@@ -29,9 +29,8 @@ use crate::output::AtomicFile;
 use crate::report::Report;
 use crate::scene::{AnyId, FlowState, Front, Scene};
 
-mod gauges;
-
 mod flow;
+mod gauges;
 mod head;
 mod laws;
 mod motions;

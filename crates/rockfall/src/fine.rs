@@ -1,5 +1,7 @@
 //! Positions as the sum of two `f32` vectors (docs/physics.md section 5.8).
 
+use std::ops::{Add, Sub};
+
 use glam::{DVec3, Vec3};
 
 /// The sum of two vectors. Each component of `low` is at most half a unit in the last place of the same component of `high`, so
@@ -49,8 +51,8 @@ impl Fine {
     }
 }
 
-/// The rounded sum of two vectors and its rounding error (Knuth 1969).
-fn two_sum(a: Vec3, b: Vec3) -> (Vec3, Vec3) {
+/// The rounded sum of two numbers or vectors, and its rounding error (Knuth 1969).
+pub(crate) fn two_sum<T: Copy + Add<Output = T> + Sub<Output = T>>(a: T, b: T) -> (T, T) {
     let sum = a + b;
     let of_b = sum - a;
     (sum, (a - (sum - of_b)) + (b - of_b))

@@ -18,10 +18,12 @@ pub(crate) struct Periods {
 impl Periods {
     /// `None` in scenes without periodic boundaries.
     pub(crate) fn of(step: &Step) -> Option<Self> {
-        let layout = &step.layout;
-        let length = Vec3::new(layout.period_x, layout.period_y, layout.period_z).as_dvec3();
-        let from = Vec3::new(layout.from_x, layout.from_y, layout.from_z).as_dvec3();
-        (step.constants.flags & FLAG_PERIODIC != 0).then_some(Self { length, from })
+        let bounds = || {
+            let layout = &step.layout;
+            let length = Vec3::new(layout.period_x, layout.period_y, layout.period_z).as_dvec3();
+            Self { length, from: Vec3::new(layout.from_x, layout.from_y, layout.from_z).as_dvec3() }
+        };
+        (step.constants.flags & FLAG_PERIODIC != 0).then(bounds)
     }
 
     /// The whole periods in a vector: those that its nearest image lacks.

@@ -1,5 +1,6 @@
 //! Takes checkpoints and resumes from them.
 
+use std::mem::take;
 use std::path::Path;
 
 use crate::checkpoint::{Checkpoint, History};
@@ -10,7 +11,6 @@ use crate::model::layout::SLICE;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::options::BackendInfo;
 use crate::options::Options;
-use crate::scene::{FlowState, Front};
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
 use crate::simulation::lists::ListPolicy;
@@ -102,21 +102,15 @@ impl Simulation {
     ///
     /// # Errors
     /// As for [`Simulation::resume`].
-    pub async fn resume_async(checkpoint: Checkpoint) -> Result<Self> {
+    pub async fn resume_async(mut checkpoint: Checkpoint) -> Result<Self> {
         checkpoint.check_laws()?;
         let mut world = prepare(&checkpoint.scene, &checkpoint.options)?;
         put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
         put_rates(&mut world, &checkpoint.rates);
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
-        let simulation = Self::assemble(checkpoint.scene, checkpoint.options, world, engine, info);
-        Ok(simulation.with_history(
-            checkpoint.time_step,
-            checkpoint.report,
-            checkpoint.history,
-            &checkpoint.fronts,
-            checkpoint.flow,
-        ))
+        let simulation = Self::assemble(take(&mut checkpoint.scene), take(&mut checkpoint.options), world, engine, info);
+        Ok(simulation.with_history(&checkpoint))
     }
 
     /// [`Simulation::resume`] on the caller's wgpu device; see [`Simulation::on_device`].
@@ -124,37 +118,25 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::on_device`].
     #[cfg(feature = "gpu")]
-    pub fn resume_on_device(checkpoint: Checkpoint, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
+    pub fn resume_on_device(mut checkpoint: Checkpoint, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         checkpoint.check_laws()?;
-        let (springs, rates) = (&checkpoint.springs, &checkpoint.rates);
-        let simulation = Self::on_device_as_is(checkpoint.scene, checkpoint.options, springs, rates, device, queue)?;
-        Ok(simulation.with_history(
-            checkpoint.time_step,
-            checkpoint.report,
-            checkpoint.history,
-            &checkpoint.fronts,
-            checkpoint.flow,
-        ))
+        let (scene, options) = (take(&mut checkpoint.scene), take(&mut checkpoint.options));
+        let simulation = Self::on_device_as_is(scene, options, &checkpoint.springs, &checkpoint.rates, device, queue)?;
+        Ok(simulation.with_history(&checkpoint))
     }
 
     /// [`Simulation::resume`] on a GPU that others share.
     #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
-    pub(crate) fn resume_on_gpu(checkpoint: Checkpoint, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
+    pub(crate) fn resume_on_gpu(mut checkpoint: Checkpoint, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
         checkpoint.check_laws()?;
-        let options = Options { backend: info.kind, ..checkpoint.options };
+        let options = Options { backend: info.kind, ..take(&mut checkpoint.options) };
         let mut world = prepare(&checkpoint.scene, &options)?;
         put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
         put_rates(&mut world, &checkpoint.rates);
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let engine = Engine::on(gpu, &world)?;
-        let simulation = Self::assemble(checkpoint.scene, options, world, engine, info.clone());
-        Ok(simulation.with_history(
-            checkpoint.time_step,
-            checkpoint.report,
-            checkpoint.history,
-            &checkpoint.fronts,
-            checkpoint.flow,
-        ))
+        let simulation = Self::assemble(take(&mut checkpoint.scene), options, world, engine, info.clone());
+        Ok(simulation.with_history(&checkpoint))
     }
 
     /// Replaces the state by that of a checkpoint, without opening a device again. Handles of the simulation that took the
@@ -180,32 +162,25 @@ impl Simulation {
         (self.dirty, self.synced, self.forces_synced) = (Dirty::Clean, true, true);
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
-        self.apply_history(checkpoint.time_step, checkpoint.report, checkpoint.history);
-        self.planes = Planes::resumed(&self.scene, &checkpoint.fronts);
-        self.flow = checkpoint.flow.clone();
+        self.apply_history(checkpoint);
         self.rebuild(&checkpoint.springs, &checkpoint.rates)?;
         self.status.collided = 0;
         Ok(())
     }
 
-    fn with_history(
-        mut self,
-        time_step: f32,
-        report: crate::Report,
-        history: History,
-        fronts: &[Front],
-        flow: FlowState,
-    ) -> Self {
-        self.apply_history(time_step, report, history);
-        self.planes = Planes::resumed(&self.scene, fronts);
-        self.flow = flow;
-        self.disorder = Disorder::sorted_at(report.steps);
+    /// Continues with what a checkpoint has beside its scene, its options and its springs.
+    fn with_history(mut self, checkpoint: &Checkpoint) -> Self {
+        self.apply_history(checkpoint);
+        self.disorder = Disorder::sorted_at(checkpoint.report.steps);
         self
     }
 
-    fn apply_history(&mut self, time_step: f32, report: crate::Report, history: History) {
-        self.time_step = time_step;
-        self.report = report;
+    fn apply_history(&mut self, checkpoint: &Checkpoint) {
+        let history = checkpoint.history;
+        self.time_step = checkpoint.time_step;
+        self.report = checkpoint.report;
+        self.planes = Planes::resumed(&self.scene, &checkpoint.fronts);
+        self.flow = checkpoint.flow.clone();
         self.muscle_clock = history.clock;
         self.status.lengths_due = u32::from(history.lengths_due);
         self.status.forces_due = self.world.status.forces_due;

@@ -1,5 +1,7 @@
 //! Sums of masses.
 
+use crate::fine::two_sum;
+
 /// A sum of `f32` that is exact as long as it fits twice the digits of an `f64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sum {
@@ -18,13 +20,6 @@ impl Sum {
     pub(crate) fn value(self) -> f64 {
         self.high + self.low
     }
-}
-
-/// The rounded sum, and what is left of it (Knuth).
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let of_b = sum - a;
-    (sum, (a - (sum - of_b)) + (b - of_b))
 }
 
 #[cfg(test)]

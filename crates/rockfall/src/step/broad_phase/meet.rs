@@ -8,9 +8,9 @@ use crate::model::step::{Aabb, Step};
 
 /// Calls `take` with each list entry of a mover, in ascending order of id, then feature.
 pub(crate) fn for_each_pair(step: &Step, aabbs: &[Aabb], mover: u32, mut take: impl FnMut(u32)) {
-    let own = &aabbs[mover as usize];
+    let (own, periods) = (&aabbs[mover as usize], Periods::of(step));
     for (id, other) in (0..).zip(aabbs) {
-        if may_meet(step, own, other) {
+        if may_meet(periods.as_ref(), own, other) {
             entries(step, mover, id, &mut take);
         }
     }
@@ -26,14 +26,14 @@ pub(crate) fn for_each_near(
     mover: u32,
     mut take: impl FnMut(u32),
 ) {
-    let own = &aabbs[mover as usize];
+    let (own, periods) = (&aabbs[mover as usize], Periods::of(step));
     let order = &cells[step.layout.sorted_at as usize..][..aabbs.len()];
     for (block, interval) in order.chunks(WORKGROUP as usize).zip(intervals) {
         if interval.x > own.max[0] || own.min[0] > interval.y {
             continue;
         }
         for id in block {
-            if may_meet(step, own, &aabbs[*id as usize]) {
+            if may_meet(periods.as_ref(), own, &aabbs[*id as usize]) {
                 entries(step, mover, *id, &mut take);
             }
         }
@@ -42,9 +42,9 @@ pub(crate) fn for_each_near(
 
 /// Returns whether two AABBs overlap (touching counts) and the groups are equal. It has no branches, because it is called in
 /// the hottest loop. In periodic scenes, the nearest image of the second one counts.
-pub(crate) fn may_meet(step: &Step, a: &Aabb, b: &Aabb) -> bool {
+pub(crate) fn may_meet(periods: Option<&Periods>, a: &Aabb, b: &Aabb) -> bool {
     let image;
-    let b = match Periods::of(step) {
+    let b = match periods {
         None => b,
         Some(periods) => {
             image = periods.near_aabb(a, b);

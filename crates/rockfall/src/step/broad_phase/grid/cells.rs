@@ -335,7 +335,7 @@ impl Around {
         }
         let spheres: &[u32] = if is_sphere { &[] } else { ids };
         for id in others.iter().chain(spheres) {
-            if may_meet(grid.step, own, &grid.aabbs[*id as usize]) {
+            if may_meet(periods.as_ref(), own, &grid.aabbs[*id as usize]) {
                 entries(grid.step, mover, *id, |entry| found.push(entry));
             }
         }
