@@ -7,6 +7,7 @@
 
 pub(crate) mod aabbs;
 pub(crate) mod broad_phase;
+pub(crate) mod bodies;
 pub mod catalog;
 pub(crate) mod collisions;
 pub(crate) mod forces;

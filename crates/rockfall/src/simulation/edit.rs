@@ -365,6 +365,7 @@ impl Simulation {
         self.engine.complete(&mut self.world);
         self.packed_ids = ids_of(&self.scene);
         self.packed = self.scene.sphere_ids().collect();
+        self.packed_bodies = self.scene.body_ids().collect();
         self.observation = None;
         self.packings += 1;
         self.engine.replace(&self.world)?;
@@ -398,6 +399,7 @@ impl Simulation {
         if !self.synced {
             self.engine.download_spheres(&mut self.world).await?;
             self.world.read_spheres(&mut self.scene, &self.packed);
+            self.world.read_bodies(&mut self.scene, &self.packed_bodies);
             self.synced = true;
         }
         Ok(())
