@@ -110,9 +110,10 @@ pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time, short_number};
 pub use scene::{
     Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, Facets, Gauge, Gauged, GrainMass,
-    Inlet, LineWarning, Loaded, Look, Material, MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId, Outlet, Pair,
-    Polygon, PolygonId, Radii, Rate, Rod, RodId, RollingModel, RunDefaults, Scene, SizedBy, Sphere, SphereId, Spring, SpringId,
-    Tag, Tether, TetherId,
+    Inlet, LineWarning, Loaded, Look, MassProperties, Material, MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId,
+    Outlet, Pair, Placement, Polygon, PolygonId, Radii, Rate, RigidBody, RigidBodyId, Rod, RodId, RollingModel, RunDefaults,
+    Scene, Shape, ShapeId, ShapeMass, ShapeRod, ShapeSphere, SizedBy, Sphere, SphereId, Spring, SpringId, Tag, Tether,
+    TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{

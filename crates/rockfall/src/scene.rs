@@ -25,7 +25,9 @@ mod references;
 mod registry;
 mod remove;
 mod restitution;
+mod rigid;
 mod run;
+mod shape;
 mod statics;
 mod tag;
 mod text;
@@ -54,7 +56,10 @@ pub(crate) use references::References;
 pub use registry::Handle;
 pub(crate) use registry::Registry;
 use registry::new_scene_number;
+pub use rigid::{Placement, RigidBody, RigidBodyId};
 pub use run::RunDefaults;
+pub(crate) use shape::Kinetics;
+pub use shape::{MassProperties, Shape, ShapeId, ShapeMass, ShapeRod, ShapeSphere};
 pub use statics::{BoxId, Cuboid, Polygon, PolygonId};
 pub(crate) use tag::shared;
 pub use tag::{ObjectId, Tag};
@@ -70,6 +75,11 @@ pub struct Scene {
     pub(crate) spheres: Registry<Sphere>,
     pub(crate) rods: Registry<Rod>,
     pub(crate) capsules: Registry<CapsuleParts>,
+    pub(crate) shapes: Registry<Shape>,
+    /// How bodies of each shape move, in the order of the shapes.
+    pub(crate) kinetics: Vec<Kinetics>,
+    pub(crate) bodies: Registry<RigidBody>,
+    pub(crate) members: rigid::Members,
     pub(crate) springs: Registry<Spring>,
     pub(crate) tethers: Registry<Tether>,
     pub(crate) boxes: Registry<Cuboid>,
@@ -91,7 +101,7 @@ impl Default for Scene {
     }
 }
 
-/// Number of objects of each kind. The spheres and rods of capsules are counted as spheres and rods too.
+/// Number of objects of each kind. The spheres and rods of capsules and rigid bodies are counted as spheres and rods too.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counts {
@@ -109,6 +119,8 @@ pub struct Counts {
     pub boxes: usize,
     /// Polygons.
     pub polygons: usize,
+    /// Rigid bodies.
+    pub bodies: usize,
 }
 
 impl Scene {
@@ -121,6 +133,10 @@ impl Scene {
             spheres: Registry::new(number, "sphere"),
             rods: Registry::new(number, "rod"),
             capsules: Registry::new(number, "capsule"),
+            shapes: Registry::new(number, "shape"),
+            kinetics: Vec::new(),
+            bodies: Registry::new(number, "rigid body"),
+            members: rigid::Members::default(),
             springs: Registry::new(number, "spring"),
             tethers: Registry::new(number, "tether"),
             boxes: Registry::new(number, "box"),
@@ -293,6 +309,7 @@ impl Scene {
             tethers: self.tethers.len(),
             boxes: self.boxes.len(),
             polygons: self.polygons.len(),
+            bodies: self.bodies.len(),
         }
     }
 }
@@ -333,4 +350,6 @@ readers! {
     polygon, polygons, polygon_ids, PolygonId, Polygon, "polygon";
     material, materials, material_ids, MaterialId, Material, "material";
     motion, motions, motion_ids, MotionId, Motion, "motion";
+    shape, shapes, shape_ids, ShapeId, Shape, "shape";
+    body, bodies, body_ids, RigidBodyId, RigidBody, "rigid body";
 }

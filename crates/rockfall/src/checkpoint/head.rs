@@ -66,7 +66,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     head.f32(*dt);
     head.u64(*steps);
 
-    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons } = scene.counts();
+    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons, bodies: _ } = scene.counts();
     for count in [spheres, rods, capsules, springs, tethers, boxes, polygons] {
         head.u64(count as u64);
     }
@@ -131,6 +131,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         tethers: count()?,
         boxes: count()?,
         polygons: count()?,
+        bodies: 0,
     };
     read_materials(words, &mut scene)?;
     motions::read(words, &mut scene)?;

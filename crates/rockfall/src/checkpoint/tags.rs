@@ -99,6 +99,7 @@ fn place(scene: &Scene, id: ObjectId) -> (u32, u32) {
         ObjectId::Spring(id) => (3, scene.springs.index(id)),
         ObjectId::Box(id) => (4, scene.boxes.index(id)),
         ObjectId::Polygon(id) => (5, scene.polygons.index(id)),
+        ObjectId::Body(id) => (6, scene.bodies.index(id)),
     };
     (kind, index.map_or(u32::MAX, |index| index as u32))
 }
@@ -117,6 +118,7 @@ fn object(scene: &Scene, kind: u32, index: usize) -> Result<ObjectId, Damage> {
         3 => of(&scene.springs, index),
         4 => of(&scene.boxes, index),
         5 => of(&scene.polygons, index),
+        6 => of(&scene.bodies, index),
         _ => None,
     };
     found.ok_or_else(|| Damage::new(format!("it has a name for object {index} of kind {kind}, which is not in it")))

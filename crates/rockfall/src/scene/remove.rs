@@ -1,7 +1,8 @@
 //! Removes objects: one, or many in one pass.
 
 use crate::error::Result;
-use crate::scene::{BoxId, CapsuleId, PolygonId, RodId, Scene, SphereId, SpringId, TetherId};
+use crate::scene::checks::invalid;
+use crate::scene::{BoxId, CapsuleId, PolygonId, RigidBodyId, RodId, Scene, SphereId, SpringId, TetherId};
 
 macro_rules! single {
     ($($(#[$doc:meta])* $one:ident($handle:ty) as $all:ident;)*) => {
@@ -27,6 +28,8 @@ single! {
     remove_rod(RodId) as remove_rods;
     /// Removes a capsule with both its spheres and everything attached to them.
     remove_capsule(CapsuleId) as remove_capsules;
+    /// Removes a rigid body with its spheres and rods and everything attached to them.
+    remove_body(RigidBodyId) as remove_bodies;
     /// Removes a spring.
     remove_spring(SpringId) as remove_springs;
     /// Removes a tether.
@@ -42,8 +45,17 @@ impl Scene {
     /// Removes spheres together with their rods, capsules, springs and tethers.
     ///
     /// # Errors
-    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when one is not in the scene. Nothing is removed then.
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when one is not in the scene. [`Error::Invalid`](crate::Error::Invalid) for
+    /// an object that is part of a rigid body: only the whole body can be removed. Nothing is removed then.
     pub fn remove_spheres(&mut self, ids: &[SphereId]) -> Result<()> {
+        if let Some(id) = ids.iter().find(|id| self.body_of_sphere(**id).is_some()) {
+            return Err(invalid("sphere", id, "a sphere that is not part of a rigid body; remove the body"));
+        }
+        self.remove_with_attached(ids)
+    }
+
+    /// Removes spheres of any kind with what is attached to them.
+    fn remove_with_attached(&mut self, ids: &[SphereId]) -> Result<()> {
         self.spheres.remove(ids)?;
         let spheres = &self.spheres;
         let is_gone = |id: SphereId| spheres.index(id).is_err();
@@ -59,6 +71,9 @@ impl Scene {
     /// # Errors
     /// As for [`Scene::remove_spheres`].
     pub fn remove_rods(&mut self, ids: &[RodId]) -> Result<()> {
+        if let Some(id) = ids.iter().find(|id| self.body_of_rod(**id).is_some()) {
+            return Err(invalid("rod", id, "a rod that is not part of a rigid body; remove the body"));
+        }
         self.rods.remove(ids)?;
         let rods = &self.rods;
         self.capsules.remove_where(|capsule| rods.index(capsule.rod).is_err());
@@ -73,6 +88,17 @@ impl Scene {
         let ends = ids.iter().map(|id| self.capsules.get(*id).map(|capsule| [capsule.end1, capsule.end2]));
         let ends: Vec<_> = ends.collect::<Result<_>>()?;
         self.remove_spheres(ends.as_flattened())
+    }
+
+    /// Removes rigid bodies with their spheres and rods and everything attached to them.
+    ///
+    /// # Errors
+    /// As for [`Scene::remove_spheres`].
+    pub fn remove_bodies(&mut self, ids: &[RigidBodyId]) -> Result<()> {
+        let members = ids.iter().map(|id| Ok(self.bodies.get(*id)?.spheres.as_slice()));
+        let members: Vec<SphereId> = members.collect::<Result<Vec<_>>>()?.concat();
+        self.bodies.remove(ids)?;
+        self.remove_with_attached(&members)
     }
 
     /// Removes springs.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{BoxId, CapsuleId, Colour, Handle, Look, PolygonId, Registry, RodId, Scene, SphereId, SpringId};
+use super::{BoxId, CapsuleId, Colour, Handle, Look, PolygonId, Registry, RigidBodyId, RodId, Scene, SphereId, SpringId};
 use crate::error::{Error, Result, nearest, quoted};
 
 /// What an object is called and how it is drawn. No result depends on it. An object that is removed takes it along.
@@ -47,6 +47,17 @@ impl Tag {
     pub fn label(mut self, label: impl Into<String>) -> Self {
         self.label = Some(label.into());
         self
+    }
+
+    /// This tag, with what it leaves open from another one.
+    pub(super) fn or(&self, other: &Self) -> Self {
+        let (one, other) = (self.clone(), other.clone());
+        Self {
+            name: one.name.or(other.name),
+            colour: one.colour.or(other.colour),
+            look: one.look.or(other.look),
+            label: one.label.or(other.label),
+        }
     }
 
     fn is_empty(&self) -> bool {
@@ -101,6 +112,8 @@ pub enum ObjectId {
     Box(BoxId),
     /// A static polygon.
     Polygon(PolygonId),
+    /// A rigid body.
+    Body(RigidBodyId),
 }
 
 macro_rules! kinds {
@@ -141,6 +154,7 @@ kinds! {
     Spring, springs, SpringId;
     Box, boxes, BoxId;
     Polygon, polygons, PolygonId;
+    Body, bodies, RigidBodyId;
 }
 
 fn tagged<T>(objects: &Registry<T>) -> impl Iterator<Item = (ObjectId, &Arc<Tag>)>
@@ -159,7 +173,8 @@ impl Scene {
         Ok(self.tag_of(id.into())?.map(Arc::as_ref))
     }
 
-    /// Replaces the name, colour, look and label of an object. The spheres and the rod of a capsule get those of the capsule too.
+    /// Replaces the name, colour, look and label of an object. The spheres and the rod of a capsule get those of the capsule too, and
+    /// those of a rigid body get what their shape does not say.
     ///
     /// # Errors
     /// [`Error::Invalid`] as for [`Tag::validate`], [`Error::StaleHandle`] when the object is not in the scene.
@@ -168,7 +183,7 @@ impl Scene {
         self.share_tag(id.into(), &shared(tag))
     }
 
-    /// Gives an object a tag that was checked, and the parts of a capsule too.
+    /// Gives an object a tag that was checked, and the parts of a capsule or rigid body too.
     pub(crate) fn share_tag(&mut self, id: ObjectId, tag: &Option<Arc<Tag>>) -> Result<()> {
         self.put_tag(id, tag.clone())?;
         if let ObjectId::Capsule(id) = id {
@@ -177,11 +192,16 @@ impl Scene {
                 self.put_tag(part, tag.clone())?;
             }
         }
+        if let ObjectId::Body(id) = id {
+            for (part, tag) in self.tags_of_members(id, tag)? {
+                self.put_tag(part, tag)?;
+            }
+        }
         Ok(())
     }
 
-    /// The objects with a name: spheres, rods, capsules, springs, boxes and polygons, each kind in order of addition. The spheres
-    /// and the rod of a capsule are among them.
+    /// The objects with a name: spheres, rods, capsules, springs, boxes, polygons and rigid bodies, each kind in order of addition.
+    /// The spheres and rods of capsules and rigid bodies are among them.
     ///
     /// # Errors
     /// [`Error::UnknownName`] when no object has it.

@@ -23,6 +23,7 @@ fn tags(scene: &Scene) -> Vec<String> {
         ObjectId::Spring(id) => format!("spring {}", scene.springs.index(id).unwrap()),
         ObjectId::Box(id) => format!("box {}", scene.boxes.index(id).unwrap()),
         ObjectId::Polygon(id) => format!("polygon {}", scene.polygons.index(id).unwrap()),
+        ObjectId::Body(id) => format!("body {}", scene.bodies.index(id).unwrap()),
     };
     scene.tagged().map(|(id, tag)| format!("{} {tag:?}", index(id))).collect()
 }

@@ -338,6 +338,10 @@ impl<'a> Reader<'a> {
                 sphere.position_low = Vec3::ZERO;
             }
         }
+        for body in self.scene.bodies.objects_mut() {
+            body.position_low = Vec3::ZERO;
+        }
+        self.scene.place_all_members();
     }
 
     fn group(&mut self, line: &str) -> Line<()> {

@@ -1,0 +1,373 @@
+//! Rigid bodies: a shape with a pose and a motion. The spheres and rods of a body are objects of the scene that follow it.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
+
+use super::shape::{Kinetics, ShapeId};
+use super::{Handle, ObjectId, Rod, RodId, Scene, Shape, Sphere, SphereId, Tag, shared};
+use crate::error::Result;
+use crate::fine::Fine;
+use crate::scene::checks::{finite, invalid};
+
+/// Handle of a [`RigidBody`].
+pub type RigidBodyId = Handle<RigidBody>;
+
+/// Where a new rigid body lies and how it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    shape: ShapeId,
+    place: Place,
+    orientation: Quat,
+    velocity: Vec3,
+    rotation: Rotation,
+}
+
+/// A point of the body, and where it comes to lie.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Place {
+    Origin(DVec3),
+    Centre(DVec3),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rotation {
+    Spin(Vec3),
+    Momentum(Vec3),
+}
+
+/// A body that moves and turns as a whole. Its spheres and rods are objects of the scene: they are listed and drawn like others, and
+/// follow the body.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct RigidBody {
+    /// Shape.
+    pub shape: ShapeId,
+    /// Centre of mass, in units.
+    pub position: Vec3,
+    /// What is left of the centre of mass beyond the digits of `position`, in units: [`RigidBody::centre`] is their sum. Simulations use
+    /// it with [`Precision::Double`](crate::settings::Precision).
+    pub position_low: Vec3,
+    /// Orientation, a unit quaternion. It turns coordinates of the shape into those of the world.
+    pub orientation: Quat,
+    /// Velocity of the centre of mass, in units/s.
+    pub velocity: Vec3,
+    /// Angular momentum about the centre of mass along the axes of the world, in mass units²/s.
+    pub angular_momentum: Vec3,
+    pub(crate) spheres: Vec<SphereId>,
+    pub(crate) rods: Vec<RodId>,
+}
+
+/// The bodies that spheres and rods are part of, by slot. The owner of a slot is a body that was removed if nothing else is right.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Members {
+    spheres: Vec<Option<RigidBodyId>>,
+    rods: Vec<Option<RigidBodyId>>,
+}
+
+/// Where the points of a body are and how they move, in `f64`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame {
+    /// Centre of mass.
+    pub(crate) centre: DVec3,
+    /// Turns coordinates of the shape into those of the world.
+    pub(crate) turn: DQuat,
+    /// Velocity of the centre of mass, in units/s.
+    pub(crate) velocity: DVec3,
+    /// Angular velocity along the axes of the world, in rad/s.
+    pub(crate) spin: DVec3,
+}
+
+impl Placement {
+    /// Lays a body of a shape at the origin, at rest.
+    pub fn new(shape: ShapeId) -> Self {
+        Self {
+            shape,
+            place: Place::Origin(DVec3::ZERO),
+            orientation: Quat::IDENTITY,
+            velocity: Vec3::ZERO,
+            rotation: Rotation::Spin(Vec3::ZERO),
+        }
+    }
+
+    /// Sets where the origin of the shape comes to lie, in units.
+    pub fn at(mut self, origin: impl Into<DVec3>) -> Self {
+        self.place = Place::Origin(origin.into());
+        self
+    }
+
+    /// Sets where the centre of mass comes to lie, in units. It replaces [`Placement::at`].
+    pub fn centred_at(mut self, centre: impl Into<DVec3>) -> Self {
+        self.place = Place::Centre(centre.into());
+        self
+    }
+
+    /// Sets the orientation, a unit quaternion that turns coordinates of the shape into those of the world.
+    pub fn turned(mut self, orientation: Quat) -> Self {
+        self.orientation = orientation;
+        self
+    }
+
+    /// Sets the velocity of the centre of mass, in units/s.
+    pub fn velocity(mut self, velocity: impl Into<Vec3>) -> Self {
+        self.velocity = velocity.into();
+        self
+    }
+
+    /// Sets the angular velocity along the axes of the world, in rad/s.
+    pub fn spin(mut self, spin: impl Into<Vec3>) -> Self {
+        self.rotation = Rotation::Spin(spin.into());
+        self
+    }
+
+    /// Sets the angular momentum about the centre of mass along the axes of the world, in mass units²/s. It replaces
+    /// [`Placement::spin`].
+    pub fn angular_momentum(mut self, angular_momentum: impl Into<Vec3>) -> Self {
+        self.rotation = Rotation::Momentum(angular_momentum.into());
+        self
+    }
+}
+
+impl RigidBody {
+    /// The centre of mass, in units: the sum of `position` and `position_low`.
+    pub fn centre(&self) -> [f64; 3] {
+        Fine { high: self.position, low: self.position_low }.wide().to_array()
+    }
+
+    /// Moves the centre of mass to a position with the digits of an `f64`, in units.
+    pub fn set_centre(&mut self, centre: impl Into<DVec3>) {
+        let Fine { high, low } = Fine::at(centre.into().to_array());
+        (self.position, self.position_low) = (high, low);
+    }
+
+    /// The spheres of the body, in the order of its shape.
+    pub fn spheres(&self) -> &[SphereId] {
+        &self.spheres
+    }
+
+    /// The rods of the body, in the order of its shape.
+    pub fn rods(&self) -> &[RodId] {
+        &self.rods
+    }
+
+    pub(crate) fn validate(&self) -> Result<()> {
+        finite("body.position", self.position)?;
+        finite("body.position_low", self.position_low)?;
+        finite("body.velocity", self.velocity)?;
+        finite("body.angular_momentum", self.angular_momentum)?;
+        if !self.orientation.is_normalized() {
+            let q = self.orientation;
+            return Err(invalid("body.orientation", [q.w, q.x, q.y, q.z], "a unit quaternion w, x, y, z"));
+        }
+        Ok(())
+    }
+}
+
+impl Kinetics {
+    /// The inertia tensor along the axes of the world, of a body with an orientation.
+    pub(crate) fn tensor(&self, turn: DQuat) -> DMat3 {
+        self.in_world(turn, self.moments)
+    }
+
+    /// The inverse of the inertia tensor along the axes of the world.
+    pub(crate) fn inverse_tensor(&self, turn: DQuat) -> DMat3 {
+        self.in_world(turn, self.moments.recip())
+    }
+
+    fn in_world(&self, turn: DQuat, diagonal: DVec3) -> DMat3 {
+        let axes = DMat3::from_quat(turn * self.axes);
+        axes * DMat3::from_diagonal(diagonal) * axes.transpose()
+    }
+}
+
+impl Frame {
+    pub(crate) fn of(body: &RigidBody, kinetics: &Kinetics) -> Self {
+        let turn = wide(body.orientation);
+        Self {
+            centre: DVec3::from_array(body.centre()),
+            turn,
+            velocity: body.velocity.as_dvec3(),
+            spin: kinetics.inverse_tensor(turn) * body.angular_momentum.as_dvec3(),
+        }
+    }
+
+    /// Sets the state of a sphere at a point that is `arm` away from the centre of mass in coordinates of the shape.
+    fn place(&self, sphere: &mut Sphere, arm: DVec3, orientation: Quat) {
+        let arm = self.turn * arm;
+        sphere.set_centre((self.centre + arm).to_array());
+        sphere.velocity = (self.velocity + self.spin.cross(arm)).as_vec3();
+        sphere.angular_momentum = (self.spin * f64::from(sphere.inertia())).as_vec3();
+        sphere.orientation = orientation;
+    }
+}
+
+/// A unit quaternion in `f64`.
+fn wide(orientation: Quat) -> DQuat {
+    orientation.as_dquat().normalize()
+}
+
+impl Scene {
+    /// Adds a rigid body: its spheres, its rods, and the body that they follow. A sphere gets the share of the mass that its volume has
+    /// of that of all spheres.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) for numbers that are not finite, an orientation that is not a unit quaternion, and a
+    /// share of the mass that a sphere may not have. [`Error::StaleHandle`](crate::Error::StaleHandle) for a shape that is not in the
+    /// scene.
+    pub fn add_body(&mut self, placement: Placement) -> Result<RigidBodyId> {
+        let kinetics = *self.shape_mass(placement.shape)?;
+        let mut body = RigidBody {
+            shape: placement.shape,
+            position: Vec3::ZERO,
+            position_low: Vec3::ZERO,
+            orientation: placement.orientation,
+            velocity: placement.velocity,
+            angular_momentum: Vec3::ZERO,
+            spheres: Vec::new(),
+            rods: Vec::new(),
+        };
+        let turn = wide(placement.orientation);
+        body.set_centre(match placement.place {
+            Place::Centre(centre) => centre,
+            Place::Origin(origin) => origin + turn * kinetics.centre,
+        });
+        body.angular_momentum = match placement.rotation {
+            Rotation::Momentum(momentum) => momentum,
+            Rotation::Spin(spin) => (kinetics.tensor(turn) * spin.as_dvec3()).as_vec3(),
+        };
+        body.validate()?;
+        let shape = self.shapes.get(placement.shape)?;
+        let spheres = members(shape, &body, &kinetics);
+        spheres.iter().try_for_each(Sphere::validate)?;
+        let tags: Vec<_> = shape.spheres.iter().map(|part| part.tag.clone()).collect();
+        let rods: Vec<_> = shape.rods.iter().map(|rod| (rod.clone(), rod.tag.clone())).collect();
+        for (sphere, tag) in spheres.into_iter().zip(tags) {
+            let id = self.spheres.add(sphere);
+            body.spheres.push(id);
+            if tag.is_some() {
+                self.put_tag(id.into(), tag)?;
+            }
+        }
+        for (part, tag) in rods {
+            let [end1, end2] = [part.end1, part.end2].map(|end| body.spheres[end]);
+            let rod = Rod { group: part.group, material: part.material, ..Rod::new(end1, end2, part.radius) };
+            let id = self.rods.add(rod);
+            body.rods.push(id);
+            if tag.is_some() {
+                self.put_tag(id.into(), tag)?;
+            }
+        }
+        Ok(self.keep_body(body))
+    }
+
+    /// Adds a body whose spheres and rods are in the scene already.
+    pub(crate) fn keep_body(&mut self, body: RigidBody) -> RigidBodyId {
+        let [spheres, rods] = [
+            body.spheres.iter().map(|id| id.slot()).collect::<Vec<_>>(),
+            body.rods.iter().map(|id| id.slot()).collect::<Vec<_>>(),
+        ];
+        let id = self.bodies.add(body);
+        for (owners, slots) in [(&mut self.members.spheres, spheres), (&mut self.members.rods, rods)] {
+            for slot in slots {
+                if owners.len() <= slot {
+                    owners.resize(slot + 1, None);
+                }
+                owners[slot] = Some(id);
+            }
+        }
+        id
+    }
+
+    /// Changes the pose and the motion of a rigid body. Its shape cannot be changed. Its spheres follow.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene, [`Error::Invalid`](crate::Error::Invalid) for
+    /// numbers that are not finite and an orientation that is not a unit quaternion. Nothing is changed then.
+    pub fn update_body(&mut self, id: RigidBodyId, change: impl FnOnce(&mut RigidBody)) -> Result<()> {
+        let before = self.bodies.get(id)?;
+        let mut body = before.clone();
+        change(&mut body);
+        (body.shape, body.spheres, body.rods) = (before.shape, before.spheres.clone(), before.rods.clone());
+        body.validate()?;
+        *self.bodies.get_mut(id)? = body;
+        self.place_members(id)
+    }
+
+    /// The angular velocity of a rigid body along the axes of the world, in rad/s.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
+    pub fn body_spin(&self, id: RigidBodyId) -> Result<Vec3> {
+        Ok(self.frame(id)?.spin.as_vec3())
+    }
+
+    /// The rigid body that a sphere is part of.
+    pub fn body_of_sphere(&self, id: SphereId) -> Option<RigidBodyId> {
+        let owner = (*self.members.spheres.get(id.slot())?)?;
+        (self.spheres.index(id).is_ok() && self.bodies.index(owner).is_ok()).then_some(owner)
+    }
+
+    /// The rigid body that a rod is part of.
+    pub fn body_of_rod(&self, id: RodId) -> Option<RigidBodyId> {
+        let owner = (*self.members.rods.get(id.slot())?)?;
+        (self.rods.index(id).is_ok() && self.bodies.index(owner).is_ok()).then_some(owner)
+    }
+
+    /// Where a body is and how it moves.
+    pub(crate) fn frame(&self, id: RigidBodyId) -> Result<Frame> {
+        let body = self.bodies.get(id)?;
+        Ok(Frame::of(body, self.shape_mass(body.shape)?))
+    }
+
+    /// Gives the spheres of a body the places and motions that follow from it.
+    pub(crate) fn place_members(&mut self, id: RigidBodyId) -> Result<()> {
+        let body = self.bodies.get(id)?;
+        let (shape, kinetics) = (self.shapes.get(body.shape)?, *self.shape_mass(body.shape)?);
+        let frame = Frame::of(body, &kinetics);
+        for (member, part) in body.spheres.iter().zip(&shape.spheres) {
+            frame.place(self.spheres.get_mut(*member)?, part.centre.as_dvec3() - kinetics.centre, body.orientation);
+        }
+        Ok(())
+    }
+
+    /// Gives the spheres of all bodies the places and motions that follow from the bodies.
+    pub(crate) fn place_all_members(&mut self) {
+        let ids: Vec<RigidBodyId> = self.body_ids().collect();
+        for id in ids {
+            // All of them are in the scene.
+            let _ = self.place_members(id);
+        }
+    }
+
+    /// The tags of the spheres and rods of a body with a tag.
+    pub(super) fn tags_of_members(&self, id: RigidBodyId, tag: &Option<Arc<Tag>>) -> Result<Vec<(ObjectId, Option<Arc<Tag>>)>> {
+        let body = self.bodies.get(id)?;
+        let shape = self.shapes.get(body.shape)?;
+        let both = |own: &Option<Arc<Tag>>| match (own, tag) {
+            (Some(own), Some(tag)) => shared(own.or(tag)),
+            (own, tag) => own.clone().or_else(|| tag.clone()),
+        };
+        let spheres = body.spheres.iter().zip(&shape.spheres).map(|(id, part)| (ObjectId::from(*id), both(&part.tag)));
+        let rods = body.rods.iter().zip(&shape.rods).map(|(id, part)| (ObjectId::from(*id), both(&part.tag)));
+        Ok(spheres.chain(rods).collect())
+    }
+}
+
+/// The spheres of a new body.
+fn members(shape: &Shape, body: &RigidBody, kinetics: &Kinetics) -> Vec<Sphere> {
+    let frame = Frame::of(body, kinetics);
+    let cube = |radius: f32| f64::from(radius).powi(3);
+    let all: f64 = shape.spheres.iter().map(|part| cube(part.radius)).sum();
+    let member = |part: &super::ShapeSphere| {
+        let mass = kinetics.mass * cube(part.radius) / all;
+        let mut sphere = Sphere::new(part.centre, part.radius).mass(mass as f32).group(part.group);
+        sphere.material = part.material;
+        frame.place(&mut sphere, part.centre.as_dvec3() - kinetics.centre, body.orientation);
+        sphere
+    };
+    shape.spheres.iter().map(member).collect()
+}
+
+#[cfg(test)]
+#[path = "rigid_tests.rs"]
+mod tests;

@@ -1,0 +1,238 @@
+//! The volume of a union of balls and cylinders, with its first and second moments.
+//!
+//! The moments of each part alone are closed forms. Where parts overlap, each of the n parts at a point gets 1/n of the matter there.
+//! What a part loses this way is an integral over lines through the part, parallel to its axis: on a line, every part is an interval,
+//! because it is convex, so the integral along a line is a closed form too. The lines are at the middles of equal areas of the
+//! cross-section of the part. They have the symmetry of a square, and so has the result.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DMat3, DVec3};
+
+use super::mass::MassProperties;
+
+/// Number of lines for all parts. A part has at most 256² and at least 32² of them.
+const LINES: usize = 1 << 22;
+
+/// A ball, or a cylinder with flat ends.
+pub(super) struct Part {
+    middle: DVec3,
+    /// Unit vector along a cylinder.
+    axis: DVec3,
+    /// Half the length of a cylinder; 0 for a ball.
+    half: f64,
+    radius: f64,
+}
+
+/// A union of parts of density 1.
+pub(super) struct Solid {
+    parts: Vec<Part>,
+}
+
+/// Integrals of 1, x and x xᵀ over a volume.
+#[derive(Clone, Copy)]
+struct Moments {
+    volume: f64,
+    first: DVec3,
+    second: DMat3,
+}
+
+impl Part {
+    pub(super) fn sphere(centre: DVec3, radius: f64) -> Self {
+        Self { middle: centre, axis: DVec3::Z, half: 0.0, radius }
+    }
+
+    pub(super) fn cylinder(a: DVec3, b: DVec3, radius: f64) -> Self {
+        let length = a.distance(b);
+        Self { middle: 0.5 * (a + b), axis: (b - a) / length, half: 0.5 * length, radius }
+    }
+
+    fn is_sphere(&self) -> bool {
+        self.half == 0.0
+    }
+
+    /// Radius of a ball about the middle that contains the part.
+    fn reach(&self) -> f64 {
+        self.half.hypot(self.radius)
+    }
+
+    /// Moments about the middle.
+    fn moments(&self) -> Moments {
+        let r2 = self.radius * self.radius;
+        let outer = outer(self.axis, self.axis);
+        if self.is_sphere() {
+            let volume = 4.0 / 3.0 * PI * r2 * self.radius;
+            return Moments { volume, first: DVec3::ZERO, second: DMat3::IDENTITY * (volume * r2 / 5.0) };
+        }
+        let volume = TAU * r2 * self.half;
+        let along = volume * self.half * self.half / 3.0;
+        let across = volume * r2 / 4.0;
+        Moments { volume, first: DVec3::ZERO, second: (DMat3::IDENTITY - outer) * across + outer * along }
+    }
+
+    /// The part of the line point + t direction that is inside.
+    fn interval(&self, point: DVec3, direction: DVec3) -> Option<[f64; 2]> {
+        let from = point - self.middle;
+        // Across the axis for a cylinder.
+        let (p, d) = if self.is_sphere() {
+            (from, direction)
+        } else {
+            (from - self.axis * from.dot(self.axis), direction - self.axis * direction.dot(self.axis))
+        };
+        let (a, b, c) = (d.length_squared(), p.dot(d), p.length_squared() - self.radius * self.radius);
+        let mut inside = [f64::NEG_INFINITY, f64::INFINITY];
+        if a > 1e-24 {
+            let root = b * b - a * c;
+            if root <= 0.0 {
+                return None;
+            }
+            inside = [-b - root.sqrt(), -b + root.sqrt()].map(|t| t / a);
+        } else if c >= 0.0 {
+            return None;
+        }
+        if !self.is_sphere() {
+            let (at, rate) = (from.dot(self.axis), direction.dot(self.axis));
+            if rate.abs() > 1e-12 {
+                let ends = [-self.half, self.half].map(|end| (end - at) / rate);
+                inside = [inside[0].max(ends[0].min(ends[1])), inside[1].min(ends[0].max(ends[1]))];
+            } else if at.abs() >= self.half {
+                return None;
+            }
+        }
+        (inside[0] < inside[1]).then_some(inside)
+    }
+}
+
+impl Solid {
+    pub(super) fn new(parts: Vec<Part>) -> Self {
+        Self { parts }
+    }
+
+    /// Mass properties at density 1.
+    pub(super) fn properties(&self) -> MassProperties {
+        if let Some(capsule) = self.capsule() {
+            return capsule;
+        }
+        // Away from the origin, moments about it would lose digits.
+        let origin = self.parts[0].middle;
+        let mut all = Moments { volume: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
+        for number in 0..self.parts.len() {
+            all.add(self.share(number).about(self.parts[number].middle - origin));
+        }
+        let centre = all.first / all.volume;
+        let second = all.second - outer(centre, centre) * all.volume;
+        properties(all.volume, origin + centre, second)
+    }
+
+    /// A lone capsule: two balls and a cylinder of one radius.
+    fn capsule(&self) -> Option<MassProperties> {
+        let [a, b, rod] = self.parts.as_slice() else { return None };
+        let is_capsule = a.is_sphere() && b.is_sphere() && !rod.is_sphere();
+        if !is_capsule || a.radius != b.radius || a.radius != rod.radius {
+            return None;
+        }
+        let ball = a.moments();
+        let mut second = rod.moments().second + ball.second;
+        // Each half of the ball has its centre 3/8 r beyond its end, so its second moment along the axis grows by h² + 2 h (3/8 r).
+        let (h, r) = (rod.half, rod.radius);
+        second += outer(rod.axis, rod.axis) * (ball.volume * h * (h + 0.75 * r));
+        Some(properties(rod.moments().volume + ball.volume, rod.middle, second))
+    }
+
+    /// The moments of the matter of a part about its middle.
+    fn share(&self, number: usize) -> Moments {
+        let part = &self.parts[number];
+        let is_near = |other: &&Part| other.middle.distance_squared(part.middle) < (other.reach() + part.reach()).powi(2);
+        let others = self.parts.iter().enumerate().filter(|(other, _)| *other != number).map(|(_, other)| other);
+        let near: Vec<&Part> = others.filter(is_near).collect();
+        let mut all = part.moments();
+        if near.is_empty() {
+            return all;
+        }
+        let side = ((LINES / self.parts.len()) as f64).sqrt() as usize / 4 * 4;
+        let side = side.clamp(32, 256);
+        let (u, v) = part.axis.any_orthonormal_pair();
+        let cell = PI * part.radius * part.radius / (side * side) as f64;
+        let mut line = Line::default();
+        for ring in 0..side {
+            let rho = part.radius * ((ring as f64 + 0.5) / side as f64).sqrt();
+            for place in 0..side {
+                let (sin, cos) = (TAU * (place as f64 + 0.5) / side as f64).sin_cos();
+                let from = u * (rho * cos) + v * (rho * sin);
+                let lost = line.lost(part, &near, from);
+                all.subtract_line(from, part.axis, lost.map(|integral| integral * cell));
+            }
+        }
+        all
+    }
+}
+
+/// Reused memory for the integrals along a line.
+#[derive(Default)]
+struct Line {
+    /// Where intervals begin (1) and end (-1).
+    ends: Vec<(f64, f64)>,
+}
+
+impl Line {
+    /// Integrals of (1 - 1/n) t^k for k = 0, 1, 2 along a line through a part, where n parts share the matter. `from` is relative to
+    /// the middle of the part.
+    fn lost(&mut self, part: &Part, near: &[&Part], from: DVec3) -> [f64; 3] {
+        let point = part.middle + from;
+        self.ends.clear();
+        let Some([start, end]) = part.interval(point, part.axis) else { return [0.0; 3] };
+        for other in near {
+            let Some([a, b]) = other.interval(point, part.axis) else { continue };
+            let (a, b) = (a.max(start), b.min(end));
+            if a < b {
+                self.ends.extend([(a, 1.0), (b, -1.0)]);
+            }
+        }
+        self.ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut sums = [0.0; 3];
+        let (mut count, mut at) = (1.0, start);
+        for (end, change) in &self.ends {
+            let share = 1.0 - 1.0 / count;
+            for (sum, power) in sums.iter_mut().zip(1..) {
+                *sum += share * (end.powi(power) - at.powi(power)) / f64::from(power);
+            }
+            count += change;
+            at = *end;
+        }
+        sums
+    }
+}
+
+impl Moments {
+    fn add(&mut self, other: Self) {
+        self.volume += other.volume;
+        self.first += other.first;
+        self.second += other.second;
+    }
+
+    /// The moments about the origin of matter whose moments about a place are these.
+    fn about(&self, place: DVec3) -> Self {
+        let mixed = outer(self.first, place);
+        let second = self.second + mixed + mixed.transpose() + outer(place, place) * self.volume;
+        Self { volume: self.volume, first: self.first + place * self.volume, second }
+    }
+
+    /// Removes matter on the line from + t direction, whose integrals of t^k are given.
+    fn subtract_line(&mut self, from: DVec3, direction: DVec3, [zero, one, two]: [f64; 3]) {
+        self.volume -= zero;
+        self.first -= from * zero + direction * one;
+        let mixed = outer(from, direction) * one;
+        self.second -= outer(from, from) * zero + mixed + mixed.transpose() + outer(direction, direction) * two;
+    }
+}
+
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+/// Mass properties at density 1 from the second moments about the centre.
+fn properties(volume: f64, centre: DVec3, second: DMat3) -> MassProperties {
+    let [x, y, z] = [second.x_axis, second.y_axis, second.z_axis];
+    let inertia = [y.y + z.z, x.x + z.z, x.x + y.y, -y.x, -z.x, -z.y];
+    MassProperties { mass: volume, centre: centre.to_array(), inertia }
+}
