@@ -14,7 +14,7 @@ use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
-use crate::scene::{AnyId, FlowState, Scene, SphereId};
+use crate::scene::{AnyId, FlowState, RigidBodyId, Scene, SphereId};
 use crate::settings::{BroadPhase, ContactLaw, DEFAULT_TIME_STEP, Integrator, Precision, Settings};
 use crate::step::schedule::Phase;
 use crate::step::walls::move_walls::place_walls;

@@ -6,8 +6,8 @@
 //! This module is public for tools and tests; it may change between minor versions.
 
 pub(crate) mod aabbs;
-pub(crate) mod broad_phase;
 pub(crate) mod bodies;
+pub(crate) mod broad_phase;
 pub mod catalog;
 pub(crate) mod collisions;
 pub(crate) mod forces;

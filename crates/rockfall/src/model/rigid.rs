@@ -92,7 +92,8 @@ mod tests {
         for _ in 0..100 {
             axes = moments.turned(axes, momentum, 0.05);
         }
-        let (l, first) = (momentum.as_dvec3(), DQuat::from_xyzw(start.x.into(), start.y.into(), start.z.into(), start.w.into()));
+        let (l, first) =
+            (momentum.as_dvec3(), DQuat::from_xyzw(start.x.into(), start.y.into(), start.z.into(), start.w.into()));
         let own = (1.0 / 0.7 - 1.0 / 2.0) * (first * DVec3::Z).dot(l);
         let exact = DQuat::from_scaled_axis(5.0 * 0.5 * l) * first * DQuat::from_rotation_z(5.0 * own);
         let off = (axes.as_dquat() * exact.inverse()).to_scaled_axis().length();

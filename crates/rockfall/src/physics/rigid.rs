@@ -25,6 +25,8 @@ pub(crate) fn in_body(view: &View, object: Object, parameter: f32, normal: Vec3,
     Side {
         inverse_mass: body.inverse_mass + across.dot(times(body.inverse_inertia, across)),
         inverse_inertia: reach * reach * body.greatest,
+        // It exerts a force at any approach velocity.
+        free_acceleration: f32::INFINITY,
         ..side
     }
 }

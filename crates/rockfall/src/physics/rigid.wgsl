@@ -8,7 +8,7 @@ fn rigid_record(body: u32) -> u32 {
 
 // The rigid body of a sphere, or NO_RIGID.
 fn body_of_sphere(sphere: u32) -> u32 {
-    if !RIGID {
+    if !RIGID_BODIES {
         return NO_RIGID;
     }
     return topology[step.rigid_of_at + insertion_index(sphere)];
@@ -20,7 +20,7 @@ fn is_free(sphere: u32) -> bool {
 }
 
 // The rigid body of a sphere, or of a rod between two of its spheres.
-fn body_of(id: u32) -> u32 {
+fn rigid_body_of(id: u32) -> u32 {
     if id < step.spheres {
         return body_of_sphere(id);
     }
@@ -34,11 +34,19 @@ fn body_of(id: u32) -> u32 {
 
 // Whether two objects are parts of one rigid body.
 fn in_one_body(a: u32, b: u32) -> bool {
-    if !RIGID {
+    if !RIGID_BODIES {
         return false;
     }
-    let body = body_of(a);
-    return (body != NO_RIGID) && (body == body_of(b));
+    let body = rigid_body_of(a);
+    return (body != NO_RIGID) && (body == rigid_body_of(b));
+}
+
+// Whether one of two objects is a part of a rigid body. Such a contact exerts forces alone.
+fn touches_body(a: u32, b: u32) -> bool {
+    if !RIGID_BODIES {
+        return false;
+    }
+    return (rigid_body_of(a) != NO_RIGID) | (rigid_body_of(b) != NO_RIGID);
 }
 
 // A vector times the tensor of the inverse inertia.

@@ -2,10 +2,10 @@
 
 // The side of a contact with the mass and inertia of the rigid body that an object belongs to, if any. `at` is the parameter on a rod.
 fn in_body(half: Side, id: u32, at: f32, n: vec3f) -> Side {
-    if !RIGID {
+    if !RIGID_BODIES {
         return half;
     }
-    let body = body_of(id);
+    let body = rigid_body_of(id);
     if body == NO_RIGID {
         return half;
     }

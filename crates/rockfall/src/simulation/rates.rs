@@ -12,7 +12,8 @@ type Rates = [f32; RATE_WORDS as usize];
 
 /// Gives a world the rates of a checkpoint. Where they do not belong to its spheres, the next step evaluates the forces again.
 pub(super) fn put_rates(world: &mut World, rates: &[Rates]) {
-    let fits = world.step.constants.flags & FLAG_VERLET != 0 && rates.len() == (world.step.layout.spheres + world.step.layout.rigid_bodies) as usize;
+    let fits = world.step.constants.flags & FLAG_VERLET != 0
+        && rates.len() == (world.step.layout.spheres + world.step.layout.rigid_bodies) as usize;
     if fits {
         cast_slice_mut(&mut world.rates).copy_from_slice(rates);
     }

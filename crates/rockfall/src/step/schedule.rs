@@ -1,7 +1,6 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
-use crate::model::layout::{
-    AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, RESTORING, SWEEPS, SWEEPS_FEW, SWEEPS_ON};
+use crate::model::layout::{AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, RESTORING, SWEEPS, SWEEPS_FEW, SWEEPS_ON};
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};

@@ -36,7 +36,13 @@ impl Slot {
             Self::State => STATES[pass as usize],
             Self::Next => STATES[pass as usize + 1],
             Self::Placed if pass == AFTER_DRIFT => Buffer::Y4,
-            Self::Placed => if pass < 3 { STATES[pass as usize + 1] } else { Buffer::Start },
+            Self::Placed => {
+                if pass < 3 {
+                    STATES[pass as usize + 1]
+                } else {
+                    Buffer::Start
+                }
+            }
             Self::Unsorted => STATES[1 + pass as usize % 2],
             Self::Sorted => STATES[2 - pass as usize % 2],
         }

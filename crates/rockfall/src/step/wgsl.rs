@@ -283,7 +283,7 @@ impl Variant {
             ("LARGE", self.large),
             ("MUSCLES", self.muscles),
             ("WALLS", self.walls),
-            ("RIGID", self.rigid),
+            ("RIGID_BODIES", self.rigid),
             ("TRIANGLES", self.triangles),
             ("PERIODIC", self.periodic),
             ("MATERIALS", self.materials),

@@ -4,8 +4,9 @@ use crate::error::{Error, Result};
 use crate::model::buffer::Buffer;
 use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LINK_KEY,
-    LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_RIGID, NO_ROD, PAIR_WORDS, POLYGON_WORDS,
-    POSE_FLOATS, RIGID_ROWS, RIGID_WORDS, ROD_WORDS, SHAPE_WORDS, SLICE, SOME_RODS, SPRING_WORDS, TETHER_WORDS, WALL_BODY, WALL_WORDS, words_of_rows,
+    LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_RIGID, NO_ROD, PAIR_WORDS,
+    POLYGON_WORDS, POSE_FLOATS, RIGID_ROWS, RIGID_WORDS, ROD_WORDS, SHAPE_WORDS, SLICE, SOME_RODS, SPRING_WORDS, TETHER_WORDS,
+    WALL_BODY, WALL_WORDS, words_of_rows,
 };
 use crate::model::status::REJECTED_PAIRS;
 use crate::model::step::Layout;
@@ -99,7 +100,9 @@ fn check_bodies(world: &World) -> Result<()> {
     for body in slice(world, rigid_of_at, spheres.into(), "the bodies of spheres")? {
         ensure(*body < rigid_bodies || *body == NO_RIGID, "the body of a sphere")?;
     }
-    for record in slice(world, rigid_at, u64::from(rigid_bodies * RIGID_WORDS), "rigid bodies")?.chunks_exact(RIGID_WORDS as usize) {
+    for record in
+        slice(world, rigid_at, u64::from(rigid_bodies * RIGID_WORDS), "rigid bodies")?.chunks_exact(RIGID_WORDS as usize)
+    {
         let [shape, members, count] = [record[11], record[12], record[13]];
         slice(world, shape, u64::from(SHAPE_WORDS) + 3 * u64::from(count), "the shape of a body")?;
         let members = slice(world, members, count.into(), "the spheres of a body")?;

@@ -53,6 +53,11 @@ impl View<'_> {
         }
     }
 
+    /// Whether one of two objects is a part of a rigid body. Such a contact exerts forces alone.
+    pub(crate) fn touches_body(&self, objects: [u32; 2]) -> bool {
+        self.step.layout.rigid_bodies > 0 && objects.into_iter().any(|id| self.body_of(self.object(id)).is_some())
+    }
+
     pub(crate) fn rigid_body(&self, body: u32) -> RigidRecord {
         let words: [u32; RIGID_WORDS as usize] = self.record(self.step.layout.rigid_at, body, RIGID_WORDS);
         let float = |place: usize| f32::from_bits(words[place]);

@@ -83,6 +83,7 @@ impl World {
 
     fn pack(scene: &Scene, order: Vec<u32>, user_laws: UserLaws) -> Result<Self> {
         scene.check_periods()?;
+        scene.check_bodies()?;
         let step = Step { lists: ListSettings::FIRST, ..Step::default() };
         let mut world = Self { step, order, user_laws, ..Self::default() };
         world.set_settings(&scene.settings);

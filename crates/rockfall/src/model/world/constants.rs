@@ -48,7 +48,9 @@ impl World {
     pub fn set_integrator(&mut self, integrator: Integrator) {
         let (flag, rates) = match integrator {
             Integrator::SymplecticEuler => (FLAG_HALF_STEP, 0),
-            Integrator::VelocityVerlet => (FLAG_VERLET, (self.step.layout.spheres + self.step.layout.rigid_bodies) * RATE_WORDS),
+            Integrator::VelocityVerlet => {
+                (FLAG_VERLET, (self.step.layout.spheres + self.step.layout.rigid_bodies) * RATE_WORDS)
+            }
             Integrator::Rk4 => (0, 0),
         };
         self.set_flags(FLAGS_OF_INTEGRATOR, flag);

@@ -111,7 +111,8 @@ impl World {
         for (number, body) in (0..).zip(scene.bodies()) {
             let record = view.rigid_body(number);
             let position = Fine::sum(body.position, body.position_low);
-            let pose = Pose { position, velocity: body.velocity, momentum: body.angular_momentum, orientation: body.orientation };
+            let pose =
+                Pose { position, velocity: body.velocity, momentum: body.angular_momentum, orientation: body.orientation };
             let spin = view.moments(&record).spin(pose.orientation, pose.momentum);
             placed.extend(view.members(&record).map(|(index, place)| {
                 let slot = view.slot_of(index);

@@ -16,12 +16,10 @@ use crate::fine::Fine;
 use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
-use crate::model::layout::{
-    AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, GRAIN, RATE_WORDS, RIGID_ROWS, RIGID_WORDS,
-};
+use crate::model::layout::{AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, GRAIN, RATE_WORDS, RIGID_ROWS, RIGID_WORDS};
 use crate::model::part::part;
 use crate::model::rigid::{Moments, Pose};
-use crate::model::state::{Motion, Rows};
+use crate::model::state::Motion;
 use crate::model::step::{Constants, Step};
 use crate::model::view::{RigidRecord, View};
 use crate::model::world::World;
@@ -80,7 +78,13 @@ fn start_of(rows: &[Vec4]) -> Pose {
 /// Writes the state after the step.
 fn set_start(rows: &mut [Vec4], pose: &Pose) {
     let Pose { position: Fine { high, low }, velocity, momentum, orientation } = *pose;
-    rows[..5].copy_from_slice(&[high.extend(0.0), low.extend(0.0), velocity.extend(0.0), momentum.extend(0.0), orientation.into()]);
+    rows[..5].copy_from_slice(&[
+        high.extend(0.0),
+        low.extend(0.0),
+        velocity.extend(0.0),
+        momentum.extend(0.0),
+        orientation.into(),
+    ]);
 }
 
 /// The stage state that forces are evaluated in, but for the position.
@@ -256,8 +260,7 @@ fn move_all(world: &mut World, pass: u32) -> Vec<Moved> {
                 let [acceleration, torque] = [at, at + 3].map(|at| Vec3::from_slice(&world.rates[at..]));
                 Rates { acceleration, torque }
             });
-            let passing =
-                Passing { view: &view, wrenches: &world.wrenches, moments: view.moments(&body), body: &body, pass };
+            let passing = Passing { view: &view, wrenches: &world.wrenches, moments: view.moments(&body), body: &body, pass };
             passing.moved(&world.rigid_bodies[(number * RIGID_ROWS) as usize..], kept)
         })
         .collect();
@@ -275,14 +278,14 @@ fn move_all(world: &mut World, pass: u32) -> Vec<Moved> {
 /// Writes the member spheres to the state that the pass places them in, and their orientations at the end of the step.
 fn place_members(world: &mut World, pass: u32, moved: &[Moved]) {
     let to = match pass {
-        0..3 => pass as usize + 1,
+        0..=2 => pass as usize + 1,
         AFTER_DRIFT => 3,
         _ => 0,
     };
     let is_new = to == 0;
     let mut state = std::mem::take(&mut world.states[to]);
     let view = View::new(&world.step, &world.topology, if is_new { &state } else { &world.states[0] });
-    let placed: Vec<(u32, Motion, Quat)> = (0..world.step.layout.spheres)
+    let placed: Vec<(u32, [Vec4; 4], Quat)> = (0..world.step.layout.spheres)
         .into_par_iter()
         .with_min_len(GRAIN)
         .filter_map(|sphere| {
@@ -290,24 +293,29 @@ fn place_members(world: &mut World, pass: u32, moved: &[Moved]) {
             let (record, index) = (view.rigid_body(body), view.insertion_index(sphere));
             let (_, place) = view.members(&record).find(|(member, _)| *member == index)?;
             let Moved { pose, spin, .. } = &moved[body as usize];
-            Some((sphere, pose.member(place, *spin, view.inverse_inertia(sphere)), pose.orientation))
+            let Motion { position, low, velocity, angular_momentum } = pose.member(place, *spin, view.inverse_inertia(sphere));
+            let rows = [
+                position.extend(view.radius(sphere)),
+                velocity.extend(view.inverse_mass(sphere)),
+                angular_momentum.extend(view.inverse_inertia(sphere)),
+                low.extend(0.0),
+            ];
+            Some((sphere, rows, pose.orientation))
         })
         .collect();
     let mut tally = Tally::default();
     if pass == AFTER_EULER {
-        for (sphere, motion, _) in &placed {
-            tally.rebuild |= needs_rebuild(&view, &world.aabbs, *sphere, motion.position, motion.velocity);
+        for (sphere, rows, _) in &placed {
+            tally.rebuild |= needs_rebuild(&view, &world.aabbs, *sphere, row(rows, 0), row(rows, 1));
         }
     }
     // A stage state has low parts of positions only where geometry uses them.
     let n = world.step.layout.spheres as usize;
     let regions = state.len() / n;
-    for (sphere, motion, orientation) in &placed {
+    for (sphere, rows, orientation) in &placed {
         let slot = *sphere as usize;
-        let rows = [motion.position, motion.velocity, motion.angular_momentum, motion.low];
-        for (region, row) in rows.into_iter().enumerate().take(regions) {
-            let inverse = world.states[0][(region * n + slot) % (3 * n)].w;
-            state[region * n + slot] = row.extend(if region < 3 { inverse } else { 0.0 });
+        for (region, row) in rows.iter().enumerate().take(regions) {
+            state[region * n + slot] = *row;
         }
         if is_new {
             world.orientations[slot] = (*orientation).into();

@@ -11,6 +11,10 @@
 @group(0) @binding(8) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
 
+// The pass. It is NONE in threads without a body: software Vulkan compiles a kernel again in every dispatch where a branch depends on a
+// uniform block alone.
+var<private> body_pass: u32;
+
 struct Pose {
     position: Fine,
     velocity: vec3f,
@@ -70,7 +74,7 @@ fn put_stage(body: u32, pose: Pose) {
 // Adds a rate to one of the sums over the evaluations.
 fn add_to_sum(body: u32, place: u32, rate: vec3f) -> vec3f {
     var before = vec3f(0.0);
-    if pass_.index != 0u {
+    if body_pass != 0u {
         before = body_row(body, place).xyz;
     }
     let sum = before + rate;
@@ -101,12 +105,12 @@ fn rates_of(form: Form, pose: Pose) -> Rates {
 fn advanced(body: u32, form: Form) -> Pose {
     let start = start_of(body);
     var stage = start;
-    if pass_.index != 0u {
+    if body_pass != 0u {
         stage = stage_of(body, start);
     }
     let rates = rates_of(form, stage);
-    let weight = select(2.0, 1.0, pass_.index == 0u);
-    let c = select(0.5, 1.0, pass_.index == 2u) * step.dt;
+    let weight = select(2.0, 1.0, body_pass == 0u);
+    let c = select(0.5, 1.0, body_pass == 2u) * step.dt;
     add_to_sum(body, 5u, weight * rates.acceleration);
     add_to_sum(body, 6u, rates.acceleration);
     add_to_sum(body, 7u, weight * rates.torque);
@@ -166,10 +170,10 @@ fn pose_is_finite(pose: Pose) -> bool {
 
 // The number of the pass in a report of a state that is not finite.
 fn reported_stage() -> u32 {
-    if pass_.index < 4u {
-        return pass_.index + 1u;
+    if body_pass < 4u {
+        return body_pass + 1u;
     }
-    return select(1u, 2u, pass_.index == AFTER_KICK);
+    return select(1u, 2u, body_pass == AFTER_KICK);
 }
 
 // A body at rest where it was.
@@ -197,22 +201,22 @@ fn after_kick(body: u32, form: Form) -> Pose {
 
 fn moved_body(body: u32, form: Form) -> Pose {
     let start = start_of(body);
-    if pass_.index == AFTER_KICK {
+    if body_pass == AFTER_KICK {
         return after_kick(body, form);
     }
     var pose = start;
-    if pass_.index < 3u {
+    if body_pass < 3u {
         pose = advanced(body, form);
-    } else if pass_.index == 3u {
+    } else if body_pass == 3u {
         pose = finished(body, form);
     } else {
         var rates = Rates(vec3f(0.0), vec3f(0.0));
-        if (pass_.index == AFTER_DRIFT) & (status.forces_due == 0u) {
+        if (body_pass == AFTER_DRIFT) & (status.forces_due == 0u) {
             rates = kept_rates_of_body(body);
         } else {
             rates = rates_of(form, start);
         }
-        pose = kicked(form, start, rates, select(1.0, 0.5, pass_.index == AFTER_DRIFT) * step.dt);
+        pose = kicked(form, start, rates, select(1.0, 0.5, body_pass == AFTER_DRIFT) * step.dt);
     }
     if !pose_is_finite(pose) {
         return stopped_body(body, form);
@@ -239,7 +243,7 @@ fn place_members(form: Form, pose: Pose, is_new: bool) {
         if is_new {
             orientations[i] = pose.orientation;
         }
-        if pass_.index == AFTER_EULER {
+        if body_pass == AFTER_EULER {
             request_rebuild(i, vec4f(place.high, radius), velocity);
         }
     }
@@ -274,11 +278,12 @@ fn move_bodies(
     @builtin(local_invocation_index) local: u32,
 ) {
     let body = linear_thread(group, groups, local);
-    if body >= step.rigid_bodies {
+    body_pass = select(pass_.index, NONE, body >= step.rigid_bodies);
+    if body_pass == NONE {
         return;
     }
     let form = form_of(body);
-    if pass_.index == BEFORE_STEP {
+    if body_pass == BEFORE_STEP {
         put_record(body, form, start_of(body));
         return;
     }
@@ -286,7 +291,7 @@ fn move_bodies(
         return;
     }
     let pose = moved_body(body, form);
-    let is_new = (pass_.index == 3u) | (pass_.index >= AFTER_KICK);
+    let is_new = (body_pass == 3u) | (body_pass >= AFTER_KICK);
     if is_new {
         put_row(body, 0u, vec4f(pose.position.high, 0.0));
         put_row(body, 1u, vec4f(pose.position.low, 0.0));
