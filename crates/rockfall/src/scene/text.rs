@@ -345,13 +345,7 @@ impl<'a> Reader<'a> {
         if self.scene.chosen_precision().precision == Precision::Double {
             return;
         }
-        for body in self.scene.bodies.objects_mut() {
-            body.position_low = Vec3::ZERO;
-        }
-        self.scene.place_all_members();
-        for sphere in self.scene.spheres.objects_mut() {
-            sphere.position_low = Vec3::ZERO;
-        }
+        self.scene.round_positions();
     }
 
     fn group(&mut self, line: &str) -> Line<()> {

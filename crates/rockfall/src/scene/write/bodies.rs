@@ -123,9 +123,11 @@ impl Writer<'_> {
             bits(high) == bits(body.position) && (!self.has_low_parts || bits(low) == bits(body.position_low))
         };
         let origin = (centre - arm).to_array();
+        // Adding 0 turns -0 into 0.
+        let rounded = origin.map(|x| ((x * 1e6).round() / 1e6 + 0.0).to_string());
         let short = origin.map(|x| (x as f32).to_string());
         let exact = origin.map(|x| x.to_string());
-        match [short, exact].into_iter().find(is_same) {
+        match [rounded, short, exact].into_iter().find(is_same) {
             Some(found) => format!("at={}", words(found)),
             None if self.has_low_parts => format!("centre={}", words(centre.to_array().map(|x| x.to_string()))),
             None => format!("centre={}", vector(body.position)),
