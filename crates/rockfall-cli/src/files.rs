@@ -10,6 +10,7 @@ pub(crate) const SERIES: &[&str] = &["csv", "npz", "pvd", "vtp"];
 pub(crate) const TRACE: &[&str] = &["csv"];
 pub(crate) const TENSIONS: &[&str] = &["csv"];
 pub(crate) const GAUGES: &[&str] = &["csv"];
+pub(crate) const BODIES: &[&str] = &["csv"];
 pub(crate) const SCENE: &[&str] = &["txt"];
 pub(crate) const CHECKPOINT: &[&str] = &["ckpt"];
 pub(crate) const EVOLUTION: &[&str] = &["json"];

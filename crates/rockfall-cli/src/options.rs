@@ -220,6 +220,7 @@ pub(crate) fn counts_json(counts: &rockfall::Counts) -> serde_json::Value {
         "tethers": counts.tethers,
         "boxes": counts.boxes,
         "polygons": counts.polygons,
+        "bodies": counts.bodies,
     })
 }
 
@@ -259,6 +260,7 @@ impl fmt::Display for InWords {
             (counts.tethers, "tether", "tethers"),
             (counts.boxes, "box", "boxes"),
             (counts.polygons, "polygon", "polygons"),
+            (counts.bodies, "rigid body", "rigid bodies"),
         ];
         let present: Vec<String> =
             kinds.into_iter().filter(|(count, ..)| *count > 0).map(|(count, one, many)| counted(count, one, many)).collect();

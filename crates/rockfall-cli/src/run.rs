@@ -17,6 +17,7 @@ use crate::progress::Progress;
 use crate::source::Source;
 use crate::summary::Summary;
 
+mod bodies;
 mod contacts;
 mod errors;
 mod gauges;
@@ -36,14 +37,14 @@ const DEFAULT_STEPS: u64 = 1000;
 
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --gauges, --save, \
+Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --gauges, --bodies, --save, \
 --checkpoint) and exits with code 130. A step that takes longer than 0.8 s is abandoned: the last checkpoint and the .part files \
 stay as they are. A second Ctrl-C ends the run at once. If a step fails, --out and --trace are written up to that step if the \
 device can still be read, and the last checkpoint is left unchanged.
 
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
 everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --trace-every, --contacts, --tensions, \
---gauges, --save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
+--gauges, --bodies, --save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
 reported. With the same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
 those of a run that was never stopped. A checkpoint of a program that uses the library or of Python has no number of steps, so \
 it needs --steps. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
@@ -79,6 +80,10 @@ the force of the bodies on them and its torque about the origin, for planes the 
 since the start, along the normal minus against it. With --every K there is a line for each gauge at step 0 and then every K \
 steps, where forces and torques are means over the states after the K steps; every step is read back for them.
 
+--bodies writes the rigid bodies of the final state in the columns body,name,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz, with --every K \
+those of every K-th state with the columns step,time in front: centre of mass, its velocity, the orientation, which turns coordinates \
+of the shape into those of the world, and the angular momentum about the centre.
+
 --save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
 beginning of the scene, up to the first empty line, but no other comments. Its line @run has the time step and the integrator of \
 the run, so `rockfall run FILE.txt` goes on from there, except that a text leaves out the springs of contacts (contact laws linear, \
@@ -103,7 +108,7 @@ pub(crate) struct Arguments {
     /// Write the final state of every sphere: .csv, .npz or .vtp
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the state to --out, the contacts to --contacts, the tensions to --tensions, and the gauges to --gauges, every K steps instead: .csv, .npz or .pvd [default: that of the scene]
+    /// Write the state to --out, the contacts to --contacts, the tensions to --tensions, the gauges to --gauges, and the rigid bodies to --bodies, every K steps instead: .csv, .npz or .pvd [default: that of the scene]
     #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
     /// In periodic scenes, write to --out where spheres have got to, with all periods that they have passed, not where they are in the box
@@ -124,6 +129,9 @@ pub(crate) struct Arguments {
     /// Write what the gauges of the scene measure in the final state, or their means over K steps every K steps: .csv
     #[arg(long, value_name = "FILE")]
     gauges: Option<PathBuf>,
+    /// Write the pose and the motion of every rigid body in the final state, or every K steps: .csv
+    #[arg(long, value_name = "FILE")]
+    bodies: Option<PathBuf>,
     /// Write the final state as a scene file, with its settings: .txt
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
@@ -215,8 +223,8 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
 fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
     let wanted = arguments.wanted(loaded.scene.run.every)?;
-    let Arguments { out, trace, contacts, tensions, gauges, save, checkpoint, .. } = arguments;
-    for file in [out, trace, contacts, tensions, gauges, save, checkpoint].into_iter().flatten() {
+    let Arguments { out, trace, contacts, tensions, gauges, bodies, save, checkpoint, .. } = arguments;
+    for file in [out, trace, contacts, tensions, gauges, bodies, save, checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
     let (comments, title) = (loaded.comments, loaded.title.clone());
@@ -232,6 +240,9 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     }
     if arguments.gauges.is_some() && scene.gauges().is_empty() {
         output::note("note: --gauges: the scene has no gauges (a line `@gauge name=N wall=NAME` adds one)");
+    }
+    if arguments.bodies.is_some() && counts.bodies == 0 {
+        output::note("note: --bodies: the scene has no rigid bodies (a line `@place NAME at=x,y,z` adds one)");
     }
     wanted.check_for(&scene)?;
     let mut outputs = Outputs::open(wanted, None)?;
@@ -249,7 +260,8 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
 impl Arguments {
     /// Output files from the arguments. `every` is the number of steps between two frames that the scene has.
     fn wanted(&self, every: Option<u64>) -> Result<Wanted, Failure> {
-        let has_frames = [&self.out, &self.contacts, &self.tensions, &self.gauges].into_iter().any(Option::is_some);
+        let has_frames =
+            [&self.out, &self.contacts, &self.tensions, &self.gauges, &self.bodies].into_iter().any(Option::is_some);
         let every = self.every.or(every.filter(|_| has_frames));
         // Without --every, a .pvd file has an error of its own.
         let of_states = |path: &Option<PathBuf>| {
@@ -261,6 +273,7 @@ impl Arguments {
             ("--contacts", &self.contacts, of_states(&self.contacts)),
             ("--tensions", &self.tensions, files::TENSIONS),
             ("--gauges", &self.gauges, files::GAUGES),
+            ("--bodies", &self.bodies, files::BODIES),
             ("--trace", &self.trace, files::TRACE),
             ("--save", &self.save, files::SCENE),
             ("--checkpoint", &self.checkpoint, files::CHECKPOINT),
@@ -276,6 +289,7 @@ impl Arguments {
             contacts: self.contacts.clone(),
             tensions: self.tensions.clone(),
             gauges: self.gauges.clone(),
+            bodies: self.bodies.clone(),
             save: self.save.clone(),
             checkpoint: self.checkpoint.clone(),
             checkpoint_every: self.checkpoint_every,

@@ -7,6 +7,8 @@
 use std::fmt::{Display, LowerExp};
 use std::io::{self, Write};
 
+use rockfall::Scene;
+
 use crate::Frame;
 
 /// First line of a trajectory.
@@ -30,6 +32,29 @@ fn lines(out: &mut impl Write, prefix: &str, frame: &Frame) -> io::Result<()> {
         numbers(out, &[q.w, q.x, q.y, q.z])?;
         numbers(out, &sphere.angular_momentum.to_array())?;
         writeln!(out, ",{}", reference.map_or(String::new(), |reference| reference.to_string()))?;
+    }
+    Ok(())
+}
+
+/// First line of a file of rigid bodies.
+pub const BODIES: &str = "body,name,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz";
+
+/// Writes a line for each rigid body of a scene, in order of addition, with the columns of [`BODIES`]: index, name, centre of mass, its
+/// velocity, orientation, and angular momentum about the centre. `prefix` begins each line, for example with the step and the time. The
+/// state is that of the last read ([`Simulation::sync`](rockfall::Simulation::sync)).
+///
+/// # Errors
+/// Returns the error of the writer.
+pub fn bodies(out: &mut impl Write, prefix: &str, scene: &Scene) -> io::Result<()> {
+    for (index, (id, body)) in scene.body_ids().zip(scene.bodies()).enumerate() {
+        let tag = scene.tag(id).map_err(io::Error::other)?;
+        let q = body.orientation;
+        write!(out, "{prefix}{index},{}", tag.and_then(|tag| tag.name.as_deref()).unwrap_or_default())?;
+        numbers(out, &body.position.to_array())?;
+        numbers(out, &body.velocity.to_array())?;
+        numbers(out, &[q.w, q.x, q.y, q.z])?;
+        numbers(out, &body.angular_momentum.to_array())?;
+        writeln!(out)?;
     }
     Ok(())
 }

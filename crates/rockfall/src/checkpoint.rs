@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; gauges; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels; inlets and outlets, and what they have done |
+//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; gauges; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels; inlets and outlets, and what they have done; shapes and rigid bodies |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one |
 //! | 4 | CRC-32 of all bytes before |
@@ -29,6 +29,7 @@ use crate::output::AtomicFile;
 use crate::report::Report;
 use crate::scene::{AnyId, FlowState, Front, Scene};
 
+mod bodies;
 mod flow;
 mod gauges;
 mod head;
@@ -46,7 +47,7 @@ use words::{Damage, Words};
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
 /// Version of the format. Files of other versions are refused.
-const VERSION: u32 = 11;
+const VERSION: u32 = 12;
 /// Bytes of magic, version and length.
 pub(crate) const PREFIX: usize = MAGIC.len() + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -170,8 +171,10 @@ impl Checkpoint {
             let lows = read_lows(&mut words, counts.spheres)?;
             let tags = tags::take(&mut words)?;
             checkpoint.flow = flow::read(&mut words, &mut checkpoint.scene)?;
+            let bodies = tags::take(&mut words)?;
             objects::read(&mut words, &counts, &mut checkpoint.scene)?;
             put_lows(&mut checkpoint.scene, &lows);
+            bodies::put(bodies, &mut checkpoint.scene)?;
             tags::put(tags, &mut checkpoint.scene)?;
             checkpoint.springs = springs::named(&springs, &checkpoint.scene)?;
             words.end()?;
@@ -187,6 +190,7 @@ impl Checkpoint {
         head.extend(lows(&self.scene));
         head.extend(tags::bytes(&self.scene));
         head.extend(flow::bytes(self));
+        head.extend(bodies::bytes(&self.scene));
         let length = PREFIX + head.len() + objects::length(&self.scene) + SUFFIX;
         let mut out = Hashed { out, crc32: crc32fast::Hasher::new() };
         out.write_all(&MAGIC)?;

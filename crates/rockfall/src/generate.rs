@@ -19,6 +19,7 @@ use crate::settings::Integrator;
 
 mod benchmark;
 mod bodies;
+mod clumps;
 mod creature;
 mod grains;
 mod hopper;
@@ -38,6 +39,8 @@ pub enum Kind {
     Pile,
     /// Spheres, rods, capsules and springs that fall into a walled box.
     Mixed,
+    /// Rigid bodies of two, three and five spheres, which overlap or are joined by rods, that fall into a walled box.
+    Clumps,
     /// Soft blobs, lattices of spheres, springs and rods, that fall onto boxes.
     Soft,
     /// Chains of spheres and fixed-length rods that hang from fixed spheres and start pulled aside.
@@ -60,9 +63,10 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Pile,
         Self::Mixed,
+        Self::Clumps,
         Self::Soft,
         Self::Chain,
         Self::Hopper,
@@ -79,6 +83,7 @@ impl Kind {
         match self {
             Self::Pile => "pile",
             Self::Mixed => "mixed",
+            Self::Clumps => "clumps",
             Self::Soft => "soft",
             Self::Chain => "chain",
             Self::Hopper => "hopper",
@@ -91,7 +96,7 @@ impl Kind {
         }
     }
 
-    /// Generates a scene with exactly `spheres` spheres, including those of rods and capsules. Scenes of grains have their time step
+    /// Generates a scene with exactly `spheres` spheres, including those of rods, capsules and rigid bodies. Scenes of grains have their time step
     /// and their integrator ([`Scene::run`]).
     ///
     /// # Errors
@@ -102,6 +107,7 @@ impl Kind {
         let mut scene = match self {
             Self::Pile => pile(spheres, &mut random),
             Self::Mixed => bodies::mixed(spheres, &mut random),
+            Self::Clumps => clumps::clumps(spheres, &mut random),
             Self::Soft => bodies::soft(spheres, &mut random),
             Self::Chain => bodies::chain(spheres, &mut random),
             Self::Hopper => hopper::hopper(spheres, &mut random),
@@ -163,7 +169,7 @@ impl FromStr for Kind {
         Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| Error::Invalid {
             field: "kind",
             value: quoted(text),
-            expected: "pile, mixed, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw",
+            expected: "pile, mixed, clumps, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw",
         })
     }
 }
@@ -322,6 +328,9 @@ mod tests {
         let counts = |kind: Kind| kind.generate(500, 3).unwrap().counts();
         let mixed = counts(Kind::Mixed);
         assert!(mixed.capsules > 20 && mixed.springs > 20 && mixed.rods > mixed.capsules + 20);
+        let clumps = Kind::Clumps.generate(500, 3).unwrap();
+        let count = |spheres| clumps.bodies().iter().filter(|body| body.spheres().len() == spheres).count();
+        assert!([2, 3, 5].iter().all(|spheres| count(*spheres) > 20), "{:?}", clumps.counts());
         let soft = counts(Kind::Soft);
         assert!(soft.springs > 1000 && soft.rods > 100 && soft.boxes > 5);
         let chain = Kind::Chain.generate(500, 3).unwrap();
@@ -353,8 +362,11 @@ mod tests {
             for spheres in SIZES {
                 let scene = kind.generate(spheres, 11).unwrap();
                 let balls = scene.spheres();
+                let owners: Vec<_> = scene.sphere_ids().map(|id| scene.body_of_sphere(id)).collect();
                 for (index, one) in balls.iter().enumerate() {
-                    for other in &balls[index + 1..] {
+                    // The spheres of a rigid body may overlap.
+                    let is_other = |place: &usize| owners[*place].is_none() || owners[*place] != owners[index];
+                    for other in (index + 1..balls.len()).filter(is_other).map(|place| &balls[place]) {
                         let gap = one.position.distance(other.position) - one.radius - other.radius;
                         assert!(gap > 0.0, "{kind} {spheres}: {one:?} {other:?}");
                     }

@@ -280,8 +280,11 @@ impl Scene {
     /// Changes a rod's radius, length, group and material. Its ends cannot be changed.
     ///
     /// # Errors
-    /// As for [`Scene::add_rod`]. Nothing is changed then.
+    /// As for [`Scene::add_rod`], and for a rod that is part of a rigid body. Nothing is changed then.
     pub fn update_rod(&mut self, id: RodId, change: impl FnOnce(&mut Rod)) -> Result<()> {
+        if self.body_of_rod(id).is_some() {
+            return Err(checks::invalid("rod", id, "a rod that is not part of a rigid body, whose shape cannot be changed"));
+        }
         let mut rod = *self.rods.get(id)?;
         let ends = (rod.end1, rod.end2);
         change(&mut rod);

@@ -7,6 +7,7 @@ use rockfall::{Meter, Scene, Simulation};
 use rockfall_trajectory::csv;
 use rockfall_trajectory::{Format, Frame, Writer, vtp};
 
+use super::bodies::BodiesFile;
 use super::contacts::ContactsFile;
 use super::errors::{lost, written};
 use super::gauges::GaugesFile;
@@ -29,6 +30,7 @@ pub(crate) struct Wanted {
     pub(crate) contacts: Option<PathBuf>,
     pub(crate) tensions: Option<PathBuf>,
     pub(crate) gauges: Option<PathBuf>,
+    pub(crate) bodies: Option<PathBuf>,
     pub(crate) save: Option<PathBuf>,
     pub(crate) checkpoint: Option<PathBuf>,
     pub(crate) checkpoint_every: Option<u64>,
@@ -47,6 +49,7 @@ impl Wanted {
             ("--contacts", &contacts),
             ("--tensions", &self.tensions),
             ("--gauges", &self.gauges),
+            ("--bodies", &self.bodies),
             ("--trace", &self.trace),
             ("--save", &self.save),
             ("--checkpoint", &self.checkpoint),
@@ -57,10 +60,10 @@ impl Wanted {
                 return Err(Failure::usage(format!("{other} and {one} name the same file")));
             }
         }
-        let files = [&self.out, &self.contacts, &self.tensions, &self.gauges];
+        let files = [&self.out, &self.contacts, &self.tensions, &self.gauges, &self.bodies];
         if self.every.is_some() && files.into_iter().all(Option::is_none) {
-            let message =
-                "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE or --gauges FILE";
+            let message = "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE, --gauges FILE or \
+                           --bodies FILE";
             return Err(Failure::usage(message));
         }
         if self.unwrapped && self.out.is_none() {
@@ -116,6 +119,7 @@ pub(crate) struct Outputs {
     contacts: Option<ContactsFile>,
     tensions: Option<TensionsFile>,
     gauges: Option<GaugesFile>,
+    bodies: Option<BodiesFile>,
     save: Option<(PathBuf, AtomicFile)>,
     unwrapped: bool,
     checkpoint: Option<PathBuf>,
@@ -140,6 +144,7 @@ impl Outputs {
             contacts,
             tensions,
             gauges,
+            bodies,
             save,
             checkpoint,
             checkpoint_every,
@@ -151,7 +156,8 @@ impl Outputs {
         let contacts_mark = contacts.as_deref().and_then(|path| marked(path, past.and_then(|past| past.contacts.as_ref())));
         let tensions_mark = tensions.as_deref().and_then(|path| marked(path, past.and_then(|past| past.tensions.as_ref())));
         let gauges_mark = gauges.as_deref().and_then(|path| marked(path, past.and_then(|past| past.gauges.as_ref())));
-        let continues = [out_mark, contacts_mark, tensions_mark, gauges_mark].iter().any(Option::is_some);
+        let bodies_mark = bodies.as_deref().and_then(|path| marked(path, past.and_then(|past| past.bodies.as_ref())));
+        let continues = [out_mark, contacts_mark, tensions_mark, gauges_mark, bodies_mark].iter().any(Option::is_some);
         if let Some(begun) = past.and_then(|past| past.every).filter(|begun| continues && every != Some(*begun)) {
             let message = "omit --every, or give another --out";
             return Err(Failure::usage(format!("--every: the existing frames were written with --every {begun}; {message}")));
@@ -174,6 +180,7 @@ impl Outputs {
             contacts: contacts.map(|path| ContactsFile::open(path, every, contacts_mark)).transpose()?,
             tensions: tensions.map(|path| TensionsFile::open(path, every, tensions_mark)).transpose()?,
             gauges: gauges.map(|path| GaugesFile::open(path, every, gauges_mark)).transpose()?,
+            bodies: bodies.map(|path| BodiesFile::open(path, every, bodies_mark)).transpose()?,
             save: save.map(|path| save::open(&path).map(|file| (path, file))).transpose()?,
             unwrapped,
             checkpoint,
@@ -193,6 +200,9 @@ impl Outputs {
         }
         if let Some(gauges) = &mut self.gauges {
             gauges.begin(simulation, past)?;
+        }
+        if let Some(bodies) = &mut self.bodies {
+            bodies.begin(simulation, past)?;
         }
         let step = past.step(simulation.report().steps);
         if let Some(Out::Frames(_, writer, _)) = self.out.as_mut().filter(|_| frames) {
@@ -236,7 +246,9 @@ impl Outputs {
         let until = |every: u64| every - step % every;
         let contacts = self.contacts.as_ref().and_then(ContactsFile::every);
         let tensions = self.tensions.as_ref().and_then(TensionsFile::every);
-        [every, trace, contacts, tensions, gauges, self.checkpoint_every].into_iter().flatten().map(until).fold(most, u64::min)
+        let bodies = self.bodies.as_ref().and_then(BodiesFile::every);
+        let all = [every, trace, contacts, tensions, gauges, bodies, self.checkpoint_every];
+        all.into_iter().flatten().map(until).fold(most, u64::min)
     }
 
     /// Writes the outputs that are due after a step.
@@ -258,6 +270,9 @@ impl Outputs {
         }
         if let Some(file) = &mut self.gauges {
             file.after_step(simulation, past, &mut self.meter, step)?;
+        }
+        if let Some(file) = &mut self.bodies {
+            file.after_step(simulation, past, step)?;
         }
         match self.checkpoint_every {
             Some(every) if step.is_multiple_of(every) => self.save(simulation, past),
@@ -289,6 +304,8 @@ impl Outputs {
         past.every = past.every.or_else(|| self.tensions.as_ref()?.every());
         past.gauges = self.gauges.as_mut().map(GaugesFile::as_past).transpose()?;
         past.every = past.every.or_else(|| self.gauges.as_ref()?.every());
+        past.bodies = self.bodies.as_mut().map(BodiesFile::as_past).transpose()?;
+        past.every = past.every.or_else(|| self.bodies.as_ref()?.every());
         past.save = self.save.as_ref().map(|(path, _)| whole(path));
         past.checkpoint_every = self.checkpoint_every;
         past.unwrapped = self.unwrapped;
@@ -333,6 +350,9 @@ impl Outputs {
             note(file.path().to_owned(), file.finish(simulation, past));
         }
         if let Some(file) = self.gauges {
+            note(file.path().to_owned(), file.finish(simulation, past));
+        }
+        if let Some(file) = self.bodies {
             note(file.path().to_owned(), file.finish(simulation, past));
         }
         if let Some((path, file)) = self.save {

@@ -39,6 +39,7 @@ pub(crate) struct Past {
     pub(crate) contacts: Option<PastFile>,
     pub(crate) tensions: Option<PastFile>,
     pub(crate) gauges: Option<PastFile>,
+    pub(crate) bodies: Option<PastFile>,
     /// Bits of the total energy at the first line of `trace`.
     pub(crate) traced_energy: Option<u64>,
     pub(crate) metered: Option<Metered>,

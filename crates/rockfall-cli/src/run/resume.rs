@@ -148,6 +148,11 @@ fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Fai
         wanted.gauges = wanted.gauges.or(before.cloned());
         wanted.every = wanted.every.or(past.every);
     }
+    let before = past.bodies.as_ref().map(|file| &file.path);
+    if wanted.bodies.as_deref().is_none_or(|bodies| Some(&whole(bodies)) == before) {
+        wanted.bodies = wanted.bodies.or(before.cloned());
+        wanted.every = wanted.every.or(past.every);
+    }
     wanted.save = wanted.save.or(past.save.clone());
     let before = past.trace.as_ref().map(|file| &file.path);
     if wanted.trace.as_deref().is_none_or(|trace| Some(&whole(trace)) == before) {

@@ -252,7 +252,10 @@ fn wrong_arguments_exit_with_code_2() {
         ("check", "Usage"),
         ("check scene.txt --dt 0", "a finite number of seconds greater than 0"),
         ("generate", "Usage"),
-        ("generate heap --spheres 10", "pile, mixed, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw"),
+        (
+            "generate heap --spheres 10",
+            "pile, mixed, clumps, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw",
+        ),
         ("generate pile", "--spheres"),
         ("generate pile --spheres -5", "-5"),
         ("generate pile --spheres 0", "at least 1"),

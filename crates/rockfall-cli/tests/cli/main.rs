@@ -1,6 +1,7 @@
 //! The program `rockfall`, run as a user runs it.
 
 mod bench;
+mod bodies;
 mod commands;
 mod common;
 mod evolve;

@@ -131,6 +131,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         tethers: count()?,
         boxes: count()?,
         polygons: count()?,
+        // They are stored below.
         bodies: 0,
     };
     read_materials(words, &mut scene)?;

@@ -41,9 +41,9 @@ pub(super) fn put_tag(head: &mut Head, Tag { name, colour, look, label }: &Tag) 
     head.text(label.as_deref().unwrap_or_default());
 }
 
-/// The bytes of the tags, which can be read when the objects are known.
+/// The bytes of the tags or of the bodies, which can be read when the objects are known.
 pub(super) fn take<'a>(words: &mut Words<'a>) -> Result<&'a [u8], Damage> {
-    let length = usize::try_from(words.u64()?).map_err(|_| Damage::new("its names are too long"))?;
+    let length = usize::try_from(words.u64()?).map_err(|_| Damage::new("its names or bodies are too long"))?;
     words.take(length)
 }
 

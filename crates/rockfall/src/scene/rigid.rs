@@ -350,6 +350,17 @@ impl Scene {
         }
     }
 
+    /// Rounds the positions of spheres and bodies to `f32`.
+    pub(crate) fn round_positions(&mut self) {
+        for body in self.bodies.objects_mut() {
+            body.position_low = Vec3::ZERO;
+        }
+        self.place_all_members();
+        for sphere in self.spheres.objects_mut() {
+            sphere.position_low = Vec3::ZERO;
+        }
+    }
+
     /// The tags of the spheres and rods of a body with a tag.
     pub(super) fn tags_of_members(&self, id: RigidBodyId, tag: &Option<Arc<Tag>>) -> Result<Vec<(ObjectId, Option<Arc<Tag>>)>> {
         let body = self.bodies.get(id)?;

@@ -19,7 +19,7 @@ use solid::{Part, Solid};
 pub type ShapeId = Handle<Shape>;
 
 /// Greatest number of spheres and rods of a shape.
-const MOST_PARTS: usize = 10_000;
+const MOST_PARTS: usize = 1_000;
 
 /// What rigid bodies are made of: spheres, and rods between them. Many bodies share one shape.
 ///
@@ -198,10 +198,16 @@ impl Shape {
         self
     }
 
+    /// Sets what the parts that are added next belong to.
+    pub(crate) fn with(mut self, group: u16, material: Option<MaterialId>, tag: Option<Arc<Tag>>) -> Self {
+        (self.group, self.material, self.tag) = (group, material, tag);
+        self
+    }
+
     /// Computes mass, centre and inertia: as given, or of matter that fills the parts evenly. Where parts overlap, it counts once.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a shape without parts or with more than 10000, numbers that are not finite, a mass, density or radius
+    /// [`Error::Invalid`] for a shape without parts or with more than 1000 parts, numbers that are not finite, a mass, density or radius
     /// that is not positive, a rod without two different spheres at a distance, and an inertia that no body has.
     pub fn mass_properties_of(&self) -> Result<MassProperties> {
         self.validate_parts()?;
@@ -231,32 +237,43 @@ impl Shape {
         Solid::new(spheres.chain(rods).collect())
     }
 
+    /// Checks the sphere and the rod that were added last.
+    pub(crate) fn validate_last(&self) -> Result<()> {
+        self.spheres.last().map_or(Ok(()), ShapeSphere::validate)?;
+        self.rods.last().map_or(Ok(()), |rod| self.validate_rod(rod))
+    }
+
+    fn validate_rod(&self, rod: &ShapeRod) -> Result<()> {
+        positive("shape.rod.radius", rod.radius)?;
+        let ends = [rod.end1, rod.end2].map(|end| self.spheres.get(end).map(|sphere| sphere.centre.as_dvec3()));
+        match ends {
+            [Some(a), Some(b)] if a.distance(b) > 0.0 => Ok(()),
+            _ => {
+                let expected = "the numbers, from 0, of two spheres of the shape with different centres";
+                Err(invalid("shape.rod", [rod.end1, rod.end2], expected))
+            }
+        }
+    }
+
     fn validate_parts(&self) -> Result<()> {
         if let Some(name) = &self.name {
             check_name("shape.name", name)?;
         }
         let parts = self.spheres.len() + self.rods.len();
         if self.spheres.is_empty() || parts > MOST_PARTS {
-            return Err(invalid("shape.parts", parts, "at least one sphere, and at most 10000 spheres and rods"));
+            return Err(invalid("shape.parts", parts, "at least one sphere, and at most 1000 spheres and rods"));
         }
-        for sphere in &self.spheres {
-            finite("shape.sphere.centre", sphere.centre)?;
-            positive("shape.sphere.radius", sphere.radius)?;
-        }
-        for rod in &self.rods {
-            positive("shape.rod.radius", rod.radius)?;
-            let ends = [rod.end1, rod.end2].map(|end| self.spheres.get(end).map(|sphere| sphere.centre.as_dvec3()));
-            let length = match ends {
-                [Some(a), Some(b)] => a.distance(b),
-                _ => 0.0,
-            };
-            if length <= 0.0 {
-                let expected = "the numbers, from 0, of two spheres of the shape with different centres";
-                return Err(invalid("shape.rod", [rod.end1, rod.end2], expected));
-            }
-        }
+        self.spheres.iter().try_for_each(ShapeSphere::validate)?;
+        self.rods.iter().try_for_each(|rod| self.validate_rod(rod))?;
         let tags = self.spheres.iter().map(|sphere| &sphere.tag).chain(self.rods.iter().map(|rod| &rod.tag));
         tags.flatten().try_for_each(|tag| tag.validate())
+    }
+}
+
+impl ShapeSphere {
+    fn validate(&self) -> Result<()> {
+        finite("shape.sphere.centre", self.centre)?;
+        positive("shape.sphere.radius", self.radius)
     }
 }
 

@@ -33,9 +33,11 @@
 //! | `@gauge name=N plane=x,y,z,nx,ny,nz` | nothing: counts the spheres that pass the plane through that point, across that normal |
 //! | `@inlet name=N box=x0,y0,z0,x1,y1,z1 rate=PER_S radius=r by=number density=D velocity=x,y,z from=S to=S limit=COUNT seed=N` | nothing: spheres of the material in use come in while a simulation runs ([`Inlet`](crate::Inlet)). `mass_rate=` or `volume_rate=` may replace `rate=`, `mass=` may replace `density=`, `radius=` also takes `a..b` and `lognormal:median,sigma`, `by=mass` weights radii by mass |
 //! | `@outlet name=N box=x0,y0,z0,x1,y1,z1` | nothing: spheres that enter the box are removed ([`Outlet`](crate::Outlet)) |
+//! | `@body NAME mass=M centre=x,y,z inertia=xx,yy,zz,xy,xz,yz` ... `@end` | nothing: the `S`, `R` and `C` lines between are the parts of a shape in coordinates of its own ([`Shape`](crate::Shape)), with velocities of 0 and any mass. `density=D` may replace `mass=`. References, `@group`, `@use`, `@name`, `@colour`, `@look` and `@label` in a block hold up to its `@end` |
+//! | `@place NAME at=x,y,z axis=x,y,z turn=degrees velocity=x,y,z spin=x,y,z name=N first=REFERENCE` | a rigid body of that shape ([`Placement`](crate::Placement)). Its spheres have references that count on from `first`. `centre=` may replace `at=`, `orientation=w,x,y,z` may replace `axis=` and `turn=`, and `momentum=` may replace `spin=` |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty-six kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty-eight kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -53,6 +55,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+mod body;
 mod comment;
 mod gauge;
 mod inlet;
@@ -130,6 +133,7 @@ impl Scene {
         }
         reader
             .check_blocks()
+            .and_then(|()| reader.check_body_end())
             .and_then(|()| reader.check_run())
             .and_then(|()| reader.add_gauges())
             .map_err(|(line, Wrong { field, message })| Error::SceneLine { file: name.to_owned(), line, field, message })?;
@@ -157,7 +161,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 24] = [
+const AT_WORDS: [&str; 26] = [
     "@group",
     "@orientation",
     "@force",
@@ -180,6 +184,8 @@ const AT_WORDS: [&str; 24] = [
     "@gauge",
     "@inlet",
     "@outlet",
+    "@body",
+    "@place",
     "@repeat",
     "@end",
 ];
@@ -199,6 +205,8 @@ struct Reader<'a> {
     at: usize,
     /// Blocks that have no `@end` yet, the outermost first.
     open: Vec<Block<'a>>,
+    /// The lines between `@body` and `@end` so far.
+    body: Option<body::Block>,
     /// The copies that the present line is part of, the outermost first.
     copies: Vec<Copy>,
     /// Number of lines of all blocks so far.
@@ -232,6 +240,7 @@ impl<'a> Reader<'a> {
             set_at: HashMap::new(),
             at: 0,
             open: Vec::new(),
+            body: None,
             copies: Vec::new(),
             repeated: 0,
             run_at: None,
@@ -252,7 +261,9 @@ impl<'a> Reader<'a> {
         }
         let line = without_comment(whole);
         let mut words = line.split_ascii_whitespace();
-        match words.next().unwrap_or_default() {
+        let word = words.next().unwrap_or_default();
+        match word {
+            _ if self.body.is_some() && !Self::is_common(word) => self.body_line(line, word),
             "S" => self.sphere(line),
             "R" => self.rod(line),
             "C" => self.capsule(line),
@@ -283,8 +294,10 @@ impl<'a> Reader<'a> {
             "@gauge" => self.gauge(line, number),
             "@inlet" => self.inlet(line, number),
             "@outlet" => self.outlet(line, number),
+            "@body" => self.begin_body(line, number),
+            "@place" => self.place(line, number),
             "@end" => {
-                let message = "no `@repeat` above, expected one before the lines to repeat".to_owned();
+                let message = "no `@repeat` or `@body` above, expected one before the lines of its block".to_owned();
                 self.not_understood(number, Wrong { field: "@end".to_owned(), message })
             }
             "set" => self.set(line, number),
@@ -332,16 +345,7 @@ impl<'a> Reader<'a> {
         if self.scene.chosen_precision().precision == Precision::Double {
             return;
         }
-        for index in 0..self.scene.spheres.len() {
-            let id = self.scene.spheres.handle_at(index);
-            if let Ok(sphere) = self.scene.spheres.get_mut(id) {
-                sphere.position_low = Vec3::ZERO;
-            }
-        }
-        for body in self.scene.bodies.objects_mut() {
-            body.position_low = Vec3::ZERO;
-        }
-        self.scene.place_all_members();
+        self.scene.round_positions();
     }
 
     fn group(&mut self, line: &str) -> Line<()> {

@@ -18,7 +18,9 @@ impl Scene {
     /// distinct; in other scenes, references are the indices of the spheres in order of addition. A capsule becomes a C line if that
     /// expresses it completely, otherwise two S lines, an R line and an `@capsule` line.
     ///
-    /// The text reads back completely, unless a setting was given a value that [`Settings::validate`] refuses, or [`Scene::run`] one
+    /// A rigid body is written as a whole, so that changes of single spheres and rods of it are left out, except for forces.
+    ///
+    /// The text reads back completely otherwise, unless a setting was given a value that [`Settings::validate`] refuses, or [`Scene::run`] one
     /// that [`RunDefaults::validate`] refuses.
     pub fn to_text(&self) -> String {
         let mut writer = Writer {
@@ -32,6 +34,8 @@ impl Scene {
             tag: Tag::default(),
             rods_written: 0,
             capsules_written: 0,
+            bodies_written: 0,
+            shape_names: Vec::new(),
             has_low_parts: self.chosen_precision().precision == Precision::Double,
         };
         writer.settings();
@@ -39,6 +43,7 @@ impl Scene {
         writer.periods();
         writer.materials();
         writer.motions();
+        writer.shapes();
         writer.spheres_and_rods();
         writer.springs_and_tethers();
         writer.statics();
@@ -64,6 +69,7 @@ impl Scene {
     }
 }
 
+mod bodies;
 mod doors;
 
 /// The bits of a vector, which also distinguish 0 from -0.
@@ -85,9 +91,12 @@ struct Writer<'a> {
     motion: Option<MotionId>,
     surface: Vec3,
     tag: Tag,
-    /// Rods and capsules are written in insertion order, so these counts show which ones are still missing.
+    /// Rods, capsules and rigid bodies are written in insertion order, so these counts show which ones are still missing.
     rods_written: usize,
     capsules_written: usize,
+    bodies_written: usize,
+    /// Name of every shape.
+    shape_names: Vec<String>,
     /// Whether positions are written with their low parts.
     has_low_parts: bool,
 }
@@ -243,10 +252,15 @@ impl Writer<'_> {
     }
 
     fn spheres_and_rods(&mut self) {
-        let capsules = self.plain_capsules();
+        let uses = self.uses();
+        let capsules = self.plain_capsules(&uses);
         let spheres = self.scene.spheres();
         let mut at = 0;
         while at < spheres.len() {
+            if let Some(count) = self.body_at(at, &uses) {
+                at += count;
+                continue;
+            }
             match capsules[at] {
                 // A C line also adds a rod, so the rods before that one must be written first, after their spheres.
                 Some(rod) if self.rods_before(rod, at) => {
@@ -270,10 +284,9 @@ impl Writer<'_> {
         between.is_some_and(|rods| rods.iter().all(ends_before))
     }
 
-    /// For each sphere that is end 1 of a capsule that a C line can express, the index of the capsule's rod.
-    fn plain_capsules(&self) -> Vec<Option<usize>> {
+    /// For each sphere, the number of rods, springs and tethers that are attached to it.
+    fn uses(&self) -> Vec<u32> {
         let scene = self.scene;
-        // The spheres of a C line have no references, so nothing else can be attached to them.
         let mut uses = vec![0_u32; scene.spheres.len()];
         let rods = scene.rods().iter().flat_map(|rod| [rod.end1, rod.end2]);
         let springs = scene.springs().iter().flat_map(|spring| [spring.a, spring.b]);
@@ -281,6 +294,13 @@ impl Writer<'_> {
         for id in rods.chain(springs).chain(tethers) {
             uses[self.index(id)] += 1;
         }
+        uses
+    }
+
+    /// For each sphere that is end 1 of a capsule that a C line can express, the index of the capsule's rod.
+    fn plain_capsules(&self, uses: &[u32]) -> Vec<Option<usize>> {
+        let scene = self.scene;
+        // The spheres of a C line have no references, so nothing else can be attached to them.
         let mut plain = vec![None; scene.spheres.len()];
         for (index, parts) in scene.capsules().iter().enumerate() {
             let (one, two) = (self.index(parts.end1), self.index(parts.end2));
@@ -324,6 +344,10 @@ impl Writer<'_> {
             let q = sphere.orientation;
             self.line("@orientation", &[index], &[q.w, q.x, q.y, q.z]);
         }
+        self.force(index, sphere);
+    }
+
+    fn force(&mut self, index: usize, sphere: &Sphere) {
         if bits(sphere.force) != [0; 3] {
             self.line("@force", &[index], &sphere.force.to_array());
         }

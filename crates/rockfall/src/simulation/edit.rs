@@ -9,7 +9,8 @@ use crate::mesh::Mesh;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
     BoxId, Capsule, CapsuleId, Cuboid, Facets, Inlet, Material, MaterialId, Motion, MotionId, MotionTerm, ObjectId, Outlet,
-    Pair, Polygon, PolygonId, Rod, RodId, Scene, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
+    Pair, Placement, Polygon, PolygonId, RigidBody, RigidBodyId, Rod, RodId, Scene, Shape, ShapeId, Sphere, SphereId, Spring,
+    SpringId, Tag, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
 use crate::simulation::rates::put_rates;
@@ -85,6 +86,16 @@ edits! {
         add_rod(rod: Rod) -> RodId;
     Everything: /// Adds a capsule: two spheres and a rod of fixed length.
         add_capsule(capsule: Capsule) -> CapsuleId;
+    Clean: /// Adds a shape of rigid bodies.
+        add_shape(shape: Shape) -> ShapeId;
+    Everything: /// Adds a rigid body with its spheres and rods.
+        add_body(placement: Placement) -> RigidBodyId;
+    Everything: /// Changes the pose and the motion of a rigid body. Its spheres follow.
+        update_body(id: RigidBodyId, change: impl FnOnce(&mut RigidBody)) -> ();
+    Everything: /// Removes a rigid body with its spheres and rods and everything attached to them.
+        remove_body(id: RigidBodyId) -> ();
+    Everything: /// Removes rigid bodies with their spheres and rods and everything attached to them, in one pass.
+        remove_bodies(ids: &[RigidBodyId]) -> ();
     Topology: /// Adds a spring between two spheres.
         add_spring(spring: Spring) -> SpringId;
     Topology: /// Adds a tether from a sphere to a point in space.

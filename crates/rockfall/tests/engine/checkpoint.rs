@@ -157,7 +157,7 @@ fn without_lows(mut bytes: Vec<u8>) -> Vec<u8> {
     let lows = u64::from_le_bytes(bytes[at..at + 8].try_into().expect("8 bytes")) as usize;
     assert!(lows == 0 || lows == spheres, "{lows}");
     bytes.splice(at..at + 8 + 12 * lows, [0; 8]);
-    with_version(bytes, 11)
+    with_version(bytes, 12)
 }
 
 /// A small checkpoint with materials, and the springs of three contacts.
@@ -247,11 +247,41 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    for version in [0, 10, 12] {
+    for version in [0, 11, 13] {
         newer[8] = version;
-        let expected = format!("it has version {version} of the format, this rockfall reads version 11");
+        let expected = format!("it has version {version} of the format, this rockfall reads version 12");
         assert!(assert_rejected(&newer).contains(&expected));
     }
+}
+
+/// Shapes and rigid bodies are kept, with their groups, materials and names.
+#[test]
+fn bodies_are_kept() {
+    let checkpoint = Checkpoint::from_bytes(&small_with_bodies(), "memory").expect("a valid checkpoint");
+    assert_eq!(checkpoint.to_bytes(), small_with_bodies(), "the same state must give the same bytes");
+    let text = checkpoint.scene.to_text();
+    assert_eq!(text, bodies().to_text());
+    let scene = &checkpoint.scene;
+    assert_eq!((scene.counts().bodies, scene.shapes().len()), (3, 2));
+    for id in scene.body_ids() {
+        let body = scene.body(id).expect("a body");
+        assert!(body.spheres().iter().all(|sphere| scene.body_of_sphere(*sphere) == Some(id)));
+        assert!(body.rods().iter().all(|rod| scene.body_of_rod(*rod) == Some(id)));
+    }
+    assert_eq!(scene.named("stick").expect("a name").len(), 4);
+}
+
+fn bodies() -> Scene {
+    let text = "set precision single\n@material a density=2 young=1e4 poisson=0.3\n@body bone mass=3\n@use a\n@group 2\nS 0 0 0 0 0 0 0 0 0 0 - 1\n@colour red\n\
+                S 1 4 0 0 0 0 0 0 0 0 - 0.5\n@end\n@body top mass=2 centre=0,0.5,0 inertia=1,2,2,0.25,0,0\n\
+                C 0 0 0 0 1 0 0 0 0 - 0.25\n@end\nS 7 0 9 0 0 0 0 0 0 0 1 0.5 0\n@place bone at=0,20,0 spin=1,2,3\n\
+                @place top at=1,30,0 orientation=0.6,0,0.8,0 velocity=1,2,3 name=stick\n@place bone at=0,40,0 first=9\nK 7 10 1 40 0\n";
+    Scene::parse(text, "a.txt".as_ref()).expect("a scene").scene
+}
+
+fn small_with_bodies() -> Vec<u8> {
+    let mut simulation = Simulation::with_options(bodies(), Options::new().backend(Backend::Cpu)).expect("it opens");
+    simulation.checkpoint().expect("a checkpoint").to_bytes()
 }
 
 /// A resumed simulation refers to spheres as the scene file does.
@@ -300,7 +330,7 @@ fn muscles_are_kept() {
 /// the checksum. The file is then rejected or accepted, but nothing panics and nothing allocates all memory.
 #[test]
 fn invalid_numbers_with_a_correct_checksum_cause_no_panic() {
-    for good in [small(), small_with_materials()] {
+    for good in [small(), small_with_materials(), small_with_bodies()] {
         assert_no_panic(&good);
     }
 }

@@ -11,8 +11,10 @@ use glam::{DMat3, DVec3};
 
 use super::mass::MassProperties;
 
-/// Number of lines for all parts. A part has at most 256² and at least 32² of them.
-const LINES: usize = 1 << 22;
+/// Number of intervals to compute for all lines. A part has at most 256² and at least 16² lines.
+const INTERVALS: usize = 1 << 25;
+/// Share of the size of a shape below which a coordinate of its centre counts as 0. The inertia is treated in the same way.
+const ROUNDING: f64 = 1e-13;
 
 /// A ball, or a cylinder with flat ends.
 pub(super) struct Part {
@@ -101,6 +103,27 @@ impl Part {
         }
         (inside[0] < inside[1]).then_some(inside)
     }
+
+    /// The moments of the matter of the part about its middle. Lines are on `side` rings with `side` places each.
+    fn share(&self, near: &[&Self], side: usize) -> Moments {
+        let mut all = self.moments();
+        if near.is_empty() {
+            return all;
+        }
+        let (u, v) = self.axis.any_orthonormal_pair();
+        let cell = PI * self.radius * self.radius / (side * side) as f64;
+        let mut line = Line::default();
+        for ring in 0..side {
+            let rho = self.radius * ((ring as f64 + 0.5) / side as f64).sqrt();
+            for place in 0..side {
+                let (sin, cos) = (TAU * (place as f64 + 0.5) / side as f64).sin_cos();
+                let from = u * (rho * cos) + v * (rho * sin);
+                let lost = line.lost(self, near, from);
+                all.subtract_line(from, self.axis, lost.map(|integral| integral * cell));
+            }
+        }
+        all
+    }
 }
 
 impl Solid {
@@ -116,12 +139,17 @@ impl Solid {
         // Away from the origin, moments about it would lose digits.
         let origin = self.parts[0].middle;
         let mut all = Moments { volume: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
-        for number in 0..self.parts.len() {
-            all.add(self.share(number).about(self.parts[number].middle - origin));
+        let near: Vec<Vec<&Part>> = (0..self.parts.len()).map(|number| self.near(number)).collect();
+        let pairs: usize = near.iter().map(Vec::len).sum();
+        let side = ((INTERVALS / pairs.max(1)) as f64).sqrt().clamp(16.0, 256.0) as usize / 4 * 4;
+        for (part, near) in self.parts.iter().zip(&near) {
+            all.add(part.share(near, side).about(part.middle - origin));
         }
         let centre = all.first / all.volume;
         let second = all.second - outer(centre, centre) * all.volume;
-        properties(all.volume, origin + centre, second)
+        let size = self.parts.iter().map(|part| part.middle.distance(origin) + part.reach()).fold(0.0, f64::max);
+        let centre = without_rounding(origin + without_rounding(centre, size), size);
+        properties(all.volume, centre, second)
     }
 
     /// A lone capsule: two balls and a cylinder of one radius.
@@ -139,31 +167,12 @@ impl Solid {
         Some(properties(rod.moments().volume + ball.volume, rod.middle, second))
     }
 
-    /// The moments of the matter of a part about its middle.
-    fn share(&self, number: usize) -> Moments {
+    /// The other parts that may overlap a part.
+    fn near(&self, number: usize) -> Vec<&Part> {
         let part = &self.parts[number];
         let is_near = |other: &&Part| other.middle.distance_squared(part.middle) < (other.reach() + part.reach()).powi(2);
         let others = self.parts.iter().enumerate().filter(|(other, _)| *other != number).map(|(_, other)| other);
-        let near: Vec<&Part> = others.filter(is_near).collect();
-        let mut all = part.moments();
-        if near.is_empty() {
-            return all;
-        }
-        let side = ((LINES / self.parts.len()) as f64).sqrt() as usize / 4 * 4;
-        let side = side.clamp(32, 256);
-        let (u, v) = part.axis.any_orthonormal_pair();
-        let cell = PI * part.radius * part.radius / (side * side) as f64;
-        let mut line = Line::default();
-        for ring in 0..side {
-            let rho = part.radius * ((ring as f64 + 0.5) / side as f64).sqrt();
-            for place in 0..side {
-                let (sin, cos) = (TAU * (place as f64 + 0.5) / side as f64).sin_cos();
-                let from = u * (rho * cos) + v * (rho * sin);
-                let lost = line.lost(part, &near, from);
-                all.subtract_line(from, part.axis, lost.map(|integral| integral * cell));
-            }
-        }
-        all
+        others.filter(is_near).collect()
     }
 }
 
@@ -230,9 +239,15 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
+/// A vector whose components are 0 where they are rounding errors of lengths of a size.
+fn without_rounding(vector: DVec3, size: f64) -> DVec3 {
+    DVec3::select(vector.abs().cmplt(DVec3::splat(ROUNDING * size)), DVec3::ZERO, vector)
+}
+
 /// Mass properties at density 1 from the second moments about the centre.
 fn properties(volume: f64, centre: DVec3, second: DMat3) -> MassProperties {
-    let [x, y, z] = [second.x_axis, second.y_axis, second.z_axis];
+    let size = second.x_axis.x + second.y_axis.y + second.z_axis.z;
+    let [x, y, z] = [second.x_axis, second.y_axis, second.z_axis].map(|column| without_rounding(column, size));
     let inertia = [y.y + z.z, x.x + z.z, x.x + y.y, -y.x, -z.x, -z.y];
     MassProperties { mass: volume, centre: centre.to_array(), inertia }
 }

@@ -145,6 +145,26 @@ pub(super) const OUTLET: Kind = Kind {
     numbers: &["name=N", "box=x0,y0,z0,x1,y1,z1", "every=STEPS"],
     last_is_optional: false,
 };
+pub(super) const BODY: Kind = Kind {
+    word: "@body",
+    references: &["NAME"],
+    numbers: &["mass=M|density=D", "centre=x,y,z", "inertia=xx,yy,zz,xy,xz,yz"],
+    last_is_optional: false,
+};
+pub(super) const PLACE: Kind = Kind {
+    word: "@place",
+    references: &["NAME"],
+    numbers: &[
+        "at=x,y,z|centre=x,y,z",
+        "axis=x,y,z",
+        "turn=degrees|orientation=w,x,y,z",
+        "velocity=x,y,z",
+        "spin=x,y,z|momentum=x,y,z",
+        "name=N",
+        "first=REFERENCE",
+    ],
+    last_is_optional: false,
+};
 pub(super) const REPEAT: Kind =
     Kind { word: "@repeat", references: &["N"], numbers: &["dx", "dy", "dz"], last_is_optional: false };
 pub(super) const MARK: Kind = Kind { word: "@capsule", references: &["end1", "end2"], numbers: &[], last_is_optional: false };

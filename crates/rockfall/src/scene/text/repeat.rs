@@ -106,13 +106,19 @@ impl<'a> Reader<'a> {
         match without_comment(line).split_ascii_whitespace().next() {
             Some("@repeat") => self.begin(without_comment(line), number),
             Some("@end") if !self.open.is_empty() => self.end(line),
-            _ => match self.open.last_mut() {
-                Some(block) => {
+            Some("@body") if !self.open.is_empty() => {
+                let message = "not possible between @repeat and @end, expected outside of them".to_owned();
+                Err(Wrong { field: "@body".to_owned(), message })
+            }
+            word if !self.open.is_empty() => {
+                let defined = if word == Some("@place") { self.defined_by(line) } else { None };
+                if let Some(block) = self.open.last_mut() {
                     block.add(line, number);
-                    Ok(())
+                    Rc::make_mut(&mut block.defined).extend(defined.into_iter().flatten());
                 }
-                None => self.line(line, number),
-            },
+                Ok(())
+            }
+            _ => self.line(line, number),
         }
     }
 

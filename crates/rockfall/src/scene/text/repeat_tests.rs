@@ -97,7 +97,7 @@ fn wrong_lines_name_the_field_and_what_was_expected() {
         (format!("set gravity 1\n@repeat 2 1 0\n{ball}@end\n"), 2, "@repeat dz: missing"),
         (format!("set gravity 1\n@repeat 2 1 0 inf\n{ball}@end\n"), 2, "@repeat dz: 'inf' is not finite"),
         (format!("{ball}@repeat 2 1 0 0\n{ball}"), 2, "@repeat line: no `@end` below"),
-        (format!("set gravity 1\n{ball}@end\n"), 3, "@end: no `@repeat` above"),
+        (format!("set gravity 1\n{ball}@end\n"), 3, "@end: no `@repeat` or `@body` above"),
         (format!("@repeat 2 1 0 0\n{ball}@end 2\n"), 3, "@end: '2' is one word too many"),
         (format!("@repeat 2 1 0 0\n{ball}set gravity 3\n@end\n"), 3, "set: not possible between @repeat and @end"),
         (format!("@repeat 2 1 0 0\n{ball}@run dt=1\n@end\n"), 3, "@run: not possible"),
