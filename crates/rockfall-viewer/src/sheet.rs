@@ -81,7 +81,12 @@ impl Sheet<'_> {
     }
 
     pub(crate) fn width(&self, text: &str) -> f32 {
-        let font = self.font.as_scaled(PxScale::from(self.em));
+        self.width_of(text, self.em)
+    }
+
+    /// Width of a text with letters of this height.
+    pub(crate) fn width_of(&self, text: &str, em: f32) -> f32 {
+        let font = self.font.as_scaled(PxScale::from(em));
         text.chars().map(|letter| font.h_advance(font.glyph_id(letter))).sum()
     }
 
@@ -153,6 +158,7 @@ impl Sheet<'_> {
     }
 }
 
-fn ink(colour: Rgb) -> [f32; 3] {
+/// The parts of a colour from 0 to 1.
+pub(crate) fn ink(colour: Rgb) -> [f32; 3] {
     colour.map(|channel| f32::from(channel) / 255.0)
 }

@@ -7,7 +7,7 @@ use rockfall::{Result, Scene, Simulation, Sphere, SphereDiagnostics, SphereId};
 
 use crate::draw::range::{RecentPercentile, percentile};
 use crate::palette::Rgb;
-use crate::plot::Plots;
+use crate::plot::{Graph, Plots};
 use crate::tags::colour_of;
 
 /// Number of spheres that have trails. In larger scenes only some have.
@@ -136,6 +136,11 @@ impl Motion {
         Ok(())
     }
 
+    /// Takes the plots that are shown of the following states.
+    pub fn set_plots(&mut self, graphs: Vec<Graph>) {
+        self.plots = Plots::new(graphs);
+    }
+
     /// Sets the time of the present state, which a trajectory knows and its simulation does not.
     pub(crate) fn set_time(&mut self, time: f64) {
         self.now.time = time;
@@ -241,7 +246,7 @@ impl Motion {
     }
 }
 
-/// The texts beside the spheres: their labels, or in a scene without labels their numbers, which are references, or in a scene
+/// The texts beside the spheres: their labels, or in a scene that says nothing of labels their numbers, which are references, or in a scene
 /// without references the order of addition. The label of a capsule is at its first end.
 fn labels(scene: &Scene) -> Vec<String> {
     let has_references = scene.sphere_ids().any(|sphere| scene.reference(sphere).is_some());

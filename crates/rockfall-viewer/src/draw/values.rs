@@ -6,7 +6,7 @@ use crate::draw::motion::Arrows;
 use crate::draw::range::{RecentPercentile, percentile, percentile_in};
 use crate::draw::style::{ColourBy, Range, Style};
 use crate::draw::{Motion, Renderer, palette};
-use crate::plot::{Graph, Plots};
+use crate::plot::Graph;
 use crate::survey::Survey;
 use crate::tags::colour_of;
 
@@ -77,7 +77,7 @@ impl Renderer {
 
     /// Takes the plots that are shown of the following states.
     pub fn set_plots(&mut self, graphs: Vec<Graph>) {
-        self.motion.plots = Plots::new(graphs);
+        self.motion.set_plots(graphs);
     }
 
     /// Fixes the axes of the plots of a film from its first to its last time, in s. The values are those of the states recorded
