@@ -1,7 +1,9 @@
 //! Text, arrows and trails over a picture.
 
+use std::collections::BTreeSet;
+
 use rockfall::glam::Vec3;
-use rockfall::{Result, Simulation};
+use rockfall::{Result, Scene, Simulation};
 
 use crate::camera::Camera;
 pub use crate::draw::Arrows;
@@ -9,7 +11,7 @@ use crate::draw::{Motion, Renderer};
 use crate::legend::number;
 use crate::palette::Rgb;
 use crate::pixels::Picture;
-use crate::sheet::{Sheet, letters};
+use crate::sheet::{Sheet, lacks, letters};
 
 mod marks;
 
@@ -84,6 +86,14 @@ impl Overlay {
         lines * letters(height) / height as f32
     }
 
+    /// The letters of the title, and of the labels of a scene if they are shown, that the built-in font lacks. Each is drawn as a box.
+    pub fn missing_letters(&self, scene: &Scene) -> Vec<char> {
+        let tags = scene.sphere_ids().filter(|_| self.labels).filter_map(|sphere| scene.tag(sphere).ok().flatten());
+        let labels = tags.filter_map(|tag| tag.label.as_deref());
+        let letters: BTreeSet<char> = self.title.as_deref().into_iter().chain(labels).flat_map(str::chars).collect();
+        letters.into_iter().filter(|letter| lacks(*letter)).collect()
+    }
+
     /// Draws the overlay for the state that a renderer has.
     ///
     /// # Errors
@@ -136,7 +146,8 @@ impl Overlay {
         let radius = radius * projection.pixels_per_unit_at(place);
         // About the half of the diagonal of the text with its background.
         let half = 0.5 * (0.6 * em * (text.chars().count() as f32 + 1.0)).hypot(1.6 * em);
-        let text = |at: [f32; 2], align: [f32; 2]| Mark::Text { text: text.to_owned(), at, align, em, colour: DARK, panel: true };
+        let text =
+            |at: [f32; 2], align: [f32; 2]| Mark::Text { text: text.to_owned(), at, align, em, colour: DARK, panel: true };
         if radius > half {
             return marks.push(text(at, [0.5, 0.5]));
         }
@@ -153,7 +164,14 @@ impl Overlay {
     /// The title, the clock, and the keys of arrows and lengths in the corners.
     fn captions(&self, motion: &Motion, projection: &Projection, [width, height]: [f32; 2], em: f32, marks: &mut Vec<Mark>) {
         let edge = EDGE * em;
-        let text = |text: String, at: [f32; 2], align: [f32; 2], em: f32| Mark::Text { text, at, align, em, colour: DARK, panel: true };
+        let text = |text: String, at: [f32; 2], align: [f32; 2], em: f32| Mark::Text {
+            text,
+            at,
+            align,
+            em,
+            colour: DARK,
+            panel: true,
+        };
         if let Some(title) = &self.title {
             marks.push(text(title.clone(), [edge, edge], [0.0, 0.0], TITLE * em));
         }

@@ -27,10 +27,19 @@ pub(crate) struct Sheet<'a> {
     pub(crate) ink: [f32; 3],
 }
 
+fn font() -> Result<FontRef<'static>> {
+    FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
+        .map_err(|error| Error::Device(format!("the built-in font: {error}")))
+}
+
+/// Whether the font has no shape for a letter, so that a box is drawn.
+pub(crate) fn lacks(letter: char) -> bool {
+    font().is_ok_and(|font| font.glyph_id(letter).0 == 0)
+}
+
 impl<'a> Sheet<'a> {
     pub(crate) fn new(picture: &'a mut Picture) -> Result<Self> {
-        let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
-            .map_err(|error| Error::Device(format!("the built-in font: {error}")))?;
+        let font = font()?;
         let em = letters(picture.height);
         Ok(Self { picture, font, em, ink: INK })
     }

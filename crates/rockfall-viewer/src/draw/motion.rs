@@ -5,6 +5,7 @@ use std::collections::{HashSet, VecDeque};
 use rockfall::glam::Vec3;
 use rockfall::{Result, Scene, Simulation, Sphere, SphereDiagnostics, SphereId};
 
+use crate::draw::net_force;
 use crate::draw::range::{RecentPercentile, percentile};
 use crate::palette::Rgb;
 use crate::plot::{Graph, Plots};
@@ -22,7 +23,7 @@ const MOST_STATES: usize = 1000;
 pub enum Arrows {
     /// Velocity, in units/s.
     Velocity,
-    /// Net force, in mass units/s².
+    /// Net force, with that of rods of fixed length, in mass units/s².
     Force,
     /// Weight, in mass units/s².
     Gravity,
@@ -120,7 +121,7 @@ impl Motion {
             self.now.places.clear();
             return Ok(());
         }
-        let values = if self.arrows == Some(Arrows::Force) { simulation.diagnostics()? } else { Vec::new() };
+        let values = if self.arrows == Some(Arrows::Force) { net_force::diagnostics(simulation)? } else { Vec::new() };
         let scene = simulation.sync()?;
         self.now.places = scene.spheres().iter().map(|sphere| sphere.position).collect();
         if let Some(arrows) = self.arrows {

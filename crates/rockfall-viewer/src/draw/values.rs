@@ -3,6 +3,7 @@
 use rockfall::{Result, Scene, Simulation};
 
 use crate::draw::motion::Arrows;
+use crate::draw::net_force;
 use crate::draw::range::{RecentPercentile, percentile, percentile_in};
 use crate::draw::style::{ColourBy, Range, Style};
 use crate::draw::{Motion, Renderer, palette};
@@ -99,7 +100,7 @@ impl Renderer {
             self.chains.clear();
         }
         if by.is_evaluated() {
-            let values: Vec<f32> = simulation.diagnostics()?.iter().map(|found| by.value_of(found)).collect();
+            let values: Vec<f32> = net_force::diagnostics(simulation)?.iter().map(|found| by.value_of(found)).collect();
             self.recent.record(percentile_in(simulation.scene(), &values, self.region));
             self.buffers.set_values(&self.queue, simulation, values.into_iter());
         } else if by == ColourBy::ContactForce {

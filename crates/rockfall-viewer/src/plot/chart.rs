@@ -22,8 +22,7 @@ struct Paper {
 const LIGHT: Paper =
     Paper { paper: [255; 3], grid: [224, 227, 230], axis: [115, 122, 133], ink: [0x21, 0x29, 0x33], white: 0.0 };
 /// For pictures with a dark background.
-const DARK: Paper =
-    Paper { paper: [22, 24, 28], grid: [51, 56, 64], axis: [148, 156, 166], ink: [230, 235, 240], white: 0.4 };
+const DARK: Paper = Paper { paper: [22, 24, 28], grid: [51, 56, 64], axis: [148, 156, 166], ink: [230, 235, 240], white: 0.4 };
 /// Part of the width of a wide picture, and of the height of a high one, that the plots take.
 const PART: f32 = 0.36;
 /// Height of the letters, divided by that of other text.
@@ -101,7 +100,8 @@ impl Layout {
         let mut pen = Pen { em, ink: paper.ink, measure, marks: Vec::new() };
         pen.fill([left, top, width as f32, height as f32], paper.paper);
         // Plots below a picture are side by side.
-        let share = |side: u32, from: f32, is_divided: bool| (side as f32 - from) / if is_divided { plots.len() as f32 } else { 1.0 };
+        let share =
+            |side: u32, from: f32, is_divided: bool| (side as f32 - from) / if is_divided { plots.len() as f32 } else { 1.0 };
         let is_below = self.scene[1] < height;
         let [wide, high] = [share(width, left, is_below), share(height, top, !is_below)];
         for graph in 0..plots.len() {

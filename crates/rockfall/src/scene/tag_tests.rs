@@ -137,13 +137,15 @@ fn read_plain(scene: &Scene) -> Scene {
 /// `@label -` where no label is in use says that there are none; it is kept, also beside objects that were added before it.
 #[test]
 fn a_text_can_say_that_there_are_no_labels() {
-    let text = "@label -\nS 1 0 0 0 0 0 0 0 0 0 1 0.5\n@label a\nS 2 2 0 0 0 0 0 0 0 0 1 0.5\n@label -\nS 3 4 0 0 0 0 0 0 0 0 1 0.5\n";
+    let text =
+        "@label -\nS 1 0 0 0 0 0 0 0 0 0 1 0.5\n@label a\nS 2 2 0 0 0 0 0 0 0 0 1 0.5\n@label -\nS 3 4 0 0 0 0 0 0 0 0 1 0.5\n";
     let labels = |scene: &Scene| -> Vec<Option<String>> {
         scene.sphere_ids().map(|ball| scene.tag(ball).unwrap().and_then(|tag| tag.label.clone())).collect()
     };
     let scene = read(text);
     assert_eq!(labels(&scene), [Some(String::new()), Some("a".to_owned()), None]);
     assert_eq!(labels(&read(&scene.to_text())), labels(&scene), "{}", scene.to_text());
-    let late = read("S 1 0 0 0 0 0 0 0 0 0 1 0.5\nS 2 2 0 0 0 0 0 0 0 0 1 0.5\n@label -\nR 1 2 0.1\nS 3 4 0 0 0 0 0 0 0 0 1 0.5\n");
+    let late =
+        read("S 1 0 0 0 0 0 0 0 0 0 1 0.5\nS 2 2 0 0 0 0 0 0 0 0 1 0.5\n@label -\nR 1 2 0.1\nS 3 4 0 0 0 0 0 0 0 0 1 0.5\n");
     assert!(late.to_text().contains("@label -\n"), "{}", late.to_text());
 }
