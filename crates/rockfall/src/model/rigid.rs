@@ -3,7 +3,6 @@
 use glam::{Mat3, Quat, Vec3};
 
 use crate::fine::Fine;
-use crate::model::state::Motion;
 
 /// The principal moments of a body.
 #[derive(Clone, Copy, Debug)]
@@ -69,11 +68,12 @@ impl Pose {
         Self { position: self.position.moved(by), ..self }
     }
 
-    /// The motion of a member sphere at a place from the centre in the coordinates of the shape, with the spin of the body and the inverse inertia of the sphere.
-    pub(crate) fn member(&self, place: Vec3, spin: Vec3, inverse_inertia: f32) -> Motion {
+    /// The rows of a member sphere at a place from the centre in the coordinates of the shape, with the spin of the body and the inverse
+    /// inertia of the sphere: position, velocity, angular momentum, low part of the position.
+    pub(crate) fn member(&self, place: Vec3, spin: Vec3, inverse_inertia: f32) -> [Vec3; 4] {
         let lever = self.orientation * place;
         let Fine { high, low } = self.position.moved(lever);
-        Motion { position: high, low, velocity: self.velocity + spin.cross(lever), angular_momentum: spin / inverse_inertia }
+        [high, self.velocity + spin.cross(lever), spin / inverse_inertia, low]
     }
 }
 

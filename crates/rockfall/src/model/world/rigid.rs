@@ -2,13 +2,12 @@
 
 use std::collections::HashMap;
 
-use glam::{DQuat, DVec3, Quat, Vec4};
+use glam::{DQuat, DVec3, Quat, Vec3, Vec4};
 
 use crate::error::Result;
 use crate::fine::Fine;
 use crate::model::layout::{NO_RIGID, RIGID_ROWS, RIGID_WORDS};
 use crate::model::rigid::{Moments, Pose};
-use crate::model::state::Motion;
 use crate::model::step::Layout;
 use crate::model::view::View;
 use crate::model::world::World;
@@ -94,8 +93,7 @@ impl World {
         }
         let placed = self.placed_members(scene);
         let n = self.step.layout.spheres as usize;
-        for (slot, motion, orientation) in placed {
-            let rows = [motion.position, motion.velocity, motion.angular_momentum, motion.low];
+        for (slot, rows, orientation) in placed {
             for (region, row) in rows.into_iter().enumerate() {
                 let known = &mut self.states[0][region * n + slot as usize];
                 *known = row.extend(known.w);
@@ -104,8 +102,8 @@ impl World {
         }
     }
 
-    /// Slots, motions and orientations of the spheres of all bodies.
-    fn placed_members(&self, scene: &Scene) -> Vec<(u32, Motion, Quat)> {
+    /// Slots, rows and orientations of the spheres of all bodies.
+    fn placed_members(&self, scene: &Scene) -> Vec<(u32, [Vec3; 4], Quat)> {
         let view = View::new(&self.step, &self.topology, &self.states[0]);
         let mut placed = Vec::new();
         for (number, body) in (0..).zip(scene.bodies()) {

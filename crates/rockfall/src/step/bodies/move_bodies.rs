@@ -19,7 +19,6 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::{AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, GRAIN, RATE_WORDS, RIGID_ROWS, RIGID_WORDS};
 use crate::model::part::part;
 use crate::model::rigid::{Moments, Pose};
-use crate::model::state::Motion;
 use crate::model::step::{Constants, Step};
 use crate::model::view::{RigidRecord, View};
 use crate::model::world::World;
@@ -293,11 +292,12 @@ fn place_members(world: &mut World, pass: u32, moved: &[Moved]) {
             let (record, index) = (view.rigid_body(body), view.insertion_index(sphere));
             let (_, place) = view.members(&record).find(|(member, _)| *member == index)?;
             let Moved { pose, spin, .. } = &moved[body as usize];
-            let Motion { position, low, velocity, angular_momentum } = pose.member(place, *spin, view.inverse_inertia(sphere));
+            let inverse_inertia = view.inverse_inertia(sphere);
+            let [position, velocity, momentum, low] = pose.member(place, *spin, inverse_inertia);
             let rows = [
                 position.extend(view.radius(sphere)),
                 velocity.extend(view.inverse_mass(sphere)),
-                angular_momentum.extend(view.inverse_inertia(sphere)),
+                momentum.extend(inverse_inertia),
                 low.extend(0.0),
             ];
             Some((sphere, rows, pose.orientation))
