@@ -50,6 +50,7 @@ experiments! {
     surfaces: "Several shapes that form one surface",
     walls: "Walls that move, belts and meshes",
     boxes: "Periodic boxes, and grains that come and go",
+    bodies: "Rigid bodies",
     rest: "Rest",
     silent: "Slow motion, stiff chains, and symplectic Euler",
     #[cfg(feature = "gpu")]

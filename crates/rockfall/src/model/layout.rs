@@ -41,8 +41,8 @@ constants! {
     /// Body of a sphere that belongs to no rigid body.
     pub const NO_RIGID: u32 = u32::MAX;
     /// Vectors of a rigid body: position, low part of the position, velocity, angular momentum, orientation. The
-    /// others are scratch: four sums over the evaluations of RK4; velocity, angular momentum and orientation of the stage state; position
-    /// after the drift of velocity Verlet, and its low part.
+    /// others are scratch: four sums over the evaluations of RK4; velocity, angular momentum, orientation,
+    /// position and its low part of the stage state.
     pub const RIGID_ROWS: u32 = 14;
     /// Pass of `move_bodies` after the drift of velocity Verlet.
     pub const AFTER_DRIFT: u32 = 4;

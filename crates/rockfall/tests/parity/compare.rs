@@ -60,7 +60,7 @@ const BODY_ROWS: [&str; RIGID_ROWS as usize] = [
     "velocity of the stage state",
     "angular momentum of the stage state",
     "orientation of the stage state",
-    "position after the drift",
+    "position of the stage state",
     "its low part",
 ];
 

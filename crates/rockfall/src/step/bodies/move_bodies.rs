@@ -1,6 +1,6 @@
 //! Integrates rigid bodies and places their spheres (docs/physics.md sections 1.5, 4.16 and 5.9).
 //!
-//! A thread per body sums the loads of its member spheres, moves the body as the integrator moves a sphere, and writes the member spheres to
+//! The thread of its first sphere sums the loads of its member spheres, moves the body as the integrator moves a sphere, and writes the member spheres to
 //! the state that the integrator has just written. The integrator leaves them out. The passes are those of the force evaluations of RK4,
 //! [`AFTER_DRIFT`] and [`AFTER_KICK`] with velocity Verlet, and [`AFTER_EULER`]. Every pass also writes the record of the body in the
 //! topology, with the centre and the inertia in that state, which contacts read. Pass [`BEFORE_STEP`] writes the record alone: a rejected
@@ -43,7 +43,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
     ],
-    threads: Threads::RigidBodies,
+    threads: Threads::Spheres,
     moves: |_| NONE,
     cpu: move_bodies,
 };
@@ -86,9 +86,11 @@ fn set_start(rows: &mut [Vec4], pose: &Pose) {
     ]);
 }
 
-/// The stage state that forces are evaluated in, but for the position.
+/// Writes the stage state that forces are evaluated in.
 fn set_stage(rows: &mut [Vec4], pose: &Pose) {
-    rows[9..12].copy_from_slice(&[pose.velocity.extend(0.0), pose.momentum.extend(0.0), pose.orientation.into()]);
+    let Pose { position: Fine { high, low }, velocity, momentum, orientation } = *pose;
+    let vectors = [velocity.extend(0.0), momentum.extend(0.0), orientation.into(), high.extend(0.0), low.extend(0.0)];
+    rows[9..14].copy_from_slice(&vectors);
 }
 
 /// A body during a pass.
@@ -170,7 +172,6 @@ impl Passing<'_> {
         let rates = kept.unwrap_or_else(|| self.rates(&start));
         let next = self.kicked_and_moved(start, &rates, 0.5 * self.view.step.constants.dt);
         set_stage(rows, &next);
-        rows[12..14].copy_from_slice(&[next.position.high.extend(0.0), next.position.low.extend(0.0)]);
         next
     }
 
@@ -208,8 +209,9 @@ impl Passing<'_> {
         let is_bad = !pose.is_finite();
         if is_bad {
             pose = Pose { velocity: Vec3::ZERO, momentum: Vec3::ZERO, ..start };
-            set_stage(&mut rows, &pose);
-            rows[12..14].copy_from_slice(&[pose.position.high.extend(0.0), pose.position.low.extend(0.0)]);
+            if !matches!(self.pass, 3 | AFTER_KICK | AFTER_EULER) {
+                set_stage(&mut rows, &pose);
+            }
             keeps = keeps.map(|_| Rates { acceleration: Vec3::ZERO, torque: Vec3::ZERO });
         }
         if matches!(self.pass, 3 | AFTER_KICK | AFTER_EULER) {

@@ -277,12 +277,20 @@ fn move_bodies(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let body = linear_thread(group, groups, local);
-    body_pass = select(pass_.index, NONE, body >= step.rigid_bodies);
+    let i = linear_thread(group, groups, local);
+    if i >= step.spheres {
+        return;
+    }
+    // Neighbouring threads have neighbouring bodies, because spheres are sorted in memory.
+    let body = rigid_body_of(i);
+    body_pass = select(pass_.index, NONE, body == NO_RIGID);
     if body_pass == NONE {
         return;
     }
     let form = form_of(body);
+    if id_of(topology[form.members]) != i {
+        return;
+    }
     if body_pass == BEFORE_STEP {
         put_record(body, form, start_of(body));
         return;
