@@ -21,7 +21,7 @@ use crate::failure::Failure;
 use crate::input::Input;
 use crate::options::{Engine, Physics};
 use crate::render::camera::Named;
-use crate::render::captions::Captions;
+use crate::render::captions::{Captions, warn_of_letters};
 use crate::render::colours::{self, Paint};
 use crate::render::plots::check_gauges;
 use crate::run::Given;
@@ -182,6 +182,8 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
     for body in &plotted {
         body.of(&scene, "--plot")?;
     }
+    let overlay = arguments.captions.overlay();
+    warn_of_letters(&overlay, &scene);
     window::run(Launch {
         source: window::session::Source { name, path, scene },
         warnings,
@@ -191,7 +193,7 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         keeps_time_step: given.has("dt"),
         overrides: arguments.physics.overrides(),
         controls: arguments.controls,
-        overlay: arguments.captions.overlay(),
+        overlay,
         style,
         prepare: Some(prepare(arguments.colour.clone())),
         view: arguments.view.unwrap_or_default(),

@@ -24,6 +24,7 @@ mod frame;
 mod layouts;
 mod looks;
 mod motion;
+mod net_force;
 mod passes;
 mod pipelines;
 mod pyramid;

@@ -1,7 +1,9 @@
 //! Text, arrows and trails over a picture.
 
-use rockfall::Result;
+use std::collections::BTreeSet;
+
 use rockfall::glam::Vec3;
+use rockfall::{Result, Scene, Simulation};
 
 use crate::camera::Camera;
 pub use crate::draw::Arrows;
@@ -9,7 +11,7 @@ use crate::draw::{Motion, Renderer};
 use crate::legend::number;
 use crate::palette::Rgb;
 use crate::pixels::Picture;
-use crate::sheet::{Sheet, letters};
+use crate::sheet::{Sheet, lacks, letters};
 
 mod marks;
 
@@ -25,8 +27,8 @@ pub struct Overlay {
     pub clock: bool,
     /// Whether a bar shows the length of a round number of units at the distance of the middle of the picture.
     pub scale_bar: bool,
-    /// Whether spheres have their labels ([`rockfall::Tag`]), or in a scene without labels their numbers: their references in the
-    /// scene text, or the order of addition.
+    /// Whether spheres have their labels ([`rockfall::Tag`]), or in a scene without labels and without a line `@label -` their numbers:
+    /// their references in the scene text, or the order of addition.
     pub labels: bool,
     /// The vector of every sphere that an arrow shows.
     pub arrows: Option<Arrows>,
@@ -67,10 +69,29 @@ impl Overlay {
         self.labels || self.arrows.is_some() || self.trails > 0.0
     }
 
+    /// Takes the present state of a simulation that no [`Renderer`] draws, for this overlay and for plots.
+    ///
+    /// # Errors
+    /// As for [`Simulation::contacts`].
+    pub fn observe(&self, motion: &mut Motion, simulation: &mut Simulation) -> Result<()> {
+        motion.want(self.needs_places(), self.arrows, self.trails);
+        motion.update(simulation)?;
+        motion.record();
+        Ok(())
+    }
+
     /// Part of the height of a picture that the title and the clock take at its upper edge.
     pub fn room_above(&self, height: u32) -> f32 {
         let lines = if self.title.is_some() || self.clock { 2.0 * EDGE + TITLE } else { 0.0 };
         lines * letters(height) / height as f32
+    }
+
+    /// The letters of the title, and of the labels of a scene if they are shown, that the built-in font lacks. Each is drawn as a box.
+    pub fn missing_letters(&self, scene: &Scene) -> Vec<char> {
+        let tags = scene.sphere_ids().filter(|_| self.labels).filter_map(|sphere| scene.tag(sphere).ok().flatten());
+        let labels = tags.filter_map(|tag| tag.label.as_deref());
+        let letters: BTreeSet<char> = self.title.as_deref().into_iter().chain(labels).flat_map(str::chars).collect();
+        letters.into_iter().filter(|letter| lacks(*letter)).collect()
     }
 
     /// Draws the overlay for the state that a renderer has.
@@ -78,11 +99,15 @@ impl Overlay {
     /// # Errors
     /// [`rockfall::Error::Device`] when the built-in font cannot be read, which does not happen in practice.
     pub fn draw(&self, motion: &Motion, camera: &Camera, picture: &mut Picture) -> Result<()> {
-        let size = [picture.width, picture.height].map(|side| side as f32);
-        let marks = self.marks(motion, camera, size, letters(picture.height));
+        let marks = self.marks_of(motion, camera, [picture.width, picture.height]);
         let mut sheet = Sheet::new(picture)?;
         marks.iter().for_each(|mark| mark.draw(&mut sheet));
         Ok(())
+    }
+
+    /// Returns the marks that [`Overlay::draw`] draws on a picture of this size, in pixels.
+    pub fn marks_of(&self, motion: &Motion, camera: &Camera, size: [u32; 2]) -> Vec<Mark> {
+        self.marks(motion, camera, size.map(|side| side as f32), letters(size[1]))
     }
 
     /// Returns the marks on a picture of this size, with letters of this height, in pixels.
@@ -121,7 +146,8 @@ impl Overlay {
         let radius = radius * projection.pixels_per_unit_at(place);
         // About the half of the diagonal of the text with its background.
         let half = 0.5 * (0.6 * em * (text.chars().count() as f32 + 1.0)).hypot(1.6 * em);
-        let text = |at: [f32; 2], align: [f32; 2]| Mark::Text { text: text.to_owned(), at, align, em, panel: true };
+        let text =
+            |at: [f32; 2], align: [f32; 2]| Mark::Text { text: text.to_owned(), at, align, em, colour: DARK, panel: true };
         if radius > half {
             return marks.push(text(at, [0.5, 0.5]));
         }
@@ -138,7 +164,14 @@ impl Overlay {
     /// The title, the clock, and the keys of arrows and lengths in the corners.
     fn captions(&self, motion: &Motion, projection: &Projection, [width, height]: [f32; 2], em: f32, marks: &mut Vec<Mark>) {
         let edge = EDGE * em;
-        let text = |text: String, at: [f32; 2], align: [f32; 2], em: f32| Mark::Text { text, at, align, em, panel: true };
+        let text = |text: String, at: [f32; 2], align: [f32; 2], em: f32| Mark::Text {
+            text,
+            at,
+            align,
+            em,
+            colour: DARK,
+            panel: true,
+        };
         if let Some(title) = &self.title {
             marks.push(text(title.clone(), [edge, edge], [0.0, 0.0], TITLE * em));
         }

@@ -27,10 +27,19 @@ pub(crate) struct Sheet<'a> {
     pub(crate) ink: [f32; 3],
 }
 
+fn font() -> Result<FontRef<'static>> {
+    FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
+        .map_err(|error| Error::Device(format!("the built-in font: {error}")))
+}
+
+/// Whether the font has no shape for a letter, so that a box is drawn.
+pub(crate) fn lacks(letter: char) -> bool {
+    font().is_ok_and(|font| font.glyph_id(letter).0 == 0)
+}
+
 impl<'a> Sheet<'a> {
     pub(crate) fn new(picture: &'a mut Picture) -> Result<Self> {
-        let font = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
-            .map_err(|error| Error::Device(format!("the built-in font: {error}")))?;
+        let font = font()?;
         let em = letters(picture.height);
         Ok(Self { picture, font, em, ink: INK })
     }
@@ -81,7 +90,12 @@ impl Sheet<'_> {
     }
 
     pub(crate) fn width(&self, text: &str) -> f32 {
-        let font = self.font.as_scaled(PxScale::from(self.em));
+        self.width_of(text, self.em)
+    }
+
+    /// Width of a text with letters of this height.
+    pub(crate) fn width_of(&self, text: &str, em: f32) -> f32 {
+        let font = self.font.as_scaled(PxScale::from(em));
         text.chars().map(|letter| font.h_advance(font.glyph_id(letter))).sum()
     }
 
@@ -153,6 +167,7 @@ impl Sheet<'_> {
     }
 }
 
-fn ink(colour: Rgb) -> [f32; 3] {
+/// The parts of a colour from 0 to 1.
+pub(crate) fn ink(colour: Rgb) -> [f32; 3] {
     colour.map(|channel| f32::from(channel) / 255.0)
 }

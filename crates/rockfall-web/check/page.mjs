@@ -3,29 +3,9 @@ import assert from "node:assert/strict";
 import fs from "node:fs";
 import path from "node:path";
 import { kind, open, saved } from "./browser.mjs";
+import { colours, hurry, message, picture, pictures, sphereCount, waitForScene, waitForSteps } from "./helpers.mjs";
 
 const STEPS = 200;
-// Pictures for a person to look at.
-const pictures = path.join(process.env.WEB_TEST_MODULES, "pictures", process.env.WEB_TEST_SCREEN ? `${kind}-screen` : kind);
-
-const waitForSteps = (page, steps) => page.waitForFunction(least => window.rockfallPage?.stage.steps >= least, steps);
-const sphereCount = page => page.evaluate(() => window.rockfallPage.stage.do(() => window.rockfallPage.stage.simulation.spheres));
-const waitForScene = (page, name) => page.waitForFunction(wanted => window.rockfallPage?.stage.name === wanted, name);
-const message = page => page.textContent("#message");
-
-async function picture(page, name) {
-    fs.mkdirSync(pictures, { recursive: true });
-    await page.screenshot({ path: path.join(pictures, `${name}.png`) });
-}
-
-// Number of different colours on the canvas.
-const colours = page => page.evaluate(async () => {
-    const bitmap = await createImageBitmap(await window.rockfallPage.stage.screenshot());
-    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
-    context.drawImage(bitmap, 0, 0);
-    return new Set(new Uint32Array(context.getImageData(0, 0, bitmap.width, bitmap.height).data.buffer)).size;
-});
-
 // Where a sphere is on the screen, and where it is in the scene.
 const sphereOnScreen = (page, sphere) => page.evaluate(sphere => {
     const { stage } = window.rockfallPage;
@@ -46,9 +26,6 @@ const nearestSphere = page => page.evaluate(() => {
         return [...Array(at.length / 3).keys()].reduce((best, k) => (far(k) < far(best) ? k : best));
     });
 });
-
-// Makes steps without pictures: drawing a picture takes a GPU in software a second.
-const hurry = (page, steps) => page.evaluate(steps => window.rockfallPage.stage.act(() => window.rockfallPage.stage.run(steps)), steps);
 
 // Pulls a sphere upwards with the mouse.
 async function drag(page, sphere) {

@@ -4,6 +4,7 @@ import init, { constants, Scene } from "./rockfall.js";
 import { Editor } from "./editor.js";
 import { GALLERY } from "./gallery.js";
 import { fittingGrains, grains } from "./measure.js";
+import { connectMarks, marksQuery } from "./marks-panel.js";
 import { paint, readPicture } from "./painting.js";
 import { Pointer } from "./pointer.js";
 import { fromFragment, toFragment } from "./share.js";
@@ -34,7 +35,8 @@ function setRunning(running) {
 async function open(request) {
     try {
         await stage.do(() => stage.open(request));
-        report(stage.scene.warnings.map(warning => `Warning: ${warning}`).join("\n"));
+        const warnings = stage.scene.warnings.map(warning => `Warning: ${warning}`);
+        report([stage.marks.problem, ...warnings].filter(text => text).join("\n"), stage.marks.problem !== "");
         return true;
     } catch (error) {
         const names = error.message.startsWith(request.name);
@@ -113,6 +115,7 @@ function download(blob, name) {
 async function share() {
     const text = stage.text ?? (stage.scene.objects <= LARGEST_TEXT ? stage.scene.toText() : null);
     if (text === null) return report("This scene is too large for an address.", true);
+    history.replaceState(null, "", `${location.pathname}${marksQuery(location.search, stage.marks.wanted)}${location.hash}`);
     location.hash = await toFragment(text);
     try {
         await navigator.clipboard.writeText(location.href);
@@ -130,13 +133,14 @@ function record() {
     // WebKit on Linux writes MP4 only.
     const mimeType = ["video/webm", "video/mp4"].find(type => window.MediaRecorder?.isTypeSupported(type));
     if (!mimeType) return report("This browser cannot record.", true);
-    const recorder = new MediaRecorder(stage.canvas.captureStream(30), { mimeType });
+    const recorder = new MediaRecorder(stage.marks.film(stage.canvas).captureStream(30), { mimeType });
     recorder.ondataavailable = ({ data }) => {
         if (data.size > 0) download(data, `rockfall.${mimeType.slice(6)}`);
         else report("The browser recorded nothing. Perhaps it has no encoder for films.", true);
     };
     recorder.onstop = () => {
         stage.recorder = null;
+        stage.marks.endFilm();
         find("record").textContent = "Record";
         find("record").setAttribute("aria-pressed", "false");
     };
@@ -211,6 +215,7 @@ function connect() {
     for (const id of ["file", "picture"]) {
         find(id).addEventListener("change", event => event.target.files[0] && openFile(event.target.files[0]));
     }
+    connectMarks(find, query, wanted => stage.simulation ? stage.act(() => stage.show(wanted)) : (stage.marks.wanted = wanted));
     document.addEventListener("keydown", onKey);
     document.addEventListener("dragover", event => {
         event.preventDefault();

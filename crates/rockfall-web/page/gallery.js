@@ -7,7 +7,7 @@ export const GALLERY = [
     named("Rockfall", "rockfall", "Rocks and two boulders come down a stair and knock over ten pins."),
     named("Dominoes", "dominoes", "Each of the twelve dominoes is a frame of eight balls and eighteen rods.", 0.02),
     named("Tower of capsules", "capsules", "A heavy ball hits a tower of logs."),
-    named("Conveyor", "conveyor", "Logs slide down a slope, ride on spinning rollers and drop into a bin."),
+    named("Conveyor", "conveyor", "Logs slide down a slope, ride on a belt and drop into a bin."),
     named("Hanging bridge", "bridge", "Balls drop on a bridge of rods of fixed length."),
     named("Soft cube", "soft-cube", "A cube of spheres and springs.", 0.005),
     named("Looks", "looks", "A table of wood, stones, and a tank of glass full of balls.", 0.004),

@@ -4,6 +4,7 @@
 import { Scene, Simulation, View } from "./rockfall.js";
 import { Camera } from "./camera.js";
 import { FlatView } from "./flat.js";
+import { Marks } from "./marks.js";
 
 // Time in ms that the steps of a frame may take. A slow simulation runs slower than real time, but the page answers.
 const FRAME = 25;
@@ -22,6 +23,7 @@ export class Stage {
         this.msPerStep = 0;
         this.dark = false;
         this.after = () => {};
+        this.marks = new Marks(place);
         new ResizeObserver(() => (this.resized = true)).observe(place);
     }
 
@@ -42,6 +44,7 @@ export class Stage {
         this.close();
         const own = scene ? undefined : parsed.timeStep;
         Object.assign(this, { scene: parsed, simulation, name, dt: own ?? dt, colours, settings: new Map(), owed: 0 });
+        this.marks.open(simulation, this.report);
         const focused = this.makeCanvas();
         this.camera = new Camera(camera ?? parsed.camera(this.canvas.width / this.canvas.height));
         await this.makeView();
@@ -50,6 +53,7 @@ export class Stage {
     }
 
     close() {
+        this.marks.close();
         this.view?.free?.();
         this.simulation?.free();
         this.scene?.free();
@@ -63,7 +67,7 @@ export class Stage {
         this.canvas = document.createElement("canvas");
         this.canvas.tabIndex = 0;
         this.canvas.setAttribute("role", "img");
-        this.canvas.setAttribute("aria-label", `Simulation: ${this.name}`);
+        this.describe();
         this.fit();
         this.place.prepend(this.canvas);
         return focused;
@@ -83,10 +87,25 @@ export class Stage {
         if (this.colours) this.view.setColours(this.colours);
     }
 
+    describe() {
+        this.canvas.setAttribute("aria-label", `Simulation: ${this.marks.wanted.title || this.name}`);
+    }
+
+    // Plots take a part of the place.
     fit() {
         const ratio = Math.min(2, window.devicePixelRatio || 1);
-        this.canvas.width = Math.max(1, Math.round(this.place.clientWidth * ratio));
-        this.canvas.height = Math.max(1, Math.round(this.place.clientHeight * ratio));
+        const size = [this.place.clientWidth, this.place.clientHeight].map(side => Math.max(1, Math.round(side * ratio)));
+        const scene = this.marks.fit(...size);
+        [this.canvas.width, this.canvas.height] = scene;
+        this.canvas.style.width = `${(100 * scene[0]) / size[0]}%`;
+        this.canvas.style.height = `${(100 * scene[1]) / size[1]}%`;
+    }
+
+    // Shows other text, arrows, trails and plots over the picture.
+    show(wanted) {
+        this.marks.show(wanted, this.simulation, this.report);
+        this.describe();
+        this.resized = true;
     }
 
     get aspect() {
@@ -95,6 +114,7 @@ export class Stage {
 
     setDark(dark) {
         this.dark = dark;
+        this.marks.setDark(dark);
         this.view?.setDark(dark);
     }
 
@@ -145,8 +165,10 @@ export class Stage {
             this.view.resize?.(this.canvas.width, this.canvas.height);
         }
         const { camera } = this;
+        await this.marks.update(this.simulation, this.report);
         this.view.setCamera?.(...camera.eye, ...camera.target);
         await this.view.draw(this.simulation, camera);
+        this.marks.draw(this.canvas, camera);
         // The picture of a canvas is there only until the browser shows it.
         this.after();
         this.after = () => {};
@@ -154,6 +176,6 @@ export class Stage {
 
     // Resolves with the next picture as a PNG file.
     screenshot() {
-        return new Promise(done => (this.after = () => this.canvas.toBlob(done, "image/png")));
+        return new Promise(done => (this.after = () => this.marks.whole(this.canvas).toBlob(done, "image/png")));
     }
 }

@@ -7,6 +7,7 @@ mod constants;
 mod errors;
 mod hand;
 mod kernels;
+mod overlay;
 mod scene;
 mod shapes;
 mod simulation;

@@ -28,6 +28,7 @@ pub(crate) mod muscles;
 pub mod part;
 pub(crate) mod period;
 pub(crate) mod rest;
+pub(crate) mod rigid;
 pub(crate) mod state;
 pub mod status;
 pub mod step;

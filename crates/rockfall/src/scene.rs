@@ -56,6 +56,7 @@ pub(crate) use references::References;
 pub use registry::Handle;
 pub(crate) use registry::Registry;
 use registry::new_scene_number;
+pub(crate) use rigid::Frame;
 pub use rigid::{Placement, RigidBody, RigidBodyId};
 pub use run::RunDefaults;
 pub(crate) use shape::Kinetics;

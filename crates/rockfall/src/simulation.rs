@@ -14,7 +14,7 @@ use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
-use crate::scene::{AnyId, FlowState, Scene, SphereId};
+use crate::scene::{AnyId, FlowState, RigidBodyId, Scene, SphereId};
 use crate::settings::{BroadPhase, ContactLaw, DEFAULT_TIME_STEP, Integrator, Precision, Settings};
 use crate::step::schedule::Phase;
 use crate::step::walls::move_walls::place_walls;
@@ -84,6 +84,8 @@ pub struct Simulation {
     world: World,
     /// Handles of the spheres in insertion order, as they were when `world` was packed.
     packed: Vec<SphereId>,
+    /// The same of the rigid bodies.
+    packed_bodies: Vec<RigidBodyId>,
     /// Handles of all objects at that time, by number; empty with the law of the thesis.
     packed_ids: Vec<AnyId>,
     /// What passed the planes of gauges.
@@ -194,6 +196,7 @@ impl Simulation {
         let lists = ListPolicy::start(engine.dispatches() && world.movers() <= FEW_MOVERS);
         Self {
             packed: scene.sphere_ids().collect(),
+            packed_bodies: scene.body_ids().collect(),
             packed_ids: ids_of(&scene),
             planes: Planes::start(&scene),
             disorder: Disorder::default(),

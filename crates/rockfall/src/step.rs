@@ -6,6 +6,7 @@
 //! This module is public for tools and tests; it may change between minor versions.
 
 pub(crate) mod aabbs;
+pub(crate) mod bodies;
 pub(crate) mod broad_phase;
 pub mod catalog;
 pub(crate) mod collisions;

@@ -46,6 +46,8 @@ mod order;
 mod random;
 #[path = "parity/repeat.rs"]
 mod repeat;
+#[path = "parity/rigid.rs"]
+mod rigid;
 #[path = "parity/rules.rs"]
 mod rules;
 #[path = "parity/surfaces.rs"]

@@ -40,6 +40,9 @@ pub(crate) struct Arguments {
     /// Let the walls turn instead of the direction of gravity, and make them of triangles
     #[arg(long)]
     triangles: bool,
+    /// Make every grain a rigid body of three spheres, which fit into a sphere of its radius
+    #[arg(long)]
+    clumps: bool,
     /// Number of timed steps in each run
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     steps: u64,
@@ -115,7 +118,7 @@ impl Arguments {
 
     fn drum(&self, grains: u32) -> Drum {
         let mut drum = Drum::new(grains);
-        (drum.radius, drum.facets) = (self.radius, self.facets);
+        (drum.radius, drum.facets, drum.clumps) = (self.radius, self.facets, self.clumps);
         if self.triangles { drum.triangles().spin(TAU * self.rpm / 60.0) } else { drum }
     }
 
@@ -178,10 +181,10 @@ impl Arguments {
             let _ = writeln!(
                 text,
                 "{} grains: turned by {:.1} degrees in {:.3} s, {:.2} contacts per grain",
-                size.counts.spheres,
+                size.bodies,
                 self.angle(steps).to_degrees(),
                 as_written(self.dt) * steps as f64,
-                f64::from(size.report.contacts) / size.counts.spheres as f64
+                f64::from(size.report.contacts) / f64::from(size.bodies)
             );
         }
         table::sizes(&mut text, sizes);

@@ -1,6 +1,9 @@
 //! Options of text, arrows and trails over pictures.
 
+use rockfall::Scene;
 use rockfall_viewer::overlay::{Arrows, Overlay};
+
+use crate::output;
 
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Captions {
@@ -27,6 +30,16 @@ pub(crate) struct Captions {
 fn seconds(text: &str) -> Result<f64, String> {
     let found = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds > 0.0);
     found.ok_or_else(|| "expected a finite number of seconds greater than 0".to_owned())
+}
+
+/// Warns of letters that cannot be drawn.
+pub(crate) fn warn_of_letters(overlay: &Overlay, scene: &Scene) {
+    let missing = overlay.missing_letters(scene);
+    if !missing.is_empty() {
+        let letters: String = missing.iter().take(20).collect();
+        let more = if missing.len() > 20 { " and others" } else { "" };
+        output::note(&format!("warning: the built-in font lacks the letters {letters}{more}, which are drawn as boxes"));
+    }
 }
 
 impl Captions {

@@ -18,6 +18,7 @@ use crate::interrupt::Interrupt;
 use crate::options::counted;
 use crate::output;
 use crate::progress::Progress;
+use crate::render::captions::warn_of_letters;
 use crate::render::plots::check_gauges;
 
 /// Quality of a JPEG file, from 1 to 100: no artefacts that the eye sees at the edges of bodies.
@@ -50,6 +51,7 @@ impl Studio {
         overlay.dark = style.background.is_dark();
         renderer.set_overlay(&overlay);
         let scene = footage.simulation().scene();
+        warn_of_letters(&overlay, scene);
         let find = |name: &str| Named::parse(name).map_err(Failure::usage)?.of(scene, "--plot");
         for plot in &arguments.plot {
             check_gauges(plot, is_recorded, scene)?;

@@ -5,9 +5,10 @@ use std::collections::{HashSet, VecDeque};
 use rockfall::glam::Vec3;
 use rockfall::{Result, Scene, Simulation, Sphere, SphereDiagnostics, SphereId};
 
+use crate::draw::net_force;
 use crate::draw::range::{RecentPercentile, percentile};
 use crate::palette::Rgb;
-use crate::plot::Plots;
+use crate::plot::{Graph, Plots};
 use crate::tags::colour_of;
 
 /// Number of spheres that have trails. In larger scenes only some have.
@@ -22,7 +23,7 @@ const MOST_STATES: usize = 1000;
 pub enum Arrows {
     /// Velocity, in units/s.
     Velocity,
-    /// Net force, in mass units/s².
+    /// Net force, with that of rods of fixed length, in mass units/s².
     Force,
     /// Weight, in mass units/s².
     Gravity,
@@ -120,7 +121,7 @@ impl Motion {
             self.now.places.clear();
             return Ok(());
         }
-        let values = if self.arrows == Some(Arrows::Force) { simulation.diagnostics()? } else { Vec::new() };
+        let values = if self.arrows == Some(Arrows::Force) { net_force::diagnostics(simulation)? } else { Vec::new() };
         let scene = simulation.sync()?;
         self.now.places = scene.spheres().iter().map(|sphere| sphere.position).collect();
         if let Some(arrows) = self.arrows {
@@ -134,6 +135,11 @@ impl Motion {
             self.looks = scene.sphere_ids().zip(scene.spheres()).map(|(id, it)| (it.radius, colour_of(scene, id))).collect();
         }
         Ok(())
+    }
+
+    /// Takes the plots that are shown of the following states.
+    pub fn set_plots(&mut self, graphs: Vec<Graph>) {
+        self.plots = Plots::new(graphs);
     }
 
     /// Sets the time of the present state, which a trajectory knows and its simulation does not.
@@ -241,7 +247,7 @@ impl Motion {
     }
 }
 
-/// The texts beside the spheres: their labels, or in a scene without labels their numbers, which are references, or in a scene
+/// The texts beside the spheres: their labels, or in a scene that says nothing of labels their numbers, which are references, or in a scene
 /// without references the order of addition. The label of a capsule is at its first end.
 fn labels(scene: &Scene) -> Vec<String> {
     let has_references = scene.sphere_ids().any(|sphere| scene.reference(sphere).is_some());

@@ -3,10 +3,11 @@
 use rockfall::{Result, Scene, Simulation};
 
 use crate::draw::motion::Arrows;
+use crate::draw::net_force;
 use crate::draw::range::{RecentPercentile, percentile, percentile_in};
 use crate::draw::style::{ColourBy, Range, Style};
 use crate::draw::{Motion, Renderer, palette};
-use crate::plot::{Graph, Plots};
+use crate::plot::Graph;
 use crate::survey::Survey;
 use crate::tags::colour_of;
 
@@ -77,7 +78,7 @@ impl Renderer {
 
     /// Takes the plots that are shown of the following states.
     pub fn set_plots(&mut self, graphs: Vec<Graph>) {
-        self.motion.plots = Plots::new(graphs);
+        self.motion.set_plots(graphs);
     }
 
     /// Fixes the axes of the plots of a film from its first to its last time, in s. The values are those of the states recorded
@@ -99,7 +100,7 @@ impl Renderer {
             self.chains.clear();
         }
         if by.is_evaluated() {
-            let values: Vec<f32> = simulation.diagnostics()?.iter().map(|found| by.value_of(found)).collect();
+            let values: Vec<f32> = net_force::diagnostics(simulation)?.iter().map(|found| by.value_of(found)).collect();
             self.recent.record(percentile_in(simulation.scene(), &values, self.region));
             self.buffers.set_values(&self.queue, simulation, values.into_iter());
         } else if by == ColourBy::ContactForce {

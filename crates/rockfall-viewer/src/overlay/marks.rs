@@ -4,7 +4,7 @@ use rockfall::glam::{Mat4, Vec3};
 
 use crate::camera::{Axes, Camera};
 use crate::palette::Rgb;
-use crate::sheet::Sheet;
+use crate::sheet::{Sheet, ink};
 
 /// A mark on a picture; lengths are in pixels from its upper left corner.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +27,13 @@ pub enum Mark {
         /// Its colour.
         colour: Rgb,
     },
+    /// A filled rectangle.
+    Rectangle {
+        /// Its left, upper, right and lower side.
+        sides: [f32; 4],
+        /// Its colour.
+        colour: Rgb,
+    },
     /// A line of text.
     Text {
         /// The text.
@@ -37,18 +44,22 @@ pub enum Mark {
         align: [f32; 2],
         /// Height of the letters.
         em: f32,
+        /// Colour of the letters.
+        colour: Rgb,
         /// Whether there is a light background.
         panel: bool,
     },
 }
 
 impl Mark {
-    pub(super) fn draw(&self, sheet: &mut Sheet<'_>) {
+    pub(crate) fn draw(&self, sheet: &mut Sheet<'_>) {
         match self {
+            Self::Rectangle { sides, colour } => sheet.fill(*sides, ink(*colour), |_, _| 1.0),
             Self::Line { ends, width, colour, opacity } => sheet.line(*ends, *width, *colour, *opacity),
             Self::Triangle { corners, colour } => sheet.triangle(*corners, *colour),
-            Self::Text { text, at, align, em, panel } => {
-                let old = std::mem::replace(&mut sheet.em, *em);
+            Self::Text { text, at, align, em, colour, panel } => {
+                let old = (sheet.em, sheet.ink);
+                (sheet.em, sheet.ink) = (*em, ink(*colour));
                 let width = sheet.width(text);
                 let margin = if *panel { 0.3 * em } else { 0.0 };
                 // The place is that of the background, if there is one.
@@ -58,7 +69,7 @@ impl Mark {
                     sheet.panel([left, top, left + width + 2.0 * margin, top + em + 2.0 * margin]);
                 }
                 sheet.text(text, left + margin, top + margin);
-                sheet.em = old;
+                (sheet.em, sheet.ink) = old;
             }
         }
     }

@@ -133,3 +133,16 @@ fn marks_change_the_pixels_where_they_are() {
     assert_eq!(at(165, 140), [90, 90, 90, 255]);
     assert!(at(11, 16)[0] > 150);
 }
+
+#[test]
+fn letters_without_a_shape_are_found() {
+    let mut scene = Scene::new();
+    let ball = scene.add_sphere(Sphere::new([0.0; 3], 0.5)).unwrap();
+    scene.set_tag(ball, rockfall::Tag::new().label("球 m₁")).unwrap();
+    let mut overlay = Overlay { title: Some("Größe λ, Шар: x² ≤ 3 日本日".to_owned()), ..Overlay::default() };
+    assert_eq!(overlay.missing_letters(&scene), ['日', '本']);
+    overlay.labels = true;
+    assert!(overlay.missing_letters(&scene).contains(&'球'));
+    overlay.title = None;
+    assert_eq!(Overlay::default().missing_letters(&scene), []);
+}

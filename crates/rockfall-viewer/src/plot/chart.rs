@@ -4,24 +4,25 @@ use rockfall::Result;
 
 use super::axes::{exponent, label, multiples, step};
 use super::{Plots, Quantity};
+use crate::overlay::Mark;
 use crate::palette::Rgb;
 use crate::pixels::Picture;
-use crate::sheet::{INK, Sheet, letters};
+use crate::sheet::{Sheet, letters};
 
 /// The colours of a plot.
 struct Paper {
-    paper: [u8; 4],
-    grid: [f32; 3],
-    axis: [f32; 3],
-    ink: [f32; 3],
+    paper: Rgb,
+    grid: Rgb,
+    axis: Rgb,
+    ink: Rgb,
     /// Part of white in the lines.
     white: f32,
 }
 
-const LIGHT: Paper = Paper { paper: [255; 4], grid: [0.88, 0.89, 0.90], axis: [0.45, 0.48, 0.52], ink: INK, white: 0.0 };
+const LIGHT: Paper =
+    Paper { paper: [255; 3], grid: [224, 227, 230], axis: [115, 122, 133], ink: [0x21, 0x29, 0x33], white: 0.0 };
 /// For pictures with a dark background.
-const DARK: Paper =
-    Paper { paper: [22, 24, 28, 255], grid: [0.20, 0.22, 0.25], axis: [0.58, 0.61, 0.65], ink: [0.90, 0.92, 0.94], white: 0.4 };
+const DARK: Paper = Paper { paper: [22, 24, 28], grid: [51, 56, 64], axis: [148, 156, 166], ink: [230, 235, 240], white: 0.4 };
 /// Part of the width of a wide picture, and of the height of a high one, that the plots take.
 const PART: f32 = 0.36;
 /// Height of the letters, divided by that of other text.
@@ -34,7 +35,8 @@ impl Paper {
     }
 }
 
-/// Where the scene and the plots are in a picture: the plots are to the right in a wide picture, and below in others.
+/// Where the scene and the plots are in a picture: the plots are to the right in a wide picture, one below the other, and below in
+/// others, side by side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Width and height of the whole picture.
@@ -76,20 +78,65 @@ impl Layout {
             return Ok(scene);
         }
         let [width, height] = self.size;
-        let paper = if self.dark { &DARK } else { &LIGHT };
-        let mut picture = Picture { width, height, pixels: vec![paper.paper; width as usize * height as usize] };
+        let mut picture = Picture { width, height, pixels: vec![[255; 4]; width as usize * height as usize] };
         let rows = picture.pixels.chunks_mut(width as usize).zip(scene.pixels.chunks(scene.width as usize));
         rows.for_each(|(to, from)| to[..from.len()].copy_from_slice(from));
-        let [left, top] = if self.scene[0] < width { [self.scene[0] as f32, 0.0] } else { [0.0, self.scene[1] as f32] };
         let mut sheet = Sheet::new(&mut picture)?;
-        sheet.ink = paper.ink;
-        sheet.em = (LETTERS * letters(height.min(width))).max(8.0);
-        let high = (height as f32 - top) / plots.len() as f32;
-        for graph in 0..plots.len() {
-            let top = top + high * graph as f32;
-            Chart { plots, graph, paper, bottom: top + high, right: width as f32 }.draw(&mut sheet, left, top);
-        }
+        let marks = self.marks(plots, &|text, em| sheet.width_of(text, em));
+        marks.iter().for_each(|mark| mark.draw(&mut sheet));
         Ok(picture)
+    }
+
+    /// Returns the marks of the plots on the whole picture, with their background. `measure` returns the width of a text with
+    /// letters of a height, in pixels.
+    pub fn marks(&self, plots: &Plots, measure: &dyn Fn(&str, f32) -> f32) -> Vec<Mark> {
+        if self.scene == self.size || plots.is_empty() {
+            return Vec::new();
+        }
+        let [width, height] = self.size;
+        let paper = if self.dark { &DARK } else { &LIGHT };
+        let [left, top] = if self.scene[0] < width { [self.scene[0] as f32, 0.0] } else { [0.0, self.scene[1] as f32] };
+        let em = (LETTERS * letters(height.min(width))).max(8.0);
+        let mut pen = Pen { em, ink: paper.ink, measure, marks: Vec::new() };
+        pen.fill([left, top, width as f32, height as f32], paper.paper);
+        // Plots below a picture are side by side.
+        let share =
+            |side: u32, from: f32, is_divided: bool| (side as f32 - from) / if is_divided { plots.len() as f32 } else { 1.0 };
+        let is_below = self.scene[1] < height;
+        let [wide, high] = [share(width, left, is_below), share(height, top, !is_below)];
+        for graph in 0..plots.len() {
+            let (across, down) = if is_below { (graph as f32, 0.0) } else { (0.0, graph as f32) };
+            let [left, top] = [left + wide * across, top + high * down];
+            Chart { plots, graph, paper, bottom: top + high, right: left + wide }.draw(&mut pen, left, top);
+        }
+        pen.marks
+    }
+}
+
+/// Collects marks.
+struct Pen<'a> {
+    em: f32,
+    ink: Rgb,
+    measure: &'a dyn Fn(&str, f32) -> f32,
+    marks: Vec<Mark>,
+}
+
+impl Pen<'_> {
+    fn width(&self, text: &str) -> f32 {
+        (self.measure)(text, self.em)
+    }
+
+    fn text(&mut self, text: &str, left: f32, top: f32) {
+        let (em, colour) = (self.em, self.ink);
+        self.marks.push(Mark::Text { text: text.to_owned(), at: [left, top], align: [0.0; 2], em, colour, panel: false });
+    }
+
+    fn fill(&mut self, sides: [f32; 4], colour: Rgb) {
+        self.marks.push(Mark::Rectangle { sides, colour });
+    }
+
+    fn line(&mut self, ends: [[f32; 2]; 2], width: f32, colour: Rgb) {
+        self.marks.push(Mark::Line { ends, width, colour, opacity: 1.0 });
     }
 }
 
@@ -119,11 +166,11 @@ impl Field {
 }
 
 impl Chart<'_> {
-    fn draw(&self, sheet: &mut Sheet<'_>, left: f32, top: f32) {
-        let em = sheet.em;
+    fn draw(&self, pen: &mut Pen<'_>, left: f32, top: f32) {
+        let em = pen.em;
         let (times, values) = (self.plots.times(), self.plots.range(self.graph));
         let power = exponent(values);
-        let below = self.legend(sheet, [left + 0.8 * em, top + 0.6 * em], power);
+        let below = self.legend(pen, [left + 0.8 * em, top + 0.6 * em], power);
         let bottom = self.bottom - 3.0 * em;
         if bottom < below + 1.5 * em {
             return;
@@ -132,7 +179,7 @@ impl Chart<'_> {
         let tick = step(values, f64::from((bottom - below) / (2.2 * em))).map(|step| step.max(least));
         let labels: Vec<(f64, String)> = tick
             .map_or_else(Vec::new, |step| multiples(values, step).map(|value| (value, label(value, step, power))).collect());
-        let widest = labels.iter().map(|(_, label)| sheet.width(label)).fold(0.0, f32::max);
+        let widest = labels.iter().map(|(_, label)| pen.width(label)).fold(0.0, f32::max);
         let corners = [left + 1.4 * em + widest, below, self.right - 1.2 * em, bottom];
         if corners[2] < corners[0] + em {
             return;
@@ -140,11 +187,11 @@ impl Chart<'_> {
         let field = Field { corners, times, values };
         for (value, label) in &labels {
             let [_, y] = field.place([times[0], *value]);
-            sheet.fill([corners[0], y.round(), corners[2], y.round() + 1.0], self.paper.grid, |_, _| 1.0);
-            sheet.text(label, corners[0] - 0.4 * em - sheet.width(label), y - 0.5 * em);
+            pen.fill([corners[0], y.round(), corners[2], y.round() + 1.0], self.paper.grid);
+            pen.text(label, corners[0] - 0.4 * em - pen.width(label), y - 0.5 * em);
         }
-        time_axis(sheet, &field, self.paper.axis);
-        self.lines(sheet, &field);
+        time_axis(pen, &field, self.paper.axis);
+        self.lines(pen, &field);
     }
 
     /// There is no half of a contact.
@@ -153,66 +200,74 @@ impl Chart<'_> {
     }
 
     /// Writes the quantity and the names of the lines, and returns where the field begins.
-    fn legend(&self, sheet: &mut Sheet<'_>, [left, top]: [f32; 2], power: i32) -> f32 {
-        let em = sheet.em;
+    fn legend(&self, pen: &mut Pen<'_>, [left, top]: [f32; 2], power: i32) -> f32 {
+        let em = pen.em;
         let graph = &self.plots.graphs()[self.graph];
         let factor = if power == 0 { String::new() } else { format!("1e{power} ") };
         let title = match (graph.quantity.unit(), factor.trim()) {
             ("", "") => graph.quantity.title().to_owned(),
             (unit, _) => format!("{} in {factor}{unit}", graph.quantity.title()),
         };
-        let title = if graph.quantity == Quantity::Energy { format!("{title}, potential 0 at the start") } else { title };
-        sheet.text(&title, left, top);
-        let (mut x, mut y) = (left, top + 1.4 * em);
+        let mut y = top + 1.4 * em;
+        let start = "potential 0 at the start";
+        let whole = if graph.quantity == Quantity::Energy { format!("{title}, {start}") } else { title.clone() };
+        if whole != title && left + pen.width(&whole) > self.right - 0.3 * em {
+            pen.text(&title, left, top);
+            pen.text(start, left, y);
+            y += 1.4 * em;
+        } else {
+            pen.text(&whole, left, top);
+        }
+        let mut x = left;
         let mut is_empty = true;
         for (name, colour) in graph.lines.iter().filter(|(name, _)| !name.is_empty()) {
-            let width = 1.5 * em + sheet.width(name);
+            let width = 1.5 * em + pen.width(name);
             if !is_empty && x + width > self.right - 0.5 * em {
                 (x, y) = (left, y + 1.3 * em);
             }
-            sheet.line([[x, y + 0.5 * em], [x + 1.0 * em, y + 0.5 * em]], 0.2 * em, self.paper.line(*colour), 1.0);
-            sheet.text(name, x + 1.4 * em, y);
+            pen.line([[x, y + 0.5 * em], [x + 1.0 * em, y + 0.5 * em]], 0.2 * em, self.paper.line(*colour));
+            pen.text(name, x + 1.4 * em, y);
             (x, is_empty) = (x + width + 0.8 * em, false);
         }
         if is_empty { y + 0.3 * em } else { y + 1.6 * em }
     }
 
-    fn lines(&self, sheet: &mut Sheet<'_>, field: &Field) {
-        let em = sheet.em;
+    fn lines(&self, pen: &mut Pen<'_>, field: &Field) {
+        let em = pen.em;
         let lines = &self.plots.graphs()[self.graph].lines;
         // The first line is drawn last, over the others.
         for (index, (_, colour)) in lines.iter().enumerate().rev() {
             let points: Vec<[f64; 2]> = self.plots.points(self.graph, index).collect();
             let is_shown = |point: &[f64; 2]| point[1].is_finite() && (field.times[0]..=field.times[1]).contains(&point[0]);
             for pair in points.windows(2).filter(|pair| pair.iter().all(is_shown)) {
-                sheet.line([field.place(pair[0]), field.place(pair[1])], (0.13 * em).max(1.2), self.paper.line(*colour), 1.0);
+                pen.line([field.place(pair[0]), field.place(pair[1])], (0.13 * em).max(1.2), self.paper.line(*colour));
             }
             if let Some(last) = points.last().filter(|last| is_shown(last)) {
-                dot(sheet, field.place(*last), self.paper.line(*colour));
+                dot(pen, field.place(*last), self.paper.line(*colour));
             }
         }
     }
 }
 
 /// Marks the present value.
-fn dot(sheet: &mut Sheet<'_>, at: [f32; 2], colour: Rgb) {
-    sheet.line([at, at], 0.45 * sheet.em, colour, 1.0);
+fn dot(pen: &mut Pen<'_>, at: [f32; 2], colour: Rgb) {
+    pen.line([at, at], 0.45 * pen.em, colour);
 }
 
-fn time_axis(sheet: &mut Sheet<'_>, field: &Field, axis: [f32; 3]) {
-    let em = sheet.em;
+fn time_axis(pen: &mut Pen<'_>, field: &Field, axis: Rgb) {
+    let em = pen.em;
     let [left, top, right, bottom] = field.corners;
-    sheet.fill([left, top, left + 1.0, bottom], axis, |_, _| 1.0);
-    sheet.fill([left, bottom, right, bottom + 1.0], axis, |_, _| 1.0);
+    pen.fill([left, top, left + 1.0, bottom], axis);
+    pen.fill([left, bottom, right, bottom + 1.0], axis);
     let power = exponent(field.times);
     let most = f64::from((right - left) / (3.2 * em));
     for value in step(field.times, most).into_iter().flat_map(|step| multiples(field.times, step).map(move |at| (at, step))) {
         let text = label(value.0, value.1, power);
         let [x, _] = field.place([value.0, 0.0]);
-        sheet.fill([x.round(), bottom, x.round() + 1.0, bottom + 0.3 * em], axis, |_, _| 1.0);
-        let width = sheet.width(&text);
-        sheet.text(&text, (x - 0.5 * width).min(right + em - width), bottom + 0.45 * em);
+        pen.fill([x.round(), bottom, x.round() + 1.0, bottom + 0.3 * em], axis);
+        let width = pen.width(&text);
+        pen.text(&text, (x - 0.5 * width).min(right + em - width), bottom + 0.45 * em);
     }
     let name = if power == 0 { "time in s".to_owned() } else { format!("time in 1e{power} s") };
-    sheet.text(&name, 0.5 * (left + right - sheet.width(&name)), bottom + 1.65 * em);
+    pen.text(&name, 0.5 * (left + right - pen.width(&name)), bottom + 1.65 * em);
 }

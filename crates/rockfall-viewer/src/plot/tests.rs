@@ -3,6 +3,7 @@ use std::path::Path;
 use rockfall::{Backend, Options};
 
 use super::*;
+use crate::overlay::Mark;
 use crate::pixels::Picture;
 
 fn scene(text: &str) -> Scene {
@@ -119,6 +120,30 @@ fn plots_are_beside_a_wide_picture_and_below_a_high_one() {
         assert_eq!(coloured(&picture, COLOURS[2], |_, _| true), 0);
     }
     assert_eq!(Layout::new([400, 240], 0).scene(), [400, 240]);
+}
+
+/// Below a picture, each of several plots has the whole height, and no text reaches into the next.
+#[test]
+fn plots_below_a_picture_are_side_by_side() {
+    let plots = fallen(10, &["energy", "height:0,1"]);
+    let measure = |text: &str, em: f32| 0.55 * em * text.chars().count() as f32;
+    let marks = Layout::new([400, 400], 2).marks(&plots, &measure);
+    let places = |wanted: &str| -> Vec<[f32; 2]> {
+        let place = |mark: &Mark| match mark {
+            Mark::Text { text, at, .. } if text == wanted => Some(*at),
+            _ => None,
+        };
+        marks.iter().filter_map(place).collect()
+    };
+    let axes = places("time in s");
+    assert!(axes.len() == 2 && axes[0][1] == axes[1][1] && axes[0][0] < 200.0 && axes[1][0] > 200.0, "{axes:?}");
+    assert_eq!(places("potential 0 at the start").len(), 1);
+    for mark in &marks {
+        if let Mark::Text { text, at, em, .. } = mark {
+            let right = at[0] + measure(text, *em);
+            assert!(right <= if at[0] < 200.0 { 200.0 } else { 400.0 }, "{text} at {at:?}");
+        }
+    }
 }
 
 #[test]

@@ -6,7 +6,6 @@ use super::viewer::Viewer;
 use crate::overlay::{Arrows, Mark};
 use crate::palette::Rgb;
 
-const INK: Color32 = Color32::from_rgb(0x21, 0x29, 0x33);
 const PANEL: Color32 = Color32::from_rgba_premultiplied(209, 209, 209, 209);
 /// Length of the trails that the menu switches on, in s.
 const TRAILS: f64 = 2.0;
@@ -22,16 +21,19 @@ pub(super) fn show(painter: &Painter, origin: Pos2, scale: f32, marks: &[Mark]) 
             Mark::Triangle { corners, colour } => {
                 painter.add(Shape::convex_polygon(corners.map(place).to_vec(), of(*colour), Stroke::NONE));
             }
-            Mark::Text { text, at, align, em, panel } => {
-                let font = FontId::proportional(scale * em);
-                let galley = painter.layout_no_wrap(text.clone(), font.clone(), INK);
+            Mark::Rectangle { sides: [left, top, right, bottom], colour } => {
+                painter.rect_filled(Rect::from_two_pos(place([*left, *top]), place([*right, *bottom])), 0.0, of(*colour));
+            }
+            Mark::Text { text, at, align, em, colour, panel } => {
+                let (font, ink) = (FontId::proportional(scale * em), of(*colour));
+                let galley = painter.layout_no_wrap(text.clone(), font.clone(), ink);
                 let margin = if *panel { 0.3 * scale * em } else { 0.0 };
                 let size = galley.size() + egui::Vec2::splat(2.0 * margin);
                 let left_top = place(*at) - egui::vec2(align[0] * size.x, align[1] * size.y);
                 if *panel {
                     painter.rect_filled(Rect::from_min_size(left_top, size), 0.4 * scale * em, PANEL);
                 }
-                painter.text(left_top + egui::Vec2::splat(margin), Align2::LEFT_TOP, text, font, INK);
+                painter.text(left_top + egui::Vec2::splat(margin), Align2::LEFT_TOP, text, font, ink);
             }
         }
     }

@@ -7,7 +7,9 @@ use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::draw::{ColourBy, Style};
 use rockfall_viewer::survey::Survey;
 
-use crate::common::{HEIGHT, WIDTH, canvas, drawn_box, gpu, outlines, picture, pixel, projected, renderer, simulation, take};
+use crate::common::{
+    HEIGHT, WIDTH, canvas, drawn_box, gpu, is_drawn, outlines, picture, pixel, pixels, projected, renderer, simulation, take,
+};
 
 fn camera() -> Camera {
     Camera::new([0.0, 0.0, 8.0], [0.0, 0.0, 0.0])
@@ -179,4 +181,28 @@ fn the_pattern_is_faint_in_a_crowd_and_fixed_spheres_are_plain() {
     };
     let [few, many, fixed] = [contrast(0, false), contrast(600, false), contrast(0, true)];
     assert!(few > 45 && (8..2 * few / 3).contains(&many) && fixed < 8, "{few} {many} {fixed}");
+}
+
+/// A wall that moves out of a periodic box comes in on the other side; one that is in the box, or whose middle is on a face, stays.
+#[test]
+fn walls_are_drawn_in_the_periodic_box() {
+    let text = |motion: &str, x: f32| {
+        format!("@periodic x -2 2\n{motion}B {x} -0.5 -0.5 1 0 0 0 1 0 0 0 1\nP {} -0.5 0.6 0.5 0 0 0 0.5 0\n", x + 0.2)
+            + "@move -\nB 1.5 -1 -1 1 0 0 0 0.2 0 0 0 1\nS 1 0 1.2 0 0 0 0 0 0 0 1 0.2\n"
+    };
+    let scene = |text: &str| Scene::parse(text, std::path::Path::new("test")).unwrap().scene;
+    let camera = Camera::new([0.0, 1.0, 12.0], [0.0; 3]);
+    let mut style = outlines();
+    style.colour_by = ColourBy::Kind;
+    for backend in [Backend::Cpu, Backend::Gpu] {
+        // 3 periods and a quarter.
+        let mut moving = simulation(scene(&text("set gravity 0\n@motion slide velocity=1.3,0,0\n@move slide\n", 0.2)), backend);
+        moving.run(100, 0.1).unwrap();
+        let found = take(&mut moving, &camera, &style);
+        let expected = take(&mut simulation(scene(&text("set gravity 0\n", 0.2 + 13.0 - 12.0)), backend), &camera, &style);
+        let differ = pixels().filter(|(x, y)| pixel(&found, *x, *y) != pixel(&expected, *x, *y)).count();
+        assert!(differ < 20, "{backend}: {differ} pixels differ");
+        let far = pixels().filter(|(x, y)| is_drawn(&expected, *x, *y)).count();
+        assert!(far > 1000, "{far}");
+    }
 }

@@ -44,7 +44,7 @@ pub(super) fn clumps(spheres: u32, random: &mut Random) -> Result<Scene> {
 }
 
 /// A random rotation, uniform over all of them.
-fn turn(random: &mut Random) -> Quat {
+pub(super) fn turn(random: &mut Random) -> Quat {
     loop {
         let mut draw = || random.between(-1.0, 1.0);
         let point = Vec4::new(draw(), draw(), draw(), draw());

@@ -4,9 +4,10 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
 
+use super::clumps::turn;
 use super::{Random, check_count};
 use crate::error::{Error, Result};
-use crate::scene::{Cuboid, Material, MaterialId, Motion, MotionTerm, Pair, Polygon, Scene, Sphere};
+use crate::scene::{Cuboid, Material, MaterialId, Motion, MotionTerm, Pair, Placement, Polygon, Scene, Shape, Sphere};
 use crate::settings::ContactLaw;
 
 /// Share of the volume that grains take in a bed at rest.
@@ -47,6 +48,8 @@ pub struct Drum {
     pub spin: f64,
     /// Whether the wall consists of triangles, about as long as wide, instead of polygons as long as the drum.
     pub triangles: bool,
+    /// Whether a grain is a rigid body of three spheres, which just fit into a sphere of its radius.
+    pub clumps: bool,
 }
 
 impl Drum {
@@ -57,8 +60,18 @@ impl Drum {
     /// 2 mm.
     pub fn new(grains: u32) -> Self {
         let filling = 5.0 / 9.0;
-        let (spin, triangles) = (0.0, false);
-        Self { grains, radius: 0.002, facets: 48, length: 4.0, filling, friction: 0.65, rough_ends: true, spin, triangles }
+        Self {
+            grains,
+            radius: 0.002,
+            facets: 48,
+            length: 4.0,
+            filling,
+            friction: 0.65,
+            rough_ends: true,
+            spin: 0.0,
+            triangles: false,
+            clumps: false,
+        }
     }
 
     /// Lets the walls turn by `spin` rad/s about the z axis, by a motion with the name `drum`.
@@ -70,6 +83,12 @@ impl Drum {
     /// Makes the wall of triangles.
     pub fn triangles(mut self) -> Self {
         self.triangles = true;
+        self
+    }
+
+    /// Makes grains of three spheres each.
+    pub fn clumps(mut self) -> Self {
+        self.clumps = true;
         self
     }
 
@@ -123,9 +142,13 @@ impl Drum {
         let (mut scene, [grain, wall, end]) = self.materials()?;
         let mut random = Random::new(seed);
         let room = (CELL - 1.0) * self.radius;
+        let clump = if self.clumps { Some(scene.add_shape(clump(self.radius, grain).density(DENSITY))?) } else { None };
         for place in places {
-            let sphere = Sphere::new(place + random.offset(0.9 * room), self.radius).density(DENSITY).material(grain);
-            scene.add_sphere(sphere)?;
+            let place = place + random.offset(0.9 * room);
+            match clump {
+                Some(shape) => drop(scene.add_body(Placement::new(shape).at(place.as_dvec3()).turned(turn(&mut random)))?),
+                None => drop(scene.add_sphere(Sphere::new(place, self.radius).density(DENSITY).material(grain))?),
+            }
         }
         let turn = MotionTerm::turn(self.spin, DVec3::Z, DVec3::ZERO);
         let motion = (self.spin != 0.0).then(|| scene.add_motion(Motion::new("drum", turn))).transpose()?;
@@ -178,6 +201,13 @@ impl Drum {
         scene.set_pair(grain, end, ends.restitution(0.85))?;
         Ok((scene, [grain, wall, end]))
     }
+}
+
+/// Three spheres around the origin that just fit into a sphere of this radius.
+fn clump(radius: f32, material: MaterialId) -> Shape {
+    let place = |angle: f32| 0.4 * radius * Vec3::new(angle.cos(), angle.sin(), 0.0);
+    let places = [0.0, TAU / 3.0, 2.0 * TAU / 3.0].map(place);
+    places.into_iter().fold(Shape::new().material(material), |shape, place| shape.sphere(place, 0.6 * radius))
 }
 
 /// Density of the grains, in kg/m³, and Poisson's ratio.

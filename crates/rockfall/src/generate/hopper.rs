@@ -4,9 +4,11 @@ use glam::Vec3;
 
 use super::{Cells, Random, ball, walled_box};
 use crate::error::Result;
-use crate::scene::{Cuboid, Scene};
+use crate::scene::{Colour, Cuboid, Look, Scene, Tag};
 
 const CELL: f32 = 0.42;
+const WALLS: Colour = Colour([0xe4, 0xe7, 0xe9]);
+const SLOPES: Colour = Colour([0xb8, 0x74, 0x3a]);
 
 /// The sizes of a hopper, in units.
 struct Sizes {
@@ -58,10 +60,17 @@ pub(super) fn hopper(spheres: u32, random: &mut Random) -> Result<Scene> {
         scene.add_sphere(ball(random, &cells, index, [0.12, 0.2]))?;
     }
     walled_box(&mut scene, half, half_depth, cells.top() + 1.0)?;
+    let walls = scene.box_ids().count();
     for side in [-1.0, 1.0] {
         let upper = Vec3::new(side * half, slope_top, 0.0);
         let lower = Vec3::new(side * half_slot, slot_height, 0.0);
         slope(&mut scene, upper, lower, half_depth)?;
+    }
+    // The slopes would look like parts of the walls.
+    for (index, id) in scene.box_ids().collect::<Vec<_>>().into_iter().enumerate() {
+        let tag =
+            if index < walls { Tag::new().look(Look::Plain).colour(WALLS) } else { Tag::new().look(Look::Wood).colour(SLOPES) };
+        scene.set_tag(id, tag)?;
     }
     Ok(scene)
 }

@@ -38,19 +38,21 @@ pub enum Buffer {
     /// [`HISTORY_WORDS`](crate::model::layout::HISTORY_WORDS) words per mover, in insertion order, and a pool of
     /// [`Layout::history_pool`](crate::model::step::Layout::history_pool) blocks for movers with more contacts.
     Histories,
-    /// Velocity Verlet: acceleration and torque of every sphere, in insertion order, from the last force evaluation. Each sphere
-    /// has [`RATE_WORDS`](crate::model::layout::RATE_WORDS) floats. Empty for other integrators.
+    /// Velocity Verlet: acceleration and torque of every sphere, in insertion order, and of every rigid body, from the last force
+    /// evaluation. Each has [`RATE_WORDS`](crate::model::layout::RATE_WORDS) floats. Empty for other integrators.
     Rates,
     /// The poses of bodies with a prescribed motion: for every half step from the step [`Constants::pose_step`](crate::model::step::Constants::pose_step)
     /// on, a record of [`POSE_FLOATS`](crate::model::layout::POSE_FLOATS) for each body.
     Poses,
+    /// The state of rigid bodies, and scratch: [`RIGID_ROWS`](crate::model::layout::RIGID_ROWS) vectors for each.
+    RigidBodies,
     /// The [`Status`](crate::model::status::Status) block.
     Status,
 }
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -67,6 +69,7 @@ impl Buffer {
         Self::Histories,
         Self::Rates,
         Self::Poses,
+        Self::RigidBodies,
         Self::Status,
     ];
 
@@ -88,6 +91,7 @@ impl Buffer {
             Self::Orientations => "the orientations",
             Self::Histories => "the springs of contacts",
             Self::Poses => "the poses of moving walls",
+            Self::RigidBodies => "the rigid bodies",
             Self::Rates => "the accelerations of the last force evaluation",
             Self::Status => "the status",
         }

@@ -34,6 +34,8 @@ pub enum Threads {
     Walls,
     /// A thread per rod.
     Rods,
+    /// A thread per rigid body.
+    RigidBodies,
     /// A workgroup per batch of fixed-length rods.
     Batches,
     /// A workgroup per network of fixed-length rods.
@@ -66,6 +68,7 @@ impl Threads {
             Self::WideSpheres => step.layout.spheres.div_ceil(WIDE_WORKGROUP),
             Self::Walls => (step.layout.boxes + step.layout.polygons).div_ceil(WORKGROUP),
             Self::Rods => step.layout.rods.div_ceil(WORKGROUP),
+            Self::RigidBodies => step.layout.rigid_bodies.div_ceil(WORKGROUP),
             Self::Batches => step.layout.batches,
             Self::Networks => step.layout.networks,
             Self::LargeSpheres => step.layout.large,

@@ -31,6 +31,27 @@ constants! {
     /// Floats of the pose of a body: the rows of R - 1, R the rotation from where its shapes are written; a reference point X; its
     /// displacement; its velocity; its acceleration; the angular velocity. Each is a vec4 whose last number is 0.
     pub const POSE_FLOATS: u32 = 32;
+    /// Words of a rigid body: centre x, y, z of the state that forces are evaluated in; inverse mass; tensor of the inverse inertia in that
+    /// state, xx, yy, zz, xy, xz, yz; greatest inverse moment of inertia; first word of its shape; first word of its members, which are
+    /// insertion indices of spheres; their number; padding.
+    pub const RIGID_WORDS: u32 = 16;
+    /// Words of a shape before the places of its spheres, x, y, z from the centre of mass: 1 / J_m, kappa x, y, z (docs/physics.md section
+    /// 5.9), and the rotation from the principal axes to the coordinates of the shape, x, y, z, w.
+    pub const SHAPE_WORDS: u32 = 8;
+    /// Body of a sphere that belongs to no rigid body.
+    pub const NO_RIGID: u32 = u32::MAX;
+    /// Vectors of a rigid body: position, low part of the position, velocity, angular momentum, orientation. The
+    /// others are scratch: four sums over the evaluations of RK4; velocity, angular momentum and orientation of the stage state; position
+    /// after the drift of velocity Verlet, and its low part.
+    pub const RIGID_ROWS: u32 = 14;
+    /// Pass of `move_bodies` after the drift of velocity Verlet.
+    pub const AFTER_DRIFT: u32 = 4;
+    /// Pass of `move_bodies` after the second half of the kick of velocity Verlet.
+    pub const AFTER_KICK: u32 = 5;
+    /// Pass of `move_bodies` after a step of symplectic Euler.
+    pub const AFTER_EULER: u32 = 6;
+    /// Pass of `move_bodies` at the start of a step, in which no body moves.
+    pub const BEFORE_STEP: u32 = 7;
     /// An adjacency word is `kind << KIND_SHIFT | index`. The words of a sphere are sorted, so its rods come first.
     pub const KIND_SHIFT: u32 = 30;
     /// Adjacency kind: a rod that ends in the sphere.

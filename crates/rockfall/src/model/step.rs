@@ -111,6 +111,13 @@ block! {
         pub walls_at: u32,
         /// Number of bodies with a prescribed motion.
         pub bodies: u32,
+        /// Number of rigid bodies.
+        pub rigid_bodies: u32,
+        /// First word of the rigid bodies, [`RIGID_WORDS`](crate::model::layout::RIGID_WORDS) each.
+        pub rigid_at: u32,
+        /// First word of the numbers of the rigid bodies of spheres, by insertion index;
+        /// [`NO_RIGID`](crate::model::layout::NO_RIGID) for a sphere of its own.
+        pub rigid_of_at: u32,
         /// First word of the tags: group (low 16 bits) and material (high 16 bits) of every object, by id.
         pub tags_at: u32,
         /// First word of the adjacency ranges; 0 when nothing is attached to any sphere. The range of a sphere is two absolute

@@ -5,14 +5,17 @@
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
 // Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), springs with muscles
-// (MUSCLES), moving boxes or polygons (WALLS), triangles (TRIANGLES), periodic boundaries (PERIODIC), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
+// (MUSCLES), moving boxes or polygons (WALLS), rigid bodies (RIGID_BODIES), triangles (TRIANGLES), periodic boundaries (PERIODIC), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
 // cohesion (COHESION). Whether the integrator is velocity Verlet (VERLET). Whether geometry uses the low parts of positions (DOUBLE).
 // Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
 const LARGE: bool = true;
 const MUSCLES: bool = true;
 const WALLS: bool = true;
+const RIGID_BODIES: bool = true;
 const TRIANGLES: bool = true;
+// Whether orientations are updated by stages after the integration, which leaves them the mean spins.
+const LATE_TURN: bool = RODS | RIGID_BODIES;
 // Whether the scene is periodic along some axis. Geometry then uses the low parts of positions, too.
 const PERIODIC: bool = true;
 const MATERIALS: bool = true;

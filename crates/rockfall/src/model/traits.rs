@@ -33,6 +33,8 @@ pub struct Traits {
     pub free_table: bool,
     /// Boxes or polygons move.
     pub walls: bool,
+    /// There are rigid bodies.
+    pub rigid: bool,
     /// Some polygons are triangles.
     pub triangles: bool,
     /// The scene is periodic along some axis.
@@ -76,6 +78,7 @@ impl Step {
             muscles: layout.muscles_at > 0,
             free_table: layout.free_at != 0,
             walls: layout.walls_at != 0,
+            rigid: layout.rigid_bodies > 0,
             triangles: has(FLAG_TRIANGLES),
             periodic: has(FLAG_PERIODIC),
             materials: layout.materials > 0,
@@ -93,6 +96,11 @@ impl Step {
 }
 
 impl Traits {
+    /// Orientations are updated by stages after the integration, so that it leaves them the mean spins.
+    pub const fn turns_late(&self) -> bool {
+        self.rods || self.rigid
+    }
+
     /// Bodies may have long lists.
     pub const fn has_long_lists(&self) -> bool {
         self.rods || self.large

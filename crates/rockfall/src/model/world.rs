@@ -7,6 +7,7 @@ mod constants;
 pub(crate) mod frames;
 pub(crate) mod muscles;
 pub(crate) mod order;
+mod rigid;
 pub(crate) mod topology;
 pub(crate) mod walls;
 
@@ -54,6 +55,8 @@ pub struct World {
     pub rates: Vec<f32>,
     /// The poses of bodies with a prescribed motion (see [`Buffer::Poses`]); empty without such bodies.
     pub poses: Vec<f32>,
+    /// The state of rigid bodies, and scratch (see [`Buffer::RigidBodies`]).
+    pub rigid_bodies: Vec<Vec4>,
     /// Insertion index of the sphere in each memory slot; empty when slots and insertion indices are the same.
     pub order: Vec<u32>,
     /// `spheres` unit quaternions x, y, z, w.
@@ -115,6 +118,7 @@ impl World {
             Buffer::Histories => cast_slice(&self.histories),
             Buffer::Rates => cast_slice(&self.rates),
             Buffer::Poses => cast_slice(&self.poses),
+            Buffer::RigidBodies => cast_slice(&self.rigid_bodies),
             Buffer::Status => bytes_of(&self.status),
         }
     }
@@ -137,6 +141,7 @@ impl World {
             Buffer::Histories => cast_slice_mut(&mut self.histories),
             Buffer::Rates => cast_slice_mut(&mut self.rates),
             Buffer::Poses => cast_slice_mut(&mut self.poses),
+            Buffer::RigidBodies => cast_slice_mut(&mut self.rigid_bodies),
             Buffer::Status => bytes_of_mut(&mut self.status),
         }
     }

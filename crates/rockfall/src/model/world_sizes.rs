@@ -50,7 +50,13 @@ impl WorldSizes {
         let has_impulses = traits.collisions || traits.friction_impulses;
         let is_plain = traits.law == LAW_THESIS
             && traits.integrator != Integrator::VelocityVerlet
-            && !(traits.double || traits.rods || traits.large || traits.materials || traits.walls || traits.triangles)
+            && !(traits.double
+                || traits.rods
+                || traits.large
+                || traits.materials
+                || traits.walls
+                || traits.rigid
+                || traits.triangles)
             && traits.in_insertion_order;
         (fits && traits.spheres > 0 && is_plain && !has_impulses).then_some(room)
     }

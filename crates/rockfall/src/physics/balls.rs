@@ -32,11 +32,11 @@ pub(crate) struct Meeting {
 }
 
 impl<'a, 'b> Ball<'a, 'b> {
-    /// Returns `None` for a sphere with rods, because it must ignore the spheres at the other ends of its rods, and where positions
-    /// have a low part, which this code leaves out.
+    /// Returns `None` for a sphere with rods, because it must ignore the spheres at the other ends of its rods, where positions
+    /// have a low part, which this code leaves out, and in scenes with rigid bodies, whose masses depend on the normal.
     #[inline]
     pub(crate) fn new(view: &'b View<'a>, mover: u32) -> Option<Self> {
-        (view.is_ball(mover) && !view.step.is_double()).then(|| Self {
+        (view.is_ball(mover) && !view.step.is_double() && view.step.layout.rigid_bodies == 0).then(|| Self {
             view,
             sphere: mover,
             place: view.place(mover),

@@ -89,8 +89,29 @@ pub(crate) fn contact_force(view: &View, lists: &Lists, [id_a, id_b]: [u32; 2], 
     let [a, b] = sides.each_ref().map(Sides::splat);
     let surfaces = Surfaces::splat(&Surface::of(view, id_a, id_b));
     let of_four = contact_forces(view.step, &a, &b, &Touches::splat(touch), &surfaces);
-    let [force, torque_a, torque_b] = [of_four.force, of_four.torque_a, of_four.torque_b].map(|v| v.to_rows()[0]);
+    let [mut force, mut torque_a, mut torque_b] = [of_four.force, of_four.torque_a, of_four.torque_b].map(|v| v.to_rows()[0]);
+    let mu = surfaces.coulomb_friction.x;
+    if mu > 0.0 && view.touches_body([id_a, id_b]) {
+        let press = -force.dot(touch.normal);
+        let friction = body_friction(view.step, &sides, touch, mu, press);
+        let [arm_a, arm_b] = arms(&a, &b, Vec4::splat(touch.overlap)).map(|arm| arm.x);
+        let torque = touch.normal.cross(friction);
+        (force, torque_a, torque_b) = (force + friction, arm_a * torque, arm_b * torque);
+    }
     ContactForce { force, torque_a, torque_b }
+}
+
+/// The friction force on A of a contact of a rigid body with the coefficient `mu` of Coulomb friction, where the normal force is `press`.
+fn body_friction(step: &Step, [a, b]: &[Side; 2], touch: &Touch, mu: f32, press: f32) -> Vec3 {
+    let [one, other] = [a, b].map(Sides::splat);
+    let arms = arms(&one, &other, Vec4::splat(touch.overlap));
+    let approach = (a.velocity - b.velocity).dot(touch.normal);
+    let slip = Slip::of(&one, &other, Vec3x4::splat(touch.normal), arms, Vec4::splat(approach));
+    let t = slip.velocity.to_rows()[0];
+    let [arm_a, arm_b] = arms.map(|arm| arm.x);
+    let w = a.inverse_mass + b.inverse_mass + arm_a * arm_a * a.inverse_inertia + arm_b * arm_b * b.inverse_inertia;
+    let size = t.length();
+    if size * size <= slip.rounded.x { Vec3::ZERO } else { t * (mu * press / size).min(0.5 / (w * step.constants.dt)) }
 }
 
 impl Touches {

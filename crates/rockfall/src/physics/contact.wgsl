@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/fine.wgsl physics/geometry.wgsl physics/pairs.wgsl physics/period.wgsl
-// requires physics/walls.wgsl
+// requires physics/walls.wgsl physics/rigid.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
 
@@ -317,13 +317,25 @@ fn slip_of(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32) -> 
 fn has_force(overlap: f32, approach: f32, radius: f32, a: u32, b: u32) -> bool {
     let threshold = collision_velocity(radius, a, b);
     let fresh = (approach > threshold) & (overlap < 2.0 * approach * step.dt);
-    return ((step.flags & FLAG_COLLISIONS) == 0u) | !(fresh | (approach < -threshold));
+    return ((step.flags & FLAG_COLLISIONS) == 0u) | !(fresh | (approach < -threshold)) | touches_body(a, b);
 }
 
 // Repulsion and damping per reduced mass: (2.18, 2.19).
 fn pressure_of(overlap: f32, approach: f32) -> f32 {
     let press = step.contact_force * overlap + step.contact_damping * approach;
     return select(max(press, 0.0), press, (step.flags & FLAG_PULL) != 0u);
+}
+
+// Coulomb friction of a contact of a rigid body, which is at most `most` (docs/physics.md section 4.16).
+fn body_friction(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32, most: f32) -> vec3f {
+    let t = slip_of(a_side, b_side, arms, n, approach);
+    let size = length(t);
+    if size == 0.0 {
+        return vec3f(0.0);
+    }
+    let turning = arms.x * arms.x * a_side.inverse_inertia + arms.y * arms.y * b_side.inverse_inertia;
+    let stopping = 0.5 / ((a_side.inverse_mass + b_side.inverse_mass + turning) * step.dt);
+    return min(most / size, stopping) * t;
 }
 
 // Contact force of two objects that overlap, by their ids `a` and `b`. The inverse masses must not both be 0.
@@ -351,6 +363,12 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
             let turning = arms.x * arms.x * a_side.inverse_inertia + arms.y * arms.y * b_side.inverse_inertia;
             let most = 0.5 / ((inverse_mass + turning) * step.dt);
             friction = min(friction_of(a, b) * reduced_mass * overlap / sqrt(sqrt(tt)), most) * t;
+        }
+    }
+    if RIGID_BODIES {
+        let mu = coulomb_friction_of(a, b);
+        if (mu > 0.0) & touches_body(a, b) {
+            friction = body_friction(a_side, b_side, arms, n, approach, mu * press * reduced_mass);
         }
     }
     return ContactForce(friction - press * reduced_mass * n, cross(n, friction), arms.x, arms.y);

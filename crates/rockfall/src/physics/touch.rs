@@ -157,10 +157,13 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
     (inverse_mass > 0.0 && touch.overlap <= 0.0).then_some(touch)
 }
 
-/// Whether a pair never interacts because of the rods that the objects share or because neither can move (docs/physics.md
+/// Whether a pair never interacts because of the rods or the rigid body that the objects share or because neither can move (docs/physics.md
 /// section 1.3).
 pub(crate) fn ignore(view: &View, a: Object, b: Object) -> bool {
     if immovable(view, a) && immovable(view, b) {
+        return true;
+    }
+    if view.body_of(a).is_some_and(|body| view.body_of(b) == Some(body)) {
         return true;
     }
     match (a, b) {

@@ -163,6 +163,17 @@ impl RigidBody {
     }
 }
 
+impl Scene {
+    /// Checks that the settings suit the rigid bodies of the scene.
+    pub(crate) fn check_bodies(&self) -> Result<()> {
+        if self.bodies().is_empty() || !(self.settings.collisions && self.settings.continuous_collisions) {
+            return Ok(());
+        }
+        let expected = "off: contacts of rigid bodies exert forces alone";
+        Err(invalid("continuous_collisions", "on in a scene with rigid bodies", expected))
+    }
+}
+
 impl Kinetics {
     /// The inertia tensor along the axes of the world, of a body with an orientation.
     pub(crate) fn tensor(&self, turn: DQuat) -> DMat3 {

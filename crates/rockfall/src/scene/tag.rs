@@ -15,7 +15,8 @@ pub struct Tag {
     pub colour: Option<Colour>,
     /// How its surface is drawn; `None` for the usual look of the kind of object.
     pub look: Option<Look>,
-    /// Text beside the object in pictures with labels. It is one line without ` #`, and not `-`.
+    /// Text beside the object in pictures with labels. It is one line without ` #`, and not `-`. An empty text is no label. A scene in
+    /// which an object has a label, also an empty one, shows no numbers instead.
     pub label: Option<String>,
 }
 
@@ -88,7 +89,7 @@ pub(super) fn check_name(field: &'static str, name: &str) -> Result<()> {
 fn check_label(label: &str) -> Result<()> {
     let begins_comment =
         label.match_indices('#').any(|(at, _)| label[..at].chars().next_back().is_none_or(char::is_whitespace));
-    if !label.is_empty() && label != "-" && label.trim() == label && !begins_comment && !label.contains(char::is_control) {
+    if label != "-" && label.trim() == label && !begins_comment && !label.contains(char::is_control) {
         return Ok(());
     }
     let expected =

@@ -74,7 +74,7 @@ fn tags_that_a_text_cannot_express_are_refused() {
     for name in ["", "-", "a b", "3", "a=b", "a#", "a\n", "a,b"] {
         assert!(scene.set_tag(ball, Tag::new().name(name)).is_err(), "{name:?}");
     }
-    for label in ["", "-", " a", "a ", "a\nb", "#a", "a #b"] {
+    for label in ["-", " a", "a ", "a\nb", "#a", "a #b"] {
         assert!(scene.set_tag(ball, Tag::new().label(label)).is_err(), "{label:?}");
     }
     scene.set_tag(ball, Tag::new().name("_ä-1.").label("a#b = c, d")).unwrap();
@@ -133,4 +133,20 @@ fn read_plain(scene: &Scene) -> Scene {
     let lines: Vec<&str> =
         text.lines().filter(|line| !["@name", "@colo", "@labe"].contains(&&line[..line.len().min(5)])).collect();
     read(&lines.join("\n"))
+}
+
+/// `@label -` where no label is in use says that there are none; it is kept, also beside objects that were added before it.
+#[test]
+fn a_text_can_say_that_there_are_no_labels() {
+    let text =
+        "@label -\nS 1 0 0 0 0 0 0 0 0 0 1 0.5\n@label a\nS 2 2 0 0 0 0 0 0 0 0 1 0.5\n@label -\nS 3 4 0 0 0 0 0 0 0 0 1 0.5\n";
+    let labels = |scene: &Scene| -> Vec<Option<String>> {
+        scene.sphere_ids().map(|ball| scene.tag(ball).unwrap().and_then(|tag| tag.label.clone())).collect()
+    };
+    let scene = read(text);
+    assert_eq!(labels(&scene), [Some(String::new()), Some("a".to_owned()), None]);
+    assert_eq!(labels(&read(&scene.to_text())), labels(&scene), "{}", scene.to_text());
+    let late =
+        read("S 1 0 0 0 0 0 0 0 0 0 1 0.5\nS 2 2 0 0 0 0 0 0 0 0 1 0.5\n@label -\nR 1 2 0.1\nS 3 4 0 0 0 0 0 0 0 0 1 0.5\n");
+    assert!(late.to_text().contains("@label -\n"), "{}", late.to_text());
 }

@@ -21,7 +21,7 @@
 //! | `@name NAME` | nothing: the name of the objects of the lines below; `@name -`: none |
 //! | `@colour COLOUR` | nothing: the colour of the objects of the lines below ([`Colour`](crate::Colour)); `@colour -`: that of their kind |
 //! | `@look LOOK` | nothing: how the objects of the lines below are drawn: `plain`, `striped`, `wood`, `stone` or `glass` ([`Look`](crate::Look)); `@look -`: as usual |
-//! | `@label TEXT` | nothing: text beside the objects of the lines below; `@label -`: none |
+//! | `@label TEXT` | nothing: text beside the objects of the lines below; `@label -`: none, and no numbers instead |
 //! | `@run dt=S integrator=NAME steps=N every=K substeps=N` | nothing: how the scene is meant to be run ([`RunDefaults`](crate::RunDefaults)) |
 //! | `@motion NAME velocity=x,y,z spin=w axis=x,y,z through=x,y,z amplitude=x,y,z frequency=F phase=P from=S to=S` | nothing: adds a term to the motion of that name ([`MotionTerm`](crate::MotionTerm)) |
 //! | `@triangle x y z` + two edges | a triangle with the vertices x y z and the ends of both edges, which is touched from both sides |

@@ -130,7 +130,11 @@ impl Writer<'_> {
 
     /// Writes lines that set the name, colour, look and label of the following objects, if they change.
     fn set_tag(&mut self, tag: Option<&Arc<Tag>>) {
-        let tag = tag.map(|tag| Tag::clone(tag)).unwrap_or_default();
+        let mut tag = tag.map(|tag| Tag::clone(tag)).unwrap_or_default();
+        if tag.label.is_none() && self.tag.label.as_deref() == Some("") {
+            // No line says that of an object among others which have none, and pictures do not distinguish the two.
+            tag.label = Some(String::new());
+        }
         let before = std::mem::replace(&mut self.tag, tag);
         let Tag { name, colour, look, label } = &self.tag;
         let colours = [before.colour, *colour].map(|colour| colour.map(|colour| colour.to_string()));
@@ -143,7 +147,8 @@ impl Writer<'_> {
         ];
         for (word, old, new) in lines {
             if old != new {
-                let _ = writeln!(self.text, "{word} {}", new.as_deref().unwrap_or("-"));
+                let value = new.as_deref().filter(|value| !value.is_empty()).unwrap_or("-");
+                let _ = writeln!(self.text, "{word} {value}");
             }
         }
     }

@@ -90,8 +90,6 @@ edits! {
         add_shape(shape: Shape) -> ShapeId;
     Everything: /// Adds a rigid body with its spheres and rods.
         add_body(placement: Placement) -> RigidBodyId;
-    Everything: /// Changes the pose and the motion of a rigid body. Its spheres follow.
-        update_body(id: RigidBodyId, change: impl FnOnce(&mut RigidBody)) -> ();
     Everything: /// Removes a rigid body with its spheres and rods and everything attached to them.
         remove_body(id: RigidBodyId) -> ();
     Everything: /// Removes rigid bodies with their spheres and rods and everything attached to them, in one pass.
@@ -287,8 +285,27 @@ impl Simulation {
         Ok(())
     }
 
+    /// Changes the pose and the motion of a rigid body. Its spheres follow.
+    ///
+    /// # Errors
+    /// As for [`Scene::update_body`] and [`Simulation::sync`].
+    pub fn update_body(&mut self, id: RigidBodyId, change: impl FnOnce(&mut RigidBody)) -> Result<()> {
+        // The change may depend on the present state.
+        self.sync()?;
+        self.scene.update_body(id, change)?;
+        self.dirty = Dirty::Everything;
+        Ok(())
+    }
+
     fn edit(&mut self, id: SphereId, edit: Edit) -> Result<()> {
         self.scene.spheres.index(id)?;
+        if !matches!(edit, Edit::Force(_)) && self.scene.body_of_sphere(id).is_some() {
+            return Err(Error::Invalid {
+                field: "sphere",
+                value: format!("{id:?}, a part of a rigid body"),
+                expected: "a sphere of its own: `update_body` moves a body",
+            });
+        }
         self.edits.push((id, edit));
         Ok(())
     }
@@ -376,6 +393,7 @@ impl Simulation {
         self.engine.complete(&mut self.world);
         self.packed_ids = ids_of(&self.scene);
         self.packed = self.scene.sphere_ids().collect();
+        self.packed_bodies = self.scene.body_ids().collect();
         self.observation = None;
         self.packings += 1;
         self.engine.replace(&self.world)?;
@@ -409,6 +427,7 @@ impl Simulation {
         if !self.synced {
             self.engine.download_spheres(&mut self.world).await?;
             self.world.read_spheres(&mut self.scene, &self.packed);
+            self.world.read_bodies(&mut self.scene, &self.packed_bodies);
             self.synced = true;
         }
         Ok(())

@@ -209,11 +209,12 @@ impl Engine {
         on_gpu!(self, world, gpu => gpu.upload_topology(world)?)
     }
 
-    /// Uploads the state of the spheres after a change.
+    /// Uploads the state of the spheres and rigid bodies after a change.
     pub(super) fn upload_spheres(&mut self, world: &World) -> Result<()> {
         on_gpu!(self, world, gpu => {
             gpu.upload_buffer(world, Buffer::Start)?;
             gpu.upload_buffer(world, Buffer::Orientations)?;
+            gpu.upload_buffer(world, Buffer::RigidBodies)?;
         })
     }
 
@@ -246,9 +247,9 @@ impl Engine {
         on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Rates]).await?)
     }
 
-    /// Reads the state of the spheres back into `world`.
+    /// Reads the state of the spheres and rigid bodies back into `world`.
     pub(super) async fn download_spheres(&mut self, world: &mut World) -> Result<()> {
-        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Start, Buffer::Orientations]).await?)
+        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Start, Buffer::Orientations, Buffer::RigidBodies]).await?)
     }
 }
 

@@ -13,7 +13,7 @@ use crate::profile::Recorder;
 use crate::simulation::Simulation;
 use crate::simulation::drive::{COLLISIONS_FIRST, WITH_EXACT_LISTS, WITHOUT_COLLISIONS};
 use crate::simulation::engine::PendingStatus;
-use crate::step::schedule::{PLACE_WALLS, Phase, Run};
+use crate::step::schedule::{PLACE, Phase, Run};
 
 /// Steps per portion in small scenes and on the CPU, where a rejected step costs little.
 const LARGE_PORTION: u64 = 32;
@@ -141,7 +141,7 @@ impl Simulation {
             let every = if phase.makes_lists() { interval } else { 1 };
             phase.stages(integrator, broad_phase).iter().map(move |run| (phase, Run { every, ..*run }))
         };
-        let placing = stretch.phases.iter().take(1).flat_map(|phase| PLACE_WALLS.iter().map(|run| (*phase, *run)));
+        let placing = stretch.phases.iter().take(1).flat_map(|phase| PLACE.iter().map(|run| (*phase, *run)));
         let (owners, stages): (Vec<Phase>, Vec<Run>) = placing.chain(stretch.phases.iter().copied().flat_map(runs)).unzip();
         self.world.set_time_step(self.time_step);
         self.synced = false;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::error::Result;
-use crate::scene::{Inlet, InletState, ObjectId, Outlet, Passed, Scene, SphereId, shared};
+use crate::scene::{Inlet, InletState, ObjectId, Outlet, Passed, RigidBody, Scene, SphereId, shared};
 use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
 
@@ -116,6 +116,14 @@ impl Simulation {
         let gone = leaving(&self.scene, &self.scene.outlets[number]);
         for id in &gone {
             self.flow.outlets[number].add(self.scene.sphere(*id)?.mass);
+        }
+        let inside = |body: &RigidBody| self.scene.outlets[number].contains(DVec3::from_array(body.centre()));
+        let bodies: Vec<_> =
+            self.scene.body_ids().zip(self.scene.bodies()).filter(|(_, body)| inside(body)).map(|(id, _)| id).collect();
+        for id in bodies {
+            let mass = self.scene.shape_mass(self.scene.body(id)?.shape)?.mass as f32;
+            self.flow.outlets[number].add(mass);
+            self.remove_body(id)?;
         }
         if !gone.is_empty() {
             self.remove_spheres(&gone)?;
@@ -231,7 +239,8 @@ fn leaving(scene: &Scene, outlet: &Outlet) -> Vec<SphereId> {
     }
     let spheres = scene.sphere_ids().zip(scene.spheres());
     let alone = spheres
-        .filter(|(id, sphere)| !sphere.fixed && outlet.contains(sphere.position.as_dvec3()) && !of_capsules.contains(id));
+        .filter(|(id, sphere)| !sphere.fixed && outlet.contains(sphere.position.as_dvec3()) && !of_capsules.contains(id))
+        .filter(|(id, _)| scene.body_of_sphere(*id).is_none());
     gone.extend(alone.map(|(id, _)| id));
     gone
 }

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::model::muscles::MuscleClock;
 use crate::model::world::World;
 use crate::report::{Energy, SphereState};
-use crate::scene::{Scene, Sphere, SphereId, Spring, SpringId};
+use crate::scene::{Frame, RigidBody, Scene, Sphere, SphereId, Spring, SpringId};
 use crate::simulation::observed::{Detail, view_and_lists};
 use crate::simulation::{Simulation, engine};
 
@@ -136,7 +136,7 @@ impl Simulation {
     pub fn energy(&mut self) -> Result<Energy> {
         let gravity = self.gravity().as_dvec3();
         let contact = self.contact_energy()?;
-        let mut energy = spheres_energy(&self.scene, gravity);
+        let mut energy = bodies_energy(&self.scene, gravity);
         if self.world.step.is_half_step() && self.scene.settings.collisions {
             energy.kinetic = self.synchronised_kinetic_energy()?;
         }
@@ -149,8 +149,9 @@ impl Simulation {
     fn synchronised_kinetic_energy(&mut self) -> Result<f64> {
         let (scene, world) = self.observed(Detail::Pairs)?;
         let view = view_and_lists(world).0.in_collisions();
-        let movers = (0..).zip(scene.spheres()).filter(|(_, sphere)| !sphere.fixed);
-        Ok(movers.map(|(index, sphere)| kinetic_energy(sphere, view.velocity(index).as_dvec3())).sum())
+        let movers = (0..).zip(scene.spheres()).filter(|(index, _)| view.is_integrated(*index));
+        let loose: f64 = movers.map(|(index, sphere)| kinetic_energy(sphere, view.velocity(index).as_dvec3())).sum();
+        Ok(loose + scene.bodies().iter().map(|body| body_energy(scene, body)).sum::<f64>())
     }
 }
 
@@ -161,15 +162,33 @@ fn kinetic_energy(sphere: &Sphere, velocity: DVec3) -> f64 {
     0.5 * (mass * velocity.length_squared() + sphere.angular_momentum.as_dvec3().length_squared() / inertia)
 }
 
-fn spheres_energy(scene: &Scene, gravity: DVec3) -> Energy {
+/// Kinetic energy of a rigid body.
+fn body_energy(scene: &Scene, body: &RigidBody) -> f64 {
+    scene.shape_mass(body.shape).map_or(0.0, |kinetics| {
+        let (v, momentum) = (body.velocity.as_dvec3(), body.angular_momentum.as_dvec3());
+        0.5 * (kinetics.mass * v.length_squared() + momentum.dot(Frame::of(body, kinetics).spin))
+    })
+}
+
+fn bodies_energy(scene: &Scene, gravity: DVec3) -> Energy {
     let mut energy = Energy::default();
-    for sphere in scene.spheres().iter().filter(|sphere| !sphere.fixed) {
+    let loose =
+        scene.sphere_ids().zip(scene.spheres()).filter(|(id, sphere)| !sphere.fixed && scene.body_of_sphere(*id).is_none());
+    for (_, sphere) in loose {
         let mass = f64::from(sphere.mass);
         let (x, v, spin) = (DVec3::from_array(sphere.centre()), sphere.velocity.as_dvec3(), sphere.angular_momentum.as_dvec3());
         energy.kinetic += kinetic_energy(sphere, v);
         energy.potential -= mass * gravity.dot(x);
         energy.momentum += mass * v;
         energy.angular_momentum += mass * x.cross(v) + spin;
+    }
+    for body in scene.bodies() {
+        let Ok(kinetics) = scene.shape_mass(body.shape) else { continue };
+        let (x, v, momentum) = (DVec3::from_array(body.centre()), body.velocity.as_dvec3(), body.angular_momentum.as_dvec3());
+        energy.kinetic += body_energy(scene, body);
+        energy.potential -= kinetics.mass * gravity.dot(x);
+        energy.momentum += kinetics.mass * v;
+        energy.angular_momentum += kinetics.mass * x.cross(v) + momentum;
     }
     energy
 }

@@ -1,6 +1,7 @@
 //! The list of all stages.
 
 use crate::step::aabbs::update_aabbs;
+use crate::step::bodies::move_bodies;
 use crate::step::broad_phase::brute_force::{count_pairs, fill_pairs};
 use crate::step::broad_phase::grid::{
     clear_cells, count_cells, count_long, fill_long, find_neighbours, scan_cells, sort_cells,
@@ -19,7 +20,7 @@ use crate::step::stage::Stage;
 use crate::step::walls::move_walls;
 
 /// All stages, each once.
-pub const ALL: [&Stage; 46] = [
+pub const ALL: [&Stage; 47] = [
     &move_walls::STAGE,
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
@@ -59,6 +60,7 @@ pub const ALL: [&Stage; 46] = [
     &kick::STAGE,
     &constrain::STAGE,
     &turn::STAGE,
+    &move_bodies::STAGE,
     &end_step::STAGE,
     &key_spheres::STAGE,
     &count_digits::STAGE,

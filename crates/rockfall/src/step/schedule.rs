@@ -1,10 +1,11 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
-use crate::model::layout::{RESTORING, SWEEPS, SWEEPS_FEW, SWEEPS_ON};
+use crate::model::layout::{AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, RESTORING, SWEEPS, SWEEPS_FEW, SWEEPS_ON};
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
 use crate::step::aabbs::update_aabbs;
+use crate::step::bodies::move_bodies;
 use crate::step::broad_phase::brute_force::{count_pairs, fill_pairs};
 use crate::step::broad_phase::grid::{
     clear_cells, count_cells, count_long, fill_long, find_neighbours, scan_cells, sort_cells,
@@ -46,6 +47,10 @@ pub enum When {
     LongMovers,
     /// Scenes in which boxes or polygons move.
     Walls,
+    /// Scenes with rigid bodies.
+    Rigid,
+    /// Scenes in which orientations are updated after the integration: those with rods or rigid bodies.
+    Turned,
 }
 
 /// One run of a stage: its pass, the scenes that need it, and how often it is run.
@@ -78,6 +83,8 @@ impl Run {
             When::Accelerated => synchronise::is_needed(&traits),
             When::LongMovers => traits.long_movers,
             When::Walls => traits.walls,
+            When::Rigid => traits.rigid,
+            When::Turned => traits.turns_late(),
         }
     }
 
@@ -117,8 +124,14 @@ const fn walls(pass: u32) -> Run {
     self::pass(&move_walls::STAGE, pass).when(When::Walls)
 }
 
-/// Puts walls where they are at the start of the step. Runs first in every step, so that they are there whatever happened to the step before.
-pub const PLACE_WALLS: &[Run] = &[walls(0)];
+/// Moves rigid bodies in pass `pass`.
+const fn bodies(pass: u32) -> Run {
+    self::pass(&move_bodies::STAGE, pass).when(When::Rigid)
+}
+
+/// Puts walls and the records of rigid bodies where they are at the start of the step. Runs first in every step, so that they are there
+/// whatever happened to the step before.
+pub const PLACE: &[Run] = &[walls(0), bodies(BEFORE_STEP)];
 
 /// A phase of a step. Each phase can be run on its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -181,19 +194,23 @@ impl Phase {
                         pass(&rod_loads::STAGE, 0),
                         pass(&loads::STAGE, 0),
                         pass(&advance::STAGE, 0),
+                        bodies(0),
                         walls(1),
                         pass(&rod_loads::STAGE, 1),
                         pass(&loads::STAGE, 1),
                         pass(&advance::STAGE, 1),
+                        bodies(1),
                         pass(&rod_loads::STAGE, 2),
                         pass(&loads::STAGE, 2),
                         pass(&advance::STAGE, 2),
+                        bodies(2),
                         walls(3),
                         pass(&rod_loads::STAGE, 3),
                         pass(&loads::STAGE, 3),
                         pass(&finish::STAGE, 3),
                         run(&constrain::STAGE),
-                        run(&turn::STAGE).when(When::Rods),
+                        run(&turn::STAGE).when(When::Turned),
+                        bodies(3),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -207,7 +224,8 @@ impl Phase {
                         walls(3),
                         run(&symplectic_euler::STAGE),
                         run(&constrain::STAGE),
-                        run(&turn::STAGE).when(When::Rods),
+                        run(&turn::STAGE).when(When::Turned),
+                        bodies(AFTER_EULER),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -220,12 +238,14 @@ impl Phase {
                         run(&loads::STAGE),
                         run(&drift::STAGE),
                         pass(&constrain::STAGE, 3),
+                        bodies(AFTER_DRIFT),
                         walls(3),
                         pass(&rod_loads::STAGE, 3),
                         pass(&loads::STAGE, 3),
                         pass(&kick::STAGE, 3),
                         run(&constrain::STAGE),
-                        run(&turn::STAGE).when(When::Rods),
+                        run(&turn::STAGE).when(When::Turned),
+                        bodies(AFTER_KICK),
                         run(&end_step::STAGE),
                     ]
                 }

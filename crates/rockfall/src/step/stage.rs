@@ -2,6 +2,7 @@
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
+use crate::model::layout::AFTER_DRIFT;
 use crate::model::part::Part;
 use crate::model::world::World;
 use crate::step::moves::Moves;
@@ -17,6 +18,9 @@ pub enum Slot {
     State,
     /// The stage state that pass p of RK4 writes: `Y2`, `Y3`, `Y4` for p = 0, 1, 2.
     Next,
+    /// The state in which pass p of `move_bodies` puts the spheres of rigid bodies: `Y2`, `Y3`, `Y4` for p = 0, 1, 2, `Y4` for
+    /// [`AFTER_DRIFT`](crate::model::layout::AFTER_DRIFT), else `Start`.
+    Placed,
     /// The input of pass p of a sort: `Y2` for even p, `Y3` for odd p.
     Unsorted,
     /// The output of pass p of a sort: `Y3` for even p, `Y2` for odd p.
@@ -31,6 +35,14 @@ impl Slot {
             Self::Fixed(buffer) => buffer,
             Self::State => STATES[pass as usize],
             Self::Next => STATES[pass as usize + 1],
+            Self::Placed if pass == AFTER_DRIFT => Buffer::Y4,
+            Self::Placed => {
+                if pass < 3 {
+                    STATES[pass as usize + 1]
+                } else {
+                    Buffer::Start
+                }
+            }
             Self::Unsorted => STATES[1 + pass as usize % 2],
             Self::Sorted => STATES[2 - pass as usize % 2],
         }

@@ -95,6 +95,7 @@ const SHARED: &[Part] = &[
     part!("physics/forces/sphere_push.wgsl"),
     part!("physics/forces/sphere_rates.wgsl"),
     part!("physics/friction_impulses.wgsl"),
+    part!("physics/free_rotation.wgsl"),
     part!("physics/geometry.wgsl"),
     part!("physics/scale.wgsl"),
     part!("physics/laws/before.wgsl"),
@@ -111,6 +112,8 @@ const SHARED: &[Part] = &[
     part!("physics/motion.wgsl"),
     part!("physics/pairs.wgsl"),
     part!("physics/period.wgsl"),
+    part!("physics/rigid.wgsl"),
+    part!("physics/rigid_side.wgsl"),
     part!("physics/rotation.wgsl"),
     part!("physics/sine.wgsl"),
     part!("physics/seams_of_list.wgsl"),
@@ -218,6 +221,8 @@ pub struct Variant {
     pub muscles: bool,
     /// Boxes or polygons may move.
     pub walls: bool,
+    /// There may be rigid bodies.
+    pub rigid: bool,
     /// There may be triangles.
     pub triangles: bool,
     /// The scene is periodic.
@@ -254,6 +259,7 @@ impl Variant {
             large: traits.large,
             muscles: traits.muscles,
             walls: traits.walls,
+            rigid: traits.rigid,
             triangles: traits.triangles,
             periodic: traits.periodic,
             materials: traits.materials,
@@ -277,6 +283,7 @@ impl Variant {
             ("LARGE", self.large),
             ("MUSCLES", self.muscles),
             ("WALLS", self.walls),
+            ("RIGID_BODIES", self.rigid),
             ("TRIANGLES", self.triangles),
             ("PERIODIC", self.periodic),
             ("MATERIALS", self.materials),

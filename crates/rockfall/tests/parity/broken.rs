@@ -22,7 +22,7 @@ use crate::decisions::entries;
 use crate::device::{GPU, on_gpu, open};
 use crate::trace::{Only, Plan, Scenario, Trace, trace};
 use crate::verdicts::{Key, Verdicts};
-use crate::{assert_scenario_matches, keys, plan, walls, with_law};
+use crate::{assert_scenario_matches, keys, plan, rigid, walls, with_law};
 
 /// A mistake in a kernel: the stage and its pass, the WGSL file, the correct text, the wrong text, and the buffer that must
 /// differ.
@@ -44,6 +44,70 @@ impl Mistake {
 }
 
 static MISTAKES: &[Mistake] = &[
+    Mistake(
+        "move_bodies",
+        0,
+        "move_bodies.wgsl",
+        "torque += load.torque + cross(",
+        "torque += load.torque - cross(",
+        Buffer::RigidBodies,
+    ),
+    Mistake(
+        "move_bodies",
+        1,
+        "move_bodies.wgsl",
+        "let weight = select(2.0, 1.0,",
+        "let weight = select(1.0, 1.0,",
+        Buffer::RigidBodies,
+    ),
+    Mistake(
+        "move_bodies",
+        2,
+        "move_bodies.wgsl",
+        "select(0.5, 1.0, pass_.index == 2u)",
+        "select(0.5, 1.0, pass_.index == 3u)",
+        Buffer::RigidBodies,
+    ),
+    Mistake(
+        "move_bodies",
+        3,
+        "move_bodies.wgsl",
+        "step.dt * (start.velocity + sixth",
+        "step.dt * (start.velocity + 2.0 * sixth",
+        Buffer::RigidBodies,
+    ),
+    Mistake(
+        "move_bodies",
+        3,
+        "move_bodies.wgsl",
+        "pose.velocity + cross(spin, lever)",
+        "pose.velocity - cross(spin, lever)",
+        Buffer::Start,
+    ),
+    Mistake(
+        "move_bodies",
+        3,
+        "free_rotation.wgsl",
+        "let share = select(0.5, 1.0, k == 2u);",
+        "let share = 1.0;",
+        Buffer::RigidBodies,
+    ),
+    Mistake(
+        "move_bodies",
+        3,
+        "free_rotation.wgsl",
+        "dot(axis, momentum) * axis;\n    }",
+        "dot(axis, momentum) * axis.zxy;\n    }",
+        Buffer::Start,
+    ),
+    Mistake("move_bodies", 4, "move_bodies.wgsl", "select(1.0, 0.5, pass_.index == AFTER_DRIFT)", "1.0", Buffer::RigidBodies),
+    Mistake("move_bodies", 5, "move_bodies.wgsl", "keep_rates(body, rates);", "", Buffer::Rates),
+    Mistake("move_bodies", 7, "move_bodies.wgsl", "axis.xxy * axis.yzz", "axis.xyx * axis.yzz", Buffer::Topology),
+    Mistake("loads", 0, "rigid_side.wgsl", "let across = cross(lever, n);", "let across = lever;", Buffer::Wrenches),
+    Mistake("loads", 0, "rigid_side.wgsl", "reach * reach * float_at", "reach * float_at", Buffer::Wrenches),
+    Mistake("loads", 0, "chain.wgsl", "in_one_body(a, b) ||", "", Buffer::Wrenches),
+    Mistake("advance", 0, "next_state.wgsl", "& is_free(i)", "", Buffer::Y2),
+    Mistake("kick", 3, "kick.wgsl", "| !is_free(i)", "", Buffer::Start),
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "* 0.02, EXACT", "* 0.03, EXACT", Buffer::Aabbs),
     Mistake("update_aabbs", 0, "travel.wgsl", "position + way", "position - way", Buffer::Aabbs),
     Mistake("count_pairs", 0, "pair_tiles.wgsl", "(own.id != tile[k].id)", "(own.id < tile[k].id)", Buffer::Lists),
@@ -649,6 +713,8 @@ fn every_kernel_with_a_mistake_is_rejected() {
     traces.push(crossings::trace(1, false));
     traces.push(walls::trace(1, Integrator::Rk4, false, false));
     traces.push(walls::trace(3, Integrator::Rk4, false, true));
+    traces.push(rigid::trace(1, Integrator::Rk4, ContactLaw::Thesis, false));
+    traces.push(rigid::trace(3, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, true));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();
     let verdicts = Verdicts::of("parity");

@@ -14,7 +14,7 @@ use glam::{Vec3, Vec4};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::model::buffer::Buffer;
-use rockfall::model::layout::{HISTORY_BLOCK, HISTORY_WORDS, LINK_KEY, NO_KEY, WALL_WORDS};
+use rockfall::model::layout::{HISTORY_BLOCK, HISTORY_WORDS, LINK_KEY, NO_KEY, RIGID_ROWS, RIGID_WORDS, WALL_WORDS};
 use rockfall::model::status::{COUNTER_BLOCKS, Counters, Status};
 use rockfall::model::step::Layout;
 use rockfall::model::world::World;
@@ -45,6 +45,24 @@ pub(crate) const BY_RULE: Tolerance = Tolerance { floor: 3e-5, perturbations: 0 
 
 /// Stages that only move words. Some of these words are not floats, so they must be bitwise identical.
 const MOVES: [&str; 5] = ["key_spheres", "count_digits", "scatter_digits", "permute_spheres", "settle_spheres"];
+
+/// The vectors of a rigid body.
+const BODY_ROWS: [&str; RIGID_ROWS as usize] = [
+    "position",
+    "low part",
+    "velocity",
+    "angular momentum",
+    "orientation",
+    "sum for the velocity",
+    "sum for the position",
+    "sum for the angular momentum",
+    "sum for the rotation",
+    "velocity of the stage state",
+    "angular momentum of the stage state",
+    "orientation of the stage state",
+    "position after the drift",
+    "its low part",
+];
 
 struct Floats {
     buffer: Buffer,
@@ -102,6 +120,11 @@ fn floats(world: &World) -> Vec<Floats> {
     }
     field(Buffer::Histories, "springs", springs(world).into_iter().flat_map(|(_, spring)| spring).collect());
     field(Buffer::Rates, "rates", world.rates.clone());
+    // Low parts are compared in double.rs.
+    for (place, what) in BODY_ROWS.into_iter().enumerate().filter(|(_, what)| !what.ends_with("low part")) {
+        let own: Vec<Vec4> = world.rigid_bodies.iter().skip(place).step_by(RIGID_ROWS as usize).copied().collect();
+        field(Buffer::RigidBodies, what, flat(&own));
+    }
     field(Buffer::Topology, "floats", floats_of_topology(world));
     field(Buffer::Orientations, "quaternion", flat(&world.orientations));
     let status = &world.status;
@@ -110,13 +133,14 @@ fn floats(world: &World) -> Vec<Floats> {
     all
 }
 
-/// The words of the topology buffer that stages write as floats: the sizes of free accelerations, and where walls move, the geometry of
-/// boxes and polygons and their motions. The numbers of bodies among them are denormal floats.
+/// The words of the topology buffer that stages write as floats: the sizes of free accelerations, the centres and tensors of rigid bodies, and
+/// where walls move, the geometry of boxes and polygons and their motions. The numbers of bodies among them are denormal floats.
 fn float_words(world: &World) -> Vec<Range<usize>> {
-    let Layout { free_at, spheres, boxes_at, walls_at, boxes, polygons, .. } = world.step.layout;
+    let Layout { free_at, spheres, boxes_at, walls_at, boxes, polygons, rigid_bodies, rigid_at, .. } = world.step.layout;
     let free = free_at..free_at + if free_at == 0 { 0 } else { spheres };
     let walls = boxes_at..if walls_at == 0 { boxes_at } else { walls_at + (boxes + polygons) * WALL_WORDS };
-    [free, walls].map(|range| range.start as usize..range.end as usize).to_vec()
+    let bodies = (0..rigid_bodies).map(|body| rigid_at + body * RIGID_WORDS).map(|at| at..at + 10);
+    [free, walls].into_iter().chain(bodies).map(|range| range.start as usize..range.end as usize).collect()
 }
 
 fn floats_of_topology(world: &World) -> Vec<f32> {

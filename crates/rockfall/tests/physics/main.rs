@@ -4,6 +4,7 @@
 #[macro_use]
 mod common;
 
+mod bodies;
 mod closed_form;
 mod contact_laws;
 mod continuous;

@@ -80,3 +80,13 @@ fn a_picture_has_the_trails_of_the_steps_before_it() {
     let changed = pictures[0].chunks(3).zip(pictures[1].chunks(3)).filter(|(without, with)| without != with).count();
     assert!(changed > 20, "{changed}");
 }
+
+#[test]
+fn letters_that_the_font_lacks_are_named() {
+    let folder = Folder::new();
+    fs::write(folder.path("scene.txt"), "@label 球\nS 1 0 1 0 0 0 0 0 0 0 1 0.5\n").unwrap();
+    let out = "--out a.png --size 64x48";
+    assert_eq!(folder.render(&format!("{out} --title Größe_λ"), 0).find("letters"), None);
+    let err = folder.render(&format!("{out} --label --title 日本日"), 0);
+    assert!(err.contains("warning: the built-in font lacks the letters 日本球, which are drawn as boxes\n"), "{err}");
+}

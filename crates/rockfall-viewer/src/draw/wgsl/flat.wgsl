@@ -95,18 +95,29 @@ fn box_edges_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) 
     return vertex;
 }
 
+/// Returns the displacement that takes a wall with this middle to its image in the box of a periodic scene. A middle that is on a face of
+/// the box stays there.
+fn way_into_box(middle: vec3f) -> vec3f {
+    let is_periodic = frame.period > vec3f(0.0);
+    let place = (middle - frame.least) / select(vec3f(1.0), frame.period, is_periodic) - 0.5;
+    let turns = sign(place) * max(ceil(abs(place) - 0.501), vec3f(0.0));
+    return select(vec3f(0.0), -turns * frame.period, is_periodic);
+}
+
 fn box_corner(index: u32, number: u32) -> FlatVertex {
     let at = frame.boxes_at + 12u * number;
     let edges = array<vec3f, 3>(topology_vector(at + 3u), topology_vector(at + 6u), topology_vector(at + 9u));
+    let base = topology_vector(at);
+    let least = base + way_into_box(base + 0.5 * (edges[0] + edges[1] + edges[2]));
     let axis = index / 12u;
     let far = index / 6u % 2u == 1u;
     let through = edges[axis];
-    let corner = topology_vector(at) + select(vec3f(0.0), through, far);
+    let corner = least + select(vec3f(0.0), through, far);
     let normal = normalize(select(-through, through, far));
     var vertex = face(corner, edges[(axis + 1u) % 3u], edges[(axis + 2u) % 3u], normal, index % 6u);
     vertex.colour = object_colour(KIND_BOX, number);
     vertex.look = box_look(number);
-    let place = vertex.point - topology_vector(at);
+    let place = vertex.point - least;
     let longs = vec3f(length(edges[0]), length(edges[1]), length(edges[2]));
     let along = vec3f(dot(place, edges[0]), dot(place, edges[1]), dot(place, edges[2])) / longs - 0.5 * longs;
     vertex.local = in_pattern(along, longs, number);
@@ -147,7 +158,9 @@ fn polygon_corner(index: u32, number: u32) -> FlatVertex {
     let is_triangle = topology[at + 9u] != 0u;
     // The second half of a quad is not drawn for a triangle: its corners are in one place.
     let shown = select(index, min(index, 2u), is_triangle);
-    var vertex = face(topology_vector(at), left, right, normalize(cross(left, right)), shown);
+    let base = topology_vector(at);
+    let corner = base + way_into_box(base + 0.5 * (left + right));
+    var vertex = face(corner, left, right, normalize(cross(left, right)), shown);
     vertex.rim = select(1.0, 0.0, is_triangle);
     let pixel = pixel_width() * max(dot(vertex.point - frame.eye, frame.forward), 0.0);
     let more = OVERLAP * pixel * (2.0 * quad_corner(shown) - 1.0);

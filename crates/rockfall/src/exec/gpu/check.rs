@@ -4,8 +4,9 @@ use crate::error::{Error, Result};
 use crate::model::buffer::Buffer;
 use crate::model::layout::{
     BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LINK_KEY,
-    LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_ROD, PAIR_WORDS, POLYGON_WORDS,
-    POSE_FLOATS, ROD_WORDS, SLICE, SOME_RODS, SPRING_WORDS, TETHER_WORDS, WALL_BODY, WALL_WORDS, words_of_rows,
+    LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_RIGID, NO_ROD, PAIR_WORDS,
+    POLYGON_WORDS, POSE_FLOATS, RIGID_ROWS, RIGID_WORDS, ROD_WORDS, SHAPE_WORDS, SLICE, SOME_RODS, SPRING_WORDS, TETHER_WORDS,
+    WALL_BODY, WALL_WORDS, words_of_rows,
 };
 use crate::model::status::REJECTED_PAIRS;
 use crate::model::step::Layout;
@@ -50,6 +51,7 @@ fn check_topology(world: &World) -> Result<()> {
     slice(world, step.layout.boxes_at, u64::from(step.layout.boxes) * u64::from(BOX_WORDS), "boxes")?;
     slice(world, step.layout.polygons_at, u64::from(step.layout.polygons) * u64::from(POLYGON_WORDS), "polygons")?;
     check_walls(world)?;
+    check_bodies(world)?;
     let tags = slice(world, step.layout.tags_at, u64::from(world.objects()), "tags")?;
     if step.layout.materials > 0 {
         let pairs = u64::from(step.layout.materials) * u64::from(step.layout.materials);
@@ -85,6 +87,26 @@ fn check_walls(world: &World) -> Result<()> {
     let records = slice(world, walls_at, count * u64::from(WALL_WORDS) + written, "moving walls")?;
     for record in records.chunks_exact(WALL_WORDS as usize).take(count as usize) {
         ensure(record[WALL_BODY] <= bodies, "the body of a wall")?;
+    }
+    Ok(())
+}
+
+fn check_bodies(world: &World) -> Result<()> {
+    let Layout { rigid_bodies, rigid_at, rigid_of_at, spheres, .. } = world.step.layout;
+    if rigid_bodies == 0 {
+        return Ok(());
+    }
+    ensure(world.rigid_bodies.len() == (rigid_bodies * RIGID_ROWS) as usize, "the rigid bodies")?;
+    for body in slice(world, rigid_of_at, spheres.into(), "the bodies of spheres")? {
+        ensure(*body < rigid_bodies || *body == NO_RIGID, "the body of a sphere")?;
+    }
+    for record in
+        slice(world, rigid_at, u64::from(rigid_bodies * RIGID_WORDS), "rigid bodies")?.chunks_exact(RIGID_WORDS as usize)
+    {
+        let [shape, members, count] = [record[11], record[12], record[13]];
+        slice(world, shape, u64::from(SHAPE_WORDS) + 3 * u64::from(count), "the shape of a body")?;
+        let members = slice(world, members, count.into(), "the spheres of a body")?;
+        ensure(count > 0 && members.iter().all(|sphere| *sphere < spheres), "a sphere of a body")?;
     }
     Ok(())
 }

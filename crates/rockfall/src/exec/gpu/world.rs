@@ -24,7 +24,7 @@ use crate::user_laws::set::KernelLaws;
 pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
-const KEPT: [Buffer; 9] = [
+const KEPT: [Buffer; 10] = [
     Buffer::Start,
     Buffer::Aabbs,
     Buffer::Topology,
@@ -33,6 +33,7 @@ const KEPT: [Buffer; 9] = [
     Buffer::Histories,
     Buffer::Rates,
     Buffer::Poses,
+    Buffer::RigidBodies,
     Buffer::Status,
 ];
 

@@ -185,6 +185,7 @@ impl DeviceWorlds {
             large: false,
             muscles: false,
             walls: false,
+            rigid: false,
             triangles: false,
             periodic: false,
             law: LAW_THESIS,

@@ -83,13 +83,15 @@ impl World {
 
     fn pack(scene: &Scene, order: Vec<u32>, user_laws: UserLaws) -> Result<Self> {
         scene.check_periods()?;
+        scene.check_bodies()?;
         let step = Step { lists: ListSettings::FIRST, ..Step::default() };
         let mut world = Self { step, order, user_laws, ..Self::default() };
         world.set_settings(&scene.settings);
         world.set_topology(scene)?;
         world.set_spheres(scene);
         world.set_grid(scene);
-        world.step.layout.large = world.large_spheres(scene);
+        // Spheres of rigid bodies have a thread each.
+        world.step.layout.large = if scene.bodies().is_empty() { world.large_spheres(scene) } else { 0 };
         world.set_history_pool(0);
         world.set_collision_room();
         let entries = if world.movers() <= FEW_MOVERS { FIRST_ENTRIES_OF_FEW } else { FIRST_ENTRIES };
@@ -97,7 +99,7 @@ impl World {
         Ok(world)
     }
 
-    /// Packs the state of the spheres.
+    /// Packs the state of the spheres and rigid bodies.
     pub fn set_spheres(&mut self, scene: &Scene) {
         let spheres = || in_order(scene, &self.order);
         let inverse = |mass: f32, fixed: bool| if fixed { 0.0 } else { 1.0 / mass };
@@ -110,6 +112,7 @@ impl World {
         let rows = self.rows_of_state(0);
         self.states[0].resize(rows, Vec4::ZERO);
         self.orientations = spheres().map(|sphere| sphere.orientation.into()).collect();
+        self.set_bodies(scene);
     }
 
     /// Chooses the size and number of the grid's cells. Cells are a little larger than most spheres. The table has at least

@@ -44,11 +44,13 @@ impl World {
         self.set_flags(FLAGS_OF_SCENE, flags);
     }
 
-    /// Sets the integrator. Velocity Verlet keeps the rates of the last force evaluation.
+    /// Sets the integrator. Velocity Verlet keeps the rates of the last force evaluation, of spheres and rigid bodies.
     pub fn set_integrator(&mut self, integrator: Integrator) {
         let (flag, rates) = match integrator {
             Integrator::SymplecticEuler => (FLAG_HALF_STEP, 0),
-            Integrator::VelocityVerlet => (FLAG_VERLET, self.step.layout.spheres * RATE_WORDS),
+            Integrator::VelocityVerlet => {
+                (FLAG_VERLET, (self.step.layout.spheres + self.step.layout.rigid_bodies) * RATE_WORDS)
+            }
             Integrator::Rk4 => (0, 0),
         };
         self.set_flags(FLAGS_OF_INTEGRATOR, flag);

@@ -16,6 +16,7 @@ use crate::model::world::World;
 use crate::model::world::build::in_order;
 use crate::model::world::frames::{batches, networks};
 use crate::model::world::order::inverse;
+use crate::model::world::rigid::pack_bodies;
 use crate::scene::{Dampings, Pair, Scene, SphereId};
 
 impl World {
@@ -174,6 +175,7 @@ fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut
         topology.push(polygon.is_triangle.into());
     }
     pack_walls(scene, layout, topology)?;
+    pack_bodies(scene, layout, topology)?;
     layout.tags_at = topology.len() as u32;
     let tags_at = topology.len();
     let spheres = in_order(scene, order).map(|sphere| (sphere.group, sphere.material));

@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl
-// requires physics/chain.wgsl physics/geometry.wgsl physics/laws/before.wgsl physics/laws/contact.wgsl physics/laws/history.wgsl physics/laws/jkr.wgsl
+// requires physics/chain.wgsl physics/geometry.wgsl physics/laws/before.wgsl physics/laws/contact.wgsl physics/laws/history.wgsl physics/laws/jkr.wgsl physics/rigid_side.wgsl
 
 // A contact of a mover by a law with history.
 struct MoverContact {
@@ -33,8 +33,8 @@ fn mover_contact(mover: u32, entry: u32) -> MoverContact {
             return no_mover_contact();
         }
     }
-    let a_side = side_of(pair.x, found.a);
-    let b_side = second_side(pair.x, pair.y, found);
+    let a_side = in_body(side_of(pair.x, found.a), pair.x, found.a, found.n);
+    let b_side = in_body(second_side(pair.x, pair.y, found), pair.y, found.b, found.n);
     if a_side.inverse_mass + b_side.inverse_mass <= 0.0 {
         return no_mover_contact();
     }

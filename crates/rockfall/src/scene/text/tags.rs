@@ -42,7 +42,9 @@ impl Reader<'_> {
             return self.not_understood(number, missing(&LABEL));
         }
         self.tag(&LABEL, "TEXT", text, |tag, label| {
-            tag.label = label.map(str::to_owned);
+            // Where no label is in use, `-` says that the scene has none.
+            let has_none = tag.label.as_deref().is_none_or(str::is_empty);
+            tag.label = label.or(has_none.then_some("")).map(str::to_owned);
             Ok(())
         })
     }

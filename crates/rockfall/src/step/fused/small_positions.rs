@@ -28,7 +28,11 @@ use crate::step::schedule::{Phase, Run};
 
 /// Whether [`update_positions`] computes the phase of positions of a scene. The stages of larger scenes are divided among threads.
 fn fits(traits: &Traits) -> bool {
-    traits.law == LAW_THESIS && !traits.rods && !traits.walls && (1..2 * GRAIN as u32).contains(&traits.spheres)
+    traits.law == LAW_THESIS
+        && !traits.rods
+        && !traits.walls
+        && !traits.rigid
+        && (1..2 * GRAIN as u32).contains(&traits.spheres)
 }
 
 /// Returns how many of the stages of a step come before the phase of positions, if [`update_positions`] can replace that phase.

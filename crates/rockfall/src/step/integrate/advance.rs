@@ -51,7 +51,7 @@ fn advance(world: &mut World, pass: u32) {
         .at_evaluation(&world.status, pass)
         .with_laws(&world.user_laws);
     let next = |sphere: u32, tally: &mut Tally| {
-        if view.is_fixed(sphere) {
+        if !view.is_integrated(sphere) {
             return Motion::of(&start, sphere);
         }
         next_state(&start, &view, pass, sphere, &sphere_rates(&view, &world.wrenches, sphere), tally)

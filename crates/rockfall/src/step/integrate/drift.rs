@@ -2,7 +2,7 @@
 //! (docs/physics.md section 5.7). The result goes to `Y4`, where the forces are evaluated next. If `forces_due` is set, the rates
 //! follow from the loads at the start of the step instead.
 //!
-//! In scenes with rods the stage leaves the old position in region 0 of `Y3` and the spin in region 2. It reports spheres whose
+//! In scenes with rods or rigid bodies the stage leaves the old position in region 0 of `Y3` and the spin in region 2. It reports spheres whose
 //! state is not finite.
 
 use glam::Vec3;
@@ -49,6 +49,7 @@ fn drift(world: &mut World, pass: u32) {
     let [start, _, y3, y4] = &mut world.states;
     let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, pass).with_laws(&world.user_laws);
     let dt = view.step.constants.dt;
+    let turns_late = world.step.traits().turns_late();
     let are_due = world.status.forces_due != 0;
     let kept_rates = |sphere: u32| {
         let at = (view.insertion_index(sphere) * RATE_WORDS) as usize;
@@ -57,7 +58,7 @@ fn drift(world: &mut World, pass: u32) {
     };
     let next = |sphere: u32, tally: &mut Tally| {
         let y = Motion::of(&view, sphere);
-        if view.is_fixed(sphere) {
+        if !view.is_integrated(sphere) {
             return y;
         }
         let Rates { acceleration, torque } =
@@ -75,7 +76,7 @@ fn drift(world: &mut World, pass: u32) {
             for sphere in rows.spheres() {
                 let next = next(sphere, &mut tally);
                 rows.set(&view, sphere, next);
-                if view.step.layout.rods > 0 {
+                if turns_late {
                     memory.remember(sphere, view.position(sphere), next.angular_momentum * view.inverse_inertia(sphere));
                 }
             }

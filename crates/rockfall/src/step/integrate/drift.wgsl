@@ -1,5 +1,5 @@
 // requires model/load_rows.wgsl model/one_state.wgsl model/put_next.wgsl model/rates.wgsl model/step.wgsl
-// requires physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl
+// requires physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/rigid.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
@@ -22,14 +22,14 @@ fn drift_sphere(i: u32) {
     let velocity = state[velocity_at(i)];
     let momentum = state[momentum_at(i)];
     var after = Motion(position.xyz, low_row(i), velocity.xyz, momentum.xyz);
-    if velocity.w > 0.0 {
+    if (velocity.w > 0.0) & is_free(i) {
         after = kicked_and_moved(after, starting_rates(i, velocity.w), 0.5 * step.dt, i);
     }
     put_next(0u, i, vec4f(after.position, position.w));
     put_next(1u, i, vec4f(after.velocity, velocity.w));
     put_next(2u, i, vec4f(after.momentum, momentum.w));
     put_next(3u, i, vec4f(after.low, 0.0));
-    if RODS {
+    if LATE_TURN {
         y3[position_at(i)] = vec4f(position.xyz, 0.0);
         y3[momentum_at(i)] = vec4f(after.momentum * momentum.w, 0.0);
     }

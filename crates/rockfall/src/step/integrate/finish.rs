@@ -1,9 +1,9 @@
-//! RK4, pass 3: the new state (docs/physics.md section 5.1), and without rods the new orientations.
+//! RK4, pass 3: the new state (docs/physics.md section 5.1), and without rods and rigid bodies the new orientations.
 //!
 //! `y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 f(Y4)`. The stage states contain the earlier rates, so no running
 //! sum of them is needed. Positions get the same mean of the velocities of the stage states, so that their low parts are kept.
 //!
-//! The mean spin is (w1 + 2 w2 + 2 w3 + w4) / 6. In scenes without rods it rotates the sphere (exponential map, docs/physics.md
+//! The mean spin is (w1 + 2 w2 + 2 w3 + w4) / 6. In scenes without rods and rigid bodies it rotates the sphere (exponential map, docs/physics.md
 //! section 5.3). In others the stage leaves it in region 2 of `Y3`, and the old position in region 0, for `constrain` and `turn`.
 
 use glam::Vec3;
@@ -51,7 +51,7 @@ fn finish(world: &mut World, _pass: u32) {
     }
     let done = finish_all(world);
     let step = &world.step;
-    if step.layout.rods == 0 {
+    if !step.traits().turns_late() {
         let turning = world.orientations.par_iter_mut().zip(&done).with_min_len(GRAIN);
         turning.for_each(|(orientation, done)| turn_for(orientation, done.spin, step.constants.dt));
         return;
@@ -109,7 +109,7 @@ pub(crate) fn finished(
     let [y2, y3, y4] = views.map(|view| Motion::of(&view, sphere));
     let last = &views[2];
     let [w1, w2, w3, w4] = [y, y2, y3, y4].map(|motion| motion.angular_momentum * last.inverse_inertia(sphere));
-    if last.is_fixed(sphere) {
+    if !last.is_integrated(sphere) {
         return (y, w1);
     }
     let spin = (w1 + 2.0 * w2 + 2.0 * w3 + w4) / 6.0;

@@ -21,7 +21,7 @@ fn finish(
         return;
     }
     let done = finish_sphere(i, load_of(i));
-    if RODS {
+    if LATE_TURN {
         y3[position_at(i)] = vec4f(done.old_position, 0.0);
         y3[momentum_at(i)] = vec4f(done.spin, 0.0);
     } else {

@@ -1,5 +1,5 @@
 //! Velocity Verlet: completes the kick with the loads after the drift: v += dt/2 a, L += dt/2 T (docs/physics.md section 5.7).
-//! Keeps the rates for the next step and clears `forces_due`. Reports spheres whose state is not finite. In scenes without rods it
+//! Keeps the rates for the next step and clears `forces_due`. Reports spheres whose state is not finite. In scenes without rods and rigid bodies it
 //! rotates every sphere by its spin in the middle of the step (exponential map, docs/physics.md section 5.3).
 
 use glam::Vec3;
@@ -45,7 +45,7 @@ fn kick(world: &mut World, pass: u32) {
         return;
     }
     let spins = kick_all(world, pass);
-    if world.step.layout.rods == 0 {
+    if !world.step.traits().turns_late() {
         let turning = world.orientations.par_iter_mut().zip(&spins).with_min_len(GRAIN);
         turning.for_each(|(orientation, spin)| turn_for(orientation, *spin, world.step.constants.dt));
     }
@@ -58,7 +58,7 @@ fn kick_all(world: &mut World, pass: u32) -> Vec<Vec3> {
     let mut all = vec![(None, Vec3::ZERO); world.step.layout.spheres as usize];
     let kick = |sphere: u32, old: Motion, tally: &mut Tally| {
         let y = Motion::of(&view, sphere);
-        if view.is_fixed(sphere) {
+        if !view.is_integrated(sphere) {
             return (old, (None, view.spin(sphere)));
         }
         let rates = sphere_rates(&view, &world.wrenches, sphere);

@@ -1,5 +1,5 @@
 // requires model/load_rows.wgsl model/one_state.wgsl model/put_rates.wgsl model/step.wgsl physics/forces/load.wgsl
-// requires physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/rotation.wgsl
+// requires physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/rotation.wgsl physics/rigid.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> start: array<vec4f>;
@@ -15,7 +15,7 @@ fn kick_sphere(i: u32, load: Load) -> vec3f {
     let position = state[position_at(i)];
     let velocity = state[velocity_at(i)];
     let momentum = state[momentum_at(i)];
-    if velocity.w <= 0.0 {
+    if (velocity.w <= 0.0) | !is_free(i) {
         return momentum.xyz * momentum.w;
     }
     var rates = sphere_rates(i, velocity.w, load);
@@ -50,7 +50,7 @@ fn kick(
         return;
     }
     let spin = kick_sphere(i, load_of(i));
-    if !RODS {
+    if !LATE_TURN {
         turn_by(i, rotation(spin));
     }
     if i == 0u {

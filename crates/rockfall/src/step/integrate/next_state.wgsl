@@ -1,4 +1,4 @@
-// requires model/step.wgsl physics/forces/load.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl
+// requires model/step.wgsl physics/forces/load.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/rigid.wgsl
 
 // Writes the next stage state of a sphere, from its load in the evaluated stage state.
 fn write_next(i: u32, load: Load) {
@@ -10,7 +10,7 @@ fn write_next(i: u32, load: Load) {
         low = start_row(3u, i).xyz;
     }
     var after = Motion(old_position.xyz, low, old_velocity.xyz, old_momentum.xyz);
-    if old_velocity.w > 0.0 {
+    if (old_velocity.w > 0.0) & is_free(i) {
         let c = select(0.5, 1.0, evaluation() == 2u) * step.dt;
         let by = c * state[velocity_at(i)].xyz;
         if DOUBLE {

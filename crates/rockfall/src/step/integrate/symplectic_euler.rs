@@ -1,7 +1,7 @@
-//! Symplectic Euler: v += dt a(x, v), L += dt T, x += dt v (docs/physics.md section 5.2), and without rods the new orientations, by
+//! Symplectic Euler: v += dt a(x, v), L += dt T, x += dt v (docs/physics.md section 5.2), and without rods and rigid bodies the new orientations, by
 //! the new spin (exponential map, docs/physics.md section 5.3).
 //!
-//! In scenes with rods the stage leaves the old position in region 0 of `Y3` and the new spin in region 2. It requests new lists
+//! In scenes with rods or rigid bodies the stage leaves the old position in region 0 of `Y3` and the new spin in region 2. It requests new lists
 //! (`rebuild`) if a sphere may leave its AABB within the next step, and reports spheres whose state is not finite.
 
 use rayon::prelude::*;
@@ -48,9 +48,9 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
     }
     let [start, _, y3, _] = &mut world.states;
     let view = View::new(&world.step, &world.topology, start).at_evaluation(&world.status, 0).with_laws(&world.user_laws);
-    let (dt, rods) = (world.step.constants.dt, world.step.layout.rods);
+    let (dt, turns_late) = (world.step.constants.dt, world.step.traits().turns_late());
     let next = |sphere: u32, y: Motion, tally: &mut Tally| {
-        if view.is_fixed(sphere) {
+        if !view.is_integrated(sphere) {
             return y;
         }
         let Rates { acceleration, torque } = sphere_rates(&view, &world.wrenches, sphere);
@@ -70,7 +70,7 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
             let mut tally = Tally::default();
             for (sphere, motion) in memory.spheres().zip(all) {
                 *motion = next(sphere, *motion, &mut tally);
-                if rods > 0 {
+                if turns_late {
                     memory.remember(sphere, view.position(sphere), motion.angular_momentum * view.inverse_inertia(sphere));
                 }
             }
@@ -81,7 +81,7 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
     Rows::of(start, world.step.layout.spheres).for_each(|mut rows| {
         rows.spheres().for_each(|sphere| rows.replace(sphere, all[sphere as usize]));
     });
-    if rods == 0 {
+    if !turns_late {
         let view = View::new(&world.step, &world.topology, start);
         let turning = world.orientations.par_iter_mut().enumerate().with_min_len(GRAIN);
         turning.for_each(|(sphere, orientation)| turn_for(orientation, view.spin(sphere as u32), dt));

@@ -1,5 +1,5 @@
 // requires model/load_rows.wgsl model/one_state.wgsl model/step.wgsl physics/escape.wgsl physics/rotation.wgsl
-// requires step/integrate/symplectic_euler_state.wgsl
+// requires step/integrate/symplectic_euler_state.wgsl physics/rigid.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> y3: array<vec4f>;
@@ -23,14 +23,16 @@ fn symplectic_euler(
     if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) {
         return;
     }
-    if RODS {
+    if LATE_TURN {
         y3[position_at(i)] = vec4f(state[position_at(i)].xyz, 0.0);
     }
     let spin = symplectic_euler_sphere(i, load_of(i));
-    if RODS {
+    if LATE_TURN {
         y3[momentum_at(i)] = vec4f(spin, 0.0);
     } else {
         turn_by(i, rotation(spin));
     }
-    request_rebuild(i, state[position_at(i)], state[velocity_at(i)]);
+    if is_free(i) {
+        request_rebuild(i, state[position_at(i)], state[velocity_at(i)]);
+    }
 }

@@ -1,4 +1,4 @@
-// requires model/step.wgsl physics/forces/load.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl
+// requires model/step.wgsl physics/forces/load.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/rigid.wgsl
 
 // Makes the next state of a sphere by symplectic Euler its state, and returns the new spin.
 fn symplectic_euler_sphere(i: u32, load: Load) -> vec3f {
@@ -6,7 +6,7 @@ fn symplectic_euler_sphere(i: u32, load: Load) -> vec3f {
     let old_velocity = state[velocity_at(i)];
     let old_momentum = state[momentum_at(i)];
     var after = Motion(old_position.xyz, low_row(i), old_velocity.xyz, old_momentum.xyz);
-    if old_velocity.w > 0.0 {
+    if (old_velocity.w > 0.0) & is_free(i) {
         after = kicked_and_moved(after, sphere_rates(i, old_velocity.w, load), step.dt, i);
         put_start(0u, i, vec4f(after.position, old_position.w));
         put_start(1u, i, vec4f(after.velocity, old_velocity.w));

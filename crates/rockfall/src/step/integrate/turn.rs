@@ -1,6 +1,6 @@
 //! Updates the orientations, and the spins of capsules (docs/physics.md sections 5.3 and 5.5, E18).
 //!
-//! The stage runs in scenes with rods. In others the integrator updates the orientations.
+//! The stage runs in scenes with rods or rigid bodies. In others the integrator updates the orientations.
 //!
 //! A sphere is rotated by its mean spin (exponential map). The first end of a capsule handles both ends. They get a common
 //! roll about the axis, and both turn with the axis. The rest of their angular momentum across the axis becomes momentum of

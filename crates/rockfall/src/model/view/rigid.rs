@@ -1,0 +1,100 @@
+//! The rigid bodies of a view.
+
+use std::ops::Range;
+
+use glam::{Quat, Vec3};
+
+use crate::model::layout::{NO_RIGID, RIGID_WORDS, SHAPE_WORDS};
+use crate::model::rigid::Moments;
+use crate::model::view::{Object, View};
+
+/// A rigid body in the state that forces are evaluated in.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RigidRecord {
+    /// The centre of mass, rounded.
+    pub(crate) centre: Vec3,
+    /// 1 / M.
+    pub(crate) inverse_mass: f32,
+    /// The tensor of the inverse inertia: xx, yy, zz, xy, xz, yz.
+    pub(crate) inverse_inertia: [f32; 6],
+    /// The inverse of the least principal moment.
+    pub(crate) greatest: f32,
+    /// First word of the shape.
+    shape: usize,
+    /// Words of the insertion indices of the member spheres.
+    members: usize,
+    count: usize,
+}
+
+impl View<'_> {
+    /// The rigid body of a sphere.
+    pub(crate) fn body_of_sphere(&self, sphere: u32) -> Option<u32> {
+        if self.step.layout.rigid_bodies == 0 {
+            return None;
+        }
+        let body = self.topology[(self.step.layout.rigid_of_at + self.insertion_index(sphere)) as usize];
+        (body != NO_RIGID).then_some(body)
+    }
+
+    /// Whether integrators move a sphere: it is not fixed and belongs to no rigid body.
+    pub(crate) fn is_integrated(&self, sphere: u32) -> bool {
+        !self.is_fixed(sphere) && self.body_of_sphere(sphere).is_none()
+    }
+
+    /// The rigid body of a sphere, or of a rod between two of its spheres.
+    pub(crate) fn body_of(&self, object: Object) -> Option<u32> {
+        match object {
+            Object::Sphere(sphere) => self.body_of_sphere(sphere),
+            Object::Rod(rod) => {
+                let [one, two] = self.rod(rod).ends.map(|end| self.body_of_sphere(end));
+                one.filter(|_| one == two)
+            }
+            Object::Cuboid(_) | Object::Polygon(_) => None,
+        }
+    }
+
+    /// Whether one of two objects is a part of a rigid body. Such a contact exerts forces alone.
+    pub(crate) fn touches_body(&self, objects: [u32; 2]) -> bool {
+        self.step.layout.rigid_bodies > 0 && objects.into_iter().any(|id| self.body_of(self.object(id)).is_some())
+    }
+
+    pub(crate) fn rigid_body(&self, body: u32) -> RigidRecord {
+        let words: [u32; RIGID_WORDS as usize] = self.record(self.step.layout.rigid_at, body, RIGID_WORDS);
+        let float = |place: usize| f32::from_bits(words[place]);
+        RigidRecord {
+            centre: Vec3::new(float(0), float(1), float(2)),
+            inverse_mass: float(3),
+            inverse_inertia: std::array::from_fn(|place| float(4 + place)),
+            greatest: float(10),
+            shape: words[11] as usize,
+            members: words[12] as usize,
+            count: words[13] as usize,
+        }
+    }
+
+    /// The principal moments of a body.
+    pub(crate) fn moments(&self, body: &RigidRecord) -> Moments {
+        let float = |place: usize| f32::from_bits(self.topology[body.shape + place]);
+        Moments {
+            middle: float(0),
+            excess: Vec3::new(float(1), float(2), float(3)),
+            axes: Quat::from_xyzw(float(4), float(5), float(6), float(7)),
+        }
+    }
+
+    /// The insertion indices of the member spheres of a body, and their places from its centre in the coordinates of its shape.
+    pub(crate) fn members(&self, body: &RigidRecord) -> impl Iterator<Item = (u32, Vec3)> + '_ {
+        let Range { start, end } = body.members..body.members + body.count;
+        let places = self.topology[body.shape + SHAPE_WORDS as usize..].chunks_exact(3);
+        let vector = |words: &[u32]| Vec3::from_array([0, 1, 2].map(|axis| f32::from_bits(words[axis])));
+        self.topology[start..end].iter().copied().zip(places.map(vector))
+    }
+
+    /// The memory slot of the sphere with an insertion index.
+    pub(crate) fn slot_of(&self, index: u32) -> u32 {
+        match self.step.layout.slots_at {
+            0 => index,
+            at => self.topology[(at + index) as usize],
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Packs rigid bodies: their records, shapes and members in the topology, and their state.
+
+use std::collections::HashMap;
+
+use glam::{DQuat, DVec3, Quat, Vec3, Vec4};
+
+use crate::error::Result;
+use crate::fine::Fine;
+use crate::model::layout::{NO_RIGID, RIGID_ROWS, RIGID_WORDS};
+use crate::model::rigid::{Moments, Pose};
+use crate::model::step::Layout;
+use crate::model::view::View;
+use crate::model::world::World;
+use crate::scene::{Kinetics, RigidBodyId, Scene, ShapeId};
+
+/// The moments as kernels use them.
+fn moments_of(kinetics: &Kinetics) -> Moments {
+    let inverse = DVec3::ONE / kinetics.moments;
+    let mut sorted = inverse.to_array();
+    sorted.sort_by(f64::total_cmp);
+    Moments { middle: sorted[1] as f32, excess: (inverse - DVec3::splat(sorted[1])).as_vec3(), axes: narrow(kinetics.axes) }
+}
+
+fn narrow(q: DQuat) -> Quat {
+    q.normalize().as_quat()
+}
+
+/// The words of a shape: its moments, the rotation of its principal axes, and the places of its spheres from its centre of mass.
+fn shape_words(scene: &Scene, id: ShapeId) -> Result<Vec<u32>> {
+    let kinetics = scene.shape_mass(id)?;
+    let Moments { middle, excess, axes } = moments_of(kinetics);
+    let mut words = vec![middle];
+    words.extend(excess.to_array());
+    words.extend(axes.to_array());
+    for sphere in &scene.shape(id)?.spheres {
+        words.extend((sphere.centre.as_dvec3() - kinetics.centre).as_vec3().to_array());
+    }
+    Ok(words.into_iter().map(f32::to_bits).collect())
+}
+
+/// Appends the rigid bodies of a scene: records, bodies of spheres, shapes, members.
+pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) -> Result<()> {
+    (layout.rigid_bodies, layout.rigid_at, layout.rigid_of_at) = (scene.bodies().len() as u32, 0, 0);
+    if scene.bodies().is_empty() {
+        return Ok(());
+    }
+    layout.rigid_at = topology.len() as u32;
+    topology.resize(topology.len() + scene.bodies().len() * RIGID_WORDS as usize, 0);
+    layout.rigid_of_at = topology.len() as u32;
+    topology.resize(topology.len() + scene.spheres().len(), NO_RIGID);
+    let mut shapes: HashMap<ShapeId, u32> = HashMap::new();
+    for (number, body) in scene.bodies().iter().enumerate() {
+        let shape = match shapes.get(&body.shape) {
+            Some(at) => *at,
+            None => {
+                let at = topology.len() as u32;
+                topology.extend(shape_words(scene, body.shape)?);
+                shapes.insert(body.shape, at);
+                at
+            }
+        };
+        let members = topology.len() as u32;
+        for sphere in body.spheres() {
+            let index = scene.spheres.index(*sphere)?;
+            topology[layout.rigid_of_at as usize + index] = number as u32;
+            topology.push(index as u32);
+        }
+        let kinetics = scene.shape_mass(body.shape)?;
+        let moments = moments_of(kinetics);
+        let mut record = [0; RIGID_WORDS as usize];
+        let mut put = |at: usize, numbers: &[f32]| {
+            record[at..at + numbers.len()].iter_mut().zip(numbers).for_each(|(word, x)| *word = x.to_bits());
+        };
+        put(0, &Fine::sum(body.position, body.position_low).high.to_array());
+        put(3, &[(1.0 / kinetics.mass) as f32]);
+        put(4, &moments.inverse_inertia(body.orientation));
+        put(10, &[(1.0 / kinetics.moments.min_element()) as f32]);
+        record[11..14].copy_from_slice(&[shape, members, body.spheres().len() as u32]);
+        topology[layout.rigid_at as usize + number * RIGID_WORDS as usize..][..record.len()].copy_from_slice(&record);
+    }
+    Ok(())
+}
+
+impl World {
+    /// Packs the state of the rigid bodies, and places their spheres.
+    pub(super) fn set_bodies(&mut self, scene: &Scene) {
+        self.rigid_bodies = vec![Vec4::ZERO; scene.bodies().len() * RIGID_ROWS as usize];
+        for (rows, body) in self.rigid_bodies.chunks_exact_mut(RIGID_ROWS as usize).zip(scene.bodies()) {
+            let Fine { high, low } = Fine::sum(body.position, body.position_low);
+            let vectors = [high, low, body.velocity, body.angular_momentum].map(|vector| vector.extend(0.0));
+            rows[..4].copy_from_slice(&vectors);
+            rows[4] = body.orientation.into();
+        }
+        let placed = self.placed_members(scene);
+        let n = self.step.layout.spheres as usize;
+        for (slot, rows, orientation) in placed {
+            for (region, row) in rows.into_iter().enumerate() {
+                let known = &mut self.states[0][region * n + slot as usize];
+                *known = row.extend(known.w);
+            }
+            self.orientations[slot as usize] = orientation.into();
+        }
+    }
+
+    /// Slots, rows and orientations of the spheres of all bodies.
+    fn placed_members(&self, scene: &Scene) -> Vec<(u32, [Vec3; 4], Quat)> {
+        let view = View::new(&self.step, &self.topology, &self.states[0]);
+        let mut placed = Vec::new();
+        for (number, body) in (0..).zip(scene.bodies()) {
+            let record = view.rigid_body(number);
+            let position = Fine::sum(body.position, body.position_low);
+            let pose =
+                Pose { position, velocity: body.velocity, momentum: body.angular_momentum, orientation: body.orientation };
+            let spin = view.moments(&record).spin(pose.orientation, pose.momentum);
+            placed.extend(view.members(&record).map(|(index, place)| {
+                let slot = view.slot_of(index);
+                (slot, pose.member(place, spin, view.inverse_inertia(slot)), pose.orientation)
+            }));
+        }
+        placed
+    }
+
+    /// Writes the state of the rigid bodies back to the scene that it was packed from. `packed` are the handles of the bodies at that time.
+    pub(crate) fn read_bodies(&self, scene: &mut Scene, packed: &[RigidBodyId]) {
+        for (rows, id) in self.rigid_bodies.chunks_exact(RIGID_ROWS as usize).zip(packed) {
+            // Skips bodies that have been removed since.
+            if let Ok(body) = scene.bodies.get_mut(*id) {
+                let [position, low, velocity, momentum] = [0, 1, 2, 3].map(|place: usize| rows[place].truncate());
+                (body.position, body.position_low, body.velocity) = (position, low, velocity);
+                (body.angular_momentum, body.orientation) = (momentum, Quat::from_vec4(rows[4]));
+            }
+        }
+    }
+}

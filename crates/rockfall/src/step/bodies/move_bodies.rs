@@ -1,0 +1,342 @@
+//! Integrates rigid bodies and places their spheres (docs/physics.md sections 1.5, 4.16 and 5.9).
+//!
+//! A thread per body sums the loads of its member spheres, moves the body as the integrator moves a sphere, and writes the member spheres to
+//! the state that the integrator has just written. The integrator leaves them out. The passes are those of the force evaluations of RK4,
+//! [`AFTER_DRIFT`] and [`AFTER_KICK`] with velocity Verlet, and [`AFTER_EULER`]. Every pass also writes the record of the body in the
+//! topology, with the centre and the inertia in that state, which contacts read. Pass [`BEFORE_STEP`] writes the record alone: a rejected
+//! step may have left another one.
+//!
+//! A body whose new state is not finite keeps its place and stops, and its first sphere is reported.
+
+use glam::{Quat, Vec3, Vec4};
+use rayon::prelude::*;
+
+use crate::error::BadStage;
+use crate::fine::Fine;
+use crate::model::buffer::Buffer;
+use crate::model::counters::Tally;
+use crate::model::dispatch::Threads;
+use crate::model::layout::{AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, GRAIN, RATE_WORDS, RIGID_ROWS, RIGID_WORDS};
+use crate::model::part::part;
+use crate::model::rigid::{Moments, Pose};
+use crate::model::step::{Constants, Step};
+use crate::model::view::{RigidRecord, View};
+use crate::model::world::World;
+use crate::physics::forces::contacts::Load;
+use crate::physics::forces::rates::Rates;
+use crate::physics::travel::needs_rebuild;
+use crate::step::moves::NONE;
+use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
+use crate::step::wgsl::Wgsl;
+
+/// The stage.
+pub(crate) const STAGE: Stage = Stage {
+    name: "move_bodies",
+    wgsl: Wgsl::File(part!("step/bodies/move_bodies.wgsl")),
+    bindings: &[
+        Binding { name: "state", slot: Slot::Placed, access: Access::Write },
+        write("bodies", Buffer::RigidBodies),
+        write("topology", Buffer::Topology),
+        read("wrenches", Buffer::Wrenches),
+        write("kept_rates", Buffer::Rates),
+        write("orientations", Buffer::Orientations),
+        read("aabbs", Buffer::Aabbs),
+        write("status", Buffer::Status),
+    ],
+    threads: Threads::RigidBodies,
+    moves: |_| NONE,
+    cpu: move_bodies,
+};
+
+/// What a pass makes of a body.
+struct Moved {
+    /// The vectors of the body.
+    rows: [Vec4; RIGID_ROWS as usize],
+    /// Where its spheres are placed.
+    pose: Pose,
+    spin: Vec3,
+    /// The rates that velocity Verlet keeps.
+    kept: Option<Rates>,
+    is_bad: bool,
+}
+
+fn row(rows: &[Vec4], place: usize) -> Vec3 {
+    rows[place].truncate()
+}
+
+/// The state of a body at the start of the step.
+fn start_of(rows: &[Vec4]) -> Pose {
+    Pose {
+        position: Fine { high: row(rows, 0), low: row(rows, 1) },
+        velocity: row(rows, 2),
+        momentum: row(rows, 3),
+        orientation: Quat::from_vec4(rows[4]),
+    }
+}
+
+/// Writes the state after the step.
+fn set_start(rows: &mut [Vec4], pose: &Pose) {
+    let Pose { position: Fine { high, low }, velocity, momentum, orientation } = *pose;
+    rows[..5].copy_from_slice(&[
+        high.extend(0.0),
+        low.extend(0.0),
+        velocity.extend(0.0),
+        momentum.extend(0.0),
+        orientation.into(),
+    ]);
+}
+
+/// The stage state that forces are evaluated in, but for the position.
+fn set_stage(rows: &mut [Vec4], pose: &Pose) {
+    rows[9..12].copy_from_slice(&[pose.velocity.extend(0.0), pose.momentum.extend(0.0), pose.orientation.into()]);
+}
+
+/// A body during a pass.
+struct Passing<'a> {
+    view: &'a View<'a>,
+    wrenches: &'a [Vec4],
+    body: &'a RigidRecord,
+    moments: Moments,
+    pass: u32,
+}
+
+impl Passing<'_> {
+    /// The rates of change in a state with this orientation, from the loads of the members (docs/physics.md section 4.16).
+    fn rates(&self, pose: &Pose) -> Rates {
+        let Step { constants, layout, .. } = self.view.step;
+        let mut sum = Load::default();
+        for (index, place) in self.view.members(self.body) {
+            let at = (4 * layout.rods + 2 * self.view.slot_of(index)) as usize;
+            let [force, torque] = [at, at + 1].map(|at| self.wrenches[at].truncate());
+            sum.force += force;
+            sum.torque += torque + (pose.orientation * place).cross(force);
+        }
+        let Constants { gravity, linear_damping, angular_damping, .. } = *constants;
+        let acceleration = self.body.inverse_mass * sum.force + Vec3::from_array(gravity) - linear_damping * pose.velocity;
+        Rates { acceleration, torque: sum.torque - angular_damping * pose.momentum }
+    }
+
+    /// The next stage state of RK4.
+    fn advance(&self, rows: &mut [Vec4]) -> Pose {
+        let dt = self.view.step.constants.dt;
+        let start = start_of(rows);
+        if self.pass == 0 {
+            set_stage(rows, &start);
+            rows[5..9].fill(Vec4::ZERO);
+        }
+        let stage = Pose { velocity: row(rows, 9), momentum: row(rows, 10), orientation: Quat::from_vec4(rows[11]), ..start };
+        let Rates { acceleration, torque } = self.rates(&stage);
+        let (weight, c) = (if self.pass == 0 { 1.0 } else { 2.0 }, if self.pass == 2 { dt } else { 0.5 * dt });
+        for (place, rate) in [(5, weight * acceleration), (6, acceleration), (7, weight * torque), (8, torque)] {
+            rows[place] += rate.extend(0.0);
+        }
+        let next = Pose {
+            velocity: start.velocity + c * acceleration,
+            momentum: start.momentum + c * torque,
+            orientation: self.moments.turned(start.orientation, stage.momentum, c),
+            ..start.moved(c * stage.velocity)
+        };
+        set_stage(rows, &next);
+        next
+    }
+
+    /// The new state of RK4.
+    fn finish(&self, rows: &[Vec4]) -> Pose {
+        let dt = self.view.step.constants.dt;
+        let start = start_of(rows);
+        let stage = Pose { velocity: row(rows, 9), momentum: row(rows, 10), orientation: Quat::from_vec4(rows[11]), ..start };
+        let Rates { acceleration, torque } = self.rates(&stage);
+        let mean_momentum = start.momentum + dt / 6.0 * row(rows, 8);
+        Pose {
+            velocity: start.velocity + dt / 6.0 * (row(rows, 5) + acceleration),
+            momentum: start.momentum + dt / 6.0 * (row(rows, 7) + torque),
+            orientation: self.moments.turned(start.orientation, mean_momentum, dt),
+            ..start.moved(dt * (start.velocity + dt / 6.0 * row(rows, 6)))
+        }
+    }
+
+    /// The state after a kick for a time and a drift for the whole step.
+    fn kicked_and_moved(&self, start: Pose, rates: &Rates, kick: f32) -> Pose {
+        let dt = self.view.step.constants.dt;
+        let velocity = start.velocity + kick * rates.acceleration;
+        let momentum = start.momentum + kick * rates.torque;
+        let orientation = self.moments.turned(start.orientation, momentum, dt);
+        Pose { velocity, momentum, orientation, ..start.moved(dt * velocity) }
+    }
+
+    /// Velocity Verlet: the state after the drift, from the kept rates or those at the start of the step.
+    fn drift(&self, rows: &mut [Vec4], kept: Option<Rates>) -> Pose {
+        let start = start_of(rows);
+        let rates = kept.unwrap_or_else(|| self.rates(&start));
+        let next = self.kicked_and_moved(start, &rates, 0.5 * self.view.step.constants.dt);
+        set_stage(rows, &next);
+        rows[12..14].copy_from_slice(&[next.position.high.extend(0.0), next.position.low.extend(0.0)]);
+        next
+    }
+
+    /// Velocity Verlet: the state after the second half of the kick, and the rates that it keeps.
+    fn kick(&self, rows: &[Vec4]) -> (Pose, Rates) {
+        let half = 0.5 * self.view.step.constants.dt;
+        let stage = Pose {
+            position: Fine { high: row(rows, 12), low: row(rows, 13) },
+            velocity: row(rows, 9),
+            momentum: row(rows, 10),
+            orientation: Quat::from_vec4(rows[11]),
+        };
+        let rates = self.rates(&stage);
+        let velocity = stage.velocity + half * rates.acceleration;
+        (Pose { velocity, momentum: stage.momentum + half * rates.torque, ..stage }, rates)
+    }
+
+    /// Moves the body. `kept` are the rates from the last step of velocity Verlet, where they hold.
+    fn moved(&self, rows: &[Vec4], kept: Option<Rates>) -> Moved {
+        let mut rows: [Vec4; RIGID_ROWS as usize] = std::array::from_fn(|place| rows[place]);
+        let start = start_of(&rows);
+        let mut keeps = None;
+        let mut pose = match self.pass {
+            BEFORE_STEP => start,
+            AFTER_EULER => self.kicked_and_moved(start, &self.rates(&start), self.view.step.constants.dt),
+            AFTER_DRIFT => self.drift(&mut rows, kept),
+            AFTER_KICK => {
+                let (pose, rates) = self.kick(&rows);
+                keeps = Some(rates);
+                pose
+            }
+            3 => self.finish(&rows),
+            _ => self.advance(&mut rows),
+        };
+        let is_bad = !pose.is_finite();
+        if is_bad {
+            pose = Pose { velocity: Vec3::ZERO, momentum: Vec3::ZERO, ..start };
+            set_stage(&mut rows, &pose);
+            rows[12..14].copy_from_slice(&[pose.position.high.extend(0.0), pose.position.low.extend(0.0)]);
+            keeps = keeps.map(|_| Rates { acceleration: Vec3::ZERO, torque: Vec3::ZERO });
+        }
+        if matches!(self.pass, 3 | AFTER_KICK | AFTER_EULER) {
+            set_start(&mut rows, &pose);
+        }
+        Moved { rows, pose, spin: self.moments.spin(pose.orientation, pose.momentum), kept: keeps, is_bad }
+    }
+}
+
+fn stage_of(pass: u32) -> BadStage {
+    match pass {
+        1 | AFTER_KICK => BadStage::Forces2,
+        2 => BadStage::Forces3,
+        3 => BadStage::Forces4,
+        _ => BadStage::Forces1,
+    }
+}
+
+fn move_bodies(world: &mut World, pass: u32) {
+    if world.step.layout.rigid_bodies == 0 || (pass != BEFORE_STEP && world.status.rejected != 0) {
+        return;
+    }
+    let moved = move_all(world, pass);
+    for (body, moved) in moved.iter().enumerate() {
+        world.rigid_bodies[body * RIGID_ROWS as usize..][..RIGID_ROWS as usize].copy_from_slice(&moved.rows);
+        if let Some(Rates { acceleration, torque }) = moved.kept {
+            let at = (world.step.layout.spheres as usize + body) * RATE_WORDS as usize;
+            acceleration.write_to_slice(&mut world.rates[at..]);
+            torque.write_to_slice(&mut world.rates[at + 3..]);
+        }
+    }
+    if pass != BEFORE_STEP {
+        place_members(world, pass, &moved);
+    }
+    put_records(world, &moved);
+}
+
+fn move_all(world: &mut World, pass: u32) -> Vec<Moved> {
+    let view = View::new(&world.step, &world.topology, &world.states[0]);
+    let keeps_rates = world.status.forces_due == 0 && pass == AFTER_DRIFT;
+    let bodies = (0..world.step.layout.rigid_bodies).into_par_iter().with_min_len(GRAIN / 4);
+    let moved: Vec<Moved> = bodies
+        .map(|number| {
+            let body = view.rigid_body(number);
+            let kept = keeps_rates.then(|| {
+                let at = ((world.step.layout.spheres + number) * RATE_WORDS) as usize;
+                let [acceleration, torque] = [at, at + 3].map(|at| Vec3::from_slice(&world.rates[at..]));
+                Rates { acceleration, torque }
+            });
+            let passing = Passing { view: &view, wrenches: &world.wrenches, moments: view.moments(&body), body: &body, pass };
+            passing.moved(&world.rigid_bodies[(number * RIGID_ROWS) as usize..], kept)
+        })
+        .collect();
+    let mut tally = Tally::default();
+    for (number, moved) in (0..).zip(&moved) {
+        let first = view.members(&view.rigid_body(number)).next();
+        if let Some((index, _)) = first.filter(|_| moved.is_bad) {
+            tally.count_bad(stage_of(pass), index);
+        }
+    }
+    tally.add_to(&mut world.status);
+    moved
+}
+
+/// Writes the member spheres to the state that the pass places them in, and their orientations at the end of the step.
+fn place_members(world: &mut World, pass: u32, moved: &[Moved]) {
+    let to = match pass {
+        0..=2 => pass as usize + 1,
+        AFTER_DRIFT => 3,
+        _ => 0,
+    };
+    let is_new = to == 0;
+    let mut state = std::mem::take(&mut world.states[to]);
+    let view = View::new(&world.step, &world.topology, if is_new { &state } else { &world.states[0] });
+    let placed: Vec<(u32, [Vec4; 4], Quat)> = (0..world.step.layout.spheres)
+        .into_par_iter()
+        .with_min_len(GRAIN)
+        .filter_map(|sphere| {
+            let body = view.body_of_sphere(sphere)?;
+            let (record, index) = (view.rigid_body(body), view.insertion_index(sphere));
+            let (_, place) = view.members(&record).find(|(member, _)| *member == index)?;
+            let Moved { pose, spin, .. } = &moved[body as usize];
+            let inverse_inertia = view.inverse_inertia(sphere);
+            let [position, velocity, momentum, low] = pose.member(place, *spin, inverse_inertia);
+            let rows = [
+                position.extend(view.radius(sphere)),
+                velocity.extend(view.inverse_mass(sphere)),
+                momentum.extend(inverse_inertia),
+                low.extend(0.0),
+            ];
+            Some((sphere, rows, pose.orientation))
+        })
+        .collect();
+    let mut tally = Tally::default();
+    if pass == AFTER_EULER {
+        for (sphere, rows, _) in &placed {
+            tally.rebuild |= needs_rebuild(&view, &world.aabbs, *sphere, row(rows, 0), row(rows, 1));
+        }
+    }
+    // A stage state has low parts of positions only where geometry uses them.
+    let n = world.step.layout.spheres as usize;
+    let regions = state.len() / n;
+    for (sphere, rows, orientation) in &placed {
+        let slot = *sphere as usize;
+        for (region, row) in rows.iter().enumerate().take(regions) {
+            state[region * n + slot] = *row;
+        }
+        if is_new {
+            world.orientations[slot] = (*orientation).into();
+        }
+    }
+    world.states[to] = state;
+    tally.add_to(&mut world.status);
+}
+
+/// Writes the centres and inverse inertias that contacts read.
+fn put_records(world: &mut World, moved: &[Moved]) {
+    for (body, Moved { pose, .. }) in (0..).zip(moved) {
+        let record = View::new(&world.step, &world.topology, &world.states[0]).rigid_body(body);
+        let view = View::new(&world.step, &world.topology, &world.states[0]);
+        let tensor = view.moments(&record).inverse_inertia(pose.orientation);
+        let at = (world.step.layout.rigid_at + body * RIGID_WORDS) as usize;
+        for (place, x) in pose.position.high.to_array().into_iter().enumerate() {
+            world.topology[at + place] = x.to_bits();
+        }
+        for (place, x) in tensor.into_iter().enumerate() {
+            world.topology[at + 4 + place] = x.to_bits();
+        }
+    }
+}

@@ -1,0 +1,306 @@
+// requires model/load_rows.wgsl model/objects.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
+// requires physics/fine.wgsl physics/forces/load.wgsl physics/forces/rates.wgsl physics/free_rotation.wgsl physics/rigid.wgsl physics/rotation.wgsl
+
+// The state in which the spheres of bodies are placed.
+@group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> bodies: array<vec4f>;
+@group(0) @binding(4) var<storage, read_write> topology: array<u32>;
+@group(0) @binding(5) var<storage, read> wrenches: array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> kept_rates: array<f32>;
+@group(0) @binding(7) var<storage, read_write> orientations: array<vec4f>;
+@group(0) @binding(8) var<storage, read> aabbs: array<Aabb>;
+@group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
+
+// The pass. It is NONE in threads without a body: software Vulkan compiles a kernel again in every dispatch where a branch depends on a
+// uniform block alone.
+var<private> body_pass: u32;
+
+struct Pose {
+    position: Fine,
+    velocity: vec3f,
+    momentum: vec3f,
+    orientation: vec4f,
+}
+
+// What a body is made of.
+struct Form {
+    moments: Moments,
+    inverse_mass: f32,
+    // First word of its shape, first word of its members, and their number.
+    shape: u32,
+    members: u32,
+    count: u32,
+}
+
+fn form_of(body: u32) -> Form {
+    let record = rigid_record(body);
+    let shape = topology[record + 11u];
+    return Form(
+        Moments(vector_at(shape + 1u), float_at(shape), vec4f(vector_at(shape + 4u), float_at(shape + 7u))),
+        float_at(record + 3u),
+        shape,
+        topology[record + 12u],
+        topology[record + 13u],
+    );
+}
+
+fn body_row(body: u32, place: u32) -> vec4f {
+    return bodies[RIGID_ROWS * body + place];
+}
+
+fn put_row(body: u32, place: u32, row: vec4f) {
+    bodies[RIGID_ROWS * body + place] = row;
+}
+
+// The state at the start of the step.
+fn start_of(body: u32) -> Pose {
+    let place = Fine(body_row(body, 0u).xyz, body_row(body, 1u).xyz);
+    return Pose(place, body_row(body, 2u).xyz, body_row(body, 3u).xyz, body_row(body, 4u));
+}
+
+// The state that forces are evaluated in. The position is that of `start`.
+fn stage_of(body: u32, start: Pose) -> Pose {
+    return Pose(start.position, body_row(body, 9u).xyz, body_row(body, 10u).xyz, body_row(body, 11u));
+}
+
+fn put_stage(body: u32, pose: Pose) {
+    put_row(body, 9u, vec4f(pose.velocity, 0.0));
+    put_row(body, 10u, vec4f(pose.momentum, 0.0));
+    put_row(body, 11u, pose.orientation);
+    put_row(body, 12u, vec4f(pose.position.high, 0.0));
+    put_row(body, 13u, vec4f(pose.position.low, 0.0));
+}
+
+// Adds a rate to one of the sums over the evaluations.
+fn add_to_sum(body: u32, place: u32, rate: vec3f) -> vec3f {
+    var before = vec3f(0.0);
+    if body_pass != 0u {
+        before = body_row(body, place).xyz;
+    }
+    let sum = before + rate;
+    put_row(body, place, vec4f(sum, 0.0));
+    return sum;
+}
+
+fn place_of_member(form: Form, member: u32) -> vec3f {
+    return vector_at(form.shape + SHAPE_WORDS + 3u * member);
+}
+
+// The rates of change from the loads of the members, which were evaluated in the state `pose` (docs/physics.md section 4.16).
+fn rates_of(form: Form, pose: Pose) -> Rates {
+    var force = vec3f(0.0);
+    var torque = vec3f(0.0);
+    for (var member = 0u; member < form.count; member++) {
+        let load = load_of(id_of(topology[form.members + member]));
+        force += load.force;
+        torque += load.torque + cross(turned_vector(pose.orientation, place_of_member(form, member)), load.force);
+    }
+    return Rates(
+        form.inverse_mass * force + step.gravity - step.linear_damping * pose.velocity,
+        torque - step.angular_damping * pose.momentum,
+    );
+}
+
+// RK4: the next stage state.
+fn advanced(body: u32, form: Form) -> Pose {
+    let start = start_of(body);
+    var stage = start;
+    if body_pass != 0u {
+        stage = stage_of(body, start);
+    }
+    let rates = rates_of(form, stage);
+    let weight = select(2.0, 1.0, body_pass == 0u);
+    let c = select(0.5, 1.0, body_pass == 2u) * step.dt;
+    add_to_sum(body, 5u, weight * rates.acceleration);
+    add_to_sum(body, 6u, rates.acceleration);
+    add_to_sum(body, 7u, weight * rates.torque);
+    add_to_sum(body, 8u, rates.torque);
+    return Pose(
+        fine_moved(start.position, c * stage.velocity),
+        start.velocity + c * rates.acceleration,
+        start.momentum + c * rates.torque,
+        freely_turned(start.orientation, form.moments, stage.momentum, c),
+    );
+}
+
+// RK4: the new state.
+fn finished(body: u32, form: Form) -> Pose {
+    let start = start_of(body);
+    let rates = rates_of(form, stage_of(body, start));
+    let sixth = step.dt / 6.0;
+    return Pose(
+        fine_moved(start.position, step.dt * (start.velocity + sixth * body_row(body, 6u).xyz)),
+        start.velocity + sixth * (body_row(body, 5u).xyz + rates.acceleration),
+        start.momentum + sixth * (body_row(body, 7u).xyz + rates.torque),
+        freely_turned(start.orientation, form.moments, start.momentum + sixth * body_row(body, 8u).xyz, step.dt),
+    );
+}
+
+// The state after a kick for a time and a drift for the whole step.
+fn kicked(form: Form, start: Pose, rates: Rates, kick: f32) -> Pose {
+    let velocity = start.velocity + kick * rates.acceleration;
+    let momentum = start.momentum + kick * rates.torque;
+    let orientation = freely_turned(start.orientation, form.moments, momentum, step.dt);
+    return Pose(fine_moved(start.position, step.dt * velocity), velocity, momentum, orientation);
+}
+
+fn rate_at(body: u32) -> u32 {
+    return RATE_WORDS * (step.spheres + body);
+}
+
+fn kept_rates_of_body(body: u32) -> Rates {
+    let at = rate_at(body);
+    return Rates(
+        vec3f(kept_rates[at], kept_rates[at + 1u], kept_rates[at + 2u]),
+        vec3f(kept_rates[at + 3u], kept_rates[at + 4u], kept_rates[at + 5u]),
+    );
+}
+
+fn keep_rates(body: u32, rates: Rates) {
+    let at = rate_at(body);
+    for (var k = 0u; k < 3u; k++) {
+        kept_rates[at + k] = rates.acceleration[k];
+        kept_rates[at + 3u + k] = rates.torque[k];
+    }
+}
+
+fn pose_is_finite(pose: Pose) -> bool {
+    return finite(pose.position.high) & finite(pose.velocity) & finite(pose.momentum) & finite(pose.orientation.xyz) & finite(pose.orientation.www);
+}
+
+// The number of the pass in a report of a state that is not finite.
+fn reported_stage() -> u32 {
+    if body_pass < 4u {
+        return body_pass + 1u;
+    }
+    return select(1u, 2u, body_pass == AFTER_KICK);
+}
+
+// A body at rest where it was.
+fn stopped_body(body: u32, form: Form) -> Pose {
+    atomicAdd(&status.bad_count, 1u);
+    atomicMin(&status.bad_body, (reported_stage() << BAD_STAGE_SHIFT) | topology[form.members]);
+    let start = start_of(body);
+    return Pose(start.position, vec3f(0.0), vec3f(0.0), start.orientation);
+}
+
+// Velocity Verlet: the second half of the kick.
+fn after_kick(body: u32, form: Form) -> Pose {
+    var pose = stage_of(body, start_of(body));
+    pose.position = Fine(body_row(body, 12u).xyz, body_row(body, 13u).xyz);
+    let rates = rates_of(form, pose);
+    pose.velocity += 0.5 * step.dt * rates.acceleration;
+    pose.momentum += 0.5 * step.dt * rates.torque;
+    if pose_is_finite(pose) {
+        keep_rates(body, rates);
+        return pose;
+    }
+    keep_rates(body, Rates(vec3f(0.0), vec3f(0.0)));
+    return stopped_body(body, form);
+}
+
+fn moved_body(body: u32, form: Form) -> Pose {
+    let start = start_of(body);
+    if body_pass == AFTER_KICK {
+        return after_kick(body, form);
+    }
+    var pose = start;
+    if body_pass < 3u {
+        pose = advanced(body, form);
+    } else if body_pass == 3u {
+        pose = finished(body, form);
+    } else {
+        var rates = Rates(vec3f(0.0), vec3f(0.0));
+        if (body_pass == AFTER_DRIFT) & (status.forces_due == 0u) {
+            rates = kept_rates_of_body(body);
+        } else {
+            rates = rates_of(form, start);
+        }
+        pose = kicked(form, start, rates, select(1.0, 0.5, body_pass == AFTER_DRIFT) * step.dt);
+    }
+    if !pose_is_finite(pose) {
+        return stopped_body(body, form);
+    }
+    return pose;
+}
+
+// Places the member spheres, and their orientations at the end of the step.
+fn place_members(form: Form, pose: Pose, is_new: bool) {
+    let spin = spin_of_body(pose.orientation, form.moments, pose.momentum);
+    for (var member = 0u; member < form.count; member++) {
+        let i = id_of(topology[form.members + member]);
+        let lever = turned_vector(pose.orientation, place_of_member(form, member));
+        let place = fine_moved(pose.position, lever);
+        let radius = state[position_at(i)].w;
+        let velocity = vec4f(pose.velocity + cross(spin, lever), state[velocity_at(i)].w);
+        let inverse_inertia = state[momentum_at(i)].w;
+        state[position_at(i)] = vec4f(place.high, radius);
+        state[velocity_at(i)] = velocity;
+        state[momentum_at(i)] = vec4f(spin / inverse_inertia, inverse_inertia);
+        if is_new | DOUBLE | VERLET {
+            state[low_at(i)] = vec4f(place.low, 0.0);
+        }
+        if is_new {
+            orientations[i] = pose.orientation;
+        }
+        if body_pass == AFTER_EULER {
+            request_rebuild(i, vec4f(place.high, radius), velocity);
+        }
+    }
+}
+
+fn put_vector(at: u32, v: vec3f) {
+    let bits = bitcast<vec3u>(v);
+    topology[at] = bits.x;
+    topology[at + 1u] = bits.y;
+    topology[at + 2u] = bits.z;
+}
+
+// Writes the centre and the inverse inertia that contacts read.
+fn put_record(body: u32, form: Form, pose: Pose) {
+    let record = rigid_record(body);
+    put_vector(record, pose.position.high);
+    var diagonal = vec3f(form.moments.middle);
+    var mixed = vec3f(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        let axis = axis_of(pose.orientation, form.moments, k);
+        diagonal += form.moments.excess[k] * axis * axis;
+        mixed += form.moments.excess[k] * axis.xxy * axis.yzz;
+    }
+    put_vector(record + 4u, diagonal);
+    put_vector(record + 7u, mixed);
+}
+
+@compute @workgroup_size(64)
+fn move_bodies(
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+) {
+    let body = linear_thread(group, groups, local);
+    body_pass = select(pass_.index, NONE, body >= step.rigid_bodies);
+    if body_pass == NONE {
+        return;
+    }
+    let form = form_of(body);
+    if body_pass == BEFORE_STEP {
+        put_record(body, form, start_of(body));
+        return;
+    }
+    if atomicLoad(&status.rejected) != 0u {
+        return;
+    }
+    let pose = moved_body(body, form);
+    let is_new = (body_pass == 3u) | (body_pass >= AFTER_KICK);
+    if is_new {
+        put_row(body, 0u, vec4f(pose.position.high, 0.0));
+        put_row(body, 1u, vec4f(pose.position.low, 0.0));
+        put_row(body, 2u, vec4f(pose.velocity, 0.0));
+        put_row(body, 3u, vec4f(pose.momentum, 0.0));
+        put_row(body, 4u, pose.orientation);
+    } else {
+        put_stage(body, pose);
+    }
+    place_members(form, pose, is_new);
+    put_record(body, form, pose);
+}

@@ -1,0 +1,203 @@
+//! Rigid bodies (docs/physics.md sections 1.5, 4.16 and 5.9).
+
+use rockfall::glam::{DVec3, Quat, Vec3};
+use rockfall::{
+    Backend, ContactLaw, Cuboid, Integrator, Material, MaterialId, Options, Pair, Placement, RigidBody, Scene, Shape,
+    Simulation, Sphere,
+};
+
+use crate::common::with;
+
+const INTEGRATORS: [Integrator; 3] = [Integrator::Rk4, Integrator::SymplecticEuler, Integrator::VelocityVerlet];
+
+fn open(scene: Scene, backend: Backend, integrator: Integrator) -> Simulation {
+    let options = Options::new().backend(backend).integrator(integrator);
+    Simulation::with_options(scene, options).expect("the simulation opens")
+}
+
+/// A scene without gravity and collisions.
+fn free() -> Scene {
+    with(|settings| (settings.gravity, settings.collisions) = (0.0, false))
+}
+
+/// A body with the moments 1, 2 and 3: mass 6, from six balls on the axes of the shape.
+fn top() -> Shape {
+    Shape::new().sphere([1.0, 0.0, 0.0], 0.1).sphere([0.0, 1.0, 0.2], 0.1).mass_properties(
+        6.0,
+        [0.0; 3],
+        [1.0, 2.0, 3.0, 0.0, 0.0, 0.0],
+    )
+}
+
+fn body_of(simulation: &mut Simulation) -> RigidBody {
+    let scene = simulation.sync().expect("the state");
+    scene.bodies()[0].clone()
+}
+
+fn stuff(scene: &mut Scene, pair: Pair) -> MaterialId {
+    let stuff = scene.add_material(Material::new("stuff").density(1000.0).young(1e7).poisson(0.3)).unwrap();
+    scene.set_pair(stuff, stuff, pair).unwrap();
+    stuff
+}
+
+/// A scene with a law with history and one material.
+fn with_law(law: ContactLaw, gravity: f32, pair: Pair) -> (Scene, MaterialId) {
+    let mut scene = with(|settings| {
+        settings.set("contact_law", &law.to_string()).expect("a law");
+        (settings.gravity, settings.collisions) = (gravity, false);
+    });
+    let material = stuff(&mut scene, pair.characteristic_velocity(2.0));
+    (scene, material)
+}
+
+/// Two balls of radius 0.1 that are 0.15 apart.
+fn dimer(material: MaterialId) -> Shape {
+    Shape::new().material(material).sphere([-0.075, 0.0, 0.0], 0.1).sphere([0.075, 0.0, 0.0], 0.1).density(1000.0)
+}
+
+/// Runs a test on both backends. The second argument is how much shorter it should be.
+fn on_both(test: impl Fn(Backend, u8)) {
+    test(Backend::Cpu, 1);
+    if cfg!(feature = "gpu") {
+        test(Backend::Gpu, 4);
+    }
+}
+
+/// A free body keeps L bit for bit, its energy is bounded, and its intermediate axis flips with the period of the elliptic integral.
+#[test]
+fn a_free_body_keeps_its_momentum_and_flips() {
+    on_both(|backend, shorter| {
+        for integrator in INTEGRATORS {
+            let mut scene = free();
+            let shape = scene.add_shape(top()).unwrap();
+            let momentum = Vec3::new(0.01, 2.0, 0.0);
+            let placed = Placement::new(shape).velocity([0.1, 0.0, -0.2]).angular_momentum(momentum);
+            scene.add_body(placed).unwrap();
+            let mut simulation = open(scene, backend, integrator);
+            let first = simulation.energy().unwrap().kinetic;
+            let (mut flips, mut before) = (Vec::new(), 1.0);
+            for step in 1..=2000 / u32::from(shorter).pow(2) {
+                simulation.run(2, 0.05).unwrap();
+                let body = body_of(&mut simulation);
+                assert_eq!(body.angular_momentum, momentum, "{backend} {integrator}");
+                let along = (body.orientation * Vec3::Y).dot(momentum);
+                if along * before < 0.0 {
+                    flips.push(0.1 * f64::from(step));
+                }
+                before = along;
+            }
+            assert!((flips[0] - 10.3773).abs() < 0.1, "{backend} {integrator}: {flips:?}");
+            for pair in flips.windows(2) {
+                assert!((pair[1] - pair[0] - 20.7546).abs() < 0.3, "{backend} {integrator}: {flips:?}");
+            }
+            let energy = simulation.energy().unwrap().kinetic;
+            assert!((energy / first - 1.0).abs() < 1e-4, "{backend} {integrator}: {first} {energy}");
+        }
+    });
+}
+
+/// One contact rebounds with the coefficient that the pair has, whatever the direction of the impact (docs/physics.md section 4.16): the
+/// speed of the contact point along the normal.
+#[test]
+fn one_contact_has_the_restitution_of_its_pair() {
+    on_both(|backend, shorter| {
+        for law in [ContactLaw::Linear, ContactLaw::HertzMindlin] {
+            for tilt in [0.4_f32, 1.0, 0.0, 1.45].into_iter().take(4 / usize::from(shorter)) {
+                let (mut scene, material) = with_law(law, 0.0, Pair::default().restitution(0.5).friction(0.0));
+                let shape = scene.add_shape(dimer(material)).unwrap();
+                let floor = Cuboid::between([-1.0, -1.0, -1.0], [1.0, 0.0, 1.0]).material(material);
+                scene.add_box(floor).unwrap();
+                let turn = Quat::from_rotation_z(0.5 * std::f32::consts::PI - tilt);
+                // The lower ball just touches the floor.
+                let height = 0.1001 + 0.075 * tilt.cos();
+                let placed = Placement::new(shape).at([0.0, f64::from(height), 0.0]).turned(turn).velocity([0.0, -1.0, 0.0]);
+                let body = scene.add_body(placed).unwrap();
+                let lower = scene.body(body).unwrap().spheres()[0];
+                let mut simulation = open(scene, backend, Integrator::VelocityVerlet);
+                // The body turns, so the speed is that at the end of the contact.
+                let mut has_met = false;
+                for _ in 0..100 {
+                    simulation.run(25, 2e-5).unwrap();
+                    let touches = simulation.energy().unwrap().contact > 0.0;
+                    if has_met && !touches {
+                        break;
+                    }
+                    has_met |= touches;
+                }
+                let after = simulation.sync().unwrap().sphere(lower).unwrap().velocity;
+                assert!((after.y - 0.5).abs() < 0.02, "{backend} {law}, tilt {tilt}: {after}");
+                let energy = simulation.energy().unwrap();
+                assert!(energy.contact == 0.0, "{backend} {law}, tilt {tilt}: it still touches");
+            }
+        }
+    });
+}
+
+/// Elastic bodies that meet off centre keep their energy, momentum and angular momentum.
+#[test]
+fn impacts_of_bodies_keep_what_they_must() {
+    on_both(|backend, shorter| {
+        for seed in 0..4 / shorter {
+            let (mut scene, material) = with_law(ContactLaw::HertzMindlin, 0.0, Pair::default().restitution(1.0).friction(0.0));
+            let shape = scene.add_shape(dimer(material)).unwrap();
+            let tripod = Shape::new().material(material).density(1500.0).sphere([0.1, 0.0, 0.0], 0.08);
+            let tripod = tripod.sphere([-0.05, 0.08, 0.0], 0.1).capsule([-0.05, -0.08, 0.02], [-0.05, -0.1, 0.25], 0.06);
+            let tripod = scene.add_shape(tripod).unwrap();
+            let aside = 0.03 * f64::from(seed);
+            let one = Placement::new(shape).at([-0.5, aside, 0.02]).velocity([1.0, 0.0, 0.0]).spin([1.0, 2.0, 5.0]);
+            let two = Placement::new(tripod).at([0.2, 0.0, 0.0]).turned(Quat::from_rotation_y(0.3 * f32::from(seed)));
+            scene.add_body(one).unwrap();
+            scene.add_body(two.spin([0.0, 3.0, -4.0])).unwrap();
+            scene
+                .add_sphere(Sphere::new([0.9, 0.05, 0.0], 0.1).density(1000.0).velocity([-0.5, 0.0, 0.0]).material(material))
+                .unwrap();
+            let mut simulation = open(scene, backend, Integrator::VelocityVerlet);
+            let first = simulation.energy().unwrap();
+            simulation.run(40_000, 2e-5).unwrap();
+            let last = simulation.energy().unwrap();
+            let size = DVec3::from_array(first.momentum.into()).length().max(1.0);
+            assert!(
+                (last.kinetic + last.contact - first.kinetic).abs() < 5e-3 * first.kinetic,
+                "{backend} {seed}: {first:?} {last:?}"
+            );
+            assert!((last.momentum - first.momentum).length() < 1e-5 * size, "{backend} {seed}: {first:?} {last:?}");
+            assert!(
+                (last.angular_momentum - first.angular_momentum).length() < 1e-4 * size,
+                "{backend} {seed}: {first:?} {last:?}"
+            );
+            let body = body_of(&mut simulation);
+            assert!(body.velocity.x < 0.97, "{backend} {seed}: they met");
+        }
+    });
+}
+
+/// A body of one ball rolls, bounces and slides as the ball does.
+#[test]
+fn a_body_of_one_ball_moves_as_the_ball() {
+    on_both(|backend, shorter| {
+        for integrator in [Integrator::SymplecticEuler, Integrator::VelocityVerlet] {
+            let states = [false, true].map(|is_body| {
+                let (mut scene, material) =
+                    with_law(ContactLaw::HertzMindlin, 9.81, Pair::default().restitution(0.6).friction(0.4));
+                scene.add_box(Cuboid::between([-2.0, -1.0, -1.0], [2.0, 0.0, 1.0]).material(material)).unwrap();
+                if is_body {
+                    let shape = Shape::new().material(material).sphere([0.0; 3], 0.1).density(1000.0);
+                    let shape = scene.add_shape(shape).unwrap();
+                    scene
+                        .add_body(Placement::new(shape).at([0.0, 0.15, 0.0]).velocity([1.0, 0.0, 0.2]).spin([1.0, 0.0, 3.0]))
+                        .unwrap();
+                } else {
+                    let ball = Sphere::new([0.0, 0.15, 0.0], 0.1).density(1000.0).velocity([1.0, 0.0, 0.2]).material(material);
+                    let momentum = ball.inertia() * Vec3::new(1.0, 0.0, 3.0);
+                    scene.add_sphere(ball.angular_momentum(momentum)).unwrap();
+                }
+                let mut simulation = open(scene, backend, integrator);
+                simulation.run(20_000 / u64::from(shorter).pow(2), 2e-5).unwrap();
+                simulation.spheres().unwrap()[0]
+            });
+            let [ball, body] = states;
+            assert!(ball.position.distance(body.position) < 1e-4, "{backend} {integrator}: {ball:?} {body:?}");
+            assert!(ball.velocity.distance(body.velocity) < 1e-3, "{backend} {integrator}: {ball:?} {body:?}");
+        }
+    });
+}
