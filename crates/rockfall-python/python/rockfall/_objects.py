@@ -50,7 +50,7 @@ class Counts(NamedTuple):
     tethers: int
     boxes: int
     polygons: int
-    bodies: int
+    bodies: int = 0
 
 
 class Objects(Rigid, Walls, Flows, Periodic, Strict):
