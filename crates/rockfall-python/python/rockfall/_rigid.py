@@ -55,11 +55,10 @@ class Shape:
             raise ValueError("density: expected without mass and inertia")
         if (centre is None) != (inertia is None):
             raise ValueError("centre, inertia: expected both or none of them")
-        numbers = [None if value is None else float(floats(key, value)[0]) for key, value in (("mass", mass), ("density", density))]
-        given = None
+        given: tuple[list[float], list[float]] | None = None
         if centre is not None and inertia is not None:
             given = (floats("centre", centre, (3,))[0].tolist(), floats("inertia", inertia, (6,))[0].tolist())
-        self._mass = (*numbers, given)
+        self._mass = (_number("mass", mass), _number("density", density), given)
         self._name = name
         self._spheres: list[tuple[list[float], float, int, Any]] = []
         self._rods: list[tuple[int, int, float, int, Any]] = []
@@ -84,6 +83,10 @@ class Shape:
         first = len(self._spheres)
         self.sphere(end1, radius, group=group, material=material).sphere(end2, radius, group=group, material=material)
         return self.rod(first, first + 1, radius, group=group, material=material)
+
+
+def _number(name: str, value: float | None) -> float | None:
+    return None if value is None else float(floats(name, value)[0])
 
 
 class MassProperties(NamedTuple):
