@@ -23,6 +23,7 @@ pub mod film;
 pub mod grasp;
 mod groups;
 pub mod legend;
+mod mark;
 pub mod overlay;
 pub mod palette;
 pub mod picture;

@@ -13,10 +13,10 @@ use crate::palette::Rgb;
 use crate::pixels::Picture;
 use crate::sheet::{Sheet, lacks, letters};
 
-mod marks;
+mod projection;
 
-pub use marks::Mark;
-use marks::Projection;
+pub use crate::mark::Mark;
+use projection::Projection;
 
 /// What is written and drawn over a picture.
 #[derive(Clone, Debug, Default, PartialEq)]

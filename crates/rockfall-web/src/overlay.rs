@@ -174,7 +174,8 @@ impl Marks {
             }
             Mark::Text { text, at, align, em, colour, panel } => {
                 self.texts.push(text.clone());
-                self.places.extend(at.iter().chain(align).copied().chain([*em]).chain(parts(colour)).chain([f32::from(*panel)]));
+                self.places
+                    .extend(at.iter().chain(align).copied().chain([*em]).chain(parts(colour)).chain([f32::from(*panel)]));
             }
         }
     }

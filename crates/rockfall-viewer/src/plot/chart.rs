@@ -4,7 +4,7 @@ use rockfall::Result;
 
 use super::axes::{exponent, label, multiples, step};
 use super::{Plots, Quantity};
-use crate::overlay::Mark;
+use crate::mark::Mark;
 use crate::palette::Rgb;
 use crate::pixels::Picture;
 use crate::sheet::{Sheet, letters};
