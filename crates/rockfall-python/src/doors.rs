@@ -7,7 +7,8 @@ use pyo3::prelude::*;
 use rockfall::glam::Vec3;
 use rockfall::{
     BoxId, Capsule, CapsuleId, Cuboid, Facets, Gauge, Inlet, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Outlet,
-    Pair, Polygon, PolygonId, Result, Rod, RodId, Settings, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
+    Pair, Placement, Polygon, PolygonId, Result, RigidBodyId, Rod, RodId, Settings, Shape, ShapeId, Sphere, SphereId, Spring,
+    SpringId, Tag, Tether, TetherId,
 };
 
 use crate::errors::Raise;
@@ -65,6 +66,8 @@ doors! {
     add_sphere(sphere: Sphere) -> SphereId;
     add_rod(rod: Rod) -> RodId;
     add_capsule(capsule: Capsule) -> CapsuleId;
+    add_shape(shape: Shape) -> ShapeId;
+    add_body(placement: Placement) -> RigidBodyId;
     add_spring(spring: Spring) -> SpringId;
     add_tether(tether: Tether) -> TetherId;
     add_box(cuboid: Cuboid) -> BoxId;
@@ -72,6 +75,7 @@ doors! {
     remove_spheres(ids: &[SphereId]) -> ();
     remove_rods(ids: &[RodId]) -> ();
     remove_capsules(ids: &[CapsuleId]) -> ();
+    remove_bodies(ids: &[RigidBodyId]) -> ();
     remove_springs(ids: &[SpringId]) -> ();
     remove_tethers(ids: &[TetherId]) -> ();
     remove_boxes(ids: &[BoxId]) -> ();

@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyLookupError;
 use pyo3::prelude::*;
-use rockfall::{Body, BoxId, CapsuleId, MaterialId, PolygonId, RodId, SphereId, SpringId, TetherId};
+use rockfall::{Body, BoxId, CapsuleId, MaterialId, PolygonId, RigidBodyId, RodId, ShapeId, SphereId, SpringId, TetherId};
 
 /// The handles of all objects that were ever added, by kind. The position in a list is the number that Python sees. It is never
 /// given to another object.
@@ -16,6 +16,8 @@ pub(crate) struct Ids {
     pub(crate) boxes: Vec<BoxId>,
     pub(crate) polygons: Vec<PolygonId>,
     pub(crate) materials: Vec<MaterialId>,
+    pub(crate) shapes: Vec<ShapeId>,
+    pub(crate) bodies: Vec<RigidBodyId>,
 }
 
 impl Ids {
@@ -30,6 +32,8 @@ impl Ids {
             boxes: scene.box_ids().collect(),
             polygons: scene.polygon_ids().collect(),
             materials: scene.material_ids().collect(),
+            shapes: scene.shape_ids().collect(),
+            bodies: scene.body_ids().collect(),
         }
     }
 }
@@ -49,7 +53,11 @@ impl Ids {
 /// The handle with a number.
 pub(crate) fn handle<T: Copy>(handles: &[T], kind: &str, id: i64) -> PyResult<T> {
     let found = usize::try_from(id).ok().and_then(|place| handles.get(place));
-    let plural = if kind == "box" { "boxes".to_owned() } else { format!("{kind}s") };
+    let plural = match kind {
+        "box" => "boxes".to_owned(),
+        "body" => "bodies".to_owned(),
+        _ => format!("{kind}s"),
+    };
     found
         .copied()
         .ok_or_else(|| PyLookupError::new_err(format!("there is no {kind} {id}: expected a number that add_{plural} returned")))

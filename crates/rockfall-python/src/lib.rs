@@ -4,6 +4,7 @@
 use pyo3::prelude::*;
 
 mod arguments;
+mod bodies;
 mod doors;
 mod errors;
 mod evolve;
@@ -38,6 +39,8 @@ mod worlds;
 mod _rockfall {
     use super::{Bound, PyModule, PyModuleMethods, PyResult};
 
+    #[pymodule_export]
+    use crate::bodies::{add_bodies, add_shape, body_states, shape_mass};
     #[pymodule_export]
     use crate::doors::{get_setting, set_setting};
     #[pymodule_export]

@@ -37,6 +37,7 @@ pub(crate) fn object(ids: &Ids, kind: &str, number: i64) -> PyResult<ObjectId> {
         "spring" => handle(&ids.springs, kind, number)?.into(),
         "box" => handle(&ids.boxes, kind, number)?.into(),
         "polygon" => handle(&ids.polygons, kind, number)?.into(),
+        "body" => handle(&ids.bodies, kind, number)?.into(),
         _ => return Err(PyValueError::new_err(format!("kind: a {kind} has no name"))),
     })
 }

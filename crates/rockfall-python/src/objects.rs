@@ -330,6 +330,7 @@ pub(crate) fn remove(target: &Bound<'_, PyAny>, kind: &str, numbers: Numbers<'_>
             "tether" => all!(tethers, remove_tethers),
             "box" => all!(boxes, remove_boxes),
             "polygon" => all!(polygons, remove_polygons),
+            "body" => all!(bodies, remove_bodies),
             _ => Err(PyValueError::new_err(format!("kind: {kind} is not a kind of object"))),
         }
     })

@@ -39,6 +39,7 @@ from rockfall._names import Named, Tag
 from rockfall._objects import Counts, Objects
 from rockfall._picture import Picture
 from rockfall._reports import Backend, Device, Energy, Overlap, Profile, Report, StageTime, State
+from rockfall._rigid import BodyStates, MassProperties, RigidBodies, Shape
 from rockfall._rockfall import SimulationError
 from rockfall._scene import RunDefaults, Scene
 from rockfall._settings import Settings
@@ -60,6 +61,7 @@ if hasattr(os, "register_at_fork"):
 
 __all__ = [
     "Backend",
+    "BodyStates",
     "Capsules",
     "ContactLaw",
     "Counts",
@@ -75,6 +77,7 @@ __all__ = [
     "Frame",
     "Impact",
     "Inflow",
+    "MassProperties",
     "Material",
     "MotionTerm",
     "Named",
@@ -87,10 +90,12 @@ __all__ = [
     "Profile",
     "Recording",
     "Report",
+    "RigidBodies",
     "RunDefaults",
     "Scene",
     "SceneWarning",
     "Settings",
+    "Shape",
     "Simulation",
     "SimulationError",
     "StageTime",

@@ -17,6 +17,7 @@ from rockfall._materials import Materials
 from rockfall._motions import Walls
 from rockfall._names import tag_of
 from rockfall._periodic import Periodic
+from rockfall._rigid import Rigid
 from rockfall._settings import SETTINGS, Settings
 from rockfall.typing import KindName, LookName
 
@@ -40,7 +41,7 @@ _COLUMNS: dict[str, tuple[list[str], list[tuple[str, int]]]] = {
 
 
 class Counts(NamedTuple):
-    """Number of objects of each kind. The spheres and rods of capsules count as spheres and rods too."""
+    """Number of objects of each kind. The spheres and rods of capsules and rigid bodies count as spheres and rods too."""
 
     spheres: int
     rods: int
@@ -49,9 +50,10 @@ class Counts(NamedTuple):
     tethers: int
     boxes: int
     polygons: int
+    bodies: int = 0
 
 
-class Objects(Walls, Flows, Periodic, Strict):
+class Objects(Rigid, Walls, Flows, Periodic, Strict):
     """Objects that can be added, removed and changed. The base of :class:`Scene` and :class:`Simulation`.
 
     Every ``add`` method takes N objects at once. An argument with one value instead of N counts for all of them. It returns

@@ -247,6 +247,20 @@ def add_capsules(
     group: _Groups,
     material: _Integers,
 ) -> tuple[int, int, int]: ...
+def add_shape(
+    target: _Target,
+    name: str | None,
+    mass: tuple[float | None, float | None, tuple[list[float], list[float]] | None],
+    spheres: list[tuple[list[float], float, int, int]],
+    rods: list[tuple[int, int, float, int, int]],
+) -> int: ...
+def shape_mass(
+    target: _Target, shape: int
+) -> tuple[float, tuple[float, float, float], tuple[float, float, float, float, float, float]]: ...
+def add_bodies(
+    target: _Target, shape: int, position: _Floats, orientation: _Floats, velocity: _Floats, spin: _Floats
+) -> tuple[tuple[int, int, int], tuple[int, int]]: ...
+def body_states(target: _Target, field: str) -> _Floats: ...
 def add_boxes(target: _Target, corner: _Floats, edges: _Floats, group: _Groups, material: _Integers) -> int: ...
 def add_polygons(
     target: _Target, corner: _Floats, left: _Floats, right: _Floats, group: _Groups, material: _Integers

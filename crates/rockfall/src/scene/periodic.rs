@@ -23,7 +23,7 @@ impl Scene {
     /// Makes the scene periodic along an axis (0 for x, 1 for y, 2 for z), between two coordinates in units, or not periodic with `None`.
     ///
     /// Bodies meet the nearest images of each other. Boxes and polygons are not repeated, but a body meets the nearest image of each of
-    /// them. A sphere, or a rod with its ends, may not be longer along the axis than half of the period; that is checked when a simulation
+    /// them. A sphere, or a rod with its ends, may not be longer along the axis than half of the period, and a rigid body not in any direction; that is checked when a simulation
     /// is made.
     ///
     /// # Errors
@@ -80,6 +80,14 @@ impl Scene {
             for (index, sphere) in self.spheres().iter().enumerate() {
                 if 2.0 * sphere.radius > most {
                     return too_long("sphere", index, 2.0 * sphere.radius);
+                }
+            }
+            for (index, body) in self.bodies().iter().enumerate() {
+                let size = 2.0 * self.shape_reach(body.shape)? as f32;
+                if size > most {
+                    let value = format!("rigid body {index} is {size} units long in some direction");
+                    let expected = "rigid bodies of at most half of the period";
+                    return Err(Error::Invalid { field: "periodic", value, expected });
                 }
             }
             for (index, rod) in self.rods().iter().enumerate() {

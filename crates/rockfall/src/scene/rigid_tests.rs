@@ -130,6 +130,18 @@ fn parts_have_their_groups_and_tags() {
 }
 
 #[test]
+fn a_body_longer_than_half_of_a_period_is_refused() {
+    let (mut scene, shape) = dumbbell();
+    scene.add_body(Placement::new(shape)).unwrap();
+    let reach = 4.5 - scene.shape_mass(shape).unwrap().centre.x as f32;
+    scene.set_periodic(1, Some([0.0, 4.01 * reach])).unwrap();
+    scene.check_periods().unwrap();
+    scene.set_periodic(1, Some([0.0, 3.99 * reach])).unwrap();
+    let error = scene.check_periods().unwrap_err().to_string();
+    assert!(error.contains("rigid body 0 is ") && error.contains("at most half of the period"), "{error}");
+}
+
+#[test]
 fn impossible_bodies_are_refused() {
     let (mut scene, shape) = dumbbell();
     let place = Placement::new(shape);

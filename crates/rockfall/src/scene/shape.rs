@@ -309,6 +309,16 @@ impl Scene {
         Some(self.shapes.handle_at(index))
     }
 
+    /// The greatest distance of a point of a shape from its centre of mass.
+    pub(crate) fn shape_reach(&self, id: ShapeId) -> Result<f64> {
+        let (shape, centre) = (self.shapes.get(id)?, self.shape_mass(id)?.centre);
+        let place = |number: usize| shape.spheres[number].centre.as_dvec3();
+        let spheres = (0..shape.spheres.len()).map(|number| (number, shape.spheres[number].radius));
+        let rods = shape.rods.iter().flat_map(|rod| [(rod.end1, rod.radius), (rod.end2, rod.radius)]);
+        let reach = |(number, radius): (usize, f32)| place(number).distance(centre) + f64::from(radius);
+        Ok(spheres.chain(rods).map(reach).fold(0.0, f64::max))
+    }
+
     /// How bodies of a shape move.
     pub(crate) fn shape_mass(&self, id: ShapeId) -> Result<&Kinetics> {
         // Shapes are never removed, so both lists have the same order.

@@ -92,17 +92,12 @@ fn eigen(mut a: [[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
             let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
             let c = 1.0 / t.hypot(1.0);
             let s = t * c;
-            for row in 0..3 {
-                let (ap, aq) = (a[row][p], a[row][q]);
-                (a[row][p], a[row][q]) = (c * ap - s * aq, s * ap + c * aq);
-            }
-            for column in 0..3 {
-                let (ap, aq) = (a[p][column], a[q][column]);
-                (a[p][column], a[q][column]) = (c * ap - s * aq, s * ap + c * aq);
-            }
-            for row in &mut vectors {
-                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
-            }
+            let turn = |x: &mut [f64; 3]| (x[p], x[q]) = (c * x[p] - s * x[q], s * x[p] + c * x[q]);
+            a.iter_mut().for_each(turn);
+            let (ap, aq) = (a[p], a[q]);
+            a[p] = std::array::from_fn(|column| c * ap[column] - s * aq[column]);
+            a[q] = std::array::from_fn(|column| s * ap[column] + c * aq[column]);
+            vectors.iter_mut().for_each(turn);
             (a[p][q], a[q][p]) = (0.0, 0.0);
         }
     }

@@ -107,6 +107,24 @@ fn every_pose_reads_back() {
     }
 }
 
+/// In single precision, the digits beyond those of an `f32` have no effect on the text.
+#[test]
+fn a_body_between_two_numbers_of_f32_is_written_in_the_same_way_again() {
+    let mut scene = read(&DUMBBELL.replace("mass=9", "density=0.3"));
+    let bone = scene.find_shape("bone").unwrap();
+    for number in 1..50 {
+        let x = (f64::from(number) * 0.7).sin();
+        let turn = Quat::from_rotation_y(number as f32);
+        scene.add_body(crate::Placement::new(bone).centred_at(DVec3::new(x, 1.0 / x, 5.0 * x)).turned(turn)).unwrap();
+    }
+    scene.settings.precision = crate::Precision::Single;
+    let text = scene.to_text();
+    let again = read(&text);
+    assert_eq!(again.to_text(), text);
+    let positions = |scene: &Scene| scene.bodies().iter().map(|body| body.position).collect::<Vec<_>>();
+    assert_eq!(positions(&again), positions(&scene));
+}
+
 #[test]
 fn a_shape_without_a_name_gets_one() {
     let mut scene = read(&DUMBBELL.replace("bone", "shape1"));

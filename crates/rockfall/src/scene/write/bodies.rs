@@ -116,7 +116,7 @@ impl Writer<'_> {
     fn position(&self, body: &RigidBody) -> String {
         let Ok(kinetics) = self.scene.shape_mass(body.shape) else { return String::new() };
         let arm = body.orientation.as_dquat().normalize() * kinetics.centre;
-        let centre = DVec3::from_array(body.centre());
+        let centre = if self.has_low_parts { DVec3::from_array(body.centre()) } else { body.position.as_dvec3() };
         let is_same = |words: &[String; 3]| {
             let origin = words.each_ref().map(|word| word.parse().unwrap_or(f64::NAN));
             let Fine { high, low } = Fine::at((DVec3::from_array(origin) + arm).to_array());

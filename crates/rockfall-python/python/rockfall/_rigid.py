@@ -1,0 +1,273 @@
+"""Shapes and rigid bodies."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from rockfall import _rockfall
+from rockfall._arrays import QUATERNION, VECTOR, FloatArray, IntArray, columns, floats, integers
+from rockfall._bodies import Bodies, first_of, numbers_from
+from rockfall._materials import Materials
+from rockfall._names import tag_of
+from rockfall.typing import LookName
+
+_ZERO = (0.0, 0.0, 0.0)
+_UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+
+
+class Shape:
+    """What rigid bodies are made of: spheres, and rods between them, in coordinates of the shape.
+
+    Parts may overlap. The matter fills them evenly, and counts once where parts overlap. Each method returns the shape, so that
+    calls can follow each other: ``rf.Shape(density=2).sphere([0, 0, 0], 0.5).sphere([0.7, 0, 0], 0.4)``.
+
+    Parameters
+    ----------
+    mass : float, optional
+        Mass of a body, greater than 0; 1 if neither mass nor density is given.
+    density : float, optional
+        Density in mass/units³, greater than 0. Not with `mass`.
+    centre, inertia : array_like, shape (3,) and (6,), optional
+        Centre of mass in units, and inertia xx, yy, zz, xy, xz, yz about it in mass units². Both or none; by default they follow from
+        the parts.
+    name : str, optional
+        Name, which no other shape of the scene has.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For numbers that are not finite, and for mass with density, density with inertia, and centre without inertia.
+    """
+
+    def __init__(
+        self,
+        *,
+        mass: float | None = None,
+        density: float | None = None,
+        centre: npt.ArrayLike | None = None,
+        inertia: npt.ArrayLike | None = None,
+        name: str | None = None,
+    ) -> None:
+        if density is not None and (mass is not None or inertia is not None):
+            raise ValueError("density: expected without mass and inertia")
+        if (centre is None) != (inertia is None):
+            raise ValueError("centre, inertia: expected both or none of them")
+        given: tuple[list[float], list[float]] | None = None
+        if centre is not None and inertia is not None:
+            given = (floats("centre", centre, (3,))[0].tolist(), floats("inertia", inertia, (6,))[0].tolist())
+        self._mass = (_number("mass", mass), _number("density", density), given)
+        self._name = name
+        self._spheres: list[tuple[list[float], float, int, Any]] = []
+        self._rods: list[tuple[int, int, float, int, Any]] = []
+
+    def sphere(self, centre: npt.ArrayLike, radius: float, *, group: int = 0, material: Materials = None) -> Shape:
+        """Add a sphere. Centre and radius are in units."""
+        place, size = floats("centre", centre, (3,))[0].tolist(), float(floats("radius", radius)[0])
+        self._spheres.append((place, size, int(integers("group", group, dtype=np.uint16)[0]), material))
+        return self
+
+    def rod(self, a: int, b: int, radius: float, *, group: int = 0, material: Materials = None) -> Shape:
+        """Add a rod between the spheres number `a` and `b` of the shape, from 0. The radius is in units."""
+        ends = [int(integers(name, end)[0]) for name, end in (("a", a), ("b", b))]
+        size = float(floats("radius", radius)[0])
+        self._rods.append((ends[0], ends[1], size, int(integers("group", group, dtype=np.uint16)[0]), material))
+        return self
+
+    def capsule(
+        self, end1: npt.ArrayLike, end2: npt.ArrayLike, radius: float, *, group: int = 0, material: Materials = None
+    ) -> Shape:
+        """Add a capsule: two spheres and a rod. Ends and radius are in units."""
+        first = len(self._spheres)
+        self.sphere(end1, radius, group=group, material=material).sphere(end2, radius, group=group, material=material)
+        return self.rod(first, first + 1, radius, group=group, material=material)
+
+
+def _number(name: str, value: float | None) -> float | None:
+    return None if value is None else float(floats(name, value)[0])
+
+
+class MassProperties(NamedTuple):
+    """Mass properties of a shape, as :meth:`Objects.shape_mass` returns them."""
+
+    #: Mass.
+    mass: float
+    #: Centre of mass in coordinates of the shape, in units.
+    centre: tuple[float, float, float]
+    #: Inertia xx, yy, zz, xy, xz, yz about the centre along the axes of the shape, in mass units².
+    inertia: tuple[float, float, float, float, float, float]
+
+
+class RigidBodies(NamedTuple):
+    """Numbers of rigid bodies and their parts, as :meth:`Objects.add_bodies` returns them."""
+
+    #: Numbers of the bodies, of shape (N,).
+    bodies: IntArray
+    #: Numbers of the spheres of each body, of shape (N, spheres of the shape).
+    spheres: IntArray
+    #: Numbers of the rods of each body, of shape (N, rods of the shape).
+    rods: IntArray
+
+
+class BodyStates:
+    """States of all rigid bodies in order of addition, as :attr:`Objects.bodies` returns them. Each attribute is a new array."""
+
+    def __init__(self, objects: Rigid) -> None:
+        self._objects = objects
+
+    def __len__(self) -> int:
+        return len(self.positions)
+
+    def _field(self, field: str, width: int = 3) -> FloatArray:
+        self._objects._edited()
+        array: FloatArray = _rockfall.body_states(self._objects._native, field).reshape(-1, width)
+        return array
+
+    @property
+    def positions(self) -> FloatArray:
+        """Centres of mass of shape (N, 3), in units."""
+        return self._field("position")
+
+    @property
+    def orientations(self) -> FloatArray:
+        """Unit quaternions w, x, y, z of shape (N, 4), which turn coordinates of the shape into those of the world."""
+        return self._field("orientation", 4)
+
+    @property
+    def velocities(self) -> FloatArray:
+        """Velocities of the centres of mass of shape (N, 3), in units/s."""
+        return self._field("velocity")
+
+    @property
+    def angular_momenta(self) -> FloatArray:
+        """Angular momenta about the centres of mass along the axes of the world, of shape (N, 3), in mass units²/s."""
+        return self._field("angular_momentum")
+
+
+class Rigid(Bodies):
+    """Adds rigid bodies. A base of :class:`Objects`."""
+
+    def add_shape(self, shape: Shape) -> int:
+        """Add a shape and return its number.
+
+        Raises
+        ------
+        ValueError
+            For a shape without spheres or with more than 1000 parts, a mass, density or radius that is not positive, a rod without two
+            different spheres, an inertia that no body has, and a name that another shape has.
+        """
+        if not isinstance(shape, Shape):
+            raise TypeError(f"shape: expected a rockfall.Shape, got {type(shape).__name__}")
+        material = self._single_material
+        spheres = [(*sphere[:3], material(sphere[3])) for sphere in shape._spheres]
+        rods = [(*rod[:4], material(rod[4])) for rod in shape._rods]
+        self._edited()
+        return int(_rockfall.add_shape(self._native, shape._name, shape._mass, spheres, rods))
+
+    def _single_material(self, material: Materials) -> int:
+        return int(np.atleast_1d(self._material_numbers("material", material))[0])
+
+    def shape_mass(self, shape: int) -> MassProperties:
+        """Mass, centre and inertia of a shape, by its number."""
+        self._edited()
+        return MassProperties(*_rockfall.shape_mass(self._native, int(shape)))
+
+    def add_bodies(
+        self,
+        shape: int,
+        positions: npt.ArrayLike,
+        orientations: npt.ArrayLike | None = None,
+        velocities: npt.ArrayLike | None = None,
+        spins: npt.ArrayLike | None = None,
+        *,
+        name: str | None = None,
+        colour: str | None = None,
+        label: str | None = None,
+        look: LookName | None = None,
+    ) -> RigidBodies:
+        """Add rigid bodies of one shape. Their spheres and rods are spheres and rods of the scene.
+
+        Parameters
+        ----------
+        shape : int
+            Number of the shape, as :meth:`add_shape` returned it.
+        positions : array_like, shape (N, 3) or (3,)
+            Where the origin of the shape comes to lie, in units.
+        orientations : array_like, shape (N, 4) or (4,), optional
+            Unit quaternions w, x, y, z, which turn coordinates of the shape into those of the world.
+        velocities : array_like, shape (N, 3) or (3,), optional
+            Velocities of the centres of mass, in units/s.
+        spins : array_like, shape (N, 3) or (3,), optional
+            Angular velocities along the axes of the world, in rad/s.
+        name, colour, label, look : str, optional
+            Name, colour, label and look of the bodies. See :meth:`set_tag`.
+
+        Returns
+        -------
+        RigidBodies
+            Numbers of the bodies, their spheres and their rods.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As for :meth:`add_spheres`.
+        LookupError
+            For a shape that does not exist.
+        """
+        tag = tag_of(name, colour, label, look)
+        count, arrays = columns(
+            positions=(positions, VECTOR),
+            orientations=(_UPRIGHT if orientations is None else orientations, QUATERNION),
+            velocities=(_ZERO if velocities is None else velocities, VECTOR),
+            spins=(_ZERO if spins is None else spins, VECTOR),
+        )
+        self._before_other_spheres()
+        self._edited()
+        (body, sphere, rod), (spheres, rods) = _rockfall.add_bodies(self._native, int(shape), *arrays)
+        added = RigidBodies(
+            numbers_from(body, count),
+            numbers_from(sphere, count * spheres).reshape(count, spheres),
+            numbers_from(rod, count * rods).reshape(count, rods),
+        )
+        self._put_tag("body", added.bodies, tag)
+        return added
+
+    def add_body(
+        self,
+        shape: int,
+        position: npt.ArrayLike,
+        orientation: npt.ArrayLike | None = None,
+        velocity: npt.ArrayLike | None = None,
+        spin: npt.ArrayLike | None = None,
+        *,
+        name: str | None = None,
+        colour: str | None = None,
+        label: str | None = None,
+        look: LookName | None = None,
+    ) -> int:
+        """Add one rigid body and return its number. The options are those of :meth:`add_bodies`."""
+        rows = [floats("position", position, (3,))]
+        if len(rows[0]) != 1:
+            raise ValueError(f"position: expected shape (3,), got {np.shape(position)}")
+        tags: dict[str, Any] = {"name": name, "colour": colour, "label": label, "look": look}
+        return first_of(self.add_bodies(shape, rows[0], orientation, velocity, spin, **tags).bodies)
+
+    @property
+    def bodies(self) -> BodyStates:
+        """States of all rigid bodies: ``bodies.positions``, ``orientations``, ``velocities`` and ``angular_momenta``."""
+        return BodyStates(self)
+
+    def remove_bodies(self, bodies: npt.ArrayLike) -> None:
+        """Remove rigid bodies, by their numbers, with their spheres and rods and everything attached to them.
+
+        Raises
+        ------
+        LookupError
+            For a body that does not exist. Nothing is removed then.
+        """
+        numbers = np.unique(integers("bodies", bodies))
+        self._before_other_spheres()
+        self._edited()
+        _rockfall.remove(self._native, "body", numbers)

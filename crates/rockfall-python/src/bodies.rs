@@ -1,0 +1,124 @@
+//! Shapes and rigid bodies.
+
+use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use rockfall::glam::Vec3;
+use rockfall::{Placement, Shape};
+
+use crate::arguments::{Rows, check, quaternion, vector};
+use crate::doors::{with, with_states};
+use crate::errors::Raise;
+use crate::ids::handle;
+use crate::materials::materials_of;
+
+/// Centre, radius, group and material of a sphere.
+type ShapeSphere = ([f32; 3], f32, u16, i64);
+/// Spheres at the ends, radius, group and material of a rod.
+type ShapeRod = (usize, usize, f32, u16, i64);
+/// Mass, density, and centre with inertia.
+type Mass = (Option<f32>, Option<f32>, Option<([f32; 3], [f32; 6])>);
+
+/// Adds a shape and returns its number.
+#[pyfunction]
+pub(crate) fn add_shape(
+    target: &Bound<'_, PyAny>,
+    name: Option<String>,
+    mass: Mass,
+    spheres: Vec<ShapeSphere>,
+    rods: Vec<ShapeRod>,
+) -> PyResult<usize> {
+    with(target, |doors, ids| {
+        let mut shape = Shape::new();
+        for (centre, radius, group, material) in spheres {
+            shape = shape.sphere(centre, radius);
+            if let Some(part) = shape.spheres.last_mut() {
+                (part.group, part.material) = (group, materials_of(ids, &[material])?.pop().flatten());
+            }
+        }
+        for (end1, end2, radius, group, material) in rods {
+            shape = shape.rod(end1, end2, radius);
+            if let Some(part) = shape.rods.last_mut() {
+                (part.group, part.material) = (group, materials_of(ids, &[material])?.pop().flatten());
+            }
+        }
+        shape = match mass {
+            (mass, _, Some((centre, inertia))) => shape.mass_properties(mass.unwrap_or(1.0), centre, inertia),
+            (_, Some(density), None) => shape.density(density),
+            (mass, None, None) => shape.mass(mass.unwrap_or(1.0)),
+        };
+        shape.name = name;
+        ids.shapes.push(doors.add_shape(shape).or_raise()?);
+        Ok(ids.shapes.len() - 1)
+    })
+}
+
+/// Mass, centre and inertia of a shape.
+#[pyfunction]
+pub(crate) fn shape_mass(target: &Bound<'_, PyAny>, shape: i64) -> PyResult<(f64, [f64; 3], [f64; 6])> {
+    with(target, |doors, ids| {
+        let properties =
+            doors.objects().shape(handle(&ids.shapes, "shape", shape)?).and_then(|shape| shape.mass_properties_of());
+        let properties = properties.or_raise()?;
+        Ok((properties.mass, properties.centre, properties.inertia))
+    })
+}
+
+/// Adds bodies of a shape. Returns the numbers of the first body, the first sphere and the first rod, and how many spheres and rods
+/// each body has.
+#[pyfunction]
+pub(crate) fn add_bodies(
+    target: &Bound<'_, PyAny>,
+    shape: i64,
+    position: Rows<'_>,
+    orientation: Rows<'_>,
+    velocity: Rows<'_>,
+    spin: Rows<'_>,
+) -> PyResult<([usize; 3], [usize; 2])> {
+    let (position, orientation) = (position.as_slice()?, orientation.as_slice()?);
+    let (velocity, spin) = (velocity.as_slice()?, spin.as_slice()?);
+    let count = position.len() / 3;
+    check(count, &[count, orientation.len() / 4, velocity.len() / 3, spin.len() / 3])?;
+    with_states(target, |doors, ids| {
+        let id = handle(&ids.shapes, "shape", shape)?;
+        let parts = doors.objects().shape(id).or_raise()?;
+        let parts = [parts.spheres.len(), parts.rods.len()];
+        let mut added = Vec::with_capacity(count);
+        for k in 0..count {
+            let place = Placement::new(id).at(vector(position, k)).turned(quaternion(orientation, k));
+            match doors.add_body(place.velocity(vector(velocity, k)).spin(vector(spin, k))) {
+                Ok(body) => added.push(body),
+                Err(error) => {
+                    // Nothing is added when a row is wrong.
+                    doors.remove_bodies(&added).or_raise()?;
+                    return Err(PyValueError::new_err(format!("row {k}: {error}")));
+                }
+            }
+        }
+        let first = [ids.bodies.len(), ids.spheres.len(), ids.rods.len()];
+        for body in &added {
+            let body = doors.objects().body(*body).or_raise()?;
+            ids.spheres.extend(body.spheres());
+            ids.rods.extend(body.rods());
+        }
+        ids.bodies.extend(added);
+        Ok((first, parts))
+    })
+}
+
+/// A field of the state of all bodies, in order of addition: 4 numbers per body for orientations w, x, y, z, otherwise 3.
+#[pyfunction]
+pub(crate) fn body_states<'py>(target: &Bound<'py, PyAny>, field: &str) -> PyResult<Bound<'py, PyArray1<f32>>> {
+    let numbers = with_states(target, |doors, _| {
+        let bodies = doors.objects().bodies();
+        let of = |field: fn(&rockfall::RigidBody) -> Vec3| bodies.iter().flat_map(|body| field(body).to_array()).collect();
+        Ok(match field {
+            "position" => of(|body| body.position),
+            "velocity" => of(|body| body.velocity),
+            "angular_momentum" => of(|body| body.angular_momentum),
+            "orientation" => bodies.iter().map(|body| body.orientation).flat_map(|q| [q.w, q.x, q.y, q.z]).collect(),
+            _ => return Err(PyValueError::new_err(format!("field: {field} is not a field of a rigid body"))),
+        })
+    })?;
+    Ok(PyArray1::from_vec(target.py(), numbers))
+}

@@ -1,0 +1,66 @@
+"""Shapes and rigid bodies."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import rockfall as rf
+
+TURNED = [0.6, 0.0, 0.8, 0.0]
+
+
+def dumbbell(scene: rf.Scene) -> int:
+    return scene.add_shape(rf.Shape(mass=9).sphere([0, 0, 0], 1).sphere([4, 0, 0], 0.5).rod(0, 1, 0.25))
+
+
+def test_bodies_have_the_poses_and_motions_that_were_given() -> None:
+    scene = rf.Scene()
+    scene.add_sphere([0, 50, 0], 1.0)
+    shape = dumbbell(scene)
+    added = scene.add_bodies(shape, [[0, 10 * k, 0] for k in range(3)], [TURNED, TURNED, [1, 0, 0, 0]], velocities=[1, 2, 3], name="bone")
+    assert (added.bodies.tolist(), added.spheres.tolist(), added.rods.tolist()) == ([0, 1, 2], [[1, 2], [3, 4], [5, 6]], [[0], [1], [2]])
+    assert scene.counts.bodies == 3
+    sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+    mass, (x, y, z), inertia = scene.shape_mass(shape)
+    assert (mass, y, z) == (pytest.approx(9), 0, 0) and inertia[1] == pytest.approx(inertia[2])
+    np.testing.assert_allclose(sim.bodies.positions[2], [x, 20, 0], rtol=1e-6)
+    np.testing.assert_array_equal(sim.bodies.orientations, np.float32([TURNED, TURNED, [1, 0, 0, 0]]))
+    np.testing.assert_array_equal(sim.bodies.velocities, np.tile(np.float32([1, 2, 3]), (3, 1)))
+    assert sim.bodies.angular_momenta.shape == (3, 3) and not sim.bodies.angular_momenta.any()
+    assert len(sim.bodies) == 3
+
+
+def test_a_spin_becomes_an_angular_momentum() -> None:
+    scene = rf.Scene()
+    shape = scene.add_shape(rf.Shape(density=2).capsule([0, 0, -1], [0, 0, 1], 0.5))
+    body = scene.add_body(shape, [0, 0, 0], spin=[0, 0, 3])
+    assert body == 0
+    inertia = scene.shape_mass(shape).inertia
+    np.testing.assert_allclose(scene.bodies.angular_momenta, [[0, 0, 3 * inertia[2]]], rtol=1e-6)
+
+
+def test_bodies_are_removed_as_a_whole() -> None:
+    scene = rf.Scene()
+    added = scene.add_bodies(dumbbell(scene), [[0, 0, 0], [0, 10, 0]])
+    with pytest.raises(ValueError, match="remove the body"):
+        scene.remove("sphere", added.spheres[0])
+    scene.remove_bodies(added.bodies[0])
+    assert (scene.counts.spheres, scene.counts.bodies) == (2, 1)
+    with pytest.raises(LookupError):
+        scene.remove_bodies(added.bodies[0])
+
+
+def test_wrong_shapes_and_bodies_are_errors() -> None:
+    scene = rf.Scene()
+    with pytest.raises(ValueError, match="at least one sphere"):
+        scene.add_shape(rf.Shape())
+    with pytest.raises(ValueError, match="density: expected without mass"):
+        rf.Shape(mass=1, density=1)
+    with pytest.raises(ValueError, match="expected both or none"):
+        rf.Shape(centre=[0, 0, 0])
+    with pytest.raises(LookupError, match="there is no shape 3"):
+        scene.add_bodies(3, [0, 0, 0])
+    with pytest.raises(ValueError, match="row 1: body.angular_momentum"):
+        scene.add_bodies(dumbbell(scene), [[0, 0, 0], [9, 0, 0]], spins=[[0, 0, 0], [0, 3e38, 0]])
+    assert scene.counts.spheres == 0
