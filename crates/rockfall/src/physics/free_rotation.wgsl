@@ -1,4 +1,4 @@
-// requires model/step.wgsl physics/rotation.wgsl
+// requires model/step.wgsl physics/rotation.wgsl physics/sine.wgsl
 
 // Free rotation of rigid bodies (docs/physics.md section 5.9).
 

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/contact.wgsl physics/rigid.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/rigid.wgsl
 
 // The side of a contact with the mass and inertia of the rigid body that an object belongs to, if any. `at` is the parameter on a rod.
 fn in_body(half: Side, id: u32, at: f32, n: vec3f) -> Side {
