@@ -87,9 +87,15 @@ fn tops(outcome: &mut Outcome) -> Result<()> {
     let [coarse, fine] = errors;
     outcome.check("asymmetric top: error of the period at h = 0.2 over that at h = 0.1", 4.0, coarse? / fine?, 0.4);
 
-    let flips = crossings(Vec3::new(0.01, 2.0, 0.0), 0.02, 120.0)?;
-    outcome.check("flip: first, s", 10.3773, flips[0], 0.02);
-    outcome.check("flip: time to the next, s", 20.7546, (flips[flips.len() - 1] - flips[0]) / (flips.len() - 1) as f64, 0.02);
+    let flips = crossings(Vec3::new(0.01, 2.0, 0.0), 0.02, 12.0)?;
+    outcome.check("flip: first, ω = (0.01, 1, 0), s", 10.3773, flips[0], 0.02);
+    // The axes 1 and 3 change places in the formula, because L² < 2 E J_2.
+    let [squared, energy] = [4.01, 1.005];
+    let (rate, m) = (((6.0 * energy - squared) / 6.0_f64).sqrt(), (squared - 2.0 * energy) / (6.0 * energy - squared));
+    let half = 2.0 * elliptic(m) / rate;
+    let flips = crossings(Vec3::new(0.1, 2.0, 0.0), 0.02, 120.0)?;
+    let measured = (flips[flips.len() - 1] - flips[0]) / (flips.len() - 1) as f64;
+    outcome.check("flip: time to the next, ω = (0.1, 1, 0), s", half, measured, 2e-3 * half);
     let mut simulation = free([1.0, 2.0, 3.0], Vec3::new(0.01, 2.0, 0.0), Quat::IDENTITY)?;
     let first = simulation.energy()?.kinetic;
     let (mut along, mut worst) = (Vec::new(), 0.0_f64);
@@ -254,13 +260,13 @@ fn block(outcome: &mut Outcome) -> Result<()> {
 /// A gas of smooth elastic dimers in a periodic box, all of whose energy is in the translation at first.
 fn gas(outcome: &mut Outcome) -> Result<()> {
     const ALONG: usize = 5;
-    const SPACING: f32 = 0.5;
-    const STEP: f32 = 1e-4;
+    const SPACING: f32 = 0.42;
+    const STEP: f32 = 4e-4;
     let mut random = Pcg64Mcg::seed_from_u64(3);
     let mut scene = with(|settings| {
         (settings.contact_law, settings.collisions, settings.gravity) = (ContactLaw::HertzMindlin, false, 0.0);
     });
-    let stuff = scene.add_material(Material::new("stuff").density(1_000.0).young(1e7).poisson(0.3))?;
+    let stuff = scene.add_material(Material::new("stuff").density(1_000.0).young(1e6).poisson(0.3))?;
     scene.set_pair(stuff, stuff, Pair::default().restitution(1.0).friction(0.0))?;
     (0..3).try_for_each(|axis| scene.set_periodic(axis, Some([0.0, SPACING * ALONG as f32])))?;
     let shape = Shape::new().material(stuff).density(1_000.0).sphere([-0.08, 0.0, 0.0], 0.12).sphere([0.08, 0.0, 0.0], 0.12);
@@ -273,8 +279,8 @@ fn gas(outcome: &mut Outcome) -> Result<()> {
     }
     let mut simulation = on_cpu(scene, Integrator::VelocityVerlet)?;
     let first = simulation.energy()?;
-    simulation.run(60_000, STEP)?;
-    let (mut ratio, samples) = (0.0, 60_u32);
+    simulation.run(30_000, STEP)?;
+    let (mut ratio, samples) = (0.0, 100_u32);
     for _ in 0..samples {
         simulation.run(1_000, STEP)?;
         let total = simulation.energy()?.kinetic;

@@ -5,11 +5,11 @@
 use crate::common::device::device;
 use crate::common::mixed::{Run, assert_bitwise_identical, mixed};
 use crate::common::{floor_box, with};
-use rockfall::glam::Vec3;
+use rockfall::glam::{Quat, Vec3};
 use rockfall::model::buffer::Buffer;
 use rockfall::{
-    Backend, BroadPhase, ContactLaw, Cuboid, Error, Integrator, Material, Options, Pair, Rod, Scene, Simulation, Sphere,
-    SphereId, Tether,
+    Backend, BroadPhase, ContactLaw, Cuboid, Error, Integrator, Material, Options, Pair, Placement, RigidBody, Rod, Scene,
+    Shape, Simulation, Sphere, SphereId, Tether,
 };
 
 /// Balls side by side that fall on a floor, with so many tethers that the topology buffer needs more than one chunk. No
@@ -86,7 +86,14 @@ fn chunks_of_every_array_give_bitwise_identical_results() {
             let report = simulation.run(16, 0.01).expect("steps");
             assert!(report.replays > 0 && contacts > 10, "{contacts} contacts, {report:?}");
         }
-        let small = [Buffer::CollisionIndices, Buffer::Collisions, Buffer::Histories, Buffer::Poses, Buffer::Status];
+        let small = [
+            Buffer::CollisionIndices,
+            Buffer::Collisions,
+            Buffer::Histories,
+            Buffer::Poses,
+            Buffer::RigidBodies,
+            Buffer::Status,
+        ];
         // Only this integrator keeps rates.
         let rates = (integrator != Integrator::VelocityVerlet).then_some(Buffer::Rates);
         assert_split_except(&chunked, &small.into_iter().chain(rates).collect::<Vec<_>>());
@@ -147,10 +154,46 @@ fn rods_in_chunks_give_bitwise_identical_results() {
             let report = simulation.run(12, 0.01).expect("steps");
             assert!(report.contacts > 20, "{report:?}");
         }
-        let small = [Buffer::Extents, Buffer::Orientations, Buffer::Rates, Buffer::Histories, Buffer::Poses, Buffer::Status];
+        let small = [
+            Buffer::Extents,
+            Buffer::Orientations,
+            Buffer::Rates,
+            Buffer::Histories,
+            Buffer::Poses,
+            Buffer::RigidBodies,
+            Buffer::Status,
+        ];
         assert_split_except(&chunked, &small);
         assert_bitwise_identical(&Run::of(&mut chunked), &Run::of(&mut whole));
     }
+}
+
+/// Dimers that fall on a floor.
+#[test]
+fn bodies_in_chunks_give_bitwise_identical_results() {
+    let mut scene = with(|settings| (settings.gravity, settings.collisions) = (10.0, false));
+    floor_box(&mut scene);
+    let shape = scene.add_shape(Shape::new().sphere([-0.08, 0.0, 0.0], 0.1).sphere([0.08, 0.0, 0.0], 0.12)).expect("a shape");
+    for body in 0..100_u8 {
+        let [x, z] = [body % 10, body / 10].map(|k| 0.45 * f64::from(k) - 2.0);
+        let turn = Quat::from_rotation_z(0.03 * f32::from(body));
+        let placed = Placement::new(shape).at([x, 0.2, z]).turned(turn).velocity([0.3, -2.0, 0.0]).spin([1.0, 2.0, 0.0]);
+        scene.add_body(placed).expect("a valid body");
+    }
+    let options = Options::new().integrator(Integrator::VelocityVerlet).broad_phase(BroadPhase::Grid);
+    let mut chunked = in_chunks(6144, scene.clone(), options.clone());
+    let mut whole = whole(scene, options);
+    let [one, other] = [&mut chunked, &mut whole].map(|simulation| {
+        let report = simulation.run(20, 0.005).expect("steps");
+        assert!(report.contacts > 20, "{report:?}");
+        simulation.sync().expect("the state").bodies().to_vec()
+    });
+    for buffer in [Buffer::RigidBodies, Buffer::Topology, Buffer::Start, Buffer::Wrenches] {
+        assert!(chunks_of(&chunked, buffer) > 1, "{buffer:?}");
+    }
+    let state = |body: &RigidBody| (body.position, body.orientation, body.velocity, body.angular_momentum);
+    assert!(one.iter().map(state).eq(other.iter().map(state)));
+    assert_bitwise_identical(&Run::of(&mut chunked), &Run::of(&mut whole));
 }
 
 /// Edits between steps reach the right chunks, and reads include all chunks.
