@@ -56,6 +56,7 @@ experiments!(
     surfaces,
     walls,
     boxes,
+    bodies,
     rest,
     silent,
     #[cfg(feature = "gpu")]
