@@ -24,6 +24,7 @@ mod gauges;
 mod outputs;
 mod past;
 mod resume;
+mod samples;
 mod save;
 mod tensions;
 mod trace;

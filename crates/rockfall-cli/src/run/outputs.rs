@@ -219,13 +219,13 @@ impl Outputs {
 
     /// Begins the sums over steps, or continues those of files that the earlier run had begun.
     fn begin_meter(&mut self, simulation: &Simulation, past: &Past) {
-        let has_means = self.gauges.as_ref().is_some_and(|gauges| gauges.every().is_some());
+        let has_means = self.gauges.as_ref().is_some_and(|gauges| gauges.0.every().is_some());
         self.meter = Meter::new(simulation.scene(), has_means, self.trace.is_some());
         let Some(metered) = &past.metered else { return };
         if self.trace.as_ref().is_some_and(|trace| !trace.is_new()) {
             self.meter.work = metered.work();
         }
-        if self.gauges.as_ref().is_some_and(|gauges| !gauges.is_new()) {
+        if self.gauges.as_ref().is_some_and(|gauges| !gauges.0.is_new()) {
             metered.put_loads(&mut self.meter);
         }
     }
@@ -242,11 +242,11 @@ impl Outputs {
             _ => None,
         };
         let trace = self.trace.as_ref().map(TraceFile::every);
-        let gauges = self.gauges.as_ref().and_then(GaugesFile::every);
+        let gauges = self.gauges.as_ref().and_then(|gauges| gauges.0.every());
         let until = |every: u64| every - step % every;
         let contacts = self.contacts.as_ref().and_then(ContactsFile::every);
-        let tensions = self.tensions.as_ref().and_then(TensionsFile::every);
-        let bodies = self.bodies.as_ref().and_then(BodiesFile::every);
+        let tensions = self.tensions.as_ref().and_then(|tensions| tensions.0.every());
+        let bodies = self.bodies.as_ref().and_then(|bodies| bodies.0.every());
         let all = [every, trace, contacts, tensions, gauges, bodies, self.checkpoint_every];
         all.into_iter().flatten().map(until).fold(most, u64::min)
     }
@@ -300,12 +300,12 @@ impl Outputs {
         } else {
             past.contacts = None;
         }
-        past.tensions = self.tensions.as_mut().map(TensionsFile::as_past).transpose()?;
-        past.every = past.every.or_else(|| self.tensions.as_ref()?.every());
-        past.gauges = self.gauges.as_mut().map(GaugesFile::as_past).transpose()?;
-        past.every = past.every.or_else(|| self.gauges.as_ref()?.every());
-        past.bodies = self.bodies.as_mut().map(BodiesFile::as_past).transpose()?;
-        past.every = past.every.or_else(|| self.bodies.as_ref()?.every());
+        past.tensions = self.tensions.as_mut().map(|tensions| tensions.0.as_past()).transpose()?;
+        past.every = past.every.or_else(|| self.tensions.as_ref()?.0.every());
+        past.gauges = self.gauges.as_mut().map(|gauges| gauges.0.as_past()).transpose()?;
+        past.every = past.every.or_else(|| self.gauges.as_ref()?.0.every());
+        past.bodies = self.bodies.as_mut().map(|bodies| bodies.0.as_past()).transpose()?;
+        past.every = past.every.or_else(|| self.bodies.as_ref()?.0.every());
         past.save = self.save.as_ref().map(|(path, _)| whole(path));
         past.checkpoint_every = self.checkpoint_every;
         past.unwrapped = self.unwrapped;
@@ -347,13 +347,13 @@ impl Outputs {
             note(file.path().to_owned(), file.finish(simulation, past));
         }
         if let Some(file) = self.tensions {
-            note(file.path().to_owned(), file.finish(simulation, past));
+            note(file.0.path().to_owned(), file.finish(simulation, past));
         }
         if let Some(file) = self.gauges {
-            note(file.path().to_owned(), file.finish(simulation, past));
+            note(file.0.path().to_owned(), file.finish(simulation, past));
         }
         if let Some(file) = self.bodies {
-            note(file.path().to_owned(), file.finish(simulation, past));
+            note(file.0.path().to_owned(), file.finish(simulation, past));
         }
         if let Some((path, file)) = self.save {
             let result = save::write(&path, file, simulation, past);

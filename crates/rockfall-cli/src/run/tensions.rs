@@ -1,84 +1,46 @@
 //! The file of `--tensions`: the lengths and tensions of springs and tethers at the end, or at a fixed interval.
 
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::PathBuf;
 
-use rockfall::output::{AtomicFile, Mark};
-use rockfall::{Body, Error, Link, Scene, Simulation, SphereId, Tension};
+use rockfall::output::Mark;
+use rockfall::{Body, Link, Scene, Simulation, SphereId, Tension};
 use rockfall_trajectory::csv::numbers;
 
-use super::errors::lost;
-use super::past::{Past, PastFile, whole};
+use super::past::Past;
+use super::samples::Samples;
 use crate::failure::Failure;
 
 const HEADER: &str = "step,time,kind,index,a,b,length,tension";
 
-pub(super) struct TensionsFile {
-    path: PathBuf,
-    file: AtomicFile,
-    /// Steps between two states, if there are several.
-    every: Option<u64>,
-}
+pub(super) struct TensionsFile(pub(super) Samples);
 
 impl TensionsFile {
-    /// Begins a file with its header, or continues one at a mark.
     pub(super) fn open(path: PathBuf, every: Option<u64>, mark: Option<Mark>) -> Result<Self, Failure> {
-        let file = match mark.filter(|_| every.is_some()) {
-            Some(mark) => AtomicFile::resume(&path, mark)
-                .map_err(|source| lost(&Error::File { file: path.clone(), source }, "--tensions"))?,
-            None => {
-                let begin = || {
-                    let mut file = AtomicFile::create(&path)?;
-                    writeln!(file, "{HEADER}").map(|()| file)
-                };
-                begin().map_err(|error| Failure::file(&path, &error))?
-            }
-        };
-        Ok(Self { path, file, every })
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.path
-    }
-
-    pub(super) fn every(&self) -> Option<u64> {
-        self.every
+        Samples::open("--tensions", HEADER, path, every, mark).map(Self)
     }
 
     /// Adds the present state if one is due after this step.
     pub(super) fn after_step(&mut self, simulation: &mut Simulation, past: &Past, step: u64) -> Result<(), Failure> {
-        match self.every {
-            Some(every) if step.is_multiple_of(every) => self.add(simulation, past),
-            _ => Ok(()),
-        }
+        if self.0.is_due(step) { self.add(simulation, past) } else { Ok(()) }
     }
 
     fn add(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
         let step = past.step(simulation.report().steps);
         let tensions = simulation.tensions()?;
         let rows = rows(&tensions, simulation.scene())?;
-        let mut write = || {
+        self.0.add(|file| {
             let mut prefix = step.to_string().into_bytes();
             numbers(&mut prefix, &[past.time(step)])?;
-            rows.iter().try_for_each(|row| self.file.write_all(&prefix).and_then(|()| self.file.write_all(row)))
-        };
-        write().map_err(|error: io::Error| Failure::file(&self.path, &error))
-    }
-
-    /// The file as a checkpoint refers to it.
-    pub(super) fn as_past(&mut self) -> Result<PastFile, Failure> {
-        let mark = match self.every {
-            Some(_) => self.file.mark().map_err(|error| Failure::file(&self.path, &error))?,
-            None => None,
-        };
-        Ok(PastFile::new(whole(&self.path), mark))
+            rows.iter().try_for_each(|row| file.write_all(&prefix).and_then(|()| file.write_all(row)))
+        })
     }
 
     pub(super) fn finish(mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
-        if self.every.is_none() {
+        if self.0.has_end() {
             self.add(simulation, past)?;
         }
-        self.file.commit().map_err(|error| Failure::file(&self.path, &error))
+        self.0.commit()
     }
 }
 
