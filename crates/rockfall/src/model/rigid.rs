@@ -1,6 +1,6 @@
 //! The state and the moments of inertia of rigid bodies (docs/physics.md sections 1.5 and 5.9).
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3, Quat, Vec3, Vec4};
 
 use crate::fine::Fine;
 
@@ -60,6 +60,21 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
+    /// Number of rows of a pose.
+    pub(crate) const ROWS: usize = 5;
+
+    /// The pose in the first rows of a body: position, low part of the position, velocity, angular momentum, orientation.
+    pub(crate) fn of(rows: &[Vec4]) -> Self {
+        let [high, low, velocity, momentum] = [0, 1, 2, 3].map(|place: usize| rows[place].truncate());
+        Self { position: Fine { high, low }, velocity, momentum, orientation: Quat::from_vec4(rows[4]) }
+    }
+
+    /// The rows of the pose.
+    pub(crate) fn rows(&self) -> [Vec4; Self::ROWS] {
+        let Self { position: Fine { high, low }, velocity, momentum, orientation } = *self;
+        [high.extend(0.0), low.extend(0.0), velocity.extend(0.0), momentum.extend(0.0), orientation.into()]
+    }
+
     pub(crate) fn is_finite(&self) -> bool {
         self.position.high.is_finite() && self.velocity.is_finite() && self.momentum.is_finite() && self.orientation.is_finite()
     }

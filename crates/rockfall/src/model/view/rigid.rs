@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec3, Vec4};
 
 use crate::model::layout::{NO_RIGID, RIGID_WORDS, SHAPE_WORDS};
-use crate::model::rigid::Moments;
+use crate::model::rigid::{Moments, Pose};
 use crate::model::view::{Object, View};
 
 /// A rigid body in the state that forces are evaluated in.
@@ -83,11 +83,30 @@ impl View<'_> {
     }
 
     /// The insertion indices of the member spheres of a body, and their places from its centre in the coordinates of its shape.
-    pub(crate) fn members(&self, body: &RigidRecord) -> impl Iterator<Item = (u32, Vec3)> + '_ {
+    pub(crate) fn members(&self, body: RigidRecord) -> impl Iterator<Item = (u32, Vec3)> + '_ {
         let Range { start, end } = body.members..body.members + body.count;
         let places = self.topology[body.shape + SHAPE_WORDS as usize..].chunks_exact(3);
         let vector = |words: &[u32]| Vec3::from_array([0, 1, 2].map(|axis| f32::from_bits(words[axis])));
         self.topology[start..end].iter().copied().zip(places.map(vector))
+    }
+
+    /// Slots and rows of the spheres of a body with a pose: position and radius, velocity and inverse mass, angular momentum and inverse
+    /// inertia, low part of the position.
+    pub(crate) fn placed(&self, body: u32, pose: Pose) -> impl Iterator<Item = (u32, [Vec4; 4])> + '_ {
+        let record = self.rigid_body(body);
+        let spin = self.moments(&record).spin(pose.orientation, pose.momentum);
+        self.members(record).map(move |(index, place)| {
+            let slot = self.slot_of(index);
+            let inverse_inertia = self.inverse_inertia(slot);
+            let [position, velocity, momentum, low] = pose.member(place, spin, inverse_inertia);
+            let rows = [
+                position.extend(self.radius(slot)),
+                velocity.extend(self.inverse_mass(slot)),
+                momentum.extend(inverse_inertia),
+                low.extend(0.0),
+            ];
+            (slot, rows)
+        })
     }
 
     /// The memory slot of the sphere with an insertion index.

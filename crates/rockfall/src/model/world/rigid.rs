@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::{DQuat, DVec3, Quat, Vec3, Vec4};
+use glam::{DQuat, DVec3, Quat, Vec4};
 
 use crate::error::Result;
 use crate::fine::Fine;
@@ -11,7 +11,7 @@ use crate::model::rigid::{Moments, Pose};
 use crate::model::step::Layout;
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::scene::{Kinetics, RigidBodyId, Scene, ShapeId};
+use crate::scene::{Kinetics, RigidBody, RigidBodyId, Scene, ShapeId};
 
 /// The moments as kernels use them.
 fn moments_of(kinetics: &Kinetics) -> Moments {
@@ -19,6 +19,15 @@ fn moments_of(kinetics: &Kinetics) -> Moments {
     let mut sorted = inverse.to_array();
     sorted.sort_by(f64::total_cmp);
     Moments { middle: sorted[1] as f32, excess: (inverse - DVec3::splat(sorted[1])).as_vec3(), axes: narrow(kinetics.axes) }
+}
+
+fn pose_of(body: &RigidBody) -> Pose {
+    Pose {
+        position: Fine::sum(body.position, body.position_low),
+        velocity: body.velocity,
+        momentum: body.angular_momentum,
+        orientation: body.orientation,
+    }
 }
 
 fn narrow(q: DQuat) -> Quat {
@@ -86,38 +95,22 @@ impl World {
     pub(super) fn set_bodies(&mut self, scene: &Scene) {
         self.rigid_bodies = vec![Vec4::ZERO; scene.bodies().len() * RIGID_ROWS as usize];
         for (rows, body) in self.rigid_bodies.chunks_exact_mut(RIGID_ROWS as usize).zip(scene.bodies()) {
-            let Fine { high, low } = Fine::sum(body.position, body.position_low);
-            let vectors = [high, low, body.velocity, body.angular_momentum].map(|vector| vector.extend(0.0));
-            rows[..4].copy_from_slice(&vectors);
-            rows[4] = body.orientation.into();
+            rows[..Pose::ROWS].copy_from_slice(&pose_of(body).rows());
         }
-        let placed = self.placed_members(scene);
+        let view = View::new(&self.step, &self.topology, &self.states[0]);
+        let placed: Vec<(u32, [Vec4; 4], Quat)> = (0..)
+            .zip(scene.bodies())
+            .flat_map(|(number, body)| {
+                view.placed(number, pose_of(body)).map(move |(slot, rows)| (slot, rows, body.orientation))
+            })
+            .collect();
         let n = self.step.layout.spheres as usize;
         for (slot, rows, orientation) in placed {
             for (region, row) in rows.into_iter().enumerate() {
-                let known = &mut self.states[0][region * n + slot as usize];
-                *known = row.extend(known.w);
+                self.states[0][region * n + slot as usize] = row;
             }
             self.orientations[slot as usize] = orientation.into();
         }
-    }
-
-    /// Slots, rows and orientations of the spheres of all bodies.
-    fn placed_members(&self, scene: &Scene) -> Vec<(u32, [Vec3; 4], Quat)> {
-        let view = View::new(&self.step, &self.topology, &self.states[0]);
-        let mut placed = Vec::new();
-        for (number, body) in (0..).zip(scene.bodies()) {
-            let record = view.rigid_body(number);
-            let position = Fine::sum(body.position, body.position_low);
-            let pose =
-                Pose { position, velocity: body.velocity, momentum: body.angular_momentum, orientation: body.orientation };
-            let spin = view.moments(&record).spin(pose.orientation, pose.momentum);
-            placed.extend(view.members(&record).map(|(index, place)| {
-                let slot = view.slot_of(index);
-                (slot, pose.member(place, spin, view.inverse_inertia(slot)), pose.orientation)
-            }));
-        }
-        placed
     }
 
     /// Writes the state of the rigid bodies back to the scene that it was packed from. `packed` are the handles of the bodies at that time.
@@ -125,9 +118,9 @@ impl World {
         for (rows, id) in self.rigid_bodies.chunks_exact(RIGID_ROWS as usize).zip(packed) {
             // Skips bodies that have been removed since.
             if let Ok(body) = scene.bodies.get_mut(*id) {
-                let [position, low, velocity, momentum] = [0, 1, 2, 3].map(|place: usize| rows[place].truncate());
-                (body.position, body.position_low, body.velocity) = (position, low, velocity);
-                (body.angular_momentum, body.orientation) = (momentum, Quat::from_vec4(rows[4]));
+                let Pose { position, velocity, momentum, orientation } = Pose::of(rows);
+                (body.position, body.position_low, body.velocity) = (position.high, position.low, velocity);
+                (body.angular_momentum, body.orientation) = (momentum, orientation);
             }
         }
     }

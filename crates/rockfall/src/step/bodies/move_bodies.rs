@@ -54,7 +54,6 @@ struct Moved {
     rows: [Vec4; RIGID_ROWS as usize],
     /// Where its spheres are placed.
     pose: Pose,
-    spin: Vec3,
     /// The rates that velocity Verlet keeps.
     kept: Option<Rates>,
     is_bad: bool,
@@ -62,28 +61,6 @@ struct Moved {
 
 fn row(rows: &[Vec4], place: usize) -> Vec3 {
     rows[place].truncate()
-}
-
-/// The state of a body at the start of the step.
-fn start_of(rows: &[Vec4]) -> Pose {
-    Pose {
-        position: Fine { high: row(rows, 0), low: row(rows, 1) },
-        velocity: row(rows, 2),
-        momentum: row(rows, 3),
-        orientation: Quat::from_vec4(rows[4]),
-    }
-}
-
-/// Writes the state after the step.
-fn set_start(rows: &mut [Vec4], pose: &Pose) {
-    let Pose { position: Fine { high, low }, velocity, momentum, orientation } = *pose;
-    rows[..5].copy_from_slice(&[
-        high.extend(0.0),
-        low.extend(0.0),
-        velocity.extend(0.0),
-        momentum.extend(0.0),
-        orientation.into(),
-    ]);
 }
 
 /// Writes the stage state that forces are evaluated in.
@@ -107,7 +84,7 @@ impl Passing<'_> {
     fn rates(&self, pose: &Pose) -> Rates {
         let Step { constants, layout, .. } = self.view.step;
         let mut sum = Load::default();
-        for (index, place) in self.view.members(self.body) {
+        for (index, place) in self.view.members(*self.body) {
             let at = (4 * layout.rods + 2 * self.view.slot_of(index)) as usize;
             let [force, torque] = [at, at + 1].map(|at| self.wrenches[at].truncate());
             sum.force += force;
@@ -121,7 +98,7 @@ impl Passing<'_> {
     /// The next stage state of RK4.
     fn advance(&self, rows: &mut [Vec4]) -> Pose {
         let dt = self.view.step.constants.dt;
-        let start = start_of(rows);
+        let start = Pose::of(rows);
         if self.pass == 0 {
             set_stage(rows, &start);
             rows[5..9].fill(Vec4::ZERO);
@@ -145,7 +122,7 @@ impl Passing<'_> {
     /// The new state of RK4.
     fn finish(&self, rows: &[Vec4]) -> Pose {
         let dt = self.view.step.constants.dt;
-        let start = start_of(rows);
+        let start = Pose::of(rows);
         let stage = Pose { velocity: row(rows, 9), momentum: row(rows, 10), orientation: Quat::from_vec4(rows[11]), ..start };
         let Rates { acceleration, torque } = self.rates(&stage);
         let mean_momentum = start.momentum + dt / 6.0 * row(rows, 8);
@@ -168,7 +145,7 @@ impl Passing<'_> {
 
     /// Velocity Verlet: the state after the drift, from the kept rates or those at the start of the step.
     fn drift(&self, rows: &mut [Vec4], kept: Option<Rates>) -> Pose {
-        let start = start_of(rows);
+        let start = Pose::of(rows);
         let rates = kept.unwrap_or_else(|| self.rates(&start));
         let next = self.kicked_and_moved(start, &rates, 0.5 * self.view.step.constants.dt);
         set_stage(rows, &next);
@@ -192,7 +169,7 @@ impl Passing<'_> {
     /// Moves the body. `kept` are the rates from the last step of velocity Verlet, where they hold.
     fn moved(&self, rows: &[Vec4], kept: Option<Rates>) -> Moved {
         let mut rows: [Vec4; RIGID_ROWS as usize] = std::array::from_fn(|place| rows[place]);
-        let start = start_of(&rows);
+        let start = Pose::of(&rows);
         let mut keeps = None;
         let mut pose = match self.pass {
             BEFORE_STEP => start,
@@ -209,16 +186,21 @@ impl Passing<'_> {
         let is_bad = !pose.is_finite();
         if is_bad {
             pose = Pose { velocity: Vec3::ZERO, momentum: Vec3::ZERO, ..start };
-            if !matches!(self.pass, 3 | AFTER_KICK | AFTER_EULER) {
+            if !ends_step(self.pass) {
                 set_stage(&mut rows, &pose);
             }
             keeps = keeps.map(|_| Rates { acceleration: Vec3::ZERO, torque: Vec3::ZERO });
         }
-        if matches!(self.pass, 3 | AFTER_KICK | AFTER_EULER) {
-            set_start(&mut rows, &pose);
+        if ends_step(self.pass) {
+            rows[..Pose::ROWS].copy_from_slice(&pose.rows());
         }
-        Moved { rows, pose, spin: self.moments.spin(pose.orientation, pose.momentum), kept: keeps, is_bad }
+        Moved { rows, pose, kept: keeps, is_bad }
     }
+}
+
+/// Whether a pass writes the state after the step.
+fn ends_step(pass: u32) -> bool {
+    matches!(pass, 3 | AFTER_KICK | AFTER_EULER)
 }
 
 fn stage_of(pass: u32) -> BadStage {
@@ -267,7 +249,7 @@ fn move_all(world: &mut World, pass: u32) -> Vec<Moved> {
         .collect();
     let mut tally = Tally::default();
     for (number, moved) in (0..).zip(&moved) {
-        let first = view.members(&view.rigid_body(number)).next();
+        let first = view.members(view.rigid_body(number)).next();
         if let Some((index, _)) = first.filter(|_| moved.is_bad) {
             tally.count_bad(stage_of(pass), index);
         }
@@ -286,23 +268,12 @@ fn place_members(world: &mut World, pass: u32, moved: &[Moved]) {
     let is_new = to == 0;
     let mut state = std::mem::take(&mut world.states[to]);
     let view = View::new(&world.step, &world.topology, if is_new { &state } else { &world.states[0] });
-    let placed: Vec<(u32, [Vec4; 4], Quat)> = (0..world.step.layout.spheres)
+    let placed: Vec<(u32, [Vec4; 4], Quat)> = (0..world.step.layout.rigid_bodies)
         .into_par_iter()
-        .with_min_len(GRAIN)
-        .filter_map(|sphere| {
-            let body = view.body_of_sphere(sphere)?;
-            let (record, index) = (view.rigid_body(body), view.insertion_index(sphere));
-            let (_, place) = view.members(&record).find(|(member, _)| *member == index)?;
-            let Moved { pose, spin, .. } = &moved[body as usize];
-            let inverse_inertia = view.inverse_inertia(sphere);
-            let [position, velocity, momentum, low] = pose.member(place, *spin, inverse_inertia);
-            let rows = [
-                position.extend(view.radius(sphere)),
-                velocity.extend(view.inverse_mass(sphere)),
-                momentum.extend(inverse_inertia),
-                low.extend(0.0),
-            ];
-            Some((sphere, rows, pose.orientation))
+        .with_min_len(GRAIN / 4)
+        .flat_map_iter(|body| {
+            let pose = moved[body as usize].pose;
+            view.placed(body, pose).map(move |(slot, rows)| (slot, rows, pose.orientation))
         })
         .collect();
     let mut tally = Tally::default();
@@ -330,9 +301,8 @@ fn place_members(world: &mut World, pass: u32, moved: &[Moved]) {
 /// Writes the centres and inverse inertias that contacts read.
 fn put_records(world: &mut World, moved: &[Moved]) {
     for (body, Moved { pose, .. }) in (0..).zip(moved) {
-        let record = View::new(&world.step, &world.topology, &world.states[0]).rigid_body(body);
         let view = View::new(&world.step, &world.topology, &world.states[0]);
-        let tensor = view.moments(&record).inverse_inertia(pose.orientation);
+        let tensor = view.moments(&view.rigid_body(body)).inverse_inertia(pose.orientation);
         let at = (world.step.layout.rigid_at + body * RIGID_WORDS) as usize;
         for (place, x) in pose.position.high.to_array().into_iter().enumerate() {
             world.topology[at + place] = x.to_bits();
