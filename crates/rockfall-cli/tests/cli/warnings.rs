@@ -83,7 +83,9 @@ fn no_scene_of_the_project_warns_during_its_default_run() {
     for path in scenes() {
         let (out, err) = rockfall.run(&format!("run {} --backend cpu", path.display()), 0);
         assert!(out.contains(" radii between bodies at rest"), "{out}");
-        assert_eq!(err, "", "{}", path.display());
+        // A slow machine sees the progress of a long run.
+        let said: Vec<&str> = err.lines().filter(|line| !line.ends_with(" steps")).collect();
+        assert!(said.is_empty(), "{}: {said:?}", path.display());
     }
 }
 
