@@ -109,11 +109,11 @@ pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time, short_number};
 pub use scene::{
-    Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, Facets, Gauge, Gauged, GrainMass,
-    Inlet, LineWarning, Loaded, Look, MassProperties, Material, MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId,
-    Outlet, Pair, Placement, Polygon, PolygonId, Radii, Rate, RigidBody, RigidBodyId, Rod, RodId, RollingModel, RunDefaults,
-    Scene, Shape, ShapeId, ShapeMass, ShapeRod, ShapeSphere, SizedBy, Sphere, SphereId, Spring, SpringId, Tag, Tether,
-    TetherId,
+    Body, BoxId, BoxPart, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, Facets, Gauge, Gauged,
+    GrainMass, Inlet, LineWarning, Loaded, Look, MassProperties, Material, MaterialId, Motion, MotionId, MotionTerm, Muscle,
+    ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Radii, Rate, RigidBody, RigidBodyId, Rod, RodId, RollingModel,
+    RunDefaults, Scene, Shape, ShapeBox, ShapeId, ShapeMass, ShapeRod, ShapeSphere, SizedBy, Sphere, SphereId, Spring,
+    SpringId, Tag, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{

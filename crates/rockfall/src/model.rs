@@ -29,6 +29,7 @@ pub mod part;
 pub(crate) mod period;
 pub(crate) mod rest;
 pub(crate) mod rigid;
+pub(crate) mod rotate;
 pub(crate) mod state;
 pub mod status;
 pub mod step;

@@ -16,6 +16,7 @@ pub(crate) mod laws;
 pub(crate) mod lengths;
 pub(crate) mod pairs;
 pub(crate) mod rigid;
+pub(crate) mod rigid_box;
 pub(crate) mod side;
 pub(crate) mod sides;
 pub(crate) mod surface;

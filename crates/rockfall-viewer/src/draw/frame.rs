@@ -67,7 +67,8 @@ pub(crate) struct Frame {
     light_size: f32,
     /// Period along each axis, 0 where the scene is not periodic.
     period: Vec3,
-    unused: f32,
+    /// First word of the table of parts of boxes of rigid bodies; 0 without any.
+    rigid_parts_at: u32,
     /// Least corner of the box of a periodic scene.
     least: Vec3,
     unused_too: f32,
@@ -195,7 +196,7 @@ impl Frame {
             colour_by: style.colour_by as u32,
             light_size: SHADOW_SIZE as f32,
             period: Vec3::new(step.layout.period_x, step.layout.period_y, step.layout.period_z),
-            unused: 0.0,
+            rigid_parts_at: step.layout.rigid_parts_at,
             least: Vec3::new(step.layout.from_x, step.layout.from_y, step.layout.from_z),
             unused_too: 0.0,
             kinds: style.kinds.map(opaque),

@@ -30,17 +30,24 @@ enum Shape {
 
 impl Renderer {
     /// Returns the pipelines, the shape and the number of every kind of object except spheres.
-    fn kinds(&self) -> [(&Kind, Shape, u32); 6] {
-        let Pipelines { capsules, boxes, polygons, springs: spring, tethers: tether, anchors, .. } = &self.pipelines;
+    fn kinds(&self) -> [(&Kind, Shape, u32); 7] {
+        let Pipelines { capsules, boxes, blocks, polygons, springs: spring, tethers: tether, anchors, .. } = &self.pipelines;
         let step = &self.step;
         [
             (boxes, Shape::Triangles(36), step.layout.boxes),
+            (blocks, Shape::Triangles(36), self.spheres_for_boxes()),
             (polygons, Shape::Triangles(6), step.layout.polygons),
             (capsules, Shape::Around, step.layout.rods),
             (spring, Shape::Coil, springs(step)),
             (tether, Shape::Coil, tethers(step)),
             (anchors, Shape::Quad, tethers(step)),
         ]
+    }
+
+    /// The spheres, if some of them stand for boxes of rigid bodies.
+    fn spheres_for_boxes(&self) -> u32 {
+        let layout = &self.step.layout;
+        if layout.rigid_parts_at > 0 { layout.spheres } else { 0 }
     }
 
     fn draw_kinds(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: impl Fn(&Kind) -> &wgpu::RenderPipeline) {
@@ -151,7 +158,7 @@ impl Renderer {
             return;
         }
         let layout = &self.step.layout;
-        let counts = [(14, layout.rods), (36, layout.boxes), (6, layout.polygons)];
+        let counts = [(14, layout.rods), (36, layout.boxes), (6, layout.polygons), (36, self.spheres_for_boxes())];
         for (pipeline, (vertices, count)) in self.pipelines.glass.iter().zip(counts).filter(|(_, (_, count))| *count > 0) {
             pass.set_pipeline(pipeline);
             pass.draw(0..vertices, 0..count);

@@ -58,6 +58,8 @@ pub(crate) struct Pipelines {
     pub(crate) far: wgpu::RenderPipeline,
     pub(crate) capsules: Kind,
     pub(crate) boxes: Kind,
+    /// Boxes of rigid bodies.
+    pub(crate) blocks: Kind,
     pub(crate) polygons: Kind,
     pub(crate) springs: Kind,
     pub(crate) tethers: Kind,
@@ -71,7 +73,7 @@ pub(crate) struct Pipelines {
     /// Spheres of glass.
     pub(crate) glass_spheres: wgpu::RenderPipeline,
     /// Capsules, boxes and polygons of glass.
-    pub(crate) glass: [wgpu::RenderPipeline; 3],
+    pub(crate) glass: [wgpu::RenderPipeline; 4],
     pub(crate) occlusion: wgpu::RenderPipeline,
     pub(crate) finish: wgpu::RenderPipeline,
 }
@@ -212,8 +214,8 @@ impl Pipelines {
         let occlusion = PipelineBuilder::new(device, "occlusion", OCCLUSION, &[&layouts.bodies, &layouts.occlusion], &[]);
         let encodes = [("ENCODES", f64::from(u8::from(format.is_srgb())))];
         let finish = PipelineBuilder::new(device, "finish", FINISH, &[&layouts.bodies, &layouts.finish], &encodes);
-        let glass = |topology, name: &str| {
-            bodies.make(RenderTarget::Edges, topology, &format!("glass_{name}_vertex"), Some(&format!("{name}_surface")))
+        let glass = |topology, name: &str, surface: &str| {
+            bodies.make(RenderTarget::Edges, topology, &format!("glass_{name}_vertex"), Some(&format!("{surface}_surface")))
         };
         let hiding = |name: &str| {
             let surfaces =
@@ -223,11 +225,17 @@ impl Pipelines {
         };
         Self {
             glass_spheres: listed.make(RenderTarget::Edges, TriangleStrip, "glass_sphere_vertex", Some("sphere_surface")),
-            glass: [glass(TriangleStrip, "capsule"), glass(TriangleList, "box"), glass(TriangleList, "polygon")],
+            glass: [
+                glass(TriangleStrip, "capsule", "capsule"),
+                glass(TriangleList, "box", "box"),
+                glass(TriangleList, "polygon", "polygon"),
+                glass(TriangleList, "block", "box"),
+            ],
             spheres: listed.kind(TriangleStrip, "sphere", "sphere", true),
             far: listed.make(RenderTarget::Bodies, TriangleStrip, "far_vertex", Some("far_surface")),
             capsules: bodies.kind(TriangleStrip, "capsule", "capsule", true),
             boxes: bodies.kind(TriangleList, "box", "box", true),
+            blocks: bodies.kind(TriangleList, "block", "box", true),
             polygons: bodies.kind(TriangleList, "polygon", "polygon", true),
             springs: bodies.kind(TriangleList, "spring", "coil", false),
             tethers: bodies.kind(TriangleList, "tether", "coil", false),

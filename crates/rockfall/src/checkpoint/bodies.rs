@@ -1,12 +1,12 @@
 //! Shapes and rigid bodies in a checkpoint: the length of what follows in bytes, 0 if there are none; the number of shapes, each with its
-//! mass, spheres and rods; the number of bodies, each with its shape, its first sphere, its first rod and its state. Mass properties
+//! mass, spheres, rods and boxes; the number of bodies, each with its shape, its first sphere, its first rod and its state. Mass properties
 //! follow from the shapes.
 
 use glam::Quat;
 
 use super::tags;
 use super::words::{Damage, Head, Words};
-use crate::scene::{MaterialId, RigidBody, Scene, Shape, ShapeMass, ShapeRod, ShapeSphere, Tag, shared};
+use crate::scene::{Cuboid, MaterialId, RigidBody, Scene, Shape, ShapeBox, ShapeMass, ShapeRod, ShapeSphere, Tag, shared};
 
 pub(super) fn bytes(scene: &Scene) -> Vec<u8> {
     let mut head = Head::default();
@@ -64,6 +64,13 @@ fn put_shape(head: &mut Head, scene: &Scene, shape: &Shape) {
         head.f32(*radius);
         put_part(head, scene, *group, *material, tag.as_deref());
     }
+    head.f32(shape.rounding);
+    head.u32(shape.boxes.len() as u32);
+    for ShapeBox { cuboid, tag, .. } in &shape.boxes {
+        let vectors = [cuboid.corner].into_iter().chain(cuboid.edges);
+        vectors.flat_map(|v| v.to_array()).for_each(|number| head.f32(number));
+        put_part(head, scene, cuboid.group, cuboid.material, tag.as_deref());
+    }
 }
 
 fn read_shape(words: &mut Words, scene: &Scene) -> Result<Shape, Damage> {
@@ -88,6 +95,11 @@ fn read_shape(words: &mut Words, scene: &Scene) -> Result<Shape, Damage> {
     for _ in 0..words.u32()? {
         let ([a, b], radius) = ([words.u32()?, words.u32()?].map(|end| end as usize), words.f32()?);
         shape = read_part(shape, words, scene)?.rod(a, b, radius);
+    }
+    shape = shape.rounding(words.f32()?);
+    for _ in 0..words.u32()? {
+        let [corner, i, j, k] = [words.vec3()?, words.vec3()?, words.vec3()?, words.vec3()?];
+        shape = read_part(shape, words, scene)?.cuboid(Cuboid::new(corner, i, j, k));
     }
     Ok(shape)
 }
@@ -126,14 +138,15 @@ fn read_body(words: &mut Words, scene: &Scene) -> Result<RigidBody, Damage> {
     let [index, first_sphere, first_rod] = [words.u32()?, words.u32()?, words.u32()?].map(|index| index as usize);
     let shape =
         scene.shapes().get(index).ok_or_else(|| Damage::new(format!("a body has the shape {index}, which is missing")))?;
-    let (spheres, rods) = (first_sphere..first_sphere + shape.spheres.len(), first_rod..first_rod + shape.rods.len());
+    let (spheres, rods) = (first_sphere..first_sphere + shape.sphere_count(), first_rod..first_rod + shape.rod_count());
     if spheres.end > scene.spheres().len() || rods.end > scene.rods().len() && !rods.is_empty() {
         return Err(Damage::new(format!("the parts of a body begin at sphere {first_sphere} and rod {first_rod}")));
     }
     let spheres: Vec<_> = spheres.map(|index| scene.spheres.handle_at(index)).collect();
     let rods: Vec<_> = rods.map(|index| scene.rods.handle_at(index)).collect();
     let ends = |part: &ShapeRod| Some((*spheres.get(part.end1)?, *spheres.get(part.end2)?));
-    let fits = rods.iter().zip(&shape.rods).all(|(id, part)| scene.rod(*id).ok().map(|rod| (rod.end1, rod.end2)) == ends(part));
+    let fits =
+        rods.iter().zip(shape.all_rods()).all(|(id, part)| scene.rod(*id).ok().map(|rod| (rod.end1, rod.end2)) == ends(&part));
     if !fits || spheres.iter().any(|id| scene.body_of_sphere(*id).is_some()) {
         return Err(Damage::new("a rod of a body has other ends than in its shape, or two bodies share a part"));
     }

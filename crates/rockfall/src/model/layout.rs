@@ -33,8 +33,13 @@ constants! {
     pub const POSE_FLOATS: u32 = 32;
     /// Words of a rigid body: centre x, y, z of the state that forces are evaluated in; inverse mass; tensor of the inverse inertia in that
     /// state, xx, yy, zz, xy, xz, yz; greatest inverse moment of inertia; first word of its shape; first word of its members, which are
-    /// insertion indices of spheres; their number; padding.
-    pub const RIGID_WORDS: u32 = 16;
+    /// insertion indices of spheres; their number; orientation in that state x, y, z, w; padding.
+    pub const RIGID_WORDS: u32 = 20;
+    /// Words of a box of a shape: centre x, y, z from the centre of mass, rounding radius, half the edges of the core x, y, z, the rotation
+    /// from its edges to the coordinates of the shape x, y, z, w.
+    pub const SHAPE_BOX_WORDS: u32 = 11;
+    /// Bit of the word of a part of a box: a vertex or an edge, and not the solid.
+    pub const BOX_RIM: u32 = 1 << 31;
     /// Words of a shape before the places of its spheres, x, y, z from the centre of mass: 1 / J_m, kappa x, y, z (docs/physics.md section
     /// 5.9), and the rotation from the principal axes to the coordinates of the shape, x, y, z, w.
     pub const SHAPE_WORDS: u32 = 8;

@@ -3,6 +3,7 @@
 use glam::{Mat3, Quat, Vec3, Vec4};
 
 use crate::fine::Fine;
+use crate::model::rotate::{by, product, rotated, unit};
 
 /// The principal moments of a body.
 #[derive(Clone, Copy, Debug)]
@@ -18,14 +19,14 @@ pub(crate) struct Moments {
 impl Moments {
     /// The angular velocity of a body with this orientation and this angular momentum.
     pub(crate) fn spin(&self, orientation: Quat, momentum: Vec3) -> Vec3 {
-        let along = Mat3::from_quat(orientation * self.axes);
+        let along = Mat3::from_quat(product(orientation, self.axes));
         let part = |k: usize| self.excess[k] * along.col(k).dot(momentum) * along.col(k);
         self.middle * momentum + (part(0) + part(1) + part(2))
     }
 
     /// The tensor of the inverse inertia in the coordinates of the scene: xx, yy, zz, xy, xz, yz.
     pub(crate) fn inverse_inertia(&self, orientation: Quat) -> [f32; 6] {
-        let along = Mat3::from_quat(orientation * self.axes);
+        let along = Mat3::from_quat(product(orientation, self.axes));
         let element = |i: usize, j: usize| (0..3).map(|k| self.excess[k] * along.col(k)[i] * along.col(k)[j]).sum::<f32>();
         let diagonal = |i: usize| self.middle + element(i, i);
         [diagonal(0), diagonal(1), diagonal(2), element(0, 1), element(0, 2), element(1, 2)]
@@ -33,15 +34,15 @@ impl Moments {
 
     /// Phi: the orientation after a free rotation for a time, in s, with this angular momentum.
     pub(crate) fn turned(&self, orientation: Quat, momentum: Vec3, time: f32) -> Quat {
-        let mut orientation = Quat::from_scaled_axis(time * self.middle * momentum) * orientation;
+        let mut orientation = product(by(time * self.middle * momentum), orientation);
         for (k, share) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
             if self.excess[k] != 0.0 {
-                let axis = orientation * (self.axes * Vec3::AXES[k]);
+                let axis = rotated(orientation, rotated(self.axes, Vec3::AXES[k]));
                 let turn = share * time * self.excess[k] * axis.dot(momentum);
-                orientation = Quat::from_scaled_axis(turn * axis) * orientation;
+                orientation = product(by(turn * axis), orientation);
             }
         }
-        orientation.normalize()
+        unit(orientation)
     }
 }
 
@@ -86,7 +87,7 @@ impl Pose {
     /// The rows of a member sphere at a place from the centre in the coordinates of the shape, with the spin of the body and the inverse
     /// inertia of the sphere: position, velocity, angular momentum, low part of the position.
     pub(crate) fn member(&self, place: Vec3, spin: Vec3, inverse_inertia: f32) -> [Vec3; 4] {
-        let lever = self.orientation * place;
+        let lever = rotated(self.orientation, place);
         let Fine { high, low } = self.position.moved(lever);
         [high, self.velocity + spin.cross(lever), spin / inverse_inertia, low]
     }

@@ -118,6 +118,10 @@ block! {
         /// First word of the numbers of the rigid bodies of spheres, by insertion index;
         /// [`NO_RIGID`](crate::model::layout::NO_RIGID) for a sphere of its own.
         pub rigid_of_at: u32,
+        /// First word of the parts of boxes, by insertion index of spheres, then by rod; 0 if no rigid body has a box. A word is 0 for an
+        /// object that belongs to no box, otherwise the first word of the box, with [`BOX_RIM`](crate::model::layout::BOX_RIM) for a vertex
+        /// or an edge.
+        pub rigid_parts_at: u32,
         /// First word of the tags: group (low 16 bits) and material (high 16 bits) of every object, by id.
         pub tags_at: u32,
         /// First word of the adjacency ranges; 0 when nothing is attached to any sphere. The range of a sphere is two absolute

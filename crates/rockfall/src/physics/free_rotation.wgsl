@@ -1,4 +1,4 @@
-// requires model/step.wgsl physics/rotation.wgsl physics/sine.wgsl
+// requires model/step.wgsl physics/quaternion.wgsl physics/sine.wgsl
 
 // Free rotation of rigid bodies (docs/physics.md section 5.9).
 
@@ -9,11 +9,6 @@ struct Moments {
     middle: f32,
     // The rotation from the principal axes to the coordinates of the shape.
     axes: vec4f,
-}
-
-fn turned_vector(q: vec4f, v: vec3f) -> vec3f {
-    let t = 2.0 * cross(q.xyz, v);
-    return v + q.w * t + cross(q.xyz, t);
 }
 
 // A principal axis of a body with this orientation.

@@ -1,7 +1,9 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/rigid.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl physics/rigid.wgsl
+// requires physics/rigid_box.wgsl
 
-// The side of a contact with the mass and inertia of the rigid body that an object belongs to, if any. `at` is the parameter on a rod.
-fn in_body(half: Side, id: u32, at: f32, n: vec3f) -> Side {
+// The side of an object in a contact with another one, with the mass and inertia of the rigid body that it belongs to, if any. `at` is the
+// parameter on a rod.
+fn in_body(half: Side, id: u32, at: f32, other: u32, found: Touch) -> Side {
     if !RIGID_BODIES {
         return half;
     }
@@ -16,12 +18,32 @@ fn in_body(half: Side, id: u32, at: f32, n: vec3f) -> Side {
         let ends = rod_ends(id - step.spheres);
         place = mix(state[position_at(ends.x)].xyz, state[position_at(ends.y)].xyz, at);
     }
+    var whole = half;
+    let word = box_word(id);
+    if is_solid(word) {
+        let from_centre = core_point(id, other, word, found);
+        place += from_centre;
+        whole.velocity += cross(half.spin, from_centre);
+        whole.radius = float_at(word + 3u);
+    }
     let record = rigid_record(body);
     let lever = place - vector_at(record);
-    let across = cross(lever, n);
-    let reach = 1.0 + length(lever) / half.radius;
-    var whole = half;
+    let across = cross(lever, found.n);
+    let reach = 1.0 + length(lever) / whole.radius;
     whole.inverse_mass = float_at(record + 3u) + dot(across, by_inverse_inertia(record, across));
     whole.inverse_inertia = reach * reach * float_at(record + 10u);
     return whole;
+}
+
+// The effect of a contact on an object with the torque about its centre: the force on a solid acts at the point of its core.
+fn about_centre(push: Push, id: u32, other: u32, found: Touch) -> Push {
+    if !RIGID_BODIES {
+        return push;
+    }
+    let word = box_word(id);
+    if !is_solid(word) {
+        return push;
+    }
+    let torque = push.arm * push.torque_per_arm + cross(core_point(id, other, word, found), push.force);
+    return Push(push.force, torque, 1.0, push.overlap);
 }

@@ -1,10 +1,6 @@
-// requires model/step.wgsl physics/sine.wgsl
+// requires model/step.wgsl physics/quaternion.wgsl physics/sine.wgsl
 
-// Quaternions (x, y, z, w), and the rotation of `orientations`.
-
-fn multiply(a: vec4f, b: vec4f) -> vec4f {
-    return vec4f(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
-}
+// The rotation of `orientations`.
 
 // Rotation by an angular velocity during one step, by the exponential map.
 fn rotation(spin: vec3f) -> vec4f {

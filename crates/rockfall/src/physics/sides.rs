@@ -3,17 +3,16 @@
 use glam::Vec3;
 
 use crate::model::view::{Object, View, Wall};
-use crate::physics::rigid::in_body;
+use crate::physics::rigid::side_in_body;
 use crate::physics::side::{Side, side};
 use crate::physics::touch::{Motions, Touch};
 
 /// Returns both sides of a contact of objects A and B. A moving wall, which is always B, has the velocity of the contact point. The free
 /// acceleration of its side is the sum of both, because it may accelerate against A (docs/physics.md section 2.12).
 pub(crate) fn sides(view: &View, [a, b]: [u32; 2], touch: &Touch) -> [Side; 2] {
-    let own = |object: Object, parameter: f32| in_body(view, object, parameter, touch.normal, side(view, object, parameter));
-    let of_a = own(view.object(a), touch.a);
+    let of_a = side_in_body(view, view.object(a), touch.a, view.object(b), touch);
     let of_b = match view.wall(view.object(b)) {
-        None => own(view.object(b), touch.b),
+        None => side_in_body(view, view.object(b), touch.b, view.object(a), touch),
         Some(wall) => {
             let place = place_of(view, view, view.object(a), touch.a);
             let reach = of_a.radius.unwrap_or(0.0) - touch.overlap;

@@ -12,6 +12,7 @@ use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_box, point_over_polygon, point_polygon, point_segment,
     segment_segment,
 };
+use crate::physics::rigid_box::{has_box, is_left_to_others, touch_edges, touch_solid};
 use crate::physics::side::side;
 
 /// In the collision phase, overlaps up to this times the smaller radius count as rounding errors (docs/physics.md section 3.1).
@@ -158,12 +159,12 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
 }
 
 /// Whether a pair never interacts because of the rods or the rigid body that the objects share or because neither can move (docs/physics.md
-/// section 1.3).
+/// sections 1.3 and 2.16).
 pub(crate) fn ignore(view: &View, a: Object, b: Object) -> bool {
     if immovable(view, a) && immovable(view, b) {
         return true;
     }
-    if view.body_of(a).is_some_and(|body| view.body_of(b) == Some(body)) {
+    if view.body_of(a).is_some_and(|body| view.body_of(b) == Some(body)) || is_left_to_others(view, a, b) {
         return true;
     }
     match (a, b) {
@@ -243,9 +244,11 @@ impl Feature {
 /// (docs/physics.md section 2.10). `feature` is the part that a contact keeps.
 pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature: Option<Feature>) -> Option<Touch> {
     match (a, b, feature) {
-        (Object::Sphere(a), Object::Sphere(b), _) => Some(at.spheres([a, b], [view.radius(a), view.radius(b)])),
+        (Object::Sphere(a), Object::Sphere(b), _) => {
+            touch_solid(view, at, [a, b]).or_else(|| Some(at.spheres([a, b], [view.radius(a), view.radius(b)])))
+        }
         (Object::Sphere(a), Object::Rod(b), _) => sphere_rod(view, at, a, view.rod(b)),
-        (Object::Rod(a), Object::Rod(b), _) => rod_rod(at, view.rod(a), view.rod(b)),
+        (Object::Rod(a), Object::Rod(b), _) => rod_rod(view, at, [a, b]),
         (Object::Sphere(a), Object::Cuboid(b), _) => Some(at.on_box(a, view.radius(a), &view.cuboid(b))),
         (Object::Sphere(a), Object::Polygon(b), _) => at.on_polygon(a, view.radius(a), &view.polygon(b)),
         (Object::Rod(a), Object::Cuboid(b), Some(Feature::Edge(edge))) => {
@@ -289,10 +292,16 @@ fn sphere_rod(view: &View, at: &impl Motions, sphere: u32, rod: RodRecord) -> Op
     Some(round(d, reach, Vec3::Y, 0.0, parameter))
 }
 
-fn rod_rod(at: &impl Motions, a: RodRecord, b: RodRecord) -> Option<Touch> {
+fn rod_rod(view: &View, at: &impl Motions, rods: [u32; 2]) -> Option<Touch> {
+    let [a, b] = rods.map(|rod| view.rod(rod));
     let reach = a.radius + b.radius;
     let origin = origin_of(at, a);
-    let pair = segment_segment(ends(at, a, origin), ends(at, b, origin), reach)?;
+    let [of_a, of_b] = [ends(at, a, origin), ends(at, b, origin)];
+    let pair = segment_segment(of_a, of_b, reach)?;
+    if has_box(view, Object::Rod(rods[0]), Object::Rod(rods[1])) {
+        let [one, other] = [of_a, of_b].map(|ends| (ends[1] - ends[0]).normalize_or_zero());
+        return touch_edges(view, at, rods, &pair, one.cross(other).length());
+    }
     Some(round(pair.d, reach, pair.normal.unwrap_or(Vec3::Y), pair.a, pair.b))
 }
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
-use super::shape::{Kinetics, ShapeId};
-use super::{Handle, ObjectId, Rod, RodId, Scene, Shape, Sphere, SphereId, Tag, shared};
+use super::shape::{BOX_SPHERES, BoxPart, Kinetics, ShapeId};
+use super::{Cuboid, Handle, ObjectId, Rod, RodId, Scene, Shape, Sphere, SphereId, Tag, shared};
 use crate::error::Result;
 use crate::fine::Fine;
 use crate::scene::checks::{finite, invalid};
@@ -219,7 +219,7 @@ fn wide(orientation: Quat) -> DQuat {
 
 impl Scene {
     /// Adds a rigid body: its spheres, its rods, and the body that they follow. A sphere gets the share of the mass that its volume has
-    /// of that of all spheres.
+    /// of that of all spheres and boxes. The 9 spheres of a box share its part.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) for numbers that are not finite, an orientation that is not a unit quaternion, and a
@@ -250,8 +250,8 @@ impl Scene {
         let shape = self.shapes.get(placement.shape)?;
         let spheres = members(shape, &body, &kinetics);
         spheres.iter().try_for_each(Sphere::validate)?;
-        let tags: Vec<_> = shape.spheres.iter().map(|part| part.tag.clone()).collect();
-        let rods: Vec<_> = shape.rods.iter().map(|rod| (rod.clone(), rod.tag.clone())).collect();
+        let tags: Vec<_> = shape.all_spheres().into_iter().map(|part| part.tag).collect();
+        let rods = shape.all_rods();
         for (sphere, tag) in spheres.into_iter().zip(tags) {
             let id = self.spheres.add(sphere);
             body.spheres.push(id);
@@ -259,13 +259,13 @@ impl Scene {
                 self.put_tag(id.into(), tag)?;
             }
         }
-        for (part, tag) in rods {
+        for part in rods {
             let [end1, end2] = [part.end1, part.end2].map(|end| body.spheres[end]);
             let rod = Rod { group: part.group, material: part.material, ..Rod::new(end1, end2, part.radius) };
             let id = self.rods.add(rod);
             body.rods.push(id);
-            if tag.is_some() {
-                self.put_tag(id.into(), tag)?;
+            if part.tag.is_some() {
+                self.put_tag(id.into(), part.tag)?;
             }
         }
         Ok(self.keep_body(body))
@@ -324,6 +324,35 @@ impl Scene {
         (self.rods.index(id).is_ok() && self.bodies.index(owner).is_ok()).then_some(owner)
     }
 
+    /// What a sphere is of a box of a rigid body: `None` for a sphere that belongs to none.
+    pub fn box_of_sphere(&self, id: SphereId) -> Option<BoxPart> {
+        let body = self.bodies.get(self.body_of_sphere(id)?).ok()?;
+        let shape = self.shapes.get(body.shape).ok()?;
+        if shape.boxes.is_empty() {
+            return None;
+        }
+        // The spheres of a body follow each other in the scene.
+        let first = self.spheres.index(*body.spheres.first()?).ok()?;
+        shape.box_of_sphere(self.spheres.index(id).ok()? - first)
+    }
+
+    /// Whether a rod is an edge of a box of a rigid body.
+    pub(crate) fn is_edge_of_box(&self, id: RodId) -> bool {
+        let ends = self.rod(id).map(|rod| [rod.end1, rod.end2]);
+        ends.is_ok_and(|ends| ends.iter().all(|end| matches!(self.box_of_sphere(*end), Some(BoxPart::Rim(_)))))
+    }
+
+    /// A box of a rigid body, with the corner and the edges that it has now, by the sphere that stands for it. `None` for other spheres.
+    pub fn box_at(&self, id: SphereId) -> Option<Cuboid> {
+        let Some(BoxPart::Solid(number)) = self.box_of_sphere(id) else { return None };
+        let owner = self.body_of_sphere(id)?;
+        let (body, frame) = (self.bodies.get(owner).ok()?, self.frame(owner).ok()?);
+        let cuboid = self.shapes.get(body.shape).ok()?.boxes[number].cuboid;
+        let arm = cuboid.corner.as_dvec3() - self.shape_mass(body.shape).ok()?.centre;
+        let corner = (frame.centre + frame.turn * arm).as_vec3();
+        Some(Cuboid { corner, edges: cuboid.edges.map(|edge| (frame.turn * edge.as_dvec3()).as_vec3()), ..cuboid })
+    }
+
     /// Where a body is and how it moves.
     pub(crate) fn frame(&self, id: RigidBodyId) -> Result<Frame> {
         let body = self.bodies.get(id)?;
@@ -335,7 +364,7 @@ impl Scene {
         let body = self.bodies.get(id)?;
         let (shape, kinetics) = (self.shapes.get(body.shape)?, *self.shape_mass(body.shape)?);
         let frame = Frame::of(body, &kinetics);
-        for (member, part) in body.spheres.iter().zip(&shape.spheres) {
+        for (member, part) in body.spheres.iter().zip(shape.all_spheres()) {
             frame.place(self.spheres.get_mut(*member)?, part.centre.as_dvec3() - kinetics.centre, body.orientation);
         }
         Ok(())
@@ -369,8 +398,8 @@ impl Scene {
             (Some(own), Some(tag)) => shared(own.or(tag)),
             (own, tag) => own.clone().or_else(|| tag.clone()),
         };
-        let spheres = body.spheres.iter().zip(&shape.spheres).map(|(id, part)| (ObjectId::from(*id), both(&part.tag)));
-        let rods = body.rods.iter().zip(&shape.rods).map(|(id, part)| (ObjectId::from(*id), both(&part.tag)));
+        let spheres = body.spheres.iter().zip(shape.all_spheres()).map(|(id, part)| (ObjectId::from(*id), both(&part.tag)));
+        let rods = body.rods.iter().zip(shape.all_rods()).map(|(id, part)| (ObjectId::from(*id), both(&part.tag)));
         Ok(spheres.chain(rods).collect())
     }
 }
@@ -378,16 +407,22 @@ impl Scene {
 /// The spheres of a new body.
 fn members(shape: &Shape, body: &RigidBody, kinetics: &Kinetics) -> Vec<Sphere> {
     let frame = Frame::of(body, kinetics);
-    let cube = |radius: f32| f64::from(radius).powi(3);
-    let all: f64 = shape.spheres.iter().map(|part| cube(part.radius)).sum();
-    let member = |part: &super::ShapeSphere| {
-        let mass = kinetics.mass * cube(part.radius) / all;
+    // The spheres of a box share what it weighs.
+    let volume = |(number, part): (usize, &super::ShapeSphere)| match shape.box_of_sphere(number) {
+        Some(BoxPart::Solid(of) | BoxPart::Rim(of)) => shape.boxes[of].volume() / BOX_SPHERES as f64,
+        None => 4.0 / 3.0 * std::f64::consts::PI * f64::from(part.radius).powi(3),
+    };
+    let parts = shape.all_spheres();
+    let volumes: Vec<f64> = parts.iter().enumerate().map(volume).collect();
+    let all: f64 = volumes.iter().sum();
+    let member = |(part, volume): (super::ShapeSphere, f64)| {
+        let mass = kinetics.mass * volume / all;
         let mut sphere = Sphere::new(part.centre, part.radius).mass(mass as f32).group(part.group);
         sphere.material = part.material;
         frame.place(&mut sphere, part.centre.as_dvec3() - kinetics.centre, body.orientation);
         sphere
     };
-    shape.spheres.iter().map(member).collect()
+    parts.into_iter().zip(volumes).map(member).collect()
 }
 
 #[cfg(test)]

@@ -1,29 +1,32 @@
-//! Shapes of rigid bodies: spheres and rods in coordinates of their own, with mass, centre and inertia.
+//! Shapes of rigid bodies: spheres, rods and boxes in coordinates of their own, with mass, centre and inertia.
 
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3, Vec3};
 
 use super::tag::check_name;
-use super::{Handle, MaterialId, Scene, Tag, shared};
+use super::{Cuboid, Handle, MaterialId, Scene, Tag, shared};
 use crate::error::{Error, Result, quoted};
 use crate::scene::checks::{finite, invalid, positive};
 
+mod boxes;
 mod mass;
 mod solid;
 
+pub(crate) use boxes::{BOX_SPHERES, Core};
+pub use boxes::{BoxPart, ShapeBox};
 pub use mass::MassProperties;
 use solid::{Part, Solid};
 
 /// Handle of a [`Shape`].
 pub type ShapeId = Handle<Shape>;
 
-/// Greatest number of spheres and rods of a shape.
+/// Greatest number of spheres, rods and boxes of a shape.
 const MOST_PARTS: usize = 1_000;
 
-/// What rigid bodies are made of: spheres, and rods between them. Many bodies share one shape.
+/// What rigid bodies are made of: spheres, rods between them, and boxes. Many bodies share one shape.
 ///
-/// Parts have coordinates of the shape, in units. They may overlap. The matter of the shape fills the spheres and rods evenly; where
+/// Parts have coordinates of the shape, in units. They may overlap. The matter of the shape fills the parts evenly; where
 /// parts overlap, it counts once.
 ///
 /// ```
@@ -46,6 +49,11 @@ pub struct Shape {
     pub spheres: Vec<ShapeSphere>,
     /// The rods.
     pub rods: Vec<ShapeRod>,
+    /// The boxes.
+    pub boxes: Vec<ShapeBox>,
+    /// Radius of the rounding of the edges and corners of all boxes in units. It goes inward, so that faces stay where they are. 0: 2 % of
+    /// the shortest edge of each box.
+    pub rounding: f32,
     /// What the mass properties follow from.
     pub mass: ShapeMass,
     /// Group of the parts that are added next.
@@ -132,7 +140,8 @@ impl Shape {
     /// Creates a shape of mass 1 without parts.
     pub fn new() -> Self {
         let mass = ShapeMass::Mass(1.0);
-        Self { name: None, spheres: Vec::new(), rods: Vec::new(), mass, group: 0, material: None, tag: None }
+        let (spheres, rods, boxes) = (Vec::new(), Vec::new(), Vec::new());
+        Self { name: None, spheres, rods, boxes, rounding: 0.0, mass, group: 0, material: None, tag: None }
     }
 
     /// Sets the name.
@@ -159,6 +168,20 @@ impl Shape {
     pub fn capsule(self, end1: impl Into<Vec3>, end2: impl Into<Vec3>, radius: f32) -> Self {
         let first = self.spheres.len();
         self.sphere(end1, radius).sphere(end2, radius).rod(first, first + 1, radius)
+    }
+
+    /// Adds a box. Its corner and edges are in units. Edges and corners are rounded inward, by [`Shape::rounding`]; faces stay where they
+    /// are, and the mass properties are those of the sharp box. The group and the material are those of the shape.
+    pub fn cuboid(mut self, cuboid: Cuboid) -> Self {
+        let cuboid = Cuboid { group: self.group, material: self.material, ..cuboid };
+        self.boxes.push(ShapeBox { cuboid, tag: self.tag.clone() });
+        self
+    }
+
+    /// Sets the rounding radius of all boxes, in units. 0, the default, stands for 2 % of the shortest edge of each box.
+    pub fn rounding(mut self, radius: f32) -> Self {
+        self.rounding = radius;
+        self
     }
 
     /// Sets the mass.
@@ -234,13 +257,14 @@ impl Shape {
         let centre = |sphere: usize| self.spheres[sphere].centre.as_dvec3();
         let spheres = self.spheres.iter().map(|sphere| Part::sphere(sphere.centre.as_dvec3(), sphere.radius.into()));
         let rods = self.rods.iter().map(|rod| Part::cylinder(centre(rod.end1), centre(rod.end2), rod.radius.into()));
-        Solid::new(spheres.chain(rods).collect())
+        Solid::new(spheres.chain(rods).chain(self.boxes.iter().map(ShapeBox::part)).collect())
     }
 
-    /// Checks the sphere and the rod that were added last.
+    /// Checks the sphere, the rod and the box that were added last.
     pub(crate) fn validate_last(&self) -> Result<()> {
         self.spheres.last().map_or(Ok(()), ShapeSphere::validate)?;
-        self.rods.last().map_or(Ok(()), |rod| self.validate_rod(rod))
+        self.rods.last().map_or(Ok(()), |rod| self.validate_rod(rod))?;
+        self.boxes.last().map_or(Ok(()), |part| part.validate(self.rounding))
     }
 
     fn validate_rod(&self, rod: &ShapeRod) -> Result<()> {
@@ -259,13 +283,16 @@ impl Shape {
         if let Some(name) = &self.name {
             check_name("shape.name", name)?;
         }
-        let parts = self.spheres.len() + self.rods.len();
-        if self.spheres.is_empty() || parts > MOST_PARTS {
-            return Err(invalid("shape.parts", parts, "at least one sphere, and at most 1000 spheres and rods"));
+        let parts = self.spheres.len() + self.rods.len() + self.boxes.len();
+        if self.spheres.is_empty() && self.boxes.is_empty() || parts > MOST_PARTS {
+            let expected = "at least one sphere or box, and at most 1000 spheres, rods and boxes";
+            return Err(invalid("shape.parts", parts, expected));
         }
         self.spheres.iter().try_for_each(ShapeSphere::validate)?;
         self.rods.iter().try_for_each(|rod| self.validate_rod(rod))?;
+        self.boxes.iter().try_for_each(|part| part.validate(self.rounding))?;
         let tags = self.spheres.iter().map(|sphere| &sphere.tag).chain(self.rods.iter().map(|rod| &rod.tag));
+        let tags = tags.chain(self.boxes.iter().map(|part| &part.tag));
         tags.flatten().try_for_each(|tag| tag.validate())
     }
 }
@@ -292,6 +319,7 @@ impl Scene {
     /// material that is not in the scene.
     pub fn add_shape(&mut self, shape: Shape) -> Result<ShapeId> {
         let materials = shape.spheres.iter().map(|sphere| sphere.material).chain(shape.rods.iter().map(|rod| rod.material));
+        let materials = materials.chain(shape.boxes.iter().map(|part| part.cuboid.material));
         for material in materials {
             self.material_number(material)?;
         }
@@ -316,7 +344,13 @@ impl Scene {
         let spheres = (0..shape.spheres.len()).map(|number| (number, shape.spheres[number].radius));
         let rods = shape.rods.iter().flat_map(|rod| [(rod.end1, rod.radius), (rod.end2, rod.radius)]);
         let reach = |(number, radius): (usize, f32)| place(number).distance(centre) + f64::from(radius);
-        Ok(spheres.chain(rods).map(reach).fold(0.0, f64::max))
+        let corner = |core: Core, vertex: u32| {
+            let side = |axis: u32| if vertex >> axis & 1 == 1 { 1.0 } else { -1.0 };
+            core.centre + core.turn * ((core.half + core.radius) * DVec3::new(side(0), side(1), side(2)))
+        };
+        let boxes = shape.boxes.iter().map(|part| part.core(shape.rounding));
+        let corners = boxes.flat_map(|core| (0..8).map(move |vertex| corner(core, vertex).distance(centre)));
+        Ok(spheres.chain(rods).map(reach).chain(corners).fold(0.0, f64::max))
     }
 
     /// How bodies of a shape move.

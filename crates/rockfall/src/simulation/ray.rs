@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::scene::{Body, Cuboid, Polygon, Rod, Scene, finite};
+use crate::scene::{Body, BoxPart, Cuboid, Polygon, Rod, Scene, finite};
 use crate::simulation::Simulation;
 
 /// The point at which a ray enters a body.
@@ -25,7 +25,8 @@ impl Simulation {
     /// The first body of the current scene that a ray enters, or `None`. `origin` is in units; `direction` may have any length
     /// except 0.
     ///
-    /// A rod is treated as the capsule of its radius between the centres of its spheres. A polygon or triangle is hit from both sides. A
+    /// A rod is treated as the capsule of its radius between the centres of its spheres. A box of a rigid body is hit as the sphere that
+    /// stands for it ([`Scene::box_at`]). A polygon or triangle is hit from both sides. A
     /// body that contains the origin is not entered, and so not hit. If two bodies are entered at the same distance, the first
     /// one is returned in the order of [`Body`], then in order of addition.
     ///
@@ -67,13 +68,26 @@ impl Ray {
     /// The first hit in a scene whose walls are where their motions put them at a time, in s.
     fn first(&self, scene: &Scene, time: f64) -> Option<RayHit> {
         let poses = scene.poses(time);
-        let spheres = nearest(scene.spheres(), |sphere| {
+        let has_boxes = scene.shapes().iter().any(|shape| !shape.boxes.is_empty());
+        let spheres = nearest(scene.spheres(), |index, sphere| {
             let centre = sphere.position.as_dvec3();
-            self.sphere(centre + scene.way_into_box(centre), sphere.radius.into())
+            let way = scene.way_into_box(centre);
+            match has_boxes.then(|| scene.box_of_sphere(scene.spheres.handle_at(index))).flatten() {
+                None => self.sphere(centre + way, sphere.radius.into()),
+                // The solid stands for its vertices.
+                Some(BoxPart::Rim(_)) => None,
+                Some(BoxPart::Solid(_)) => {
+                    let cuboid = scene.box_at(scene.spheres.handle_at(index))?;
+                    self.cuboid(&Cuboid { corner: cuboid.corner + way.as_vec3(), ..cuboid })
+                }
+            }
         });
-        let rods = nearest(scene.rods(), |rod| self.rod(scene, rod));
-        let boxes = nearest(scene.boxes(), |cuboid| self.cuboid(&poses.of_box(cuboid)));
-        let polygons = nearest(scene.polygons(), |polygon| self.polygon(&poses.of_polygon(polygon)));
+        let rods = nearest(scene.rods(), |index, rod| {
+            let is_edge = has_boxes && scene.is_edge_of_box(scene.rods.handle_at(index));
+            self.rod(scene, rod).filter(|_| !is_edge)
+        });
+        let boxes = nearest(scene.boxes(), |_, cuboid| self.cuboid(&poses.of_box(cuboid)));
+        let polygons = nearest(scene.polygons(), |_, polygon| self.polygon(&poses.of_polygon(polygon)));
         let found = [
             spheres.map(|(index, entry)| (Body::Sphere(scene.spheres.handle_at(index)), entry)),
             rods.map(|(index, entry)| (Body::Rod(scene.rods.handle_at(index)), entry)),
@@ -186,7 +200,7 @@ impl Ray {
 }
 
 /// The object that the ray enters first; of equal distances, the one that was added first.
-fn nearest<T: Sync>(objects: &[T], entry: impl Fn(&T) -> Option<Entry> + Sync) -> Option<(usize, Entry)> {
-    let entered = objects.par_iter().enumerate().filter_map(|(index, object)| Some((index, entry(object)?)));
+fn nearest<T: Sync>(objects: &[T], entry: impl Fn(usize, &T) -> Option<Entry> + Sync) -> Option<(usize, Entry)> {
+    let entered = objects.par_iter().enumerate().filter_map(|(index, object)| Some((index, entry(index, object)?)));
     entered.min_by(|a, b| a.1.0.total_cmp(&b.1.0).then(a.0.cmp(&b.0)))
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::scene::Scene;
+use crate::scene::{BoxPart, Scene, Sphere};
 use crate::settings::ContactLaw;
 use crate::stability::{at_most, nearest};
 
@@ -62,12 +62,19 @@ impl LawTime {
 }
 
 impl Scene {
+    /// The moving spheres, with their numbers, except those that stand for boxes: in a contact, a box has the radius of its rounding.
+    fn moving_surfaces(&self) -> impl Iterator<Item = (usize, &Sphere)> {
+        let has_boxes = self.shapes().iter().any(|shape| !shape.boxes.is_empty());
+        let is_solid = move |id| has_boxes && matches!(self.box_of_sphere(id), Some(BoxPart::Solid(_)));
+        let moving = self.sphere_ids().zip(self.spheres()).enumerate().filter(|(_, (_, sphere))| !sphere.fixed);
+        moving.filter(move |(_, (id, _))| !is_solid(*id)).map(|(number, (_, sphere))| (number, sphere))
+    }
+
     /// The time that bounds the time step of a contact law with history; `None` for the law of the thesis, and where no moving
     /// sphere has the constants of the law.
     pub fn law_time(&self) -> Option<LawTime> {
         let law = self.settings.contact_law;
-        let moving = self.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed);
-        let times = moving.filter_map(|(index, sphere)| {
+        let times = self.moving_surfaces().filter_map(|(index, sphere)| {
             let id = sphere.material?;
             let mass = f64::from(sphere.mass);
             let seconds = match law {
@@ -126,7 +133,7 @@ impl Scene {
                 (1..=self.materials().len() as u16).map(with).fold(0.0, f64::max)
             })
             .collect();
-        let times = self.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed).filter_map(|(index, sphere)| {
+        let times = self.moving_surfaces().filter_map(|(index, sphere)| {
             let number = usize::from(self.material_number(sphere.material).ok()?).checked_sub(1)?;
             let (mass, radius) = (0.5 * f64::from(sphere.mass), 0.5 * f64::from(sphere.radius));
             let seconds = 2.87 * (mass * mass / (radius * moduli[number].powi(2) * speed)).powf(0.2);

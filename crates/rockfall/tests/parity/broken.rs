@@ -103,7 +103,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("move_bodies", 4, "move_bodies.wgsl", "select(1.0, 0.5, body_pass == AFTER_DRIFT)", "1.0", Buffer::RigidBodies),
     Mistake("move_bodies", 5, "move_bodies.wgsl", "keep_rates(body, rates);", "", Buffer::Rates),
     Mistake("move_bodies", 7, "move_bodies.wgsl", "axis.xxy * axis.yzz", "axis.xyx * axis.yzz", Buffer::Topology),
-    Mistake("loads", 0, "rigid_side.wgsl", "let across = cross(lever, n);", "let across = lever;", Buffer::Wrenches),
+    Mistake("loads", 0, "rigid_side.wgsl", "let across = cross(lever, found.n);", "let across = lever;", Buffer::Wrenches),
     Mistake("loads", 0, "rigid_side.wgsl", "reach * reach * float_at", "reach * float_at", Buffer::Wrenches),
     Mistake("loads", 0, "chain.wgsl", "in_one_body(a, b) ||", "", Buffer::Wrenches),
     Mistake("advance", 0, "next_state.wgsl", "& is_free(i)", "", Buffer::Y2),
@@ -713,8 +713,9 @@ fn every_kernel_with_a_mistake_is_rejected() {
     traces.push(crossings::trace(1, false));
     traces.push(walls::trace(1, Integrator::Rk4, false, false));
     traces.push(walls::trace(3, Integrator::Rk4, false, true));
-    traces.push(rigid::trace(1, Integrator::Rk4, ContactLaw::Thesis, false));
-    traces.push(rigid::trace(3, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, true));
+    traces.push(rigid::trace(1, Integrator::Rk4, ContactLaw::Thesis, rigid::Parts::Balls));
+    traces.push(rigid::trace(3, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, rigid::Parts::Rods));
+    traces.push(rigid::trace(5, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, rigid::Parts::Boxes));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();
     let verdicts = Verdicts::of("parity");

@@ -133,13 +133,13 @@ fn floats(world: &World) -> Vec<Floats> {
     all
 }
 
-/// The words of the topology buffer that stages write as floats: the sizes of free accelerations, the centres and tensors of rigid bodies, and
+/// The words of the topology buffer that stages write as floats: the sizes of free accelerations, the centres, tensors and orientations of rigid bodies, and
 /// where walls move, the geometry of boxes and polygons and their motions. The numbers of bodies among them are denormal floats.
 fn float_words(world: &World) -> Vec<Range<usize>> {
     let Layout { free_at, spheres, boxes_at, walls_at, boxes, polygons, rigid_bodies, rigid_at, .. } = world.step.layout;
     let free = free_at..free_at + if free_at == 0 { 0 } else { spheres };
     let walls = boxes_at..if walls_at == 0 { boxes_at } else { walls_at + (boxes + polygons) * WALL_WORDS };
-    let bodies = (0..rigid_bodies).map(|body| rigid_at + body * RIGID_WORDS).map(|at| at..at + 10);
+    let bodies = (0..rigid_bodies).map(|body| rigid_at + body * RIGID_WORDS).flat_map(|at| [at..at + 10, at + 14..at + 18]);
     [free, walls].into_iter().chain(bodies).map(|range| range.start as usize..range.end as usize).collect()
 }
 

@@ -16,10 +16,25 @@ fn vector(random: &mut Pcg64Mcg, most: f32) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| random.random_range(-most..most)))
 }
 
-/// A shape of two to four balls, or of a capsule and a ball, with three different moments of inertia.
-fn shape(random: &mut Pcg64Mcg, material: MaterialId, group: u16, rods: bool) -> Shape {
+/// What the bodies of a scene are made of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Parts {
+    Balls,
+    Rods,
+    Boxes,
+}
+
+/// A shape of two to four balls, of a capsule and balls, or of a box and a ball, with three different moments of inertia.
+fn shape(random: &mut Pcg64Mcg, material: MaterialId, group: u16, parts: Parts) -> Shape {
     let mut shape = Shape::new().material(material).group(group).density(random.random_range(800.0..1200.0));
-    if rods {
+    if parts == Parts::Boxes {
+        let turn = Quat::from_scaled_axis(vector(random, 1.0));
+        let [i, j, k] = [0.4, 0.25, 0.3].map(|edge: f32| edge + random.random_range(-0.05..0.05));
+        let [i, j, k] = [i * Vec3::X, j * Vec3::Y, k * Vec3::Z].map(|edge| turn * edge);
+        let shape = shape.rounding(0.03).cuboid(Cuboid::new(-0.5 * (i + j + k) + vector(random, 0.1), i, j, k));
+        return if group.is_multiple_of(2) { shape } else { shape.sphere(vector(random, 0.1) + 0.25 * Vec3::X, 0.1) };
+    }
+    if parts == Parts::Rods {
         shape = shape.capsule(vector(random, 0.1) - 0.25 * Vec3::X, vector(random, 0.1) + 0.25 * Vec3::X, 0.13);
     }
     for place in 0..random.random_range(2..5_u8) {
@@ -30,7 +45,7 @@ fn shape(random: &mut Pcg64Mcg, material: MaterialId, group: u16, rods: bool) ->
 }
 
 /// Every group has a floor, a body that overlaps it a little, a ball beside the body, and in every third group a second body.
-fn scene(seed: u64, law: ContactLaw, rods: bool) -> Scene {
+fn scene(seed: u64, law: ContactLaw, parts: Parts) -> Scene {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut scene = Scene::new();
     (scene.settings.gravity, scene.settings.collisions, scene.settings.linear_damping) = (3.0, false, 0.2);
@@ -39,7 +54,7 @@ fn scene(seed: u64, law: ContactLaw, rods: bool) -> Scene {
     let material = scene.add_material(Material::new("stuff").density(1000.0).young(1e5).poisson(0.3)).unwrap();
     scene.set_pair(material, material, Pair::default().restitution(0.6).friction(0.4).rolling_friction(0.1)).unwrap();
     for group in 0..40_u16 {
-        let shape = scene.add_shape(shape(&mut random, material, group, rods)).unwrap();
+        let shape = scene.add_shape(shape(&mut random, material, group, parts)).unwrap();
         let mut place = |above: f32| {
             let at = (Vec3::new(0.0, above, 0.0) + vector(&mut random, 0.05)).as_dvec3();
             let turn = Quat::from_scaled_axis(vector(&mut random, 2.0));
@@ -61,11 +76,11 @@ fn scene(seed: u64, law: ContactLaw, rods: bool) -> Scene {
 }
 
 /// Scenarios of the stages that move bodies, and in which they touch.
-pub(crate) fn trace(seed: u64, integrator: Integrator, law: ContactLaw, rods: bool) -> Trace {
-    let mut world = World::build_in_space(&scene(seed, law, rods)).unwrap();
+pub(crate) fn trace(seed: u64, integrator: Integrator, law: ContactLaw, parts: Parts) -> Trace {
+    let mut world = World::build_in_space(&scene(seed, law, parts)).unwrap();
     world.set_integrator(integrator);
     let mut world = with_step_settings(world);
-    world.set_pair_rows(world.movers() * 4);
+    world.set_pair_rows(world.movers() * if parts == Parts::Boxes { 16 } else { 4 });
     world.step.constants.dt = 0.001;
     world.step.lists.margin_scale = 40.0;
     world.status.lengths_due = 0;
@@ -83,8 +98,8 @@ pub(crate) fn trace(seed: u64, integrator: Integrator, law: ContactLaw, rods: bo
     Trace { scenarios, findings: Findings::default(), after: world }
 }
 
-fn check(seed: u64, integrator: Integrator, law: ContactLaw, rods: bool, passes: &[u32]) {
-    let trace = trace(seed, integrator, law, rods);
+fn check(seed: u64, integrator: Integrator, law: ContactLaw, parts: Parts, passes: &[u32]) {
+    let trace = trace(seed, integrator, law, parts);
     let moved = trace.scenarios.iter().filter(|scenario| scenario.is("move_bodies"));
     assert_eq!(moved.map(|scenario| scenario.runs[0].pass).filter(|pass| *pass < 7).collect::<Vec<_>>(), passes);
     assert!(trace.after.status.last_contacts > 60, "{} contacts", trace.after.status.last_contacts);
@@ -93,15 +108,25 @@ fn check(seed: u64, integrator: Integrator, law: ContactLaw, rods: bool, passes:
 
 #[test]
 fn backends_agree_on_bodies_with_rk4() {
-    check(1, Integrator::Rk4, ContactLaw::Thesis, false, &[0, 1, 2, 3]);
+    check(1, Integrator::Rk4, ContactLaw::Thesis, Parts::Balls, &[0, 1, 2, 3]);
 }
 
 #[test]
 fn backends_agree_on_bodies_with_symplectic_euler() {
-    check(2, Integrator::SymplecticEuler, ContactLaw::Thesis, true, &[AFTER_EULER]);
+    check(2, Integrator::SymplecticEuler, ContactLaw::Thesis, Parts::Rods, &[AFTER_EULER]);
 }
 
 #[test]
 fn backends_agree_on_bodies_with_velocity_verlet() {
-    check(3, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, true, &[AFTER_DRIFT, AFTER_KICK]);
+    check(3, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, Parts::Rods, &[AFTER_DRIFT, AFTER_KICK]);
+}
+
+#[test]
+fn backends_agree_on_boxes_with_the_law_of_the_thesis() {
+    check(4, Integrator::SymplecticEuler, ContactLaw::Thesis, Parts::Boxes, &[AFTER_EULER]);
+}
+
+#[test]
+fn backends_agree_on_boxes_with_history() {
+    check(5, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, Parts::Boxes, &[AFTER_DRIFT, AFTER_KICK]);
 }

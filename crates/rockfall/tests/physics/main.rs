@@ -5,6 +5,7 @@
 mod common;
 
 mod bodies;
+mod boxes;
 mod closed_form;
 mod contact_laws;
 mod continuous;

@@ -126,7 +126,7 @@ fn cull(
 ) {
     let slot = slot_of_thread(group, groups, local);
     var wanted = 0u;
-    if slot < frame.spheres && !in_capsule(slot) {
+    if slot < frame.spheres && !in_capsule(slot) && box_word(slot) == 0u {
         let ball = ball(slot);
         wanted = in_light(slot, ball);
         if (frame.flags & CULL_HIDDEN) == 0u || visible[slot] != 0u {
@@ -144,7 +144,7 @@ fn uncover(
 ) {
     let slot = slot_of_thread(group, groups, local);
     var wanted = 0u;
-    if slot < frame.spheres && !in_capsule(slot) {
+    if slot < frame.spheres && !in_capsule(slot) && box_word(slot) == 0u {
         let ball = ball(slot);
         wanted = in_picture(slot, ball) << SECOND;
         if wanted != 0u && is_hidden(ball) {

@@ -13,6 +13,8 @@ struct FlatVertex {
     @location(6) local: vec4f,
     /// Brightness of the rim. Triangles have none, because a mesh would be full of lines.
     @location(7) @interpolate(flat) rim: f32,
+    /// Length that the pattern is measured in, in units.
+    @location(8) @interpolate(flat) unit: f32,
 }
 
 /// Brightness of the side of a polygon that bodies can pass through.
@@ -40,10 +42,10 @@ fn face(corner: vec3f, first: vec3f, second: vec3f, normal: vec3f, index: u32) -
     return vertex;
 }
 
-/// Returns the place in the pattern of a look: coordinates along the edges with the longest edge as y, in typical radii, so that
+/// Returns the place in the pattern of a look: coordinates along the edges with the longest edge as y, in units of `unit`, so that
 /// the pattern suits the bodies. `along` is relative to the middle. The fourth one counts stripes: an odd number of them, at least
 /// five, that are about as wide as the second longest edge.
-fn in_pattern(along: vec3f, longs: vec3f, number: u32) -> vec4f {
+fn in_pattern(along: vec3f, longs: vec3f, unit: f32, number: u32) -> vec4f {
     var place = along.zxy;
     if longs.y > longs.x && longs.y >= longs.z {
         place = along;
@@ -53,13 +55,13 @@ fn in_pattern(along: vec3f, longs: vec3f, number: u32) -> vec4f {
     let longest = max(longs.x, max(longs.y, longs.z));
     let second = max(min(longs.x, max(longs.y, longs.z)), min(longs.y, longs.z));
     let count = 2.0 * round(clamp(0.5 * longest / second, 2.0, 1000.0)) + 1.0;
-    return vec4f(place / frame.typical_radius + pattern_offset(number), (place.y / longest + 0.5) * count);
+    return vec4f(place / unit + pattern_offset(number), (place.y / longest + 0.5) * count);
 }
 
 /// Returns the colour of a face with the pattern of its look. `width` is the width of a pixel on it,
 /// `stripe` that in stripes.
 fn patterned(vertex: FlatVertex, width: vec2f, stripe: f32) -> vec3f {
-    let pixel = max(width.x, width.y) / frame.typical_radius;
+    let pixel = max(width.x, width.y) / vertex.unit;
     if vertex.look == LOOK_STRIPED {
         return mix(vertex.colour, second_tone(vertex.colour), stripes(vertex.local.w, stripe));
     }
@@ -109,18 +111,86 @@ fn box_corner(index: u32, number: u32) -> FlatVertex {
     let edges = array<vec3f, 3>(topology_vector(at + 3u), topology_vector(at + 6u), topology_vector(at + 9u));
     let base = topology_vector(at);
     let least = base + way_into_box(base + 0.5 * (edges[0] + edges[1] + edges[2]));
-    let axis = index / 12u;
-    let far = index / 6u % 2u == 1u;
-    let through = edges[axis];
-    let corner = least + select(vec3f(0.0), through, far);
-    let normal = normalize(select(-through, through, far));
-    var vertex = face(corner, edges[(axis + 1u) % 3u], edges[(axis + 2u) % 3u], normal, index % 6u);
+    var vertex = corner_between(index, least, edges, frame.typical_radius, number);
     vertex.colour = object_colour(KIND_BOX, number);
     vertex.look = box_look(number);
+    return vertex;
+}
+
+/// Whether a sphere stands for the solid of a box of a rigid body.
+fn is_solid(slot: u32) -> bool {
+    let word = box_word(slot);
+    return word != 0u && (word & BOX_RIM) == 0u;
+}
+
+/// Boxes of rigid bodies. The instances are the spheres; those that stand for solids are drawn as boxes.
+@vertex
+fn block_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) slot: u32) -> FlatVertex {
+    return block_of(index, slot, false);
+}
+
+@vertex
+fn glass_block_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) slot: u32) -> FlatVertex {
+    return block_of(index, slot, true);
+}
+
+fn block_of(index: u32, slot: u32, of_glass: bool) -> FlatVertex {
+    if !is_solid(slot) || (sphere_look(slot) == LOOK_GLASS) != of_glass {
+        var nothing: FlatVertex;
+        nothing.place = NOWHERE;
+        return nothing;
+    }
+    return block_corner(index, slot);
+}
+
+/// The vector of the scene that a rotation makes of one in the frame of a body.
+fn from_body(q: vec4f, v: vec3f) -> vec3f {
+    return to_body(vec4f(-q.xyz, q.w), v);
+}
+
+fn block_corner(index: u32, slot: u32) -> FlatVertex {
+    let word = box_word(slot);
+    let size = 2.0 * (topology_vector(word + 4u) + topology_float(word + 3u));
+    let own = vec4f(topology_vector(word + 7u), topology_float(word + 10u));
+    let turn = orientation(slot);
+    let edges = array<vec3f, 3>(
+        from_body(turn, from_body(own, vec3f(size.x, 0.0, 0.0))),
+        from_body(turn, from_body(own, vec3f(0.0, size.y, 0.0))),
+        from_body(turn, from_body(own, vec3f(0.0, 0.0, size.z))),
+    );
+    let least = ball(slot).xyz - 0.5 * (edges[0] + edges[1] + edges[2]);
+    let number = insertion_index(slot);
+    var vertex = corner_between(index, least, edges, 0.5 * min(size.x, min(size.y, size.z)), number);
+    vertex.colour = sphere_colour(slot);
+    let look = sphere_look(slot);
+    vertex.look = select(look, LOOK_PLAIN, look == LOOK_USUAL);
+    return vertex;
+}
+
+/// A corner of a face of the box between edges that meet at `least`. `unit` is the length that patterns are measured in.
+fn corner_between(index: u32, least: vec3f, edges: array<vec3f, 3>, unit: f32, number: u32) -> FlatVertex {
+    let axis = index / 12u;
+    let far = index / 6u % 2u == 1u;
+    var through = edges[0];
+    var first = edges[1];
+    var second = edges[2];
+    if axis == 1u {
+        through = edges[1];
+        first = edges[2];
+        second = edges[0];
+    } else if axis == 2u {
+        through = edges[2];
+        first = edges[0];
+        second = edges[1];
+    }
+    let corner = least + select(vec3f(0.0), through, far);
+    let normal = normalize(select(-through, through, far));
+    var vertex = face(corner, first, second, normal, index % 6u);
     let place = vertex.point - least;
     let longs = vec3f(length(edges[0]), length(edges[1]), length(edges[2]));
     let along = vec3f(dot(place, edges[0]), dot(place, edges[1]), dot(place, edges[2])) / longs - 0.5 * longs;
-    vertex.local = in_pattern(along, longs, number);
+    vertex.local = in_pattern(along, longs, unit, number);
+    vertex.unit = unit;
     return vertex;
 }
 
@@ -169,7 +239,8 @@ fn polygon_corner(index: u32, number: u32) -> FlatVertex {
     vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
     vertex.colour = object_colour(KIND_POLYGON, number);
     vertex.look = polygon_look(number);
-    vertex.local = in_pattern(vec3f(vertex.on_face - 0.5 * vertex.sides, 0.0), vec3f(vertex.sides, 0.0), number);
+    vertex.local = in_pattern(vec3f(vertex.on_face - 0.5 * vertex.sides, 0.0), vec3f(vertex.sides, 0.0), frame.typical_radius, number);
+    vertex.unit = frame.typical_radius;
     return vertex;
 }
 

@@ -43,6 +43,8 @@ struct Frame {
     light_size: f32,
     /// Period along each axis, 0 where the scene is not periodic.
     period: vec3f,
+    /// First word of the table of parts of boxes of rigid bodies; 0 without any.
+    rigid_parts_at: u32,
     /// Least corner of the box of a periodic scene.
     least: vec3f,
     kinds: array<vec4f, 8>,
@@ -133,6 +135,25 @@ fn insertion_index(slot: u32) -> u32 {
         return slot;
     }
     return topology[frame.insertion_indices_at + slot];
+}
+
+/// The bit of the word of a vertex or an edge of a box of a rigid body.
+const BOX_RIM: u32 = 0x80000000u;
+
+/// What a sphere is of a box of a rigid body: 0 for nothing, otherwise the first word of the box, with BOX_RIM for a vertex.
+fn box_word(slot: u32) -> u32 {
+    if frame.rigid_parts_at == 0u {
+        return 0u;
+    }
+    return topology[frame.rigid_parts_at + insertion_index(slot)];
+}
+
+/// Whether a rod is an edge of a box of a rigid body.
+fn is_edge_of_box(rod: u32) -> bool {
+    if frame.rigid_parts_at == 0u {
+        return false;
+    }
+    return topology[frame.rigid_parts_at + frame.spheres + rod] != 0u;
 }
 
 fn is_fixed(slot: u32) -> bool {

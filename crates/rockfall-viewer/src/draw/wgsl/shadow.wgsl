@@ -69,6 +69,9 @@ fn capsule_shadow_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_i
     vertex.point = capsule_corner(end1, end2, vertex.end1.w, 0.0, corner);
     vertex.place = in_map(vertex.point);
     vertex.look = body_look(frame.spheres + rod);
+    if is_edge_of_box(rod) {
+        vertex.place = NOWHERE;
+    }
     return vertex;
 }
 
@@ -103,6 +106,18 @@ fn box_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index)
     // Faces towards the sun would shade themselves where they are far larger than the map, by rounding. The other faces of a box
     // cast the same shadow.
     let corner = box_corner(index, number);
+    if dot(corner.normal, frame.light) > 0.0 {
+        return FlatShadow(NOWHERE, 1.0, 0u);
+    }
+    return flat_in_map(corner.point, corner.look);
+}
+
+@vertex
+fn block_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) slot: u32) -> FlatShadow {
+    if !is_solid(slot) {
+        return FlatShadow(NOWHERE, 1.0, 0u);
+    }
+    let corner = block_corner(index, slot);
     if dot(corner.normal, frame.light) > 0.0 {
         return FlatShadow(NOWHERE, 1.0, 0u);
     }

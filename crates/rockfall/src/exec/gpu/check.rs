@@ -3,10 +3,10 @@
 use crate::error::{Error, Result};
 use crate::model::buffer::Buffer;
 use crate::model::layout::{
-    BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LINK_KEY,
+    BOX_RIM, BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LINK_KEY,
     LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_RIGID, NO_ROD, PAIR_WORDS,
-    POLYGON_WORDS, POSE_FLOATS, RIGID_ROWS, RIGID_WORDS, ROD_WORDS, SHAPE_WORDS, SLICE, SOME_RODS, SPRING_WORDS, TETHER_WORDS,
-    WALL_BODY, WALL_WORDS, words_of_rows,
+    POLYGON_WORDS, POSE_FLOATS, RIGID_ROWS, RIGID_WORDS, ROD_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS, SLICE, SOME_RODS,
+    SPRING_WORDS, TETHER_WORDS, WALL_BODY, WALL_WORDS, words_of_rows,
 };
 use crate::model::status::REJECTED_PAIRS;
 use crate::model::step::Layout;
@@ -92,13 +92,20 @@ fn check_walls(world: &World) -> Result<()> {
 }
 
 fn check_bodies(world: &World) -> Result<()> {
-    let Layout { rigid_bodies, rigid_at, rigid_of_at, spheres, .. } = world.step.layout;
+    let Layout { rigid_bodies, rigid_at, rigid_of_at, rigid_parts_at, spheres, rods, .. } = world.step.layout;
     if rigid_bodies == 0 {
         return Ok(());
     }
     ensure(world.rigid_bodies.len() == (rigid_bodies * RIGID_ROWS) as usize, "the rigid bodies")?;
     for body in slice(world, rigid_of_at, spheres.into(), "the bodies of spheres")? {
         ensure(*body < rigid_bodies || *body == NO_RIGID, "the body of a sphere")?;
+    }
+    if rigid_parts_at > 0 {
+        for part in slice(world, rigid_parts_at, u64::from(spheres) + u64::from(rods), "the parts of boxes")? {
+            if *part != 0 {
+                slice(world, part & !BOX_RIM, SHAPE_BOX_WORDS.into(), "a box of a body")?;
+            }
+        }
     }
     for record in
         slice(world, rigid_at, u64::from(rigid_bodies * RIGID_WORDS), "rigid bodies")?.chunks_exact(RIGID_WORDS as usize)

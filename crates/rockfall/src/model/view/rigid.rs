@@ -4,8 +4,10 @@ use std::ops::Range;
 
 use glam::{Quat, Vec3, Vec4};
 
-use crate::model::layout::{NO_RIGID, RIGID_WORDS, SHAPE_WORDS};
+use crate::model::layout::{BOX_RIM, NO_RIGID, RIGID_WORDS, SHAPE_WORDS};
 use crate::model::rigid::{Moments, Pose};
+use crate::model::rotate::{product, rotated};
+use crate::model::step::Layout;
 use crate::model::view::{Object, View};
 
 /// A rigid body in the state that forces are evaluated in.
@@ -19,6 +21,7 @@ pub(crate) struct RigidRecord {
     pub(crate) inverse_inertia: [f32; 6],
     /// The inverse of the least principal moment.
     pub(crate) greatest: f32,
+    pub(crate) orientation: Quat,
     /// First word of the shape.
     shape: usize,
     /// Words of the insertion indices of the member spheres.
@@ -26,7 +29,64 @@ pub(crate) struct RigidRecord {
     count: usize,
 }
 
+/// A box of a rigid body in the state that forces are evaluated in.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BodyBox {
+    /// The centre, rounded.
+    pub(crate) centre: Vec3,
+    /// Turns coordinates along its edges into those of the scene.
+    pub(crate) turn: Quat,
+    /// Half the edges of the core.
+    pub(crate) half: Vec3,
+    /// The rounding radius.
+    pub(crate) radius: f32,
+}
+
+/// What an object is of a box of a rigid body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PartOfBox {
+    /// A sphere that stands for the solid.
+    Solid,
+    /// A vertex or an edge.
+    Rim,
+}
+
 impl View<'_> {
+    /// The word of an object in the table of parts of boxes.
+    fn box_word(&self, object: Object) -> u32 {
+        let Layout { rigid_parts_at: at, spheres, .. } = self.step.layout;
+        match object {
+            _ if at == 0 => 0,
+            Object::Sphere(sphere) => self.topology[(at + self.insertion_index(sphere)) as usize],
+            Object::Rod(rod) => self.topology[(at + spheres + rod) as usize],
+            Object::Cuboid(_) | Object::Polygon(_) => 0,
+        }
+    }
+
+    /// What an object is of a box of a rigid body, if it is part of one.
+    pub(crate) fn part_of_box(&self, object: Object) -> Option<PartOfBox> {
+        match self.box_word(object) {
+            0 => None,
+            word if word & BOX_RIM != 0 => Some(PartOfBox::Rim),
+            _ => Some(PartOfBox::Solid),
+        }
+    }
+
+    /// The box that an object is a part of.
+    pub(crate) fn box_of(&self, object: Object) -> Option<BodyBox> {
+        let at = (self.box_word(object) & !BOX_RIM) as usize;
+        let body = self.body_of(object).filter(|_| at != 0)?;
+        let body = self.rigid_body(body);
+        let float = |place: usize| f32::from_bits(self.topology[at + place]);
+        let vector = |place: usize| Vec3::new(float(place), float(place + 1), float(place + 2));
+        Some(BodyBox {
+            centre: body.centre + rotated(body.orientation, vector(0)),
+            turn: product(body.orientation, Quat::from_xyzw(float(7), float(8), float(9), float(10))),
+            half: vector(4),
+            radius: float(3),
+        })
+    }
+
     /// The rigid body of a sphere.
     pub(crate) fn body_of_sphere(&self, sphere: u32) -> Option<u32> {
         if self.step.layout.rigid_bodies == 0 {
@@ -66,6 +126,7 @@ impl View<'_> {
             inverse_mass: float(3),
             inverse_inertia: std::array::from_fn(|place| float(4 + place)),
             greatest: float(10),
+            orientation: Quat::from_xyzw(float(14), float(15), float(16), float(17)),
             shape: words[11] as usize,
             members: words[12] as usize,
             count: words[13] as usize,

@@ -6,12 +6,12 @@ use glam::{DQuat, DVec3, Quat, Vec4};
 
 use crate::error::Result;
 use crate::fine::Fine;
-use crate::model::layout::{NO_RIGID, RIGID_ROWS, RIGID_WORDS};
+use crate::model::layout::{BOX_RIM, NO_RIGID, RIGID_ROWS, RIGID_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS};
 use crate::model::rigid::{Moments, Pose};
 use crate::model::step::Layout;
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::scene::{Kinetics, RigidBody, RigidBodyId, Scene, ShapeId};
+use crate::scene::{BoxPart, Core, Kinetics, RigidBody, RigidBodyId, Scene, ShapeId};
 
 /// The moments as kernels use them.
 fn moments_of(kinetics: &Kinetics) -> Moments {
@@ -34,15 +34,24 @@ fn narrow(q: DQuat) -> Quat {
     q.normalize().as_quat()
 }
 
-/// The words of a shape: its moments, the rotation of its principal axes, and the places of its spheres from its centre of mass.
+/// The words of a shape: its moments, the rotation of its principal axes, the places of its spheres from its centre of mass, and its
+/// boxes.
 fn shape_words(scene: &Scene, id: ShapeId) -> Result<Vec<u32>> {
     let kinetics = scene.shape_mass(id)?;
     let Moments { middle, excess, axes } = moments_of(kinetics);
     let mut words = vec![middle];
     words.extend(excess.to_array());
     words.extend(axes.to_array());
-    for sphere in &scene.shape(id)?.spheres {
+    let shape = scene.shape(id)?;
+    for sphere in shape.all_spheres() {
         words.extend((sphere.centre.as_dvec3() - kinetics.centre).as_vec3().to_array());
+    }
+    for part in &shape.boxes {
+        let Core { centre, turn, half, radius } = part.core(shape.rounding);
+        words.extend((centre - kinetics.centre).as_vec3().to_array());
+        words.push(radius as f32);
+        words.extend(half.as_vec3().to_array());
+        words.extend(turn.as_quat().to_array());
     }
     Ok(words.into_iter().map(f32::to_bits).collect())
 }
@@ -50,6 +59,7 @@ fn shape_words(scene: &Scene, id: ShapeId) -> Result<Vec<u32>> {
 /// Appends the rigid bodies of a scene: records, bodies of spheres, shapes, members.
 pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) -> Result<()> {
     (layout.rigid_bodies, layout.rigid_at, layout.rigid_of_at) = (scene.bodies().len() as u32, 0, 0);
+    layout.rigid_parts_at = 0;
     if scene.bodies().is_empty() {
         return Ok(());
     }
@@ -57,6 +67,10 @@ pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec
     topology.resize(topology.len() + scene.bodies().len() * RIGID_WORDS as usize, 0);
     layout.rigid_of_at = topology.len() as u32;
     topology.resize(topology.len() + scene.spheres().len(), NO_RIGID);
+    if scene.bodies().iter().any(|body| scene.shape(body.shape).is_ok_and(|shape| !shape.boxes.is_empty())) {
+        layout.rigid_parts_at = topology.len() as u32;
+        topology.resize(topology.len() + scene.spheres().len() + scene.rods().len(), 0);
+    }
     let mut shapes: HashMap<ShapeId, u32> = HashMap::new();
     for (number, body) in scene.bodies().iter().enumerate() {
         let shape = match shapes.get(&body.shape) {
@@ -74,18 +88,39 @@ pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec
             topology[layout.rigid_of_at as usize + index] = number as u32;
             topology.push(index as u32);
         }
+        put_parts(scene, body, shape, layout, topology)?;
         let kinetics = scene.shape_mass(body.shape)?;
-        let moments = moments_of(kinetics);
         let mut record = [0; RIGID_WORDS as usize];
         let mut put = |at: usize, numbers: &[f32]| {
             record[at..at + numbers.len()].iter_mut().zip(numbers).for_each(|(word, x)| *word = x.to_bits());
         };
-        put(0, &Fine::sum(body.position, body.position_low).high.to_array());
+        // `set_bodies` writes the centre, the tensor and the orientation.
         put(3, &[(1.0 / kinetics.mass) as f32]);
-        put(4, &moments.inverse_inertia(body.orientation));
         put(10, &[(1.0 / kinetics.moments.min_element()) as f32]);
         record[11..14].copy_from_slice(&[shape, members, body.spheres().len() as u32]);
         topology[layout.rigid_at as usize + number * RIGID_WORDS as usize..][..record.len()].copy_from_slice(&record);
+    }
+    Ok(())
+}
+
+/// Writes which spheres and rods of a body are parts of boxes. `at` is the first word of its shape.
+fn put_parts(scene: &Scene, body: &RigidBody, at: u32, layout: &Layout, topology: &mut [u32]) -> Result<()> {
+    let shape = scene.shape(body.shape)?;
+    let boxes_at = at + SHAPE_WORDS + 3 * shape.sphere_count() as u32;
+    let box_at = |number: usize| boxes_at + SHAPE_BOX_WORDS * number as u32;
+    let table = layout.rigid_parts_at as usize;
+    for (number, sphere) in body.spheres().iter().enumerate() {
+        let word = match shape.box_of_sphere(number) {
+            None => continue,
+            Some(BoxPart::Solid(number)) => box_at(number),
+            Some(BoxPart::Rim(number)) => box_at(number) | BOX_RIM,
+        };
+        topology[table + scene.spheres.index(*sphere)?] = word;
+    }
+    for (number, rod) in body.rods().iter().enumerate() {
+        if let Some(number) = shape.box_of_rod(number) {
+            topology[table + scene.spheres().len() + scene.rods.index(*rod)?] = box_at(number) | BOX_RIM;
+        }
     }
     Ok(())
 }
@@ -96,6 +131,9 @@ impl World {
         self.rigid_bodies = vec![Vec4::ZERO; scene.bodies().len() * RIGID_ROWS as usize];
         for (rows, body) in self.rigid_bodies.chunks_exact_mut(RIGID_ROWS as usize).zip(scene.bodies()) {
             rows[..Pose::ROWS].copy_from_slice(&pose_of(body).rows());
+        }
+        for (number, body) in (0..).zip(scene.bodies()) {
+            self.put_record(number, &pose_of(body));
         }
         let view = View::new(&self.step, &self.topology, &self.states[0]);
         let placed: Vec<(u32, [Vec4; 4], Quat)> = (0..)
@@ -111,6 +149,20 @@ impl World {
             }
             self.orientations[slot as usize] = orientation.into();
         }
+    }
+
+    /// Writes the centre, the tensor and the orientation of a body that contacts read.
+    pub(crate) fn put_record(&mut self, body: u32, pose: &Pose) {
+        let view = View::new(&self.step, &self.topology, &self.states[0]);
+        let tensor = view.moments(&view.rigid_body(body)).inverse_inertia(pose.orientation);
+        let at = (self.step.layout.rigid_at + body * RIGID_WORDS) as usize;
+        let mut put = |place: usize, numbers: &[f32]| {
+            let words = &mut self.topology[at + place..at + place + numbers.len()];
+            words.iter_mut().zip(numbers).for_each(|(word, x)| *word = x.to_bits());
+        };
+        put(0, &pose.position.high.to_array());
+        put(4, &tensor);
+        put(14, &pose.orientation.to_array());
     }
 
     /// Writes the state of the rigid bodies back to the scene that it was packed from. `packed` are the handles of the bodies at that time.

@@ -14,6 +14,7 @@ use crate::physics::laws::before::spring_before;
 use crate::physics::laws::contact::{LawForce, Spring, law_force};
 use crate::physics::laws::history::{Histories, Owned, key, owner, pack};
 use crate::physics::laws::neck::contact;
+use crate::physics::rigid_box::about_centres;
 use crate::physics::surface::Hidden;
 use crate::physics::touch::Touch;
 
@@ -40,12 +41,13 @@ impl Contacts<'_> {
         let Self { view, lists, histories } = self;
         if view.step.layout.law == LAW_THESIS {
             let touch = touch(view, a, b, feature)?;
-            return Some((touch, contact_force(view, lists, [a, b], &touch), None));
+            let loads = contact_force(view, lists, [a, b], &touch);
+            return Some((touch, about_centres(view, [a, b], &touch, loads), None));
         }
         let touch = contact(view, histories, a, b, feature)?;
         let before = spring_before(view, histories, [a, b], feature, &touch);
         let LawForce { loads, spring, .. } = law_force(view, [a, b], &touch, before);
-        Some((touch, loads, Some(spring)))
+        Some((touch, about_centres(view, [a, b], &touch, loads), Some(spring)))
     }
 
     /// Calls `take` for every contact of a mover, in the order of its list, starting at entry `from`. The arguments are the load on

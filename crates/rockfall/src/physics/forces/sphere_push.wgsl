@@ -37,6 +37,6 @@ fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: LoadedEntry) -> 
             return Push(vec3f(0.0), vec3f(0.0), 0.0, found.overlap);
         }
     }
-    let contact = contact_force(in_body(side, i, 0.0, found.n), in_body(their_side, id, found.b, found.n), found, i, id);
-    return Push(contact.force, contact.torque_per_arm, contact.arm_a, found.overlap);
+    let contact = contact_force(in_body(side, i, 0.0, id, found), in_body(their_side, id, found.b, i, found), found, i, id);
+    return about_centre(Push(contact.force, contact.torque_per_arm, contact.arm_a, found.overlap), i, id, found);
 }

@@ -1,13 +1,13 @@
-//! The volume of a union of balls and cylinders, with its first and second moments.
+//! The volume of a union of balls, cylinders and boxes, with its first and second moments.
 //!
 //! The moments of each part alone are closed forms. Where parts overlap, each of the n parts at a point gets 1/n of the matter there.
 //! What a part loses this way is an integral over lines through the part, parallel to its axis: on a line, every part is an interval,
 //! because it is convex, so the integral along a line is a closed form too. The lines are at the middles of equal areas of the
-//! cross-section of the part. They have the symmetry of a square, and so has the result.
+//! cross-section of the part. They have the symmetry of a square or rectangle, and so has the result.
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use super::mass::MassProperties;
 
@@ -16,14 +16,17 @@ const INTERVALS: usize = 1 << 25;
 /// Share of the size of a shape below which a coordinate of its centre counts as 0. The inertia is treated in the same way.
 const ROUNDING: f64 = 1e-13;
 
-/// A ball, or a cylinder with flat ends.
+/// A ball, a cylinder with flat ends, or a box.
 pub(super) struct Part {
     middle: DVec3,
-    /// Unit vector along a cylinder.
+    /// Unit vector along a cylinder or box.
     axis: DVec3,
-    /// Half the length of a cylinder; 0 for a ball.
+    /// Half the length along the axis; 0 for a ball.
     half: f64,
+    /// 0 for a box.
     radius: f64,
+    /// Half the edges of a box across its axis.
+    sides: Option<[DVec3; 2]>,
 }
 
 /// A union of parts of density 1.
@@ -41,25 +44,37 @@ struct Moments {
 
 impl Part {
     pub(super) fn sphere(centre: DVec3, radius: f64) -> Self {
-        Self { middle: centre, axis: DVec3::Z, half: 0.0, radius }
+        Self { middle: centre, axis: DVec3::Z, half: 0.0, radius, sides: None }
     }
 
     pub(super) fn cylinder(a: DVec3, b: DVec3, radius: f64) -> Self {
         let length = a.distance(b);
-        Self { middle: 0.5 * (a + b), axis: (b - a) / length, half: 0.5 * length, radius }
+        Self { middle: 0.5 * (a + b), axis: (b - a) / length, half: 0.5 * length, radius, sides: None }
+    }
+
+    /// A box with half the lengths of its edges, which `turn` turns from the coordinate axes.
+    pub(super) fn cuboid(middle: DVec3, turn: DQuat, half: DVec3) -> Self {
+        let [x, y, z] = DVec3::AXES.map(|axis| turn * axis);
+        Self { middle, axis: z, half: half.z, radius: 0.0, sides: Some([half.x * x, half.y * y]) }
     }
 
     fn is_sphere(&self) -> bool {
-        self.half == 0.0
+        self.half == 0.0 && self.sides.is_none()
     }
 
     /// Radius of a ball about the middle that contains the part.
     fn reach(&self) -> f64 {
-        self.half.hypot(self.radius)
+        let across = self.sides.map_or(self.radius, |[u, v]| u.length().hypot(v.length()));
+        self.half.hypot(across)
     }
 
     /// Moments about the middle.
     fn moments(&self) -> Moments {
+        if let Some([u, v]) = self.sides {
+            let volume = 8.0 * u.length() * v.length() * self.half;
+            let second = outer(u, u) + outer(v, v) + outer(self.axis, self.axis) * self.half * self.half;
+            return Moments { volume, first: DVec3::ZERO, second: second * (volume / 3.0) };
+        }
         let r2 = self.radius * self.radius;
         let outer = outer(self.axis, self.axis);
         if self.is_sphere() {
@@ -75,6 +90,13 @@ impl Part {
     /// The part of the line point + t direction that is inside.
     fn interval(&self, point: DVec3, direction: DVec3) -> Option<[f64; 2]> {
         let from = point - self.middle;
+        if let Some([u, v]) = self.sides {
+            let slabs = [u / u.length_squared(), v / v.length_squared(), self.axis / self.half];
+            return slabs.into_iter().try_fold([f64::NEG_INFINITY, f64::INFINITY], |inside, across| {
+                let inside = within(inside, from.dot(across), direction.dot(across))?;
+                (inside[0] < inside[1]).then_some(inside)
+            });
+        }
         // Across the axis for a cylinder.
         let (p, d) = if self.is_sphere() {
             (from, direction)
@@ -93,13 +115,8 @@ impl Part {
             return None;
         }
         if !self.is_sphere() {
-            let (at, rate) = (from.dot(self.axis), direction.dot(self.axis));
-            if rate.abs() > 1e-12 {
-                let ends = [-self.half, self.half].map(|end| (end - at) / rate);
-                inside = [inside[0].max(ends[0].min(ends[1])), inside[1].min(ends[0].max(ends[1]))];
-            } else if at.abs() >= self.half {
-                return None;
-            }
+            let across = self.axis / self.half;
+            inside = within(inside, from.dot(across), direction.dot(across))?;
         }
         (inside[0] < inside[1]).then_some(inside)
     }
@@ -110,20 +127,39 @@ impl Part {
         if near.is_empty() {
             return all;
         }
-        let (u, v) = self.axis.any_orthonormal_pair();
-        let cell = PI * self.radius * self.radius / (side * side) as f64;
+        let cell = self.cross_section() / (side * side) as f64;
         let mut line = Line::default();
-        for ring in 0..side {
-            let rho = self.radius * ((ring as f64 + 0.5) / side as f64).sqrt();
-            for place in 0..side {
-                let (sin, cos) = (TAU * (place as f64 + 0.5) / side as f64).sin_cos();
-                let from = u * (rho * cos) + v * (rho * sin);
-                let lost = line.lost(self, near, from);
-                all.subtract_line(from, self.axis, lost.map(|integral| integral * cell));
-            }
+        for (one, other) in (0..side).flat_map(|one| (0..side).map(move |other| (one, other))) {
+            let [one, other] = [one, other].map(|number| (number as f64 + 0.5) / side as f64);
+            let from = self.place_across(one, other);
+            let lost = line.lost(self, near, from);
+            all.subtract_line(from, self.axis, lost.map(|integral| integral * cell));
         }
         all
     }
+
+    fn cross_section(&self) -> f64 {
+        self.sides.map_or(PI * self.radius * self.radius, |[u, v]| 4.0 * u.length() * v.length())
+    }
+
+    /// A place in the cross-section. Equal areas of the unit square become equal areas.
+    fn place_across(&self, one: f64, other: f64) -> DVec3 {
+        if let Some([u, v]) = self.sides {
+            return u * (2.0 * one - 1.0) + v * (2.0 * other - 1.0);
+        }
+        let (u, v) = self.axis.any_orthonormal_pair();
+        let (rho, (sin, cos)) = (self.radius * one.sqrt(), (TAU * other).sin_cos());
+        u * (rho * cos) + v * (rho * sin)
+    }
+}
+
+/// The part of an interval of t in which |at + rate t| <= 1.
+fn within([low, high]: [f64; 2], at: f64, rate: f64) -> Option<[f64; 2]> {
+    if rate.abs() > 1e-12 {
+        let ends = [-1.0, 1.0].map(|end| (end - at) / rate);
+        return Some([low.max(ends[0].min(ends[1])), high.min(ends[0].max(ends[1]))]);
+    }
+    (at.abs() < 1.0).then_some([low, high])
 }
 
 impl Solid {
@@ -155,7 +191,7 @@ impl Solid {
     /// A lone capsule: two balls and a cylinder of one radius.
     fn capsule(&self) -> Option<MassProperties> {
         let [a, b, rod] = self.parts.as_slice() else { return None };
-        let is_capsule = a.is_sphere() && b.is_sphere() && !rod.is_sphere();
+        let is_capsule = a.is_sphere() && b.is_sphere() && !rod.is_sphere() && rod.sides.is_none();
         if !is_capsule || a.radius != b.radius || a.radius != rod.radius {
             return None;
         }

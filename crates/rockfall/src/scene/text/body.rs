@@ -11,9 +11,9 @@ use super::comment::without_comment;
 use super::line::{BODY, BOX, CAPSULE, Kind, Line, MARK, PLACE, ROD, SPHERE, Wrong};
 use super::motion::{number, numbers, vector};
 use crate::error::{nearest, quoted};
-use crate::scene::{MaterialId, ObjectId, Placement, Shape, Tag, shared};
+use crate::scene::{Cuboid, MaterialId, ObjectId, Placement, Shape, Tag, shared};
 
-const BODY_KEYS: [&str; 4] = ["mass", "density", "centre", "inertia"];
+const BODY_KEYS: [&str; 5] = ["mass", "density", "centre", "inertia", "rounding"];
 const PLACE_KEYS: [&str; 10] = ["at", "centre", "axis", "turn", "orientation", "velocity", "spin", "momentum", "name", "first"];
 /// Words of lines that hold for the lines below them.
 const STATE: [&str; 6] = ["@group", "@use", "@name", "@colour", "@look", "@label"];
@@ -36,7 +36,7 @@ impl Reader<'_> {
         let Some(name) = line.split_ascii_whitespace().nth(1).filter(|name| !name.contains('=')) else {
             return self.not_understood(number, BODY.wrong("NAME", format!("missing, expected {}", BODY.form())));
         };
-        let shape = mass_of(Shape::new().name(name), line)?;
+        let shape = mass_of(Shape::new().name(name), line)?.rounding(rounding_of(line)?);
         if self.scene.find_shape(name).is_some() {
             return Err(BODY.wrong("NAME", format!("{} is the name of another body above, expected a new name", quoted(name))));
         }
@@ -52,10 +52,10 @@ impl Reader<'_> {
             "R" => self.body_rod(line),
             "C" => self.body_capsule(line),
             "@capsule" => self.body_mark(line),
-            "B" => Err(BOX.wrong("line", "boxes cannot be parts of rigid bodies yet, expected S, R and C lines up to `@end`")),
+            "B" => self.body_box(line),
             "@end" => self.end_body(line),
             _ => {
-                let message = format!("not possible between @body and @end, expected S, R, C, {}", STATE.join(", "));
+                let message = format!("not possible between @body and @end, expected S, R, C, B, {}", STATE.join(", "));
                 Err(Wrong { field: word.to_owned(), message })
             }
         }
@@ -121,6 +121,14 @@ impl Reader<'_> {
         self.check_body(&CAPSULE)
     }
 
+    fn body_box(&mut self, line: &str) -> Line<()> {
+        let ([], n) = BOX.read::<0, 12>(line)?;
+        let [i, j, k] = [3, 6, 9].map(|at| Vec3::from_slice(&n[at..at + 3]));
+        let cuboid = Cuboid::new(self.point(&n[0..3]), i, j, k);
+        self.change_shape(|shape| shape.cuboid(cuboid));
+        self.check_body(&BOX)
+    }
+
     /// The line `@capsule`, which has no effect here: a body is rigid without it.
     fn body_mark(&mut self, line: &str) -> Line<()> {
         let (references, []) = MARK.read::<2, 0>(line)?;
@@ -182,6 +190,12 @@ fn still(kind: &Kind, numbers: &[f32], names: &[&str]) -> Line<()> {
         }
         None => Ok(()),
     }
+}
+
+/// The rounding radius of boxes that a line gives, in units.
+fn rounding_of(line: &str) -> Line<f32> {
+    let given = Keys::read(&BODY, &BODY_KEYS, line)?;
+    given.get("rounding").map_or(Ok(0.0), |value| Ok(number(&BODY, "rounding", value)? as f32))
 }
 
 /// Gives a shape the mass that its line has.
@@ -301,7 +315,7 @@ impl Reader<'_> {
         let name = words.nth(1)?;
         let first: u32 = words.find_map(|word| word.strip_prefix("first="))?.parse().ok()?;
         let shape = self.scene.shape(self.scene.find_shape(name)?).ok()?;
-        Some(first..first.checked_add(u32::try_from(shape.spheres.len()).ok()?)?)
+        Some(first..first.checked_add(u32::try_from(shape.sphere_count()).ok()?)?)
     }
 }
 

@@ -31,14 +31,17 @@ impl Writer<'_> {
                 }
                 format!("shape{next}")
             });
-            let _ = match shape.mass {
-                ShapeMass::Mass(mass) => writeln!(self.text, "@body {name} mass={mass}"),
-                ShapeMass::Density(density) => writeln!(self.text, "@body {name} density={density}"),
+            let words = match shape.mass {
+                ShapeMass::Mass(mass) => format!("mass={mass}"),
+                ShapeMass::Density(density) => format!("density={density}"),
                 ShapeMass::Given { mass, centre, inertia } => {
                     let inertia = inertia.map(|element| element.to_string()).join(",");
-                    writeln!(self.text, "@body {name} mass={mass} centre={} inertia={inertia}", vector(centre))
+                    format!("mass={mass} centre={} inertia={inertia}", vector(centre))
                 }
             };
+            let rounding = shape.rounding;
+            let rounded = if rounding > 0.0 { format!(" rounding={rounding}") } else { String::new() };
+            let _ = writeln!(self.text, "@body {name} {words}{rounded}");
             self.shape_names.push(name);
             let (group, material) = (self.group, self.material);
             for (number, sphere) in shape.spheres.iter().enumerate() {
@@ -51,6 +54,13 @@ impl Writer<'_> {
                 self.set_group(rod.group, rod.material);
                 self.set_tag(rod.tag.as_ref());
                 let _ = writeln!(self.text, "R {} {} {}", rod.end1, rod.end2, rod.radius);
+            }
+            for part in &shape.boxes {
+                self.set_group(part.cuboid.group, part.cuboid.material);
+                self.set_tag(part.tag.as_ref());
+                let vectors = [part.cuboid.corner].into_iter().chain(part.cuboid.edges);
+                let numbers: Vec<String> = vectors.flat_map(|v| v.to_array()).map(|x| x.to_string()).collect();
+                let _ = writeln!(self.text, "B {}", numbers.join(" "));
             }
             self.text.push_str("@end\n");
             (self.group, self.material, self.tag) = (group, material, Tag::default());

@@ -16,9 +16,10 @@ use crate::fine::Fine;
 use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
-use crate::model::layout::{AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, GRAIN, RATE_WORDS, RIGID_ROWS, RIGID_WORDS};
+use crate::model::layout::{AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, GRAIN, RATE_WORDS, RIGID_ROWS};
 use crate::model::part::part;
 use crate::model::rigid::{Moments, Pose};
+use crate::model::rotate::rotated;
 use crate::model::step::{Constants, Step};
 use crate::model::view::{RigidRecord, View};
 use crate::model::world::World;
@@ -88,7 +89,7 @@ impl Passing<'_> {
             let at = (4 * layout.rods + 2 * self.view.slot_of(index)) as usize;
             let [force, torque] = [at, at + 1].map(|at| self.wrenches[at].truncate());
             sum.force += force;
-            sum.torque += torque + (pose.orientation * place).cross(force);
+            sum.torque += torque + rotated(pose.orientation, place).cross(force);
         }
         let Constants { gravity, linear_damping, angular_damping, .. } = *constants;
         let acceleration = self.body.inverse_mass * sum.force + Vec3::from_array(gravity) - linear_damping * pose.velocity;
@@ -228,7 +229,9 @@ fn move_bodies(world: &mut World, pass: u32) {
     if pass != BEFORE_STEP {
         place_members(world, pass, &moved);
     }
-    put_records(world, &moved);
+    for (body, Moved { pose, .. }) in (0..).zip(&moved) {
+        world.put_record(body, pose);
+    }
 }
 
 fn move_all(world: &mut World, pass: u32) -> Vec<Moved> {
@@ -296,19 +299,4 @@ fn place_members(world: &mut World, pass: u32, moved: &[Moved]) {
     }
     world.states[to] = state;
     tally.add_to(&mut world.status);
-}
-
-/// Writes the centres and inverse inertias that contacts read.
-fn put_records(world: &mut World, moved: &[Moved]) {
-    for (body, Moved { pose, .. }) in (0..).zip(moved) {
-        let view = View::new(&world.step, &world.topology, &world.states[0]);
-        let tensor = view.moments(&view.rigid_body(body)).inverse_inertia(pose.orientation);
-        let at = (world.step.layout.rigid_at + body * RIGID_WORDS) as usize;
-        for (place, x) in pose.position.high.to_array().into_iter().enumerate() {
-            world.topology[at + place] = x.to_bits();
-        }
-        for (place, x) in tensor.into_iter().enumerate() {
-            world.topology[at + 4 + place] = x.to_bits();
-        }
-    }
 }

@@ -1,5 +1,5 @@
 // requires model/load_rows.wgsl model/objects.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
-// requires physics/fine.wgsl physics/forces/rates.wgsl physics/free_rotation.wgsl physics/rigid.wgsl
+// requires physics/fine.wgsl physics/forces/rates.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl
 
 // The state in which the spheres of bodies are placed.
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
@@ -256,7 +256,7 @@ fn put_vector(at: u32, v: vec3f) {
     topology[at + 2u] = bits.z;
 }
 
-// Writes the centre and the inverse inertia that contacts read.
+// Writes the centre, the inverse inertia and the orientation that contacts read.
 fn put_record(body: u32, form: Form, pose: Pose) {
     let record = rigid_record(body);
     put_vector(record, pose.position.high);
@@ -269,6 +269,8 @@ fn put_record(body: u32, form: Form, pose: Pose) {
     }
     put_vector(record + 4u, diagonal);
     put_vector(record + 7u, mixed);
+    put_vector(record + 14u, pose.orientation.xyz);
+    topology[record + 17u] = bitcast<u32>(pose.orientation.w);
 }
 
 @compute @workgroup_size(64)

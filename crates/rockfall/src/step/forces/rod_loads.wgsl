@@ -34,7 +34,7 @@ fn add_contact(id: u32, own: Bar, entry: u32, sum: ptr<function, RodLoad>) {
         return;
     }
     let is_a = id < other;
-    let contact = contact_force(in_body(a_side, a, found.a, found.n), in_body(b_side, b, found.b, found.n), found, a, b);
+    let contact = contact_force(in_body(a_side, a, found.a, b, found), in_body(b_side, b, found.b, a, found), found, a, b);
     let force = select(-contact.force, contact.force, is_a);
     let push = Push(force, contact.torque_per_arm, select(contact.arm_b, contact.arm_a, is_a), found.overlap);
     add_to_ends(push, select(found.b, found.a, is_a), is_a, sum);

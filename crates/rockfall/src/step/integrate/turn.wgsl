@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/fine.wgsl physics/rotation.wgsl
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/fine.wgsl physics/quaternion.wgsl physics/rotation.wgsl
 // requires physics/scale.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;

@@ -1,0 +1,134 @@
+//! Contacts of boxes of rigid bodies (docs/physics.md section 2.16).
+
+use glam::Vec3;
+
+use crate::fine::Fine;
+use crate::model::rotate::{back, rotated};
+use crate::model::view::{BodyBox, Object, PartOfBox, TINY, View};
+use crate::physics::contact::ContactForce;
+use crate::physics::geometry::SegmentPair;
+use crate::physics::touch::{Motions, Touch};
+
+/// Length over which an edge gives way to the vertices at its ends, in rounding radii.
+const TAPER: f32 = 4.0;
+/// Sine of the angle below which parallel edges give way to the vertices.
+const PARALLEL: f32 = 0.1;
+
+/// Whether a pair does not interact because other parts of its boxes do: solids touch spheres that are not solids; vertices also rods that
+/// are not edges; edges all rods. Vertices and edges touch walls.
+pub(crate) fn is_left_to_others(view: &View, a: Object, b: Object) -> bool {
+    if view.step.layout.rigid_parts_at == 0 {
+        return false;
+    }
+    let [one, other] = [a, b].map(|object| view.part_of_box(object));
+    let are_spheres = matches!((a, b), (Object::Sphere(_), Object::Sphere(_)));
+    match [one, other].iter().filter(|part| **part == Some(PartOfBox::Solid)).count() {
+        0 => match (a, b) {
+            (Object::Sphere(_), Object::Sphere(_)) => one.is_some() || other.is_some(),
+            (Object::Sphere(_), Object::Rod(_)) => other.is_some(),
+            (Object::Rod(_), Object::Sphere(_)) => one.is_some(),
+            _ => false,
+        },
+        1 => !are_spheres,
+        _ => true,
+    }
+}
+
+/// Whether an object stands for the solid of a box.
+pub(crate) fn is_solid(view: &View, object: Object) -> bool {
+    view.part_of_box(object) == Some(PartOfBox::Solid)
+}
+
+/// Whether one of two objects is a part of a box.
+pub(crate) fn has_box(view: &View, a: Object, b: Object) -> bool {
+    [a, b].into_iter().any(|object| view.part_of_box(object).is_some())
+}
+
+/// The contact of two spheres if one of them stands for the solid of a box.
+pub(crate) fn touch_solid(view: &View, at: &impl Motions, [a, b]: [u32; 2]) -> Option<Touch> {
+    let (hub, ball, is_a) = match [a, b].map(|sphere| is_solid(view, Object::Sphere(sphere))) {
+        [true, false] => (a, b, true),
+        [false, true] => (b, a, false),
+        _ => return None,
+    };
+    let body_box = view.box_of(Object::Sphere(hub))?;
+    let (outward, distance) = from_core(&body_box, at.between(hub, ball));
+    let overlap = view.radius(ball) + body_box.radius - distance;
+    Some(Touch { normal: if is_a { outward } else { -outward }, overlap, a: 0.0, b: 0.0 })
+}
+
+/// The unit vector from the core of a box to a place, which is relative to its centre, and the distance: negative inside.
+fn from_core(body_box: &BodyBox, place: Vec3) -> (Vec3, f32) {
+    let local = rotated(back(body_box.turn), place);
+    let gap = local - local.clamp(-body_box.half, body_box.half);
+    let squared = gap.length_squared();
+    if squared > TINY {
+        let distance = squared.sqrt();
+        return (rotated(body_box.turn, gap / distance), distance);
+    }
+    let depth = body_box.half - local.abs();
+    let axis = (1..3).fold(0, |least, axis| if depth[axis] < depth[least] { axis } else { least });
+    let outward = if local[axis] < 0.0 { -Vec3::AXES[axis] } else { Vec3::AXES[axis] };
+    (rotated(body_box.turn, outward), -depth[axis])
+}
+
+/// Where a solid is touched: the point of its core from its centre, and the rounding radius. `None` for other objects.
+pub(crate) fn core_point(view: &View, object: Object, other: Object, touch: &Touch) -> Option<(Vec3, f32)> {
+    let (Object::Sphere(hub), Object::Sphere(ball)) = (object, other) else { return None };
+    if !is_solid(view, object) {
+        return None;
+    }
+    let radius = view.box_of(object)?.radius;
+    let place = view.between(hub, ball);
+    let outward = if touch.normal.dot(place) < 0.0 { -touch.normal } else { touch.normal };
+    Some((place - (view.radius(ball) + radius - touch.overlap) * outward, radius))
+}
+
+/// The loads of a contact with torques about the centres of the spheres: the force on a solid acts at the point of its core.
+pub(crate) fn about_centres(view: &View, [a, b]: [u32; 2], touch: &Touch, loads: ContactForce<Vec3>) -> ContactForce<Vec3> {
+    if view.step.layout.rigid_parts_at == 0 {
+        return loads;
+    }
+    let (a, b) = (view.object(a), view.object(b));
+    let lever = |object, other| core_point(view, object, other, touch).map_or(Vec3::ZERO, |(lever, _)| lever);
+    ContactForce {
+        torque_a: loads.torque_a + lever(a, b).cross(loads.force),
+        torque_b: loads.torque_b - lever(b, a).cross(loads.force),
+        ..loads
+    }
+}
+
+/// The contact of two rods of which at least one is an edge of a box. `pair` has the closest points, `sine` is that of their angle.
+pub(crate) fn touch_edges(view: &View, at: &impl Motions, rods: [u32; 2], pair: &SegmentPair, sine: f32) -> Option<Touch> {
+    let [one, two] = rods.map(|rod| view.rod(rod));
+    let thin = |rod: u32, parameter: f32| {
+        let bar = view.rod(rod);
+        let length = view.between(bar.ends[0], bar.ends[1]).length();
+        (parameter.min(1.0 - parameter) * length / (TAPER * bar.radius)).clamp(0.0, 1.0)
+    };
+    let share = (sine / PARALLEL).min(1.0) * thin(rods[0], pair.a).min(thin(rods[1], pair.b));
+    let squared = pair.d.length_squared();
+    let (normal, distance) = if squared <= TINY { (pair.normal?, 0.0) } else { (pair.d / squared.sqrt(), squared.sqrt()) };
+    // Positive where the normal leaves the first box, and enters the second one.
+    let [leaves, enters] = [outward(view, at, rods[0]), outward(view, at, rods[1])].map(|out| out.map(|out| out.dot(normal)));
+    let reach = one.radius + two.radius;
+    if distance >= reach {
+        return Some(Touch { normal, overlap: reach - distance, a: pair.a, b: pair.b });
+    }
+    let is_passed = leaves.is_none_or(|out| out < 0.0) && enters.is_none_or(|out| out > 0.0);
+    if is_passed {
+        return Some(Touch { normal: -normal, overlap: share * (reach + distance), a: pair.a, b: pair.b });
+    }
+    if leaves.is_some_and(|out| out < 0.0) || enters.is_some_and(|out| out > 0.0) {
+        return None;
+    }
+    Some(Touch { normal, overlap: share * (reach - distance), a: pair.a, b: pair.b })
+}
+
+/// The vector from the centre of the box to the middle of an edge.
+fn outward(view: &View, at: &impl Motions, rod: u32) -> Option<Vec3> {
+    let body_box = view.box_of(Object::Rod(rod))?;
+    let [one, two] = view.rod(rod).ends;
+    let middle = at.position(one) + 0.5 * at.between(one, two);
+    Some(at.near(body_box.centre.as_dvec3(), Fine { high: middle, low: Vec3::ZERO }).high - body_box.centre)
+}

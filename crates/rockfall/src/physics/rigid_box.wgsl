@@ -1,0 +1,164 @@
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/period.wgsl
+// requires physics/quaternion.wgsl physics/rigid.wgsl
+
+// Contacts of boxes of rigid bodies (docs/physics.md section 2.16).
+
+// Length over which an edge gives way to the vertices at its ends, in rounding radii.
+const TAPER: f32 = 4.0;
+// Sine of the angle below which parallel edges give way to the vertices.
+const PARALLEL: f32 = 0.1;
+
+// What an object is of a box of a rigid body: 0 for nothing, otherwise the first word of the box, with BOX_RIM for a vertex or an edge.
+fn box_word(id: u32) -> u32 {
+    if step.rigid_parts_at == 0u {
+        return 0u;
+    }
+    if id < step.spheres {
+        return topology[step.rigid_parts_at + insertion_index(id)];
+    }
+    if RODS & (id - step.spheres < step.rods) {
+        return topology[step.rigid_parts_at + id];
+    }
+    return 0u;
+}
+
+// Whether an object with this word stands for the solid of a box.
+fn is_solid(word: u32) -> bool {
+    return (word != 0u) & ((word & BOX_RIM) == 0u);
+}
+
+struct BodyBox {
+    centre: vec3f,
+    // Rounding radius.
+    radius: f32,
+    // Half the edges of the core.
+    half: vec3f,
+    // Turns coordinates along the edges into those of the scene.
+    turn: vec4f,
+}
+
+// The box that an object is a part of.
+fn box_of_part(id: u32, word: u32) -> BodyBox {
+    let record = rigid_record(rigid_body_of(id));
+    let orientation = vec4f(vector_at(record + 14u), float_at(record + 17u));
+    let at = word & ~BOX_RIM;
+    return BodyBox(
+        vector_at(record) + turned_vector(orientation, vector_at(at)),
+        float_at(at + 3u),
+        vector_at(at + 4u),
+        multiply(orientation, vec4f(vector_at(at + 7u), float_at(at + 10u))),
+    );
+}
+
+// Whether other parts of its boxes stand for a pair, of which at least one object is a part of a box.
+fn is_left_to_others(a: u32, b: u32, one: u32, other: u32) -> bool {
+    let a_sphere = a < step.spheres;
+    let b_sphere = b < step.spheres;
+    if is_solid(one) | is_solid(other) {
+        return (is_solid(one) & is_solid(other)) | !(a_sphere & b_sphere);
+    }
+    if a_sphere & b_sphere {
+        return true;
+    }
+    // A sphere and an edge. Walls have no words.
+    return (a_sphere & (other != 0u)) | (b_sphere & (one != 0u));
+}
+
+// The unit vector from the core of a box to a place, which is relative to its centre, and the distance: negative inside.
+fn from_core(box: BodyBox, place: vec3f) -> vec4f {
+    let seen = turned_vector(vec4f(-box.turn.xyz, box.turn.w), place);
+    let gap = seen - clamp(seen, -box.half, box.half);
+    let squared = dot(gap, gap);
+    if squared > TINY {
+        let distance = sqrt(squared);
+        return vec4f(turned_vector(box.turn, gap / distance), distance);
+    }
+    let depth = box.half - abs(seen);
+    var least = depth.x;
+    var outward = vec3f(select(1.0, -1.0, seen.x < 0.0), 0.0, 0.0);
+    if depth.y < least {
+        least = depth.y;
+        outward = vec3f(0.0, select(1.0, -1.0, seen.y < 0.0), 0.0);
+    }
+    if depth.z < least {
+        least = depth.z;
+        outward = vec3f(0.0, 0.0, select(1.0, -1.0, seen.z < 0.0));
+    }
+    return vec4f(turned_vector(box.turn, outward), -least);
+}
+
+// The contact of two spheres of which one stands for a solid. The normal points from a to b.
+fn touch_solid(a: u32, b: u32, one: u32, other: u32) -> Touch {
+    let is_a = is_solid(one);
+    let solid = select(b, a, is_a);
+    let ball = select(a, b, is_a);
+    let box = box_of_part(solid, select(other, one, is_a));
+    let nearest = from_core(box, between(solid, ball));
+    let overlap = state[position_at(ball)].w + box.radius - nearest.w;
+    return Touch(select(-nearest.xyz, nearest.xyz, is_a), overlap, 0.0, 0.0);
+}
+
+// Where a solid is touched: the vector from its centre to the point of its core.
+fn core_point(solid: u32, ball: u32, word: u32, found: Touch) -> vec3f {
+    let radius = float_at(word + 3u);
+    let place = between(solid, ball);
+    let outward = select(found.n, -found.n, dot(found.n, place) < 0.0);
+    return place - (state[position_at(ball)].w + radius - found.overlap) * outward;
+}
+
+// How much of an edge or another rod is left near its ends, at a parameter.
+fn share_of_rod(rod: u32, at: f32) -> f32 {
+    let ends = rod_ends(rod);
+    return clamp(min(at, 1.0 - at) * length(between(ends.x, ends.y)) / (TAPER * rod_radius(rod)), 0.0, 1.0);
+}
+
+// The part along n of the vector from the centre of the box to the middle of an edge.
+fn outward_along(id: u32, word: u32, n: vec3f) -> f32 {
+    let ends = rod_ends(id - step.spheres);
+    let middle = state[position_at(ends.x)].xyz + 0.5 * between(ends.x, ends.y);
+    return dot(nearest_image(middle - box_of_part(id, word).centre), n);
+}
+
+// The contact of two rods of which at least one is an edge.
+fn touch_edges(a: u32, b: u32, one: u32, other: u32, found: Touch) -> Touch {
+    let rod_a = a - step.spheres;
+    let rod_b = b - step.spheres;
+    let along_a = rod_ends(rod_a);
+    let along_b = rod_ends(rod_b);
+    let axis_a = between(along_a.x, along_a.y);
+    let axis_b = between(along_b.x, along_b.y);
+    let crossed = cross(axis_a, axis_b);
+    let sine = sqrt(dot(crossed, crossed) / (dot(axis_a, axis_a) * dot(axis_b, axis_b)));
+    let share = min(1.0, sine / PARALLEL) * min(share_of_rod(rod_a, found.a), share_of_rod(rod_b, found.b));
+    let reach = rod_radius(rod_a) + rod_radius(rod_b);
+    let distance = reach - found.overlap;
+    var leaves = 0.0;
+    var enters = 0.0;
+    if one != 0u {
+        leaves = outward_along(a, one, found.n);
+    }
+    if other != 0u {
+        enters = outward_along(b, other, found.n);
+    }
+    if ((one == 0u) | (leaves < 0.0)) & ((other == 0u) | (enters > 0.0)) {
+        return Touch(-found.n, share * (reach + distance), found.a, found.b);
+    }
+    if (leaves < 0.0) | (enters > 0.0) {
+        return no_touch();
+    }
+    return Touch(found.n, share * found.overlap, found.a, found.b);
+}
+
+// The contact of two objects of which at least one is a part of a box. `found` is that of the sphere or rod that stands for it.
+fn touch_parts(a: u32, b: u32, one: u32, other: u32, found: Touch) -> Touch {
+    if is_left_to_others(a, b, one, other) {
+        return no_touch();
+    }
+    if is_solid(one) | is_solid(other) {
+        return touch_solid(a, b, one, other);
+    }
+    if RODS & (a >= step.spheres) & (b - step.spheres < step.rods) & (found.overlap > 0.0) {
+        return touch_edges(a, b, one, other, found);
+    }
+    return found;
+}

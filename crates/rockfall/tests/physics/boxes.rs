@@ -1,0 +1,145 @@
+//! Boxes of rigid bodies (docs/physics.md section 2.16).
+
+use rockfall::glam::{EulerRot, Quat, Vec3};
+use rockfall::{
+    Backend, ContactLaw, Cuboid, Integrator, Material, MaterialId, Options, Pair, Placement, RigidBody, Scene, Shape,
+    Simulation, Sphere,
+};
+
+use crate::common::with;
+
+const ORIGIN: [f32; 3] = [0.0; 3];
+
+/// A scene with a law with history and one material.
+fn stage(gravity: f32, pair: Pair) -> (Scene, MaterialId) {
+    let mut scene = with(|settings| {
+        settings.set("contact_law", &ContactLaw::Linear.to_string()).expect("a law");
+        (settings.gravity, settings.collisions) = (gravity, false);
+    });
+    let material = scene.add_material(Material::new("stuff").density(1000.0).young(1e9).poisson(0.3)).unwrap();
+    scene.set_pair(material, material, pair.characteristic_velocity(1.0)).unwrap();
+    (scene, material)
+}
+
+/// A box with these edges about the origin.
+fn block(material: MaterialId, edges: [f32; 3]) -> Shape {
+    let half = 0.5 * Vec3::from_array(edges);
+    Shape::new().material(material).density(1000.0).cuboid(Cuboid::between(-half, half))
+}
+
+fn open(scene: Scene, backend: Backend) -> Simulation {
+    let options = Options::new().backend(backend).integrator(Integrator::VelocityVerlet);
+    Simulation::with_options(scene, options).expect("the simulation opens")
+}
+
+/// Runs a test on both backends. The second argument is how much shorter it should be.
+fn on_both(test: impl Fn(Backend, u8)) {
+    test(Backend::Cpu, 1);
+    if cfg!(feature = "gpu") {
+        test(Backend::Gpu, 4);
+    }
+}
+
+fn last_body(simulation: &mut Simulation) -> RigidBody {
+    simulation.sync().expect("the state").bodies().last().expect("a body").clone()
+}
+
+fn floor(scene: &mut Scene, material: MaterialId) {
+    scene.add_box(Cuboid::between([-9.0, -1.0, -9.0], [9.0, 0.0, 9.0]).material(material)).unwrap();
+}
+
+/// The mass properties are those of the sharp box.
+#[test]
+fn a_box_has_its_closed_form() {
+    let (mut scene, material) = stage(0.0, Pair::default());
+    let shape = scene.add_shape(block(material, [0.2, 0.3, 0.5])).unwrap();
+    let properties = scene.shape(shape).unwrap().mass_properties_of().unwrap();
+    assert!((properties.mass - 30.0).abs() < 1e-4, "{properties:?}");
+    let [xx, yy, zz, ..] = properties.inertia;
+    for (found, exact) in [(xx, 30.0 / 12.0 * 0.34), (yy, 30.0 / 12.0 * 0.29), (zz, 30.0 / 12.0 * 0.13)] {
+        assert!((found / exact - 1.0).abs() < 1e-5, "{properties:?}");
+    }
+    // A box that a ball overlaps by an eighth of the ball: the volume of the union.
+    let corner = Shape::new().density(1.0).cuboid(Cuboid::between([-1.0; 3], ORIGIN)).sphere(ORIGIN, 0.5);
+    let union = 1.0 + 7.0 / 8.0 * std::f64::consts::PI / 6.0;
+    let found = corner.mass_properties_of().unwrap();
+    assert!((found.mass / union - 1.0).abs() < 1e-3, "{found:?} {union}");
+}
+
+/// A box that falls flat, and one on top of it, come to rest at the heights of their faces.
+#[test]
+fn faces_rest_on_faces() {
+    on_both(|backend, shorter| {
+        let (mut scene, material) = stage(9.81, Pair::default().restitution(0.2).friction(0.5));
+        floor(&mut scene, material);
+        let shape = scene.add_shape(block(material, [0.4, 0.2, 0.3])).unwrap();
+        scene.add_body(Placement::new(shape).at([0.0, 0.1005, 0.0])).unwrap();
+        let turn = Quat::from_rotation_y(0.5);
+        scene.add_body(Placement::new(shape).at([0.03, 0.302, 0.01]).turned(turn)).unwrap();
+        let mut simulation = open(scene, backend);
+        simulation.run(8000 / u64::from(shorter), 1e-4).unwrap();
+        let energy = simulation.energy().unwrap();
+        let body = last_body(&mut simulation);
+        assert!((body.position.y - 0.3).abs() < 1e-3, "{backend}: {body:?}");
+        assert!(shorter > 1 || energy.kinetic < 1e-5, "{backend}: {energy:?}");
+        assert!(body.orientation.dot(turn).abs() > 0.99999, "{backend}: {body:?}");
+    });
+}
+
+/// A cube on an incline slides if the slope is steeper than friction; a tall box tips over its edge instead.
+#[test]
+fn a_box_slides_or_tips() {
+    for (slope, edges, slides, tips) in
+        [(0.3, [0.2, 0.2, 0.2], false, false), (0.5, [0.2, 0.2, 0.2], true, false), (0.35, [0.1, 0.4, 0.2], false, true)]
+    {
+        let (mut scene, material) = stage(9.81, Pair::default().restitution(0.2).friction(0.4));
+        let angle = f32::atan(slope);
+        scene.settings.gravity_direction = Vec3::new(angle.sin(), -angle.cos(), 0.0);
+        floor(&mut scene, material);
+        let shape = scene.add_shape(block(material, edges)).unwrap();
+        scene.add_body(Placement::new(shape).at([0.0, f64::from(0.5 * edges[1]), 0.0])).unwrap();
+        let mut simulation = open(scene, Backend::Cpu);
+        simulation.run(10_000, 5e-5).unwrap();
+        let body = last_body(&mut simulation);
+        let up = (body.orientation * Vec3::Y).y;
+        assert_eq!(up < 0.99, tips, "slope {slope}: {body:?}");
+        if !tips {
+            // x = (sin a - mu cos a) g t² / 2
+            let exact = if slides { 0.5 * 9.81 * (angle.sin() - 0.4 * angle.cos()) * 0.25 } else { 0.0 };
+            assert!((body.position.x - exact).abs() < 0.02 * exact.max(0.02), "slope {slope}: {body:?} {exact}");
+        }
+    }
+}
+
+/// Elastic boxes that meet corner to face, edge to edge and edge to ball keep energy, momentum and angular momentum.
+#[test]
+fn impacts_of_boxes_keep_what_they_must() {
+    on_both(|backend, shorter| {
+        for seed in 0..8 / shorter {
+            let (mut scene, material) = stage(0.0, Pair::default().restitution(1.0).friction(0.0));
+            let shape = scene.add_shape(block(material, [0.3, 0.4, 0.2])).unwrap();
+            let tilt = 0.4 * f32::from(seed);
+            let place = |x: f64| Placement::new(shape).at([x, 0.01 * f64::from(seed), 0.0]);
+            let one = place(-0.4).turned(Quat::from_euler(EulerRot::XYZ, tilt, 0.7, 0.3));
+            scene.add_body(one.velocity([1.0, 0.0, 0.0]).spin([1.0, 2.0, 3.0])).unwrap();
+            scene.add_body(place(0.1).turned(Quat::from_rotation_z(tilt)).spin([0.0, 1.0, 0.0])).unwrap();
+            scene
+                .add_sphere(Sphere::new([0.6, 0.05, 0.0], 0.1).density(1000.0).velocity([-0.5, 0.0, 0.0]).material(material))
+                .unwrap();
+            let mut simulation = open(scene, backend);
+            let first = simulation.energy().unwrap();
+            simulation.run(20_000, 5e-5).unwrap();
+            let last = simulation.energy().unwrap();
+            let change = (last.kinetic + last.contact) / first.kinetic - 1.0;
+            println!("{backend} {seed}: {change}");
+            assert!(change.abs() < 0.06, "{backend} {seed}: {change}, {first:?} {last:?}");
+            let size = first.momentum.length().max(1.0);
+            assert!((last.momentum - first.momentum).length() < 1e-5 * size, "{backend} {seed}: {first:?} {last:?}");
+            assert!(
+                (last.angular_momentum - first.angular_momentum).length() < 1e-4 * size,
+                "{backend} {seed}: {first:?} {last:?}"
+            );
+            assert!(last_body(&mut simulation).velocity.length() > 0.05, "{backend} {seed}: they met");
+        }
+    });
+}
