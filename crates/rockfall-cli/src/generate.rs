@@ -14,7 +14,7 @@ use crate::output;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
-    /// Kind of scene: pile, mixed, clumps, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw
+    /// Kind of scene: pile, mixed, clumps, boxes, dominoes, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw
     kind: Kind,
     /// Number of spheres, including those of rods, capsules and rigid bodies
     #[arg(long, value_name = "N", value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]

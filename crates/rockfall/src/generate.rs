@@ -19,6 +19,7 @@ use crate::settings::Integrator;
 
 mod benchmark;
 mod bodies;
+mod boxes;
 mod clumps;
 mod creature;
 mod grains;
@@ -41,6 +42,10 @@ pub enum Kind {
     Mixed,
     /// Rigid bodies of two, three and five spheres, which overlap or are joined by rods, that fall into a walled box.
     Clumps,
+    /// Rigid bodies of one box that fall into a walled box: 9 spheres each.
+    Boxes,
+    /// Dominoes along a spiral, and a ball that is thrown at the first one: 9 spheres for each domino.
+    Dominoes,
     /// Soft blobs, lattices of spheres, springs and rods, that fall onto boxes.
     Soft,
     /// Chains of spheres and fixed-length rods that hang from fixed spheres and start pulled aside.
@@ -63,10 +68,12 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Pile,
         Self::Mixed,
         Self::Clumps,
+        Self::Boxes,
+        Self::Dominoes,
         Self::Soft,
         Self::Chain,
         Self::Hopper,
@@ -84,6 +91,8 @@ impl Kind {
             Self::Pile => "pile",
             Self::Mixed => "mixed",
             Self::Clumps => "clumps",
+            Self::Boxes => "boxes",
+            Self::Dominoes => "dominoes",
             Self::Soft => "soft",
             Self::Chain => "chain",
             Self::Hopper => "hopper",
@@ -108,6 +117,8 @@ impl Kind {
             Self::Pile => pile(spheres, &mut random),
             Self::Mixed => bodies::mixed(spheres, &mut random),
             Self::Clumps => clumps::clumps(spheres, &mut random),
+            Self::Boxes => boxes::boxes(spheres, &mut random),
+            Self::Dominoes => boxes::dominoes(spheres, &mut random),
             Self::Soft => bodies::soft(spheres, &mut random),
             Self::Chain => bodies::chain(spheres, &mut random),
             Self::Hopper => hopper::hopper(spheres, &mut random),
@@ -136,6 +147,7 @@ impl Kind {
             Self::Drum => Drum::STEP,
             Self::Column => grains::COLUMN_STEP,
             Self::Vibrated | Self::ShearCell | Self::Mixer | Self::Screw => machines::MACHINE_STEP,
+            Self::Boxes | Self::Dominoes => boxes::STEP,
             _ => 0.02,
         }
     }
@@ -169,7 +181,7 @@ impl FromStr for Kind {
         Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| Error::Invalid {
             field: "kind",
             value: quoted(text),
-            expected: "pile, mixed, clumps, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw",
+            expected: "pile, mixed, clumps, boxes, dominoes, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw",
         })
     }
 }
@@ -303,6 +315,7 @@ fn pile(spheres: u32, random: &mut Random) -> Result<Scene> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::BoxPart;
 
     const SIZES: [u32; 12] = [1, 2, 3, 7, 10, 11, 26, 27, 28, 100, 777, 1000];
 
@@ -363,9 +376,13 @@ mod tests {
                 let scene = kind.generate(spheres, 11).unwrap();
                 let balls = scene.spheres();
                 let owners: Vec<_> = scene.sphere_ids().map(|id| scene.body_of_sphere(id)).collect();
-                for (index, one) in balls.iter().enumerate() {
+                // The sphere that stands for a box is larger than the box.
+                let is_solid =
+                    |place: usize| matches!(scene.box_of_sphere(scene.spheres.handle_at(place)), Some(BoxPart::Solid(_)));
+                for (index, one) in balls.iter().enumerate().filter(|(index, _)| !is_solid(*index)) {
                     // The spheres of a rigid body may overlap.
-                    let is_other = |place: &usize| owners[*place].is_none() || owners[*place] != owners[index];
+                    let is_other =
+                        |place: &usize| !is_solid(*place) && (owners[*place].is_none() || owners[*place] != owners[index]);
                     for other in (index + 1..balls.len()).filter(is_other).map(|place| &balls[place]) {
                         let gap = one.position.distance(other.position) - one.radius - other.radius;
                         assert!(gap > 0.0, "{kind} {spheres}: {one:?} {other:?}");

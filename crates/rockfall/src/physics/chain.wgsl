@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/rigid.wgsl physics/rigid_box.wgsl
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/rigid_box.wgsl physics/rigid_parts.wgsl
 
 // Which contacts of spheres and rods other parts of their chains cover (docs/physics.md section 2.13).
 
@@ -156,11 +156,8 @@ fn is_covered(a: u32, b: u32, found: Touch) -> bool {
     return false;
 }
 
-// A contact, unless its chain covers it or both objects are parts of one rigid body, and with the geometry of boxes of bodies. `n` points from a to b.
+// A contact, unless its chain covers it, and with the geometry of boxes of bodies. `n` points from a to b.
 fn uncovered(a: u32, b: u32, found: Touch) -> Touch {
-    if in_one_body(a, b) {
-        return no_touch();
-    }
     if RIGID_BODIES {
         let one = box_word(a);
         let other = box_word(b);

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/rigid_parts.wgsl
 
 // Rigid bodies and their sides of contacts (docs/physics.md sections 1.5 and 4.16).
 
@@ -6,39 +6,9 @@ fn rigid_record(body: u32) -> u32 {
     return step.rigid_at + RIGID_WORDS * body;
 }
 
-// The rigid body of a sphere, or NO_RIGID.
-fn body_of_sphere(sphere: u32) -> u32 {
-    if !RIGID_BODIES {
-        return NO_RIGID;
-    }
-    return topology[step.rigid_of_at + insertion_index(sphere)];
-}
-
 // Whether a sphere belongs to no rigid body, so that integrators move it.
 fn is_free(sphere: u32) -> bool {
     return body_of_sphere(sphere) == NO_RIGID;
-}
-
-// The rigid body of a sphere, or of a rod between two of its spheres.
-fn rigid_body_of(id: u32) -> u32 {
-    if id < step.spheres {
-        return body_of_sphere(id);
-    }
-    if RODS & (id - step.spheres < step.rods) {
-        let ends = rod_ends(id - step.spheres);
-        let body = body_of_sphere(ends.x);
-        return select(NO_RIGID, body, body == body_of_sphere(ends.y));
-    }
-    return NO_RIGID;
-}
-
-// Whether two objects are parts of one rigid body.
-fn in_one_body(a: u32, b: u32) -> bool {
-    if !RIGID_BODIES {
-        return false;
-    }
-    let body = rigid_body_of(a);
-    return (body != NO_RIGID) && (body == rigid_body_of(b));
 }
 
 // Whether one of two objects is a part of a rigid body. Such a contact exerts forces alone.

@@ -14,9 +14,18 @@ const TAPER: f32 = 4.0;
 /// Sine of the angle below which parallel edges give way to the vertices.
 const PARALLEL: f32 = 0.1;
 
+/// Whether two objects never touch because of the rigid bodies that they are parts of. Lists leave such pairs out.
+pub(crate) fn never_meet(view: &View, a: u32, b: u32) -> bool {
+    if view.step.layout.rigid_bodies == 0 {
+        return false;
+    }
+    let (a, b) = (view.object(a), view.object(b));
+    view.body_of(a).is_some_and(|body| view.body_of(b) == Some(body)) || is_left_to_others(view, a, b)
+}
+
 /// Whether a pair does not interact because other parts of its boxes do: solids touch spheres that are not solids; vertices also rods that
 /// are not edges; edges all rods. Vertices and edges touch walls.
-pub(crate) fn is_left_to_others(view: &View, a: Object, b: Object) -> bool {
+fn is_left_to_others(view: &View, a: Object, b: Object) -> bool {
     if view.step.layout.rigid_parts_at == 0 {
         return false;
     }

@@ -1,5 +1,5 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/period.wgsl
-// requires physics/quaternion.wgsl physics/rigid.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/period.wgsl
+// requires physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl
 
 // Contacts of boxes of rigid bodies (docs/physics.md section 2.16).
 
@@ -7,25 +7,6 @@
 const TAPER: f32 = 4.0;
 // Sine of the angle below which parallel edges give way to the vertices.
 const PARALLEL: f32 = 0.1;
-
-// What an object is of a box of a rigid body: 0 for nothing, otherwise the first word of the box, with BOX_RIM for a vertex or an edge.
-fn box_word(id: u32) -> u32 {
-    if step.rigid_parts_at == 0u {
-        return 0u;
-    }
-    if id < step.spheres {
-        return topology[step.rigid_parts_at + insertion_index(id)];
-    }
-    if RODS & (id - step.spheres < step.rods) {
-        return topology[step.rigid_parts_at + id];
-    }
-    return 0u;
-}
-
-// Whether an object with this word stands for the solid of a box.
-fn is_solid(word: u32) -> bool {
-    return (word != 0u) & ((word & BOX_RIM) == 0u);
-}
 
 struct BodyBox {
     centre: vec3f,
@@ -48,20 +29,6 @@ fn box_of_part(id: u32, word: u32) -> BodyBox {
         vector_at(at + 4u),
         multiply(orientation, vec4f(vector_at(at + 7u), float_at(at + 10u))),
     );
-}
-
-// Whether other parts of its boxes stand for a pair, of which at least one object is a part of a box.
-fn is_left_to_others(a: u32, b: u32, one: u32, other: u32) -> bool {
-    let a_sphere = a < step.spheres;
-    let b_sphere = b < step.spheres;
-    if is_solid(one) | is_solid(other) {
-        return (is_solid(one) & is_solid(other)) | !(a_sphere & b_sphere);
-    }
-    if a_sphere & b_sphere {
-        return true;
-    }
-    // A sphere and an edge. Walls have no words.
-    return (a_sphere & (other != 0u)) | (b_sphere & (one != 0u));
 }
 
 // The unit vector from the core of a box to a place, which is relative to its centre, and the distance: negative inside.
@@ -151,9 +118,6 @@ fn touch_edges(a: u32, b: u32, one: u32, other: u32, found: Touch) -> Touch {
 
 // The contact of two objects of which at least one is a part of a box. `found` is that of the sphere or rod that stands for it.
 fn touch_parts(a: u32, b: u32, one: u32, other: u32, found: Touch) -> Touch {
-    if is_left_to_others(a, b, one, other) {
-        return no_touch();
-    }
     if is_solid(one) | is_solid(other) {
         return touch_solid(a, b, one, other);
     }

@@ -12,7 +12,7 @@ use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_box, point_over_polygon, point_polygon, point_segment,
     segment_segment,
 };
-use crate::physics::rigid_box::{has_box, is_left_to_others, touch_edges, touch_solid};
+use crate::physics::rigid_box::{has_box, touch_edges, touch_solid};
 use crate::physics::side::side;
 
 /// In the collision phase, overlaps up to this times the smaller radius count as rounding errors (docs/physics.md section 3.1).
@@ -158,13 +158,10 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
     (inverse_mass > 0.0 && touch.overlap <= 0.0).then_some(touch)
 }
 
-/// Whether a pair never interacts because of the rods or the rigid body that the objects share or because neither can move (docs/physics.md
-/// sections 1.3 and 2.16).
+/// Whether a pair never interacts because of the rods that the objects share or because neither can move (docs/physics.md
+/// section 1.3). Lists leave out the parts of rigid bodies that never touch.
 pub(crate) fn ignore(view: &View, a: Object, b: Object) -> bool {
     if immovable(view, a) && immovable(view, b) {
-        return true;
-    }
-    if view.body_of(a).is_some_and(|body| view.body_of(b) == Some(body)) || is_left_to_others(view, a, b) {
         return true;
     }
     match (a, b) {

@@ -115,6 +115,7 @@ const SHARED: &[Part] = &[
     part!("physics/quaternion.wgsl"),
     part!("physics/rigid.wgsl"),
     part!("physics/rigid_box.wgsl"),
+    part!("physics/rigid_parts.wgsl"),
     part!("physics/rigid_side.wgsl"),
     part!("physics/rotation.wgsl"),
     part!("physics/sine.wgsl"),

@@ -105,7 +105,30 @@ static MISTAKES: &[Mistake] = &[
     Mistake("move_bodies", 7, "move_bodies.wgsl", "axis.xxy * axis.yzz", "axis.xyx * axis.yzz", Buffer::Topology),
     Mistake("loads", 0, "rigid_side.wgsl", "let across = cross(lever, found.n);", "let across = lever;", Buffer::Wrenches),
     Mistake("loads", 0, "rigid_side.wgsl", "reach * reach * float_at", "reach * float_at", Buffer::Wrenches),
-    Mistake("loads", 0, "chain.wgsl", "in_one_body(a, b) ||", "", Buffer::Wrenches),
+    Mistake("move_bodies", 6, "move_bodies.wgsl", "put_vector(record + 14u, pose.orientation.xyz);", "", Buffer::Topology),
+    Mistake("fill_pairs", 0, "rigid_parts.wgsl", "(body == rigid_body_of(b))", "(body != rigid_body_of(b))", Buffer::Lists),
+    Mistake("fill_pairs", 0, "rigid_parts.wgsl", "return (one | other) != 0u;", "return false;", Buffer::Lists),
+    Mistake("fill_pairs", 0, "rigid_parts.wgsl", "| (b_sphere & (one != 0u))", "", Buffer::Lists),
+    Mistake("loads", 0, "rigid_box.wgsl", "clamp(seen, -box.half,", "clamp(seen, -0.9 * box.half,", Buffer::Wrenches),
+    Mistake(
+        "loads",
+        0,
+        "rigid_box.wgsl",
+        "place = between(solid, ball);\n    let outward",
+        "place = between(ball, solid);\n    let outward",
+        Buffer::Wrenches,
+    ),
+    Mistake("loads", 0, "rigid_side.wgsl", "+ cross(core_point(id, other, word, found), push.force)", "", Buffer::Wrenches),
+    Mistake("loads", 0, "rigid_side.wgsl", "whole.velocity += cross(half.spin, from_centre);", "", Buffer::Wrenches),
+    Mistake("rod_loads", 0, "rigid_box.wgsl", "(TAPER * rod_radius(rod))", "(2.0 * TAPER * rod_radius(rod))", Buffer::Wrenches),
+    Mistake(
+        "rod_loads",
+        0,
+        "rigid_box.wgsl",
+        "Touch(found.n, share * found.overlap",
+        "Touch(found.n, found.overlap",
+        Buffer::Wrenches,
+    ),
     Mistake("advance", 0, "next_state.wgsl", "& is_free(i)", "", Buffer::Y2),
     Mistake("kick", 3, "kick.wgsl", "| !is_free(i)", "", Buffer::Start),
     Mistake("update_aabbs", 0, "update_aabbs.wgsl", "* 0.02, EXACT", "* 0.03, EXACT", Buffer::Aabbs),
@@ -715,7 +738,7 @@ fn every_kernel_with_a_mistake_is_rejected() {
     traces.push(walls::trace(3, Integrator::Rk4, false, true));
     traces.push(rigid::trace(1, Integrator::Rk4, ContactLaw::Thesis, rigid::Parts::Balls));
     traces.push(rigid::trace(3, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, rigid::Parts::Rods));
-    traces.push(rigid::trace(5, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, rigid::Parts::Boxes));
+    traces.push(rigid::trace(4, Integrator::SymplecticEuler, ContactLaw::Thesis, rigid::Parts::Boxes));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();
     let verdicts = Verdicts::of("parity");

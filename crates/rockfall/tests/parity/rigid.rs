@@ -84,7 +84,19 @@ pub(crate) fn trace(seed: u64, integrator: Integrator, law: ContactLaw, parts: P
     world.step.constants.dt = 0.001;
     world.step.lists.margin_scale = 40.0;
     world.status.lengths_due = 0;
-    let concerned = ["move_bodies", "rod_loads", "loads", "advance", "finish", "symplectic_euler", "drift", "kick", "turn"];
+    let concerned = [
+        "count_pairs",
+        "fill_pairs",
+        "move_bodies",
+        "rod_loads",
+        "loads",
+        "advance",
+        "finish",
+        "symplectic_euler",
+        "drift",
+        "kick",
+        "turn",
+    ];
     let runs = Phase::STEP.iter().flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce));
     let runs: Vec<Run> = PLACE.iter().chain(runs).filter(|run| run.applies(&world.step)).copied().collect();
     let mut scenarios = Vec::new();

@@ -2,8 +2,8 @@
 
 use rockfall::glam::{EulerRot, Quat, Vec3};
 use rockfall::{
-    Backend, ContactLaw, Cuboid, Integrator, Material, MaterialId, Options, Pair, Placement, RigidBody, Scene, Shape,
-    Simulation, Sphere,
+    Backend, BroadPhase, ContactLaw, Cuboid, Integrator, Material, MaterialId, Options, Pair, Placement, RigidBody, Scene,
+    Shape, Simulation, Sphere,
 };
 
 use crate::common::with;
@@ -141,5 +141,30 @@ fn impacts_of_boxes_keep_what_they_must() {
             );
             assert!(last_body(&mut simulation).velocity.length() > 0.05, "{backend} {seed}: they met");
         }
+    });
+}
+
+/// Lists leave out parts of bodies that never touch. All broad phases find the same pairs, so the same bits follow.
+#[test]
+fn broad_phases_find_the_same_contacts() {
+    on_both(|backend, _| {
+        let states = [BroadPhase::BruteForce, BroadPhase::Grid, BroadPhase::SortAndSkip].map(|broad_phase| {
+            let (mut scene, material) = stage(9.81, Pair::default().restitution(0.4).friction(0.5));
+            floor(&mut scene, material);
+            let shape = scene.add_shape(block(material, [0.4, 0.2, 0.3])).unwrap();
+            for number in 0..6_u8 {
+                let turn = Quat::from_rotation_z(0.3 * f32::from(number));
+                let place = [0.1 * f64::from(number), 0.25 + 0.3 * f64::from(number), 0.0];
+                scene.add_body(Placement::new(shape).at(place).turned(turn)).unwrap();
+            }
+            scene.add_sphere(Sphere::new([0.9, 0.2, 0.0], 0.1).density(1000.0).material(material)).unwrap();
+            let options = Options::new().backend(backend).integrator(Integrator::VelocityVerlet).broad_phase(broad_phase);
+            let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
+            simulation.run(400, 1e-4).unwrap();
+            let bodies = simulation.sync().unwrap().bodies().to_vec();
+            (bodies, simulation.report().max_overlap)
+        });
+        assert_eq!(states[0], states[1], "{backend}: grid");
+        assert_eq!(states[0], states[2], "{backend}: sort-and-skip");
     });
 }

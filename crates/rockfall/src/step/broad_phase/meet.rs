@@ -4,14 +4,16 @@ use glam::Vec4;
 
 use crate::model::layout::{BOX_FEATURES, ENTRY_BITS, FEATURE_BITS, WORKGROUP};
 use crate::model::period::Periods;
-use crate::model::step::{Aabb, Step};
+use crate::model::step::Aabb;
+use crate::model::view::View;
+use crate::physics::rigid_box::never_meet;
 
 /// Calls `take` with each list entry of a mover, in ascending order of id, then feature.
-pub(crate) fn for_each_pair(step: &Step, aabbs: &[Aabb], mover: u32, mut take: impl FnMut(u32)) {
-    let (own, periods) = (&aabbs[mover as usize], Periods::of(step));
+pub(crate) fn for_each_pair(view: &View, aabbs: &[Aabb], mover: u32, mut take: impl FnMut(u32)) {
+    let (own, periods) = (&aabbs[mover as usize], Periods::of(view.step));
     for (id, other) in (0..).zip(aabbs) {
         if may_meet(periods.as_ref(), own, other) {
-            entries(step, mover, id, &mut take);
+            entries(view, mover, id, &mut take);
         }
     }
 }
@@ -19,22 +21,22 @@ pub(crate) fn for_each_pair(step: &Step, aabbs: &[Aabb], mover: u32, mut take: i
 /// Calls `take` with each list entry of a mover, in any order. Only blocks whose interval in x meets that of the mover are
 /// searched. `cells` holds the sorted objects, in blocks of `WORKGROUP`. `intervals` holds the interval of each block.
 pub(crate) fn for_each_near(
-    step: &Step,
+    view: &View,
     aabbs: &[Aabb],
     cells: &[u32],
     intervals: &[Vec4],
     mover: u32,
     mut take: impl FnMut(u32),
 ) {
-    let (own, periods) = (&aabbs[mover as usize], Periods::of(step));
-    let order = &cells[step.layout.sorted_at as usize..][..aabbs.len()];
+    let (own, periods) = (&aabbs[mover as usize], Periods::of(view.step));
+    let order = &cells[view.step.layout.sorted_at as usize..][..aabbs.len()];
     for (block, interval) in order.chunks(WORKGROUP as usize).zip(intervals) {
         if interval.x > own.max[0] || own.min[0] > interval.y {
             continue;
         }
         for id in block {
             if may_meet(periods.as_ref(), own, &aabbs[*id as usize]) {
-                entries(step, mover, *id, &mut take);
+                entries(view, mover, *id, &mut take);
             }
         }
     }
@@ -62,11 +64,12 @@ pub(crate) fn same_group(a: &Aabb, b: &Aabb) -> bool {
 
 /// Calls `take` with each entry that an object makes in the list of a mover that may meet it. A box makes one entry for each
 /// feature in the list of a rod. A mover makes none in its own list. A polygon makes none in the list of a rod, because the
-/// end spheres of the rod meet it.
-pub(crate) fn entries(step: &Step, mover: u32, id: u32, mut take: impl FnMut(u32)) {
-    let is_rod = mover >= step.layout.spheres;
-    let boxes = step.layout.spheres + step.layout.rods..step.layout.spheres + step.layout.rods + step.layout.boxes;
-    if id == mover || (is_rod && id >= boxes.end) {
+/// end spheres of the rod meet it. Parts of rigid bodies that never touch make none.
+pub(crate) fn entries(view: &View, mover: u32, id: u32, mut take: impl FnMut(u32)) {
+    let layout = &view.step.layout;
+    let is_rod = mover >= layout.spheres;
+    let boxes = layout.spheres + layout.rods..layout.spheres + layout.rods + layout.boxes;
+    if id == mover || (is_rod && id >= boxes.end) || never_meet(view, mover, id) {
         return;
     }
     let features = if is_rod && boxes.contains(&id) { BOX_FEATURES } else { 1 };

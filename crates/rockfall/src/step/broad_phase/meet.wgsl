@@ -1,4 +1,4 @@
-// requires model/step.wgsl physics/period.wgsl
+// requires model/step.wgsl physics/period.wgsl physics/rigid_parts.wgsl
 
 // The test of every broad phase: whether two objects may meet, and how many list entries they make.
 
@@ -13,8 +13,12 @@ fn aabbs_meet(a: Aabb, b: Aabb) -> bool {
 }
 
 // Returns the number of entries that an object makes in the list of a mover. A box makes one for each feature in the list of
-// a rod. A polygon makes none in the list of a rod, because the end spheres of the rod meet it.
+// a rod. A polygon makes none in the list of a rod, because the end spheres of the rod meet it. Parts of rigid bodies that never touch
+// make none.
 fn entries_of(mover: u32, id: u32) -> u32 {
+    if never_meet(mover, id) {
+        return 0u;
+    }
     let movers = step.spheres + step.rods;
     if !(RODS & (mover >= step.spheres)) | (id < movers) {
         return 1u;

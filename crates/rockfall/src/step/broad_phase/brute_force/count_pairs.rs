@@ -13,6 +13,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::part::part;
 use crate::model::status::REBUILD_UNDER_WAY;
+use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_pair;
 use crate::step::moves::{Moves, NONE};
@@ -23,7 +24,12 @@ use crate::step::wgsl::Wgsl;
 pub(crate) const STAGE: Stage = Stage {
     name: "count_pairs",
     wgsl: Wgsl::File(part!("step/broad_phase/brute_force/count_pairs.wgsl")),
-    bindings: &[read("aabbs", Buffer::Aabbs), write("lists", Buffer::Lists), read("status", Buffer::Status)],
+    bindings: &[
+        read("aabbs", Buffer::Aabbs),
+        write("lists", Buffer::Lists),
+        read("topology", Buffer::Topology),
+        read("status", Buffer::Status),
+    ],
     threads: Threads::Movers,
     moves: |_| Moves { aabbs: 1, counts: 1, ..NONE },
     cpu: count_pairs,
@@ -33,12 +39,13 @@ fn count_pairs(world: &mut World, _pass: u32) {
     if !world.status.builds_lists(REBUILD_UNDER_WAY) {
         return;
     }
-    let (step, aabbs) = (&world.step, &world.aabbs);
-    let movers = world.step.layout.spheres + world.step.layout.rods;
-    let (counts, padding) = world.lists[..step.layout.slices_at as usize].split_at_mut(movers as usize);
+    let World { step, aabbs, topology, states, lists, .. } = world;
+    let view = View::new(step, topology, &states[0]);
+    let movers = step.layout.spheres + step.layout.rods;
+    let (counts, padding) = lists[..step.layout.slices_at as usize].split_at_mut(movers as usize);
     counts.par_iter_mut().enumerate().with_min_len(GRAIN).for_each(|(mover, count)| {
         *count = 0;
-        for_each_pair(step, aabbs, mover as u32, |_| *count += 1);
+        for_each_pair(&view, aabbs, mover as u32, |_| *count += 1);
     });
     padding.fill(0);
 }

@@ -2,7 +2,8 @@
 
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read_write> lists: array<array<u32, SLICE>>;
-@group(0) @binding(4) var<storage, read> status: Status;
+@group(0) @binding(4) var<storage, read> topology: array<u32>;
+@group(0) @binding(5) var<storage, read> status: Status;
 
 fn emit(mover: u32, place: u32, entry: u32) {}
 

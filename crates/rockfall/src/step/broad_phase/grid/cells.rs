@@ -17,7 +17,9 @@ use crate::model::layout::{
 };
 use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
+use crate::model::view::View;
 use crate::model::world::World;
+use crate::physics::rigid_box::never_meet;
 use crate::step::broad_phase::meet::{entries, may_meet, same_group};
 
 /// The most movers that search the grid together.
@@ -94,6 +96,7 @@ fn extent(aabb: &Aabb) -> Vec4 {
 #[derive(Clone)]
 pub(crate) struct Grid<'a> {
     step: &'a Step,
+    view: View<'a>,
     aabbs: &'a [Aabb],
     /// Levels that have objects.
     levels: Vec<Level>,
@@ -125,10 +128,12 @@ pub(crate) struct Around {
 }
 
 impl<'a> Grid<'a> {
-    pub(crate) fn new(step: &'a Step, aabbs: &'a [Aabb], cells: &'a [u32], extents: &'a [Vec4]) -> Self {
+    pub(crate) fn new(view: View<'a>, aabbs: &'a [Aabb], cells: &'a [u32], extents: &'a [Vec4]) -> Self {
+        let step = view.step;
         let levels = (0..=TOP_LEVEL).filter(|level| cells[0] >> level & 1 == 1);
         Self {
             step,
+            view,
             aabbs,
             levels: levels.map(|level| Level::new(step, level).with_data(cells)).collect(),
             ends: &cells[CELLS_AT as usize..][..step.layout.cells as usize],
@@ -329,6 +334,9 @@ impl Around {
             if let Some(own) = found.iter().position(|id| *id == mover) {
                 found.swap_remove(own);
             }
+            if grid.step.layout.rigid_bodies > 0 {
+                found.retain(|id| !never_meet(&grid.view, mover, *id));
+            }
             if grid.step.constants.flags & FLAG_GROUPS != 0 {
                 found.retain(|id| same_group(own, &grid.aabbs[*id as usize]));
             }
@@ -336,7 +344,7 @@ impl Around {
         let spheres: &[u32] = if is_sphere { &[] } else { ids };
         for id in others.iter().chain(spheres) {
             if may_meet(periods.as_ref(), own, &grid.aabbs[*id as usize]) {
-                entries(grid.step, mover, *id, |entry| found.push(entry));
+                entries(&grid.view, mover, *id, |entry| found.push(entry));
             }
         }
     }
@@ -350,7 +358,7 @@ pub(crate) fn long_movers<'a>(step: &Step, cells: &'a [u32]) -> &'a [u32] {
 
 /// Returns the number of pairs of objects that are compared to build the lists of a world whose grid is built.
 pub(crate) fn pair_tests(world: &World) -> u64 {
-    let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let grid = Grid::new(View::new(&world.step, &world.topology, &world.states[0]), &world.aabbs, &world.cells, &world.extents);
     let mut around = Around::default();
     for first in (0..world.movers()).step_by(SLICE as usize) {
         grid.for_each_list(first..world.movers().min(first + SLICE), &mut around, &mut |_| {});
@@ -363,7 +371,7 @@ pub(crate) fn pair_tests(world: &World) -> u64 {
 
 /// Returns the greatest number of objects in the rows of cells around a mover that is not long.
 pub(crate) fn longest_search(world: &World) -> u64 {
-    let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let grid = Grid::new(View::new(&world.step, &world.topology, &world.states[0]), &world.aabbs, &world.cells, &world.extents);
     let mut spans = Vec::new();
     let mut looked_at = |aabb: &Aabb| {
         grid.rows(aabb, &mut spans);

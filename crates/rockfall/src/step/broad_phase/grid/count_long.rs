@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::part::part;
+use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{Around, Grid};
 use crate::step::moves::NONE;
@@ -35,7 +36,8 @@ fn count_long(world: &mut World, _pass: u32) {
     if world.cells[1] == 0 {
         return;
     }
-    let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let view = View::new(&world.step, &world.topology, &world.states[0]);
+    let grid = Grid::new(view, &world.aabbs, &world.cells, &world.extents);
     let count = |around: &mut Around, mover: &u32| (*mover, grid.count_long(*mover, around));
     let counts: Vec<(u32, u32)> = grid.long_movers().par_iter().map_init(Around::default, count).collect();
     for (mover, count) in counts {

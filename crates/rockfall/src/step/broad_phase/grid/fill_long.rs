@@ -42,7 +42,7 @@ fn fill_long(world: &mut World, _pass: u32) {
     }
     let step = &world.step;
     let view = View::new(step, &world.topology, &world.states[0]);
-    let grid = Grid::new(step, &world.aabbs, &world.cells, &world.extents);
+    let grid = Grid::new(view, &world.aabbs, &world.cells, &world.extents);
     let fits = world.status.rejected & (REJECTED_PAIRS | REJECTED_COUNT) == 0;
     let found: Vec<Vec<u32>> = grid
         .long_movers()

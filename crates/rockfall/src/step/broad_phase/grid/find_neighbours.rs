@@ -51,7 +51,7 @@ fn find_neighbours(world: &mut World, _pass: u32) {
         return;
     }
     let view = View::new(&world.step, &world.topology, &world.states[0]);
-    let grid = Grid::new(&world.step, &world.aabbs, &world.cells, &world.extents);
+    let grid = Grid::new(view, &world.aabbs, &world.cells, &world.extents);
     let is_long = |mover: u32| grid.is_long(&world.aabbs[mover as usize]);
     let movers = world.step.layout.spheres + world.step.layout.rods;
     let found: Vec<Found> = (0..movers.div_ceil(SLICE))

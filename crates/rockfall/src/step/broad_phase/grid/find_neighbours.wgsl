@@ -78,7 +78,7 @@ fn key_of(mover: u32, place: u32) -> u32 {
     let id = id_at(ids[run_at + place]);
     ids[run_at + place] = id;
     let key = (insertion_index(id) << PLACE_BITS) | (place & PLACE_MASK);
-    let is_other = (place < in_run) & (id != mover);
+    let is_other = (place < in_run) & (id != mover) && !never_meet(mover, id);
     if RODS {
         return select(NONE, key, is_other & aabbs_meet(own_aabb, aabbs[id]));
     }

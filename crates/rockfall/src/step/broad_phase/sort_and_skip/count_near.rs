@@ -8,6 +8,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::part::part;
 use crate::model::status::REBUILD_UNDER_WAY;
+use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::meet::for_each_near;
 use crate::step::moves::{Moves, NONE};
@@ -23,6 +24,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("cells", Buffer::Cells),
         read("extents", Buffer::Extents),
         write("lists", Buffer::Lists),
+        read("topology", Buffer::Topology),
         read("status", Buffer::Status),
     ],
     threads: Threads::Objects,
@@ -34,12 +36,13 @@ fn count_near(world: &mut World, _pass: u32) {
     if !world.status.builds_lists(REBUILD_UNDER_WAY) {
         return;
     }
-    let World { step, cells, extents, aabbs, lists, .. } = world;
+    let World { step, cells, extents, aabbs, lists, topology, states, .. } = world;
+    let view = View::new(step, topology, &states[0]);
     let (counts, padding) =
         lists[..step.layout.slices_at as usize].split_at_mut((step.layout.spheres + step.layout.rods) as usize);
     counts.par_iter_mut().zip(0..step.layout.spheres + step.layout.rods).with_min_len(GRAIN).for_each(|(count, mover)| {
         *count = 0;
-        for_each_near(step, aabbs, cells, extents, mover, |_| *count += 1);
+        for_each_near(&view, aabbs, cells, extents, mover, |_| *count += 1);
     });
     padding.fill(0);
 }

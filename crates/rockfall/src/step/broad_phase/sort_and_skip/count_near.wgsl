@@ -4,7 +4,8 @@
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
-@group(0) @binding(6) var<storage, read> status: Status;
+@group(0) @binding(6) var<storage, read> topology: array<u32>;
+@group(0) @binding(7) var<storage, read> status: Status;
 
 var<private> count: u32;
 

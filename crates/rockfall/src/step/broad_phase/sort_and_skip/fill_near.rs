@@ -37,7 +37,7 @@ fn fill_near(world: &mut World, _pass: u32) {
     let view = View::new(step, topology, &states[0]);
     fill_slices(step, lists, |mover, take| {
         let mut entries = Vec::new();
-        for_each_near(step, aabbs, cells, extents, mover, |entry| entries.push(entry));
+        for_each_near(&view, aabbs, cells, extents, mover, |entry| entries.push(entry));
         put_in_order(&view, &mut entries);
         entries.into_iter().for_each(take);
     });

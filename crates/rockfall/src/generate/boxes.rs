@@ -1,0 +1,123 @@
+//! Rigid bodies of one box.
+
+use glam::{DVec3, Quat, Vec3};
+
+use super::clumps::turn;
+use super::{Cells, Random, ball, walled_box};
+use crate::error::Result;
+use crate::scene::{Cuboid, Placement, Scene, Shape, ShapeId, Sphere};
+use crate::settings::Integrator;
+
+/// Spheres of a box: the solid and its vertices.
+const SPHERES: u32 = 9;
+/// Edges of a brick.
+const BRICK: Vec3 = Vec3::new(0.5, 0.3, 0.4);
+/// Side of the cell of a brick. A brick that is turned at random stays inside.
+const CELL: f32 = 0.8;
+/// Thickness, height and width of a domino.
+const DOMINO: Vec3 = Vec3::new(0.2, 1.5, 0.7);
+/// Distance of dominoes along their row.
+const SPACING: f64 = 0.6;
+/// Distance of the turns of the spiral.
+const TURN: f64 = 1.6;
+const RADIUS: f64 = 1.5;
+/// Height of the dominoes above the floor at the start.
+const CLEARANCE: f32 = 1e-3;
+/// The time step that suits these scenes, in s.
+pub(super) const STEP: f32 = 0.002;
+
+/// Sets a law that keeps overlaps below the rounding of the boxes, the time step, and an integrator with one evaluation per step.
+fn settle(scene: &mut Scene) -> Result<()> {
+    let settings = &mut scene.settings;
+    settings.set("resting_overlap", "0.02")?;
+    (settings.gravity, settings.coulomb_friction) = (10.0, 0.4);
+    (scene.run.dt, scene.run.integrator) = (Some(STEP), Some(Integrator::SymplecticEuler.into()));
+    Ok(())
+}
+
+/// A box around the origin, with a rounding radius of a tenth of its shortest edge.
+fn block(edges: Vec3) -> Shape {
+    Shape::new().rounding(0.1 * edges.min_element()).cuboid(Cuboid::between(-0.5 * edges, 0.5 * edges))
+}
+
+/// Boxes that fall into a walled box. Spheres that are left over are balls.
+pub(super) fn boxes(spheres: u32, random: &mut Random) -> Result<Scene> {
+    let mut scene = Scene::new();
+    settle(&mut scene)?;
+    let (bricks, balls) = (spheres / SPHERES, spheres % SPHERES);
+    let cells = Cells::new(bricks + balls, CELL, 0.2);
+    if bricks > 0 {
+        let shape = scene.add_shape(block(BRICK).name("brick").mass(1.0))?;
+        let room = 0.5 * (0.98 * CELL - BRICK.length());
+        for index in 0..bricks {
+            let place = cells.centre(index) + random.offset(room);
+            scene.add_body(Placement::new(shape).at(place).turned(turn(random)))?;
+        }
+    }
+    for index in bricks..bricks + balls {
+        scene.add_sphere(ball(random, &cells, index, [0.15, 0.2]))?;
+    }
+    scene.round_positions();
+    let half = cells.half_width();
+    walled_box(&mut scene, half, half, cells.top() + 1.0)?;
+    Ok(scene)
+}
+
+/// Dominoes along a spiral, and a ball that is thrown at the outer one. Spheres that are left over are balls beside it.
+pub(super) fn dominoes(spheres: u32, random: &mut Random) -> Result<Scene> {
+    let mut scene = Scene::new();
+    settle(&mut scene)?;
+    let dominoes = (spheres - 1) / SPHERES;
+    let shape = if dominoes > 0 { Some(scene.add_shape(block(DOMINO).name("domino").mass(1.0))?) } else { None };
+    // The spiral r = RADIUS + TURN angle / (2 pi), from its end inwards.
+    let mut angle = angle_at(SPACING * f64::from(dominoes));
+    let mut last = place_on_spiral(angle);
+    for _ in 0..dominoes {
+        last = place_on_spiral(angle);
+        place_domino(&mut scene, shape, last, angle)?;
+        angle -= SPACING / radius_at(angle);
+    }
+    let outer = place_on_spiral(angle_at(SPACING * f64::from(dominoes)));
+    let extent = outer.length().max(last.length()) as f32 + 3.0;
+    let speed = random.between(3.5, 4.5);
+    add_balls(&mut scene, spheres - SPHERES * dominoes, speed, outer.as_vec3(), extent)?;
+    scene.round_positions();
+    scene.add_box(Cuboid::between([-extent, -0.5, -extent], [extent, 0.0, extent]))?;
+    Ok(scene)
+}
+
+fn place_domino(scene: &mut Scene, shape: Option<ShapeId>, place: DVec3, angle: f64) -> Result<()> {
+    let Some(shape) = shape else { return Ok(()) };
+    // Its face looks along the spiral.
+    let turn = Quat::from_rotation_y((-angle - 0.5 * std::f64::consts::PI) as f32);
+    let centre = place + DVec3::Y * f64::from(0.5 * DOMINO.y + CLEARANCE);
+    scene.add_body(Placement::new(shape).at(centre).turned(turn)).map(drop)
+}
+
+fn radius_at(angle: f64) -> f64 {
+    RADIUS + TURN * angle / std::f64::consts::TAU
+}
+
+fn place_on_spiral(angle: f64) -> DVec3 {
+    let (sin, cos) = angle.sin_cos();
+    radius_at(angle) * DVec3::new(cos, 0.0, sin)
+}
+
+/// The angle of the spiral at a distance along it from its inner end.
+fn angle_at(length: f64) -> f64 {
+    let growth = TURN / std::f64::consts::TAU;
+    ((RADIUS * RADIUS + 2.0 * growth * length).sqrt() - RADIUS) / growth
+}
+
+/// The ball that flies at the domino at `outer` with a speed in units/s, and others at rest in a row outside of the spiral.
+fn add_balls(scene: &mut Scene, balls: u32, speed: f32, outer: Vec3, extent: f32) -> Result<()> {
+    let way = Vec3::new(-outer.z, 0.0, outer.x).normalize_or(Vec3::X);
+    let start = outer + Vec3::Y * (0.8 * DOMINO.y) + 0.8 * way;
+    scene.add_sphere(Sphere::new(start, 0.15).mass(0.5).velocity(-speed * way))?;
+    for number in 1..balls {
+        let x = 0.5 * number as f32 - 2.5;
+        // Just above the floor.
+        scene.add_sphere(Sphere::new([x, 0.201, extent - 0.5], 0.2).mass(0.5))?;
+    }
+    Ok(())
+}

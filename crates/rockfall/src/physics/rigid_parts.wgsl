@@ -1,0 +1,72 @@
+// requires model/order.wgsl model/step.wgsl
+
+// Which rigid body and which box an object is a part of, and which pairs never touch because of that (docs/physics.md sections 1.5 and
+// 2.16). Lists leave such pairs out.
+
+// The rigid body of a sphere, or NO_RIGID.
+fn body_of_sphere(sphere: u32) -> u32 {
+    if !RIGID_BODIES {
+        return NO_RIGID;
+    }
+    return topology[step.rigid_of_at + insertion_index(sphere)];
+}
+
+// The rigid body of a sphere, or of a rod between two of its spheres.
+fn rigid_body_of(id: u32) -> u32 {
+    if id < step.spheres {
+        return body_of_sphere(id);
+    }
+    if RODS & (id - step.spheres < step.rods) {
+        let at = step.rods_at + (id - step.spheres) * ROD_WORDS;
+        let body = body_of_sphere(topology[at]);
+        return select(NO_RIGID, body, body == body_of_sphere(topology[at + 1u]));
+    }
+    return NO_RIGID;
+}
+
+// What an object is of a box of a rigid body: 0 for nothing, otherwise the first word of the box, with BOX_RIM for a vertex or an edge.
+fn box_word(id: u32) -> u32 {
+    if step.rigid_parts_at == 0u {
+        return 0u;
+    }
+    if id < step.spheres {
+        return topology[step.rigid_parts_at + insertion_index(id)];
+    }
+    if RODS & (id - step.spheres < step.rods) {
+        return topology[step.rigid_parts_at + id];
+    }
+    return 0u;
+}
+
+// Whether an object with this word stands for the solid of a box.
+fn is_solid(word: u32) -> bool {
+    return (word != 0u) & ((word & BOX_RIM) == 0u);
+}
+
+// Whether other parts of its boxes stand for a pair.
+fn is_left_to_others(a: u32, b: u32) -> bool {
+    let one = box_word(a);
+    let other = box_word(b);
+    let a_sphere = a < step.spheres;
+    let b_sphere = b < step.spheres;
+    if is_solid(one) | is_solid(other) {
+        return (is_solid(one) & is_solid(other)) | !(a_sphere & b_sphere);
+    }
+    if a_sphere & b_sphere {
+        return (one | other) != 0u;
+    }
+    // A sphere and an edge. Walls have no words.
+    return (a_sphere & (other != 0u) & (b - step.spheres < step.rods)) | (b_sphere & (one != 0u));
+}
+
+// Whether two objects never touch because of the rigid bodies that they are parts of.
+fn never_meet(a: u32, b: u32) -> bool {
+    if !RIGID_BODIES {
+        return false;
+    }
+    let body = rigid_body_of(a);
+    if (body != NO_RIGID) & (body == rigid_body_of(b)) {
+        return true;
+    }
+    return (step.rigid_parts_at != 0u) && is_left_to_others(a, b);
+}
