@@ -4,7 +4,7 @@ use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::glam::Vec3;
-use rockfall::{Placement, Shape};
+use rockfall::{Cuboid, Placement, Shape};
 
 use crate::arguments::{Rows, check, quaternion, vector};
 use crate::doors::{with, with_states};
@@ -16,10 +16,12 @@ use crate::materials::materials_of;
 type ShapeSphere = ([f32; 3], f32, u16, i64);
 /// Spheres at the ends, radius, group and material of a rod.
 type ShapeRod = (usize, usize, f32, u16, i64);
+/// Corner, edges, group and material of a box.
+type ShapeBox = ([f32; 3], [[f32; 3]; 3], u16, i64);
 /// Mass, density, and centre with inertia.
 type Mass = (Option<f32>, Option<f32>, Option<([f32; 3], [f32; 6])>);
 
-/// Adds a shape and returns its number.
+/// Adds a shape and returns its number. `rounding` is 0 for 2 % of the shortest edge of each box.
 #[pyfunction]
 pub(crate) fn add_shape(
     target: &Bound<'_, PyAny>,
@@ -27,9 +29,11 @@ pub(crate) fn add_shape(
     mass: Mass,
     spheres: Vec<ShapeSphere>,
     rods: Vec<ShapeRod>,
+    boxes: Vec<ShapeBox>,
+    rounding: f32,
 ) -> PyResult<usize> {
     with(target, |doors, ids| {
-        let mut shape = Shape::new();
+        let mut shape = Shape::new().rounding(rounding);
         for (centre, radius, group, material) in spheres {
             shape = shape.sphere(centre, radius);
             if let Some(part) = shape.spheres.last_mut() {
@@ -40,6 +44,13 @@ pub(crate) fn add_shape(
             shape = shape.rod(end1, end2, radius);
             if let Some(part) = shape.rods.last_mut() {
                 (part.group, part.material) = (group, materials_of(ids, &[material])?.pop().flatten());
+            }
+        }
+        for (corner, [i, j, k], group, material) in boxes {
+            shape = shape.cuboid(Cuboid::new(corner, i, j, k));
+            if let Some(part) = shape.boxes.last_mut() {
+                let material = materials_of(ids, &[material])?.pop().flatten();
+                (part.cuboid.group, part.cuboid.material) = (group, material);
             }
         }
         shape = match mass {
@@ -82,7 +93,7 @@ pub(crate) fn add_bodies(
     with_states(target, |doors, ids| {
         let id = handle(&ids.shapes, "shape", shape)?;
         let parts = doors.objects().shape(id).or_raise()?;
-        let parts = [parts.spheres.len(), parts.rods.len()];
+        let parts = [parts.sphere_count(), parts.rod_count()];
         let mut added = Vec::with_capacity(count);
         for k in 0..count {
             let place = Placement::new(id).at(vector(position, k)).turned(quaternion(orientation, k));

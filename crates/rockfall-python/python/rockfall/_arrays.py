@@ -181,6 +181,18 @@ def whole(name: str, value: Any, *, least: int = 0) -> int:
     return int(number)
 
 
+def box_between(low: Any, high: Any, hint: str = "") -> tuple[FloatArray, FloatArray]:
+    """Returns a corner of shape (3,) and the edges of shape (3, 3) of a box along the axes, from the arguments `min` and `max`."""
+    least, greatest = floats("min", low, (3,)), floats("max", high, (3,))
+    if len(least) != 1 or len(greatest) != 1:
+        raise ValueError(f"min, max: expected shape (3,) each, got {least.shape} and {greatest.shape}{hint}")
+    with np.errstate(over="ignore"):
+        size = greatest[0] - least[0]
+    if not (np.abs(size) > 0).all():
+        raise ValueError(f"max: expected a corner that differs from min in every coordinate, got {greatest[0].tolist()}")
+    return least[0], np.diag(size)
+
+
 def time_step(name: str, value: Any) -> float:
     """Returns a time step in s: positive and finite as float32."""
     if isinstance(value, (bool, str, bytes)):

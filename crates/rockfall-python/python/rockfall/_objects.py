@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import GROUP, MATERIAL, MATRIX, NOT_NEGATIVE, POSITIVE, VECTOR, IntArray, Kind, floats, integers
+from rockfall._arrays import GROUP, MATERIAL, MATRIX, NOT_NEGATIVE, POSITIVE, VECTOR, IntArray, Kind, box_between, integers
 from rockfall._attributes import Strict
 from rockfall._bodies import first_of
 from rockfall._flow import Flows
@@ -136,14 +136,8 @@ class Objects(Rigid, Walls, Flows, Periodic, Strict):
 
         The options are those of :meth:`add_boxes`.
         """
-        low, high = floats("min", min, (3,)), floats("max", max, (3,))
-        if len(low) != 1 or len(high) != 1:
-            raise ValueError(f"min, max: expected shape (3,) each, got {low.shape} and {high.shape}; add_boxes takes arrays")
-        with np.errstate(over="ignore"):
-            size = high[0] - low[0]
-        if not (np.abs(size) > 0).all():
-            raise ValueError(f"max: expected a corner that differs from min in every coordinate, got {high[0].tolist()}")
-        return first_of(self.add_boxes(low[0], np.diag(size), **options))
+        corner, edges = box_between(min, max, "; add_boxes takes arrays")
+        return first_of(self.add_boxes(corner, edges, **options))
 
     def add_polygons(
         self,

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import QUATERNION, VECTOR, FloatArray, IntArray, columns, floats, integers
+from rockfall._arrays import QUATERNION, VECTOR, FloatArray, IntArray, box_between, columns, floats, integers
 from rockfall._bodies import Bodies, first_of, numbers_from
 from rockfall._materials import Materials
 from rockfall._names import tag_of
@@ -19,7 +19,7 @@ _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 
 class Shape:
-    """What rigid bodies are made of: spheres, and rods between them, in coordinates of the shape.
+    """What rigid bodies are made of: spheres, rods between them, and boxes, in coordinates of the shape.
 
     Parts may overlap. The matter fills them evenly, and counts once where parts overlap. Each method returns the shape, so that
     calls can follow each other: ``rf.Shape(density=2).sphere([0, 0, 0], 0.5).sphere([0.7, 0, 0], 0.4)``.
@@ -33,13 +33,17 @@ class Shape:
     centre, inertia : array_like, shape (3,) and (6,), optional
         Centre of mass in units, and inertia xx, yy, zz, xy, xz, yz about it in mass units². Both or none; by default they follow from
         the parts.
+    rounding : float, optional
+        Radius in units by which the edges and corners of all boxes are rounded inward, so that faces stay where they are. It is less
+        than half the shortest edge. 0 or None: 2 % of the shortest edge of each box.
     name : str, optional
         Name, which no other shape of the scene has.
 
     Raises
     ------
     ValueError, TypeError
-        For numbers that are not finite, and for mass with density, density with inertia, and centre without inertia.
+        For numbers that are not finite, a negative rounding, and for mass with density, density with inertia, and centre without
+        inertia. Other wrong values are errors of :meth:`Objects.add_shape`.
     """
 
     def __init__(
@@ -49,6 +53,7 @@ class Shape:
         density: float | None = None,
         centre: npt.ArrayLike | None = None,
         inertia: npt.ArrayLike | None = None,
+        rounding: float | None = None,
         name: str | None = None,
     ) -> None:
         if density is not None and (mass is not None or inertia is not None):
@@ -57,23 +62,22 @@ class Shape:
             raise ValueError("centre, inertia: expected both or none of them")
         given: tuple[list[float], list[float]] | None = None
         if centre is not None and inertia is not None:
-            given = (floats("centre", centre, (3,))[0].tolist(), floats("inertia", inertia, (6,))[0].tolist())
+            given = (_row("centre", centre, (3,)), _row("inertia", inertia, (6,)))
         self._mass = (_number("mass", mass), _number("density", density), given)
+        self._rounding = 0.0 if rounding is None else float(_row("rounding", rounding, not_negative=True))
         self._name = name
         self._spheres: list[tuple[list[float], float, int, Any]] = []
         self._rods: list[tuple[int, int, float, int, Any]] = []
+        self._boxes: list[tuple[list[float], list[list[float]], int, Any]] = []
 
     def sphere(self, centre: npt.ArrayLike, radius: float, *, group: int = 0, material: Materials = None) -> Shape:
         """Add a sphere. Centre and radius are in units."""
-        place, size = floats("centre", centre, (3,))[0].tolist(), float(floats("radius", radius)[0])
-        self._spheres.append((place, size, int(integers("group", group, dtype=np.uint16)[0]), material))
+        self._spheres.append((_row("centre", centre, (3,)), _row("radius", radius), _group(group), material))
         return self
 
     def rod(self, a: int, b: int, radius: float, *, group: int = 0, material: Materials = None) -> Shape:
         """Add a rod between the spheres number `a` and `b` of the shape, from 0. The radius is in units."""
-        ends = [int(integers(name, end)[0]) for name, end in (("a", a), ("b", b))]
-        size = float(floats("radius", radius)[0])
-        self._rods.append((ends[0], ends[1], size, int(integers("group", group, dtype=np.uint16)[0]), material))
+        self._rods.append((_whole("a", a), _whole("b", b), _row("radius", radius), _group(group), material))
         return self
 
     def capsule(
@@ -84,9 +88,55 @@ class Shape:
         self.sphere(end1, radius, group=group, material=material).sphere(end2, radius, group=group, material=material)
         return self.rod(first, first + 1, radius, group=group, material=material)
 
+    def box(self, min: npt.ArrayLike, max: npt.ArrayLike, *, group: int = 0, material: Materials = None) -> Shape:
+        """Add a box with edges along the axes of the shape, between two opposite corners of shape (3,), in units.
+
+        See :meth:`cuboid` for boxes that are turned, and for the spheres and rods of a box.
+        """
+        return self.cuboid(*box_between(min, max), group=group, material=material)
+
+    def cuboid(self, corner: npt.ArrayLike, edges: npt.ArrayLike, *, group: int = 0, material: Materials = None) -> Shape:
+        """Add a box with edges in any direction.
+
+        A body has 9 spheres and 12 rods for each box, after the spheres and rods of the shape: a sphere around the whole box, a sphere
+        at each of the 8 vertices, and a rod along each of the 12 edges. Mass, centre and inertia are those of the sharp box.
+
+        Parameters
+        ----------
+        corner : array_like, shape (3,)
+            A corner of the box, in units.
+        edges : array_like, shape (3, 3)
+            The three edges from that corner, one per row, at right angles to each other, in units.
+        group : int, optional
+            Collision group from 0 to 65535.
+        material : int or str, optional
+            Material, by number or by name; none by default.
+        """
+        self._boxes.append((_row("corner", corner, (3,)), _row("edges", edges, (3, 3)), _group(group), material))
+        return self
+
+
+def _row(name: str, value: Any, shape: tuple[int, ...] = (), *, not_negative: bool = False) -> Any:
+    """Returns a number, or nested lists of numbers of this shape."""
+    rows = floats(name, value, shape, not_negative=not_negative)
+    if len(rows) != 1:
+        raise ValueError(f"{name}: expected {f'shape {shape}' if shape else 'one number'}, got shape {np.shape(value)}")
+    return rows[0].tolist()
+
+
+def _whole(name: str, value: int, dtype: Any = np.int64) -> int:
+    numbers = integers(name, value, dtype=dtype)
+    if len(numbers) != 1:
+        raise ValueError(f"{name}: expected one number, got shape {np.shape(value)}")
+    return int(numbers[0])
+
+
+def _group(value: int) -> int:
+    return _whole("group", value, np.uint16)
+
 
 def _number(name: str, value: float | None) -> float | None:
-    return None if value is None else float(floats(name, value)[0])
+    return None if value is None else float(_row(name, value))
 
 
 class MassProperties(NamedTuple):
@@ -105,9 +155,9 @@ class RigidBodies(NamedTuple):
 
     #: Numbers of the bodies, of shape (N,).
     bodies: IntArray
-    #: Numbers of the spheres of each body, of shape (N, spheres of the shape).
+    #: Numbers of the spheres of each body, of shape (N, spheres of the shape + 9 for each box).
     spheres: IntArray
-    #: Numbers of the rods of each body, of shape (N, rods of the shape).
+    #: Numbers of the rods of each body, of shape (N, rods of the shape + 12 for each box).
     rods: IntArray
 
 
@@ -155,16 +205,20 @@ class Rigid(Bodies):
         Raises
         ------
         ValueError
-            For a shape without spheres or with more than 1000 parts, a mass, density or radius that is not positive, a rod without two
-            different spheres, an inertia that no body has, and a name that another shape has.
+            For a shape without spheres and boxes or with more than 1000 parts, a mass, density or radius that is not positive, a rod
+            without two different spheres, a box whose edges are not at right angles, a rounding that is not less than half the shortest
+            edge, an inertia that no body has, and a name that another shape has.
+        LookupError
+            For a material that does not exist.
         """
         if not isinstance(shape, Shape):
             raise TypeError(f"shape: expected a rockfall.Shape, got {type(shape).__name__}")
         material = self._single_material
         spheres = [(*sphere[:3], material(sphere[3])) for sphere in shape._spheres]
         rods = [(*rod[:4], material(rod[4])) for rod in shape._rods]
+        boxes = [(*box[:3], material(box[3])) for box in shape._boxes]
         self._edited()
-        return int(_rockfall.add_shape(self._native, shape._name, shape._mass, spheres, rods))
+        return int(_rockfall.add_shape(self._native, shape._name, shape._mass, spheres, rods, boxes, shape._rounding))
 
     def _single_material(self, material: Materials) -> int:
         return int(np.atleast_1d(self._material_numbers("material", material))[0])

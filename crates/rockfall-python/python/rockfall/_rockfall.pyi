@@ -253,6 +253,8 @@ def add_shape(
     mass: tuple[float | None, float | None, tuple[list[float], list[float]] | None],
     spheres: list[tuple[list[float], float, int, int]],
     rods: list[tuple[int, int, float, int, int]],
+    boxes: list[tuple[list[float], list[list[float]], int, int]],
+    rounding: float,
 ) -> int: ...
 def shape_mass(
     target: _Target, shape: int

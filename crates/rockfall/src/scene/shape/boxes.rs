@@ -141,13 +141,13 @@ impl Shape {
         self.rods.iter().cloned().chain(of_boxes).collect()
     }
 
-    /// Number of spheres of a body of this shape.
-    pub(crate) fn sphere_count(&self) -> usize {
+    /// Number of spheres of a body of this shape: those of the shape, and 9 for each box.
+    pub fn sphere_count(&self) -> usize {
         self.spheres.len() + BOX_SPHERES * self.boxes.len()
     }
 
-    /// Number of rods of a body of this shape.
-    pub(crate) fn rod_count(&self) -> usize {
+    /// Number of rods of a body of this shape: those of the shape, and 12 for each box.
+    pub fn rod_count(&self) -> usize {
         self.rods.len() + BOX_RODS * self.boxes.len()
     }
 

@@ -1,0 +1,184 @@
+"""Boxes of shapes, and rigid bodies of them (docs/physics.md section 2.16)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rockfall as rf
+from rockfall.typing import ContactLawName
+
+#: Edges of a box, in units.
+EDGES = (0.4, 0.2, 0.3)
+
+
+def stage(law: ContactLawName = "linear") -> rf.Scene:
+    """A floor, with a material and a law that rigid bodies rest on."""
+    scene = rf.Scene()
+    scene.settings.contact_law = law
+    scene.settings.collisions = False
+    scene.settings.gravity = 9.81
+    scene.add_material("stone", density=1000, young=1e9, poisson=0.3)
+    scene.set_pair("stone", "stone", restitution=0.2, friction=0.5, characteristic_velocity=1)
+    scene.add_box([-5, -1, -5], [5, 0, 5], material="stone")
+    return scene
+
+
+def block(**options: Any) -> rf.Shape:
+    half = 0.5 * np.array(EDGES)
+    return rf.Shape(**options).box(-half, half, material="stone")
+
+
+def test_a_box_has_mass_centre_and_inertia_of_the_closed_form() -> None:
+    scene = rf.Scene()
+    a, b, c = EDGES
+    mass = 1000 * a * b * c
+    expected = np.array([b * b + c * c, a * a + c * c, a * a + b * b]) * mass / 12
+    found = scene.shape_mass(scene.add_shape(rf.Shape(density=1000).box([1, 2, 3], [1 + a, 2 + b, 3 + c])))
+    assert found.mass == pytest.approx(mass, rel=1e-5)
+    np.testing.assert_allclose(found.centre, [1 + a / 2, 2 + b / 2, 3 + c / 2], rtol=1e-6)
+    np.testing.assert_allclose(found.inertia[:3], expected, rtol=1e-4)
+
+    # A turned box has J = R diag(J1, J2, J3) R^T. The rounding has no part in it.
+    turn = np.array([[0.6, 0.8, 0], [-0.8, 0.6, 0], [0, 0, 1]])
+    shape = rf.Shape(mass=mass, rounding=0.05).cuboid([0, 0, 0], turn * np.array(EDGES)[:, None])
+    turned = scene.shape_mass(scene.add_shape(shape))
+    tensor = turn.T @ np.diag(expected) @ turn
+    np.testing.assert_allclose(turned.inertia, [*np.diag(tensor), tensor[0, 1], 0, 0], rtol=1e-4, atol=1e-6)
+
+
+def test_a_body_has_nine_spheres_and_twelve_rods_for_each_box() -> None:
+    scene = rf.Scene()
+    shape = rf.Shape(mass=3).sphere([2, 0, 0], 0.1).box([0, 0, 0], EDGES, group=4).sphere([3, 0, 0], 0.1).rod(0, 1, 0.05)
+    number = scene.add_shape(shape.box([0, 1, 0], [0.5, 2, 0.5]))
+    scene.add_sphere([0, 50, 0], 1.0)
+    none = scene.add_bodies(number, np.zeros((0, 3)))
+    assert [part.shape for part in none] == [(0,), (0, 20), (0, 25)]
+    added = scene.add_bodies(number, [[0, 0, 0], [0, 10, 0]])
+    np.testing.assert_array_equal(added.spheres, 1 + np.arange(40).reshape(2, 20))
+    np.testing.assert_array_equal(added.rods, np.arange(50).reshape(2, 25))
+    assert scene.add_sphere([0, 60, 0], 1.0) == 41
+    assert (scene.counts.spheres, scene.counts.rods, scene.counts.bodies) == (42, 50, 2)
+
+    # Spheres of the shape, then the solid and the vertices of each box.
+    radius = scene.table("sphere")["radius"][added.spheres]
+    around = [0.5 * np.linalg.norm(EDGES), 0.5 * np.linalg.norm([0.5, 1, 0.5])]
+    one = np.array([0.1, 0.1, around[0], *[0.02 * 0.2] * 8, around[1], *[0.02 * 0.5] * 8], np.float32)
+    np.testing.assert_allclose(radius, np.tile(one, (2, 1)), rtol=1e-6)
+    assert scene.table("sphere")["group"][added.spheres[1]].tolist() == [0] * 2 + [4] * 9 + [0] * 9
+    ends = scene.table("rod")[["end1", "end2"]][added.rods[1]].tolist()
+    first, second = added.spheres[1, 3:11], added.spheres[1, 12:]
+    assert ends[0] == (21, 22)
+    assert {end for rod in ends[1:13] for end in rod} == set(first) and {end for rod in ends[13:] for end in rod} == set(second)
+
+    # The same for a simulation, and after a body has gone.
+    sim = rf.Simulation(scene, dt=0.001, backend="cpu")
+    sim.remove_bodies(added.bodies[0])
+    more = sim.add_bodies(number, [0, 20, 0])
+    np.testing.assert_array_equal(more.spheres, [42 + np.arange(20)])
+    np.testing.assert_array_equal(more.rods, [50 + np.arange(25)])
+    assert len(sim.bodies) == 2 and (sim.counts.spheres, sim.counts.rods) == (42, 50)
+    rows = [[int(np.flatnonzero(sim.sphere_ids == sphere)[0]) for sphere in spheres] for spheres in (added.spheres[1], more.spheres[0])]
+    np.testing.assert_allclose(sim.positions[rows[1]] - sim.positions[rows[0]], np.tile([0, 10, 0], (20, 1)), atol=1e-5)
+
+
+def test_the_rounding_is_the_radius_of_edges_and_vertices() -> None:
+    for given, radius in ((0.05, 0.05), (0, 0.004), (None, 0.004)):
+        scene = rf.Scene()
+        shape = scene.add_shape(rf.Shape(rounding=given).box([0, 0, 0], EDGES))
+        sphere = scene.add_bodies(shape, [0, 0, 0]).spheres[0]
+        np.testing.assert_allclose(scene.table("sphere")["radius"][sphere[1:]], [radius] * 8, rtol=1e-6)
+        np.testing.assert_allclose(scene.table("rod")["radius"], [radius] * 12, rtol=1e-6)
+        # Faces stay where they are.
+        sim = rf.Simulation(scene, dt=0.001, backend="cpu")
+        np.testing.assert_allclose(sim.positions[1:].min(axis=0), [radius] * 3, rtol=1e-4)
+        np.testing.assert_allclose(sim.positions[1:].max(axis=0), np.array(EDGES) - radius, rtol=1e-4)
+
+
+@pytest.mark.parametrize("law", ["linear", "hertz-mindlin"])
+def test_a_box_falls_on_a_floor_and_rests_at_half_its_height(law: ContactLawName) -> None:
+    scene = stage(law)
+    shape = scene.add_shape(block(density=1000))
+    scene.add_body(shape, [0, 0.105, 0])
+    sim = rf.Simulation(scene, dt=1e-4, backend="cpu", integrator="velocity-verlet")
+    sim.run(200)
+    assert sim.bodies.velocities[0, 1] == pytest.approx(-9.81 * 0.02, rel=1e-3)
+    sim.run(5000)
+    np.testing.assert_allclose(sim.bodies.positions, [[0, 0.1, 0]], atol=3e-4)
+    assert np.abs(sim.bodies.velocities).max() < 1e-3
+    assert abs(sim.bodies.orientations[0, 0]) > 0.99999
+    if law == "hertz-mindlin":
+        # Four vertices of radius r = 0.004 carry the weight: F = 4/3 E* sqrt(r) d^(3/2) each, with E* = E / (2 (1 - nu^2)).
+        force = 24 * 9.81 / 4
+        depth = (0.75 * force / (1e9 / 1.82 * np.sqrt(0.004))) ** (2 / 3)
+        assert 0.1 - sim.bodies.positions[0, 1] == pytest.approx(depth, rel=0.01)
+
+
+# Numbers of Python are float32. The position 0.375 is exact in it, because a text gives a position more digits.
+TEXT = """set contact_law linear
+set collisions off
+set gravity 9.81
+@material stone density=1000 young=1e9 poisson=0.3
+@pair stone stone restitution=0.2 friction=0.5 characteristic_velocity=1
+@use stone
+B -5 -1 -5  10 0 0  0 1 0  0 0 10
+@body block density=1000 rounding=0.01
+S 1  0 0.2 0  0 0 0  0 0 0  - 0.1
+B -0.2 -0.1 -0.15  0.24 0.32 0  -0.16 0.12 0  0 0 0.3
+@end
+@place block at=0,0.375,0 spin=1,2,3
+"""
+
+
+def test_a_scene_text_and_python_give_the_same_bits() -> None:
+    scene = stage()
+    shape = rf.Shape(density=1000, rounding=0.01, name="block").sphere([0, 0.2, 0], 0.1, material="stone")
+    edges = [[0.24, 0.32, 0], [-0.16, 0.12, 0], [0, 0, 0.3]]
+    scene.add_body(scene.add_shape(shape.cuboid([-0.2, -0.1, -0.15], edges, material="stone")), [0, 0.375, 0], spin=[1, 2, 3])
+    sims = [rf.Simulation(one, dt=1e-4, backend="cpu", integrator="velocity-verlet") for one in (rf.Scene.parse(TEXT), scene)]
+    for sim in sims:
+        sim.run(3000)
+    one, other = sims
+    for field in ("positions", "orientations", "velocities", "angular_momenta"):
+        assert getattr(one.bodies, field).tobytes() == getattr(other.bodies, field).tobytes(), field
+    assert one.positions.tobytes() == other.positions.tobytes()
+    # In free fall, the centre would be below the floor.
+    assert 0.05 < one.bodies.positions[0, 1] < 0.35
+
+
+def test_wrong_boxes_are_errors() -> None:
+    wrong: list[tuple[Callable[[], rf.Shape], str]] = [
+        (lambda: rf.Shape(rounding=-0.1), "rounding: expected numbers that are not negative"),
+        (lambda: rf.Shape(rounding=np.nan), "rounding: expected finite numbers"),
+        (lambda: rf.Shape(rounding=[0.1, 0.2]), "rounding: expected one number"),  # type: ignore[arg-type]
+        (lambda: rf.Shape().box([0, 0], EDGES), r"min: expected shape \(N, 3\) or \(3,\), got \(2,\)"),
+        (lambda: rf.Shape().box(np.zeros((2, 3)), EDGES), r"min, max: expected shape \(3,\) each"),
+        (lambda: rf.Shape().box([0, 0, 0], [1, 0, 1]), "max: expected a corner that differs from min in every coordinate"),
+        (lambda: rf.Shape().cuboid(np.zeros((2, 3)), np.eye(3)), r"corner: expected shape \(3,\), got shape \(2, 3\)"),
+        (lambda: rf.Shape().cuboid([0, 0, 0], [1, 1, 1]), r"edges: expected shape \(N, 3, 3\) or \(3, 3\)"),
+        (lambda: rf.Shape().cuboid([0, 0, np.inf], np.eye(3)), "corner: expected finite numbers"),
+        (lambda: rf.Shape().box([0, 0, 0], EDGES, group=70000), "group: expected integers from 0 to 65535"),
+        (lambda: rf.Shape().sphere([0, 0, 0], [1, 2]), "radius: expected one number"),  # type: ignore[arg-type]
+        (lambda: rf.Shape().sphere([0, 0, 0], 1, group=[1, 2]), "group: expected one number"),  # type: ignore[arg-type]
+    ]
+    for make, message in wrong:
+        with pytest.raises(ValueError, match=message):
+            make()
+    with pytest.raises(TypeError, match="edges: expected real numbers"):
+        rf.Shape().cuboid([0, 0, 0], "edges")
+    scene = rf.Scene()
+    for shape, message in (
+        (rf.Shape().cuboid([0, 0, 0], [[1, 0, 0], [1, 1, 0], [0, 0, 1]]), "box.edges: .*three edges at right angles"),
+        (rf.Shape().cuboid([0, 0, 0], np.diag([1, 0, 1])), "box.edge: .*expected"),
+        (rf.Shape(rounding=0.1).box([0, 0, 0], EDGES), "shape.rounding: .*less than half the shortest edge"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            scene.add_shape(shape)
+    with pytest.raises(LookupError, match="material: there is no material 'wood'"):
+        scene.add_shape(rf.Shape().box([0, 0, 0], EDGES, material="wood"))
+    with pytest.raises(LookupError, match="there is no material 7"):
+        scene.add_shape(rf.Shape().box([0, 0, 0], EDGES, material=7))
+    assert scene.add_shape(rf.Shape().box([0, 0, 0], EDGES)) == 0
