@@ -266,7 +266,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("constrain", 0, "constrain.wgsl", "correction / step.dt", "correction * step.dt", Buffer::Start),
     Mistake("turn", 0, "turn.wgsl", "cross((spins + orbit) / across", "cross((spins - orbit) / across", Buffer::Start),
     Mistake("turn", 0, "turn.wgsl", "0.5 * step.dt * (change", "step.dt * (change", Buffer::Start),
-    Mistake("turn", 0, "rotation.wgsl", "cross(a.xyz, b.xyz)", "cross(b.xyz, a.xyz)", Buffer::Orientations),
+    Mistake("turn", 0, "quaternion.wgsl", "cross(a.xyz, b.xyz)", "cross(b.xyz, a.xyz)", Buffer::Orientations),
     Mistake("kick", 3, "put_rates.wgsl", "= rates.torque[k]", "= rates.acceleration[k]", Buffer::Rates),
     Mistake("drift", 0, "drift.wgsl", "status.forces_due != 0u", "status.forces_due == 0u", Buffer::Y4),
     Mistake("drift", 0, "drift.wgsl", "0.5 * step.dt, i)", "step.dt, i)", Buffer::Y4),

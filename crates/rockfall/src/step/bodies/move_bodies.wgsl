@@ -1,5 +1,6 @@
 // requires model/load_rows.wgsl model/objects.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
 // requires physics/fine.wgsl physics/forces/rates.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl
+// requires physics/rigid_parts.wgsl
 
 // The state in which the spheres of bodies are placed.
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;

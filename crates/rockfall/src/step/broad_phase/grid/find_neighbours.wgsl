@@ -1,7 +1,7 @@
 // requires model/lists.wgsl model/order.wgsl model/put_head.wgsl model/step.wgsl physics/escape.wgsl
 // requires step/broad_phase/grid/cells.wgsl
 // requires step/broad_phase/grid/neighbours.wgsl step/broad_phase/grid/sort.wgsl step/broad_phase/heap.wgsl
-// requires step/broad_phase/meet.wgsl
+// requires physics/rigid_parts.wgsl step/broad_phase/meet.wgsl
 
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read> cells: array<u32>;
@@ -78,7 +78,12 @@ fn key_of(mover: u32, place: u32) -> u32 {
     let id = id_at(ids[run_at + place]);
     ids[run_at + place] = id;
     let key = (insertion_index(id) << PLACE_BITS) | (place & PLACE_MASK);
-    let is_other = (place < in_run) & (id != mover) && !never_meet(mover, id);
+    let is_other = (place < in_run) & (id != mover);
+    if RIGID_BODIES {
+        if is_other & never_meet(mover, id) {
+            return NONE;
+        }
+    }
     if RODS {
         return select(NONE, key, is_other & aabbs_meet(own_aabb, aabbs[id]));
     }
