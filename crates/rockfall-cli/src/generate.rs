@@ -59,10 +59,9 @@ const SOFT: f32 = 0.07;
 const THRESHOLD: f32 = 0.5;
 
 /// Chooses constants with which 100 to 5,000 spheres overlap by less than 5 % of their radius, without those that collide.
-/// Grains have
-/// constants of their own. Returns whether gravity was changed.
+/// Grains and scenes with `resting_overlap` have constants of their own. Returns whether gravity was changed.
 fn reduce_overlaps(kind: Kind, scene: &mut Scene) -> bool {
-    if kind.has_grains() {
+    if kind.has_grains() || scene.settings.resting_overlap > 0.0 {
         return false;
     }
     if matches!(kind, Kind::Mixed | Kind::Soft | Kind::Hopper) {
