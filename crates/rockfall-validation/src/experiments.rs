@@ -51,6 +51,7 @@ experiments! {
     walls: "Walls that move, belts and meshes",
     boxes: "Periodic boxes, and grains that come and go",
     bodies: "Rigid bodies",
+    blocks: "Boxes that move",
     rest: "Rest",
     silent: "Slow motion, stiff chains, and symplectic Euler",
     #[cfg(feature = "gpu")]

@@ -57,6 +57,7 @@ experiments!(
     walls,
     boxes,
     bodies,
+    blocks,
     rest,
     silent,
     #[cfg(feature = "gpu")]
