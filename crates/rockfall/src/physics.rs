@@ -14,6 +14,7 @@ pub(crate) mod friction_impulses;
 pub(crate) mod geometry;
 pub(crate) mod laws;
 pub(crate) mod lengths;
+pub(crate) mod motions;
 pub(crate) mod pairs;
 pub(crate) mod rigid;
 pub(crate) mod rigid_box;

@@ -2,9 +2,9 @@
 
 use crate::model::rigid::times;
 use crate::model::view::{Object, View};
+use crate::physics::motions::Touch;
 use crate::physics::rigid_box::core_point;
 use crate::physics::side::{Side, side};
-use crate::physics::touch::Touch;
 
 /// The side of an object in a contact with another one, with the mass and inertia of the rigid body that it belongs to, if any. `parameter`
 /// is that of the contact on a rod.

@@ -5,9 +5,8 @@ use glam::Vec3;
 use crate::fine::Fine;
 use crate::model::rotate::{back, rotated};
 use crate::model::view::{BodyBox, Object, PartOfBox, TINY, View};
-use crate::physics::contact::ContactForce;
 use crate::physics::geometry::SegmentPair;
-use crate::physics::touch::{Motions, Touch};
+use crate::physics::motions::{Motions, Touch};
 
 /// Length over which an edge gives way to the vertices at its ends, in rounding radii.
 const TAPER: f32 = 4.0;
@@ -91,20 +90,6 @@ pub(crate) fn core_point(view: &View, object: Object, other: Object, touch: &Tou
     let place = view.between(hub, ball);
     let outward = if touch.normal.dot(place) < 0.0 { -touch.normal } else { touch.normal };
     Some((place - (view.radius(ball) + radius - touch.overlap) * outward, radius))
-}
-
-/// The loads of a contact with torques about the centres of the spheres: the force on a solid acts at the point of its core.
-pub(crate) fn about_centres(view: &View, [a, b]: [u32; 2], touch: &Touch, loads: ContactForce<Vec3>) -> ContactForce<Vec3> {
-    if view.step.layout.rigid_parts_at == 0 {
-        return loads;
-    }
-    let (a, b) = (view.object(a), view.object(b));
-    let lever = |object, other| core_point(view, object, other, touch).map_or(Vec3::ZERO, |(lever, _)| lever);
-    ContactForce {
-        torque_a: loads.torque_a + lever(a, b).cross(loads.force),
-        torque_b: loads.torque_b - lever(b, a).cross(loads.force),
-        ..loads
-    }
 }
 
 /// The contact of two rods of which at least one is an edge of a box. `pair` has the closest points, `sine` is that of their angle.

@@ -14,7 +14,7 @@ use crate::physics::laws::before::spring_before;
 use crate::physics::laws::contact::{LawForce, Spring, law_force};
 use crate::physics::laws::history::{Histories, Owned, key, owner, pack};
 use crate::physics::laws::neck::contact;
-use crate::physics::rigid_box::about_centres;
+use crate::physics::rigid_box::core_point;
 use crate::physics::surface::Hidden;
 use crate::physics::touch::Touch;
 
@@ -117,6 +117,20 @@ impl Contacts<'_> {
                 tally.count_contact(touch.overlap);
             }
         }
+    }
+}
+
+/// The loads of a contact with torques about the centres of the spheres: the force on a solid acts at the point of its core.
+fn about_centres(view: &View, [a, b]: [u32; 2], touch: &Touch, loads: ContactForce<Vec3>) -> ContactForce<Vec3> {
+    if view.step.layout.rigid_parts_at == 0 {
+        return loads;
+    }
+    let (a, b) = (view.object(a), view.object(b));
+    let lever = |object, other| core_point(view, object, other, touch).map_or(Vec3::ZERO, |(lever, _)| lever);
+    ContactForce {
+        torque_a: loads.torque_a + lever(a, b).cross(loads.force),
+        torque_b: loads.torque_b - lever(b, a).cross(loads.force),
+        ..loads
     }
 }
 
