@@ -115,7 +115,7 @@ fn a_box_slides_or_tips() {
 #[test]
 fn impacts_of_boxes_keep_what_they_must() {
     on_both(|backend, shorter| {
-        for seed in 0..8 / shorter {
+        for seed in 0..4 / shorter {
             let (mut scene, material) = stage(0.0, Pair::default().restitution(1.0).friction(0.0));
             let shape = scene.add_shape(block(material, [0.3, 0.4, 0.2])).unwrap();
             let tilt = 0.4 * f32::from(seed);
