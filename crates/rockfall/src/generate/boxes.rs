@@ -24,7 +24,7 @@ const RADIUS: f64 = 1.5;
 /// Height of the dominoes above the floor at the start.
 const CLEARANCE: f32 = 1e-3;
 /// The time step that suits these scenes, in s.
-pub(super) const STEP: f32 = 0.002;
+pub(super) const STEP: f32 = 0.001;
 
 /// Sets a law that keeps overlaps below the rounding of the boxes, the time step, and an integrator with one evaluation per step.
 fn settle(scene: &mut Scene) -> Result<()> {
