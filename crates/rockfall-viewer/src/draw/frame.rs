@@ -277,6 +277,7 @@ mod tests {
             colour_by,
             light_size,
             period,
+            rigid_parts_at,
             least,
             kinds,
             scale,
