@@ -54,8 +54,7 @@ impl SceneSummary {
 
 /// The radii of the spheres, without the vertices of boxes.
 fn radii_of_bodies(scene: &Scene) -> Vec<f32> {
-    let has_boxes = scene.shapes().iter().any(|shape| !shape.boxes.is_empty());
-    let is_vertex = |id| has_boxes && matches!(scene.box_of_sphere(id), Some(BoxPart::Rim(_)));
+    let is_vertex = |id| matches!(scene.box_of_sphere(id), Some(BoxPart::Rim(_)));
     scene.sphere_ids().zip(scene.spheres()).filter(|(id, _)| !is_vertex(*id)).map(|(_, sphere)| sphere.radius).collect()
 }
 

@@ -10,7 +10,7 @@ use crate::physics::side::{Side, side};
 /// is that of the contact on a rod.
 pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, other: Object, touch: &Touch) -> Side {
     let mut side = side(view, object, parameter);
-    let Some((body, radius)) = view.body_of(object).zip(side.radius) else { return side };
+    let Some((body, mut radius)) = view.body_of(object).zip(side.radius) else { return side };
     let body = view.rigid_body(body);
     let mut point = match object {
         Object::Rod(rod) => {
@@ -23,11 +23,11 @@ pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, other: O
     if let Some((from_centre, rounding)) = core_point(view, object, other, touch) {
         point += from_centre;
         side.velocity += side.spin.cross(from_centre);
-        side.radius = Some(rounding);
+        (radius, side.radius) = (rounding, Some(rounding));
     }
     let lever = point - body.centre;
     let across = lever.cross(touch.normal);
-    let reach = 1.0 + lever.length() / side.radius.unwrap_or(radius);
+    let reach = 1.0 + lever.length() / radius;
     Side {
         inverse_mass: body.inverse_mass + across.dot(times(body.inverse_inertia, across)),
         inverse_inertia: reach * reach * body.greatest,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 use super::shape::{BOX_SPHERES, BoxPart, Kinetics, ShapeId};
-use super::{Cuboid, Handle, ObjectId, Rod, RodId, Scene, Shape, Sphere, SphereId, Tag, shared};
+use super::{Cuboid, Handle, ObjectId, Rod, RodId, Scene, Shape, ShapeSphere, Sphere, SphereId, Tag, shared};
 use crate::error::Result;
 use crate::fine::Fine;
 use crate::scene::checks::{finite, invalid};
@@ -248,11 +248,11 @@ impl Scene {
         };
         body.validate()?;
         let shape = self.shapes.get(placement.shape)?;
-        let spheres = members(shape, &body, &kinetics);
+        let parts = shape.all_spheres();
+        let spheres = members(shape, &parts, &body, &kinetics);
         spheres.iter().try_for_each(Sphere::validate)?;
-        let tags: Vec<_> = shape.all_spheres().into_iter().map(|part| part.tag).collect();
         let rods = shape.all_rods();
-        for (sphere, tag) in spheres.into_iter().zip(tags) {
+        for (sphere, ShapeSphere { tag, .. }) in spheres.into_iter().zip(parts) {
             let id = self.spheres.add(sphere);
             body.spheres.push(id);
             if tag.is_some() {
@@ -404,25 +404,24 @@ impl Scene {
     }
 }
 
-/// The spheres of a new body.
-fn members(shape: &Shape, body: &RigidBody, kinetics: &Kinetics) -> Vec<Sphere> {
+/// The spheres of a new body. `parts` are all spheres of its shape.
+fn members(shape: &Shape, parts: &[ShapeSphere], body: &RigidBody, kinetics: &Kinetics) -> Vec<Sphere> {
     let frame = Frame::of(body, kinetics);
     // The spheres of a box share what it weighs.
-    let volume = |(number, part): (usize, &super::ShapeSphere)| match shape.box_of_sphere(number) {
+    let volume = |(number, part): (usize, &ShapeSphere)| match shape.box_of_sphere(number) {
         Some(BoxPart::Solid(of) | BoxPart::Rim(of)) => shape.boxes[of].volume() / BOX_SPHERES as f64,
         None => 4.0 / 3.0 * std::f64::consts::PI * f64::from(part.radius).powi(3),
     };
-    let parts = shape.all_spheres();
     let volumes: Vec<f64> = parts.iter().enumerate().map(volume).collect();
     let all: f64 = volumes.iter().sum();
-    let member = |(part, volume): (super::ShapeSphere, f64)| {
+    let member = |(part, volume): (&ShapeSphere, f64)| {
         let mass = kinetics.mass * volume / all;
         let mut sphere = Sphere::new(part.centre, part.radius).mass(mass as f32).group(part.group);
         sphere.material = part.material;
         frame.place(&mut sphere, part.centre.as_dvec3() - kinetics.centre, body.orientation);
         sphere
     };
-    parts.into_iter().zip(volumes).map(member).collect()
+    parts.iter().zip(volumes).map(member).collect()
 }
 
 #[cfg(test)]

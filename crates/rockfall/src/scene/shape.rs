@@ -344,13 +344,9 @@ impl Scene {
         let spheres = (0..shape.spheres.len()).map(|number| (number, shape.spheres[number].radius));
         let rods = shape.rods.iter().flat_map(|rod| [(rod.end1, rod.radius), (rod.end2, rod.radius)]);
         let reach = |(number, radius): (usize, f32)| place(number).distance(centre) + f64::from(radius);
-        let corner = |core: Core, vertex: u32| {
-            let side = |axis: u32| if vertex >> axis & 1 == 1 { 1.0 } else { -1.0 };
-            core.centre + core.turn * ((core.half + core.radius) * DVec3::new(side(0), side(1), side(2)))
-        };
-        let boxes = shape.boxes.iter().map(|part| part.core(shape.rounding));
-        let corners = boxes.flat_map(|core| (0..8).map(move |vertex| corner(core, vertex).distance(centre)));
-        Ok(spheres.chain(rods).map(reach).chain(corners).fold(0.0, f64::max))
+        let cores = shape.boxes.iter().map(|part| part.core(shape.rounding));
+        let corners = cores.flat_map(|core| core.vertices(core.sharp()));
+        Ok(spheres.chain(rods).map(reach).chain(corners.map(|corner| corner.distance(centre))).fold(0.0, f64::max))
     }
 
     /// How bodies of a shape move.

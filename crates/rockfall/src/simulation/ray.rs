@@ -68,11 +68,10 @@ impl Ray {
     /// The first hit in a scene whose walls are where their motions put them at a time, in s.
     fn first(&self, scene: &Scene, time: f64) -> Option<RayHit> {
         let poses = scene.poses(time);
-        let has_boxes = scene.shapes().iter().any(|shape| !shape.boxes.is_empty());
         let spheres = nearest(scene.spheres(), |index, sphere| {
             let centre = sphere.position.as_dvec3();
             let way = scene.way_into_box(centre);
-            match has_boxes.then(|| scene.box_of_sphere(scene.spheres.handle_at(index))).flatten() {
+            match scene.box_of_sphere(scene.spheres.handle_at(index)) {
                 None => self.sphere(centre + way, sphere.radius.into()),
                 // The solid stands for its vertices.
                 Some(BoxPart::Rim(_)) => None,
@@ -83,7 +82,7 @@ impl Ray {
             }
         });
         let rods = nearest(scene.rods(), |index, rod| {
-            let is_edge = has_boxes && scene.is_edge_of_box(scene.rods.handle_at(index));
+            let is_edge = scene.is_edge_of_box(scene.rods.handle_at(index));
             self.rod(scene, rod).filter(|_| !is_edge)
         });
         let boxes = nearest(scene.boxes(), |_, cuboid| self.cuboid(&poses.of_box(cuboid)));

@@ -64,8 +64,7 @@ impl LawTime {
 impl Scene {
     /// The moving spheres, with their numbers, except those that stand for boxes: in a contact, a box has the radius of its rounding.
     fn moving_surfaces(&self) -> impl Iterator<Item = (usize, &Sphere)> {
-        let has_boxes = self.shapes().iter().any(|shape| !shape.boxes.is_empty());
-        let is_solid = move |id| has_boxes && matches!(self.box_of_sphere(id), Some(BoxPart::Solid(_)));
+        let is_solid = |id| matches!(self.box_of_sphere(id), Some(BoxPart::Solid(_)));
         let moving = self.sphere_ids().zip(self.spheres()).enumerate().filter(|(_, (_, sphere))| !sphere.fixed);
         moving.filter(move |(_, (id, _))| !is_solid(*id)).map(|(number, (_, sphere))| (number, sphere))
     }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use super::solid::Part;
 use super::{Shape, ShapeRod, ShapeSphere};
@@ -14,7 +14,7 @@ use crate::scene::checks::invalid;
 use crate::scene::{Cuboid, Tag};
 
 /// The rounding radius of a box that has none of its own, as a share of the shortest edge.
-pub(crate) const ROUNDING: f32 = 0.02;
+const ROUNDING: f32 = 0.02;
 /// Spheres of a box: the solid, and the vertices.
 pub(crate) const BOX_SPHERES: usize = 9;
 /// Rods of a box.
@@ -52,6 +52,19 @@ pub enum BoxPart {
     Rim(usize),
 }
 
+impl Core {
+    /// Half the edges of the sharp box.
+    pub(crate) fn sharp(&self) -> DVec3 {
+        self.half + self.radius
+    }
+
+    /// The vertices of a box with this centre and these half edges: bit k of the number of a vertex is the side along edge k.
+    pub(crate) fn vertices(self, half: DVec3) -> impl Iterator<Item = DVec3> {
+        let side = |vertex: u32, axis: u32| if vertex >> axis & 1 == 1 { 1.0 } else { -1.0 };
+        (0..8).map(move |v| self.centre + self.turn * (half * DVec3::new(side(v, 0), side(v, 1), side(v, 2))))
+    }
+}
+
 impl ShapeBox {
     fn shortest_edge(&self) -> f32 {
         self.cuboid.edges.map(|edge| edge.length()).into_iter().fold(f32::INFINITY, f32::min)
@@ -60,7 +73,7 @@ impl ShapeBox {
     /// `rounding` is that of the shape.
     pub(super) fn validate(&self, rounding: f32) -> Result<()> {
         self.cuboid.validate()?;
-        if self.cuboid.motion.is_some() || self.cuboid.surface_velocity != glam::Vec3::ZERO {
+        if self.cuboid.motion.is_some() || self.cuboid.surface_velocity != Vec3::ZERO {
             return Err(invalid("shape.box", "with a motion or a surface velocity", "a box that moves with its body alone"));
         }
         if rounding >= 0.0 && rounding < 0.5 * self.shortest_edge() {
@@ -83,19 +96,18 @@ impl ShapeBox {
 
     /// Volume of the sharp box, in units³.
     pub(crate) fn volume(&self) -> f64 {
-        let Core { half, radius, .. } = self.core(0.0);
-        8.0 * (half + radius).element_product()
+        8.0 * self.core(0.0).sharp().element_product()
     }
 
     /// The sharp box.
     pub(super) fn part(&self) -> Part {
-        let Core { centre, turn, half, radius } = self.core(0.0);
-        Part::cuboid(centre, turn, half + radius)
+        let core = self.core(0.0);
+        Part::cuboid(core.centre, core.turn, core.sharp())
     }
 
-    /// The solid, and the vertices: bit k of the number of a vertex is the side along edge k.
+    /// The solid, and the vertices.
     fn spheres(&self, rounding: f32) -> impl Iterator<Item = ShapeSphere> + '_ {
-        let Core { centre, turn, half, radius } = self.core(rounding);
+        let core = self.core(rounding);
         let sphere = move |place: DVec3, radius: f64| ShapeSphere {
             centre: place.as_vec3(),
             radius: radius as f32,
@@ -103,10 +115,8 @@ impl ShapeBox {
             material: self.cuboid.material,
             tag: self.tag.clone(),
         };
-        let side = |vertex: u32, axis: u32| if vertex >> axis & 1 == 1 { 1.0 } else { -1.0 };
-        let vertex = move |v: u32| centre + turn * (half * DVec3::new(side(v, 0), side(v, 1), side(v, 2)));
-        let solid = sphere(centre, (half + radius).length());
-        std::iter::once(solid).chain((0..8).map(move |v| sphere(vertex(v), radius)))
+        let solid = sphere(core.centre, core.sharp().length());
+        std::iter::once(solid).chain(core.vertices(core.half).map(move |place| sphere(place, core.radius)))
     }
 
     /// The edges, between vertices that are numbered from `first` on.
