@@ -1,6 +1,7 @@
-//! Warnings at the end of a run: bodies that sink into each other, and energy that grew without cause.
+//! Warnings after a run: bodies that sink into each other, and energy that grew without cause.
 
 use rockfall::placement::DEEP;
+use rockfall::stability::Remedy;
 use rockfall::{Energy, Integrator, Precision, Scene, Simulation, short_number};
 
 use crate::failure::Failure;
@@ -60,10 +61,10 @@ fn causes(simulation: &Simulation, before: &Energy) -> String {
     }
 }
 
-/// Warns of overlaps and of growing energy.
+/// Warns of overlaps and of growing energy after `step` steps.
 #[cfg(feature = "view")]
-pub(crate) fn warn(name: &str, simulation: &mut Simulation, before: Option<&Energy>) -> Result<(), Failure> {
-    warn_of_overlaps(name, simulation)?;
+pub(crate) fn warn(name: &str, simulation: &mut Simulation, before: Option<&Energy>, step: u64) -> Result<(), Failure> {
+    warn_of_overlaps(name, simulation, step)?;
     if let Some(Growth { message, .. }) = grown(name, simulation, before)? {
         output::note(&format!("warning: {message}"));
     }
@@ -77,22 +78,27 @@ fn needs_double(scene: &Scene) -> bool {
     chosen.chosen_precision().precision == Precision::Double
 }
 
-/// Warns of overlaps.
-pub(crate) fn warn_of_overlaps(name: &str, simulation: &mut Simulation) -> Result<(), Failure> {
+/// Warns of overlaps after `step` steps.
+pub(crate) fn warn_of_overlaps(name: &str, simulation: &mut Simulation, step: u64) -> Result<(), Failure> {
     let (deepest, integrator) = (simulation.resting_overlap()?, simulation.integrator());
     if let Some(bodies) = deepest.bodies.filter(|_| deepest.radii > DEEP) {
         let scene = simulation.scene();
         let [a, b] = bodies.map(|body| scene.name_of(body));
         let radii = short_number(deepest.radii.into(), 3);
-        let remedy = scene.remedy(integrator).map_or_else(String::new, |remedy| format!(": {remedy}"));
-        output::note(&format!("warning: {name}: at the end {a} and {b} overlap by {radii} radii of the smaller one{remedy}"));
+        let settings = &scene.settings;
+        // Constants that are as stiff already are no remedy.
+        let helps = |remedy: &Remedy| settings.resting_overlap == 0.0 && remedy.contact_force > settings.contact_force;
+        let remedy = scene.remedy(integrator).filter(helps).map_or_else(String::new, |remedy| format!(": {remedy}"));
+        output::note(&format!(
+            "warning: {name}: at step {step} {a} and {b} overlap by {radii} radii of the smaller one{remedy}"
+        ));
     }
     Ok(())
 }
 
 /// How much the energy grew, if that is too much and nothing in the scene explains it.
 ///
-/// Moving surfaces (fixed spheres with a velocity or a spin), external forces, muscles and a restitution of more than 1 do work, and
+/// Moving surfaces (fixed spheres with a velocity or a spin, walls that follow motions, conveyors), a shear, external forces, muscles and a restitution of more than 1 do work, and
 /// spheres that come and go have an energy.
 /// Without them the energy can only fall. Integrators and late contacts make errors, which are measured by the energy that took part in
 /// the motion: the kinetic, spring and contact energy at the start, what bodies fell, and 1 % of the weights times the radii.
@@ -101,10 +107,13 @@ fn growth(scene: &Scene, before: &Energy, after: &Energy) -> Option<f64> {
     let surfaces = scene.spheres().iter().any(|sphere| {
         sphere.fixed && (sphere.velocity.length_squared() > 0.0 || sphere.angular_momentum.length_squared() > 0.0)
     });
+    let belts = scene.boxes().iter().map(|cuboid| (cuboid.motion, cuboid.surface_velocity));
+    let mut belts = belts.chain(scene.polygons().iter().map(|polygon| (polygon.motion, polygon.surface_velocity)));
+    let drives = belts.any(|(motion, surface)| motion.is_some() || surface.length_squared() > 0.0) || scene.shear().is_some();
     let forces = scene.spheres().iter().any(|sphere| sphere.force.length_squared() > 0.0);
     let muscles = scene.springs().iter().any(|spring| spring.muscle.is_some());
     let comes_and_goes = !(scene.inlets().is_empty() && scene.outlets().is_empty());
-    if surfaces || forces || muscles || comes_and_goes || settings.restitution > 1.0 {
+    if surfaces || drives || forces || muscles || comes_and_goes || settings.restitution > 1.0 {
         return None;
     }
     let movers = scene.spheres().iter().filter(|sphere| !sphere.fixed);

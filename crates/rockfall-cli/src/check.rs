@@ -111,6 +111,9 @@ pub(crate) fn prepare(
     let dt = physics.dt_for(&scene);
     let parts = Substeps::or_of(substeps, &scene).of(&scene.with_grains(), dt, integrator)?;
     warn(name, &scene, dt / parts as f32, integrator);
+    if let Some(concern) = scene.overlap_concern() {
+        output::note(&format!("warning: {name}: {concern}"));
+    }
     Ok((scene, parts))
 }
 

@@ -8,10 +8,10 @@ use crate::output;
 pub(crate) fn devices() -> Result<(), Failure> {
     let mut text = String::new();
     // Writing to a string cannot fail.
-    for device in rockfall::devices() {
-        let software = if device.software { ", software: used only with --backend gpu" } else { "" };
+    for (number, device) in rockfall::devices().into_iter().enumerate() {
+        let software = if device.software { ", software: used only with --backend gpu or --device" } else { "" };
         let driver = if device.driver.is_empty() { "unknown driver" } else { &device.driver };
-        let _ = writeln!(text, "gpu  {} ({}, {}, {driver}{software})", device.name, device.backend, device.kind);
+        let _ = writeln!(text, "gpu {number}  {} ({}, {}, {driver}{software})", device.name, device.backend, device.kind);
     }
     if text.is_empty() {
         let reason = if cfg!(feature = "gpu") { "found" } else { "available: built without the feature `gpu`" };

@@ -18,6 +18,9 @@ pub(crate) enum Failure {
     Run(String),
     /// A signal ended the run, and its results so far are written: exit code 130.
     Interrupted(String),
+    /// Another process of the run reports the failure: exit code 0, because `mpirun` may end all processes when one has another code.
+    #[cfg(feature = "mpi")]
+    Elsewhere,
     /// The reader of standard output has closed it, which is not an error: exit code 0.
     ClosedPipe,
 }

@@ -16,7 +16,7 @@ use crate::output;
 pub(crate) struct Arguments {
     /// Kind of scene: pile, mixed, clumps, boxes, dominoes, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw
     kind: Kind,
-    /// Number of spheres, including those of rods, capsules and rigid bodies
+    /// Number of spheres, including those of rods, capsules and rigid bodies; dominoes round it down to whole ones and a ball
     #[arg(long, value_name = "N", value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]
     spheres: u32,
     /// Seed of the random numbers; the same seed gives the same scene

@@ -76,6 +76,9 @@ pub(crate) struct Engine {
     /// Where to compute: auto, gpu or cpu
     #[arg(long, default_value_t)]
     backend: Backend,
+    /// Number of the GPU, from 0, as `rockfall devices` lists them; by default the best one
+    #[arg(long, value_name = "N")]
+    device: Option<usize>,
     /// Method that finds overlapping AABBs: auto, brute-force, sort-and-skip or grid
     #[arg(long, default_value_t)]
     pub(crate) broad_phase: BroadPhase,
@@ -92,6 +95,7 @@ impl Engine {
 
     pub(crate) fn with_integrator(&self, integrator: impl Into<IntegratorChoice>) -> Options {
         let options = Options::new().backend(self.backend).broad_phase(self.broad_phase).integrator(integrator);
+        let options = self.device.into_iter().fold(options, Options::device);
         self.without.iter().fold(options, |options, optimization| options.without(*optimization))
     }
 }

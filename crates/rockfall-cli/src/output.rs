@@ -2,11 +2,29 @@
 
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::failure::{Failure, INTERRUPTED};
 
+/// Whether nothing is printed, because another process prints the same.
+static IS_SILENT: AtomicBool = AtomicBool::new(false);
+
+/// Switches all output of this process off or on.
+#[cfg(feature = "mpi")]
+pub(crate) fn silence(is_silent: bool) {
+    IS_SILENT.store(is_silent, Ordering::Relaxed);
+}
+
+/// Whether nothing is printed.
+pub(crate) fn is_silent() -> bool {
+    IS_SILENT.load(Ordering::Relaxed)
+}
+
 /// Prints the result of a command.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    if is_silent() {
+        return Ok(());
+    }
     let mut out = BufWriter::new(io::stdout().lock());
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Ok(()) => Ok(()),
@@ -17,13 +35,17 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 
 /// Prints a line on standard error. If standard error is closed, the line is dropped.
 pub(crate) fn note(line: &str) {
-    let _ = writeln!(io::stderr(), "{line}");
+    if !is_silent() {
+        let _ = writeln!(io::stderr(), "{line}");
+    }
 }
 
 /// Prints the message of a failure, if it has one, and returns its exit code.
 pub(crate) fn report(failure: Failure) -> ExitCode {
     let (code, message) = match failure {
         Failure::ClosedPipe => return ExitCode::SUCCESS,
+        #[cfg(feature = "mpi")]
+        Failure::Elsewhere => return ExitCode::SUCCESS,
         Failure::Interrupted(message) => {
             note(&message);
             return ExitCode::from(INTERRUPTED);

@@ -62,7 +62,7 @@ impl Progress {
             bar.enable_steady_tick(UPDATE_INTERVAL);
             bar
         };
-        let bar = (std::io::stderr().is_terminal() && steps > 0).then(bar);
+        let bar = (std::io::stderr().is_terminal() && !output::is_silent() && steps > 0).then(bar);
         let now = Instant::now();
         Self { bar, what, steps, done: 0, start: now, last_line: now }
     }

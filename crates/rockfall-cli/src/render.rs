@@ -41,7 +41,11 @@ is drawn as it was recorded, without running it again: --at is the number of a s
 
 Without --camera and --look-at, the camera shows what the bodies do over the whole film. For this a scene is run once before \
 the film is drawn. Bodies that fall or fly away from all others do not count. At the end, the command prints the options that \
-give this camera. A box or polygon that hides a body is not drawn, except for its edges.
+give this camera. A box or polygon that hides a body is not drawn, except for its edges. In a film of creatures, which muscles move, the \
+camera moves with them instead.
+
+Labels, arrows and trails are those of bodies: a rigid body (@place) and a capsule have one each, at the centre of mass. Plots need \
+room: an error says how many fit into the picture.
 
 --substeps N divides every step into N equal parts, as in `rockfall run`; --at and --steps count whole steps. Warnings are those \
 of `rockfall run`.
@@ -59,7 +63,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Number of steps before the picture is taken or the film begins, or simulated time as in 0.5s; in a trajectory, the number of
-    /// the step, or the time
+    /// the step, or the time [default: the start; for a picture of a scene that begins without bodies, its last step]
     #[arg(long, value_name = "STEP", value_parser = At::parse, allow_negative_numbers = true)]
     at: Option<At>,
     /// Number of steps that the film shows [default: that of the scene]
@@ -68,9 +72,9 @@ pub(crate) struct Arguments {
     /// Pictures per second of the film
     #[arg(long, value_name = "F", default_value_t = 25, value_parser = whole(1_u32, 1000), allow_negative_numbers = true)]
     fps: u32,
-    /// Simulated seconds per second of film: 1 for real time, less for slow motion
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = speed, allow_negative_numbers = true)]
-    speed: f64,
+    /// Simulated seconds per second of film: 1 for real time, less for slow motion [default: that of the scene, else 1]
+    #[arg(long, value_name = "X", value_parser = speed, allow_negative_numbers = true)]
+    speed: Option<f64>,
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size, allow_hyphen_values = true)]
     size: [u32; 2],
@@ -273,6 +277,7 @@ impl Arguments {
 pub(crate) fn render(arguments: &Arguments, given: &Given, interrupt: &'static Interrupt) -> Result<(), Failure> {
     // A name that no file can have is refused before a long file is read.
     arguments.product(true)?;
+    Layout::check(arguments.size, arguments.plot.len()).map_err(|error| Failure::usage(format!("--plot: {error}")))?;
     let input = Input::read(Some(&arguments.scene))?;
     let own_steps = match &input {
         Input::Scene(source) => source.loaded.scene.run.steps,

@@ -1,6 +1,6 @@
 //! `rockfall run`: simulates a scene and prints a summary.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use rockfall::Simulation;
@@ -26,12 +26,14 @@ mod past;
 mod resume;
 mod samples;
 mod save;
+mod team;
 mod tensions;
 mod trace;
 
 use outputs::{Outputs, Wanted};
 pub(crate) use past::Past;
 pub(crate) use resume::Given;
+use team::{Next, Starting, Team};
 
 /// Number of steps of scenes that have none.
 const DEFAULT_STEPS: u64 = 1000;
@@ -39,7 +41,7 @@ const DEFAULT_STEPS: u64 = 1000;
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
 Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --gauges, --bodies, --save, \
---checkpoint) and exits with code 130. A step that takes longer than 0.8 s is abandoned: the last checkpoint and the .part files \
+--checkpoint) and exits with code 130. A step that takes longer than 0.8 s and 20 times longer than all steps before it, or longer than 20 s, is abandoned: the last checkpoint and the .part files \
 stay as they are. A second Ctrl-C ends the run at once. If a step fails, --out and --trace are written up to that step if the \
 device can still be read, and the last checkpoint is left unchanged.
 
@@ -65,7 +67,8 @@ scenes without external forces; elsewhere it is empty. It includes what the tang
 
 The extension of a file chooses its format, in upper or lower case; an unknown one is an error. Devices such as /dev/stdout get \
 CSV. Without --every, --out writes the final state: .csv, .npz for NumPy, .vtp for ParaView. With --every K, it writes the state \
-at the start and after every K-th step: .npz holds arrays [frames, spheres, ...], so it is not for scenes with inlets or outlets; .vtp or .pvd writes NAME.pvd and a folder NAME \
+at the start and after every K-th step: .npz holds arrays [frames, spheres, ...], or where spheres come and go the spheres of all \
+frames one after the other; .vtp or .pvd writes NAME.pvd and a folder NAME \
 with the frames, .csv has the columns step,time in front.
 
 --contacts writes the contacts of the same states: both bodies, point, normal, overlap, and the force or the impulse on the \
@@ -83,12 +86,18 @@ steps, where forces and torques are means over the states after the K steps; eve
 
 --bodies writes the rigid bodies of the final state in the columns body,name,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz, with --every K \
 those of every K-th state with the columns step,time in front: centre of mass, its velocity, the orientation, which turns coordinates \
-of the shape into those of the world, and the angular momentum about the centre.
+of the shape into those of the world, and the angular momentum about the centre. The motions of walls (@motion, @servo) follow, with \
+indices that count on: a point of the wall (for a turn one of its axis, else the origin of the scene at rest), its velocity, the turn \
+since the start, and the angular velocity in rad/s in place of the angular momentum.
 
 --save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
 beginning of the scene, up to the first empty line, but no other comments. Its line @run has the time step and the integrator of \
 the run, so `rockfall run FILE.txt` goes on from there, except that a text leaves out the springs of contacts (contact laws linear, \
-hertz-mindlin and user): their friction and cohesion begin anew, and bodies at rest move. --checkpoint keeps the springs.";
+hertz-mindlin and user): their friction and cohesion begin anew, and bodies at rest move. --checkpoint keeps the springs.
+
+`mpirun -n N rockfall run SCENE` gives one scene to N processes with the same results, if rockfall was built with the cargo feature mpi. \
+They run on the CPU. The first process prints and writes all files. Scenes with other things than spheres among walls, and \
+with collisions on, are refused (docs/cluster.md).";
 
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
@@ -166,21 +175,28 @@ struct Run {
     past: Past,
     /// The precision of contacts, and why it was chosen.
     precision: String,
+    team: Team,
 }
 
 pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Interrupt) -> Result<(), Failure> {
     // From the start, because output files that were only created are removed again.
     interrupt.hold();
     interrupt.leaves("; no results are written".to_owned());
-    let mut run = match &arguments.resume {
-        Some(path) => resume::open(arguments, given, path)?,
-        None => begin(arguments)?,
+    let mut starting = Starting::start()?;
+    let begun = match &arguments.resume {
+        Some(path) => resume::open(arguments, given, path, &starting),
+        None => begin(arguments, &starting),
     };
+    let mut run = starting.all(begun)?;
     let result = steps(&mut run, interrupt);
     interrupt.finishes();
-    let Run { mut simulation, outputs, past, precision } = run;
+    let Run { mut simulation, outputs, past, precision, team } = run;
 
-    let step = past.step(simulation.report().steps);
+    if !team.is_first() {
+        // The first process reports what happened.
+        return Ok(());
+    }
+    let step = past.step(team.steps(&simulation));
     let checkpoint = outputs.checkpoint().map(|path| path.display().to_string());
     let finished = outputs.finish(&mut simulation, &past);
     let stopped = step < past.steps;
@@ -206,7 +222,7 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
     let growth = grown.as_ref().map(|grown| grown.size);
     output::print(&if arguments.json { summary.json(&simulation, growth) } else { summary.table(&mut simulation)? })?;
     if !stopped {
-        aftermath::warn_of_overlaps(&past.scene, &mut simulation)?;
+        aftermath::warn_of_overlaps(&past.scene, &mut simulation, step)?;
     }
     match grown {
         Some(grown) if arguments.strict => return Err(Failure::Run(grown.message)),
@@ -221,7 +237,10 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
 }
 
 /// Prepares a run of a scene from its start.
-fn begin(arguments: &Arguments) -> Result<Run, Failure> {
+fn begin(arguments: &Arguments, starting: &Starting) -> Result<Run, Failure> {
+    if starting.is_shared() && arguments.scene.as_deref() == Some(Path::new("-")) {
+        return Err(Failure::usage("-: standard input reaches one process alone: expected a scene file"));
+    }
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
     let wanted = arguments.wanted(loaded.scene.run.every)?;
     let Arguments { out, trace, contacts, tensions, gauges, bodies, save, checkpoint, .. } = arguments;
@@ -242,20 +261,22 @@ fn begin(arguments: &Arguments) -> Result<Run, Failure> {
     if arguments.gauges.is_some() && scene.gauges().is_empty() {
         output::note("note: --gauges: the scene has no gauges (a line `@gauge name=N wall=NAME` adds one)");
     }
-    if arguments.bodies.is_some() && counts.bodies == 0 {
-        output::note("note: --bodies: the scene has no rigid bodies (a line `@place NAME at=x,y,z` adds one)");
+    if arguments.bodies.is_some() && counts.bodies == 0 && scene.motions().is_empty() {
+        let how = "a line `@place NAME at=x,y,z` adds a body, a line `@motion` moves walls";
+        output::note(&format!("note: --bodies: the scene has no rigid bodies and no motions ({how})"));
     }
-    wanted.check_for(&scene)?;
-    let mut outputs = Outputs::open(wanted, None)?;
-    let mut options = arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going);
+    let mut outputs = Outputs::open(if starting.is_first() { wanted } else { Wanted::default() }, None)?;
+    let mut options = starting.options(arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going));
     options.pair_capacity = arguments.capacity;
     let precision = scene.with_grains().chosen_precision().to_string();
     let mut simulation = Simulation::with_options(scene, options)?;
+    let team = starting.share(&mut simulation)?;
     // Energies and contacts at the start depend on it.
     simulation.set_time_step(past.part())?;
     past.set_before(&simulation.energy()?);
     outputs.begin(&mut simulation, &past)?;
-    Ok(Run { simulation, outputs, past, precision })
+    starting.check(&outputs)?;
+    Ok(Run { simulation, outputs, past, precision, team })
 }
 
 impl Arguments {
@@ -306,21 +327,32 @@ impl Arguments {
 fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
     let (start, seconds) = (Instant::now(), run.past.seconds);
     let parts = u64::from(run.past.parts());
-    let done = |run: &Run| run.past.step(run.simulation.report().steps);
+    let done = |run: &Run| run.past.step(run.team.steps(&run.simulation));
     let mut progress = Progress::new(run.past.steps - done(run));
     let mut result = Ok(());
     interrupt.leaves(run.outputs.left());
-    while result.is_ok() && !interrupt.is_requested() && done(run) < run.past.steps {
-        let chunk = run.outputs.steps_from(done(run), progress.chunk());
-        let moved = run.outputs.advance(&mut run.simulation, chunk.saturating_mul(parts), run.past.part());
+    loop {
+        let step = done(run);
+        let stops = result.is_err() || interrupt.is_requested() || step >= run.past.steps;
+        let chunk = run.outputs.steps_from(step, progress.chunk());
+        let Next { stops, chunk, is_due } = run.team.agree(Next { stops, chunk, is_due: run.outputs.are_due(step + chunk) })?;
+        if stops {
+            break;
+        }
+        let steps = (chunk.saturating_mul(parts), run.past.part());
+        let moved = run.team.advance(&mut run.simulation, &mut run.outputs, steps, is_due);
         result = moved.map_err(|error| Failure::of(run.past.in_steps(error), run.simulation.scene()));
         run.past.seconds = seconds + start.elapsed().as_secs_f64();
-        result = result.and_then(|()| run.outputs.after_step(&mut run.simulation, &mut run.past));
+        if is_due {
+            result = result.and_then(|()| run.outputs.after_step(&mut run.simulation, &mut run.past));
+        }
         interrupt.leaves(run.outputs.left());
         progress.advance(chunk);
     }
     progress.finish();
     run.past.seconds = seconds + start.elapsed().as_secs_f64();
+    let gathered = run.team.gather(&mut run.simulation);
     result?;
+    gathered?;
     run.outputs.save(&mut run.simulation, &mut run.past)
 }

@@ -21,7 +21,7 @@ use crate::failure::Failure;
 use crate::input::Input;
 use crate::options::{Engine, Physics};
 use crate::render::camera::Named;
-use crate::render::captions::{Captions, warn_of_letters};
+use crate::render::captions::{Captions, find_trails, warn_of_letters};
 use crate::render::colours::{self, Paint};
 use crate::render::plots::check_gauges;
 use crate::run::Given;
@@ -106,20 +106,21 @@ impl Shown {
     }
 }
 
-/// Returns the scene with the states of the first frame, and what plays the frames.
+/// Returns the scene and what plays the frames. The scene has the states of the first frame where the spheres are the same in all of
+/// them, otherwise all spheres.
 fn playback(name: String, mut reader: Reader) -> Result<(Scene, Playback), Failure> {
-    let first = reader.frame(0).map_err(Failure::usage)?;
     let mut simulation = Simulation::with_options(reader.scene().clone(), Options::new().backend(Backend::Cpu))?;
-    first.apply(&mut simulation)?;
-    let scene = simulation.sync()?.clone();
+    reader.show(0, &mut simulation).map_err(Failure::usage)?;
+    let first = simulation.sync()?.clone();
     let frames: Vec<Moment> = (0..reader.moments().len() as u64).map(|step| Moment { step, blend: 0.0 }).collect();
-    let mut survey = Survey::new(&scene);
+    let mut survey = Survey::new(&first);
     for moment in surveyed(&frames).skip(1) {
-        reader.frame(moment.step as usize).map_err(Failure::usage)?.apply(&mut simulation)?;
+        reader.show(moment.step as usize, &mut simulation).map_err(Failure::usage)?;
         survey.add(simulation.sync()?);
     }
     let moments = reader.moments().iter().map(|moment| (moment.step, moment.time)).collect();
-    let show = Box::new(move |index: usize, simulation: &mut Simulation| reader.frame(index)?.apply(simulation));
+    let scene = if reader.is_constant() { first } else { reader.scene().clone() };
+    let show = Box::new(move |index: usize, simulation: &mut Simulation| reader.show(index, simulation));
     Ok((scene, Playback { name, moments, show, survey: Some(survey) }))
 }
 
@@ -182,8 +183,9 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
     for body in &plotted {
         body.of(&scene, "--plot")?;
     }
-    let overlay = arguments.captions.overlay();
+    let mut overlay = arguments.captions.overlay();
     warn_of_letters(&overlay, &scene);
+    find_trails(&mut overlay, &scene)?;
     window::run(Launch {
         source: window::session::Source { name, path, scene },
         warnings,

@@ -26,7 +26,7 @@ struct Block {
     bottom: f64,
 }
 
-/// A parallelogram or triangle.
+/// A parallelogram, a triangle or a plane.
 #[derive(Clone, Debug)]
 struct Face {
     corner: DVec3,
@@ -34,11 +34,11 @@ struct Face {
     right: DVec3,
     /// Direction of the side that is touched, of length 1.
     normal: DVec3,
-    is_triangle: bool,
+    surface: rockfall::Surface,
 }
 
 impl Surface {
-    /// The boxes and polygons of the group of creatures, 0.
+    /// The boxes and polygons of the group of creatures, 0. Cones and balls are left out.
     pub(crate) fn of(scene: &Scene) -> Self {
         let block = |cuboid: &rockfall::Cuboid| {
             let edges = cuboid.edges.map(|edge| edge.as_dvec3());
@@ -51,12 +51,17 @@ impl Surface {
             let [corner, left, right] = [polygon.corner, polygon.left, polygon.right].map(|vector| vector.as_dvec3());
             let normal = left.cross(right).normalize_or_zero();
             // A triangle is touched from above on whichever side that is.
-            let normal = if polygon.is_triangle && normal.y < 0.0 { -normal } else { normal };
-            Face { corner, left, right, normal, is_triangle: polygon.is_triangle }
+            let normal = if polygon.is_triangle() && normal.y < 0.0 { -normal } else { normal };
+            Face { corner, left, right, normal, surface: polygon.surface }
         };
         Self {
             boxes: scene.boxes().iter().filter(|cuboid| cuboid.group == 0).map(block).collect(),
-            faces: scene.polygons().iter().filter(|polygon| polygon.group == 0).map(face).collect(),
+            faces: scene
+                .polygons()
+                .iter()
+                .filter(|polygon| polygon.group == 0 && !polygon.surface.is_round())
+                .map(face)
+                .collect(),
         }
     }
 
@@ -105,7 +110,11 @@ impl Face {
         let area = self.left.cross(self.right).dot(self.normal);
         let shares = [from.cross(self.right).dot(self.normal) / area, self.left.cross(from).dot(self.normal) / area];
         let is_inside = shares.iter().all(|share| (0.0..=1.0).contains(share));
-        let is_inside = is_inside && (!self.is_triangle || shares[0] + shares[1] <= 1.0);
+        let is_inside = match self.surface {
+            rockfall::Surface::Plane => true,
+            rockfall::Surface::Triangle => is_inside && shares[0] + shares[1] <= 1.0,
+            _ => is_inside,
+        };
         if is_inside { fallen } else { f64::INFINITY }
     }
 }

@@ -5,10 +5,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pyo3::exceptions::{PyIndexError, PyKeyError, PyValueError};
 use pyo3::prelude::*;
-use rockfall::{Checkpoint, SphereId};
+use rockfall::Checkpoint;
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::{Range, Style};
-use rockfall_viewer::film::{Follower, Format, Moment, Player, Reel, Shot, Timing, View, plotted, surveyed};
+use rockfall_viewer::film::{Follower, Format, Moment, Player, Reel, Shot, Subject, Timing, View, plotted, surveyed};
+use rockfall_viewer::legend::Corner;
 use rockfall_viewer::overlay::Overlay;
 use rockfall_viewer::plot::{Graph, named};
 use rockfall_viewer::survey::Survey;
@@ -53,6 +54,8 @@ struct Shooting {
     /// The upper end of a colour scale that is chosen.
     scale: Option<f32>,
     shot: Option<Shot>,
+    /// Where the legend is; `None` without one.
+    corner: Option<Corner>,
     player: Player,
     follower: Follower,
     first_step: u64,
@@ -66,7 +69,7 @@ impl Shooting {
         look: Look,
         graphs: Vec<Graph>,
         timing: Timing,
-        follow: Option<SphereId>,
+        follow: Option<Subject>,
         orbit: f32,
         live: bool,
     ) -> PyResult<Self> {
@@ -77,7 +80,7 @@ impl Shooting {
             look_at: look.look_at.map(Into::into),
             follow,
             orbit: orbit.to_radians(),
-            room_above: overlay.room_above(look.layout().scene()[1]),
+            room_above: overlay.room_above(look.layout().scene()),
         };
         let scale = (!live && look.range.is_none() && style.colour_by.title().is_some()).then_some(0.0);
         let moments: Vec<_> = (0..timing.pictures()).map(|index| timing.moment(index)).collect();
@@ -109,6 +112,7 @@ impl Shooting {
             first_step: simulation.report().steps,
             surveyed_steps: 0,
             shot: None,
+            corner: None,
             follower: Follower::default(),
             reel: Reel::new(),
             seen: Seen::default(),
@@ -177,12 +181,12 @@ impl Shooting {
         };
         let Self { tools, player, style, follower, .. } = self;
         let mut show = |moment| player.show(simulation, &mut tools.renderer, style, moment);
-        let followed = match self.view.follow {
+        let followed = match &self.view.follow {
             None => show(moment).map(|()| None),
-            Some(body) => {
+            Some(subject) => {
                 let show = |moment| {
                     player.show(simulation, &mut tools.renderer, style, moment)?;
-                    Ok(simulation.sphere(body)?.position)
+                    subject.place(simulation.sync()?)
                 };
                 follower.show(moment, show).map(Some)
             }
@@ -195,7 +199,7 @@ impl Shooting {
 
     /// Draws the state that the renderer has, with the plots beside it.
     fn picture(&mut self, camera: &Camera) -> PyResult<rockfall_viewer::picture::Picture> {
-        let picture = self.tools.take(camera, &self.style, &self.overlay, self.look.colour_by.is_some())?;
+        let picture = self.tools.take(camera, &self.style, &self.overlay, self.corner)?;
         self.look.layout().complete(picture, self.tools.renderer.motion().plots()).or_raise()
     }
 
@@ -210,6 +214,10 @@ impl Shooting {
         if let Some(scale) = self.scale {
             // The colours mean the same in all pictures.
             self.style.range = Range::Given(self.style.colour_by.range_to(scale));
+        }
+        if self.look.colour_by.is_some() {
+            let legend = self.tools.renderer.legend(&self.style);
+            self.corner = Some(self.overlay.corner(&legend, &survey, &shot.camera(), [width, height]));
         }
         self.tools.renderer.set_scene(simulation);
         self.tools.renderer.set_survey(survey);
@@ -249,19 +257,21 @@ impl Filming {
         steps: u64,
         dt: f32,
         fps: u32,
-        speed: f64,
+        speed: Option<f64>,
         follow: Option<Followed>,
         orbit: f32,
         live: bool,
     ) -> PyResult<Self> {
-        let timing = Timing { steps, dt, fps, speed };
         simulation.get().read(simulation.py(), |running| {
             let scene = running.simulation.scene();
+            let timing = Timing { steps, dt, fps, speed: speed.or(scene.run.speed).unwrap_or(1.0) };
             let find = |followed: Followed| match followed {
                 Followed::Number(number) => handle(&running.ids.spheres, "sphere", number),
                 Followed::Name(name) => named(scene, &name).map_err(|error| PyKeyError::new_err(format!("follow: {error}"))),
             };
-            let follow = follow.map(find).transpose()?;
+            let follow = follow.map(find).transpose()?.map(|sphere| Subject::of(scene, sphere));
+            let mut look = look;
+            look.find_trails(running.simulation.scene(), &running.ids)?;
             let graphs = look.graphs(running.simulation.scene(), &running.ids)?;
             let shooting = Shooting::new(&mut running.simulation, look, graphs, timing, follow, orbit, live)?;
             Ok(Self(Mutex::new(Owned::new(shooting))))

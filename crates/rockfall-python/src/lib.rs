@@ -29,6 +29,7 @@ mod scene;
 #[cfg_attr(not(target_os = "linux"), path = "shared/elsewhere.rs")]
 mod shared;
 mod simulation;
+mod smooth;
 mod states;
 mod tables;
 mod trajectory;
@@ -66,7 +67,7 @@ mod _rockfall {
     #[pymodule_export]
     use crate::meshes::add_mesh;
     #[pymodule_export]
-    use crate::motions::{add_motion, follow, go_on, motions, set_surface_velocity, wall_load};
+    use crate::motions::{add_motion, add_servo, follow, go_on, motions, servos, set_servo, set_surface_velocity, wall_load};
     #[pymodule_export]
     use crate::names::{check_tag, named, names, set_tags, tag};
     #[pymodule_export]
@@ -76,15 +77,17 @@ mod _rockfall {
     #[pymodule_export]
     use crate::observe::{cast_rays, contacts, counts, diagnostics, energy, max_overlap, table, tensions};
     #[pymodule_export]
-    use crate::periodic::{periodic, set_periodic};
+    use crate::periodic::{periodic, set_periodic, set_shear, shear};
     #[pymodule_export]
-    use crate::picture::{Picture, Studio, framing};
+    use crate::picture::{Picture, Studio, framing, trails_of, warning_of_letters};
     #[pymodule_export]
     use crate::scene::Scene;
     #[pymodule_export]
     use crate::shared::SharedArray;
     #[pymodule_export]
     use crate::simulation::Simulation;
+    #[pymodule_export]
+    use crate::smooth::add_smooth;
     #[pymodule_export]
     use crate::tables::{constants, devices};
     #[pymodule_export]

@@ -1,11 +1,11 @@
 //! Motions, which boxes and polygons follow.
 
-use pyo3::exceptions::{PyLookupError, PyTypeError};
+use pyo3::exceptions::{PyLookupError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use rockfall::glam::{DVec3, Vec3};
-use rockfall::{Motion, MotionId, MotionTerm};
+use rockfall::{Motion, MotionId, MotionTerm, Servo, Sought};
 
-use crate::doors::{look, with};
+use crate::doors::{look, with, with_states};
 use crate::errors::Raise;
 use crate::names::object;
 use crate::simulation::Simulation;
@@ -50,6 +50,70 @@ pub(crate) fn motions(target: &Bound<'_, PyAny>) -> PyResult<Vec<(String, Vec<Nu
     look(target, |scene, _| {
         let row = |motion: &Motion| (motion.name.clone(), motion.terms.iter().map(numbers).collect());
         Ok(scene.motions().iter().map(row).collect())
+    })
+}
+
+/// A torque, the direction of its axis, and a point of the axis.
+type Torque = (f64, [f64; 3], [f64; 3]);
+
+fn sought(force: Option<[f64; 3]>, torque: Option<Torque>) -> PyResult<Sought> {
+    match (force, torque) {
+        (Some(force), None) => Ok(Servo::force(force, 1.0).seeks),
+        (None, Some((torque, axis, through))) => Ok(Servo::torque(torque, axis, through, 1.0).seeks),
+        _ => Err(PyTypeError::new_err("force, torque: expected one of them")),
+    }
+}
+
+/// Adds a motion that seeks a force or a torque.
+#[pyfunction]
+pub(crate) fn add_servo(
+    target: &Bound<'_, PyAny>,
+    name: &str,
+    force: Option<[f64; 3]>,
+    torque: Option<Torque>,
+    speed: f64,
+) -> PyResult<()> {
+    let mut servo = Servo::force(DVec3::Z, speed);
+    servo.seeks = sought(force, torque)?;
+    with(target, |doors, _| doors.add_motion(Motion::servo(name, servo)).map(drop).or_raise())
+}
+
+/// Changes what a servo seeks, or its greatest speed.
+#[pyfunction]
+pub(crate) fn set_servo(target: &Bound<'_, PyAny>, name: &str, target_value: Option<f64>, speed: Option<f64>) -> PyResult<()> {
+    with_states(target, |doors, _| {
+        let id = find(doors.objects(), name)?;
+        let known = doors.objects().motion(id).or_raise()?.servo;
+        let Some(mut servo) = known else {
+            return Err(PyLookupError::new_err(format!("servo: the motion {name:?} has no servo")));
+        };
+        if let Some(value) = target_value {
+            servo.seeks = match servo.seeks {
+                Sought::Torque { axis, through, .. } => Sought::Torque { torque: value, axis, through },
+                _ if value > 0.0 => Sought::Force(value * servo.direction()),
+                _ => return Err(PyValueError::new_err(format!("target: {value} is not allowed, expected a force above 0"))),
+            };
+        }
+        servo.speed = speed.unwrap_or(servo.speed);
+        servo.velocity = servo.velocity.clamp(-servo.speed.abs(), servo.speed.abs());
+        doors.update_motion(id, &|motion| motion.servo = Some(servo)).or_raise()
+    })
+}
+
+/// The name of a servo, then its target, greatest speed, displacement and velocity, its direction, and whether it turns.
+type ServoRow = (String, [f64; 4], [f64; 3], bool);
+
+/// All servos.
+#[pyfunction]
+pub(crate) fn servos(target: &Bound<'_, PyAny>) -> PyResult<Vec<ServoRow>> {
+    with_states(target, |doors, _| {
+        let row = |motion: &Motion| {
+            let servo = motion.servo?;
+            let numbers = [servo.target(), servo.speed, servo.displacement, servo.velocity];
+            let turns = matches!(servo.seeks, Sought::Torque { .. });
+            Some((motion.name.clone(), numbers, servo.direction().to_array(), turns))
+        };
+        Ok(doors.objects().motions().iter().filter_map(row).collect())
     })
 }
 

@@ -263,10 +263,10 @@ pub(crate) fn table<'py>(target: &Bound<'py, PyAny>, kind: &str) -> PyResult<(Ma
                     polygon_ids,
                     polygons,
                     o,
-                    [i64::from(o.is_triangle), i64::from(o.group), number_of(ids, o.material)],
+                    [i64::from(o.is_triangle()), i64::from(o.surface.number()), i64::from(o.group), number_of(ids, o.material)],
                     [o.corner.to_array(), o.left.to_array(), o.right.to_array()]
                 );
-                (4, 9)
+                (5, 9)
             }
             _ => return Err(PyValueError::new_err(format!("kind: {kind} is not a kind of object"))),
         };

@@ -4,11 +4,12 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use rockfall::Scene;
 use rockfall::exec::gpu::Gpu;
+use rockfall::{Scene, SphereId};
 use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::draw::{ColourBy, Range, Renderer, Style};
-use rockfall_viewer::overlay::{Arrows, Overlay};
+use rockfall_viewer::legend::Corner;
+use rockfall_viewer::overlay::{self, Arrows, Overlay, body_number};
 use rockfall_viewer::picture::{Canvas, FORMAT};
 use rockfall_viewer::plot::{Graph, Layout, Plot, named};
 use rockfall_viewer::survey::Survey;
@@ -70,6 +71,7 @@ pub(crate) struct Look {
     label: bool,
     arrows: Option<String>,
     trails: f64,
+    trails_of: Vec<String>,
     plot: Vec<String>,
 }
 
@@ -107,6 +109,7 @@ impl Look {
             arrows: arrows.transpose()?,
             arrow_key: None,
             trails: self.trails,
+            trails_of: self.trails_of.clone(),
             dark: self.style()?.background.is_dark(),
         })
     }
@@ -117,12 +120,29 @@ impl Look {
         Layout::new(self.size.into(), self.plot.len()).dark(dark)
     }
 
+    /// The sphere that a name or a number of an argument means.
+    fn find(argument: &str, name: &str, scene: &Scene, ids: &Ids) -> PyResult<SphereId> {
+        match name.parse() {
+            Ok(number) => handle(&ids.spheres, "sphere", number),
+            Err(_) => named(scene, name).map_err(|error| PyKeyError::new_err(format!("{argument}: {error}"))),
+        }
+    }
+
+    /// Finds the bodies that have trails in a scene, and replaces the numbers of spheres by those that the overlay knows.
+    pub(crate) fn find_trails(&mut self, scene: &Scene, ids: &Ids) -> PyResult<()> {
+        for name in &mut self.trails_of {
+            let sphere = Self::find("trails", name, scene, ids)?;
+            if name.parse::<i64>().is_ok() {
+                *name = body_number(scene, sphere);
+            }
+        }
+        Ok(())
+    }
+
     /// The plots of a scene.
     pub(crate) fn graphs(&self, scene: &Scene, ids: &Ids) -> PyResult<Vec<Graph>> {
-        let find = |name: &str| match name.parse() {
-            Ok(number) => handle(&ids.spheres, "sphere", number),
-            Err(_) => named(scene, name).map_err(|error| PyKeyError::new_err(format!("plot: {error}"))),
-        };
+        Layout::check(self.size.into(), self.plot.len()).map_err(|error| PyValueError::new_err(format!("plot: {error}")))?;
+        let find = |name: &str| Self::find("plot", name, scene, ids);
         let plot = |text: &String| Plot::parse(text).map_err(|error| PyValueError::new_err(format!("plot: {error}")));
         let graph = |text: &String| {
             let plot = plot(text)?;
@@ -197,11 +217,11 @@ impl Tools {
         camera: &Camera,
         style: &Style,
         overlay: &Overlay,
-        legend: bool,
+        legend: Option<Corner>,
     ) -> PyResult<rockfall_viewer::picture::Picture> {
         let mut picture = self.canvas.take(&mut self.renderer, camera, style).or_raise()?;
-        if legend {
-            self.renderer.legend(style).draw(&mut picture).or_raise()?;
+        if let Some(corner) = legend {
+            self.renderer.legend(style).draw_at(corner, &mut picture).or_raise()?;
         }
         self.renderer.record();
         overlay.draw(self.renderer.motion(), camera, &mut picture).or_raise()?;
@@ -221,10 +241,12 @@ impl Studio {
     }
 
     /// Draws the state of a simulation, which may be another one than the last time.
-    fn take(&self, simulation: &Bound<'_, Simulation>, look: Look, is_other: bool) -> PyResult<Picture> {
-        let (style, overlay, layout) = (look.style()?, look.overlay()?, look.layout());
+    fn take(&self, simulation: &Bound<'_, Simulation>, mut look: Look, is_other: bool) -> PyResult<Picture> {
+        let (style, layout) = (look.style()?, look.layout());
         let size = layout.scene().into();
         simulation.get().read(simulation.py(), |running| {
+            look.find_trails(running.simulation.scene(), &running.ids)?;
+            let overlay = look.overlay()?;
             let mut tools = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             let own = &mut running.simulation;
             if tools.is_none() {
@@ -242,7 +264,9 @@ impl Studio {
                 tools.renderer.set_scene(own);
             }
             tools.renderer.update(own, &style).or_raise()?;
-            let picture = tools.take(&camera, &style, &overlay, look.colour_by.is_some())?;
+            let legend = look.colour_by.as_ref().map(|_| tools.renderer.legend(&style));
+            let corner = legend.map(|legend| overlay.corner(&legend, &Survey::new(own.scene()), &camera, layout.scene()));
+            let picture = tools.take(&camera, &style, &overlay, corner)?;
             layout.complete(picture, tools.renderer.motion().plots()).or_raise().map(Picture)
         })
     }
@@ -255,4 +279,17 @@ pub(crate) fn framing(simulation: &Bound<'_, Simulation>, look: Look) -> PyResul
         let camera = look.framing(&mut running.simulation)?;
         Ok((camera.eye.to_array(), camera.target.to_array()))
     })
+}
+
+/// The length of trails in s and the names or numbers of the bodies that have them, of a text such as `2:left`.
+#[pyfunction]
+pub(crate) fn trails_of(text: &str) -> PyResult<(f64, Vec<String>)> {
+    overlay::trails_of(text).map_err(|expected| PyValueError::new_err(format!("trails: {text:?}: {expected}")))
+}
+
+/// The warning of the letters that the font lacks, of the title and the labels of a picture.
+#[pyfunction]
+pub(crate) fn warning_of_letters(simulation: &Bound<'_, Simulation>, look: Look) -> PyResult<Option<String>> {
+    let overlay = look.overlay()?;
+    simulation.get().read(simulation.py(), |running| Ok(overlay.warning_of_letters(running.simulation.scene())))
 }

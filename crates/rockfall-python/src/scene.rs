@@ -13,8 +13,8 @@ use crate::ids::Ids;
 /// Number of bodies that fall for ever that are named.
 const SHOWN: usize = 10;
 
-/// Time step in s, integrator, steps, every, substeps.
-type RunValues = (Option<f32>, Option<String>, Option<u64>, Option<u64>, Option<u32>);
+/// Time step in s, integrator, steps, every, substeps, speed of films.
+type RunValues = (Option<f32>, Option<String>, Option<u64>, Option<u64>, Option<u32>, Option<f64>);
 
 /// A scene and the numbers of its objects.
 #[derive(Debug)]
@@ -80,17 +80,17 @@ impl Scene {
         })
     }
 
-    /// How the scene is meant to be run: time step, integrator, steps, every, substeps.
+    /// How the scene is meant to be run: time step, integrator, steps, every, substeps, speed of films.
     fn run_defaults(&self) -> RunValues {
         let run = self.lock().scene.run;
-        (run.dt, run.integrator.map(|integrator| integrator.to_string()), run.steps, run.every, run.substeps)
+        (run.dt, run.integrator.map(|integrator| integrator.to_string()), run.steps, run.every, run.substeps, run.speed)
     }
 
     fn set_run_defaults(&self, run: RunValues) -> PyResult<()> {
-        let (dt, integrator, steps, every, substeps) = run;
+        let (dt, integrator, steps, every, substeps, speed) = run;
         let mut run = RunDefaults::default();
         run.integrator = integrator.map(|name| name.parse()).transpose().or_raise()?;
-        (run.dt, run.steps, run.every, run.substeps) = (dt, steps, every, substeps);
+        (run.dt, run.steps, run.every, run.substeps, run.speed) = (dt, steps, every, substeps, speed);
         run.validate().or_raise()?;
         self.lock().scene.run = run;
         Ok(())

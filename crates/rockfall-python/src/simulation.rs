@@ -135,33 +135,29 @@ impl Simulation {
     }
 }
 
+/// Names of the backend, the integrator and the broad phase, with the number of the device after the first, and whether to keep going.
+pub(crate) type Methods = (String, Option<usize>, String, String, bool);
+
 /// Options from their names.
-pub(crate) fn options(backend: &str, integrator: &str, broad_phase: &str, keep_going: bool) -> PyResult<Options> {
+pub(crate) fn options((backend, device, integrator, broad_phase, keep_going): Methods) -> PyResult<Options> {
     let backend = backend.parse().or_raise()?;
     if backend != Backend::Cpu {
         check_graphics()?;
     }
-    Ok(Options::new()
+    let options = Options::new()
         .backend(backend)
         .integrator(integrator.parse::<IntegratorChoice>().or_raise()?)
         .broad_phase(broad_phase.parse().or_raise()?)
-        .keep_going(keep_going))
+        .keep_going(keep_going);
+    Ok(device.into_iter().fold(options, Options::device))
 }
 
 #[pymethods]
 impl Simulation {
     #[new]
-    fn new(
-        scene: &Bound<'_, Scene>,
-        backend: &str,
-        integrator: &str,
-        broad_phase: &str,
-        keep_going: bool,
-        laws: Vec<Law>,
-        contact: Option<ContactLaw>,
-    ) -> PyResult<Self> {
+    fn new(scene: &Bound<'_, Scene>, methods: Methods, laws: Vec<Law>, contact: Option<ContactLaw>) -> PyResult<Self> {
         let own = scene.get();
-        let options = options(backend, integrator, broad_phase, keep_going)?;
+        let options = options(methods)?;
         let options = laws.into_iter().map(law).fold(options, Options::force_law);
         let options = contact.map(contact_law).into_iter().fold(options, Options::contact_force_law);
         detached(scene.py(), || {
@@ -258,8 +254,9 @@ impl Simulation {
         self.locked(py, |running| {
             let scene = running.simulation.scene();
             let found = scene.with_grains().concerns(dt, running.simulation.integrator());
-            let inlets = scene.inlet_concerns();
-            let found = found.into_iter().chain(inlets).collect::<Vec<_>>();
+            let is_new = running.simulation.report().steps == 0;
+            let overlaps = is_new.then(|| scene.overlap_concern()).flatten();
+            let found = found.into_iter().chain(scene.inlet_concerns()).chain(overlaps).collect::<Vec<_>>();
             Ok(found.iter().map(|concern| in_python(concern)).collect())
         })
     }

@@ -1,5 +1,6 @@
 //! Trajectories: files with the states over time.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
@@ -59,18 +60,21 @@ impl TrajectoryWriter {
 #[pyclass(frozen, module = "rockfall._rockfall")]
 pub(crate) struct TrajectoryReader(Mutex<Reader>);
 
-/// Moves states towards later ones by a part of the way.
+/// Moves states towards later ones by a part of the way. Spheres that are not there later stay.
 fn mix(states: &mut States, after: &States, part: f32) {
-    let pairs =
-        |now: &mut Vec<Vec3>, then: &[Vec3]| now.iter_mut().zip(then).for_each(|(now, then)| *now = now.lerp(*then, part));
-    pairs(&mut states.positions, &after.positions);
-    pairs(&mut states.velocities, &after.velocities);
-    pairs(&mut states.angular_momenta, &after.angular_momenta);
-    let turns = states.orientations.iter_mut().zip(&after.orientations);
-    turns.for_each(|(now, then)| *now = now.lerp(*then, part));
+    let places: HashMap<u32, usize> = after.ids.iter().copied().zip(0..).collect();
+    for (now, id) in states.ids.iter().enumerate() {
+        let Some(&then) = places.get(id) else { continue };
+        let pair = |now: &mut Vec3, then: Vec3| *now = now.lerp(then, part);
+        pair(&mut states.positions[now], after.positions[then]);
+        pair(&mut states.velocities[now], after.velocities[then]);
+        pair(&mut states.angular_momenta[now], after.angular_momenta[then]);
+        states.orientations[now] = states.orientations[now].lerp(after.orientations[then], part);
+    }
 }
 
-type Frame<'py> = [Bound<'py, PyArray2<f32>>; 4];
+type Rows<'py> = Bound<'py, PyArray2<f32>>;
+type Frame<'py> = (Rows<'py>, Rows<'py>, Rows<'py>, Rows<'py>, Bound<'py, PyArray1<i64>>);
 
 #[pymethods]
 impl TrajectoryReader {
@@ -100,7 +104,7 @@ impl TrajectoryReader {
             if blend > 0.0 {
                 mix(&mut states, &reader.frame(next).or_raise()?, blend);
             }
-            states.apply(simulation).or_raise()?;
+            reader.apply(&states, simulation).or_raise()?;
             let mut state = simulation.checkpoint().or_raise()?;
             state.report.time = from.time + f64::from(blend) * (to.time - from.time);
             state.report.steps = from.step;
@@ -108,16 +112,30 @@ impl TrajectoryReader {
         })
     }
 
-    /// Positions, velocities, orientations w, x, y, z, and angular momenta.
+    fn is_constant(&self, py: Python<'_>) -> bool {
+        detached(py, || self.0.lock().unwrap_or_else(PoisonError::into_inner).is_constant())
+    }
+
+    /// Radii of all spheres, by their numbers.
+    fn radii<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let radii: rockfall::Result<Vec<f32>> = detached(py, || {
+            let reader = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            reader.spheres().into_iter().map(|sphere| Ok(reader.scene().sphere(sphere)?.radius)).collect()
+        });
+        Ok(PyArray1::from_vec(py, radii.or_raise()?))
+    }
+
+    /// Positions, velocities, orientations w, x, y, z, angular momenta, and numbers of the spheres.
     fn frame<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Frame<'py>> {
         let states = detached(py, || self.0.lock().unwrap_or_else(PoisonError::into_inner).frame(index)).or_raise()?;
-        let States { positions, velocities, orientations, angular_momenta } = states;
+        let States { ids, positions, velocities, orientations, angular_momenta } = states;
+        let ids = PyArray1::from_vec(py, ids.into_iter().map(i64::from).collect());
         let rows = |numbers: Vec<f32>, columns: usize| {
             let count = numbers.len() / columns;
             PyArray1::from_vec(py, numbers).reshape([count, columns])
         };
         let vectors = |vectors: Vec<Vec3>| rows(vectors.iter().flat_map(|v| v.to_array()).collect(), 3);
         let turns = orientations.iter().flat_map(|q| [q.w, q.x, q.y, q.z]).collect();
-        Ok([vectors(positions)?, vectors(velocities)?, rows(turns, 4)?, vectors(angular_momenta)?])
+        Ok((vectors(positions)?, vectors(velocities)?, rows(turns, 4)?, vectors(angular_momenta)?, ids))
     }
 }

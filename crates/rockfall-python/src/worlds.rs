@@ -17,7 +17,7 @@ use crate::errors::Raise;
 use crate::fork::{Owned, check_graphics, detached, graphics_opened};
 use crate::portions::in_portions;
 use crate::scene::Scene;
-use crate::simulation::options;
+use crate::simulation::{Methods, options};
 use crate::states::Field;
 use crate::tables::{BackendInfo, Report};
 
@@ -83,16 +83,8 @@ fn room(worlds: &rockfall::Worlds) -> Result<[usize; 2]> {
 impl Worlds {
     /// A world per scene, or `count` worlds with the one scene.
     #[new]
-    fn new(
-        py: Python<'_>,
-        scenes: Vec<Py<Scene>>,
-        count: Option<usize>,
-        backend: &str,
-        integrator: &str,
-        broad_phase: &str,
-        keep_going: bool,
-    ) -> PyResult<Self> {
-        let options = options(backend, integrator, broad_phase, keep_going)?;
+    fn new(py: Python<'_>, scenes: Vec<Py<Scene>>, count: Option<usize>, methods: Methods) -> PyResult<Self> {
+        let options = options(methods)?;
         detached(py, || {
             let scenes: Vec<_> = scenes.iter().map(|scene| scene.get().lock().scene.clone()).collect();
             let built = match count {

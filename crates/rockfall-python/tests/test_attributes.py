@@ -21,7 +21,7 @@ WRONG: list[tuple[Callable[[rf.Simulation], Any], str]] = [
     (lambda s: s.mass, "did you mean masses"),  # type: ignore[attr-defined]
     (lambda s: setattr(s, "gravity", 20), "did you mean settings.gravity or settings.gravity_direction"),
     (lambda s: setattr(s.scene, "gravity", 20), "a Scene has no attribute 'gravity': did you mean settings.gravity"),
-    (lambda s: s.scene.add_ball, r"a Scene has no attribute 'add_ball': .*(add_|help)"),  # type: ignore[attr-defined]
+    (lambda s: s.scene.add_marble, r"a Scene has no attribute 'add_marble': .*(add_|help)"),  # type: ignore[attr-defined]
     (lambda s: s.scene.xyzzy, r"a Scene has no attribute 'xyzzy': help\(rockfall.Scene\)"),  # type: ignore[attr-defined]
     (lambda s: setattr(s.settings, "gravty", 1), "a Settings has no attribute 'gravty': did you mean gravity"),
     (lambda s: s.settings.damping, "contact_damping"),  # type: ignore[attr-defined]
@@ -29,6 +29,24 @@ WRONG: list[tuple[Callable[[rf.Simulation], Any], str]] = [
     (lambda s: setattr(s, "run", 5), "run is a method of Simulation"),
     (lambda s: setattr(rf.Worlds(s.scene, count=1, backend="cpu"), "velocity", 0), "a Worlds has no .*did you mean velocities"),
 ]
+
+
+KEYWORDS: list[tuple[Callable[[rf.Simulation], Any], str]] = [
+    (lambda s: s.scene.copy().add_spheres([0, 1, 0], radius=0.1, color="red"), r"add_spheres\(\) got .* 'color': did you mean colour"),
+    (lambda s: s.scene.copy().add_sphere([0, 1, 0], radius=0.1, mas=1), "'mas': did you mean mass"),
+    (lambda s: s.scene.copy().add_box([0, 0, 0], [1, 1, 1], color="red"), "did you mean colour"),
+    (lambda s: s.render(color_by="speed"), "'color_by': did you mean colour_by"),
+    (lambda s: rf.film(s, 3, color_by="speed"), "'color_by': did you mean colour_by"),
+    (lambda s: rf.Simulation(s.scene, integrater="rk4"), "did you mean integrator"),
+    (lambda s: s.scene.copy().add_spheres([0, 1, 0], radius=0.1, xyzzy=1), "unexpected keyword argument 'xyzzy'$"),
+]
+
+
+@pytest.mark.parametrize("case", range(len(KEYWORDS)))
+def test_an_unknown_keyword_is_an_error_that_names_similar_ones(case: int, sim: rf.Simulation) -> None:
+    call, message = KEYWORDS[case]
+    with pytest.raises(TypeError, match=message):
+        call(sim)
 
 
 @pytest.mark.parametrize("case", range(len(WRONG)))

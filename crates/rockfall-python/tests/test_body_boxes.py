@@ -156,7 +156,7 @@ def test_wrong_boxes_are_errors() -> None:
         (lambda: rf.Shape(rounding=[0.1, 0.2]), "rounding: expected one number"),  # type: ignore[arg-type]
         (lambda: rf.Shape().box([0, 0], EDGES), r"min: expected shape \(N, 3\) or \(3,\), got \(2,\)"),
         (lambda: rf.Shape().box(np.zeros((2, 3)), EDGES), r"min, max: expected shape \(3,\) each"),
-        (lambda: rf.Shape().box([0, 0, 0], [1, 0, 1]), "max: expected a corner that differs from min in every coordinate"),
+        (lambda: rf.Shape().box([0, 0, 0], [1, 0, 1]), "min, max: expected a greater number in every coordinate"),
         (lambda: rf.Shape().cuboid(np.zeros((2, 3)), np.eye(3)), r"corner: expected shape \(3,\), got shape \(2, 3\)"),
         (lambda: rf.Shape().cuboid([0, 0, 0], [1, 1, 1]), r"edges: expected shape \(N, 3, 3\) or \(3, 3\)"),
         (lambda: rf.Shape().cuboid([0, 0, np.inf], np.eye(3)), "corner: expected finite numbers"),

@@ -15,7 +15,7 @@ import rockfall as rf
 def scenes() -> list[pathlib.Path]:
     """The scenes of the repository that are small enough to run in a test."""
     found = [path for path in sorted((ROOT / "scenes").glob("*.txt")) if path.stat().st_size < 100_000]
-    # An .npz file has equally many spheres in all frames.
+    # Where spheres come and go, arrays have other shapes.
     found = [path for path in found if "@inlet" not in path.read_text()]
     assert len(found) >= 3
     return found
@@ -30,7 +30,7 @@ def same(sim: rf.Simulation, archive: pathlib.Path) -> None:
             "angular_momentum": sim.angular_momenta,
         }.items():
             key = next(key for key in states if key.startswith(name) or key.startswith(name.replace("momentum", "momenta")))
-            expected = states[key].reshape(array.shape)
+            expected = states[key].reshape(-1, *array.shape)[-1]
             assert expected.tobytes() == array.tobytes(), f"{name} differs"
 
 
@@ -39,7 +39,7 @@ def test_a_run_gives_the_bits_of_the_command_line(
     path: pathlib.Path, command_line: Callable[..., str], tmp_path: pathlib.Path
 ) -> None:
     out = tmp_path / "out.npz"
-    command_line("run", path, "--steps", 100, "--dt", 0.01, "--backend", "cpu", "--out", out)
+    command_line("run", path, "--steps", 100, "--every", 100, "--dt", 0.01, "--backend", "cpu", "--out", out)
     sim = rf.Simulation(rf.Scene.load(path), dt=0.01, backend="cpu")
     sim.run(100)
     same(sim, out)

@@ -107,27 +107,6 @@ def test_a_recording_is_complete_when_nothing_refers_to_it(scene: rf.Scene, tmp_
     assert len(rf.Trajectory(tmp_path / "film.npz")) == 3
 
 
-def test_spheres_stay_the_same_while_a_file_with_fixed_rows_is_recorded(sim: rf.Simulation, tmp_path: pathlib.Path) -> None:
-    with sim.record(tmp_path / "film.npz", every=5):
-        sim.run(5)
-        for change in (
-            lambda: sim.add_sphere([9, 9, 9], 0.1),
-            lambda: sim.add_capsules([9, 9, 9], [9, 10, 9], 0.1),
-            lambda: sim.remove("sphere", 0),
-        ):
-            with pytest.raises(ValueError, match="film.npz is being recorded.* finish the recording before"):
-                change()
-        with pytest.raises(ValueError, match="finish the recording first"):
-            sim.restore(tmp_path / "any.ckpt")
-        sim.remove("spring", 0)
-        sim.run(5)
-    assert sim.counts.spheres == 45 and len(rf.Trajectory(tmp_path / "film.npz")) == 3
-    with sim.record(tmp_path / "film.csv"):
-        sim.add_sphere([9, 9, 9], 0.1)
-        sim.run(1)
-    assert len((tmp_path / "film.csv").read_text().splitlines()) == 1 + 45 + 46
-
-
 @pytest.fixture
 def trajectory(sim: rf.Simulation, tmp_path: pathlib.Path) -> rf.Trajectory:
     with sim.record(tmp_path / "film.npz", every=2):

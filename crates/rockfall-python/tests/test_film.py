@@ -334,3 +334,22 @@ def test_a_body_is_followed_by_its_name() -> None:
     assert not np.array_equal(pictures[0], pictures[2])
     with pytest.raises(KeyError, match="follow: lefd: .*did you mean"):
         rf.film(rf.Simulation(scene, backend="cpu"), 10, follow="lefd", size=SIZE)
+
+
+def test_a_film_has_the_speed_of_the_scene(sim: rf.Simulation) -> None:
+    scene = sim.scene
+    scene.run = rf.RunDefaults(speed=0.5)
+    assert rf.Scene.parse(scene.to_text()).run.speed == 0.5
+    slow = rf.Simulation(scene, sim.dt, backend="cpu")
+    frames = [len(rf.film(each, 40, fps=10, size=SIZE, plain=True, **options)) for each, options in ((sim, {}), (slow, {}), (slow, {"speed": 1.0}))]  # type: ignore[arg-type]
+    assert frames[0] == frames[2] < frames[1]
+
+
+def test_trails_may_be_those_of_one_body(sim: rf.Simulation) -> None:
+    def pixels(trails: float | str) -> bytes:
+        return rf.film(sim.copy(), 20, fps=10, size=SIZE, plain=True, trails=trails)[-1].png()
+
+    assert len({pixels(0.0), pixels(1.0), pixels("1:0")}) == 3
+    for wrong, error in (("1:nobody", KeyError), ("x:0", ValueError), ("1:", ValueError), ("1:99999", LookupError)):
+        with pytest.raises(error, match="trails|sphere"):
+            pixels(wrong)

@@ -91,10 +91,59 @@ def test_a_rate_that_does_not_fit_is_a_concern() -> None:
 
 def test_recordings_of_changing_spheres(tmp_path: Path) -> None:
     sim = rf.Simulation(chute(), dt=DT, backend="cpu")
-    with pytest.raises(ValueError, match="expected .csv or .pvd"):
-        sim.record(tmp_path / "run.npz", every=10)
     with sim.record(tmp_path / "run.csv", every=10):
         sim.run(100)
     lines = (tmp_path / "run.csv").read_text().splitlines()
     references = {int(line.split(",")[16]) for line in lines[1:]}
     assert references == set(range(1, len(references) + 1))
+
+
+def test_npz_files_of_changing_spheres(tmp_path: Path) -> None:
+    sim = rf.Simulation(chute(), dt=DT, backend="cpu")
+    expected = [sim.positions.copy()]
+    numbers = [sim.sphere_ids.copy()]
+    with sim.record(tmp_path / "run.npz", every=25):
+        for _ in range(6):
+            sim.run(25)
+            expected.append(sim.positions.copy())
+            numbers.append(sim.sphere_ids.copy())
+    with np.load(tmp_path / "run.npz") as file:
+        offsets, ids = file["offsets"], file["id"]
+        assert list(np.diff(offsets)) == [len(positions) for positions in expected]
+        assert file["position"].shape == (offsets[-1], 3) and file["radius"].shape == ids.shape == (offsets[-1],)
+        np.testing.assert_array_equal(ids[offsets[-2] :], file["scene_id"])
+    trajectory = rf.Trajectory(tmp_path / "run.npz")
+    assert not trajectory.is_constant and len(trajectory) == 7
+    for frame, positions in zip(trajectory, expected, strict=True):
+        np.testing.assert_array_equal(frame.positions, positions)
+    # The same sphere has the same number in all frames.
+    pairs = {(int(a), int(b)) for frame, of_sim in zip(trajectory, numbers, strict=True) for a, b in zip(frame.ids, of_sim, strict=True)}
+    assert len({a for a, _ in pairs}) == len({b for _, b in pairs}) == len(pairs) == len(trajectory.radii)
+    np.testing.assert_array_equal(trajectory.radii[trajectory[-1].ids], sim.radii)
+    for use in (lambda: trajectory.positions, lambda: trajectory["y"], lambda: trajectory[1:].velocities):
+        with pytest.raises(ValueError, match=r"spheres come and go in .*run.npz.* use the arrays of the frames, trajectory\[k\]"):
+            use()
+
+
+def test_spheres_are_added_and_removed_while_a_file_is_recorded(tmp_path: Path) -> None:
+    scene = rf.Scene()
+    first = scene.add_spheres([[0, 0, 0], [4, 0, 0]], [0.5, 1.0])
+    sim = rf.Simulation(scene, dt=DT, backend="cpu")
+    with sim.record(tmp_path / "run.npz", every=5):
+        sim.run(5)
+        sim.remove("sphere", first[0])
+        sim.add_capsules([0, 9, 0], [0, 10, 0], 0.25)
+        sim.run(5)
+        with pytest.raises(ValueError, match="finish the recording first"):
+            sim.restore(tmp_path / "any.ckpt")
+    trajectory = rf.Trajectory(tmp_path / "run.npz")
+    assert [list(frame.ids) for frame in trajectory] == [[0, 1], [0, 1], [1, 2, 3]]
+    assert list(trajectory.radii) == [0.5, 1.0, 0.25, 0.25]
+    size = (64, 48)
+    pictures = [trajectory.render(size, frame=frame, camera=(0, 5, 30), look_at=(0, 5, 0)).numpy() for frame in (2, 0, 2)]
+    np.testing.assert_array_equal(pictures[0], pictures[2])
+    assert (pictures[0] != pictures[1]).any()
+    assert len(rf.film(trajectory, fps=50, size=size)) > 2
+    pytest.importorskip("pandas")
+    table = trajectory.to_pandas()
+    assert list(table["sphere"]) == [0, 1, 0, 1, 1, 2, 3] and list(table["step"]) == [0, 0, 5, 5, 10, 10, 10]

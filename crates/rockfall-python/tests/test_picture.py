@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pathlib
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -79,3 +80,23 @@ def test_camera_colours_and_state_change_the_picture(sim: rf.Simulation) -> None
     sim.positions[0] += [0, 1, 0]
     assert not np.array_equal(plain, sim.render(size=(96, 54), plain=True).numpy())
     assert sim.render(size=(50, 60)).numpy().shape == (60, 50, 3)
+
+
+def test_letters_that_the_font_lacks_are_named_in_a_warning(sim: rf.Simulation) -> None:
+    scene = rf.Scene()
+    scene.add_spheres([[0.0, 1.0, 0.0]], 0.5, label="球")
+    text = "the built-in font lacks the letters 日本球, which are drawn as boxes"
+    worlds = rf.Worlds([scene], dt=0.01, backend="cpu")
+    options: dict[str, Any] = {"size": (96, 54), "plain": True, "title": "日本", "label": True}
+    draw: list[Callable[[], object]] = [
+        lambda: rf.Simulation(scene, backend="cpu").render(**options),
+        lambda: worlds.render(0, **options),
+        lambda: rf.film(rf.Simulation(scene, backend="cpu"), 2, **options),
+        lambda: rf.film(worlds, 2, **options),
+    ]
+    for each in draw:
+        with pytest.warns(UserWarning, match=text) as caught:
+            each()
+        assert [warning.filename for warning in caught] == [__file__]
+    # Without labels, only the title counts, and a title that the font has gives no warning.
+    sim.render(size=(96, 54), title="Größe λ")

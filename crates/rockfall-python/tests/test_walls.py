@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -158,3 +159,97 @@ def test_a_floor_bears_the_weight() -> None:
     assert load.contacts == 2
     with pytest.raises(ValueError, match="ceiling"):
         sim.wall_load("ceiling")
+
+
+def test_smooth_walls_are_those_of_the_scene_text() -> None:
+    scene = falling(gravity=9.81)
+    scene.add_motion("drum", spin=2.0)
+    assert scene.add_cylinder((0, 0, -1), (0, 0, 1), 1, 2, inside=True, name="shell", motion="drum") == 0
+    assert scene.add_cone((0, -3, 0), (0, 1, 0), (0.5, 1), 2, inside=True) == 1
+    assert scene.add_plane((0, -4, 0), (0, 2, 0), colour="grey", group=1) == 2
+    assert scene.add_ball((3, 0, 0), 0.5) == 3
+    text = scene.to_text()
+    expected = [
+        "@cylinder at=0,0,-1 radius=1 axis=0,0,2 length=2 inside=yes",
+        "@plane at=0,-4,0 normal=0,1,0",
+        "@ball at=3,0,0 radius=0.5",
+    ]
+    assert all(line in text for line in expected), text
+    assert rf.Scene.parse(text).to_text() == text
+    assert scene.table("polygon")["surface"].tolist() == [4, 4, 2, 5]
+    scene.add_spheres((0, -0.85, 0), 0.1)
+    sim = rf.Simulation(scene, dt=0.002, backend="cpu")
+    sim.run(1000)
+    assert np.hypot(*sim.positions[0, :2]) < 0.95
+
+
+@pytest.mark.parametrize(
+    ("add", "message"),
+    [
+        (lambda s: s.add_plane((0, 0, 0), (0, 0, 0)), "normal"),
+        (lambda s: s.add_plane((0, 0), (0, 0, 1)), "at: expected shape"),
+        (lambda s: s.add_cylinder((0, 0, 0), (0, 0, 1), 0, 1), "radius"),
+        (lambda s: s.add_cylinder((0, 0, 0), (0, 0, 1), 1, float("nan")), "length"),
+        (lambda s: s.add_cone((0, 0, 0), (0, 0, 1), (0, 0), 1), "radii"),
+        (lambda s: s.add_ball((0, 0, 0), -1), "radius"),
+    ],
+)
+def test_wrong_smooth_walls_name_what_was_expected(add: Callable[[rf.Scene], int], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        add(falling())
+
+
+def press() -> rf.Scene:
+    """A ball on a floor below a plate that seeks a force of 20."""
+    scene = falling()
+    scene.settings.contact_force, scene.settings.contact_damping = 1000.0, 20.0
+    scene.settings.collisions = False
+    scene.add_servo("plate", force=(0, -20, 0), speed=0.5)
+    scene.add_box((-1, -1, -1), (1, 0, 1))
+    scene.add_box((-1, 1.01, -1), (1, 2, 1), motion="plate")
+    scene.add_spheres((0, 0.5, 0), 0.5)
+    return scene
+
+
+def test_a_plate_reaches_its_force() -> None:
+    scene = press()
+    assert scene.servos["plate"] == rf.Servo(20.0, 0.5, 0.0, 0.0, (0.0, -1.0, 0.0), turns=False)
+    sim = rf.Simulation(scene, dt=0.002, backend="cpu")
+    sim.run(2000)
+    np.testing.assert_allclose(sim.wall_load("plate").force, (0, 20, 0), atol=0.01)
+    np.testing.assert_allclose(sim.servos["plate"].displacement, 0.01 + 2 * 0.02, atol=1e-4)
+    sim.set_servo("plate", target=10)
+    sim.run(2000)
+    np.testing.assert_allclose(sim.wall_load("plate").force, (0, 10, 0), atol=0.01)
+    sim.move("plate")
+    sim.run(10)
+    assert not sim.servos
+    np.testing.assert_allclose(sim.wall_load("plate").force, (0, 10, 0), atol=0.01)
+
+
+def test_a_shaft_turns_at_its_speed() -> None:
+    scene = falling()
+    scene.add_servo("shaft", torque=-3, axis=(0, 2, 0), through=(1, 0, 0), speed=2)
+    scene.add_box((0, 0, 0), (1, 1, 1), motion="shaft")
+    scene.add_spheres((9, 0, 0), 0.1)
+    sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+    sim.run(51)
+    servo = sim.servos["shaft"]
+    np.testing.assert_allclose((servo.displacement, servo.velocity), (-1.0, -2.0), atol=1e-5)
+    assert servo.turns and servo.direction == (0, 1, 0)
+
+
+def test_wrong_servos_name_the_argument() -> None:
+    scene = press()
+    with pytest.raises(TypeError, match="force, torque: expected one of them"):
+        scene.add_servo("a", speed=1)
+    with pytest.raises(ValueError, match="servo.force"):
+        scene.add_servo("a", force=(0, 0, 0), speed=1)
+    with pytest.raises(ValueError, match="servo.speed"):
+        scene.add_servo("a", force=(0, 1, 0), speed=0)
+    with pytest.raises(ValueError, match="name"):
+        scene.add_servo("plate", force=(0, 1, 0), speed=1)
+    with pytest.raises(ValueError, match="target: -1"):
+        scene.set_servo("plate", target=-1)
+    with pytest.raises(LookupError, match="unknown"):
+        scene.set_servo("lid", target=1)

@@ -312,3 +312,38 @@ def test_errors_name_the_argument(number: int) -> None:
     with pytest.raises(kind, match=message):
         call(worlds)
     np.testing.assert_array_equal(worlds.positions, before)
+
+
+def plate(frequency: float) -> rf.Scene:
+    """Balls on a plate that oscillates."""
+    scene = rf.Scene()
+    scene.settings.update(gravity=9.81, collisions=False)
+    scene.add_motion("plate", amplitude=(0, 0.05, 0), frequency=frequency)
+    scene.add_box([-2, -0.2, -2], [2, 0, 2], motion="plate")
+    scene.add_spheres([[0.3, 0.5, 0], [-0.9, 0.3, 0.2]], [0.5, 0.25], velocity=[0.1, 0, 0])
+    return scene
+
+
+def test_worlds_have_moving_walls() -> None:
+    scenes = [plate(frequency) for frequency in (2.0, 3.0, 7.0)]
+
+    def alone(number: int, steps: int) -> list[Any]:
+        sim = rf.Simulation(scenes[number], dt=0.005, backend="cpu")
+        sim.run(steps)
+        return states(sim)
+
+    worlds = rf.Worlds(scenes, dt=0.005, backend="cpu")
+    worlds.run(20)
+    twin = worlds.copy()
+    for both in (worlds, twin):
+        both.run(10)
+        both.reset([1])
+        both.run(15)
+        for number, steps in enumerate((45, 15, 45)):
+            assert states(both.simulation(number)) == alone(number, steps)
+    still = plate(0.0)
+    still.settings.gravity = 0.0
+    resting = rf.Worlds([still], dt=0.005, backend="cpu")
+    resting.set_sleep(1.0, steps=5, skip=True)
+    resting.run(20)
+    assert resting.report()["steps"].tolist() == [20], "a wall may come"

@@ -7,7 +7,8 @@
 use std::fmt::{Display, LowerExp};
 use std::io::{self, Write};
 
-use rockfall::Scene;
+use rockfall::Simulation;
+use rockfall::glam::{Quat, Vec3};
 
 use crate::Frame;
 
@@ -36,27 +37,42 @@ fn lines(out: &mut impl Write, prefix: &str, frame: &Frame) -> io::Result<()> {
     Ok(())
 }
 
-/// First line of a file of rigid bodies.
+/// First line of a file of rigid bodies and moving walls.
 pub const BODIES: &str = "body,name,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz";
 
-/// Writes a line for each rigid body of a scene, in order of addition, with the columns of [`BODIES`]: index, name, centre of mass, its
-/// velocity, orientation, and angular momentum about the centre. `prefix` begins each line, for example with the step and the time. The
-/// state is that of the last read ([`Simulation::sync`](rockfall::Simulation::sync)).
+/// Writes a line for each body of a simulation with the columns of [`BODIES`]. `prefix` begins each line, for example with the step and
+/// the time. The state is that of the last read ([`Simulation::sync`]).
+///
+/// First come the rigid bodies in order of addition: index, name, centre of mass, its velocity, orientation, and angular momentum about
+/// the centre. The motions of walls follow, also in order of addition, and indices count on: name, a point of the body, its velocity, the
+/// turn since the walls were where they are written, and the angular velocity in place of the angular momentum
+/// ([`rockfall::MotionState`]).
 ///
 /// # Errors
 /// Returns the error of the writer.
-pub fn bodies(out: &mut impl Write, prefix: &str, scene: &Scene) -> io::Result<()> {
+pub fn bodies(out: &mut impl Write, prefix: &str, simulation: &Simulation) -> io::Result<()> {
+    let scene = simulation.scene();
     for (index, (id, body)) in scene.body_ids().zip(scene.bodies()).enumerate() {
         let tag = scene.tag(id).map_err(io::Error::other)?;
-        let q = body.orientation;
         write!(out, "{prefix}{index},{}", tag.and_then(|tag| tag.name.as_deref()).unwrap_or_default())?;
-        numbers(out, &body.position.to_array())?;
-        numbers(out, &body.velocity.to_array())?;
-        numbers(out, &[q.w, q.x, q.y, q.z])?;
-        numbers(out, &body.angular_momentum.to_array())?;
-        writeln!(out)?;
+        pose(out, [body.position, body.velocity, body.angular_momentum], body.orientation)?;
+    }
+    let first = scene.counts().bodies;
+    for (index, (motion, state)) in scene.motions().iter().zip(simulation.motion_states()).enumerate() {
+        write!(out, "{prefix}{},{}", first + index, motion.name)?;
+        let vectors = [state.position, state.velocity, state.angular_velocity].map(|vector| vector.as_vec3());
+        pose(out, vectors, state.orientation.as_quat())?;
     }
     Ok(())
+}
+
+/// Ends a line of a body with its position, velocity, orientation, and angular momentum or velocity.
+fn pose(out: &mut impl Write, [position, velocity, angular]: [Vec3; 3], q: Quat) -> io::Result<()> {
+    numbers(out, &position.to_array())?;
+    numbers(out, &velocity.to_array())?;
+    numbers(out, &[q.w, q.x, q.y, q.z])?;
+    numbers(out, &angular.to_array())?;
+    writeln!(out)
 }
 
 /// Writes numbers with a comma before each. They have the fewest digits from which they are read back bitwise identical.

@@ -44,15 +44,23 @@ impl Frame {
     }
 }
 
-/// Insertion indices of the spheres of a scene.
+/// Numbers of the spheres of a scene, by default their insertion indices.
 pub(crate) struct Indices(std::collections::HashMap<SphereId, u32>);
 
 impl Indices {
     pub(crate) fn of(scene: &Scene) -> Self {
-        Self(scene.sphere_ids().zip(0..).collect())
+        Self::numbered(scene, None)
     }
 
-    /// Insertion indices of two spheres of the scene.
+    /// Gives the spheres, in insertion order, other numbers.
+    pub(crate) fn numbered(scene: &Scene, numbers: Option<&[u32]>) -> Self {
+        match numbers {
+            Some(numbers) => Self(scene.sphere_ids().zip(numbers.iter().copied()).collect()),
+            None => Self(scene.sphere_ids().zip(0..).collect()),
+        }
+    }
+
+    /// Numbers of two spheres of the scene.
     pub(crate) fn pair(&self, a: SphereId, b: SphereId) -> [u32; 2] {
         [a, b].map(|id| self.0.get(&id).copied().unwrap_or(u32::MAX))
     }

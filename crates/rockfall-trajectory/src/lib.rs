@@ -85,8 +85,8 @@ impl Content for Trajectory {
         npz::unpack(path, scratch, mark)
     }
 
-    fn arrays(_scratch: &mut AtomicFile, bytes: u64) -> io::Result<Self::Arrays> {
-        Ok(npz::Frames::new(bytes))
+    fn arrays(scratch: &mut AtomicFile, bytes: u64) -> io::Result<Self::Arrays> {
+        npz::Frames::new(scratch, bytes)
     }
 }
 
@@ -121,7 +121,7 @@ impl Writer {
         self
     }
 
-    /// Adds the current state as a frame. With [`Format::Npz`], the objects must be the same in all frames.
+    /// Adds the current state as a frame. Spheres may come and go between frames.
     ///
     /// # Errors
     /// [`rockfall::Error::Device`] if the GPU failed, [`rockfall::Error::File`] if the file cannot be written.
@@ -142,7 +142,7 @@ impl Writer {
         (frame.step, frame.time) = (step, time);
         self.target.write(|series| match series {
             Series::Csv(file) => csv::frame(file, &frame),
-            Series::Npz(npz) => npz.1.frame(&mut npz.0.scratch, &frame),
+            Series::Npz(npz) => npz.1.frame(&mut npz.0.scratch, &frame, simulation.scene()),
             Series::Vtp(series) => series.frame(&frame, simulation.scene()),
         })
     }

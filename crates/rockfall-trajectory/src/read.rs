@@ -4,10 +4,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use rockfall::glam::{Quat, Vec3};
-use rockfall::{Error, Result, Scene, Simulation};
+use rockfall::{Error, Result, Scene, Simulation, SphereId};
 
 mod npz;
+mod stage;
 mod vtp;
+
+use stage::Stage;
 
 /// A trajectory that is read from a file: `.npz`, or `.pvd` with its folder. Frames are read one by one.
 ///
@@ -19,7 +22,7 @@ mod vtp;
 /// let mut reader = Reader::open("bridge.npz")?;
 /// let mut simulation = Simulation::new(reader.scene().clone())?;
 /// for frame in 0..reader.moments().len() {
-///     reader.frame(frame)?.apply(&mut simulation)?;
+///     reader.show(frame, &mut simulation)?;
 ///     println!("{} s: {:?}", reader.moments()[frame].time, simulation.energy()?);
 /// }
 /// # Ok(())
@@ -31,6 +34,8 @@ pub struct Reader {
     scene: Scene,
     moments: Vec<Moment>,
     file: File,
+    /// Where spheres come and go.
+    stage: Option<Stage>,
 }
 
 #[derive(Debug)]
@@ -51,6 +56,8 @@ pub struct Moment {
 /// The states of all spheres in one frame, each array in insertion order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct States {
+    /// Numbers of the spheres, the same in all frames: places in [`Reader::spheres`].
+    pub ids: Vec<u32>,
     /// Centres, in units.
     pub positions: Vec<Vec3>,
     /// Velocities, in units/s.
@@ -72,7 +79,12 @@ impl States {
             let value = format!("{} spheres", self.positions.len());
             return Err(Error::Invalid { field: "frame", value, expected: "as many spheres as the scene has" });
         }
-        for (index, id) in ids.into_iter().enumerate() {
+        self.put(ids, simulation)
+    }
+
+    /// Gives these states to spheres.
+    fn put(&self, spheres: impl IntoIterator<Item = SphereId>, simulation: &mut Simulation) -> Result<()> {
+        for (index, id) in spheres.into_iter().enumerate() {
             simulation.set_position(id, self.positions[index])?;
             simulation.set_velocity(id, self.velocities[index])?;
             simulation.set_orientation(id, self.orientations[index])?;
@@ -108,21 +120,40 @@ impl Reader {
             return Err(failed(unusable(&format!("the time of frame {} is before that of frame {at}", at + 1))));
         }
         let scene = Scene::parse_bytes(&text, path)?.scene;
-        if moments.len() > 1 && !(scene.inlets().is_empty() && scene.outlets().is_empty()) {
-            let reason = "its spheres come and go, so its frames cannot be read back; expected the scene file, which has inlets or outlets";
+        let flows = !(scene.inlets().is_empty() && scene.outlets().is_empty());
+        if moments.len() > 1 && flows && matches!(file, File::Vtp(_)) {
+            let reason = "its spheres come and go, so its frames cannot be read back; expected an .npz file, or the scene file, which \
+                has inlets or outlets";
             return Err(failed(unusable(reason)));
         }
-        let reader = Self { path: path.to_owned(), scene, moments, file };
-        let spheres = reader.scene.counts().spheres;
-        match &reader.file {
-            File::Npz(frames) if frames.spheres() != spheres => Err(failed(differs(0, frames.spheres(), spheres))),
-            _ => Ok(reader),
-        }
+        let spheres = scene.counts().spheres;
+        let stage = match &file {
+            File::Npz(frames) => match (frames.cast(), frames.spheres()) {
+                (Some(cast), _) => Some(Stage::new(scene.clone(), cast).map_err(failed)?),
+                (None, Some(found)) if found != spheres => return Err(failed(differs(0, found, spheres))),
+                _ => None,
+            },
+            File::Vtp(_) => None,
+        };
+        let scene = stage.as_ref().map_or(scene, |stage| stage.everyone().clone());
+        Ok(Self { path: path.to_owned(), scene, moments, file, stage })
     }
 
-    /// The objects of the trajectory. The states of the spheres are those of some frame.
+    /// The objects of the trajectory. The states of the spheres are those of some frame. Where spheres come and go, the spheres are those
+    /// of all frames, and the other objects those of the last state. Spheres that are not in the last state have the group, the material,
+    /// the name and the colour of the first inlet with such radii.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// Whether the spheres are the same in all frames.
+    pub fn is_constant(&self) -> bool {
+        self.stage.is_none()
+    }
+
+    /// The spheres of [`Reader::scene`], by their numbers in [`States::ids`].
+    pub fn spheres(&self) -> Vec<SphereId> {
+        self.stage.as_ref().map_or_else(|| self.scene.sphere_ids().collect(), |stage| stage.spheres().to_vec())
     }
 
     /// The times of all frames, of which there is at least one.
@@ -130,36 +161,60 @@ impl Reader {
         &self.moments
     }
 
+    /// Reads a frame and gives it to a simulation, as [`Reader::apply`] does.
+    ///
+    /// # Errors
+    /// As for [`Reader::frame`] and [`Reader::apply`].
+    pub fn show(&mut self, index: usize, simulation: &mut Simulation) -> Result<()> {
+        let states = self.frame(index)?;
+        self.apply(&states, simulation)
+    }
+
+    /// Gives the states of a frame to a simulation of [`Reader::scene`]. Where spheres come and go, the simulation has the spheres of the
+    /// frame afterwards, with the same handles in all frames, and those rods, springs and tethers of the scene whose spheres are there.
+    ///
+    /// # Errors
+    /// As for [`States::apply`]; also when spheres were added to the simulation or removed by something else.
+    pub fn apply(&mut self, states: &States, simulation: &mut Simulation) -> Result<()> {
+        match &mut self.stage {
+            Some(stage) => stage.show(states, simulation),
+            None => states.apply(simulation),
+        }
+    }
+
     /// Reads a frame; `index` counts from 0.
     ///
     /// # Errors
     /// [`Error::File`] when the frame does not exist, is damaged, or has another number of spheres than the scene.
     pub fn frame(&mut self, index: usize) -> Result<States> {
-        let (spheres, path) = (self.scene.counts().spheres, self.path.clone());
-        let mut read = || -> io::Result<States> {
-            if index >= self.moments.len() {
-                return Err(unusable(&format!("it has {} frames, so there is no frame {index}", self.moments.len())));
-            }
-            let states = match &mut self.file {
-                File::Npz(frames) => frames.read(index)?,
-                File::Vtp(frames) => frames.read(index)?,
-            };
-            let found = states.positions.len();
+        self.read(index).map_err(|source| Error::File { file: self.path.clone(), source })
+    }
+
+    fn read(&mut self, index: usize) -> io::Result<States> {
+        if index >= self.moments.len() {
+            return Err(unusable(&format!("it has {} frames, so there is no frame {index}", self.moments.len())));
+        }
+        let mut states = match &mut self.file {
+            File::Npz(frames) => frames.read(index)?,
+            File::Vtp(frames) => frames.read(index)?,
+        };
+        let (found, spheres) = (states.positions.len(), self.scene.counts().spheres);
+        if self.is_constant() {
             if found != spheres {
                 return Err(differs(index, found, spheres));
             }
-            let sound = |k: usize| {
-                let vectors = [states.positions[k], states.velocities[k], states.angular_momenta[k]];
-                vectors.iter().all(|vector| vector.is_finite()) && states.orientations[k].is_normalized()
-            };
-            match (0..spheres).find(|k| !sound(*k)) {
-                Some(k) => Err(unusable(&format!(
-                    "frame {index}, sphere {k}: expected finite numbers and an orientation that is a unit quaternion"
-                ))),
-                None => Ok(states),
-            }
+            states.ids = (0..found as u32).collect();
+        }
+        let is_sound = |k: usize| {
+            let vectors = [states.positions[k], states.velocities[k], states.angular_momenta[k]];
+            vectors.iter().all(|vector| vector.is_finite()) && states.orientations[k].is_normalized()
         };
-        read().map_err(|source| Error::File { file: path, source })
+        match (0..found).find(|k| !is_sound(*k)) {
+            Some(k) => Err(unusable(&format!(
+                "frame {index}, sphere {k}: expected finite numbers and an orientation that is a unit quaternion"
+            ))),
+            None => Ok(states),
+        }
     }
 }
 
@@ -172,7 +227,7 @@ fn unusable(reason: &str) -> io::Error {
 }
 
 /// Groups of `N` little-endian f32.
-fn vectors<const N: usize>(bytes: &[u8]) -> impl Iterator<Item = [f32; N]> {
+pub(crate) fn vectors<const N: usize>(bytes: &[u8]) -> impl Iterator<Item = [f32; N]> {
     let number = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
     bytes.chunks_exact(4 * N).map(move |group| std::array::from_fn(|k| number(&group[4 * k..4 * k + 4])))
 }
@@ -186,6 +241,7 @@ fn states(arrays: &[Vec<u8>; 4]) -> io::Result<States> {
     }
     let triples = |bytes| vectors::<3>(bytes).map(Vec3::from_array).collect();
     Ok(States {
+        ids: Vec::new(),
         positions: triples(positions),
         velocities: triples(velocities),
         orientations: vectors::<4>(orientations).map(|[w, x, y, z]| Quat::from_xyzw(x, y, z, w)).collect(),

@@ -7,11 +7,20 @@ use crate::block::Block;
 use crate::extent::{Extent, extents_of_static_objects};
 use crate::survey::Survey;
 
-/// Static objects larger than this times the extent of the spheres are surroundings and need not be in the picture.
-const SURROUNDINGS: f32 = 0.6;
+/// Static objects larger than this times the extent of the spheres are surroundings and need not be in the picture. A bin around the
+/// spheres is smaller.
+const SURROUNDINGS: f32 = 1.5;
 /// The same in a film, whose extent contains all that the spheres reach, and for objects on which a sphere lies.
 const SURROUNDINGS_OF_FILM: f32 = 0.2;
 const CARRIERS_OF_FILM: f32 = 1.5;
+/// All static objects but low ones are shown, such as the box that the spheres fall into, if the picture then has to show less than
+/// this times the extent of the spheres. In a film, that extent contains all that the spheres reach.
+const ROOM_FOR_ALL: f32 = 2.25;
+const ROOM_FOR_ALL_OF_FILM: f32 = 1.6;
+/// The top of a floor or of its rims is at most this far above the lowest point of the spheres, divided by their extent.
+const FLOOR: f32 = 0.1;
+/// Objects beside the spheres run out of the picture farther away from the spheres than this, divided by their extent.
+const BESIDE: f32 = 0.4;
 /// Greatest number of tests whether a sphere lies on an object.
 const MOST_TESTS: usize = 2_000_000;
 /// Distance that the spheres may fall without leaving the picture, divided by their extent, if the ground is farther below than
@@ -71,9 +80,15 @@ fn carriers(survey: &Survey, spheres: Extent, scene: &Scene) -> Vec<[Vec3; 8]> {
     blocks.iter().filter(carries).map(Block::corners).collect()
 }
 
+/// Whether an object is not higher than the ground that the spheres reach: a floor, or a low rim of it, which may run out of the
+/// picture.
+fn is_low(object: Extent, spheres: Extent) -> bool {
+    object.max.y <= spheres.min.y + FLOOR * spheres.size()
+}
+
 /// Whether an object is below all that the spheres reach.
 fn is_under(object: Extent, spheres: Extent) -> bool {
-    object.max.y <= spheres.min.y + 0.1 * spheres.size()
+    is_low(object, spheres)
         && object.min.x < spheres.max.x
         && object.max.x > spheres.min.x
         && object.min.z < spheres.max.z
@@ -85,7 +100,11 @@ fn is_under(object: Extent, spheres: Extent) -> bool {
 /// spheres have already fallen, so that is shown only if it is near.
 fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<Item = Extent> {
     let size = spheres.size();
-    let (fall, most) = if moves { (GROUND_DISTANCE, SURROUNDINGS_OF_FILM) } else { (FALL_DISTANCE, SURROUNDINGS) };
+    let beside = spheres.grown(BESIDE * size);
+    let (fall, most, room) = match moves {
+        true => (GROUND_DISTANCE, SURROUNDINGS_OF_FILM, ROOM_FOR_ALL_OF_FILM),
+        false => (FALL_DISTANCE, SURROUNDINGS, ROOM_FOR_ALL),
+    };
     let ground = if moves || scene.spheres().len() > FEW { fall } else { FALL_TO_GROUND };
     let objects = extents_of_static_objects(scene).filter_map(move |object| {
         if is_under(object, spheres) {
@@ -99,9 +118,11 @@ fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<It
             return if whole { below.map(|below| below.with(top)) } else { below };
         }
         let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
-        (near && object.size() < most * size).then_some(object)
+        (near && object.size() < most * size).then(|| object.within(beside))
     });
-    objects.chain(Extent::of(scene.tethers().iter().map(|tether| tether.point)))
+    let all = extents_of_static_objects(scene).filter(|object| !is_low(*object, spheres)).reduce(Extent::with);
+    let all = all.filter(|all| all.with(spheres).size() < room * size).map(|all| all.within(beside));
+    objects.chain(all).chain(Extent::of(scene.tethers().iter().map(|tether| tether.point)))
 }
 
 /// Extents of the places to which bodies may swing that rods, springs and tethers hold: their places mirrored at the middle of all
@@ -175,11 +196,39 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn the_box_around_the_spheres_is_shown_near_them_unless_it_is_much_larger() {
+        // The spheres extend over 3.75 units.
+        for (width, right, right_of_film) in [(4.5, 4.5, 4.5), (7.0, 4.75, 3.25), (12.0, 3.25, 3.25)] {
+            let wall = |from: f32, to: f32| Cuboid::between([from, -1.0, -1.0], [to, 4.0, 1.0]);
+            let scene = scene(&[wall(-1.0, -0.6), wall(width - 0.4, width)]);
+            let mut film = Survey::new(&scene);
+            assert_eq!(bounds_of_survey(&film, &scene).1.x, right);
+            film.add(&scene);
+            assert_eq!(bounds_of_survey(&film, &scene).1.x, right_of_film);
+        }
+    }
+
+    #[test]
+    fn a_floor_with_low_rims_runs_out_of_the_picture() {
+        let tray = |top: f32| {
+            let floor = Cuboid::between([-1.0, 1.0, -2.0], [4.5, 1.5, 2.0]);
+            scene(&[floor, Cuboid::between([4.5, 1.0, -2.0], [4.6, top, 2.0])])
+        };
+        for (top, right) in [(1.8, 3.25), (2.5, 4.6)] {
+            let scene = tray(top);
+            let mut film = Survey::new(&scene);
+            film.add(&scene);
+            assert_eq!(bounds_of_survey(&film, &scene).1.x, right);
+        }
+    }
+
+    #[test]
     fn in_a_film_only_small_boxes_near_the_spheres_count() {
         let beside = Cuboid::between([4.0, 1.6, 0.0], [4.5, 3.0, 1.0]);
         let small = Cuboid::between([4.0, 1.6, 0.0], [4.5, 2.0, 0.5]);
+        let wall = Cuboid::between([-500.0, -1.0, -500.0], [500.0, 30.0, -400.0]);
         for (cuboid, right) in [(beside, 3.25), (small, 4.5)] {
-            let scene = scene(&[cuboid]);
+            let scene = scene(&[cuboid, wall]);
             let mut film = Survey::new(&scene);
             film.add(&scene);
             assert_eq!(bounds_of_survey(&film, &scene).1.x, right);

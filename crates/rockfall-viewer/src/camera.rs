@@ -112,10 +112,6 @@ impl Camera {
         if all_around {
             return Self::framing_all_around(min, max, aspect, from);
         }
-        if !survey.moves() {
-            // Bodies need room to move.
-            return Self::framing(min, max, aspect, from);
-        }
         let balls = crate::bounds::balls_to_show(survey, scene);
         Self::fitting(&balls, aspect, from).unwrap_or_else(|| Self::framing(min, max, aspect, from))
     }

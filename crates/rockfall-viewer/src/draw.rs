@@ -6,7 +6,7 @@
 use rockfall::exec::gpu::catch;
 use rockfall::model::step::Step;
 use rockfall::wgpu;
-use rockfall::{Result, Scene, Simulation};
+use rockfall::{Result, Simulation};
 
 pub use crate::bounds::bounds;
 use crate::camera::Camera;
@@ -14,6 +14,7 @@ use crate::extent::Extent;
 use crate::legend::Legend;
 pub use crate::palette;
 use crate::survey::Survey;
+use crate::tags::kinds_shown;
 
 mod buffers;
 mod chains;
@@ -24,13 +25,14 @@ mod frame;
 mod layouts;
 mod looks;
 mod motion;
-mod net_force;
+pub(crate) mod net_force;
 mod passes;
 mod pipelines;
 mod pyramid;
 mod range;
 mod style;
 mod summary;
+mod surfaces;
 mod targets;
 mod timing;
 mod values;
@@ -108,7 +110,7 @@ pub struct Renderer {
     /// [`Scene::tag_changes`] of the looks that were uploaded.
     look_changes: u64,
     /// Whether the scene has objects of each kind of [`palette::KINDS`].
-    present: [bool; 8],
+    present: [bool; palette::KINDS.len()],
     speeds: SpeedPercentile,
     recent: RecentPercentile,
     /// The quantity that `recent` belongs to.
@@ -205,11 +207,11 @@ impl Renderer {
         self.walls.set_scene(simulation.scene());
         self.update_looks(simulation);
         self.colours_due = true;
-        self.present = present(simulation.scene());
     }
 
     fn update_looks(&mut self, simulation: &Simulation) {
         self.look_changes = simulation.scene().tag_changes();
+        self.present = kinds_shown(simulation.scene());
         self.buffers.mark(&self.device, &self.queue, simulation.scene());
         self.walls.set_glass(simulation.scene());
     }
@@ -325,22 +327,4 @@ impl Renderer {
     pub fn frame_times(&self) -> Result<Option<FrameTimes>> {
         self.timer.as_ref().map(|timer| timer.read(&self.device)).transpose()
     }
-}
-
-/// Returns whether a scene has objects of each kind of [`palette::KINDS`].
-fn present(scene: &Scene) -> [bool; 8] {
-    let counts = scene.counts();
-    let loose = counts.spheres - 2 * counts.capsules.min(counts.spheres / 2);
-    let fixed = scene.spheres().iter().filter(|sphere| sphere.fixed).count();
-    let kinds = [
-        loose.saturating_sub(fixed),
-        fixed,
-        counts.rods.saturating_sub(counts.capsules),
-        counts.capsules,
-        counts.springs,
-        counts.tethers,
-        counts.boxes,
-        counts.polygons,
-    ];
-    kinds.map(|count| count > 0)
 }

@@ -29,6 +29,11 @@ impl Extent {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
+    /// The part of the extent that is nearest to another one, or inside of it.
+    pub(crate) fn within(self, other: Self) -> Self {
+        Self { min: self.min.clamp(other.min, other.max), max: self.max.clamp(other.min, other.max) }
+    }
+
     pub(crate) fn contains(self, point: Vec3) -> bool {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
@@ -71,7 +76,8 @@ pub(crate) fn extents_of_static_objects(scene: &Scene) -> impl Iterator<Item = E
     boxes.chain(scene.polygons().iter().map(extent_of_polygon))
 }
 
+/// The extent of a polygon. Of a plane it is the corner.
 pub(crate) fn extent_of_polygon(polygon: &Polygon) -> Extent {
-    let corner = Extent::around(polygon.corner, 0.0);
-    polygon.vertices().fold(corner, |extent, corner| extent.with(Extent::around(corner, 0.0)))
+    let (min, max) = polygon.bounds().unwrap_or((polygon.corner, polygon.corner));
+    Extent { min, max }
 }

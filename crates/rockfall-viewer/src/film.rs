@@ -15,6 +15,7 @@ mod reel;
 mod shot;
 mod timing;
 
+pub use crate::subject::Subject;
 pub use reel::Reel;
 pub use shot::{Follower, Shot, View};
 pub use timing::{Moment, Timing, plotted, surveyed};

@@ -9,6 +9,10 @@ const ANGULAR_FREQUENCY: f32 = 10.0;
 const DAMPING_RATIO: f32 = 1.0;
 /// Rate at which connected bodies lose velocity relative to the held one, in 1/s, so that they do not swing without end.
 const SWING_RATE: f32 = 4.5;
+/// Greatest acceleration of the held bodies together by the tether, divided by the gravity.
+const GREATEST_GRAVITIES: f32 = 4.0;
+/// Greatest length of the tether of a body alone, and of one that others are connected to, in radii; gravity makes it longer.
+const GREATEST_RADII: [f32; 2] = [20.0, 1.0];
 /// Number of connected bodies above which their velocities are not damped, because that takes too long.
 const MOST_DAMPED: usize = 1000;
 /// Greatest mass that the tether is designed for, divided by the mass of the held sphere. More would need a shorter time step.
@@ -68,6 +72,18 @@ pub fn holding_tether(scene: &Scene, id: SphereId, sphere: &Sphere, time_step: f
     // Damping above sphere.mass / dt would be unstable.
     let damping = (2.0 * DAMPING_RATIO * ANGULAR_FREQUENCY * mass).min(sphere.mass / time_step);
     Tether::new(id, sphere.position, mass * ANGULAR_FREQUENCY * ANGULAR_FREQUENCY).damping(damping)
+}
+
+/// Returns the greatest distance of the point of the tether from the held sphere. It limits the force, so that a pull beyond what
+/// rods and springs allow does not overload them. `connected`: number of bodies that are held together.
+pub fn reach(scene: &Scene, sphere: &Sphere, connected: usize) -> f32 {
+    let gravity = GREATEST_GRAVITIES * scene.settings.gravity.abs() / (ANGULAR_FREQUENCY * ANGULAR_FREQUENCY);
+    gravity + GREATEST_RADII[usize::from(connected > 1)] * sphere.radius
+}
+
+/// Returns the point of the tether for a held sphere that is dragged towards `goal`.
+pub fn anchor(sphere: &Sphere, goal: Vec3, reach: f32) -> Vec3 {
+    sphere.position + (goal - sphere.position).clamp_length_max(reach)
 }
 
 /// Returns the first place along the way of a sphere where it touches no sphere and no rod.

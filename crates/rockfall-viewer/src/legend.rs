@@ -4,6 +4,7 @@ use rockfall::Result;
 
 use crate::palette::{Kind, Rgb, SCALE};
 use crate::pixels::Picture;
+pub use crate::sheet::Corner;
 use crate::sheet::{INK, SMALL, Sheet};
 
 /// The meaning of the colours of a picture.
@@ -28,14 +29,23 @@ impl Legend {
         Self::Scale { title, range, colours: SCALE }
     }
 
-    /// Draws the legend into the lower left corner of a picture. In a picture of less than 286 pixels of height it is a strip
-    /// at the lower edge. A strip of kinds that would cover more than half of the picture is left out.
+    /// Draws the legend into the lower left corner of a picture, as [`Legend::draw_at`].
+    ///
+    /// # Errors
+    /// As for [`Legend::draw_at`].
+    pub fn draw(&self, picture: &mut Picture) -> Result<()> {
+        self.draw_at(Corner::default(), picture)
+    }
+
+    /// Draws the legend into a corner of a picture. In a picture of less than 286 pixels of height it is a strip
+    /// of one line. A strip of kinds that would cover more than half of the picture is left out.
     ///
     /// # Errors
     /// [`rockfall::Error::Device`] when the built-in font cannot be read, which does not happen in practice.
-    pub fn draw(&self, picture: &mut Picture) -> Result<()> {
+    pub fn draw_at(&self, corner: Corner, picture: &mut Picture) -> Result<()> {
         let is_small = picture.height < SMALL;
         let mut sheet = Sheet::new(picture)?;
+        sheet.place = corner;
         match self {
             // Colours without a meaning need no explanation.
             Self::Kinds(kinds) if kinds.is_empty() => {}

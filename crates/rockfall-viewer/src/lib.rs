@@ -31,7 +31,9 @@ mod pixels;
 pub mod plot;
 mod read_back;
 mod sheet;
+mod subject;
 pub mod survey;
 mod tags;
+mod whole;
 #[cfg(feature = "window")]
 pub mod window;

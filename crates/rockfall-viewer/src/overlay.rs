@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use rockfall::glam::Vec3;
-use rockfall::{Result, Scene, Simulation};
+use rockfall::{Body, Result, Scene, Simulation, SphereId};
 
 use crate::camera::Camera;
 pub use crate::draw::Arrows;
@@ -11,8 +11,10 @@ use crate::draw::{Motion, Renderer};
 use crate::legend::number;
 use crate::palette::Rgb;
 use crate::pixels::Picture;
-use crate::sheet::{Sheet, lacks, letters};
+use crate::sheet::{Sheet, lacks, letters, width_of};
+use crate::whole::{spheres, whole};
 
+mod corner;
 mod projection;
 
 pub use crate::mark::Mark;
@@ -21,7 +23,7 @@ use projection::Projection;
 /// What is written and drawn over a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay {
-    /// A line of text at the upper edge.
+    /// Text at the upper edge. A long one has several lines, or smaller letters.
     pub title: Option<String>,
     /// Whether the time of the simulation is shown.
     pub clock: bool,
@@ -36,6 +38,8 @@ pub struct Overlay {
     pub arrow_key: Option<f32>,
     /// Length of the trails of the spheres, in s of the simulation; 0 for none.
     pub trails: f64,
+    /// Names or numbers of the bodies that have trails; empty for all bodies.
+    pub trails_of: Vec<String>,
     /// Whether the background is dark, so that lines have to be light.
     pub dark: bool,
 }
@@ -43,6 +47,7 @@ pub struct Overlay {
 const DARK: Rgb = [0x21, 0x29, 0x33];
 const LIGHT: Rgb = [0xe4, 0xe8, 0xec];
 const ARROW: Rgb = [0xd5, 0x5e, 0x00];
+const EDGING: Rgb = [0xff, 0xff, 0xff];
 const TRAIL: Rgb = [0x00, 0x72, 0xb2];
 /// Length of the arrow of the key, divided by the height of the picture.
 const KEY: f32 = 0.12;
@@ -53,8 +58,42 @@ const LEADER: f32 = 0.8;
 /// Distance of captions from the edges of the picture, and height of the letters of the title, in heights of letters.
 const EDGE: f32 = 0.9;
 const TITLE: f32 = 1.2;
+/// Heights of the letters of a long title, from the usual one on. The first ones are taken for a single line if that is enough. Then the
+/// title has up to [`MOST_LINES`] lines before smaller ones are taken.
+const TITLES: [f32; 4] = [TITLE, 1.0, 0.85, 0.7];
+const OF_ONE_LINE: usize = 2;
+const MOST_LINES: usize = 2;
+/// Height of a line of text with its background, in heights of letters.
+const LINE: f32 = 1.7;
 /// Length of the head of an arrow, in heights of letters.
 const HEAD: f32 = 0.7;
+/// Width of the outline of an arrow, in heights of letters, which sets it off from bodies of its own colour.
+const OUTLINE: f32 = 0.06;
+
+/// The number of the body that a sphere is part of, as [`Overlay::trails_of`] has it: the reference of its first sphere in the scene
+/// text, or in a scene without references the index of that sphere.
+pub fn body_number(scene: &Scene, sphere: SphereId) -> String {
+    let first = spheres(scene, whole(scene, Body::Sphere(sphere))).next().unwrap_or(sphere);
+    match scene.reference(first) {
+        Some(reference) => reference.to_string(),
+        None => Body::Sphere(first).index(scene).map_or_else(|_| String::new(), |index| index.to_string()),
+    }
+}
+
+/// Parses the length of trails in s, and the names or numbers of the bodies that have them, as in `2` or `2:left,right`.
+///
+/// # Errors
+/// A text that says what was expected.
+pub fn trails_of(text: &str) -> std::result::Result<(f64, Vec<String>), String> {
+    let (seconds, names) = text.split_once(':').map_or((text, None), |(seconds, names)| (seconds, Some(names)));
+    let found = seconds.trim().parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds > 0.0);
+    let seconds = found.ok_or_else(|| "expected a finite number of seconds greater than 0".to_owned())?;
+    let names: Vec<String> = names.map_or_else(Vec::new, |all| all.split(',').map(|one| one.trim().to_owned()).collect());
+    if names.iter().any(String::is_empty) {
+        return Err("expected names or numbers of bodies, as in 2:left,right or 2:3".to_owned());
+    }
+    Ok((seconds, names))
+}
 
 impl Renderer {
     /// Takes what an overlay needs of the states of the following [`Renderer::update`].
@@ -80,10 +119,29 @@ impl Overlay {
         Ok(())
     }
 
-    /// Part of the height of a picture that the title and the clock take at its upper edge.
-    pub fn room_above(&self, height: u32) -> f32 {
-        let lines = if self.title.is_some() || self.clock { 2.0 * EDGE + TITLE } else { 0.0 };
-        lines * letters(height) / height as f32
+    /// Part of the height of a picture of this size that the title and the clock take at its upper edge.
+    pub fn room_above(&self, [width, height]: [u32; 2]) -> f32 {
+        if self.title.is_none() && !self.clock {
+            return 0.0;
+        }
+        let em = letters(height);
+        let (lines, letters) = self.title_lines(width as f32, em);
+        let more = LINE * letters * (lines.len().max(1) - 1) as f32;
+        ((2.0 * EDGE + TITLE) * em + more) / height as f32
+    }
+
+    /// The lines of the title that fit beside the clock into a picture of this width, and the height of their letters.
+    fn title_lines(&self, width: f32, em: f32) -> (Vec<String>, f32) {
+        let Some(title) = &self.title else { return (Vec::new(), TITLE * em) };
+        let clock = if self.clock { width_of("t = 000.00 s", em) + (EDGE + 0.6) * em } else { 0.0 };
+        let room = (width - 2.0 * EDGE * em - clock).max(em);
+        let lines = TITLES.map(|size| (wrapped(title, room - 0.6 * size * em, size * em), size * em));
+        let least = lines.iter().map(|(lines, _)| lines.len()).min().unwrap_or(0).max(MOST_LINES);
+        let fits = |(lines, em): &&(Vec<String>, f32)| {
+            lines.len() <= least && lines.iter().all(|line| width_of(line, *em) <= room - 0.6 * em)
+        };
+        let single = lines.iter().take(OF_ONE_LINE).filter(fits).find(|(lines, _)| lines.len() == 1);
+        single.or_else(|| lines.iter().find(fits)).unwrap_or(&lines[TITLES.len() - 1]).clone()
     }
 
     /// The letters of the title, and of the labels of a scene if they are shown, that the built-in font lacks. Each is drawn as a box.
@@ -92,6 +150,15 @@ impl Overlay {
         let labels = tags.filter_map(|tag| tag.label.as_deref());
         let letters: BTreeSet<char> = self.title.as_deref().into_iter().chain(labels).flat_map(str::chars).collect();
         letters.into_iter().filter(|letter| lacks(*letter)).collect()
+    }
+
+    /// A warning that names the letters of [`Overlay::missing_letters`]; `None` if there are none.
+    pub fn warning_of_letters(&self, scene: &Scene) -> Option<String> {
+        let missing = self.missing_letters(scene);
+        let letters: String = missing.iter().take(20).collect();
+        let more = if missing.len() > 20 { " and others" } else { "" };
+        let text = || format!("the built-in font lacks the letters {letters}{more}, which are drawn as boxes");
+        (!missing.is_empty()).then(text)
     }
 
     /// Draws the overlay for the state that a renderer has.
@@ -115,7 +182,7 @@ impl Overlay {
         let projection = Projection::new(camera, size);
         let mut marks = Vec::new();
         if self.trails > 0.0 {
-            trails(motion, &projection, 0.12 * em, &mut marks);
+            self.trails(motion, &projection, 0.12 * em, &mut marks);
         }
         if self.arrows.is_some() {
             let end = self.arrow_key.unwrap_or_else(|| motion.arrow_key());
@@ -161,6 +228,20 @@ impl Overlay {
         marks.push(text([at[0], end], [0.5, 1.0]));
     }
 
+    /// Lines through the past places of the bodies, in their own colours, which fade with age.
+    fn trails(&self, motion: &Motion, projection: &Projection, width: f32, marks: &mut Vec<Mark>) {
+        for (ends, age, colour) in motion.trails(&self.trails_of) {
+            if let [Some(from), Some(to)] = ends.map(|place| projection.place(place)) {
+                marks.push(Mark::Line {
+                    ends: [from, to],
+                    width: width.max(1.0),
+                    colour: colour.unwrap_or(TRAIL),
+                    opacity: 0.9 * (1.0 - age) + 0.05,
+                });
+            }
+        }
+    }
+
     /// The title, the clock, and the keys of arrows and lengths in the corners.
     fn captions(&self, motion: &Motion, projection: &Projection, [width, height]: [f32; 2], em: f32, marks: &mut Vec<Mark>) {
         let edge = EDGE * em;
@@ -172,8 +253,9 @@ impl Overlay {
             colour: DARK,
             panel: true,
         };
-        if let Some(title) = &self.title {
-            marks.push(text(title.clone(), [edge, edge], [0.0, 0.0], TITLE * em));
+        let (lines, letters) = self.title_lines(width, em);
+        for (index, line) in lines.into_iter().enumerate() {
+            marks.push(text(line, [edge, edge + LINE * letters * index as f32], [0.0, 0.0], letters));
         }
         if self.clock {
             marks.push(text(clock(motion.time()), [width - edge, edge], [1.0, 0.0], em));
@@ -200,7 +282,7 @@ impl Overlay {
     }
 }
 
-/// A line with a head at its end. Arrows shorter than 1 pixel are left out.
+/// A line with a head at its end, with an outline. Arrows shorter than 1 pixel are left out.
 fn pointed([from, to]: [[f32; 2]; 2], em: f32) -> Vec<Mark> {
     let along = [to[0] - from[0], to[1] - from[1]];
     let length = along[0].hypot(along[1]);
@@ -209,24 +291,30 @@ fn pointed([from, to]: [[f32; 2]; 2], em: f32) -> Vec<Mark> {
     }
     let unit = along.map(|part| part / length);
     let head = (HEAD * em).min(0.6 * length);
-    let neck = [0, 1].map(|axis| to[axis] - head * unit[axis]);
-    let side = |sign: f32| [neck[0] - sign * 0.4 * head * unit[1], neck[1] + sign * 0.4 * head * unit[0]];
-    let line = Mark::Line { ends: [from, neck], width: (0.14 * em).max(1.2), colour: ARROW, opacity: 1.0 };
-    vec![line, Mark::Triangle { corners: [to, side(1.0), side(-1.0)], colour: ARROW }]
+    let width = (0.14 * em).max(1.2);
+    // The arrow, and behind it one that is wider by the outline on all sides.
+    let arrow = |outline: f32, colour: Rgb| {
+        let point = |forward: f32, aside: f32| {
+            [to[0] + forward * unit[0] - aside * unit[1], to[1] + forward * unit[1] + aside * unit[0]]
+        };
+        let [back, side] = [-head - outline, 0.4 * head + 1.6 * outline];
+        let line = Mark::Line { ends: [from, point(-head, 0.0)], width: width + 2.0 * outline, colour, opacity: 1.0 };
+        [line, Mark::Triangle { corners: [point(2.5 * outline, 0.0), point(back, side), point(back, -side)], colour }]
+    };
+    [arrow((OUTLINE * em).max(1.0).min(0.08 * length), EDGING), arrow(0.0, ARROW)].concat()
 }
 
-/// Lines through the past places of the spheres, in their own colours, which fade with age.
-fn trails(motion: &Motion, projection: &Projection, width: f32, marks: &mut Vec<Mark>) {
-    for (ends, age, colour) in motion.trails() {
-        if let [Some(from), Some(to)] = ends.map(|place| projection.place(place)) {
-            marks.push(Mark::Line {
-                ends: [from, to],
-                width: width.max(1.0),
-                colour: colour.unwrap_or(TRAIL),
-                opacity: 0.9 * (1.0 - age) + 0.05,
-            });
+/// The lines of a text, broken between words so that none is wider than `room`, unless it is a single word.
+fn wrapped(text: &str, room: f32, em: f32) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let longer = lines.last().map(|line| format!("{line} {word}")).filter(|line| width_of(line, em) <= room);
+        match (longer, lines.last_mut()) {
+            (Some(longer), Some(line)) => *line = longer,
+            _ => lines.push(word.to_owned()),
         }
     }
+    lines
 }
 
 /// Formats a time in s with the digits that a film needs.

@@ -5,6 +5,7 @@ use rockfall::{Body, Energy, Gauge, GaugeReading, Gauged, ObjectId, Result, Scen
 
 use crate::palette::Rgb;
 use crate::tags::{colour_of, name_of, object_of};
+use crate::whole::{motion, whole};
 
 pub(crate) mod axes;
 mod chart;
@@ -22,6 +23,8 @@ pub(crate) const ENERGIES: [(&str, Rgb); 5] = [
     ("springs", [0x00, 0x9e, 0x73]),
     ("contacts", [0xcc, 0x79, 0xa7]),
 ];
+/// Energies that many scenes do not have.
+pub(crate) const ABSENT: [&str; 2] = ["springs", "contacts"];
 /// Colours of bodies in plots.
 pub(crate) const COLOURS: [Rgb; 6] =
     [[0x00, 0x72, 0xb2], [0xd5, 0x5e, 0x00], [0x00, 0x9e, 0x73], [0xcc, 0x79, 0xa7], [0xe6, 0x9f, 0x00], [0x56, 0xb4, 0xe9]];
@@ -223,11 +226,7 @@ impl Plot {
         let spheres: Vec<SphereId> =
             self.bodies().iter().map(String::as_str).map(find).collect::<std::result::Result<_, E>>()?;
         let lines = match self.quantity {
-            Quantity::Energy => {
-                let has_springs = scene.counts().springs + scene.counts().tethers > 0;
-                let shown = ENERGIES.into_iter().filter(|(name, _)| has_springs || *name != "springs");
-                shown.map(|(name, colour)| (name.to_owned(), colour)).collect()
-            }
+            Quantity::Energy => ENERGIES.map(|(name, colour)| (name.to_owned(), colour)).into(),
             Quantity::Momentum => ["x", "y", "z"].map(str::to_owned).into_iter().zip(COLOURS).collect(),
             Quantity::Contacts | Quantity::Kinetic | Quantity::Potential => vec![(String::new(), COLOURS[0])],
             Quantity::Gauge => self.names.iter().cloned().zip(COLOURS).collect(),
@@ -263,9 +262,7 @@ impl Graph {
             Quantity::Energy => {
                 let mut energy = simulation.energy()?;
                 energy.potential -= *self.start.get_or_insert(energy.potential);
-                let all = ENERGIES.iter().zip(energies(&energy));
-                let is_shown = |name: &str| self.lines.iter().any(|(shown, _)| shown == name);
-                all.filter(|((name, _), _)| is_shown(name)).map(|(_, value)| value).collect()
+                energies(&energy).into()
             }
             Quantity::Kinetic => vec![simulation.energy()?.kinetic],
             Quantity::Potential => vec![simulation.energy()?.potential],
@@ -299,7 +296,7 @@ pub(crate) fn gauge_forces(simulation: &mut Simulation) -> Result<Vec<(String, f
 
 /// The colours of the lines of bodies: those that the scene gives them, or else the next of [`COLOURS`] that no line has.
 pub(crate) fn colours_of(scene: &Scene, bodies: impl Iterator<Item = Body>) -> Vec<Rgb> {
-    let given = bodies.map(|body| object_of(body).and_then(|object| colour_of(scene, object)));
+    let given = bodies.map(|body| object_of(scene, body).and_then(|object| colour_of(scene, object)));
     let given: Vec<Option<Rgb>> = given.take(COLOURS.len()).collect();
     let mut colours: Vec<Rgb> = Vec::with_capacity(given.len());
     for colour in &given {
@@ -331,26 +328,6 @@ pub fn named(scene: &Scene, name: &str) -> std::result::Result<SphereId, String>
 /// Unit vector against gravity.
 pub(crate) fn up(scene: &Scene) -> Vec3 {
     -scene.settings.gravity_direction.try_normalize().unwrap_or(Vec3::NEG_Y)
-}
-
-/// Position and velocity of a body that can move: a sphere, or the centre of mass of a rod or capsule.
-pub(crate) fn motion(scene: &Scene, body: Body) -> Option<(Vec3, Vec3)> {
-    match body {
-        Body::Sphere(id) => scene.sphere(id).ok().map(|sphere| (sphere.position, sphere.velocity)),
-        Body::Rod(id) => {
-            let rod = scene.rod(id).ok()?;
-            let (one, two) = (scene.sphere(rod.end1).ok()?, scene.sphere(rod.end2).ok()?);
-            let part = two.mass / (one.mass + two.mass);
-            Some((one.position.lerp(two.position, part), one.velocity.lerp(two.velocity, part)))
-        }
-        _ => None,
-    }
-}
-
-/// Returns the rod of a capsule for its end spheres, and other bodies as they are.
-pub(crate) fn whole(scene: &Scene, body: Body) -> Body {
-    let capsule = scene.capsules().iter().find(|parts| body == Body::Sphere(parts.end1) || body == Body::Sphere(parts.end2));
-    capsule.map_or(body, |parts| Body::Rod(parts.rod))
 }
 
 #[cfg(test)]

@@ -18,6 +18,15 @@ pub(crate) fn letters(height: u32) -> f32 {
     if height < SMALL { (height as f32 / 24.0).max(9.0) } else { (height as f32 / 26.0).min(40.0) }
 }
 
+/// The corner of a picture in which a legend is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Corner {
+    /// Whether it is at the right edge.
+    pub right: bool,
+    /// The part of the height of the picture that is free above it, for a title; `None` at the lower edge.
+    pub below: Option<f32>,
+}
+
 /// A picture with a font; lengths are in pixels.
 pub(crate) struct Sheet<'a> {
     pub(crate) picture: &'a mut Picture,
@@ -25,11 +34,23 @@ pub(crate) struct Sheet<'a> {
     pub(crate) em: f32,
     /// Colour of text.
     pub(crate) ink: [f32; 3],
+    /// Where the background of contents is.
+    pub(crate) place: Corner,
 }
 
 fn font() -> Result<FontRef<'static>> {
     FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT)
         .map_err(|error| Error::Device(format!("the built-in font: {error}")))
+}
+
+/// Width of a text with letters of this height, in pixels.
+pub(crate) fn width_of(text: &str, em: f32) -> f32 {
+    font().map_or(0.0, |font| width_in(&font, text, em))
+}
+
+fn width_in(font: &FontRef<'_>, text: &str, em: f32) -> f32 {
+    let font = font.as_scaled(PxScale::from(em));
+    text.chars().map(|letter| font.h_advance(font.glyph_id(letter))).sum()
 }
 
 /// Whether the font has no shape for a letter, so that a box is drawn.
@@ -41,7 +62,7 @@ impl<'a> Sheet<'a> {
     pub(crate) fn new(picture: &'a mut Picture) -> Result<Self> {
         let font = font()?;
         let em = letters(picture.height);
-        Ok(Self { picture, font, em, ink: INK })
+        Ok(Self { picture, font, em, ink: INK, place: Corner::default() })
     }
 }
 
@@ -64,10 +85,12 @@ impl Sheet<'_> {
     /// Draws a background for contents of this size and returns the upper left corner of the contents.
     pub(crate) fn background(&mut self, width: f32, height: f32) -> [f32; 2] {
         let (margin, corner) = (self.margin(), self.corner());
-        let bottom = self.picture.height as f32 - corner;
-        let sheet = [corner, bottom - height - 2.0 * margin, corner + width + 2.0 * margin, bottom];
-        self.panel(sheet);
-        [sheet[0] + margin, sheet[1] + margin]
+        let [wide, high] = [width, height].map(|side| side + 2.0 * margin);
+        let all = [self.picture.width, self.picture.height].map(|side| side as f32);
+        let left = if self.place.right { all[0] - corner - wide } else { corner };
+        let top = self.place.below.map_or(all[1] - corner - high, |above| (above * all[1]).max(corner));
+        self.panel([left, top, left + wide, top + high]);
+        [left + margin, top + margin]
     }
 
     /// Blends a colour into a rectangle (left, top, right, bottom); `cover` returns the opacity at the centre of each pixel.
@@ -95,8 +118,7 @@ impl Sheet<'_> {
 
     /// Width of a text with letters of this height.
     pub(crate) fn width_of(&self, text: &str, em: f32) -> f32 {
-        let font = self.font.as_scaled(PxScale::from(em));
-        text.chars().map(|letter| font.h_advance(font.glyph_id(letter))).sum()
+        width_in(&self.font, text, em)
     }
 
     /// Draws a line of text whose upper left corner is given.

@@ -8,6 +8,8 @@ use crate::groups::{Group, groups};
 
 /// Approximate number of bodies whose places are kept.
 const MOST_BODIES: usize = 1000;
+/// Number of spheres that are kept of a state in which they come and go.
+const MOST_PASSING: usize = 200;
 /// Number of bodies from which on outliers are found by quantiles.
 const MANY: usize = 20;
 /// Of many bodies, those that leave the majority are outliers farther from it than this times its extent.
@@ -53,6 +55,8 @@ pub struct Survey {
     above: Option<Extent>,
     /// The inlets and all spheres, in a scene whose spheres come and go. The bodies are then not the same in all states.
     coming: Option<Extent>,
+    /// Some of these spheres in all states.
+    passing: Vec<(Vec3, f32)>,
     /// Whether the past places are those of trails in a single picture.
     has_trails: bool,
 }
@@ -75,6 +79,7 @@ impl Survey {
             lowest: lowest.unwrap_or(f32::NEG_INFINITY),
             above: None,
             coming: Extent::of(scene.inlets().iter().flat_map(|inlet| inlet.corners).map(|corner| corner.as_vec3())),
+            passing: Vec::new(),
             has_trails: false,
         };
         survey.add(scene);
@@ -85,8 +90,11 @@ impl Survey {
     pub fn add(&mut self, scene: &Scene) {
         if !(scene.inlets().is_empty() && scene.outlets().is_empty()) {
             let there = scene.spheres().iter().filter(|sphere| sphere.position.y >= self.lowest && sphere.position.is_finite());
-            let there = there.map(|sphere| Extent::around(sphere.position, sphere.radius));
-            self.coming = there.chain(self.coming).reduce(Extent::with);
+            let balls: Vec<_> = there.map(|sphere| (sphere.position, sphere.radius)).collect();
+            let extents = balls.iter().map(|(place, radius)| Extent::around(*place, *radius));
+            self.coming = extents.chain(self.coming).reduce(Extent::with);
+            let stride = balls.len().div_ceil(MOST_PASSING).max(1);
+            self.passing.extend(balls.into_iter().step_by(stride));
         }
         let spheres = scene.spheres().iter().step_by(self.stride);
         for ((path, velocity), sphere) in self.paths.iter_mut().zip(&mut self.velocities).zip(spheres) {
@@ -100,14 +108,16 @@ impl Survey {
         }
     }
 
-    /// Adds the places of all spheres in past states, the oldest first: those of the trails in a picture of the present state.
-    pub fn add_trails<'a>(&mut self, past: impl Iterator<Item = &'a [Vec3]>) {
-        let spheres = self.stride * self.paths.len().saturating_sub(1);
-        for places in past.filter(|places| places.len() > spheres) {
+    /// Adds the places of bodies in past states, the oldest first, each with the index of the first sphere of the body: those of the
+    /// trails in a picture of the present state.
+    pub fn add_trails<Places: Iterator<Item = (usize, Vec3)>>(&mut self, past: impl Iterator<Item = Places>) {
+        for places in past {
             self.has_trails = true;
-            for (path, place) in self.paths.iter_mut().zip(places.iter().step_by(self.stride)) {
+            for (sphere, place) in places.filter(|(sphere, _)| sphere % self.stride == 0) {
                 // The last place stays the present one.
-                path.insert(path.len() - 1, *place);
+                if let Some(path) = self.paths.get_mut(sphere / self.stride) {
+                    path.insert(path.len() - 1, place);
+                }
             }
         }
     }
@@ -120,7 +130,7 @@ impl Survey {
     /// Returns the centres and radii of the bodies that a picture should show, in all states.
     pub fn balls(&self) -> Vec<(Vec3, f32)> {
         if let Some(extent) = self.coming {
-            return extent.corners().map(|corner| (corner, 0.0)).collect();
+            return extent.corners().map(|corner| (corner, 0.0)).chain(self.passing.iter().copied()).collect();
         }
         let grounds = self.grounds();
         let groups: Vec<&Group> =

@@ -24,5 +24,13 @@ export const colours = page => page.evaluate(async () => {
     return new Set(new Uint32Array(context.getImageData(0, 0, bitmap.width, bitmap.height).data.buffer)).size;
 });
 
+// Red, green and blue of a point of the canvas; `x` and `y` are parts of its width and height.
+export const pixel = (page, x, y) => page.evaluate(async ([x, y]) => {
+    const bitmap = await createImageBitmap(await window.rockfallPage.stage.screenshot());
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+    context.drawImage(bitmap, 0, 0);
+    return [...context.getImageData(Math.floor(x * bitmap.width), Math.floor(y * bitmap.height), 1, 1).data.subarray(0, 3)];
+}, [x, y]);
+
 // Makes steps without pictures: drawing a picture takes a GPU in software a second.
 export const hurry = (page, steps) => page.evaluate(steps => window.rockfallPage.stage.act(() => window.rockfallPage.stage.run(steps)), steps);

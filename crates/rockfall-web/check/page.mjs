@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import fs from "node:fs";
 import path from "node:path";
 import { kind, open, saved } from "./browser.mjs";
-import { colours, hurry, message, picture, pictures, sphereCount, waitForScene, waitForSteps } from "./helpers.mjs";
+import { colours, hurry, message, picture, pictures, pixel, sphereCount, waitForScene, waitForSteps } from "./helpers.mjs";
 
 const STEPS = 200;
 // Where a sphere is on the screen, and where it is in the scene.
@@ -100,6 +100,10 @@ export async function pageRunsOnCpu(address) {
     await page.fill("#text", text);
     await page.click("#apply");
     await waitForScene(page, "scene text");
+    // The floor reaches behind the camera.
+    await page.evaluate(() => Object.assign(window.rockfallPage.stage.camera, { eye: [1, 1.5, 3], target: [0, 1, 0] }));
+    const [red, , blue] = await pixel(page, 0.5, 0.95);
+    assert.ok(red > blue, `the floor is drawn, unlike the background: ${red} ${blue}`);
     await page.click("summary:text('Share')");
     await page.click("#share");
     await page.waitForFunction(() => location.hash.startsWith("#scene="));

@@ -7,7 +7,35 @@ const COLOURS = { sphere: [63, 148, 201], fixed: [109, 117, 126], rod: [226, 154
 const LIGHT = unit([-0.45, 0.8, 0.4]);
 const FACES = [[0, 1, 2], [0, 2, 3], [0, 3, 1]];
 
-const css = ([r, g, b], shade = 1) => `rgb(${Math.round(r * shade)} ${Math.round(g * shade)} ${Math.round(b * shade)})`;
+// Opacity of walls that hide bodies.
+const PANE = 0.08;
+
+const css = (colour, shade = 1, opacity = 1) => `rgb(${colour.map(channel => Math.round(channel * shade)).join(" ")} / ${opacity})`;
+
+// Number of bodies that walls must not hide.
+const MOST_TESTED = 64;
+
+// Whether the line between two points goes through a face.
+function crosses({ corners: [corner, next, , last], normal, isTriangle }, from, to) {
+    const [start, end] = [from, to].map(point => dot(normal, add(point, corner, -1)));
+    if (start * end >= 0) return false;
+    const point = add(add(from, add(to, from, -1), start / (start - end)), corner, -1);
+    const [left, right] = [next, last].map(edge => add(edge, corner, -1));
+    // The coordinates along the edges, from the areas of the triangles.
+    const all = cross(left, right);
+    const [u, v] = [cross(point, right), cross(left, point)].map(area => dot(area, all) / dot(all, all));
+    return u >= 0 && v >= 0 && (isTriangle ? u + v <= 1 : Math.max(u, v) <= 1);
+}
+
+// The part of a polygon whose depth is at least `near`.
+function clipped(corners, depth, near) {
+    return corners.flatMap((corner, k) => {
+        const next = corners[(k + 1) % corners.length];
+        const [here, there] = [corner, next].map(point => depth(point) - near);
+        const crossing = here * there < 0 ? [add(corner, add(next, corner, -1), here / (here - there))] : [];
+        return here >= 0 ? [corner, ...crossing] : crossing;
+    });
+}
 
 export class FlatView {
     constructor(canvas, simulation) {
@@ -40,7 +68,8 @@ export class FlatView {
 
     polygon(corners) {
         const [left, right] = [1, 3].map(k => add(corners[k], corners[0], -1));
-        return { corners, normal: unit(cross(left, right)), solid: false };
+        const isTriangle = corners[2].every((number, axis) => number === corners[3][axis]);
+        return { corners, normal: unit(cross(left, right)), solid: false, isTriangle };
     }
 
     // The six faces of a box: outward normals.
@@ -75,7 +104,11 @@ export class FlatView {
         context.fillStyle = this.dark ? "#22272d" : "#e6eaee";
         context.fillRect(0, 0, width, height);
         const place = k => [positions[3 * k], positions[3 * k + 1], positions[3 * k + 2]];
-        this.drawFaces(project, camera);
+        const stride = Math.ceil(this.count / MOST_TESTED);
+        const some = Array.from({ length: Math.ceil(this.count / stride) || 0 }, (_, k) => place(k * stride));
+        const faces = this.facesSeen(project, camera, some);
+        // The painter's order: walls, bodies, and panes for the walls in front of them.
+        faces.filter(face => !face.hides).forEach(face => this.drawFace(face));
         const items = [];
         for (let k = 0; k < this.count; k += 1) {
             const [x, y, depth] = project(place(k));
@@ -90,28 +123,37 @@ export class FlatView {
         this.springs.forEach(ends => line(ends, 0, COLOURS.spring));
         items.sort((one, two) => two.depth - one.depth);
         items.forEach(item => (item.a ? this.drawLine(item) : this.drawBall(item)));
+        faces.filter(face => face.hides).forEach(face => this.drawFace(face, PANE));
     }
 
-    // Static faces that face the camera, far ones first. All bodies are drawn over them.
-    drawFaces(project, camera) {
-        const middle = face => add(face.corners[0], add(face.corners[2], face.corners[0], -1), 0.5);
-        const seen = this.faces.filter(face => dot(face.normal, add(camera.eye, face.corners[0], -1)) > 0 || !face.solid);
-        // A large wall in front of the target would hide everything.
-        const isLarge = ({ corners: [a, b, , d] }) => Math.max(length(add(b, a, -1)), length(add(d, a, -1))) > 0.3 * camera.distance;
-        const isBefore = face => dot(face.normal, add(camera.target, face.corners[0], -1)) <= 0;
-        const behind = seen.filter(face => !(isBefore(face) && isLarge(face)));
-        const far = face => -Math.hypot(...add(middle(face), camera.eye, -1));
-        for (const face of behind.sort((one, two) => far(one) - far(two))) {
-            const points = face.corners.map(project);
-            if (points.some(point => point[2] <= 0)) continue;
-            this.context.beginPath();
-            points.forEach(([x, y]) => this.context.lineTo(x, y));
-            this.context.closePath();
-            this.context.fillStyle = css(COLOURS.fixture, (this.dark ? 0.45 : 0.75) + 0.22 * Math.abs(dot(face.normal, LIGHT)));
-            this.context.strokeStyle = "rgb(120 120 120 / 0.5)";
-            this.context.fill();
-            this.context.stroke();
-        }
+    // The static faces that are seen: those in front of the camera, cut off where they reach behind it.
+    // `hides` says whether one hides one of some bodies.
+    facesSeen(project, camera, bodies) {
+        const forward = camera.axes().forward;
+        const depth = point => dot(add(point, camera.eye, -1), forward);
+        const near = 1e-3 * camera.distance;
+        const { eye } = camera;
+        return this.faces.filter(face => dot(face.normal, add(eye, face.corners[0], -1)) > 0 || !face.solid).flatMap(face => {
+            const corners = clipped(face.corners, depth, near);
+            if (corners.length < 3) return [];
+            // A floor and a wall at the back reach farther than what is before them.
+            const far = Math.max(...corners.map(corner => length(add(corner, eye, -1))));
+            const hides = bodies.some(body => crosses(face, eye, body));
+            return [{ ...face, hides, far, points: corners.map(project) }];
+        }).sort((one, two) => two.far - one.far);
+    }
+
+    drawFace({ points, normal, isTriangle }, opacity = 1) {
+        const context = this.context;
+        context.beginPath();
+        points.forEach(([x, y]) => context.lineTo(x, y));
+        context.closePath();
+        context.fillStyle = css(COLOURS.fixture, (this.dark ? 0.45 : 0.75) + 0.22 * Math.abs(dot(normal, LIGHT)), opacity);
+        context.fill();
+        // The edges of the triangles of a mesh would be all that is seen. A line of the same colour closes the seams between them.
+        context.lineWidth = 1;
+        context.strokeStyle = isTriangle ? context.fillStyle : "rgb(120 120 120 / 0.5)";
+        if (!isTriangle || opacity === 1) context.stroke();
     }
 
     drawBall({ x, y, radius, k }) {

@@ -2,7 +2,7 @@
 
 use rockfall::glam::Vec3;
 use rockfall::{Body, SphereId};
-use rockfall_viewer::grasp::{first_visible, free_place, holding_tether, nearer_end, thrown as ball};
+use rockfall_viewer::grasp::{anchor, connected, first_visible, free_place, holding_tether, nearer_end, reach, thrown as ball};
 use wasm_bindgen::prelude::*;
 
 use crate::errors::thrown;
@@ -28,17 +28,19 @@ impl Simulation {
         if sphere.fixed {
             return Ok(None);
         }
+        let connected = connected(scene, id).len();
         let tether = holding_tether(scene, id, &sphere, self.inner.time_step());
         let tether = self.inner.add_tether(tether).map_err(thrown)?;
-        self.held = Some(Held { tether, offset: sphere.position - hit.point });
+        self.held = Some(Held { sphere: id, tether, connected, goal: sphere.position, offset: sphere.position - hit.point });
         Ok(Some(hit.point.to_array().to_vec()))
     }
 
-    /// Drags the held body, if any, so that the grabbed point moves to x, y, z in units.
+    /// Drags the held body, if any, so that the grabbed point moves to x, y, z in units during the next steps.
     pub fn drag(&mut self, x: f32, y: f32, z: f32) -> Result<(), JsValue> {
-        let Some(held) = &self.held else { return Ok(()) };
-        let place = Vec3::new(x, y, z) + held.offset;
-        self.inner.update_tether(held.tether, |tether| tether.point = place).map_err(thrown)
+        if let Some(held) = &mut self.held {
+            held.goal = Vec3::new(x, y, z) + held.offset;
+        }
+        Ok(())
     }
 
     /// Releases the held body, if any.
@@ -58,5 +60,16 @@ impl Simulation {
         sphere.position = place;
         self.inner.add_sphere(sphere).map_err(thrown)?;
         Ok(true)
+    }
+}
+
+impl Simulation {
+    /// Moves the point of the tether of the held body, if any, towards its goal, as far as its force may grow.
+    pub(crate) async fn pull(&mut self) -> Result<(), JsValue> {
+        let Some(Held { sphere, tether, connected, goal, .. }) = self.held else { return Ok(()) };
+        let scene = self.inner.sync_async().await.map_err(thrown)?;
+        let sphere = scene.sphere(sphere).map_err(thrown)?;
+        let point = anchor(sphere, goal, reach(scene, sphere, connected));
+        self.inner.update_tether(tether, |tether| tether.point = point).map_err(thrown)
     }
 }

@@ -1,7 +1,7 @@
 //! Simulations.
 
 use rockfall::glam::Vec3;
-use rockfall::{Backend, Options, TetherId};
+use rockfall::{Backend, Options, SphereId, TetherId};
 use wasm_bindgen::prelude::*;
 
 use crate::errors::thrown;
@@ -15,10 +15,18 @@ pub struct Simulation {
     pub(crate) held: Option<Held>,
 }
 
+/// Number of steps after which the tether of a held sphere follows it.
+const HELD_STEPS: u32 = 10;
+
 /// A sphere that a tether holds.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Held {
+    pub(crate) sphere: SphereId,
     pub(crate) tether: TetherId,
+    /// Number of moving spheres that rods and springs connect to it, with itself.
+    pub(crate) connected: usize,
+    /// Where its centre is dragged to.
+    pub(crate) goal: Vec3,
     /// Vector from the grabbed point to the centre of the sphere.
     pub(crate) offset: Vec3,
 }
@@ -89,7 +97,14 @@ impl Simulation {
     ///
     /// Rejects for a time step that is not positive, when the state of a body stops being finite, and when the GPU fails.
     pub async fn run(&mut self, steps: u32, dt: f32) -> Result<Report, JsValue> {
-        Ok(self.inner.run_async(steps.into(), dt).await.map_err(thrown)?.into())
+        let mut left = steps;
+        while self.held.is_some() && left > HELD_STEPS {
+            self.pull().await?;
+            self.inner.run_async(HELD_STEPS.into(), dt).await.map_err(thrown)?;
+            left -= HELD_STEPS;
+        }
+        self.pull().await?;
+        Ok(self.inner.run_async(left.into(), dt).await.map_err(thrown)?.into())
     }
 
     /// Sets how many steps a portion has at most and how many portions are under way at a time, as `Simulation::set_portions`

@@ -128,6 +128,10 @@ pub enum Error {
         /// The place in the step.
         stage: BadStage,
     },
+    /// A process of several that share a scene has failed.
+    #[cfg(any(test, feature = "mpi"))]
+    #[error("{0}")]
+    Cluster(String),
     /// The impulses on a network of fixed-length rods could not be solved.
     #[error(
         "step {step}: a collision of a network of fixed-length rods could not be solved: rods and masses that differ less, smaller \

@@ -14,13 +14,14 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::error::{Error, Result, quoted};
 use crate::model::layout::max_objects;
-use crate::scene::{Cuboid, Scene, Sphere};
+use crate::scene::{Cuboid, RunDefaults, Scene, Sphere};
 use crate::settings::Integrator;
 
 mod benchmark;
 mod bodies;
 mod boxes;
 mod clumps;
+mod colours;
 mod creature;
 mod grains;
 mod hopper;
@@ -48,7 +49,7 @@ pub enum Kind {
     Dominoes,
     /// Soft blobs, lattices of spheres, springs and rods, that fall onto boxes.
     Soft,
-    /// Chains of spheres and fixed-length rods that hang from fixed spheres and start pulled aside.
+    /// Chains of spheres and fixed-length rods that hang from a beam and start pulled aside.
     Chain,
     /// Spheres that run through a funnel into a box.
     Hopper,
@@ -105,8 +106,9 @@ impl Kind {
         }
     }
 
-    /// Generates a scene with exactly `spheres` spheres, including those of rods, capsules and rigid bodies. Scenes of grains have their time step
-    /// and their integrator ([`Scene::run`]).
+    /// Generates a scene with exactly `spheres` spheres, including those of rods, capsules and rigid bodies. Dominoes have as many as whole
+    /// dominoes and a ball need, which may be up to 8 fewer. The scene has its time step
+    /// and its numbers of steps, scenes of grains and of boxes have their integrator ([`Scene::run`]), and bodies have colours in bands.
     ///
     /// # Errors
     /// [`Error::Invalid`] for 0 spheres, [`Error::TooManyObjects`] for more than the engine can number.
@@ -129,9 +131,11 @@ impl Kind {
             Self::Mixer => machines::mixer(spheres, &mut random),
             Self::Screw => machines::screw(spheres, &mut random),
         }?;
+        self.set_length(&mut scene.run);
         if self.has_grains() {
-            (scene.run.dt, scene.run.integrator) = (Some(self.time_step()), Some(Integrator::VelocityVerlet.into()));
+            scene.run.integrator = Some(Integrator::VelocityVerlet.into());
         }
+        colours::colour(self, &mut scene)?;
         Ok(scene)
     }
 
@@ -150,6 +154,23 @@ impl Kind {
             Self::Boxes | Self::Dominoes => boxes::STEP,
             _ => 0.02,
         }
+    }
+
+    /// Sets the time step, the number of steps that show what happens in scenes of this kind, and for what is fast the speed of a film.
+    fn set_length(self, run: &mut RunDefaults) {
+        /// Least length of a film, in s.
+        const FILM: f64 = 4.0;
+        let seconds = match self {
+            Self::Drum | Self::Vibrated | Self::ShearCell => 0.5,
+            Self::Column | Self::Mixer | Self::Screw => 1.0,
+            Self::Boxes => 4.0,
+            Self::Chain => 10.0,
+            // Bodies come to rest.
+            _ => 20.0,
+        };
+        let steps = 100 * (0.01 * seconds / f64::from(self.time_step())).round() as u64;
+        (run.dt, run.steps) = (Some(self.time_step()), Some(steps));
+        run.speed = (seconds < FILM).then_some(seconds / FILM);
     }
 
     /// What the author of a scene of this kind should know to run or change it, as lines of text: for a hopper, where its opening
@@ -275,12 +296,23 @@ impl Cells {
     }
 }
 
-/// Adds a floor at y = 0 and four walls around the y axis, with inner half widths `x` and `z`.
+/// Thickness of floors, and of walls of which a picture need not show much, in units.
+const THICK: f32 = 2.0;
+
+/// Adds a floor at y = 0 and four thick walls around the y axis, with inner half widths `x` and `z`.
 fn walled_box(scene: &mut Scene, x: f32, z: f32, height: f32) -> Result<()> {
-    // Thicker than the distance that the fastest body moves in a step.
-    const THICK: f32 = 2.0;
+    box_of(scene, [x, z], height, THICK)
+}
+
+/// Adds a floor at y = 0 and four walls around the y axis with an inner half width. The walls are a tenth as thick, so that a picture
+/// shows mostly what is between them, and thicker than the distance that the fastest body moves in a step.
+fn thin_box(scene: &mut Scene, half: f32, height: f32) -> Result<()> {
+    box_of(scene, [half, half], height, (0.1 * half).clamp(0.1, THICK))
+}
+
+fn box_of(scene: &mut Scene, [x, z]: [f32; 2], height: f32, thick: f32) -> Result<()> {
     let mut add = |min: [f32; 3], max: [f32; 3]| scene.add_box(Cuboid::between(min, max)).map(drop);
-    let (x_out, z_out) = (x + THICK, z + THICK);
+    let (x_out, z_out) = (x + thick, z + thick);
     add([-x_out, -THICK, -z_out], [x_out, 0.0, z_out])?;
     add([-x_out, 0.0, -z_out], [-x, height, z_out])?;
     add([x, 0.0, -z_out], [x_out, height, z_out])?;
@@ -308,7 +340,7 @@ fn pile(spheres: u32, random: &mut Random) -> Result<Scene> {
         scene.add_sphere(ball(random, &cells, index, [0.15, 0.25]))?;
     }
     let half = cells.half_width();
-    walled_box(&mut scene, half, half, cells.top() + 1.0)?;
+    thin_box(&mut scene, half, cells.top() + 1.0)?;
     Ok(scene)
 }
 
@@ -324,7 +356,8 @@ mod tests {
         for kind in Kind::ALL {
             for spheres in SIZES {
                 let scene = kind.generate(spheres, 7).unwrap();
-                assert_eq!(scene.counts().spheres, spheres as usize, "{kind}");
+                let expected = if kind == Kind::Dominoes { (spheres - 1) / 9 * 9 + 1 } else { spheres };
+                assert_eq!(scene.counts().spheres, expected as usize, "{kind}");
             }
             let text = |seed| kind.generate(100, seed).unwrap().to_text();
             assert_eq!(text(1), text(1), "{kind}");
@@ -347,9 +380,48 @@ mod tests {
         let soft = counts(Kind::Soft);
         assert!(soft.springs > 1000 && soft.rods > 100 && soft.boxes > 5);
         let chain = Kind::Chain.generate(500, 3).unwrap();
-        assert_eq!(chain.counts().rods, 450);
-        assert_eq!(chain.spheres().iter().filter(|sphere| sphere.fixed).count(), 50);
+        assert_eq!(chain.counts().rods, 466);
+        assert_eq!(chain.spheres().iter().filter(|sphere| sphere.fixed).count(), 34);
         assert_eq!(counts(Kind::Hopper).boxes, 7);
+    }
+
+    /// A picture shows what is in a box, and not the tops of its walls.
+    #[test]
+    fn walls_are_a_small_part_of_their_box() {
+        for kind in [Kind::Pile, Kind::Mixed, Kind::Clumps, Kind::Boxes, Kind::Soft, Kind::Vibrated] {
+            for spheres in [100, 1000] {
+                let scene = kind.generate(spheres, 1).unwrap();
+                let wide = |axis: usize| {
+                    let widths =
+                        scene.boxes().iter().map(move |cuboid| cuboid.edges.iter().map(|edge| edge[axis]).sum::<f32>());
+                    widths.fold(0.0, f32::max)
+                };
+                let walls = scene.boxes()[1..5].iter();
+                let thick = walls.map(|cuboid| cuboid.edges.iter().map(|edge| edge.length()).fold(f32::MAX, f32::min));
+                let thick = thick.fold(0.0, f32::max);
+                assert!(thick < 0.08 * wide(0), "{kind} {spheres}: {thick} of {}", wide(0));
+            }
+        }
+    }
+
+    /// A film of a scene has a length.
+    #[test]
+    fn every_kind_has_a_number_of_steps() {
+        for kind in Kind::ALL {
+            let run = kind.generate(10, 1).unwrap().run;
+            let seconds = run.steps.unwrap() as f64 * f64::from(run.dt.unwrap());
+            assert!((3.9..=20.1).contains(&(seconds / run.speed.unwrap_or(1.0))), "{kind}: {run:?}");
+        }
+    }
+
+    /// Each chain has one colour, which the next one does not have.
+    #[test]
+    fn neighbouring_chains_differ_in_colour() {
+        let scene = Kind::Chain.generate(60, 1).unwrap();
+        let colours: Vec<_> = scene.sphere_ids().map(|id| scene.tag(id).unwrap().unwrap().colour).collect();
+        let chains: Vec<_> = colours.chunks(15).collect();
+        assert!(chains.iter().all(|chain| chain.iter().all(|colour| *colour == chain[0])), "{colours:?}");
+        assert!(chains.windows(2).all(|pair| pair[0][0] != pair[1][0]), "{colours:?}");
     }
 
     #[test]

@@ -69,9 +69,12 @@
 //! # Features
 //! - `gpu` (default): the wgpu backend, and `wgsl`. Without this feature only the CPU backend is built, which needs no graphics
 //!   library.
+//! - `mpi`: one scene for several processes, by MPI, which must be installed (`docs/cluster.md`).
 //! - `wgsl`: laws as WGSL text ([`ForceLaw::wgsl`]), also on the CPU backend. Not in a browser.
 
 pub mod checkpoint;
+#[cfg(any(test, feature = "mpi"))]
+pub mod cluster;
 mod devices;
 mod disjoint;
 pub mod error;
@@ -84,6 +87,7 @@ mod mesh;
 pub mod model;
 mod options;
 pub mod output;
+mod phase;
 mod physics;
 pub mod placement;
 pub mod profile;
@@ -109,16 +113,16 @@ pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Report, SphereState, decimal_time, short_number};
 pub use scene::{
-    Body, BoxId, BoxPart, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, Counts, Cuboid, Facets, Gauge, Gauged,
-    GrainMass, Inlet, LineWarning, Loaded, Look, MassProperties, Material, MaterialId, Motion, MotionId, MotionTerm, Muscle,
-    ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Radii, Rate, RigidBody, RigidBodyId, Rod, RodId, RollingModel,
-    RunDefaults, Scene, Shape, ShapeBox, ShapeId, ShapeMass, ShapeRod, ShapeSphere, SizedBy, Sphere, SphereId, Spring,
-    SpringId, Tag, Tether, TetherId,
+    Body, BoxId, BoxPart, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, ConeAxis, Counts, Cuboid, Facets, Gauge,
+    Gauged, GrainMass, Inlet, LineWarning, Loaded, Look, MassProperties, Material, MaterialId, Motion, MotionId, MotionTerm,
+    Muscle, ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Radii, Rate, RigidBody, RigidBodyId, Rod, RodId,
+    RollingModel, RunDefaults, Scene, Servo, Shape, ShapeBox, ShapeId, ShapeMass, ShapeRod, ShapeSphere, Shear, SizedBy,
+    Sought, Sphere, SphereId, Spring, SpringId, Surface, Tag, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{
-    Contact, ContactAction, ContactSprings, Flow, GaugeReading, Inflow, Link, MaxOverlap, Meter, Outflow, RayHit, Simulation,
-    SphereDiagnostics, Tension, WallLoad,
+    Contact, ContactAction, ContactSprings, Flow, GaugeReading, Inflow, Link, MaxOverlap, Meter, MotionState, Outflow, RayHit,
+    Simulation, SphereDiagnostics, Tension, WallLoad,
 };
 pub use user_laws::{ContactForceLaw, ContactInput, ContactResponse, ForceInput, ForceLaw, ForceLoad, Impact, PairParameter};
 #[cfg(feature = "gpu")]

@@ -30,6 +30,7 @@ pub(crate) mod period;
 pub(crate) mod rest;
 pub(crate) mod rigid;
 pub(crate) mod rotate;
+pub(crate) mod servo;
 pub(crate) mod state;
 pub mod status;
 pub mod step;

@@ -109,6 +109,8 @@ impl Optimization {
 pub struct Options {
     /// The backend that runs the simulation.
     pub backend: Backend,
+    /// The number of the GPU, from 0, in the list of [`devices`](crate::devices()); `None` for the best one.
+    pub device: Option<usize>,
     /// The integrator. By default it is that of [`Scene::run`](crate::Scene::run), or follows from the contact law
     /// ([`IntegratorChoice::Auto`]).
     pub integrator: IntegratorChoice,
@@ -136,6 +138,15 @@ impl Options {
     /// Sets the backend.
     pub fn backend(mut self, backend: Backend) -> Self {
         self.backend = backend;
+        self
+    }
+
+    /// Chooses a GPU by its number in the list of [`devices`](crate::devices()). [`Backend::Auto`] becomes [`Backend::Gpu`].
+    pub fn device(mut self, number: usize) -> Self {
+        self.device = Some(number);
+        if self.backend == Backend::Auto {
+            self.backend = Backend::Gpu;
+        }
         self
     }
 

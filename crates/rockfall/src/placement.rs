@@ -99,6 +99,23 @@ impl Scene {
         Ok(found)
     }
 
+    /// A warning of bodies that overlap deeply at the start, as [`Scene::placement`] finds them, if there are some. Scenes of more than
+    /// 200,000 objects are not searched: a run of them begins at once.
+    pub fn overlap_concern(&self) -> Option<String> {
+        const MOST: usize = 200_000;
+        let counts = self.counts();
+        if counts.spheres + counts.rods + counts.boxes + counts.polygons > MOST {
+            return None;
+        }
+        let overlaps = self.placement().ok()?.overlaps;
+        let others = match overlaps.len() {
+            0 => return None,
+            1 => String::new(),
+            count => format!(", and {} more pairs overlap (see check)", count - 1),
+        };
+        Some(format!("{} at the start{others}", overlaps[0].describe(self)))
+    }
+
     fn how(&self, bodies: [Body; 2], overlap: f32, radius: f32) -> Inside {
         match bodies {
             [Body::Sphere(a), Body::Sphere(b)] => {
@@ -132,6 +149,9 @@ impl Scene {
         let place = |index: Result<usize>| index.map_or_else(|_| "?".to_owned(), |index| index.to_string());
         match body {
             Body::Sphere(id) => {
+                if let Some(body) = self.body_of_sphere(id) {
+                    return format!("rigid body number {}{}", place(self.bodies.index(body)), self.called(body));
+                }
                 let capsule = || self.capsules().iter().position(|capsule| [capsule.end1, capsule.end2].contains(&id));
                 let place = || match capsule() {
                     Some(capsule) => format!("capsule number {capsule}"),

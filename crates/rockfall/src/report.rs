@@ -120,11 +120,14 @@ impl SphereState {
         (self.position.as_dvec3() + self.position_low.as_dvec3()).to_array()
     }
 
-    /// Displaces the sphere by whole periods, so that its centre is in the box of a periodic scene.
+    /// Displaces the sphere by whole periods, so that its centre is in the box of a periodic scene. In a sheared scene it gets the
+    /// velocity of that image.
     pub fn bring_into_box(&mut self, scene: &Scene) {
         let centre = DVec3::from_array(self.centre());
-        let Fine { high, low } = Fine::at((centre + scene.way_into_box(centre)).to_array());
+        let (way, velocity) = scene.image_in_box(centre);
+        let Fine { high, low } = Fine::at((centre + way).to_array());
         (self.position, self.position_low) = (high, low);
+        self.velocity += velocity;
     }
 
     /// Orientation as a rotation matrix. Its columns are the axes of the sphere's own frame.

@@ -27,8 +27,12 @@ mod remove;
 mod restitution;
 mod rigid;
 mod run;
+mod servo;
 mod shape;
+mod shear;
+mod smooth;
 mod statics;
+mod surface;
 mod tag;
 mod text;
 mod write;
@@ -59,10 +63,13 @@ use registry::new_scene_number;
 pub(crate) use rigid::Frame;
 pub use rigid::{Placement, RigidBody, RigidBodyId};
 pub use run::RunDefaults;
+pub use servo::{Servo, Sought};
 pub(crate) use shape::Core;
 pub(crate) use shape::Kinetics;
 pub use shape::{BoxPart, MassProperties, Shape, ShapeBox, ShapeId, ShapeMass, ShapeRod, ShapeSphere};
+pub use shear::Shear;
 pub use statics::{BoxId, Cuboid, Polygon, PolygonId};
+pub use surface::{ConeAxis, Surface};
 pub(crate) use tag::shared;
 pub use tag::{ObjectId, Tag};
 pub use text::{LineWarning, Loaded};
@@ -93,6 +100,7 @@ pub struct Scene {
     pub(crate) materials: Registry<Material>,
     pub(crate) pairs: Pairs,
     pub(crate) periodic: [Option<[f32; 2]>; 3],
+    pub(crate) shear: Option<Shear>,
     pub(crate) references: References,
     pub(crate) tag_changes: u64,
 }
@@ -150,6 +158,7 @@ impl Scene {
             materials: Registry::new(number, "material"),
             pairs: Pairs::new(),
             periodic: [None; 3],
+            shear: None,
             references: References::default(),
             tag_changes: 0,
         }

@@ -37,6 +37,7 @@ mod lists;
 mod meter;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(crate) mod mirror;
+mod motions;
 pub(crate) mod observe;
 pub(crate) mod observed;
 mod order;
@@ -46,6 +47,8 @@ mod profile;
 mod rates;
 mod ray;
 mod read;
+#[cfg(any(test, feature = "mpi"))]
+pub(crate) mod share;
 mod springs;
 mod sweeps;
 mod tensions;
@@ -60,6 +63,7 @@ pub use flow::{Flow, Inflow, Outflow};
 pub use gauge::{GaugeReading, WallLoad};
 use lists::ListPolicy;
 pub use meter::Meter;
+pub use motions::MotionState;
 pub use observe::{Contact, ContactAction, MaxOverlap, SphereDiagnostics};
 use order::Disorder;
 use planes::Planes;
@@ -264,21 +268,22 @@ impl Simulation {
             self.scene.settings = before;
             return Err(error);
         }
-        if before.contact_law != settings.contact_law || before.precision != settings.precision {
-            self.dirty = Dirty::Everything;
-        } else if settings.contact_law.has_history() && !only_gravity_differs(&before, &settings) {
-            // The table of pairs has constants that follow from the settings.
-            self.dirty = self.dirty.max(Dirty::Topology);
-        }
-        if before != settings {
-            self.status.forces_due = 1;
-            self.observation = None;
-        }
         if !same {
             self.scene.settings = self.scene.with_grains().resolved_settings();
         }
+        let now = self.scene.settings;
+        if before.contact_law != now.contact_law || before.precision != now.precision {
+            self.dirty = Dirty::Everything;
+        } else if now.contact_law.has_history() && !only_gravity_differs(&before, &now) {
+            // The table of pairs has constants that follow from the settings.
+            self.dirty = self.dirty.max(Dirty::Topology);
+        }
+        if before != now {
+            self.status.forces_due = 1;
+            self.observation = None;
+        }
         let flags = self.world.step.constants.flags;
-        self.world.set_settings(&self.scene.settings);
+        self.world.set_settings(&now);
         // Another precision takes effect when the scene is packed again.
         self.world.set_flags(FLAG_DOUBLE, flags);
         Ok(())

@@ -45,6 +45,7 @@ mod muscles;
 mod necks;
 mod resolution;
 mod rods;
+mod servos;
 mod softness;
 mod speed;
 
@@ -223,7 +224,7 @@ impl Scene {
     }
 
     /// Everything that a run of this scene with a time step of `dt` seconds should be warned of, one message each: an unstable
-    /// time step, one that is too long for a contact law with history, muscles that are too fast for it, bodies that sink into each
+    /// time step, one that is too long for a contact law with history, muscles and servos that are too fast for it, bodies that sink into each
     /// other, bodies that pass through thin things, positions that are too coarse, rods that lose angular momentum, and rods that are
     /// likely mistakes. Also what [`Scene::intent`] finds.
     pub fn concerns(&self, dt: f32, integrator: Integrator) -> Vec<String> {
@@ -236,6 +237,7 @@ impl Scene {
         concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
         concerns.extend(self.soft_material().map(|soft| soft.to_string()));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));
+        concerns.extend(self.servo_concerns(dt));
         concerns.extend(self.coarse().map(|coarse| coarse.describe(self)));
         concerns.extend(self.strained_rod(dt, integrator));
         concerns.extend(self.intent());

@@ -48,8 +48,14 @@ mod random;
 mod repeat;
 #[path = "parity/rigid.rs"]
 mod rigid;
+#[path = "parity/rod_walls.rs"]
+mod rod_walls;
 #[path = "parity/rules.rs"]
 mod rules;
+#[path = "parity/servos.rs"]
+mod servos;
+#[path = "parity/shear.rs"]
+mod shear;
 #[path = "parity/surfaces.rs"]
 mod surfaces;
 #[path = "parity/sweeps.rs"]

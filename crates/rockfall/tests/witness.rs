@@ -34,6 +34,8 @@ mod known;
 mod lengths;
 #[path = "witness/mixtures.rs"]
 mod mixtures;
+#[path = "witness/rims.rs"]
+mod rims;
 #[path = "witness/scenes.rs"]
 mod scenes;
 #[path = "witness/sides.rs"]
@@ -42,6 +44,8 @@ mod sides;
 mod surfaces;
 #[path = "witness/tiled.rs"]
 mod tiled;
+#[path = "witness/walls.rs"]
+mod walls;
 #[path = "witness/world.rs"]
 mod world;
 

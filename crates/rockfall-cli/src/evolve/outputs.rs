@@ -5,6 +5,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use rockfall::output::AtomicFile;
+use rockfall::{Colour, Tag};
 use rockfall_evolve::{Evolution, Genome, Ground, Niche, Outcome, Plan};
 
 use super::Arguments;
@@ -12,6 +13,9 @@ use crate::failure::Failure;
 #[cfg(feature = "view")]
 use crate::files;
 
+/// Colours of the masses and springs of a creature.
+const BALLS: Colour = Colour([0xe0, 0x7b, 0x39]);
+const SPRINGS: Colour = Colour([0x4f, 0x70, 0x8c]);
 /// Creatures in a gallery at most.
 const GALLERY: usize = 12;
 
@@ -60,12 +64,6 @@ fn history(evolution: &Evolution) -> String {
     text
 }
 
-/// The command that shows the creature in a simulation of its own.
-fn run_command(evolution: &Evolution, name: &str) -> String {
-    let (plan, steps) = (evolution.plan(), evolution.trial().steps());
-    format!("rockfall run {name} --dt {} --steps {steps}{}", plan.dt, integrator_option(plan))
-}
-
 /// ` --integrator NAME`, or nothing for the default.
 fn integrator_option(plan: &Plan) -> String {
     if plan.integrator == "rk4" { String::new() } else { format!(" --integrator {}", plan.integrator) }
@@ -91,13 +89,24 @@ fn evolve_command(evolution: &Evolution) -> Result<String, Failure> {
     Ok(text)
 }
 
+/// The text of a creature on its ground, with the time step, the integrator and the number of steps of its trial.
 fn scene_text(evolution: &Evolution, genome: &Genome, outcome: &Outcome, title: &str) -> Result<String, Failure> {
     let plan = evolution.plan();
-    let scene = genome.scene(&evolution.trial().ground)?;
+    let mut scene = genome.scene(&evolution.trial().ground)?;
+    (scene.run.dt, scene.run.steps) = (Some(plan.dt), Some(evolution.trial().steps()));
+    if plan.integrator != "rk4" {
+        scene.run.integrator = Some(plan.integrator.parse()?);
+    }
+    for id in scene.sphere_ids().collect::<Vec<_>>() {
+        scene.set_tag(id, Tag::new().colour(BALLS))?;
+    }
+    for id in scene.spring_ids().collect::<Vec<_>>() {
+        scene.set_tag(id, Tag::new().colour(SPRINGS))?;
+    }
     let mut text = format!("# {title}: {}\n", evolve_command(evolution)?);
     let _ = writeln!(
         text,
-        "# {}: {:.3} {}. Length {:.2} units. From step {} to step {} the centre moves {:.3} units along the ground:",
+        "# {}: {:.3} {}. Length {:.2} units. From step {} to step {} the centre moves {:.3} units along the ground.",
         plan.goal,
         outcome.fitness,
         plan.goal.unit(),
@@ -106,7 +115,7 @@ fn scene_text(evolution: &Evolution, genome: &Genome, outcome: &Outcome, title: 
         evolution.trial().steps(),
         outcome.distance
     );
-    let _ = writeln!(text, "# {}\n", run_command(evolution, "FILE"));
+    text.push('\n');
     Ok(text + &scene.to_text())
 }
 
@@ -165,7 +174,7 @@ pub(super) fn summary(evolution: &Evolution, arguments: &Arguments, seconds: f64
     );
     let _ = writeln!(text, "energy       work of the muscles {:.1}, energy from elsewhere {:.3}", found.work, found.excess);
     let name = arguments.out.display().to_string();
-    let _ = writeln!(text, "written      {name}: {}", run_command(evolution, &name));
+    let _ = writeln!(text, "written      {name}: rockfall run {name}");
     text
 }
 

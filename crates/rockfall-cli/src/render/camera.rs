@@ -5,41 +5,45 @@ use std::fmt;
 use rockfall::glam::Vec3;
 use rockfall::{Scene, Simulation, SphereId};
 use rockfall_viewer::camera::Camera;
-use rockfall_viewer::film::{self, View};
+use rockfall_viewer::film::{self, Subject, View};
 use rockfall_viewer::plot::named;
 use rockfall_viewer::survey::Survey;
 
 use super::Arguments;
 use crate::failure::Failure;
 
-/// A camera that may follow a body and orbit.
+/// A camera that may follow a body or creatures and orbit.
 pub(super) struct Shot {
     shot: film::Shot,
-    follow: Option<SphereId>,
+    follow: Option<Subject>,
 }
 
 impl Shot {
-    /// Chooses the camera. What the arguments do not set is chosen so that the bodies of the survey are in view.
+    /// Chooses the camera. What the arguments do not set is chosen so that the bodies of the survey are in view, or so that the camera
+    /// moves with the creatures of the scene.
     pub(super) fn new(arguments: &Arguments, survey: &Survey, simulation: &mut Simulation) -> Result<Self, Failure> {
         let [width, height] = arguments.layout().scene().map(|side| side as f32);
         let scene = simulation.sync()?;
+        let given = arguments.follow.as_ref().map(|what| what.of(scene, "--follow")).transpose()?;
+        let is_free = arguments.camera.is_none() && arguments.look_at.is_none();
+        let creatures = || Subject::creatures(scene).filter(|_| is_free);
         let view = View {
             from: arguments.view.unwrap_or_default(),
             camera: arguments.camera.map(Into::into),
             look_at: arguments.look_at.map(Into::into),
-            follow: arguments.follow.as_ref().map(|what| what.of(scene, "--follow")).transpose()?,
+            follow: given.map(|sphere| Subject::of(scene, sphere)).or_else(creatures),
             orbit: arguments.orbit.unwrap_or(0.0).to_radians(),
-            room_above: arguments.captions.overlay().room_above(arguments.layout().scene()[1]),
+            room_above: arguments.captions.overlay().room_above(arguments.layout().scene()),
         };
         let same = || Failure::usage("--camera and --look-at are the same point, expected two different points");
         let shot = film::Shot::new(&view, survey, scene, width / height)?.ok_or_else(same)?;
         Ok(Self { shot, follow: view.follow })
     }
 
-    /// The options that give this camera; `None` if the arguments have them.
+    /// The options that give this camera; `None` if the arguments have them, and for a camera that moves with creatures.
     pub(super) fn options(&self, arguments: &Arguments) -> Option<String> {
         let has_target = arguments.look_at.is_some() || arguments.follow.is_some();
-        if arguments.camera.is_some() && has_target {
+        if arguments.camera.is_some() && has_target || matches!(self.follow, Some(Subject::Creatures(_))) {
             return None;
         }
         let Camera { eye, target, .. } = self.shot.camera();
@@ -53,14 +57,14 @@ impl Shot {
         Some(format!("--camera {} {look_at}", written(eye)))
     }
 
-    /// The camera `seconds` after the start of the film, with the place of the body that it follows.
+    /// The camera `seconds` after the start of the film, with the place of what it follows.
     pub(super) fn at(&self, seconds: f64, followed: Option<Vec3>) -> Camera {
         self.shot.at(seconds, followed)
     }
 
-    /// The body that the camera follows.
-    pub(super) fn followed(&self) -> Option<SphereId> {
-        self.follow
+    /// What the camera follows.
+    pub(super) fn followed(&self) -> Option<&Subject> {
+        self.follow.as_ref()
     }
 }
 

@@ -1,13 +1,15 @@
 //! Options of text, arrows and trails over pictures.
 
 use rockfall::Scene;
-use rockfall_viewer::overlay::{Arrows, Overlay};
+use rockfall_viewer::overlay::{Arrows, Overlay, body_number, trails_of};
 
+use super::camera::Named;
+use crate::failure::Failure;
 use crate::output;
 
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Captions {
-    /// Write a line of text at the upper edge
+    /// Write text at the upper edge, in smaller letters and several lines if it is long
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
     /// Show the time of the simulation
@@ -16,34 +18,50 @@ pub(crate) struct Captions {
     /// Show the length of a round number of units at the distance of the middle of the picture
     #[arg(long)]
     scale_bar: bool,
-    /// Write its label or its number on every sphere
+    /// Write its label or its number on every body
     #[arg(long)]
     label: bool,
-    /// Draw an arrow at every sphere, with a key: velocity, force or gravity
+    /// Draw an arrow at every body, with a key: velocity, force or gravity
     #[arg(long, value_name = "WHAT", value_parser = Arrows::named)]
     arrows: Option<Arrows>,
-    /// Draw the path of every sphere in the last S seconds of the simulation
-    #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
-    trails: Option<f64>,
+    /// Draw the path of every body in the last S seconds of the simulation, or only of some, as in 2:left,right
+    #[arg(long, value_name = "S[:BODY,...]", value_parser = trails, allow_negative_numbers = true)]
+    trails: Option<Trails>,
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds > 0.0);
-    found.ok_or_else(|| "expected a finite number of seconds greater than 0".to_owned())
+/// The length of trails in s, and the names or numbers of the bodies that have them.
+#[derive(Clone, Debug, Default)]
+struct Trails {
+    seconds: f64,
+    of: Vec<String>,
+}
+
+fn trails(text: &str) -> Result<Trails, String> {
+    trails_of(text).map(|(seconds, of)| Trails { seconds, of })
+}
+
+/// Finds the bodies that have trails in the scene. The number of any of its spheres means a body.
+pub(crate) fn find_trails(overlay: &mut Overlay, scene: &Scene) -> Result<(), Failure> {
+    for name in &mut overlay.trails_of {
+        let named = Named::parse(name).map_err(|error| Failure::usage(format!("--trails {name}: {error}")))?;
+        let sphere = named.of(scene, "--trails")?;
+        if let Named::Number(_) = named {
+            *name = body_number(scene, sphere);
+        }
+    }
+    Ok(())
 }
 
 /// Warns of letters that cannot be drawn.
 pub(crate) fn warn_of_letters(overlay: &Overlay, scene: &Scene) {
-    let missing = overlay.missing_letters(scene);
-    if !missing.is_empty() {
-        let letters: String = missing.iter().take(20).collect();
-        let more = if missing.len() > 20 { " and others" } else { "" };
-        output::note(&format!("warning: the built-in font lacks the letters {letters}{more}, which are drawn as boxes"));
+    if let Some(warning) = overlay.warning_of_letters(scene) {
+        output::note(&format!("warning: {warning}"));
     }
 }
 
 impl Captions {
     pub(crate) fn overlay(&self) -> Overlay {
+        let trails = self.trails.clone().unwrap_or_default();
         Overlay {
             title: self.title.clone(),
             clock: self.clock,
@@ -51,7 +69,8 @@ impl Captions {
             labels: self.label,
             arrows: self.arrows,
             arrow_key: None,
-            trails: self.trails.unwrap_or(0.0),
+            trails: trails.seconds,
+            trails_of: trails.of,
             dark: false,
         }
     }

@@ -1,7 +1,7 @@
 //! The states that a picture or a film shows: of a simulation that runs, or of a trajectory.
 
 use rockfall::exec::gpu::Gpu;
-use rockfall::{Backend, Checkpoint, Energy, Options, Simulation};
+use rockfall::{Backend, Checkpoint, Energy, Options, Scene, Simulation};
 use rockfall_trajectory::{Moment as FrameTime, Reader};
 use rockfall_viewer::draw::{Renderer, Style};
 use rockfall_viewer::film::{Moment, Player, Timing};
@@ -39,10 +39,16 @@ type Look<'a> = &'a mut dyn FnMut(&mut Simulation, f64) -> rockfall::Result<()>;
 #[derive(Clone, Copy)]
 pub(super) struct Cut {
     pub(super) fps: u32,
-    /// Simulated seconds per second of film.
-    pub(super) speed: f64,
+    /// Simulated seconds per second of film; `None` for that of the scene.
+    pub(super) speed: Option<f64>,
     /// Number of steps; `None` for all.
     pub(super) steps: Option<u64>,
+}
+
+impl Cut {
+    fn speed(self, scene: &Scene) -> f64 {
+        self.speed.or(scene.run.speed).unwrap_or(1.0)
+    }
 }
 
 impl Footage {
@@ -87,7 +93,8 @@ impl Footage {
     pub(super) fn warn(&mut self) -> Result<(), Failure> {
         match self {
             Self::Live(live) if live.simulation.report().steps > live.start.0 => {
-                aftermath::warn(&live.name, &mut live.simulation, Some(&live.start.1))
+                let step = live.simulation.report().steps / u64::from(live.parts);
+                aftermath::warn(&live.name, &mut live.simulation, Some(&live.start.1), step)
             }
             _ => Ok(()),
         }
@@ -169,7 +176,7 @@ impl Live {
             steps: cut.steps.or(self.simulation.scene().run.steps).unwrap_or(0),
             dt: self.dt,
             fps: cut.fps,
-            speed: cut.speed,
+            speed: cut.speed(self.simulation.scene()),
         }
     }
 
@@ -347,15 +354,16 @@ impl Recorded {
                 self.time_of(self.moment_of(end as f64, |frame| frame.step as f64))
             }
         };
-        let count = ((until - from) * f64::from(cut.fps) / cut.speed + 1e-6).floor().max(0.0) as u64 + 1;
-        let time = |index: u64| from + index as f64 * cut.speed / f64::from(cut.fps);
+        let speed = cut.speed(self.simulation.scene());
+        let count = ((until - from) * f64::from(cut.fps) / speed + 1e-6).floor().max(0.0) as u64 + 1;
+        let time = |index: u64| from + index as f64 * speed / f64::from(cut.fps);
         Ok((0..count).map(|index| self.moment_of(time(index).min(until), |frame| frame.time)).collect())
     }
 
     /// Gives the states of a frame to the simulation.
     fn apply(&mut self, frame: usize) -> rockfall::Result<()> {
         if self.present != Some(frame) {
-            self.reader.frame(frame)?.apply(&mut self.simulation)?;
+            self.reader.show(frame, &mut self.simulation)?;
             self.present = Some(frame);
         }
         Ok(())

@@ -1,24 +1,24 @@
 //! Draws the pictures.
 
-use rockfall::SphereId;
 use rockfall::glam::Vec3;
 use rockfall::output::AtomicFile;
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::{FrameTimes, Pass, Range, Renderer, Style};
-use rockfall_viewer::film::{self, Follower, Format, Moment, plotted, surveyed};
+use rockfall_viewer::film::{self, Follower, Format, Moment, Subject, plotted, surveyed};
+use rockfall_viewer::legend::Corner;
 use rockfall_viewer::overlay::Overlay;
 use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
 use rockfall_viewer::survey::Survey;
 
 use super::camera::{Named, Shot};
 use super::footage::{Footage, Past, device};
-use super::{Arguments, Product, colours};
+use super::{Arguments, At, Product, colours};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::counted;
 use crate::output;
 use crate::progress::Progress;
-use crate::render::captions::warn_of_letters;
+use crate::render::captions::{find_trails, warn_of_letters};
 use crate::render::plots::check_gauges;
 
 /// Quality of a JPEG file, from 1 to 100: no artefacts that the eye sees at the edges of bodies.
@@ -31,6 +31,8 @@ pub(super) struct Studio {
     canvas: Canvas,
     style: Style,
     overlay: Overlay,
+    /// Where the legend is.
+    corner: Corner,
     interrupt: &'static Interrupt,
 }
 
@@ -49,16 +51,17 @@ impl Studio {
         }
         let mut overlay = arguments.captions.overlay();
         overlay.dark = style.background.is_dark();
-        renderer.set_overlay(&overlay);
         let scene = footage.simulation().scene();
         warn_of_letters(&overlay, scene);
+        find_trails(&mut overlay, scene)?;
+        renderer.set_overlay(&overlay);
         let find = |name: &str| Named::parse(name).map_err(Failure::usage)?.of(scene, "--plot");
         for plot in &arguments.plot {
             check_gauges(plot, is_recorded, scene)?;
         }
         let graphs: Result<_, Failure> = arguments.plot.iter().map(|plot| plot.of(scene, find)).collect();
         renderer.set_plots(graphs?);
-        Ok(Self { footage, renderer, canvas, style, overlay, interrupt })
+        Ok(Self { footage, renderer, canvas, style, overlay, corner: Corner::default(), interrupt })
     }
 
     pub(super) fn picture(mut self, arguments: &Arguments, product: Product) -> Result<(), Failure> {
@@ -67,11 +70,12 @@ impl Studio {
         self.go_to_start(arguments, false)?;
         let simulation = self.footage.simulation();
         let mut survey = Survey::new(simulation.sync()?);
-        survey.add_trails(self.renderer.motion().past());
+        survey.add_trails(self.renderer.motion().past(&self.overlay.trails_of));
         let shot = Shot::new(arguments, &survey, simulation)?;
         let camera = shot.at(0.0, None);
         self.renderer.start_from(simulation);
         self.renderer.update(simulation, &self.style)?;
+        self.place_legend(arguments, &survey, &camera);
         self.renderer.set_time(self.footage.start_time());
         let picture = self.take(&camera, arguments)?;
         if let Some(frames) = arguments.bench {
@@ -90,7 +94,13 @@ impl Studio {
     fn go_to_start(&mut self, arguments: &Arguments, is_film: bool) -> Result<(), Failure> {
         let past = Past { trails: self.overlay.trails, whole: !is_film && !arguments.plot.is_empty() };
         let Self { footage, renderer, style, .. } = self;
-        footage.go_to(arguments.at, past, |simulation, time| {
+        let mut at = arguments.at;
+        if at.is_none() && !is_film && matches!(footage, Footage::Live(_)) {
+            // Where all bodies come later, a picture shows what a run of the scene ends with.
+            let scene = footage.simulation().scene();
+            at = scene.run.steps.filter(|_| scene.spheres().is_empty()).map(At::Step);
+        }
+        footage.go_to(at, past, |simulation, time| {
             renderer.update(simulation, style)?;
             renderer.set_time(time);
             renderer.record();
@@ -107,10 +117,18 @@ impl Studio {
         self.footage.warn()
     }
 
+    /// Chooses the corner of the legend in which it covers the fewest bodies.
+    fn place_legend(&mut self, arguments: &Arguments, survey: &Survey, camera: &Camera) {
+        if arguments.colour_by.is_some() {
+            let legend = self.renderer.legend(&self.style);
+            self.corner = self.overlay.corner(&legend, survey, camera, arguments.layout().scene());
+        }
+    }
+
     fn take(&mut self, camera: &Camera, arguments: &Arguments) -> rockfall::Result<Picture> {
         let mut picture = self.canvas.take(&mut self.renderer, camera, &self.style)?;
         if arguments.colour_by.is_some() {
-            self.renderer.legend(&self.style).draw(&mut picture)?;
+            self.renderer.legend(&self.style).draw_at(self.corner, &mut picture)?;
         }
         self.renderer.record();
         self.overlay.draw(self.renderer.motion(), camera, &mut picture)?;
@@ -122,6 +140,7 @@ impl Studio {
         let moments = self.footage.moments(arguments.cut())?;
         let survey = self.survey(arguments, &moments)?;
         let shot = Shot::new(arguments, &survey, self.footage.simulation())?;
+        self.place_legend(arguments, &survey, &shot.at(0.0, None));
         self.renderer.set_scene(self.footage.simulation());
         self.renderer.set_survey(survey);
         self.renderer.fix_plots([0, moments.len() - 1].map(|index| self.footage.time_of(moments[index])));
@@ -159,15 +178,15 @@ impl Studio {
         self.finish(arguments, &shot, &format!("{pictures}, {seconds:.1} s at {fps} per second"))
     }
 
-    /// Shows a moment and returns the place of the followed body.
-    fn show(&mut self, follower: &mut Follower, body: Option<SphereId>, moment: Moment) -> rockfall::Result<Option<Vec3>> {
+    /// Shows a moment and returns the place of what the camera follows.
+    fn show(&mut self, follower: &mut Follower, subject: Option<&Subject>, moment: Moment) -> rockfall::Result<Option<Vec3>> {
         let Self { footage, renderer, style, .. } = self;
-        let Some(body) = body else {
+        let Some(subject) = subject else {
             return footage.show(renderer, style, moment).map(|()| None);
         };
         let show = |moment| {
             footage.show(renderer, style, moment)?;
-            Ok(footage.simulation().sphere(body)?.position)
+            subject.place(footage.simulation().sync()?)
         };
         follower.show(moment, show).map(Some)
     }

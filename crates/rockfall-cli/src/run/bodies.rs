@@ -1,4 +1,4 @@
-//! The file of `--bodies`: poses and motions of rigid bodies at the end, or at a fixed interval.
+//! The file of `--bodies`: poses and motions of rigid bodies and moving walls at the end, or at a fixed interval.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -31,7 +31,7 @@ impl BodiesFile {
 
     fn add(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
         let step = past.step(simulation.report().steps);
-        let scene = simulation.sync()?;
+        simulation.sync()?;
         let has_step = !self.0.has_end();
         self.0.add(|file| {
             let mut prefix = Vec::new();
@@ -40,7 +40,7 @@ impl BodiesFile {
                 csv::numbers(&mut prefix, &[past.time(step)])?;
                 prefix.push(b',');
             }
-            csv::bodies(file, &String::from_utf8_lossy(&prefix), scene)
+            csv::bodies(file, &String::from_utf8_lossy(&prefix), simulation)
         })
     }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use rockfall::output::{AtomicFile, Mark};
-use rockfall::{Meter, Scene, Simulation};
+use rockfall::{Meter, Simulation};
 use rockfall_trajectory::csv;
 use rockfall_trajectory::{Format, Frame, Writer, vtp};
 
@@ -82,23 +82,6 @@ impl Wanted {
             }
         }
         Ok(())
-    }
-}
-
-impl Wanted {
-    /// Returns an error if a file cannot hold what happens in the scene.
-    pub(super) fn check_for(&self, scene: &Scene) -> Result<(), Failure> {
-        let changes = !(scene.inlets().is_empty() && scene.outlets().is_empty());
-        match &self.out {
-            Some(path) if changes && self.every.is_some() && Format::of(path) == Some(Format::Npz) => {
-                Err(Failure::usage(format!(
-                    "--out {}: the number of spheres changes in a scene with inlets or outlets, but an .npz file has equally many in \
-                     all frames; expected .csv or .pvd",
-                    path.display()
-                )))
-            }
-            _ => Ok(()),
-        }
     }
 }
 
@@ -230,6 +213,11 @@ impl Outputs {
         }
     }
 
+    /// Whether something is added to sums after every step.
+    pub(crate) fn are_metered(&self) -> bool {
+        self.meter.is_active()
+    }
+
     /// Runs steps of the simulation, and adds them to the sums that the files need.
     pub(crate) fn advance(&mut self, simulation: &mut Simulation, steps: u64, dt: f32) -> rockfall::Result<()> {
         simulation.run_metered(steps, dt, &mut self.meter)
@@ -237,18 +225,26 @@ impl Outputs {
 
     /// Number of steps from `step` until an output is due, at most `most`.
     pub(crate) fn steps_from(&self, step: u64, most: u64) -> u64 {
+        self.intervals().map(|every| every - step % every).fold(most, u64::min)
+    }
+
+    /// Whether an output is due after `step`.
+    pub(crate) fn are_due(&self, step: u64) -> bool {
+        self.intervals().any(|every| step.is_multiple_of(every))
+    }
+
+    /// The numbers of steps between two outputs of each kind.
+    fn intervals(&self) -> impl Iterator<Item = u64> {
         let every = match &self.out {
             Some(Out::Frames(_, _, every)) => Some(*every),
             _ => None,
         };
         let trace = self.trace.as_ref().map(TraceFile::every);
         let gauges = self.gauges.as_ref().and_then(|gauges| gauges.0.every());
-        let until = |every: u64| every - step % every;
         let contacts = self.contacts.as_ref().and_then(ContactsFile::every);
         let tensions = self.tensions.as_ref().and_then(|tensions| tensions.0.every());
         let bodies = self.bodies.as_ref().and_then(|bodies| bodies.0.every());
-        let all = [every, trace, contacts, tensions, gauges, bodies, self.checkpoint_every];
-        all.into_iter().flatten().map(until).fold(most, u64::min)
+        [every, trace, contacts, tensions, gauges, bodies, self.checkpoint_every].into_iter().flatten()
     }
 
     /// Writes the outputs that are due after a step.

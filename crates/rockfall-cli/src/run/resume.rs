@@ -8,6 +8,7 @@ use rockfall::{Checkpoint, Error, Simulation};
 
 use super::outputs::{Outputs, Wanted};
 use super::past::{Past, whole};
+use super::team::Starting;
 use super::{Arguments, Run};
 use crate::failure::Failure;
 use crate::options::Setting;
@@ -23,7 +24,7 @@ impl Given<'_> {
     }
 }
 
-pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<Run, Failure> {
+pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path, starting: &Starting) -> Result<Run, Failure> {
     let mut checkpoint = Checkpoint::load(path).map_err(Failure::usage)?;
     // Checkpoints of programs that use the library, such as Python, have no such note.
     let noted: Option<Past> = serde_json::from_str(&checkpoint.note).ok();
@@ -48,8 +49,8 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
     }
     change(&mut checkpoint, &mut past, arguments, given)?;
 
-    let wanted = wanted(arguments, &past, path)?;
-    wanted.check_for(&checkpoint.scene)?;
+    let wanted = if starting.is_first() { wanted(arguments, &past, path)? } else { Wanted::default() };
+    checkpoint.options = starting.options(checkpoint.options);
     let mut outputs = Outputs::open(wanted, Some(&past))?;
     let (device, program) = (checkpoint.device.clone(), checkpoint.program.clone());
     let mut simulation = Simulation::resume(checkpoint).map_err(|error| match error {
@@ -58,6 +59,7 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
         }
         error => error.into(),
     })?;
+    let team = starting.share(&mut simulation)?;
     let now = [simulation.backend().device.as_str(), env!("CARGO_PKG_VERSION")];
     for (what, then, now) in [("device", &device, now[0]), ("rockfall", &program, now[1])] {
         // The part after the comma is the number of CPU threads, which does not change results.
@@ -69,8 +71,9 @@ pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path) -> Result<
         past.set_before(&simulation.energy()?);
     }
     outputs.begin(&mut simulation, &past)?;
+    starting.check(&outputs)?;
     let precision = simulation.settings().precision.to_string();
-    Ok(Run { simulation, outputs, past, precision })
+    Ok(Run { simulation, outputs, past, precision, team })
 }
 
 /// Applies the options on the command line, which override those of the checkpoint, and reports what changes the motion.

@@ -24,22 +24,8 @@ pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulati
     let run = &mut scene.run;
     (run.dt, run.integrator) = (Some(past.dt), Some(integrator.into()));
     run.substeps = (past.parts() > 1).then(|| past.parts());
-    let mut text = String::new();
-    for line in &past.title {
-        text += format!("# {}", single_line(line)).trim_end();
-        text.push('\n');
-    }
-    if !past.title.is_empty() {
-        text.push('\n');
-    }
-    text += &format!("# {} after {step} steps, at {} s\n", single_line(&past.scene), past.time(step));
-    if scene.settings.resting_overlap > 0.0 {
-        // With this setting, other constants would be chosen for the present positions, and the motion would change.
-        let share = std::mem::take(&mut scene.settings.resting_overlap);
-        text += &format!("# contact_force and contact_damping were chosen for resting_overlap {share}\n");
-    }
-    text += "\n";
-    text += &scene.to_text();
+    let origin = format!("{} after {step} steps, at {} s", past.scene, past.time(step));
+    let text = scene.to_text_of_state(&past.title, Some(&origin));
     file.write_all(text.as_bytes()).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))?;
     note_springs(path, simulation)
 }
@@ -56,9 +42,4 @@ fn note_springs(path: &Path, simulation: &mut Simulation) -> Result<(), Failure>
         ));
     }
     Ok(())
-}
-
-/// Replaces control characters, so that the name of a file or a line of a title cannot end a comment.
-fn single_line(name: &str) -> String {
-    name.chars().map(|character| if character.is_control() { '?' } else { character }).collect()
 }

@@ -447,10 +447,11 @@ fn generated_scenes_are_valid_and_run() {
         let (other, _) = rockfall.run(&format!("generate {kind} --spheres 200 --seed 4"), 0);
         assert!(out.lines().skip(1).ne(other.lines().skip(1)), "{kind}");
     }
-    for (kind, dt) in [("drum", "0.00001"), ("column", "0.00004")] {
+    let runs = [("drum", "dt=0.00001", "steps=50000 speed=0.125"), ("column", "dt=0.00004", "steps=25000 speed=0.25")];
+    for (kind, dt, length) in runs {
         rockfall.run(&format!("generate {kind} --spheres 200 --seed 3 --out {kind}.txt"), 0);
         let text = rockfall.read(&format!("{kind}.txt"));
-        let line = format!("\n@run dt={dt} integrator=velocity-verlet\n");
+        let line = format!("\n@run {dt} integrator=velocity-verlet {length}\n");
         assert!(text.contains(&line), "the file says how it is run: {text}");
         let (out, _) = rockfall.run(&format!("check {kind}.txt"), 0);
         assert!(out.contains(": 200 spheres") && !out.contains("warning"), "{out}");
@@ -465,7 +466,23 @@ fn generated_scenes_are_valid_and_run() {
 #[test]
 fn devices_always_lists_the_cpu() {
     let (out, _) = Rockfall::with("").run("devices", 0);
-    assert!(out.contains("cpu  ") && out.contains("gpu  "), "{out}");
+    assert!(out.contains("cpu  ") && out.contains("gpu "), "{out}");
+}
+
+/// The number that `devices` shows chooses the device.
+#[test]
+fn a_device_is_chosen_by_its_number() {
+    let rockfall = Rockfall::with("S 1 0 0 0 0 0 0 0 0 0 1 0.1\n");
+    let (out, _) = rockfall.run("devices", 0);
+    let name = out.lines().find_map(|line| line.strip_prefix("gpu 0  ")).expect("a device").to_owned();
+    let (out, _) = rockfall.run("run scene.txt --steps 1 --device 0 --json", 0);
+    let found: Value = serde_json::from_str(&out).unwrap();
+    let device = found["device"].as_str().unwrap_or_default();
+    assert!(!device.is_empty() && name.starts_with(device.split(" (").next().unwrap()), "{name}: {found}");
+    let (_, err) = rockfall.run("run scene.txt --steps 1 --device 7", 1);
+    assert!(err.contains("there is no GPU 7, `rockfall devices` lists"), "{err}");
+    let (_, err) = rockfall.run("run scene.txt --steps 1 --device 0 --backend cpu", 2);
+    assert!(err.contains("device: 0 is not allowed, expected no device with the backend cpu"), "{err}");
 }
 
 #[test]

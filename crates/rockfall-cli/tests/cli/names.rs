@@ -94,7 +94,8 @@ mod pictures {
         assert_ne!(picture(SCENE, &format!("--follow right {view}")), picture(SCENE, &format!("--follow left {view}")));
         let boxes = SCENE.replace("left", "boxes");
         assert_eq!(picture(&boxes, "--colour boxes=red"), picture(SCENE, "--colour 1=red"));
-        assert_eq!(picture(SCENE, "--colour boxes=red"), picture(SCENE, "--colour floor=red"));
+        // The colours of kinds and of objects are rounded differently, which may show in shadows.
+        assert_eq!(picture(SCENE, "--colour boxes=red --plain"), picture(SCENE, "--colour floor=red --plain"));
     }
 
     #[test]

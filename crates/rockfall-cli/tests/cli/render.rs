@@ -460,6 +460,8 @@ fn wrong_arguments_are_refused_and_leave_no_files() {
         ("--out a.gif --steps 5 --view top --orbit 9", "around the vertical"),
         ("--out a.png --arrows spin", "velocity, force"),
         ("--out a.png --trails 0", "greater than 0"),
+        ("--out a.png --trails 1:left", "--trails left: no object has the name 'left'"),
+        ("--out a.png --trails 1:7", "no sphere 7"),
         ("--out a.png --colour-by speed --range 2,1", "the first less than the second"),
     ] {
         let err = folder.render(arguments, 2);

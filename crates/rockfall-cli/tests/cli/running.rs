@@ -83,11 +83,11 @@ fn a_saved_scene_goes_on_as_it_was_run() {
 fn generated_grains_run_without_options() {
     let rockfall = Rockfall::with("");
     rockfall.run("generate column --spheres 20 --out column.txt", 0);
-    assert!(rockfall.read("column.txt").contains("\n@run dt=0.00004 integrator=velocity-verlet\n"));
+    assert!(rockfall.read("column.txt").contains("\n@run dt=0.00004 integrator=velocity-verlet steps=25000 speed=0.25\n"));
     let (out, err) = rockfall.run("run column.txt --backend cpu --steps 2", 0);
     assert!(out.contains("2 of 4e-5 s") && out.contains("integrator  velocity-verlet\n"), "{out}");
     assert!(!err.contains("advised"), "{err}");
-    assert!(!rockfall.run("generate pile --spheres 20", 0).0.contains("@run"));
+    assert!(rockfall.run("generate pile --spheres 20", 0).0.contains("\n@run dt=0.02 steps=1000\n"));
 }
 
 #[test]

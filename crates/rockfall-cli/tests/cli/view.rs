@@ -269,6 +269,25 @@ fn a_trajectory_plays_and_pauses() {
     session.quit();
 }
 
+/// A trajectory plays in which spheres come in.
+#[test]
+fn a_trajectory_with_more_and_more_spheres_plays() {
+    let inlet = "@inlet name=feed box=-1,1,-1,1,3,1 rate=10 radius=0.1 velocity=0,-1,0 every=1\n";
+    let folder = folder(&[("scene.txt", inlet)]);
+    let run = "run scene.txt --backend cpu --steps 100 --every 10 --out run.npz";
+    let output = command(folder.path()).args(run.split_whitespace()).output().expect("it starts");
+    assert!(output.status.success(), "{output:?}");
+    let mut session = Session::show(folder, "run.npz", "");
+    session.wait("the first frame", |report| report["running"] == false && report["spheres"] == 0);
+    session.keys("space");
+    session.wait("the last frame", |report| report["running"] == false && number(&report["spheres"]) > 15.0);
+    assert!((number(&session.report()["time"]) - 2.0).abs() < 1e-6);
+    session.keys("BackSpace");
+    session.wait("the first frame again", |report| report["spheres"] == 0);
+    let report = session.quit();
+    assert!(!messages(&report).contains("does not have these bodies"), "{report:#}");
+}
+
 /// The key A starts the simulation; a drag with Ctrl pulls the ball in the middle.
 #[test]
 fn a_drag_with_ctrl_pulls_a_body() {

@@ -34,7 +34,7 @@ from rockfall._flow import Flow, Inflow, Outflow
 from rockfall._info import devices, info
 from rockfall._laws import ForceLaw
 from rockfall._materials import Material, Pair
-from rockfall._motions import MotionTerm, PlaneFlow, WallLoad
+from rockfall._motions import MotionTerm, PlaneFlow, Servo, WallLoad
 from rockfall._names import Named, Tag
 from rockfall._objects import Counts, Objects
 from rockfall._picture import Picture
@@ -94,6 +94,7 @@ __all__ = [
     "RunDefaults",
     "Scene",
     "SceneWarning",
+    "Servo",
     "Settings",
     "Shape",
     "Simulation",

@@ -188,8 +188,9 @@ def box_between(low: Any, high: Any, hint: str = "") -> tuple[FloatArray, FloatA
         raise ValueError(f"min, max: expected shape (3,) each, got {least.shape} and {greatest.shape}{hint}")
     with np.errstate(over="ignore"):
         size = greatest[0] - least[0]
-    if not (np.abs(size) > 0).all():
-        raise ValueError(f"max: expected a corner that differs from min in every coordinate, got {greatest[0].tolist()}")
+    if not (size > 0).all():
+        corners = f"min {least[0].tolist()} and max {greatest[0].tolist()}"
+        raise ValueError(f"min, max: expected a greater number in every coordinate of max than of min, got {corners}")
     return least[0], np.diag(size)
 
 

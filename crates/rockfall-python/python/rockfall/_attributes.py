@@ -1,10 +1,12 @@
-"""Attributes that do not exist are errors that name similar ones."""
+"""Attributes and keyword arguments that do not exist are errors that name similar ones."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+import functools
+import inspect
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, TypeVar
 
 #: Number of similar names in a message.
 _MOST = 3
@@ -42,10 +44,44 @@ def _unknown(owner: Any, name: str) -> AttributeError:
     return AttributeError(text, name=name)
 
 
+_Call = TypeVar("_Call", bound=Callable[..., Any])
+
+
+def keywords(function: _Call) -> _Call:
+    """The function, whose errors of unknown keyword arguments name similar ones. One that passes on all of them stays as it is."""
+    parameters = inspect.signature(function).parameters.values()
+    kinds = {parameter.kind for parameter in parameters}
+    if inspect.Parameter.KEYWORD_ONLY not in kinds or inspect.Parameter.VAR_KEYWORD in kinds:
+        return function
+    known = frozenset(parameter.name for parameter in parameters if parameter.name != "self")
+
+    @functools.wraps(function)
+    def checked(*args: Any, **options: Any) -> Any:
+        if not known.issuperset(options):
+            wrong = next(name for name in options if name not in known)
+            found = near(wrong, sorted(known))
+            end = f": did you mean {' or '.join(found)}?" if found else ""
+            raise TypeError(f"{function.__qualname__}() got an unexpected keyword argument {wrong!r}{end}")
+        return function(*args, **options)
+
+    same: Any = checked
+    return same  # type: ignore[no-any-return]
+
+
 class Strict:
-    """Refuses attributes that a class does not have. Classes that are derived outside of the package may have others."""
+    """Refuses attributes and keyword arguments that a class does not have. Classes that are derived outside of the package may have others."""
 
     __slots__ = ()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        for owner in cls.__mro__:
+            if owner.__module__.partition(".")[0] != "rockfall":
+                continue
+            for name, member in list(vars(owner).items()):
+                is_call = inspect.isfunction(member) and (name == "__init__" or not name.startswith("_"))
+                if is_call and not hasattr(member, "__wrapped__"):
+                    setattr(owner, name, keywords(member))
 
     def _further_names(self) -> Iterable[str]:
         """Names that a message may propose besides those of the attributes."""

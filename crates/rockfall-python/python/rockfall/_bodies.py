@@ -63,14 +63,9 @@ def numbers_from(first: int, count: int) -> IntArray:
 class Bodies(MaterialTable, Names):
     """Adds what can move. A base of :class:`Objects`."""
 
-    def _before_other_spheres(self) -> None:
-        """Called before spheres are added or removed."""
-
     def _add(self, add: Callable[..., Any], **arguments: tuple[Any, Kind]) -> tuple[int, Any]:
         """Adds objects with a native function. Returns their number and what the function returns."""
         count, arrays = columns(**arguments)
-        if add in (_rockfall.add_spheres, _rockfall.add_capsules):
-            self._before_other_spheres()
         self._edited()
         return count, add(self._native, *arrays)
 

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from rockfall import _rockfall
 from rockfall._arrays import floats, time_step, whole
-from rockfall._attributes import Strict
+from rockfall._attributes import Strict, keywords
 from rockfall._progress import Progress
 from rockfall._scene import Scene
 from rockfall.typing import BackendName, BodyName, GoalName, IntegratorName
@@ -250,6 +250,7 @@ class Evolution(Strict):
         return f"<rockfall.Evolution: {done} generations of {self.plan['population']} creatures, {best}>"
 
 
+@keywords
 def evolve(
     generations: int = 100,
     population: int = 10240,

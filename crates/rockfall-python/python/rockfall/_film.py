@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy.typing as npt
 
+from rockfall._attributes import keywords
 from rockfall._filming import Shot, played, rehearsed, watched
 from rockfall._look import look
 from rockfall._picture import Picture
@@ -117,12 +118,13 @@ class Film:
         return f"<rockfall.Film {width}x{height}, {len(self)} pictures, {self.duration:g} s>"
 
 
+@keywords
 def film(
     sim: Filmed,
     steps: int | None = None,
     fps: int = 25,
     *,
-    speed: float = 1.0,
+    speed: float | None = None,
     size: tuple[int, int] = (1280, 720),
     colour_by: ColourName | None = None,
     range: tuple[float, float] | None = None,
@@ -137,7 +139,7 @@ def film(
     scale_bar: bool = False,
     label: bool = False,
     arrows: str | None = None,
-    trails: float = 0.0,
+    trails: float | str = 0.0,
     plot: str | Sequence[str] = (),
     on_step: Callable[[Filmed], object] | None = None,
     world: int | None = None,
@@ -158,8 +160,9 @@ def film(
         Number of steps; none for a trajectory.
     fps : int
         Pictures per second, up to 1000.
-    speed : float
-        Simulated seconds per second of film: 1 is real time, less is slow motion.
+    speed : float, optional
+        Simulated seconds per second of film: 1 is real time, less is slow motion. By default that of the scene
+        (``scene.run.speed``), else 1.
     size : (int, int)
         Width and height, in pixels.
     colour_by : str, optional
@@ -179,7 +182,7 @@ def film(
     plain : bool
         Whether to draw without shadows and ambient occlusion.
     title : str, optional
-        A line of text at the upper edge.
+        Text at the upper edge.
     clock : bool
         Whether to show the time of the simulation.
     scale_bar : bool
@@ -188,8 +191,9 @@ def film(
         Whether to write its number on every sphere.
     arrows : str, optional
         What an arrow at every sphere shows, with a key: velocity, force or gravity.
-    trails : float
-        Length of the trails of the spheres, in s of the simulation.
+    trails : float or str
+        Length of the trails of the bodies, in s of the simulation, or with the names or numbers of those that have one, as in
+        ``"2:left,7"``.
     plot : str or sequence of str
         Quantities over time beside the picture: ``"energy"``, ``"kinetic"``, ``"potential"``, ``"momentum"``, ``"contacts"``, or
         height, speed, x, y, z, vx, vy or vz of bodies by their names or numbers, as in ``"height:left,right"``, or the size of the

@@ -8,7 +8,7 @@ from typing import Any
 
 from rockfall import _rockfall
 from rockfall._arrays import whole
-from rockfall._look import number
+from rockfall._look import number, warn_of_letters
 from rockfall._progress import Progress
 
 
@@ -24,19 +24,20 @@ class Shot:
     steps: int
     dt: float
     fps: int
-    speed: float
+    speed: float | None
     follow: int | str | None
     orbit: float
 
     @classmethod
     def checked(
-        cls, look: dict[str, Any], steps: Any, dt: float, fps: Any, speed: Any = 1.0, follow: Any = None, orbit: Any = 0.0
+        cls, look: dict[str, Any], steps: Any, dt: float, fps: Any, speed: Any = None, follow: Any = None, orbit: Any = 0.0
     ) -> Shot:
         """Checks the arguments of a film."""
         count, rate = whole("steps", steps, least=1), whole("fps", fps, least=1)
         if rate > 1000:
             raise ValueError(f"fps: expected up to 1000 pictures per second, got {rate}")
-        pace, turn = number("speed", speed, positive=True), number("orbit", orbit)
+        pace = None if speed is None else number("speed", speed, positive=True)
+        turn = number("orbit", orbit)
         if follow is not None and look["look_at"] is not None:
             raise ValueError("look_at, follow: expected only one of them")
         followed = follow if follow is None or isinstance(follow, str) else whole("follow", follow)
@@ -48,6 +49,7 @@ class Shot:
 
     def begin(self, simulation: Any, *, live: bool) -> Any:
         """Begins to film a native simulation. A live film is of steps that the caller runs."""
+        warn_of_letters(simulation, self.look)
         timing = (self.steps, self.dt, self.fps, self.speed)
         return _rockfall.Filming(simulation, self.look, *timing, self.follow, self.orbit, live)
 

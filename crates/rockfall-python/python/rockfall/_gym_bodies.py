@@ -54,17 +54,21 @@ def walker(length: int = 3, width: int = 2, height: int = 2, *, stiffness: float
 def cart(pole: float = 1.0, *, mass: float = 0.1) -> Scene:
     """A cart with a pole to balance: two balls on level ground, on which a third one stands by springs.
 
-    The balls 0 and 1 are the cart, and ball 2 is the top of the pole, ``pole`` units above it. The pole turns about the line
-    through the cart, along z. The ground has no friction, and gravity points down the y axis.
+    The balls 0 and 1 are the wheels of the cart, and ball 2 is the top of the pole, ``pole`` units above it. The pole turns about the
+    line through the wheels, along z. Rods of free length show the axle and the pole. The ground has no friction, and gravity points
+    down the y axis.
     """
     height = number("pole", pole, positive=True)
     scene = Scene()
     scene.settings.update(gravity=9.81, collisions=False, contact_force=8000.0, contact_damping=60.0, friction=0.0)
     scene.add_box([-200, -1, -200], [200, 0, 200])
     radius = 0.15
-    places = [[0, radius, -0.5], [0, radius, 0.5], [0, radius + height, 0]]
-    balls = scene.add_spheres(places, radius=radius, mass=[0.5, 0.5, mass])
-    scene.add_springs(balls[[0, 0, 1]], balls[[1, 2, 2]], stiffness=[4000, 1000, 1000], damping=[20, 2, 2])
+    places = [[0, radius, -0.25], [0, radius, 0.25], [0, radius + height, 0]]
+    balls = scene.add_spheres(places, radius=[radius, radius, 0.1], mass=[0.5, 0.5, mass], look="plain", colour="#39424e")
+    scene.set_tag("sphere", balls[2], look="plain", colour="#d2483f")
+    wood = "#c9a25e"
+    scene.add_springs(balls[[0, 0, 1]], balls[[1, 2, 2]], stiffness=[4000, 1000, 1000], damping=[20, 2, 2], colour=wood)
+    scene.add_rods(balls[[0, 0, 1]], balls[[1, 2, 2]], radius=[0.11, 0.04, 0.04], length=0, colour=wood)
     return scene
 
 

@@ -13,6 +13,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from rockfall._arrays import FloatArray, floats, time_step, whole
+from rockfall._attributes import keywords
 from rockfall._filming import Live
 from rockfall._gym_actions import Actuators, Force
 from rockfall._gym_bodies import Look, walker
@@ -100,6 +101,7 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "autoreset_mode": AutoresetMode.NEXT_STEP}
 
+    @keywords
     def __init__(
         self,
         bodies: Scene | Sequence[Scene] | None = None,

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
 from collections.abc import Iterable
+from types import FrameType
 from typing import Any
 
 import numpy as np
 
+from rockfall import _rockfall
 from rockfall._arrays import FloatArray, floats, whole
 
 #: Largest number of pixels of a side, whatever the device supports.
@@ -38,7 +42,7 @@ def look(
         raise ValueError(f"size: expected sides up to {_MOST_PIXELS} pixels, got {width}x{height}")
     if view is not None and camera is not None:
         raise ValueError("view, camera: expected only one of them")
-    length = number("trails", trails)
+    length, trailed = _rockfall.trails_of(trails) if isinstance(trails, str) else (number("trails", trails), [])
     if length < 0:
         raise ValueError(f"trails: expected a number of at least 0, got {length:g}")
     ends = None
@@ -60,8 +64,21 @@ def look(
         "label": bool(label),
         "arrows": arrows,
         "trails": length,
+        "trails_of": trailed,
         "plot": _texts("plot", plot),
     }
+
+
+def warn_of_letters(simulation: Any, shown: dict[str, Any]) -> None:
+    """Warns, where the package was called, of letters of the title and the labels that the font of pictures lacks."""
+    text = _rockfall.warning_of_letters(simulation, shown)
+    if text is None:
+        return
+    level = 1
+    frame: FrameType | None = sys._getframe()
+    while frame is not None and frame.f_globals["__name__"].split(".")[0] == "rockfall":
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, stacklevel=level)
 
 
 def _texts(name: str, value: Any) -> list[str]:

@@ -49,6 +49,23 @@ class MotionTerm(NamedTuple):
     end: float
 
 
+class Servo(NamedTuple):
+    """A wall that seeks a force or a torque, as :attr:`Objects.servos` lists it."""
+
+    #: Force in mass units/s², or torque in mass units²/s², that the walls exert on the bodies along the direction.
+    target: float
+    #: Greatest speed, in units/s or rad/s.
+    speed: float
+    #: Present displacement along the direction in units, or angle about it in rad.
+    displacement: float
+    #: Present rate of the displacement, in units/s or rad/s.
+    velocity: float
+    #: Unit vector along the force, or along the axis.
+    direction: tuple[float, float, float]
+    #: Whether the walls turn.
+    turns: bool
+
+
 class WallLoad(NamedTuple):
     """The load of all contacts on walls, as :meth:`Simulation.wall_load` returns it."""
 
@@ -211,6 +228,75 @@ class Walls(Bodies):
         self._edited()
         term = motion_term(velocity, spin, axis, through, amplitude, frequency, phase, start, end)
         _rockfall.add_motion(self._native, name, term)
+
+    def add_servo(
+        self,
+        name: str,
+        *,
+        force: npt.ArrayLike | None = None,
+        torque: float | None = None,
+        axis: npt.ArrayLike = _Z,
+        through: npt.ArrayLike = _ZERO,
+        speed: float,
+    ) -> None:
+        """Add a motion that seeks a force or a torque, which boxes, polygons and meshes can follow.
+
+        The walls move along the force, or turn about the axis, until they exert the force or torque on the bodies. Without contacts they
+        move at the greatest speed.
+
+        Parameters
+        ----------
+        name : str
+            One word that no motion has as its name.
+        force : array_like, shape (3,), optional
+            Force that the walls exert on the bodies, in mass units/s².
+        torque : float, optional
+            Torque that they exert about the axis, in mass units²/s².
+        axis, through : array_like, shape (3,)
+            Direction of the axis of a torque, and a point of it, in units.
+        speed : float
+            Greatest speed in units/s, or in rad/s for a torque.
+
+        Raises
+        ------
+        ValueError
+            For numbers that are not finite, a force of 0, an axis without a direction, a speed that is not above 0, and a name that is
+            in use.
+        """
+        if (force is None) == (torque is None):
+            raise TypeError("force, torque: expected one of them")
+        self._edited()
+        turning = None if torque is None else (float(torque), _vector("axis", axis), _vector("through", through))
+        pushing = None if force is None else _vector("force", force)
+        _rockfall.add_servo(self._native, name, pushing, turning, float(speed))
+
+    def set_servo(self, name: str, *, target: float | None = None, speed: float | None = None) -> None:
+        """Change what a servo seeks, or its greatest speed. The walls go on from where they are.
+
+        Parameters
+        ----------
+        name : str
+            Name of the servo.
+        target : float, optional
+            Force along its direction, above 0, or torque about it.
+        speed : float, optional
+            Greatest speed in units/s or rad/s.
+
+        Raises
+        ------
+        LookupError
+            For an unknown name, or a motion without a servo.
+        ValueError
+            For a force that is not above 0, and numbers that are not finite.
+        """
+        self._edited()
+        _rockfall.set_servo(self._native, name, None if target is None else float(target), None if speed is None else float(speed))
+
+    @property
+    def servos(self) -> dict[str, Servo]:
+        """All walls that seek a force or a torque, by name, where they are now."""
+        rows = _rockfall.servos(self._native)
+        return {name: Servo(*numbers, tuple(direction), turns) for name, numbers, direction, turns in rows}  # type: ignore[arg-type]
 
     def add_gauge(
         self,

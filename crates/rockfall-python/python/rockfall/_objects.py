@@ -14,11 +14,11 @@ from rockfall._attributes import Strict
 from rockfall._bodies import first_of
 from rockfall._flow import Flows
 from rockfall._materials import Materials
-from rockfall._motions import Walls
 from rockfall._names import tag_of
 from rockfall._periodic import Periodic
 from rockfall._rigid import Rigid
 from rockfall._settings import SETTINGS, Settings
+from rockfall._smooth import SmoothWalls
 from rockfall.typing import KindName, LookName
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ _COLUMNS: dict[str, tuple[list[str], list[tuple[str, int]]]] = {
     "spring": (["id", "a", "b"], [("stiffness", 1), ("length", 1), ("damping", 1), ("muscle", 3)]),
     "tether": (["id", "sphere"], [("point", 3), ("stiffness", 1), ("length", 1), ("damping", 1)]),
     "box": (["id", "group", "material"], [("corner", 3), ("i", 3), ("j", 3), ("k", 3)]),
-    "polygon": (["id", "triangle", "group", "material"], [("corner", 3), ("left", 3), ("right", 3)]),
+    "polygon": (["id", "triangle", "surface", "group", "material"], [("corner", 3), ("left", 3), ("right", 3)]),
 }
 
 
@@ -53,7 +53,7 @@ class Counts(NamedTuple):
     bodies: int = 0
 
 
-class Objects(Rigid, Walls, Flows, Periodic, Strict):
+class Objects(Rigid, SmoothWalls, Flows, Periodic, Strict):
     """Objects that can be added, removed and changed. The base of :class:`Scene` and :class:`Simulation`.
 
     Every ``add`` method takes N objects at once. An argument with one value instead of N counts for all of them. It returns
@@ -218,8 +218,6 @@ class Objects(Rigid, Walls, Flows, Periodic, Strict):
         """
         _check_kind(kind)
         numbers = np.unique(integers("ids", ids))
-        if kind in ("sphere", "capsule"):
-            self._before_other_spheres()
         self._edited()
         _rockfall.remove(self._native, kind, numbers)
 

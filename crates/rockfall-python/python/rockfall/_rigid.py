@@ -277,7 +277,6 @@ class Rigid(Bodies):
             velocities=(_ZERO if velocities is None else velocities, VECTOR),
             spins=(_ZERO if spins is None else spins, VECTOR),
         )
-        self._before_other_spheres()
         self._edited()
         (body, sphere, rod), (spheres, rods) = _rockfall.add_bodies(self._native, int(shape), *arrays)
         added = RigidBodies(
@@ -322,6 +321,5 @@ class Rigid(Bodies):
             For a body that does not exist. Nothing is removed then.
         """
         numbers = np.unique(integers("bodies", bodies))
-        self._before_other_spheres()
         self._edited()
         _rockfall.remove(self._native, "body", numbers)

@@ -9,6 +9,7 @@ import numpy as np
 
 from rockfall import _rockfall
 from rockfall._arrays import time_step, whole
+from rockfall._look import number
 from rockfall._objects import Objects
 from rockfall._periodic import AXES
 from rockfall.typing import IntegratorName
@@ -30,6 +31,8 @@ class RunDefaults(NamedTuple):
     every: int | None = None
     #: Number of equal parts of a step. Each is a step of a :class:`Simulation`.
     substeps: int | None = None
+    #: Simulated seconds per second of film.
+    speed: float | None = None
 
 
 class Scene(Objects):
@@ -75,6 +78,25 @@ class Scene(Objects):
             raise ValueError("low, high: expected both bounds, or none of them")
         bounds = None if low is None or high is None else [float(low), float(high)]
         _rockfall.set_periodic(self._native, AXES.index(axis), bounds)
+
+    def set_shear(self, rate: float | None, *, gradient: str = "y", flow: str = "x") -> None:
+        """Shear a periodic scene with ``rate`` (1/s): the box above along the axis ``gradient`` moves along the axis ``flow``, so that
+        the mean velocity of the flow grows by ``rate`` per unit. ``None`` ends the shear.
+
+        The scene must be periodic along both axes. It consists of moving spheres, springs, tethers and forces, without
+        ``collisions`` as impulses and without ``linear_damping``; that is checked when a simulation is made. Lees and Edwards,
+        J. Phys. C 5, 1921 (1972).
+
+        Raises
+        ------
+        ValueError
+            For other axes, the same axis twice, or a rate that is not finite.
+        """
+        for name, axis in {"gradient": gradient, "flow": flow}.items():
+            if axis not in AXES:
+                raise ValueError(f"{name}: expected 'x', 'y' or 'z', got {axis!r}")
+        shear = None if rate is None else (AXES.index(gradient), AXES.index(flow), float(rate))
+        _rockfall.set_shear(self._native, shear)
 
     @classmethod
     def parse(cls, text: str, name: str = "scene") -> Scene:
@@ -147,7 +169,8 @@ class Scene(Objects):
             raise TypeError(f"run.integrator: expected a str, got {type(value.integrator).__name__}")
         names = ("steps", "every", "substeps")
         numbers = [None if (n := getattr(value, name)) is None else whole(f"run.{name}", n, least=1) for name in names]
-        self._native.set_run_defaults((dt, value.integrator, *numbers))
+        speed = None if value.speed is None else number("run.speed", value.speed, positive=True)
+        self._native.set_run_defaults((dt, value.integrator, *numbers, speed))
 
     def _time_step(self, given: float | None) -> float:
         """The time step that is given, or that of the scene, or 0.02 s."""

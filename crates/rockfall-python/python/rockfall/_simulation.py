@@ -15,7 +15,7 @@ from rockfall._arrays import time_step, whole
 from rockfall._contact_law import ContactLaw, ContactLawOf, native_contact_law
 from rockfall._flow import Flow, Inflow, Outflow
 from rockfall._laws import ForceLaw, LawTable, native_laws
-from rockfall._look import look
+from rockfall._look import look, warn_of_letters
 from rockfall._motions import PlaneFlow, WallLoad, motion_term
 from rockfall._picture import Picture
 from rockfall._progress import Progress
@@ -44,6 +44,8 @@ class Simulation(Stored, LawTable, ContactLawOf):
         Time step, in s. It can be changed later. By default it is that of the scene (:attr:`Scene.run`), or 0.02.
     backend : {"auto", "gpu", "cpu"}
         "auto" uses the CPU for up to 64 spheres and rods, otherwise a hardware GPU where there is one.
+    device : int, optional
+        Number of the GPU, from 0, in the list of :func:`devices`. By default the best one. Not with the backend "cpu".
     integrator : {"auto", "rk4", "symplectic-euler", "velocity-verlet"}
         How positions and velocities are advanced. "auto" is that of the scene (:attr:`Scene.run`) if it has one,
         "velocity-verlet" with the contact laws "linear",
@@ -95,6 +97,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         dt: float | None = None,
         *,
         backend: BackendName = "auto",
+        device: int | None = None,
         integrator: IntegratorName = "auto",
         broad_phase: BroadPhaseName = "auto",
         keep_going: bool = False,
@@ -110,7 +113,9 @@ class Simulation(Stored, LawTable, ContactLawOf):
         step = scene._time_step(dt)
         laws = native_laws(force_laws)
         contact = native_contact_law(contact_law)
-        native = _rockfall.Simulation(scene._native, backend, integrator, broad_phase, bool(keep_going), laws, contact)
+        number = None if device is None else whole("device", device)
+        methods = (backend, number, integrator, broad_phase, bool(keep_going))
+        native = _rockfall.Simulation(scene._native, methods, laws, contact)
         self._begin(native, step, checked=None if check else step)
 
     def _begin(self, native: Any, dt: float, checked: float | None) -> None:
@@ -467,6 +472,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         captions: dict[str, Any] = {"title": title, "clock": clock, "scale_bar": scale_bar, "label": label, "arrows": arrows}
         shown = look(size, colour_by, range, camera, look_at, plain, view=view, plot=plot, **captions)
         self._commit()
+        warn_of_letters(self._native, shown)
         if self._studio is None:
             self._studio = _rockfall.Studio()
         return Picture(self._studio.take(self._native, shown, False))

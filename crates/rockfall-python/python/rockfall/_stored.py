@@ -64,7 +64,8 @@ class Stored(Observed):
 
         Notes
         -----
-        In ``.npz`` files all frames have the same spheres: while one is written, spheres cannot be added or removed (ValueError).
+        Spheres may come and go meanwhile. An ``.npz`` file then has the spheres of all frames one after the other, with their numbers in
+        the array ``id`` and the beginnings of the frames in ``offsets``. ``.pvd`` files with different spheres cannot be read back.
 
         Examples
         --------
@@ -74,14 +75,6 @@ class Stored(Observed):
         recording = Recording(cast("Simulation", self), path, every)
         self._recordings.append(recording)
         return recording
-
-    def _before_other_spheres(self) -> None:
-        for recording in self._recordings:
-            if recording._needs_same_spheres():
-                raise ValueError(
-                    f"{recording._path} is being recorded, and all frames of an .npz file have the same spheres: finish the "
-                    "recording before spheres are added or removed, or record .pvd or .csv"
-                )
 
     # Copies
 

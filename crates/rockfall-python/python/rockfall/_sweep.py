@@ -8,7 +8,7 @@ import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, cast, overload
 
-from rockfall._attributes import hint
+from rockfall._attributes import hint, keywords
 from rockfall._info import devices
 from rockfall._progress import Progress
 from rockfall._workers import SweepError, call, failed, on_processes, script_of, stop_if_reading
@@ -84,6 +84,7 @@ class SweepResult(Sequence[dict[str, Any]]):
             return repr(self)
 
 
+@keywords
 def sweep(
     make_scene: Callable[..., Any],
     parameters: Mapping[str, Iterable[Any]] | Iterable[Parameters],

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from rockfall import _rockfall
-from rockfall._arrays import FloatArray, whole
+from rockfall._arrays import FloatArray, IntArray, whole
 from rockfall._attributes import Strict
-from rockfall._look import look
+from rockfall._look import look, warn_of_letters
 from rockfall._picture import Picture
 from rockfall._scene import Scene
 from rockfall._tables import needed
@@ -40,8 +40,6 @@ class Recording(Strict):
     def __init__(self, simulation: Simulation, path: str | os.PathLike[str], every: int) -> None:
         self._every = whole("every", every, least=1)
         self._path = os.fspath(path)
-        if self._needs_same_spheres() and (simulation.flow.inlets or simulation.flow.outlets):
-            raise ValueError(f"path: {self._path} has equally many spheres in all frames; expected .csv or .pvd, with inlets or outlets")
         self._writer = _rockfall.TrajectoryWriter(self._path)
         self._simulation: Simulation | None = simulation
         self._start = simulation.steps
@@ -64,10 +62,6 @@ class Recording(Strict):
         self._simulation._commit()
         self._writer.frame(self._simulation._native)
         self._frames += 1
-
-    def _needs_same_spheres(self) -> bool:
-        """Whether all frames must have the same spheres."""
-        return os.path.splitext(self._path)[1].lower() == ".npz"
 
     def _steps_until_frame(self, steps: int) -> int:
         return self._every - (steps - self._start) % self._every
@@ -100,7 +94,7 @@ class Recording(Strict):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Frame:
-    """One frame of a trajectory: arrays in order of addition."""
+    """One frame of a trajectory: arrays of its N spheres in order of addition."""
 
     #: Number of steps done.
     step: int
@@ -114,6 +108,8 @@ class Frame:
     orientations: FloatArray
     #: Angular momenta of shape (N, 3), in mass units²/s.
     angular_momenta: FloatArray
+    #: Numbers of the spheres in the file, of shape (N,). A sphere has the same number in all frames.
+    ids: IntArray
 
     def __repr__(self) -> str:
         return f"<rockfall.Frame: step {self.step}, {self.time:g} s, {len(self.positions)} spheres>"
@@ -125,6 +121,10 @@ class Trajectory(Strict, Sequence[Frame]):
     ``trajectory[-1]`` is a frame, and ``trajectory[::10]`` a trajectory of every tenth one. :attr:`positions` and the other arrays
     hold all frames at once, and ``trajectory["y"]`` one of the columns of :meth:`to_pandas`, of shape (T, N). :meth:`render` draws a
     frame, and :func:`rockfall.film` films a trajectory.
+
+    Where spheres come and go (:attr:`is_constant` is false), frames have different numbers of spheres, and there are no arrays of all
+    frames. ``trajectory[k].positions`` are the positions in a frame, ``trajectory[k].ids`` tell which spheres these are, and
+    :meth:`to_pandas` has all of them.
 
     Raises
     ------
@@ -140,8 +140,22 @@ class Trajectory(Strict, Sequence[Frame]):
 
     @property
     def scene(self) -> Scene:
-        """The objects of the trajectory. The states of the spheres are those of some frame."""
+        """The objects of the trajectory. The states of the spheres are those of some frame.
+
+        Where spheres come and go, the spheres are those of all frames, and the other objects those at the end.
+        """
         return Scene._of(self._native.scene())
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the spheres are the same in all frames."""
+        return bool(self._native.is_constant())
+
+    @property
+    def radii(self) -> FloatArray:
+        """Radii of all spheres, in units; ``trajectory.radii[trajectory[k].ids]`` are those in a frame."""
+        radii: FloatArray = self._native.radii()
+        return radii
 
     @property
     def steps(self) -> list[int]:
@@ -153,7 +167,16 @@ class Trajectory(Strict, Sequence[Frame]):
         """Simulated time of each frame, in s."""
         return [self._all[place][1] for place in self._places]
 
+    def _one_number(self, what: str) -> None:
+        """Refuses an array of all frames where their numbers of spheres differ."""
+        if not self.is_constant:
+            raise ValueError(
+                f"{what}: spheres come and go in {self._path}, so there is no array of all frames; use the arrays of the frames, "
+                "trajectory[k].positions with trajectory[k].ids, or to_pandas()"
+            )
+
     def _stack(self, field: int, columns: int) -> FloatArray:
+        self._one_number(_ARRAYS[field])
         frames = [self._native.frame(place)[field] for place in self._places]
         return np.stack(frames) if frames else np.zeros((0, self.scene.counts.spheres, columns), np.float32)
 
@@ -180,23 +203,27 @@ class Trajectory(Strict, Sequence[Frame]):
     def to_pandas(self) -> Any:
         """A ``pandas.DataFrame`` with a row for each sphere in each frame. Needs pandas.
 
-        The columns are ``step``, ``time``, ``sphere`` (its row) and, as in the CSV files of ``rockfall run``, ``x`` to ``lz``.
+        The columns are ``step``, ``time``, ``sphere`` (one of :attr:`Frame.ids`) and, as in the CSV files of ``rockfall run``, ``x`` to
+        ``lz``.
         """
         pandas = needed("pandas", "Trajectory.to_pandas")
-        frames, spheres = len(self), self.scene.counts.spheres
+        frames = [self._native.frame(place) for place in self._places]
+        counts = [len(frame[-1]) for frame in frames]
         columns: dict[str, Any] = {
-            "step": np.repeat(np.array(self.steps, np.int64), spheres),
-            "time": np.repeat(np.array(self.times, np.float64), spheres),
-            "sphere": np.tile(np.arange(spheres), frames),
+            "step": np.repeat(np.array(self.steps, np.int64), counts),
+            "time": np.repeat(np.array(self.times, np.float64), counts),
+            "sphere": np.concatenate([np.zeros(0, np.int64), *(frame[-1] for frame in frames)]),
         }
-        for names, array in zip(_COLUMNS, self._arrays().values(), strict=True):
+        for field, names in enumerate(_COLUMNS):
+            rows = np.concatenate([np.zeros((0, len(names)), np.float32), *(frame[field] for frame in frames)])
             for place, name in enumerate(names):
-                columns[name] = array[:, :, place].ravel()
+                columns[name] = rows[:, place]
         return pandas.DataFrame(columns)
 
     def to_xarray(self) -> Any:
         """An ``xarray.Dataset`` with the arrays over ``time``, ``sphere`` and ``axis`` or ``component``. Needs xarray."""
         xarray = needed("xarray", "Trajectory.to_xarray")
+        self._one_number("to_xarray")
         last = {"orientations": "component"}
         arrays = {name: (("time", "sphere", last.get(name, "axis")), array) for name, array in self._arrays().items()}
         places = {"time": self.times, "step": ("time", self.steps), "axis": list("xyz"), "component": list("wxyz")}
@@ -239,6 +266,7 @@ class Trajectory(Strict, Sequence[Frame]):
         shown = look(size, **options)
         shot = Shown(self)
         shot.show(self._index(frame))
+        warn_of_letters(shot.native, shown)
         return Picture(_rockfall.Studio().take(shot.native, shown, True))
 
     def _index(self, index: int) -> int:
@@ -275,7 +303,8 @@ class Trajectory(Strict, Sequence[Frame]):
             part._path, part._native, part._all, part._places = self._path, self._native, self._all, self._places[index]
             return part
         number = self._places[self._index(index)]
-        return Frame(*self._all[number], *self._native.frame(number))
+        positions, velocities, orientations, angular_momenta, ids = self._native.frame(number)
+        return Frame(*self._all[number], positions, velocities, orientations, angular_momenta, ids)
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[index] for index in range(len(self)))

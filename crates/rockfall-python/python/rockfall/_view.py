@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 from typing import TYPE_CHECKING, Any, Literal
 
+from rockfall._attributes import keywords
 from rockfall._window import open_window
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ def in_notebook() -> bool:
     return shell is not None and hasattr(shell, "kernel")
 
 
+@keywords
 def view(sim: Simulation, kind: Literal["auto", "widget", "window"] = "auto", **options: Unpack[ViewOptions]) -> Any:
     """Open an interactive view of a simulation.
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from rockfall import _rockfall
 from rockfall._arrays import floats, whole
-from rockfall._look import look
+from rockfall._look import look, warn_of_letters
 from rockfall._picture import Picture
 from rockfall._reports import ENERGIES, WORLD_REPORTS, Backend
 from rockfall._scene import Scene
@@ -141,6 +141,7 @@ class ObservedWorlds(WorldStates):
         """Draw a world. Arguments are those of :meth:`Simulation.render`."""
         shown = look(size, **options)
         native = self._alone(self._world(world))
+        warn_of_letters(native, shown)
         if self._studio is None:
             self._studio = _rockfall.Studio()
         return Picture(self._studio.take(native, shown, True))

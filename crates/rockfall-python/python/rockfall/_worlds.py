@@ -34,7 +34,7 @@ class Worlds(ObservedWorlds):
         Time step, in s. It can be changed later. By default it is that of the scenes (:attr:`Scene.run`), or 0.02.
     count : int, optional
         Number of worlds with the same scene.
-    backend, integrator, broad_phase, keep_going
+    backend, device, integrator, broad_phase, keep_going
         As for :class:`Simulation`, the same for all worlds. With the integrator "auto", each world has that of its own scene.
     check : bool
         Whether the first steps with a time step, or after a replacement, warn (:class:`SceneWarning`) of what :meth:`Scene.check`
@@ -79,6 +79,7 @@ class Worlds(ObservedWorlds):
         *,
         count: int | None = None,
         backend: BackendName = "auto",
+        device: int | None = None,
         integrator: IntegratorName = "auto",
         broad_phase: BroadPhaseName = "auto",
         keep_going: bool = False,
@@ -90,7 +91,9 @@ class Worlds(ObservedWorlds):
             if not isinstance(value, str):
                 raise TypeError(f"{name}: expected a str, got {type(value).__name__}")
         step = _time_step(scenes, dt)
-        native = _rockfall.Worlds(natives, worlds, backend, integrator, broad_phase, bool(keep_going))
+        number = None if device is None else whole("device", device)
+        methods = (backend, number, integrator, broad_phase, bool(keep_going))
+        native = _rockfall.Worlds(natives, worlds, methods)
         self._begin(native, step, bool(check))
 
     def _begin(self, native: Any, dt: float, check: bool) -> None:
@@ -320,7 +323,7 @@ class Worlds(ObservedWorlds):
         """Set when worlds sleep. Steps without motion are counted again from 0.
 
         A world sleeps when no centre and no surface of a sphere was faster than ``speed`` at the end of each of the last ``steps``
-        steps. A world with muscles never sleeps, nor one on a GPU without ``workgroup``. Setting states, rest lengths or forces,
+        steps. A world with muscles or walls that follow a motion never sleeps, nor one on a GPU without ``workgroup``. Setting states, rest lengths or forces,
         resets and replacements wake it up.
 
         Parameters

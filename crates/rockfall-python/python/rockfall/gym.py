@@ -21,6 +21,7 @@ try:
 except ImportError as error:
     raise ImportError("rockfall.gym needs Gymnasium: pip install 'rockfall[gym]'") from error
 
+from rockfall._attributes import keywords
 from rockfall._film import Film
 from rockfall._filming import Live, Shot
 from rockfall._gym_actions import Force
@@ -88,6 +89,7 @@ def make(body: Scene | None = None, **options: Unpack[EnvOptions]) -> WorldEnv:
     return WorldEnv(body, **options)
 
 
+@keywords
 def film(
     env: gymnasium.Env[Any, Any] | WorldsVectorEnv,
     policy: Callable[[Any], Any] | None = None,
@@ -97,10 +99,10 @@ def film(
     world: int = 0,
     seed: int | None = None,
     size: tuple[int, int] = (1280, 720),
-    speed: float = 1.0,
+    speed: float | None = None,
     follow: int | str | None = None,
     orbit: float = 0.0,
-    trails: float = 0.0,
+    trails: float | str = 0.0,
     progress: bool = False,
     **options: Unpack[PictureOptions],
 ) -> Film:

@@ -40,8 +40,8 @@ impl Shooting {
             Some(shot) => shot,
             None => self.begin(simulation)?,
         };
-        let place = match self.view.follow {
-            Some(body) => Some(simulation.sphere(body).or_raise()?.position),
+        let place = match &self.view.follow {
+            Some(subject) => Some(subject.place(simulation.sync().or_raise()?).or_raise()?),
             None => None,
         };
         self.tools.renderer.update(simulation, &self.style).or_raise()?;

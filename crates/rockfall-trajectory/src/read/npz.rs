@@ -9,13 +9,46 @@ use zip::result::ZipError;
 
 use super::{Moment, States, states, unusable};
 
+mod cast;
+
+pub(super) use cast::{Cast, Gone};
+
 /// An opened archive.
 #[derive(Debug)]
 pub(super) struct Frames {
     archive: ZipArchive<File>,
-    spheres: usize,
+    rows: Rows,
     /// Position of the data of the arrays of [`NAMES`] in their files.
     starts: [u64; 4],
+    /// Where spheres come and go, all those that ever were there.
+    cast: Option<Cast>,
+}
+
+/// Where the spheres of a frame are in the arrays.
+#[derive(Debug)]
+enum Rows {
+    /// As many in all frames.
+    Constant(u64),
+    /// Where each frame begins, and the end.
+    Offsets(Vec<u64>),
+}
+
+impl Rows {
+    /// First row and number of rows.
+    fn of(&self, frame: usize) -> (u64, u64) {
+        match self {
+            Self::Constant(spheres) => (frame as u64 * spheres, *spheres),
+            Self::Offsets(offsets) => (offsets[frame], offsets[frame + 1] - offsets[frame]),
+        }
+    }
+
+    /// Shape of an array with the given number of components.
+    fn shape(&self, frames: u64, components: u64) -> Vec<u64> {
+        match self {
+            Self::Constant(spheres) => vec![frames, *spheres, components],
+            Self::Offsets(offsets) => vec![offsets.last().copied().unwrap_or(0), components],
+        }
+    }
 }
 
 /// The arrays with a part in every frame, and the number of components.
@@ -46,18 +79,36 @@ pub(super) fn open(path: &Path) -> io::Result<(Frames, Vec<Moment>, Vec<u8>)> {
     if !kind.starts_with("|S") {
         return Err(unusable(&format!("array scene has type {kind}, expected text")));
     }
-    let mut spheres = None;
+    let (rows, cast) = if archive.index_for_name(&entry_name("offsets")).is_some() {
+        let offsets = offsets(&mut archive, frames)?;
+        let cast = Cast::read(&mut archive, &offsets)?;
+        (Rows::Offsets(offsets), Some(cast))
+    } else {
+        let Header { shape, .. } = check(&mut archive, NAMES[0].0)?;
+        (Rows::Constant(shape.get(1).copied().unwrap_or(0)), None)
+    };
     let mut starts = [0; 4];
     for ((name, components), start) in NAMES.into_iter().zip(&mut starts) {
         let Header { kind, shape, start: found } = check(&mut archive, name)?;
-        let spheres = *spheres.get_or_insert(shape.get(1).copied().unwrap_or(0));
-        expect(name, &kind, &shape, "<f4", &[frames, spheres, components])?;
+        expect(name, &kind, &shape, "<f4", &rows.shape(frames, components))?;
         *start = found;
     }
     let eight = |bytes: &[u8], k: usize| <[u8; 8]>::try_from(&bytes[8 * k..8 * k + 8]).unwrap_or_default();
     let moment = |k| Moment { step: u64::from_le_bytes(eight(&steps, k)), time: f64::from_le_bytes(eight(&times, k)) };
     let moments = (0..frames as usize).map(moment).collect();
-    Ok((Frames { archive, spheres: spheres.unwrap_or(0) as usize, starts }, moments, text))
+    Ok((Frames { archive, rows, starts, cast }, moments, text))
+}
+
+/// Reads where the frames begin.
+fn offsets(archive: &mut ZipArchive<File>, frames: u64) -> io::Result<Vec<u64>> {
+    let (bytes, kind, shape) = whole(archive, "offsets")?;
+    expect("offsets", &kind, &shape, "<u8", &[frames + 1])?;
+    let (words, _) = bytes.as_chunks::<8>();
+    let offsets: Vec<u64> = words.iter().map(|word| u64::from_le_bytes(*word)).collect();
+    if offsets[0] != 0 || offsets.windows(2).any(|pair| pair[0] > pair[1]) {
+        return Err(unusable("array offsets: expected numbers that begin with 0 and do not decrease"));
+    }
+    Ok(offsets)
 }
 
 fn expect(name: &str, kind: &str, shape: &[u64], expected_kind: &str, expected_shape: &[u64]) -> io::Result<()> {
@@ -145,19 +196,39 @@ fn header(entry: &mut impl Read, name: &str) -> io::Result<Header> {
 }
 
 impl Frames {
-    pub(super) fn spheres(&self) -> usize {
-        self.spheres
+    /// Number of spheres in all frames; `None` where spheres come and go.
+    pub(super) fn spheres(&self) -> Option<usize> {
+        match self.rows {
+            Rows::Constant(spheres) => Some(spheres as usize),
+            Rows::Offsets(_) => None,
+        }
+    }
+
+    /// Where spheres come and go, all those that ever were there.
+    pub(super) fn cast(&self) -> Option<&Cast> {
+        self.cast.as_ref()
     }
 
     pub(super) fn read(&mut self, index: usize) -> io::Result<States> {
+        let (first, spheres) = self.rows.of(index);
         let mut arrays: [Vec<u8>; 4] = Default::default();
         for (k, (name, components)) in NAMES.into_iter().enumerate() {
-            let part = 4 * components * self.spheres as u64;
-            let mut entry = self.archive.by_name_seek(&entry_name(name)).map_err(broken(name))?;
-            entry.seek(SeekFrom::Start(self.starts[k] + index as u64 * part))?;
-            arrays[k] = vec![0; part as usize];
-            entry.read_exact(&mut arrays[k])?;
+            arrays[k] = self.part(name, self.starts[k] + 4 * components * first, 4 * components * spheres)?;
         }
-        states(&arrays)
+        let mut states = states(&arrays)?;
+        if let Some(start) = self.cast.as_ref().map(Cast::start) {
+            let bytes = self.part("id", start + 4 * first, 4 * spheres)?;
+            states.ids = bytes.as_chunks::<4>().0.iter().map(|id| u32::from_le_bytes(*id)).collect();
+        }
+        Ok(states)
+    }
+
+    /// Bytes of an array from a position in its file on.
+    fn part(&mut self, name: &str, at: u64, bytes: u64) -> io::Result<Vec<u8>> {
+        let mut entry = self.archive.by_name_seek(&entry_name(name)).map_err(broken(name))?;
+        entry.seek(SeekFrom::Start(at))?;
+        let mut found = vec![0; bytes as usize];
+        entry.read_exact(&mut found)?;
+        Ok(found)
     }
 }

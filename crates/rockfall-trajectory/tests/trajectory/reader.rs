@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use rockfall::glam::{Quat, Vec3};
-use rockfall::{Backend, Capsule, Cuboid, Inlet, Options, Rate, Scene, Simulation, Sphere, SphereState, Spring};
+use rockfall::{Backend, Capsule, Cuboid, Options, Scene, Simulation, Sphere, SphereState, Spring};
 use rockfall_trajectory::{Format, Reader, Writer};
 
 fn on_cpu(scene: Scene) -> Simulation {
@@ -147,31 +147,4 @@ fn states_of_another_scene_do_not_fit() {
     let mut simulation = on_cpu(Scene::new());
     let error = Reader::open(&path).and_then(|mut reader| reader.frame(0)?.apply(&mut simulation)).unwrap_err();
     assert!(error.to_string().contains("4 spheres"), "{error}");
-}
-
-/// Frames with different spheres. CSV and ParaView files hold them, and references tell the spheres apart.
-#[test]
-fn frames_of_spheres_that_come_and_go_are_written_and_not_read_back() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut scene = Scene::new();
-    let inlet = Inlet::new("feed", [[0.0; 3], [3.0, 1.0, 3.0]], Rate::Number(100.0), 0.1).every(1);
-    scene.add_inlet(inlet).expect("an inlet");
-    let [csv, pvd] = ["run.csv", "run.pvd"].map(|name| folder.path().join(name));
-    for (path, format) in [(&csv, Format::Csv), (&pvd, Format::Vtp)] {
-        let mut simulation = on_cpu(scene.clone());
-        let mut writer = Writer::create(path, format).expect("it is begun");
-        for _ in 0..3 {
-            writer.frame(&mut simulation).expect("a frame");
-            simulation.run(2, 0.01).expect("steps");
-        }
-        writer.finish(simulation.scene()).expect("it is finished");
-    }
-    let text = fs::read_to_string(&csv).expect("text");
-    let column = |line: &str, place: usize| line.split(',').nth(place).expect("a column").to_owned();
-    let found: Vec<_> = text.lines().skip(1).map(|line| (column(line, 0), column(line, 2), column(line, 16))).collect();
-    // Before step k, k spheres are due.
-    let of = |step: &str, sphere: &str, reference: &str| [step, sphere, reference].map(str::to_owned).into();
-    assert_eq!(found, [of("2", "0", "1"), of("4", "0", "1"), of("4", "1", "2"), of("4", "2", "3")]);
-    let error = Reader::open(&pvd).expect_err("other spheres in each frame").to_string();
-    assert!(error.contains("its spheres come and go"), "{error}");
 }

@@ -71,6 +71,10 @@ pub(crate) struct Frame {
     rigid_parts_at: u32,
     /// Least corner of the box of a periodic scene.
     least: Vec3,
+    /// Half the edge of the squares that stand for planes, in units.
+    stage_size: f32,
+    /// The point near which planes are shown.
+    stage: Vec3,
     unused_too: f32,
     kinds: [Vec4; 8],
     scale: [Vec4; 9],
@@ -198,6 +202,8 @@ impl Frame {
             period: Vec3::new(step.layout.period_x, step.layout.period_y, step.layout.period_z),
             rigid_parts_at: step.layout.rigid_parts_at,
             least: Vec3::new(step.layout.from_x, step.layout.from_y, step.layout.from_z),
+            stage_size: summary.stage.1,
+            stage: summary.stage.0,
             unused_too: 0.0,
             kinds: style.kinds.map(opaque),
             scale: style.colour_by.scale().map(opaque),
@@ -279,6 +285,8 @@ mod tests {
             period,
             rigid_parts_at,
             least,
+            stage_size,
+            stage,
             kinds,
             scale,
         ];

@@ -1,24 +1,25 @@
-//! The places of the spheres on the host, for text, arrows and trails.
+//! The places of the bodies on the host, for text, arrows and trails.
 
-use std::collections::{HashSet, VecDeque};
+use std::collections::VecDeque;
 
 use rockfall::glam::Vec3;
-use rockfall::{Result, Scene, Simulation, Sphere, SphereDiagnostics, SphereId};
+use rockfall::{Body, Counts, ObjectId, Result, Scene, Simulation, SphereDiagnostics};
 
 use crate::draw::net_force;
 use crate::draw::range::{RecentPercentile, percentile};
 use crate::palette::Rgb;
 use crate::plot::{Graph, Plots};
-use crate::tags::colour_of;
+use crate::tags::{colour_of, name_of, object_of};
+use crate::whole::{motion, spheres, thickness, wholes};
 
-/// Number of spheres that have trails. In larger scenes only some have.
+/// Number of bodies that have trails. In larger scenes only some have.
 const MOST_TRAILS: usize = 1000;
 /// Number of states during the time of the trails.
 const STATES: f64 = 200.0;
 /// Greatest number of past states that are kept. Pictures add some to those that trails need.
 const MOST_STATES: usize = 1000;
 
-/// A vector of every sphere.
+/// A vector of every body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Arrows {
     /// Velocity, in units/s.
@@ -58,18 +59,21 @@ impl Arrows {
         }
     }
 
-    pub(crate) fn of(self, sphere: &Sphere, values: Option<&SphereDiagnostics>, gravity: Vec3) -> Vec3 {
+    /// The vector of a body; `values` are those of all spheres.
+    fn of(self, scene: &Scene, body: Body, values: &[SphereDiagnostics]) -> Vec3 {
+        let parts = || spheres(scene, body);
+        let force = |id| Some(values.get(Body::Sphere(id).index(scene).ok()?)?.net_force);
+        // A fixed sphere is held, so that gravity does not act on it.
+        let mass = |id| scene.sphere(id).ok().filter(|sphere| !sphere.fixed).map(|sphere| sphere.mass);
         match self {
-            Self::Velocity => sphere.velocity,
-            Self::Force => values.map_or(Vec3::ZERO, |values| values.net_force),
-            // A fixed sphere is held, so that gravity does not act on it.
-            Self::Gravity if sphere.fixed => Vec3::ZERO,
-            Self::Gravity => sphere.mass * gravity,
+            Self::Velocity => motion(scene, body).map_or(Vec3::ZERO, |(_, velocity)| velocity),
+            Self::Force => parts().filter_map(force).sum(),
+            Self::Gravity => parts().filter_map(mass).sum::<f32>() * scene.settings.gravity * scene.settings.gravity_direction,
         }
     }
 }
 
-/// What an overlay shows of the spheres, between the last two states of a renderer.
+/// What an overlay shows of the bodies, between the last two states of a renderer.
 #[derive(Debug, Default)]
 pub struct Motion {
     wanted: bool,
@@ -79,14 +83,37 @@ pub struct Motion {
     now: State,
     /// How much the state before is shown, from 0 to 1.
     back: f32,
-    labels: Vec<String>,
-    /// Radii, and colours that the scene gives, of all spheres.
-    looks: Vec<(f32, Option<Rgb>)>,
-    /// [`Scene::tag_changes`] of the labels and colours.
+    /// The bodies, and what is drawn of each besides its place.
+    bodies: Vec<Body>,
+    looks: Vec<Appearance>,
+    /// The numbers of objects and [`Scene::tag_changes`] that the bodies belong to.
+    counts: Counts,
     tag_changes: u64,
     recent: RecentPercentile,
     past: VecDeque<State>,
     pub(crate) plots: Plots,
+}
+
+/// What is drawn of a body besides its place.
+#[derive(Clone, Debug)]
+struct Appearance {
+    label: String,
+    /// How far the body reaches from its centre in all directions.
+    radius: f32,
+    /// The colour that the scene gives.
+    colour: Option<Rgb>,
+    /// The index of its first sphere.
+    first: usize,
+    /// The name that the scene gives, and the number: the reference or the index of the first sphere.
+    name: Option<String>,
+    number: String,
+}
+
+impl Appearance {
+    /// Whether the body is one of those with these names or numbers. An empty list stands for all bodies.
+    fn is_one_of(&self, names: &[String]) -> bool {
+        names.is_empty() || names.iter().any(|name| self.name.as_ref() == Some(name) || self.number == *name)
+    }
 }
 
 #[derive(Clone, Debug, Default)]
@@ -110,7 +137,7 @@ impl Motion {
     pub(crate) fn forget(&mut self) {
         self.recent = RecentPercentile::default();
         self.past.clear();
-        self.labels.clear();
+        self.bodies.clear();
     }
 
     /// Takes the present state.
@@ -123,16 +150,16 @@ impl Motion {
         }
         let values = if self.arrows == Some(Arrows::Force) { net_force::diagnostics(simulation)? } else { Vec::new() };
         let scene = simulation.sync()?;
-        self.now.places = scene.spheres().iter().map(|sphere| sphere.position).collect();
-        if let Some(arrows) = self.arrows {
-            let gravity = scene.settings.gravity * scene.settings.gravity_direction;
-            let spheres = scene.spheres().iter().enumerate();
-            self.now.arrows = spheres.map(|(index, sphere)| arrows.of(sphere, values.get(index), gravity)).collect();
-            self.recent.record(percentile(self.now.arrows.iter().map(|arrow| arrow.length())));
+        if self.bodies.is_empty() || (self.counts, self.tag_changes) != (scene.counts(), scene.tag_changes()) {
+            (self.counts, self.tag_changes) = (scene.counts(), scene.tag_changes());
+            self.bodies = wholes(scene);
+            self.looks = appearances(scene, &self.bodies);
         }
-        if self.labels.len() != self.now.places.len() || self.tag_changes != scene.tag_changes() {
-            (self.labels, self.tag_changes) = (labels(scene), scene.tag_changes());
-            self.looks = scene.sphere_ids().zip(scene.spheres()).map(|(id, it)| (it.radius, colour_of(scene, id))).collect();
+        let place = |body: &Body| motion(scene, *body).map_or(Vec3::NAN, |(place, _)| place);
+        self.now.places = self.bodies.iter().map(place).collect();
+        if let Some(arrows) = self.arrows {
+            self.now.arrows = self.bodies.iter().map(|body| arrows.of(scene, *body, &values)).collect();
+            self.recent.record(percentile(self.now.arrows.iter().map(|arrow| arrow.length())));
         }
         Ok(())
     }
@@ -219,9 +246,8 @@ impl Motion {
 
     /// Places, radii and texts.
     pub(crate) fn labels(&self) -> impl Iterator<Item = (Vec3, f32, &str)> {
-        let labels = self.labels.iter().map(String::as_str).zip(&self.looks);
-        let all = self.places().zip(labels).map(|(place, (label, (radius, _)))| (place, *radius, label));
-        all.filter(|(.., label)| !label.is_empty())
+        let all = self.places().zip(&self.looks).filter(|(_, look)| !look.label.is_empty());
+        all.map(|(place, look)| (place, look.radius, look.label.as_str()))
     }
 
     /// A round number above the 99th percentile of the lengths of the arrows of the last states.
@@ -229,37 +255,56 @@ impl Motion {
         self.recent.range()[1]
     }
 
-    /// The places of the spheres in the states of the trails, the oldest first.
-    pub fn past(&self) -> impl Iterator<Item = &[Vec3]> {
-        self.past.iter().map(|state| state.places.as_slice())
+    /// The places of the bodies with these names or numbers (none for all) in the states of the trails, the oldest first, each with the
+    /// index of the first sphere of the body.
+    pub fn past(&self, names: &[String]) -> impl Iterator<Item = impl Iterator<Item = (usize, Vec3)>> {
+        let states = self.past.iter().filter(|state| state.places.len() == self.looks.len());
+        states.map(move |state| {
+            let bodies = self.looks.iter().zip(&state.places).filter(|(look, _)| look.is_one_of(names));
+            bodies.map(|(look, place)| (look.first, *place))
+        })
     }
 
-    /// The lines between past places, with their age from 0 to 1 and the colour that the scene gives to the sphere, the oldest first.
-    pub(crate) fn trails(&self) -> impl Iterator<Item = ([Vec3; 2], f32, Option<Rgb>)> {
+    /// The lines between past places of the bodies with these names or numbers (none for all), with their age from 0 to 1 and the colour that the scene gives to the body, the oldest first.
+    pub(crate) fn trails(&self, names: &[String]) -> impl Iterator<Item = ([Vec3; 2], f32, Option<Rgb>)> {
+        let shown: Vec<bool> = self.looks.iter().map(|look| look.is_one_of(names)).collect();
+        let stride = shown.iter().filter(|shown| **shown).count().div_ceil(MOST_TRAILS).max(1);
+        let bodies: Vec<usize> = (0..shown.len()).filter(|body| shown[*body]).step_by(stride).collect();
         let (end, seconds) = (self.time(), self.seconds.max(f64::MIN_POSITIVE));
         let pairs = self.past.iter().zip(self.past.iter().skip(1));
         pairs.flat_map(move |(from, to)| {
             let age = ((end - to.time) / seconds).clamp(0.0, 1.0) as f32;
-            let stride = to.places.len().div_ceil(MOST_TRAILS).max(1);
-            let ends = from.places.iter().zip(&to.places).enumerate().step_by(stride).filter(|(_, (from, to))| from != to);
-            ends.map(move |(body, (from, to))| ([*from, *to], age, self.looks.get(body).and_then(|(_, colour)| *colour)))
+            let ends =
+                bodies.clone().into_iter().filter_map(|body| Some((body, [*from.places.get(body)?, *to.places.get(body)?])));
+            let lines = ends.filter(|(_, [from, to])| from != to);
+            lines.map(move |(body, ends)| (ends, age, self.looks[body].colour))
         })
     }
 }
 
-/// The texts beside the spheres: their labels, or in a scene that says nothing of labels their numbers, which are references, or in a scene
-/// without references the order of addition. The label of a capsule is at its first end.
-fn labels(scene: &Scene) -> Vec<String> {
+/// What is drawn of bodies. The text beside a body is its label, or in a scene that says nothing of labels its number: the reference
+/// of its first sphere, or in a scene without references the index of that sphere.
+fn appearances(scene: &Scene, bodies: &[Body]) -> Vec<Appearance> {
     let has_references = scene.sphere_ids().any(|sphere| scene.reference(sphere).is_some());
-    let label_of = |sphere: SphereId| scene.tag(sphere).ok().flatten()?.label.clone();
-    let second: HashSet<SphereId> = scene.capsules().iter().map(|parts| parts.end2).collect();
-    let has_labels = scene.sphere_ids().any(|sphere| label_of(sphere).is_some());
-    let label = |(index, sphere): (usize, SphereId)| match label_of(sphere) {
-        Some(_) if second.contains(&sphere) => String::new(),
-        Some(label) => label,
-        None if has_labels => String::new(),
-        None if has_references => scene.reference(sphere).map_or_else(String::new, |reference| reference.to_string()),
-        None => index.to_string(),
+    let label_of = |body: Body| {
+        let objects = object_of(scene, body).into_iter().chain(spheres(scene, body).next().map(ObjectId::from));
+        objects.filter_map(|object| scene.tag(object).ok().flatten()).find_map(|tag| tag.label.clone())
     };
-    scene.sphere_ids().enumerate().map(label).collect()
+    let has_labels = bodies.iter().any(|body| label_of(*body).is_some());
+    let appearance = |body: &Body| {
+        let sphere = spheres(scene, *body).next();
+        let first = sphere.and_then(|sphere| Body::Sphere(sphere).index(scene).ok()).unwrap_or(usize::MAX);
+        let reference = || sphere.and_then(|sphere| scene.reference(sphere)).map(|reference| reference.to_string());
+        let number = if has_references { reference().unwrap_or_default() } else { first.to_string() };
+        let label = match label_of(*body) {
+            Some(label) => label,
+            None if has_labels => String::new(),
+            None => number.clone(),
+        };
+        let object = object_of(scene, *body);
+        let colour = object.and_then(|object| colour_of(scene, object));
+        let name = object.and_then(|object| name_of(scene, object)).map(str::to_owned);
+        Appearance { label, radius: thickness(scene, *body), colour, first, name, number }
+    };
+    bodies.iter().map(appearance).collect()
 }

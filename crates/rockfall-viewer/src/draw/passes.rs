@@ -12,8 +12,11 @@ use crate::draw::style::Style;
 use crate::draw::targets::{Bodies, Targets, fill};
 use crate::draw::timing::Pass;
 
+/// Facets of a cone or ball, as in `flat.wgsl`: 64 around the axis times 24 along it.
+const FACETS: u32 = 64 * 24;
+
 /// Opacity of a face that hides bodies.
-const PANE: f64 = 0.16;
+const PANE: f64 = 0.08;
 
 /// Vertices that a kind of object is drawn with.
 #[derive(Clone, Copy)]
@@ -67,6 +70,16 @@ impl Renderer {
                 }
             };
             pass.draw(vertices, 0..count);
+            if std::ptr::eq(kind, &self.pipelines.polygons) {
+                self.draw_round_walls(pass);
+            }
+        }
+    }
+
+    /// Draws the facets of cones and balls, except the first one of each, with the pipeline of polygons that is set.
+    fn draw_round_walls(&self, pass: &mut wgpu::RenderPass<'_>) {
+        for number in self.walls.round() {
+            pass.draw(6..6 * FACETS, number..number + 1);
         }
     }
 
@@ -162,6 +175,9 @@ impl Renderer {
         for (pipeline, (vertices, count)) in self.pipelines.glass.iter().zip(counts).filter(|(_, (_, count))| *count > 0) {
             pass.set_pipeline(pipeline);
             pass.draw(0..vertices, 0..count);
+            if vertices == 6 {
+                self.draw_round_walls(pass);
+            }
         }
         pass.set_pipeline(&self.pipelines.glass_spheres);
         self.cull.draw(pass, List::Near);
@@ -180,6 +196,9 @@ impl Renderer {
             for pipeline in pipelines.iter().filter(|_| count > 0) {
                 pass.set_pipeline(pipeline);
                 pass.draw(0..vertices, 0..count);
+                if vertices == 6 {
+                    self.draw_round_walls(pass);
+                }
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Properties of a scene that the renderer needs in addition to the buffers.
 
+use rockfall::glam::Vec3;
 use rockfall::{BoxPart, Scene};
 
 use crate::extent::{Extent, extent_of_spheres, extents_of_static_objects};
@@ -14,11 +15,13 @@ pub(crate) struct SceneSummary {
     pub(crate) is_below_spheres: bool,
     /// Median radius of the spheres.
     pub(crate) typical_radius: f32,
+    /// The point near which planes are shown, and half the edge of the squares that stand for them.
+    pub(crate) stage: (Vec3, f32),
 }
 
 impl Default for SceneSummary {
     fn default() -> Self {
-        Self { ground: 0.0, is_below_spheres: true, typical_radius: 1.0 }
+        Self { ground: 0.0, is_below_spheres: true, typical_radius: 1.0, stage: (Vec3::ZERO, 1.0) }
     }
 }
 
@@ -33,7 +36,7 @@ impl SceneSummary {
         let objects = extents_of_static_objects(scene).reduce(Extent::with);
         let below = || extent_of_spheres(scene).map_or(0.0, ground_below);
         let ground = objects.map_or_else(below, |objects| objects.min.y);
-        Self { ground, is_below_spheres: objects.is_none(), typical_radius }
+        Self { ground, is_below_spheres: objects.is_none(), typical_radius, stage: stage(scene) }
     }
 
     /// Moves a ground that depends on the spheres below this extent, which they have over the time of a film.
@@ -56,6 +59,15 @@ impl SceneSummary {
 fn radii_of_bodies(scene: &Scene) -> Vec<f32> {
     let is_vertex = |id| matches!(scene.box_of_sphere(id), Some(BoxPart::Rim(_)));
     scene.sphere_ids().zip(scene.spheres()).filter(|(id, _)| !is_vertex(*id)).map(|(_, sphere)| sphere.radius).collect()
+}
+
+/// Edge of the square that stands for a plane, divided by the extent of everything else.
+const PLANE: f32 = 1.3;
+
+/// The middle of everything but planes, and half the edge of the squares that stand for planes.
+pub(crate) fn stage(scene: &Scene) -> (Vec3, f32) {
+    let all = extent_of_spheres(scene).into_iter().chain(extents_of_static_objects(scene)).reduce(Extent::with);
+    all.map_or((Vec3::ZERO, 1.0), |all| (0.5 * (all.min + all.max), 0.5 * PLANE * all.size().max(f32::MIN_POSITIVE)))
 }
 
 /// Height of the ground of a scene without static objects.

@@ -1,11 +1,15 @@
 //! Boxes and polygons between the camera and the bodies, like the near walls of a pit. They are translucent. A floor or a ramp on
 //! which a body lies is not.
 
+use std::collections::HashMap;
+
 use rockfall::glam::Vec3;
-use rockfall::{Look, Polygon, Scene};
+use rockfall::{Look, Polygon, Scene, Surface};
 
 use crate::block::Block;
 use crate::draw::looks::look;
+use crate::draw::summary::stage;
+use crate::draw::surfaces::{Side, surfaces};
 use crate::extent::{Extent, extent_of_polygon};
 use crate::survey::Survey;
 
@@ -25,6 +29,10 @@ const FLOOR_NORMAL: f32 = 0.3;
 /// A floor on which nothing lies is removed only if it hides more than this part of the bodies. It may hide some that fall past it.
 /// A floor on which a body lies is never removed: the body would float.
 const FLOOR_SHARE: f32 = 0.1;
+
+/// The side of a surface of many polygons that the camera sees is removed as a whole if it hides more than this part of the bodies, like
+/// the near side of a drum. One that hides fewer is a thing among the bodies, like a screw.
+const SURFACE_SHARE: f32 = 0.7;
 
 /// A translucent polygon casts its shadow if it is one of many that make up a surface, such as a bowl, whose shadow would
 /// have a hole. It is one of many if it touches another one, and if its area is less than this part of that of all polygons.
@@ -52,6 +60,8 @@ pub(crate) struct Walls {
     polygons: Vec<(Polygon, Wall)>,
     /// Whether each polygon is one of many that make up a surface.
     parts: Vec<bool>,
+    /// The surface that each polygon is part of.
+    surfaces: Vec<usize>,
     /// Whether each box and each polygon is of glass. It hides nothing.
     glass: Vec<bool>,
     /// For how many calls each box and each polygon is translucent.
@@ -65,8 +75,11 @@ impl Walls {
     pub(crate) fn set_scene(&mut self, scene: &Scene) {
         let wall = |block: Block| Wall { block, carried: 0 };
         self.boxes = scene.boxes().iter().map(|cuboid| wall(Block::of_box(cuboid))).collect();
-        self.polygons = scene.polygons().iter().map(|polygon| (*polygon, wall(Block::of_polygon(polygon)))).collect();
+        let stage = stage(scene);
+        let polygons = scene.polygons().iter().map(|polygon| shown(polygon, stage));
+        self.polygons = polygons.map(|polygon| (polygon, wall(Block::of_polygon(&polygon)))).collect();
         self.parts = parts_of_surfaces(scene.polygons());
+        self.surfaces = surfaces(scene.polygons());
         self.held.clear();
     }
 
@@ -74,6 +87,11 @@ impl Walls {
     pub(crate) fn set_glass(&mut self, scene: &Scene) {
         let looks = scene.box_ids().map(|id| look(scene, id)).chain(scene.polygon_ids().map(|id| look(scene, id)));
         self.glass = looks.map(|look| look == Some(Look::Glass)).collect();
+    }
+
+    /// The numbers of the polygons that are cones or balls.
+    pub(crate) fn round(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.polygons).filter(|(_, (polygon, _))| polygon.surface.is_round()).map(|(number, _)| number)
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -101,7 +119,7 @@ impl Walls {
     /// calls.
     pub(crate) fn drawn(&mut self, eye: Vec3, hold: bool) -> Vec<u32> {
         let boxes = self.boxes.iter().map(|wall| self.is_before(wall, eye));
-        let polygons = self.polygons.iter().map(|(polygon, wall)| self.is_polygon_before(polygon, wall, eye));
+        let polygons = self.polygons_before(eye);
         let glass = self.glass.iter().copied().chain(std::iter::repeat(false));
         let hides: Vec<bool> = boxes.chain(polygons).zip(glass).map(|(hides, glass)| hides && !glass).collect();
         self.held.resize(hides.len(), 0);
@@ -129,10 +147,35 @@ impl Walls {
         self.is_removed(hidden, wall.floor(eye, hidden))
     }
 
-    fn is_polygon_before(&self, polygon: &Polygon, wall: &Wall, eye: Vec3) -> bool {
-        let normal = polygon.left.cross(polygon.right);
-        let hidden = self.balls.iter().filter(|ball| hides(polygon, normal, eye, **ball)).count();
-        self.is_removed(hidden, wall.floor(eye, hidden))
+    /// Whether each polygon is removed: one of many that make up a surface with the side of the surface, another one alone.
+    fn polygons_before(&self, eye: Vec3) -> Vec<bool> {
+        let mut sides: HashMap<(usize, bool), Side> = HashMap::new();
+        let mut found = Vec::with_capacity(self.polygons.len());
+        for (number, (polygon, wall)) in self.polygons.iter().enumerate() {
+            let normal = polygon.left.cross(polygon.right);
+            let hidden = self.hidden_by(polygon, normal, eye);
+            let floor = wall.floor(eye, hidden.len());
+            let side = (self.surfaces[number], normal.dot(eye - polygon.corner) > 0.0);
+            if self.parts[number] {
+                let carried = if floor == Floor::Carries { wall.carried } else { 0 };
+                sides.entry(side).or_default().add(self.balls.len(), &hidden, carried);
+            }
+            found.push((side, self.is_removed(hidden.len(), floor)));
+        }
+        let is_removed = |(number, (side, alone)): (usize, ((usize, bool), bool))| {
+            if self.parts[number] { sides.get(&side).is_some_and(|side| side.hides(SURFACE_SHARE)) } else { alone }
+        };
+        found.into_iter().enumerate().map(is_removed).collect()
+    }
+
+    /// The numbers of the bodies that a polygon hides.
+    fn hidden_by(&self, polygon: &Polygon, normal: Vec3, eye: Vec3) -> Vec<usize> {
+        // The shader leaves out what of a cone or ball faces away.
+        if polygon.surface.is_round() {
+            return Vec::new();
+        }
+        let balls = self.balls.iter().enumerate();
+        balls.filter(|(_, ball)| hides(polygon, normal, eye, **ball)).map(|(number, _)| number).collect()
     }
 
     fn is_removed(&self, hidden: usize, floor: Floor) -> bool {
@@ -172,6 +215,18 @@ impl Wall {
             _ => Floor::None,
         }
     }
+}
+
+/// The part of a plane that is drawn, as a parallelogram; other polygons as they are. The stage is the point near which planes are shown, and
+/// half the edge of the square.
+fn shown(polygon: &Polygon, (middle, size): (Vec3, f32)) -> Polygon {
+    if polygon.surface != Surface::Plane {
+        return *polygon;
+    }
+    let (left, right) = (polygon.left, polygon.right);
+    let from_middle = polygon.corner - middle;
+    let foot = middle + from_middle.project_onto(left.cross(right));
+    Polygon::new(foot - size * (left + right), 2.0 * size * left, 2.0 * size * right)
 }
 
 /// Returns whether each polygon is one of many that make up a surface.
@@ -221,7 +276,8 @@ fn crosses_polygon(polygon: &Polygon, from: Vec3, to: Vec3) -> bool {
     // The coordinates along the edges, from the areas of the triangles.
     let square = normal.length_squared();
     let [left, right] = [point.cross(polygon.right).dot(normal), polygon.left.cross(point).dot(normal)];
-    (0.0..=square).contains(&left) && (0.0..=square).contains(&right)
+    let most = if polygon.surface == Surface::Triangle { square - left } else { square };
+    (0.0..=square).contains(&left) && (0.0..=most).contains(&right)
 }
 
 fn is_in_unit_cube(point: Vec3) -> bool {
@@ -345,6 +401,17 @@ mod tests {
         assert_eq!(drawn(&[], &[before, beside, floor], &[]), [0, 1, 1]);
     }
 
+    /// The blade of a screw among the bodies stays whole, and the side of a drum before the bodies is removed as a whole.
+    #[test]
+    fn surfaces_of_many_polygons_are_removed_as_a_whole_or_not_at_all() {
+        let strips = |x: f32, width: f32| -> Vec<Polygon> {
+            let strip = |k: u8| Polygon::new([x, 0.1 * f32::from(k), 3.0], [width, 0.0, 0.0], [0.0, 0.1, 0.0]);
+            (0..20).map(strip).collect()
+        };
+        assert_eq!(drawn(&[], &strips(-5.0, 10.0), &[]), [2; 20]);
+        assert_eq!(drawn(&[], &strips(-0.1, 0.2), &[]), [1; 20]);
+    }
+
     #[test]
     fn a_polygon_that_covers_a_part_of_a_body_is_removed() {
         // Beside the first ball, whose centre is at x = -0.9; a line of sight at z = 3 is at 0.7 times the x at z = 0.
@@ -420,6 +487,18 @@ mod tests {
         assert_eq!(seen(above, &beside), [1]);
         // From below, its upper face is not seen.
         assert_eq!(seen(Vec3::new(0.0, -1.0, 9.0), &[beside[0], Vec3::new(0.0, 3.0, 0.0)]), [0]);
+    }
+
+    /// The bodies of a scene with an inlet are those that are there, and not the corners of the room that they need.
+    #[test]
+    fn a_belt_that_carries_spheres_from_an_inlet_is_not_removed() {
+        let text = "@inlet box=-1,5,-1,1,6,1 rate=9 radius=0.1\nB -2 -0.5 -2 4 0 0 0 0.5 0 0 0 4\nB -4 -9 -4 8 0 0 0 0.5 0 0 0 8\n\
+                    S 1 0 0.1 0 0 0 0 0 0 0 1 0.1\nS 2 1 0.1 0 0 0 0 0 0 0 1 0.1\nS 3 0 -4 -1 0 0 0 0 0 0 1 0.1\n";
+        let scene = Scene::parse(text, std::path::Path::new("a.txt")).unwrap().scene;
+        let mut walls = Walls::default();
+        walls.set_scene(&scene);
+        walls.set_bodies(&Survey::new(&scene));
+        assert_eq!(walls.drawn(Vec3::new(0.0, 9.0, 9.0), false), [1, 1]);
     }
 
     #[test]

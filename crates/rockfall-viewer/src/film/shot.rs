@@ -1,18 +1,20 @@
 //! The camera of a picture or a film.
 
 use rockfall::glam::Vec3;
-use rockfall::{Result, Scene, SphereId};
+use rockfall::{Result, Scene};
 
 use crate::camera::{Camera, Direction};
 use crate::film::Moment;
+use crate::subject::Subject;
 use crate::survey::Survey;
+use crate::whole::ball;
 
 /// Distance of a camera that follows a body, in radii of the body, and divided by the distance that would show everything.
 const FOLLOW_RADII: f32 = 14.0;
 const FOLLOW_PART: f32 = 0.45;
 
 /// What is known of the camera of a film. The rest is chosen so that the bodies are in view.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct View {
     /// Direction from which the camera looks, unless its position is given.
     pub from: Direction,
@@ -20,8 +22,8 @@ pub struct View {
     pub camera: Option<Vec3>,
     /// Point in the middle of the picture, in units.
     pub look_at: Option<Vec3>,
-    /// Body that stays in the middle of the picture, instead of `look_at`.
-    pub follow: Option<SphereId>,
+    /// What the camera moves with. A body stays in the middle of the picture, instead of `look_at`.
+    pub follow: Option<Subject>,
     /// Angular speed around the target, in rad per second of film.
     pub orbit: f32,
     /// Part of the height of the picture that stays free at its upper edge for text, if the whole camera is chosen.
@@ -33,6 +35,10 @@ pub struct View {
 pub struct Shot {
     camera: Camera,
     orbit: f32,
+    /// Where what the camera follows is at the start.
+    start: Option<Vec3>,
+    /// Unit vector along which the camera does not follow, or 0.
+    ignored: Vec3,
 }
 
 impl Shot {
@@ -43,22 +49,30 @@ impl Shot {
     /// # Errors
     /// [`rockfall::Error::StaleHandle`] when the followed body is not in the scene.
     pub fn new(view: &View, survey: &Survey, scene: &Scene, aspect: f32) -> Result<Option<Self>> {
-        let mut framing = Camera::of_survey(survey, scene, aspect, view.from, view.orbit != 0.0);
-        if view.camera.is_none() && view.look_at.is_none() && view.follow.is_none() {
+        let all_around = view.orbit != 0.0;
+        let framing_of = |survey: &Survey| Camera::of_survey(survey, scene, aspect, view.from, all_around);
+        // What creatures do later, they do elsewhere, where the camera follows them.
+        let mut framing = match view.follow {
+            Some(Subject::Creatures(_)) => framing_of(&Survey::new(scene)),
+            _ => framing_of(survey),
+        };
+        if view.camera.is_none() && view.look_at.is_none() && !matches!(view.follow, Some(Subject::Body(_))) {
             framing = framing.with_room_above(view.room_above);
         }
         let mut eye = framing.eye;
         let mut target = view.look_at.unwrap_or(framing.target);
-        if let Some(sphere) = view.follow {
-            let sphere = scene.sphere(sphere)?;
+        let start = view.follow.as_ref().map(|subject| subject.place(scene)).transpose()?;
+        if let Some(Subject::Body(body)) = view.follow {
+            let radius = ball(scene, body).map_or(0.0, |(_, radius)| radius);
             let whole = framing.eye - framing.target;
-            let distance = (FOLLOW_PART * whole.length()).max(FOLLOW_RADII * sphere.radius);
-            target = sphere.position;
+            let distance = (FOLLOW_PART * whole.length()).max(FOLLOW_RADII * radius);
+            target = start.unwrap_or(target);
             eye = target + distance * whole.normalize_or(Vec3::Z);
         }
         let eye = view.camera.unwrap_or(eye);
         let camera = Camera { eye, target, ..framing };
-        Ok((eye != target).then_some(Self { camera, orbit: view.orbit }))
+        let ignored = view.follow.as_ref().map_or(Vec3::ZERO, |subject| subject.ignored(scene));
+        Ok((eye != target).then_some(Self { camera, orbit: view.orbit, start, ignored }))
     }
 
     /// Returns the camera at the start of the film.
@@ -66,10 +80,11 @@ impl Shot {
         self.camera
     }
 
-    /// Returns the camera `seconds` after the start of the film, with the place of the body that it follows.
+    /// Returns the camera `seconds` after the start of the film, with the place of what it follows.
     pub fn at(&self, seconds: f64, followed: Option<Vec3>) -> Camera {
         let camera = self.camera.orbited((f64::from(self.orbit) * seconds) as f32);
-        followed.map_or(camera, |place| camera.looking_at(place))
+        let moved = self.start.zip(followed).map_or(Vec3::ZERO, |(start, place)| place - start);
+        camera.looking_at(camera.target + moved - moved.dot(self.ignored) * self.ignored)
     }
 }
 
@@ -101,7 +116,7 @@ impl Follower {
 
 #[cfg(test)]
 mod tests {
-    use rockfall::Sphere;
+    use rockfall::{Body, Muscle, Sphere, SphereId, Spring};
 
     use super::*;
 
@@ -120,7 +135,7 @@ mod tests {
         let given = shot(View { camera: Some(Vec3::X), look_at: Some(Vec3::Y), ..View::default() }).unwrap();
         assert_eq!((given.camera().eye, given.camera().target), (Vec3::X, Vec3::Y));
         assert_eq!(shot(View { camera: Some(Vec3::X), look_at: Some(Vec3::X), ..View::default() }), None);
-        let follow = shot(View { follow: Some(followed), ..View::default() }).unwrap();
+        let follow = shot(View { follow: Some(Subject::Body(Body::Sphere(followed))), ..View::default() }).unwrap();
         assert_eq!(follow.camera().target, Vec3::new(1.0, 2.0, 3.0));
         let framing = Camera::of_survey(&survey, &scene, 1.5, Direction::Oblique, false);
         let part = FOLLOW_PART * framing.eye.distance(framing.target);
@@ -133,6 +148,20 @@ mod tests {
         let [start, end] = [0.0, 1.0].map(|seconds| orbit.at(seconds, None));
         let [one, other] = [start, end].map(|camera| camera.eye - camera.target);
         assert!((one.x + other.x).abs() + (one.z + other.z).abs() < 1e-3 * one.length(), "{one} {other}");
+    }
+
+    #[test]
+    fn creatures_are_followed_along_the_ground() {
+        let (mut scene, followed) = scene();
+        let other = scene.add_sphere(Sphere::new([1.0, 4.0, 3.0], 0.5)).unwrap();
+        scene.add_spring(Spring::new(followed, other, 1.0, 1.0).muscle(Muscle::new(0.1, 1.0, 0.0))).unwrap();
+        let survey = Survey::new(&scene);
+        let view = View { follow: Subject::creatures(&scene), ..View::default() };
+        let shot = Shot::new(&view, &survey, &scene, 1.5).unwrap().unwrap();
+        assert_eq!(shot.camera(), Camera::of_survey(&survey, &scene, 1.5, Direction::Oblique, false));
+        let later = shot.at(1.0, Some(Vec3::new(6.0, 5.0, 3.0)));
+        assert!((later.target - shot.camera().target).distance(Vec3::new(5.0, 0.0, 0.0)) < 1e-5, "{later:?}");
+        assert!((later.eye - shot.camera().eye).distance(Vec3::new(5.0, 0.0, 0.0)) < 1e-5, "{later:?}");
     }
 
     #[test]

@@ -28,6 +28,10 @@ const PART: f32 = 0.36;
 /// Height of the letters, divided by that of other text.
 const LETTERS: f32 = 0.72;
 
+/// Least height and width of a plot with two ticks, in heights of its letters.
+const LEAST_HEIGHT: f32 = 9.5;
+const LEAST_WIDTH: f32 = 12.0;
+
 impl Paper {
     /// The colour of a line that has this one on white paper.
     fn line(&self, colour: Rgb) -> Rgb {
@@ -53,10 +57,28 @@ impl Layout {
         let rest = |side: u32| (side - (PART * side as f32).round() as u32).max(1);
         let scene = match plots {
             0 => size,
-            _ if width as f32 >= 1.2 * height as f32 => [rest(width), height],
+            _ if is_wide(size) => [rest(width), height],
             _ => [width, rest(height)],
         };
         Self { size, scene, dark: false }
+    }
+
+    /// The greatest number of plots that fit into a picture with their axes; one always fits.
+    pub fn most_plots(size: [u32; 2]) -> usize {
+        let [side, least] = if is_wide(size) { [size[1] as f32, LEAST_HEIGHT] } else { [size[0] as f32, LEAST_WIDTH] };
+        ((side / (least * letters_of(size))) as usize).max(1)
+    }
+
+    /// Checks that a number of plots fit into a picture.
+    ///
+    /// # Errors
+    /// A text that says how many do.
+    pub fn check(size: [u32; 2], plots: usize) -> std::result::Result<(), String> {
+        let ([width, height], most) = (size, Self::most_plots(size));
+        if plots <= most {
+            return Ok(());
+        }
+        Err(format!("{plots} plots do not fit into a picture of {width}x{height}, expected at most {most}"))
     }
 
     /// Sets whether the plots are dark, for a picture with a dark background.
@@ -96,7 +118,7 @@ impl Layout {
         let [width, height] = self.size;
         let paper = if self.dark { &DARK } else { &LIGHT };
         let [left, top] = if self.scene[0] < width { [self.scene[0] as f32, 0.0] } else { [0.0, self.scene[1] as f32] };
-        let em = (LETTERS * letters(height.min(width))).max(8.0);
+        let em = letters_of(self.size);
         let mut pen = Pen { em, ink: paper.ink, measure, marks: Vec::new() };
         pen.fill([left, top, width as f32, height as f32], paper.paper);
         // Plots below a picture are side by side.
@@ -111,6 +133,16 @@ impl Layout {
         }
         pen.marks
     }
+}
+
+/// Whether plots are beside the scene, and not below it.
+fn is_wide([width, height]: [u32; 2]) -> bool {
+    width as f32 >= 1.2 * height as f32
+}
+
+/// Height of the letters of plots, in pixels.
+fn letters_of([width, height]: [u32; 2]) -> f32 {
+    (LETTERS * letters(height.min(width))).max(8.0)
 }
 
 /// Collects marks.
@@ -220,7 +252,7 @@ impl Chart<'_> {
         }
         let mut x = left;
         let mut is_empty = true;
-        for (name, colour) in graph.lines.iter().filter(|(name, _)| !name.is_empty()) {
+        for (_, (name, colour)) in self.plots.lines(self.graph).filter(|(_, (name, _))| !name.is_empty()) {
             let width = 1.5 * em + pen.width(name);
             if !is_empty && x + width > self.right - 0.5 * em {
                 (x, y) = (left, y + 1.3 * em);
@@ -234,9 +266,9 @@ impl Chart<'_> {
 
     fn lines(&self, pen: &mut Pen<'_>, field: &Field) {
         let em = pen.em;
-        let lines = &self.plots.graphs()[self.graph].lines;
+        let lines: Vec<_> = self.plots.lines(self.graph).collect();
         // The first line is drawn last, over the others.
-        for (index, (_, colour)) in lines.iter().enumerate().rev() {
+        for (index, (_, colour)) in lines.into_iter().rev() {
             let points: Vec<[f64; 2]> = self.plots.points(self.graph, index).collect();
             let is_shown = |point: &[f64; 2]| point[1].is_finite() && (field.times[0]..=field.times[1]).contains(&point[0]);
             for pair in points.windows(2).filter(|pair| pair.iter().all(is_shown)) {

@@ -1,9 +1,12 @@
 //! What plots have seen.
 
+use std::ops::Range;
+
 use rockfall::{Result, Simulation};
 
-use super::Graph;
 use super::axes::{extent, widened};
+use super::{ABSENT, Graph, Quantity};
+use crate::palette::Rgb;
 
 /// Number of states above which every second one is forgotten.
 const MOST: usize = 4000;
@@ -23,6 +26,8 @@ pub struct Plots {
     pub(super) before: Vec<f64>,
     pub(super) now: Vec<f64>,
     samples: Vec<Sample>,
+    /// Whether each line of all graphs ever had another value than 0.
+    used: Vec<bool>,
 }
 
 /// The values of all lines of all graphs at a time.
@@ -72,7 +77,9 @@ impl Plots {
         let before = if self.before.len() == self.now.len() { &self.before } else { &self.now };
         // Without the condition, a body that is no longer there in the present state would have no value in that before.
         let between = |(now, before): (&f64, &f64)| if back > 0.0 { now + back * (before - now) } else { *now };
-        let values = self.now.iter().zip(before).map(between).collect();
+        let values: Vec<f64> = self.now.iter().zip(before).map(between).collect();
+        self.used.resize(values.len(), false);
+        self.used.iter_mut().zip(&values).for_each(|(used, value)| *used |= *value != 0.0);
         let kept = self.samples.partition_point(|sample| sample.time < time);
         self.samples.truncate(kept);
         self.samples.push(Sample { time, values });
@@ -97,10 +104,26 @@ impl Plots {
         Some((to - from) / STATES)
     }
 
+    /// The places of the lines of a graph among those of all graphs.
+    fn places(&self, graph: usize) -> Range<usize> {
+        let first: usize = self.graphs[..graph].iter().map(|graph| graph.lines.len()).sum();
+        first..first + self.graphs[graph].lines.len()
+    }
+
+    /// The lines that a plot shows: not the energy of springs or contacts where there never was any.
+    pub(crate) fn lines(&self, graph: usize) -> impl Iterator<Item = (usize, &(String, Rgb))> {
+        let used = self.used.get(self.places(graph)).unwrap_or_default();
+        let graph = &self.graphs[graph];
+        let is_shown = move |line: usize, name: &str| {
+            let may_be_absent = graph.quantity == Quantity::Energy && ABSENT.contains(&name);
+            !may_be_absent || used.get(line).is_some_and(|used| *used)
+        };
+        graph.lines.iter().enumerate().filter(move |(line, (name, _))| is_shown(*line, name))
+    }
+
     /// The values of the lines of a graph in the states.
     fn of(&self, graph: usize) -> impl Iterator<Item = (f64, &[f64])> {
-        let first: usize = self.graphs[..graph].iter().map(|graph| graph.lines.len()).sum();
-        let lines = first..first + self.graphs[graph].lines.len();
+        let lines = self.places(graph);
         self.samples.iter().filter_map(move |sample| Some((sample.time, sample.values.get(lines.clone())?)))
     }
 

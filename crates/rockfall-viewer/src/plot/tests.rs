@@ -43,8 +43,9 @@ fn plots_have_the_values_of_bodies_and_of_the_scene() {
     let plots = fallen(1, &["energy", "height:0,1", "x:2", "speed:0", "vy:0", "kinetic", "potential", "momentum"]);
     let last = |graph, line| plots.points(graph, line).last().unwrap();
     let near = |[time, value]: [f64; 2], expected: f64| time == 0.1 && (value - expected).abs() < 1e-4;
-    // No springs, so no line of them: total, kinetic, potential, contacts.
-    assert_eq!(plots.graphs()[0].lines.len(), 4);
+    // No springs and no contacts, so no lines of them.
+    let shown: Vec<&str> = plots.lines(0).map(|(_, (name, _))| name.as_str()).collect();
+    assert_eq!(shown, ["total", "kinetic", "potential"]);
     // The potential energy is relative to that at the start.
     assert!(near(last(0, 0), 0.0) && near(last(0, 1), 0.5 * 3.0) && near(last(0, 2), -0.5 * 3.0), "{:?}", last(0, 1));
     // The middle of the capsule, whichever end is named.
@@ -188,6 +189,22 @@ fn plots_in_tiny_pictures_are_left_out() {
         let scene = Picture { width, height, pixels: vec![[9, 9, 9, 255]; (width * height) as usize] };
         layout.complete(scene, &plots).unwrap();
     }
+}
+
+/// As many plots as a picture has room for have axes, lines and two ticks each, and more are refused.
+#[test]
+fn plots_that_fit_have_axes() {
+    let measure = |text: &str, em: f32| 0.55 * em * text.chars().count() as f32;
+    for size in [[640, 360], [1280, 720], [320, 180], [400, 400], [300, 500]] {
+        let most = Layout::most_plots(size);
+        let plots = fallen(10, &vec!["height:0,1"; most]);
+        let marks = Layout::new(size, most).marks(&plots, &measure);
+        let axes = marks.iter().filter(|mark| matches!(mark, Mark::Text { text, .. } if text == "time in s")).count();
+        assert_eq!(axes, most, "{size:?}");
+        assert_eq!(Layout::check(size, most), Ok(()));
+    }
+    let expected = "5 plots do not fit into a picture of 640x360, expected at most 3";
+    assert_eq!(Layout::check([640, 360], 5).unwrap_err(), expected);
 }
 
 #[test]

@@ -2,9 +2,10 @@
 
 use egui::{Color32, Painter, Pos2, Rect, Stroke};
 use rockfall::glam::Vec3;
-use rockfall::{Body, Scene, Simulation};
+use rockfall::{Body, Polygon, Scene, Surface};
 
 use super::viewer::Viewer;
+use crate::whole::ball;
 
 /// Colour of the marks.
 const MARK: Color32 = Color32::from_rgb(0xd5, 0x5e, 0x00);
@@ -12,28 +13,28 @@ const STROKE: Stroke = Stroke { width: 2.0, color: MARK };
 
 /// Draws the marks.
 pub(super) fn show(painter: &Painter, area: Rect, viewer: &Viewer) {
-    let simulation = viewer.session.simulation_ref();
+    let scene = viewer.session.simulation_ref().scene();
     if let Some(body) = viewer.session.picked() {
         outline(painter, area, viewer, body);
     }
     if let Some(held) = viewer.session.held()
-        && let Some((centre, _)) = place(simulation, Body::Sphere(held.sphere))
-        && let (Some((from, _)), Some((to, _))) = (project(viewer, area, centre), project(viewer, area, held.pointer))
+        && let Ok(sphere) = scene.sphere(held.sphere)
+        && let (Some((from, _)), Some((to, _))) = (project(viewer, area, sphere.position), project(viewer, area, held.pointer))
     {
         painter.line_segment([from, to], STROKE);
         painter.circle_filled(to, 4.0, MARK);
     }
 }
 
-/// Draws a ring around a sphere or a rod, and the edges of a box or a polygon.
+/// Draws a ring around a body that can move, and the edges of a box or a polygon.
 fn outline(painter: &Painter, area: Rect, viewer: &Viewer, body: Body) {
-    let simulation = viewer.session.simulation_ref();
-    if let Some((centre, radius)) = place(simulation, body)
+    let scene = viewer.session.simulation_ref().scene();
+    if let Some((centre, radius)) = ball(scene, body)
         && let Some((at, scale)) = project(viewer, area, centre)
     {
         painter.circle_stroke(at, radius * scale + 3.0, STROKE);
     }
-    for [from, to] in edges(simulation.scene(), body) {
+    for [from, to] in edges(scene, body) {
         if let Some(segment) = segment(viewer, area, from, to) {
             painter.line_segment(segment, STROKE);
         }
@@ -56,11 +57,40 @@ pub(super) fn edges(scene: &Scene, body: Body) -> Vec<[Vec3; 2]> {
         Body::Polygon(id) => scene.polygon(id).map_or_else(
             |_| Vec::new(),
             |polygon| {
+                if polygon.surface.is_smooth() {
+                    return rings(polygon);
+                }
                 let next = polygon.vertices().skip(1).chain([polygon.corner]);
                 polygon.vertices().zip(next).map(<[Vec3; 2]>::from).collect()
             },
         ),
         _ => Vec::new(),
+    }
+}
+
+/// Lines that stand for a smooth wall: the rims of a cone, three circles of a ball, and the cross of the edges of a plane.
+fn rings(wall: &Polygon) -> Vec<[Vec3; 2]> {
+    let ring = |centre: Vec3, one: Vec3, other: Vec3| {
+        let point = move |part: u8| {
+            let angle = std::f32::consts::TAU * f32::from(part) / 48.0;
+            wall.corner + centre + angle.cos() * one + angle.sin() * other
+        };
+        (0..48).map(move |part| [point(part), point(part + 1)])
+    };
+    let (left, right) = (wall.left, wall.right);
+    match (wall.surface, wall.cone_axis()) {
+        (_, Some(axis)) => {
+            let (along, out) = (axis.along.as_vec3(), right.normalize());
+            let beside = along.normalize().cross(out);
+            let [start, end] = axis.radii.map(|radius| radius as f32);
+            ring(Vec3::ZERO, start * out, start * beside).chain(ring(along, end * out, end * beside)).collect()
+        }
+        (Surface::Plane, None) => [left, right].map(|edge| [wall.corner - edge, wall.corner + edge]).to_vec(),
+        (_, None) => {
+            let third = left.cross(right) / left.length();
+            let rings = [[left, right], [right, third], [third, left]].map(|[one, other]| ring(Vec3::ZERO, one, other));
+            rings.into_iter().flatten().collect()
+        }
     }
 }
 
@@ -93,20 +123,6 @@ fn segment(viewer: &Viewer, area: Rect, mut from: Vec3, mut to: Vec3) -> Option<
         to = cut;
     }
     Some([project(viewer, area, from)?.0, project(viewer, area, to)?.0])
-}
-
-/// Returns the centre and the radius of a sphere, a rod or a capsule in the state that was read back last.
-fn place(simulation: &Simulation, body: Body) -> Option<(Vec3, f32)> {
-    let scene = simulation.scene();
-    match body {
-        Body::Sphere(id) => scene.sphere(id).ok().map(|sphere| (sphere.position, sphere.radius)),
-        Body::Rod(id) => {
-            let rod = scene.rod(id).ok()?;
-            let (one, two) = (scene.sphere(rod.end1).ok()?.position, scene.sphere(rod.end2).ok()?.position);
-            Some((one.midpoint(two), 0.5 * one.distance(two) + rod.radius))
-        }
-        _ => None,
-    }
 }
 
 #[cfg(test)]

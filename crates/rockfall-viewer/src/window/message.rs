@@ -73,6 +73,11 @@ impl Messages {
         self.all.drain(..surplus);
     }
 
+    /// Removes the warnings with these texts, because they no longer hold.
+    pub(super) fn withdraw(&mut self, texts: &[String]) {
+        self.all.retain(|message| message.level != Level::Warning || !texts.contains(&message.text));
+    }
+
     /// Returns all messages, the oldest first.
     pub fn all(&self) -> &[Message] {
         &self.all

@@ -2,8 +2,8 @@
 
 use rockfall::{Body, ObjectId, Scene};
 
-use crate::plot::whole;
 use crate::tags::{name_of, object_of};
+use crate::whole::{rigid_of, whole};
 
 /// The lines of a scene file that bodies come from: for every object of a kind its line number, from 1.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -12,14 +12,22 @@ pub struct Names {
     rods: Vec<usize>,
     boxes: Vec<usize>,
     polygons: Vec<usize>,
+    /// Lines `@place`.
+    rigid: Vec<usize>,
 }
 
 impl Names {
     /// Reads the lines of a scene text that [`Scene::parse`] accepts.
     pub fn of(text: &str) -> Self {
         let mut names = Self::default();
+        let mut in_shape = false;
         for (line, text) in (1..).zip(text.strip_prefix('\u{feff}').unwrap_or(text).lines()) {
             match text.split_ascii_whitespace().next() {
+                Some("@body") => in_shape = true,
+                Some("@end") => in_shape = false,
+                Some("@place") => names.rigid.push(line),
+                // The parts of a shape are not in the scene.
+                _ if in_shape => {}
                 Some("S") => names.spheres.push(line),
                 Some("C") => {
                     names.spheres.extend([line, line]);
@@ -34,9 +42,10 @@ impl Names {
         names
     }
 
-    /// Returns the number of spheres in the file.
-    pub fn spheres(&self) -> usize {
-        self.spheres.len()
+    /// Whether the file has as many spheres and rigid bodies as a scene.
+    pub fn fits(&self, scene: &Scene) -> bool {
+        let loose = scene.sphere_ids().filter(|id| scene.body_of_sphere(*id).is_none()).count();
+        (self.spheres.len(), self.rigid.len()) == (loose, scene.bodies().len())
     }
 
     /// Returns the name of a body, and the line of the file that it comes from. The name is that of the scene (`@name`); where several
@@ -44,25 +53,35 @@ impl Names {
     /// file, for other bodies and spheres without a reference their index from 0 among those of their kind.
     pub fn name(&self, scene: &Scene, body: Body) -> (String, Option<usize>) {
         let (number, line) = self.number(scene, body);
-        let Some(name) = object_of(body).and_then(|object| name_of(scene, object)) else {
+        let Some(name) = object_of(scene, body).and_then(|object| name_of(scene, object)) else {
             return (number, line);
         };
-        let bodies = |id: &ObjectId| match *id {
-            ObjectId::Sphere(id) => whole(scene, Body::Sphere(id)) == Body::Sphere(id),
-            // A capsule is named like its rod.
-            ObjectId::Spring(_) | ObjectId::Capsule(_) => false,
-            _ => true,
+        let named_body = |id: &ObjectId| match *id {
+            ObjectId::Sphere(id) => Some(whole(scene, Body::Sphere(id))),
+            ObjectId::Rod(id) => Some(whole(scene, Body::Rod(id))),
+            ObjectId::Box(id) => Some(Body::Box(id)),
+            ObjectId::Polygon(id) => Some(Body::Polygon(id)),
+            // A capsule and a rigid body are named like their parts.
+            _ => None,
         };
-        let is_unique = scene.named(name).is_ok_and(|found| found.iter().filter(|id| bodies(id)).count() <= 1);
+        let found = scene.named(name).unwrap_or_default();
+        let mut bodies = found.iter().filter_map(named_body);
+        let first = bodies.next();
+        let is_unique = bodies.all(|body| Some(body) == first);
         (if is_unique { name.to_owned() } else { format!("{name}, {number}") }, line)
     }
 
     fn number(&self, scene: &Scene, body: Body) -> (String, Option<usize>) {
+        if let Some(rigid) = rigid_of(scene, body) {
+            let index = index(scene.body_ids(), rigid);
+            return (format!("rigid body {index}"), self.rigid.get(index).copied());
+        }
         let capsules = scene.capsules();
         match body {
             Body::Sphere(id) => {
+                let line = index(scene.sphere_ids().filter(|id| scene.body_of_sphere(*id).is_none()), id);
+                let line = self.spheres.get(line).copied();
                 let index = index(scene.sphere_ids(), id);
-                let line = self.spheres.get(index).copied();
                 if let Some(capsule) = capsules.iter().position(|parts| parts.end1 == id || parts.end2 == id) {
                     let end = 1 + usize::from(capsules[capsule].end2 == id);
                     return (format!("end {end} of capsule {capsule}"), line);
@@ -74,10 +93,11 @@ impl Names {
                 }
             }
             Body::Rod(id) => {
+                let line = index(scene.rod_ids().filter(|id| scene.body_of_rod(*id).is_none()), id);
                 let index = index(scene.rod_ids(), id);
                 let capsule = capsules.iter().position(|parts| parts.rod == id);
                 let name = capsule.map_or_else(|| format!("rod {index}"), |capsule| format!("capsule {capsule}"));
-                (name, self.rods.get(index).copied())
+                (name, self.rods.get(line).copied())
             }
             Body::Box(id) => {
                 let index = index(scene.box_ids(), id);
@@ -114,6 +134,20 @@ mod tests {
         assert_eq!(name(Body::Box(scene.box_ids().next().unwrap())), "floor");
         let rods: Vec<_> = scene.rod_ids().map(|id| name(Body::Rod(id))).collect();
         assert_eq!(rods, ["log, capsule 0", "log, capsule 1", "pin"]);
+    }
+
+    #[test]
+    fn parts_have_the_name_of_their_rigid_body() {
+        let text = "@body crate\nB 0 0 0 1 0 0 0 1 0 0 0 1\n@end\n@name boss\n@place crate at=0,0,0\n@name -\n@place crate at=3,0,0\n\
+                    S 4 0 9 0 0 0 0 0 0 0 1 0.5\n";
+        let scene = Scene::parse(text, Path::new("test")).unwrap().scene;
+        let names = Names::of(text);
+        assert!(names.fits(&scene));
+        let found: Vec<_> = scene.sphere_ids().map(|id| names.name(&scene, Body::Sphere(id))).collect();
+        let expected = |name: &str, line| (name.to_owned(), Some(line));
+        assert!(found[..9].iter().all(|name| *name == expected("boss", 5)), "{found:?}");
+        assert!(found[9..18].iter().all(|name| *name == expected("rigid body 1", 7)), "{found:?}");
+        assert_eq!(found[18], expected("sphere 4", 8));
     }
 
     #[test]

@@ -51,7 +51,8 @@ pub(super) fn switches(ui: &mut Ui, viewer: &mut Viewer) {
     ui.checkbox(&mut overlay.labels, "Labels or numbers of spheres");
     let mut has_trails = overlay.trails > 0.0;
     let seconds = if has_trails { overlay.trails } else { TRAILS };
-    if ui.checkbox(&mut has_trails, format!("Trails of {seconds} s")).changed() {
+    let of = if overlay.trails_of.is_empty() { String::new() } else { format!(", {}", overlay.trails_of.join(", ")) };
+    if ui.checkbox(&mut has_trails, format!("Trails of {seconds} s{of}")).changed() {
         overlay.trails = if has_trails { seconds } else { 0.0 };
     }
     ui.radio_value(&mut overlay.arrows, None, "No arrows");

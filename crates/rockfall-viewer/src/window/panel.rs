@@ -1,8 +1,9 @@
 //! The panel: numbers, constants, colours and plots.
 
+use std::ops::RangeInclusive;
+
 use egui::{Color32, RichText, Ui};
 use egui_plot::{GridMark, Line, Plot, PlotPoints};
-use rockfall::Counts;
 
 use super::constants_panel;
 use super::viewer::Viewer;
@@ -10,8 +11,9 @@ use super::watch::GaugeSample;
 use crate::draw::{ColourBy, Style};
 use crate::legend::{Legend, number};
 use crate::palette::{Kind, Rgb};
-use crate::plot::axes::{multiples, ranges, step};
-use crate::plot::{self as quantities, COLOURS as GAUGE_COLOURS, ENERGIES};
+use crate::plot::axes::{exponent, label, multiples, ranges, step};
+use crate::plot::{self as quantities, ABSENT, COLOURS as GAUGE_COLOURS, ENERGIES};
+use crate::whole;
 
 /// Names and colours of the phases. The colours are those of Okabe and Ito.
 const PHASES: [(&str, Rgb); 4] = [
@@ -47,7 +49,7 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
 fn numbers(ui: &mut Ui, viewer: &mut Viewer) {
     let session = &viewer.session;
     let simulation = session.simulation_ref();
-    let (report, counts) = (simulation.report(), simulation.scene().counts());
+    let (report, [bodies, rods]) = (simulation.report(), whole::counts(simulation.scene()));
     ui.label(RichText::new(&session.source().name).strong());
     ui.label(RichText::new(format!("{} · {}", simulation.backend().device, simulation.broad_phase_method())).weak());
     egui::Grid::new("numbers").num_columns(4).spacing([10.0, 2.0]).show(ui, |ui| {
@@ -62,19 +64,14 @@ fn numbers(ui: &mut Ui, viewer: &mut Viewer) {
         pair(ui, "steps", report.steps.to_string(), true);
         pair(ui, "steps/s", format!("{:.0}", viewer.rates.steps), false);
         pair(ui, "frames/s", format!("{:.0}", viewer.rates.frames), true);
-        pair(ui, "bodies", bodies(&counts).to_string(), false);
+        pair(ui, "bodies", bodies.to_string(), false);
         pair(ui, "contacts", report.contacts.to_string(), true);
-        pair(ui, "rods", counts.rods.saturating_sub(counts.capsules).to_string(), false);
+        pair(ui, "rods", rods.to_string(), false);
         pair(ui, "collisions", report.collisions.to_string(), true);
     });
     // The line is always there, so that the sliders below do not move.
     let slow = session.pace.lag().map(|lag| format!("too slow: {:.0} % of the requested speed", 100.0 * lag));
     ui.label(RichText::new(slow.unwrap_or_else(|| " ".to_owned())).color(Color32::from_rgb(0xa8, 0x1e, 0x1e)));
-}
-
-/// Returns the number of spheres and capsules. The two ends of a capsule are spheres of the scene, but one body.
-fn bodies(counts: &Counts) -> usize {
-    counts.spheres.saturating_sub(counts.capsules)
 }
 
 /// Shows the switches of the style.
@@ -151,6 +148,8 @@ pub(super) fn plot(name: &str, height: f32) -> Plot<'_> {
         .y_axis_min_width(34.0)
         .x_grid_spacer(|input| ticks(input.bounds, 5.0))
         .y_grid_spacer(move |input| ticks(input.bounds, f64::from(height / TICK_DISTANCE)))
+        .x_axis_formatter(tick)
+        .y_axis_formatter(tick)
 }
 
 /// Widens the axes of a plot whose points are nearly one value.
@@ -165,18 +164,29 @@ fn ticks((low, high): (f64, f64), most: f64) -> Vec<GridMark> {
     step([low, high], most).map_or_else(Vec::new, marks)
 }
 
+/// The label of a tick with the digits that its distance from the next one needs.
+fn tick(mark: GridMark, range: &RangeInclusive<f64>) -> String {
+    match exponent([*range.start(), *range.end()]) {
+        0 => label(mark.value, mark.step_size, 0),
+        _ => number(mark.value as f32),
+    }
+}
+
 fn energies(ui: &mut Ui, viewer: &mut Viewer) {
     let watch = &viewer.session.watch;
-    if let Some(last) = watch.energies().back() {
-        values(ui, &ENERGIES, quantities::energies(&last.energy).map(|energy| format!("{energy:.4}")));
-    }
     let points =
         |index: usize| watch.energies().iter().map(move |sample| [sample.time, quantities::energies(&sample.energy)[index]]);
-    let lines = ENERGIES
-        .iter()
-        .enumerate()
-        .map(|(index, (name, colour))| Line::new(*name, points(index).collect::<PlotPoints>()).stroke(stroke(*colour)));
-    let every: Vec<[f64; 2]> = (0..ENERGIES.len()).flat_map(points).collect();
+    let is_shown = |index: &usize| !ABSENT.contains(&ENERGIES[*index].0) || points(*index).any(|[_, energy]| energy != 0.0);
+    let shown: Vec<usize> = (0..ENERGIES.len()).filter(is_shown).collect();
+    if let Some(last) = watch.energies().back() {
+        let energies = quantities::energies(&last.energy);
+        values(ui, shown.iter().map(|index| (ENERGIES[*index], format!("{:.4}", energies[*index]))));
+    }
+    let lines = shown.iter().map(|index| {
+        let (name, colour) = ENERGIES[*index];
+        Line::new(name, points(*index).collect::<PlotPoints>()).stroke(stroke(colour))
+    });
+    let every: Vec<[f64; 2]> = shown.iter().flat_map(|index| points(*index)).collect();
     widened(plot("energy", PLOT_HEIGHT), &every).show(ui, |plot| lines.for_each(|line| plot.line(line)));
     if !watch.is_unasked() {
         ui.label(RichText::new("The scene is too large to measure its energy continuously.").weak());
@@ -209,10 +219,10 @@ fn gauges(ui: &mut Ui, viewer: &Viewer) {
 }
 
 /// Shows names in their colours with the last values.
-fn values<const N: usize>(ui: &mut Ui, names: &[(&str, Rgb); N], values: [String; N]) {
+fn values(ui: &mut Ui, values: impl Iterator<Item = ((&'static str, Rgb), String)>) {
     ui.horizontal_wrapped(|ui| {
-        for ((name, rgb), value) in names.iter().zip(values) {
-            ui.label(RichText::new(format!("{name} {value}")).color(colour(*rgb)).small());
+        for ((name, rgb), value) in values {
+            ui.label(RichText::new(format!("{name} {value}")).color(colour(rgb)).small());
         }
     });
 }
@@ -220,7 +230,7 @@ fn values<const N: usize>(ui: &mut Ui, names: &[(&str, Rgb); N], values: [String
 fn phases(ui: &mut Ui, viewer: &mut Viewer) {
     let samples = viewer.session.watch.phases();
     if let Some(last) = samples.back() {
-        values(ui, &PHASES, last.seconds.map(|seconds| format!("{:.3} ms", 1e3 * seconds)));
+        values(ui, PHASES.into_iter().zip(last.seconds.map(|seconds| format!("{:.3} ms", 1e3 * seconds))));
     } else if viewer.session.simulation_ref().clock().is_err() {
         ui.label(RichText::new("This device has no timestamps.").weak());
     }
@@ -235,14 +245,16 @@ fn phases(ui: &mut Ui, viewer: &mut Viewer) {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
 
     #[test]
-    fn a_capsule_is_one_body() {
-        let text = "S 1 0 0 0 0 0 0 0 0 0 1 0.5\nC 3 0 0 4 0 0 0 0 0 1 0.2\nC 3 3 0 4 3 0 0 0 0 1 0.2\n";
-        let counts = rockfall::Scene::parse(text, Path::new("test")).unwrap().scene.counts();
-        assert_eq!((counts.spheres, bodies(&counts)), (5, 3));
+    fn ticks_have_the_digits_that_they_need() {
+        let labels = |range: RangeInclusive<f64>, step_size: f64| {
+            multiples([*range.start(), *range.end()], step_size)
+                .map(|value| tick(GridMark { value, step_size }, &range))
+                .collect()
+        };
+        let found: [Vec<String>; 3] = [labels(0.0..=1.0, 0.5), labels(-1.0..=0.2, 0.5), labels(0.0..=3e6, 1e6)];
+        assert_eq!(found, [vec!["0.0", "0.5", "1.0"], vec!["-1.0", "-0.5", "0.0"], vec!["0", "1e6", "2e6", "3e6"]]);
     }
 }

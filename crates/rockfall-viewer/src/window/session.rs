@@ -84,6 +84,8 @@ pub struct Session {
     warn_at: Option<f64>,
     /// What the last warnings were about.
     checked: Option<Checked>,
+    /// The last warnings about the scene.
+    concerns: Vec<String>,
     /// Increases whenever objects are added, removed or replaced.
     objects_version: u64,
     /// Increases whenever the simulation is replaced.
@@ -132,6 +134,7 @@ impl Session {
             revisions: Revisions::default(),
             warn_at: None,
             checked: None,
+            concerns: Vec::new(),
             objects_version: 0,
             simulation_version: 0,
             scene_version: 0,

@@ -7,10 +7,12 @@ use std::collections::VecDeque;
 
 use rockfall::glam::Vec3;
 use rockfall::step::schedule::Phase;
-use rockfall::{Body, Energy, Profile, RodId, Scene, Simulation, SphereId};
+use rockfall::{Body, Energy, Polygon, Profile, RodId, Scene, Simulation, SphereId, Surface};
 
 use super::names::Names;
-use crate::plot::{gauge_forces, motion};
+use crate::draw::net_force;
+use crate::plot::gauge_forces;
+use crate::whole::{mass, motion, rigid_of, size, spheres};
 
 /// Least time between two samples, in s.
 const INTERVAL: f64 = 0.25;
@@ -70,6 +72,8 @@ pub struct Watch {
     facts: Option<Facts>,
     /// Number of steps at the last sample. Without a further step no sample is due.
     sampled_at: Option<u64>,
+    /// Whether constants have changed since the last sample, and with them forces.
+    is_outdated: bool,
     next_at: f64,
     next_phases_at: f64,
     automatic: bool,
@@ -78,7 +82,17 @@ pub struct Watch {
 impl Default for Watch {
     fn default() -> Self {
         let (energies, gauges, phases) = Default::default();
-        Self { energies, gauges, phases, facts: None, sampled_at: None, next_at: 0.0, next_phases_at: 0.0, automatic: true }
+        Self {
+            energies,
+            gauges,
+            phases,
+            facts: None,
+            sampled_at: None,
+            is_outdated: false,
+            next_at: 0.0,
+            next_phases_at: 0.0,
+            automatic: true,
+        }
     }
 }
 
@@ -112,7 +126,7 @@ impl Watch {
     pub(super) fn due(&mut self, now: f64, simulation: &Simulation) -> bool {
         let counts = simulation.scene().counts();
         self.automatic &= counts.spheres + counts.rods + counts.boxes + counts.polygons <= LARGE;
-        self.automatic && now >= self.next_at && self.sampled_at != Some(simulation.report().steps)
+        self.automatic && now >= self.next_at && (self.is_outdated || self.sampled_at != Some(simulation.report().steps))
     }
 
     /// Whether a measurement of the phases is due; if so, schedules the next one.
@@ -136,6 +150,11 @@ impl Watch {
         self.gauges.retain(|sample| sample.time <= time);
         self.phases.retain(|sample| sample.time <= time);
         (self.sampled_at, self.next_at) = (None, 0.0);
+    }
+
+    /// Makes the values of the picked body be read again, because constants have changed.
+    pub(super) fn outdate(&mut self) {
+        self.is_outdated = true;
     }
 
     /// Stops automatic sampling.
@@ -165,7 +184,7 @@ impl Watch {
                 keep(&mut self.gauges, GaugeSample { time: report.time, forces });
             }
         }
-        self.sampled_at = Some(report.steps);
+        (self.sampled_at, self.is_outdated) = (Some(report.steps), false);
         let picked = picked.filter(|body| is_there(simulation, *body));
         self.facts = picked.map(|body| facts(simulation, body, names)).transpose()?;
         Ok(())
@@ -199,22 +218,15 @@ fn vector(v: Vec3, unit: &str) -> String {
 fn facts(simulation: &mut Simulation, body: Body, names: &Names) -> rockfall::Result<Facts> {
     let (title, line) = names.name(simulation.scene(), body);
     let mut values = match body {
+        _ if rigid_of(simulation.scene(), body).is_some() => facts_of_rigid(simulation, body)?,
         Body::Sphere(id) => facts_of_sphere(simulation, id)?,
-        Body::Rod(id) => facts_of_rod(simulation.scene(), id)?,
+        Body::Rod(id) => facts_of_rod(simulation, id)?,
         Body::Box(id) => {
             let cuboid = simulation.scene().cuboid(id)?;
             let [i, j, k] = cuboid.edges.map(|edge| vector(edge, "units"));
             vec![("corner", vector(cuboid.corner, "units")), ("edge i", i), ("edge j", j), ("edge k", k)]
         }
-        Body::Polygon(id) => {
-            let polygon = simulation.scene().polygon(id)?;
-            vec![
-                ("corner", vector(polygon.corner, "units")),
-                ("edge l", vector(polygon.left, "units")),
-                ("edge r", vector(polygon.right, "units")),
-                ("solid towards", vector(polygon.left.cross(polygon.right).normalize(), "")),
-            ]
-        }
+        Body::Polygon(id) => facts_of_polygon(simulation.scene().polygon(id)?),
         _ => Vec::new(),
     };
     if let Body::Rod(_) | Body::Box(_) | Body::Polygon(_) = body {
@@ -225,8 +237,30 @@ fn facts(simulation: &mut Simulation, body: Body, names: &Names) -> rockfall::Re
     Ok(Facts { title, values })
 }
 
+fn facts_of_polygon(polygon: &Polygon) -> Vec<(&'static str, String)> {
+    let side = if polygon.surface.is_inside() { "inside" } else { "outside" };
+    let normal = || vector(polygon.left.cross(polygon.right).normalize(), "");
+    let corner = ("corner", vector(polygon.corner, "units"));
+    match (polygon.surface, polygon.cone_axis()) {
+        (_, Some(axis)) => {
+            let [start, end] = axis.radii;
+            let radii = format!("{start:.3} {end:.3} units");
+            vec![corner, ("axis", vector(axis.along.as_vec3(), "units")), ("radii", radii), ("touched from", side.to_owned())]
+        }
+        (Surface::Ball { .. }, None) => {
+            let radius = format!("{:.3} units", polygon.left.length());
+            vec![("centre", corner.1), ("radius", radius), ("touched from", side.to_owned())]
+        }
+        (Surface::Plane, None) => vec![("point", corner.1), ("solid towards", normal())],
+        (_, None) => {
+            let [left, right] = [polygon.left, polygon.right].map(|edge| vector(edge, "units"));
+            vec![corner, ("edge l", left), ("edge r", right), ("solid towards", normal())]
+        }
+    }
+}
+
 fn facts_of_sphere(simulation: &mut Simulation, id: SphereId) -> rockfall::Result<Vec<(&'static str, String)>> {
-    let diagnostics = simulation.diagnostics()?;
+    let diagnostics = net_force::diagnostics(simulation)?;
     let scene = simulation.scene();
     let index = scene.sphere_ids().position(|other| other == id).unwrap_or(usize::MAX);
     let (sphere, known) = (scene.sphere(id)?, diagnostics.get(index));
@@ -247,19 +281,55 @@ fn facts_of_sphere(simulation: &mut Simulation, id: SphereId) -> rockfall::Resul
     Ok(values)
 }
 
-fn facts_of_rod(scene: &Scene, id: RodId) -> rockfall::Result<Vec<(&'static str, String)>> {
+/// Position and velocity of the centre of mass.
+fn facts_of_motion(scene: &Scene, body: Body) -> Vec<(&'static str, String)> {
+    motion(scene, body).map_or_else(Vec::new, |(position, velocity)| {
+        vec![
+            ("position", vector(position, "units")),
+            ("velocity", vector(velocity, "units/s")),
+            ("speed", format!("{:.3} units/s", velocity.length())),
+        ]
+    })
+}
+
+/// The mass of a body of several spheres, and the net force on it.
+fn facts_of_force(simulation: &mut Simulation, body: Body) -> rockfall::Result<Vec<(&'static str, String)>> {
+    let known = net_force::diagnostics(simulation)?;
+    let scene = simulation.scene();
+    let force = |id: SphereId| Some(known.get(Body::Sphere(id).index(scene).ok()?)?.net_force);
+    let force: Vec3 = spheres(scene, body).filter_map(force).sum();
+    Ok(vec![("mass", format!("{}", mass(scene, body) as f32)), ("net force", vector(force, "mass units/s²"))])
+}
+
+fn facts_of_rigid(simulation: &mut Simulation, body: Body) -> rockfall::Result<Vec<(&'static str, String)>> {
+    let contacts = simulation.contacts()?;
+    let scene = simulation.scene();
+    let mut values = facts_of_motion(scene, body);
+    let Some(rigid) = rigid_of(scene, body) else { return Ok(values) };
+    let own = |other: Body| rigid_of(scene, other) == Some(rigid);
+    let touching = contacts.iter().filter(|contact| own(contact.a) != own(contact.b));
+    let (count, overlap) = touching.fold((0, 0.0_f32), |(count, most), contact| (count + 1, most.max(contact.overlap)));
+    values.push(("spin", vector(scene.body_spin(rigid)?, "rad/s")));
+    values.push(("angular momentum", vector(scene.body(rigid)?.angular_momentum, "mass units²/s")));
+    values.extend(size(scene, rigid).map(|size| ("size", vector(size, "units"))));
+    values.extend(facts_of_force(simulation, body)?);
+    values.push(("contacts", count.to_string()));
+    values.push(("deepest overlap", format!("{overlap:.5} units")));
+    Ok(values)
+}
+
+fn facts_of_rod(simulation: &mut Simulation, id: RodId) -> rockfall::Result<Vec<(&'static str, String)>> {
+    let scene = simulation.scene();
     let rod = scene.rod(id)?;
     let ends = [scene.sphere(rod.end1)?.position, scene.sphere(rod.end2)?.position];
-    let mut values = Vec::new();
-    if let Some((position, velocity)) = motion(scene, Body::Rod(id)) {
-        values.push(("position", vector(position, "units")));
-        values.push(("velocity", vector(velocity, "units/s")));
-        values.push(("speed", format!("{:.3} units/s", velocity.length())));
-    }
+    let mut values = facts_of_motion(scene, Body::Rod(id));
     values.push(("from", vector(ends[0], "units")));
     values.push(("to", vector(ends[1], "units")));
     values.push(("length", format!("{:.4} units", ends[0].distance(ends[1]))));
     values.push(("fixed length", rod.length.map_or("none".to_owned(), |length| format!("{length} units"))));
     values.push(("radius", format!("{} units", rod.radius)));
+    if scene.capsules().iter().any(|parts| parts.rod == id) {
+        values.extend(facts_of_force(simulation, Body::Rod(id))?);
+    }
     Ok(values)
 }

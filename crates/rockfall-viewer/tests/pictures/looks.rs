@@ -135,3 +135,22 @@ fn a_look_that_changes_in_a_run_is_shown_on_both_backends() {
         assert!(before != plain && before == take(&mut simulation), "{backend:?}");
     }
 }
+
+/// A ball that overlaps a pane by a hair has no dark dot where it touches.
+#[test]
+fn a_pane_covers_the_caps_of_balls_that_touch_it() {
+    let camera = Camera::new([0.0, 0.0, 9.0], [0.0, 0.0, 0.0]);
+    let touched = |overlap: f32| {
+        let mut scene = Scene::new();
+        let pane = scene.add_polygon(Polygon::new([-2.0, -2.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0])).unwrap();
+        scene.set_tag(pane, Tag::new().look(Look::Glass)).unwrap();
+        let ball = scene.add_sphere(Sphere::new([0.0, 0.0, overlap - 1.0], 1.0)).unwrap();
+        scene.set_tag(ball, Tag::new().look(Look::Plain).colour("orange".parse().unwrap())).unwrap();
+        let made = picture(scene, &camera, &Style::default());
+        let [x, y] = projected(&camera, Vec3::ZERO);
+        pixel(&made, x as u32, y as u32)
+    };
+    let [apart, overlapping] = [-0.01, 0.02].map(touched);
+    let difference = apart.iter().zip(overlapping).map(|(one, other)| one.abs_diff(other)).max();
+    assert!(difference.unwrap() < 6, "{apart:?} {overlapping:?}");
+}

@@ -38,6 +38,37 @@ fn changes_of_constants_are_undone_and_redone() {
     assert_eq!(viewer.session.can_undo(), [true, false]);
 }
 
+/// With `resting_overlap`, the simulation chooses constants for the present positions when constants change. Undo does not.
+#[test]
+fn undo_brings_chosen_constants_back() {
+    let text = "# Falling balls\nset gravity 10\nset resting_overlap 0.02\nB -9 -1 -9 18 0 0 0 1 0 0 0 18\n\
+                S 1 0 0.5 0 0 0 0 0 0 0 1 0.5\nS 2 0 1.6 0 2 0 0 0 0 0 1 0.5\nS 3 0 2.7 0 -3 0 0 0 0 0 1 0.5\n";
+    let folder = tempfile::tempdir().expect("a folder");
+    let [given, saved] = ["given.txt", "saved.txt"].map(|name| folder.path().join(name));
+    std::fs::write(&given, text).expect("a file");
+    let mut session = session(BALL);
+    assert!(session.load(&given));
+    session.set_time_step(0.001);
+    run(&mut session, 300);
+    let before = *session.settings();
+    let places = heights(&mut session);
+    session.change_settings(|settings| settings.gravity = 11.0);
+    let after = *session.settings();
+    session.undo();
+    assert_eq!((*session.settings(), heights(&mut session), steps(&session)), (before, places, 300));
+    session.redo();
+    assert_eq!(*session.settings(), after);
+    // The file has the constants in effect, with which it goes on, and the title of the scene.
+    assert!(session.save(&saved));
+    let loaded = rockfall::Scene::load(&saved).expect("it reads back");
+    assert_eq!(loaded.title, ["Falling balls"]);
+    let mut expected = after;
+    expected.resting_overlap = 0.0;
+    assert_eq!(loaded.scene.resolved_settings(), expected);
+    let text = std::fs::read_to_string(&saved).expect("a file");
+    assert!(text.contains("# contact_force and contact_damping were chosen for resting_overlap 0.02\n"), "{text}");
+}
+
 #[test]
 fn a_throw_is_undone_and_redone() {
     let mut viewer = viewer(FLOATING);

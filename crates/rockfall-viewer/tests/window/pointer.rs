@@ -108,6 +108,34 @@ fn a_held_body_carries_the_bodies_connected_to_it() {
     assert!((heights[0] - 20.0).abs() < 0.05, "{heights:?}");
 }
 
+/// Rods and springs cannot follow the pointer beyond their reach. They hold, and come to rest.
+#[test]
+fn a_pull_beyond_the_reach_of_a_network_does_not_overload_it() {
+    let bridge = include_str!("../../../../scenes/bridge.txt");
+    let cube = include_str!("../../../../scenes/soft-cube.txt");
+    let ways = [Vec3::new(1.0, 3.0, 0.0), Vec3::new(-30.0, 20.0, -10.0), Vec3::new(0.0, -9.0, 3.0)];
+    for (text, held, connected) in [(bridge, 9, 2..16), (cube, 60, 0..125)] {
+        for way in ways {
+            let mut session = session(text);
+            session.set_running(true);
+            (0..100).for_each(|_| session.frame(0.0, 0.0, |_| ()));
+            let sight = sight_of(&mut session, held);
+            session.hold(&sight);
+            session.drag(&Sight { origin: sight.origin + way, ..sight });
+            let mut fastest = 0.0_f32;
+            let mut speeds = Vec::new();
+            for _ in 0..1200 {
+                session.frame(0.0, 0.0, |_| ());
+                let spheres = session.simulation().spheres().expect("spheres are read");
+                speeds = spheres[connected.clone()].iter().map(|sphere| sphere.velocity.length()).collect();
+                fastest = speeds.iter().copied().fold(fastest, f32::max);
+            }
+            let last = speeds.iter().copied().fold(0.0, f32::max);
+            assert!(fastest < 10.0 && last < 1.0, "{way}: {fastest} units/s, {last} at the end");
+        }
+    }
+}
+
 #[test]
 fn bodies_that_cannot_be_held_give_a_message() {
     let mut session = session("S 1 0 0 0 0 0 0 0 0 0 1 0.5 1\nB 5 -1 -1 2 0 0 0 2 0 0 0 2\n");
@@ -153,6 +181,29 @@ fn a_click_picks_a_body_and_shows_its_values() {
     viewer.press(Button::Left, NONE);
     viewer.release(Button::Left, 0.0);
     assert_eq!((viewer.session.picked(), viewer.session.watch.facts()), (None, None));
+}
+
+/// The force on a hanging ball has that of its rod, and follows gravity while the simulation is paused.
+#[test]
+fn the_net_force_of_a_picked_body_is_that_of_the_present_constants() {
+    let hanging = "set gravity 10\nS 1 0 5 0 0 0 0 0 0 0 1 0.1 1\nS 2 0 4 0 0 0 0 0 0 0 2 0.1 0\nR 1 2 0.05 1\n";
+    let force = |session: &Session| {
+        let facts = session.watch.facts().expect("facts");
+        facts.values.iter().find(|(name, _)| *name == "net force").expect("a force").1.clone()
+    };
+    let mut held = session(hanging);
+    let ball = held.simulation().scene().sphere_ids().nth(1).expect("a ball");
+    held.set_picked(Some(Body::Sphere(ball)));
+    assert_eq!(force(&held).replace('-', ""), "0.000 0.000 0.000 mass units/s²");
+    let mut free = session(BALL);
+    let ball = free.simulation().scene().sphere_ids().next().expect("a ball");
+    free.set_picked(Some(Body::Sphere(ball)));
+    free.sample(false);
+    free.change_settings(|settings| settings.gravity = 4.0);
+    free.frame(2.0, 0.0, |_| ());
+    free.sample(false);
+    assert_eq!(force(&free), "0.000 -4.000 0.000 mass units/s²");
+    assert_eq!(free.watch.energies().len(), 1);
 }
 
 /// Drags from the middle of the picture by 30 pixels to the right and 50 up.

@@ -139,3 +139,21 @@ fn a_bad_time_step_or_constant_is_warned_of_when_it_is_set() {
     assert_eq!(session.pace.time_step, 0.2);
     assert!(messages(&session)[0].contains("-0.01"), "{:?}", messages(&session));
 }
+
+/// A later warning of the same kind takes the place of the one before, and none stays that no longer holds.
+#[test]
+fn warnings_of_constants_do_not_pile_up() {
+    let balls = "S 1 0 3 0 0 0 0 0 0 0 1 0.05\nS 2 3 3 0 0 0 0 0 0 0 1 0.05\nB -5 -1 -5 10 0 0 0 1 0 0 0 10\n";
+    let mut session = session(balls);
+    assert!(messages(&session).is_empty());
+    for (number, gravity) in [100.0, 110.0, 120.0].into_iter().enumerate() {
+        session.change_settings(|settings| settings.gravity = gravity);
+        session.frame(10.0 * number as f64 + 1.0, 0.0, |_| ());
+        session.frame(10.0 * number as f64 + 9.0, 0.0, |_| ());
+    }
+    let sinking = |session: &Session| messages(session).iter().filter(|text| text.starts_with("bodies at rest")).count();
+    assert_eq!(sinking(&session), 1, "{:?}", messages(&session));
+    session.change_settings(|settings| settings.gravity = 1.0);
+    session.frame(90.0, 0.0, |_| ());
+    assert_eq!(sinking(&session), 0, "{:?}", messages(&session));
+}

@@ -36,8 +36,17 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     settings(&mut head, &scene.settings);
 
     // How steps are dispatched does not change results, and is chosen by the device that continues.
-    let Options { backend, integrator, broad_phase, pair_capacity, keep_going, without: _, force_laws, contact_force_law } =
-        options;
+    let Options {
+        backend,
+        device: _,
+        integrator,
+        broad_phase,
+        pair_capacity,
+        keep_going,
+        without: _,
+        force_laws,
+        contact_force_law,
+    } = options;
     for text in [backend.to_string(), integrator.to_string(), broad_phase.to_string()] {
         head.text(&text);
     }

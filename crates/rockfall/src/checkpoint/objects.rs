@@ -6,7 +6,8 @@ use glam::{Quat, Vec3};
 
 use super::words::{Damage, Words};
 use crate::scene::{
-    CapsuleParts, Counts, Cuboid, Handle, MaterialId, MotionId, Muscle, Polygon, Registry, Rod, Scene, Sphere, Spring, Tether,
+    CapsuleParts, Counts, Cuboid, Handle, MaterialId, MotionId, Muscle, Polygon, Registry, Rod, Scene, Sphere, Spring, Surface,
+    Tether,
 };
 
 /// Maximum number of bytes written at once.
@@ -22,7 +23,7 @@ trait Record<const N: usize>: Sized {
 pub(super) fn length(scene: &Scene) -> usize {
     let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons, bodies: _ } = scene.counts();
     let references = if scene.references.is_empty() { 0 } else { 2 * spheres };
-    4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 9 * springs + 7 * tethers + 17 * boxes + 14 * polygons)
+    4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 9 * springs + 7 * tethers + 17 * boxes + 15 * polygons)
 }
 
 pub(super) fn write(scene: &Scene, out: &mut impl Write) -> io::Result<()> {
@@ -235,21 +236,24 @@ impl Record<17> for Cuboid {
     }
 }
 
-impl Record<14> for Polygon {
-    fn pack(&self, scene: &Scene) -> [u32; 14] {
-        let Self { corner, left, right, is_triangle, group, material, motion, surface_velocity } = *self;
-        let mut words = [tag(scene, group, is_triangle, material); 14];
+impl Record<15> for Polygon {
+    fn pack(&self, scene: &Scene) -> [u32; 15] {
+        let Self { corner, left, right, surface, group, material, motion, surface_velocity } = *self;
+        let mut words = [tag(scene, group, false, material); 15];
+        words[14] = surface.number();
         words[10] = body(scene, motion);
         put(&mut words[11..], [surface_velocity]);
         put(&mut words, [corner, left, right]);
         words
     }
 
-    fn unpack(words: [u32; 14], scene: &Scene) -> Result<Self, Damage> {
-        let (group, is_triangle, material) = read_tag(words[9], scene)?;
+    fn unpack(words: [u32; 15], scene: &Scene) -> Result<Self, Damage> {
+        let (group, _, material) = read_tag(words[9], scene)?;
+        let surface = Surface::of_number(words[14])
+            .ok_or_else(|| Damage::new(format!("a polygon has the unknown surface {}", words[14])))?;
         let [corner, left, right] = [vector(&words), vector(&words[3..]), vector(&words[6..])];
         let (motion, surface_velocity) = (read_body(words[10], scene)?, vector(&words[11..]));
-        Ok(Self { corner, left, right, is_triangle, group, material, motion, surface_velocity })
+        Ok(Self { corner, left, right, surface, group, material, motion, surface_velocity })
     }
 }
 

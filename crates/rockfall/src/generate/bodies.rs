@@ -2,9 +2,9 @@
 
 use glam::{Mat3, Vec3};
 
-use super::{Cells, Random, ball, walled_box};
+use super::{Cells, Random, ball, thin_box};
 use crate::error::Result;
-use crate::scene::{Capsule, Cuboid, Rod, Scene, Sphere, SphereId, Spring};
+use crate::scene::{Capsule, Cuboid, Look, Rod, Scene, Sphere, SphereId, Spring, Tag};
 
 pub(super) fn mixed(spheres: u32, random: &mut Random) -> Result<Scene> {
     const CELL: f32 = 1.1;
@@ -43,13 +43,13 @@ pub(super) fn mixed(spheres: u32, random: &mut Random) -> Result<Scene> {
         scene.add_spring(Spring::new(a, b, 200.0, 2.0 * HALF).damping(1.0))?;
     }
     let half = cells.half_width();
-    walled_box(&mut scene, half, half, cells.top() + 1.0)?;
+    thin_box(&mut scene, half, cells.top() + 1.0)?;
     Ok(scene)
 }
 
 /// Number of spheres along an edge of a blob.
 const SIDE: i32 = 3;
-const BLOB: u32 = (SIDE * SIDE * SIDE) as u32;
+pub(super) const BLOB: u32 = (SIDE * SIDE * SIDE) as u32;
 
 pub(super) fn soft(spheres: u32, random: &mut Random) -> Result<Scene> {
     // The ball that encloses a blob has a diameter of 0.84 sqrt(3) + 0.32 = 1.78.
@@ -62,7 +62,7 @@ pub(super) fn soft(spheres: u32, random: &mut Random) -> Result<Scene> {
         blob(&mut scene, random, cells.centre(index as u32), BLOB.min(spheres - first))?;
     }
     let half = cells.half_width() + 0.5;
-    walled_box(&mut scene, half, half, cells.top() + 1.0)?;
+    thin_box(&mut scene, half, cells.top() + 1.0)?;
     // Blocks on the floor for the blobs to fall onto, one below every column.
     for column in 0..cells.across * cells.across {
         let at = cells.centre(column) + random.offset(0.3);
@@ -110,40 +110,57 @@ fn turn(random: &mut Random) -> Mat3 {
     Mat3::from_cols(x, y, x.cross(y))
 }
 
+/// Number of spheres of a chain, including the fixed one.
+pub(super) const CHAIN: u32 = 15;
+/// Distance of the spheres of a chain, and their radius.
+const LINK: f32 = 0.5;
+const LINK_RADIUS: f32 = 0.15;
+
+/// Chains that hang from beams and start pulled aside.
 pub(super) fn chain(spheres: u32, random: &mut Random) -> Result<Scene> {
-    /// Number of spheres of a chain, including the fixed one.
-    const LINKS: u32 = 10;
-    const LINK: f32 = 0.5;
-    /// Distances between the fixed spheres, along the swing and across it.
-    const ALONG: f32 = 1.2;
+    /// Height of the fixed spheres, and their distances along the swing and across it.
+    const HEIGHT: f32 = 8.0;
+    const ALONG: f32 = 1.4;
     const ACROSS: f32 = 0.8;
-    /// Number of neighbouring chains that are pulled apart like a fan, so that they meet when they swing back, and the gap that
-    /// the outer chains of two fans need.
+    /// Greatest number of neighbouring chains that are pulled apart like a fan, so that they meet when they swing back, and the gap
+    /// that the outer chains of two fans need.
     const FAN: u32 = 8;
-    const GAP: f32 = 9.0;
+    const GAP: f32 = 12.5;
     let mut scene = Scene::new();
-    let chains = spheres.div_ceil(LINKS);
-    let mut rows = 1;
-    while u64::from(rows).pow(2) < u64::from(chains) {
-        rows += 1;
+    let chains = spheres.div_ceil(CHAIN);
+    let mut places = chains.min(FAN);
+    while u64::from(places).pow(2) < u64::from(chains) {
+        places += 1;
     }
+    let along = |place: u32| ALONG * place as f32 + GAP * (place / FAN) as f32;
     for chain in 0..chains {
-        let (row, place) = (chain / rows, chain % rows);
-        let along = ALONG * place as f32 + GAP * (place / FAN) as f32;
-        let hook = Vec3::new(along, 6.0, ACROSS * row as f32);
+        let (row, place) = (chain / places, chain % places);
+        let hook = Vec3::new(along(place), HEIGHT, ACROSS * row as f32);
         // Up to 60 degrees to either side, different for every chain.
-        let middle = 0.5 * (FAN - 1) as f32;
-        let aside = 1.7 * ((place % FAN) as f32 - middle) / middle;
+        let middle = 0.5 * (FAN.min(places - place / FAN * FAN) - 1) as f32;
+        let aside = 1.7 * ((place % FAN) as f32 - middle) / middle.max(1.0);
         let aside = Vec3::new(aside + random.between(-0.05, 0.05), -1.0, random.between(-0.02, 0.02)).normalize();
-        let mut above: Option<SphereId> = None;
-        for link in 0..LINKS.min(spheres - chain * LINKS) {
-            let mut sphere = Sphere::new(hook + link as f32 * LINK * aside, 0.15);
-            sphere.fixed = link == 0;
-            let id = scene.add_sphere(sphere)?;
-            if let Some(above) = above.replace(id) {
-                scene.add_rod(Rod::new(above, id, 0.05).length(LINK))?;
-            }
-        }
+        hang(&mut scene, hook, aside, CHAIN.min(spheres - chain * CHAIN))?;
+    }
+    for row in 0..chains.div_ceil(places) {
+        let last = along(places.min(chains - row * places) - 1);
+        let (low, z) = (HEIGHT + 1.1 * LINK_RADIUS, ACROSS * row as f32);
+        let beam = scene.add_box(Cuboid::between([-0.8, low, z - 0.15], [last + 0.8, low + 0.3, z + 0.15]))?;
+        scene.set_tag(beam, Tag::new().look(Look::Wood))?;
     }
     Ok(scene)
+}
+
+/// Adds a chain that begins with a fixed sphere.
+fn hang(scene: &mut Scene, hook: Vec3, along: Vec3, links: u32) -> Result<()> {
+    let mut above: Option<SphereId> = None;
+    for link in 0..links {
+        let mut sphere = Sphere::new(hook + link as f32 * LINK * along, LINK_RADIUS);
+        sphere.fixed = link == 0;
+        let id = scene.add_sphere(sphere)?;
+        if let Some(above) = above.replace(id) {
+            scene.add_rod(Rod::new(above, id, 0.05).length(LINK))?;
+        }
+    }
+    Ok(())
 }

@@ -3,7 +3,7 @@
 use glam::{DVec3, Quat, Vec3};
 
 use super::clumps::turn;
-use super::{Cells, Random, ball, walled_box};
+use super::{Cells, Random, ball, thin_box};
 use crate::error::Result;
 use crate::scene::{Cuboid, Placement, Scene, Shape, ShapeId, Sphere};
 use crate::settings::Integrator;
@@ -26,12 +26,12 @@ const CLEARANCE: f32 = 1e-3;
 /// The time step that suits these scenes, in s.
 pub(super) const STEP: f32 = 0.001;
 
-/// Sets a law that keeps overlaps below the rounding of the boxes, the time step, and an integrator with one evaluation per step.
+/// Sets a law that keeps overlaps below the rounding of the boxes, and an integrator with one evaluation per step.
 fn settle(scene: &mut Scene) -> Result<()> {
     let settings = &mut scene.settings;
     settings.set("resting_overlap", "0.02")?;
     (settings.gravity, settings.coulomb_friction) = (10.0, 0.4);
-    (scene.run.dt, scene.run.integrator) = (Some(STEP), Some(Integrator::SymplecticEuler.into()));
+    scene.run.integrator = Some(Integrator::SymplecticEuler.into());
     Ok(())
 }
 
@@ -59,11 +59,11 @@ pub(super) fn boxes(spheres: u32, random: &mut Random) -> Result<Scene> {
     }
     scene.round_positions();
     let half = cells.half_width();
-    walled_box(&mut scene, half, half, cells.top() + 1.0)?;
+    thin_box(&mut scene, half, cells.top() + 1.0)?;
     Ok(scene)
 }
 
-/// Dominoes along a spiral, and a ball that is thrown at the outer one. Spheres that are left over are balls beside it.
+/// Dominoes along a spiral, and a ball that is thrown at the outer one. Spheres that are left over are left out.
 pub(super) fn dominoes(spheres: u32, random: &mut Random) -> Result<Scene> {
     let mut scene = Scene::new();
     settle(&mut scene)?;
@@ -80,7 +80,7 @@ pub(super) fn dominoes(spheres: u32, random: &mut Random) -> Result<Scene> {
     let outer = place_on_spiral(angle_at(SPACING * f64::from(dominoes)));
     let extent = outer.length().max(last.length()) as f32 + 3.0;
     let speed = random.between(3.5, 4.5);
-    add_balls(&mut scene, spheres - SPHERES * dominoes, speed, outer.as_vec3(), extent)?;
+    add_ball(&mut scene, speed, outer.as_vec3())?;
     scene.round_positions();
     scene.add_box(Cuboid::between([-extent, -0.5, -extent], [extent, 0.0, extent]))?;
     Ok(scene)
@@ -109,15 +109,9 @@ fn angle_at(length: f64) -> f64 {
     ((RADIUS * RADIUS + 2.0 * growth * length).sqrt() - RADIUS) / growth
 }
 
-/// The ball that flies at the domino at `outer` with a speed in units/s, and others at rest in a row outside of the spiral.
-fn add_balls(scene: &mut Scene, balls: u32, speed: f32, outer: Vec3, extent: f32) -> Result<()> {
+/// The ball that flies at the domino at `outer` with a speed in units/s.
+fn add_ball(scene: &mut Scene, speed: f32, outer: Vec3) -> Result<()> {
     let way = Vec3::new(-outer.z, 0.0, outer.x).normalize_or(Vec3::X);
     let start = outer + Vec3::Y * (0.8 * DOMINO.y) + 0.8 * way;
-    scene.add_sphere(Sphere::new(start, 0.15).mass(0.5).velocity(-speed * way))?;
-    for number in 1..balls {
-        let x = 0.5 * number as f32 - 2.5;
-        // Just above the floor.
-        scene.add_sphere(Sphere::new([x, 0.201, extent - 0.5], 0.2).mass(0.5))?;
-    }
-    Ok(())
+    scene.add_sphere(Sphere::new(start, 0.15).mass(0.5).velocity(-speed * way)).map(drop)
 }

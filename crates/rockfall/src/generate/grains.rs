@@ -305,7 +305,9 @@ mod tests {
         let (plain, fine) = (drum.scene(0).unwrap(), drum.spin(1.0).triangles().scene(0).unwrap());
         let [one, other]: [f32; 2] = [area(&plain, 1.0), area(&fine, 0.5)];
         assert!((other / one - 1.0).abs() < 1e-4, "{one} {other}");
-        assert!(fine.counts().polygons > 1_000 && fine.polygons().iter().all(|face| face.is_triangle && face.motion.is_some()));
+        assert!(
+            fine.counts().polygons > 1_000 && fine.polygons().iter().all(|face| face.is_triangle() && face.motion.is_some())
+        );
         assert!(fine.placement().unwrap().deepest < 1e-3);
     }
 

@@ -9,7 +9,7 @@ use super::grains::{CELL, DENSITY, GRAVITY, grains, lattice};
 use super::{Cells, Random};
 use crate::error::Result;
 use crate::mesh::Mesh;
-use crate::scene::{Cuboid, Look, MaterialId, Motion, MotionTerm, Pair, Scene, Sphere, Tag};
+use crate::scene::{Colour, Cuboid, Look, MaterialId, Motion, MotionTerm, Pair, Polygon, Scene, Sphere, Tag};
 
 /// Young's modulus, in Pa. With it, overlaps stay below 1 % of the radius.
 const YOUNG: f32 = 5e6;
@@ -37,7 +37,9 @@ fn grain(place: Vec3, random: &mut Random, material: MaterialId) -> Sphere {
 pub(super) fn vibrated(spheres: u32, random: &mut Random) -> Result<Scene> {
     const FREQUENCY: f64 = 20.0;
     const GAMMA: f64 = 3.0;
+    /// Thickness of the floor and of the walls, in m.
     const THICK: f32 = 0.01;
+    const WALL: f32 = 0.003;
     let (mut scene, material) = empty()?;
     let rate = TAU * FREQUENCY;
     let amplitude = DVec3::Y * (GAMMA * f64::from(GRAVITY) / (rate * rate));
@@ -47,7 +49,7 @@ pub(super) fn vibrated(spheres: u32, random: &mut Random) -> Result<Scene> {
         scene.add_sphere(grain(cells.centre(index), random, material))?;
     }
     let (half, top) = (cells.half_width() + RADIUS, cells.top() + 20.0 * RADIUS);
-    let out = half + THICK;
+    let out = half + WALL;
     let walls = [
         ([-out, -THICK, -out], [out, 0.0, out]),
         ([-out, 0.0, -out], [-half, top, out]),
@@ -135,9 +137,11 @@ fn blades(radius: f64, gap: f64) -> Result<Mesh> {
     Mesh::new((0..4).flat_map(turned).collect(), triangles.collect())
 }
 
-/// A level tube whose lower half has grains in it, with a screw that turns once a second and takes them along z. Both ends are closed.
+/// A level tube whose lower half has grains in it, with a screw that turns once a second and takes them along x. Both ends are closed.
 pub(super) fn screw(spheres: u32, random: &mut Random) -> Result<Scene> {
     const ASPECT: f32 = 6.0;
+    const TUBE: Colour = Colour([0xc9, 0xd1, 0xd6]);
+    const SCREW: Colour = Colour([0x7d, 0x8b, 0x99]);
     let (mut scene, material) = empty()?;
     let cell = 2.0 * CELL * RADIUS;
     let mut tube = (spheres as f32 * cell.powi(3) / ASPECT).cbrt().max(4.0 * cell);
@@ -151,24 +155,28 @@ pub(super) fn screw(spheres: u32, random: &mut Random) -> Result<Scene> {
         tube *= 1.02;
     };
     for place in places.into_iter().take(spheres as usize) {
-        scene.add_sphere(grain(place, random, material))?;
+        scene.add_sphere(grain(Vec3::new(place.z, place.y, -place.x), random, material))?;
     }
     // The flight leaves a gap in which no grain gets stuck.
     let (middle, flight) = (0.5 * ASPECT * tube, tube - 0.75 * RADIUS);
     let length = f64::from(ASPECT * tube);
-    add_glass(&mut scene, &Mesh::cylinder(tube.into(), length, FACETS)?, material)?;
-    let motion = scene.add_motion(Motion::new("screw", MotionTerm::turn(-TAU, DVec3::Z, DVec3::ZERO)))?;
+    let motion = scene.add_motion(Motion::new("screw", MotionTerm::turn(-TAU, DVec3::X, DVec3::ZERO)))?;
     let turns = length / f64::from(pitch);
-    for mesh in [
-        Mesh::cylinder(shaft.into(), length, FACETS / 2)?,
-        Mesh::helix(shaft.into(), flight.into(), pitch.into(), turns, FACETS)?,
-    ] {
-        scene.add_mesh(&mesh, |triangle| triangle.material(material).motion(motion))?;
+    let walls = [
+        (Mesh::cylinder(tube.into(), length, FACETS)?, None, TUBE),
+        (Mesh::cylinder(shaft.into(), length, FACETS / 2)?, Some(motion), SCREW),
+        (Mesh::helix(shaft.into(), flight.into(), pitch.into(), turns, FACETS)?, Some(motion), SCREW),
+    ];
+    for (mesh, motion, colour) in walls {
+        let along_x = mesh.transformed(1.0, DVec3::Y, 90.0, DVec3::ZERO)?;
+        for id in scene.add_mesh(&along_x, |triangle| Polygon { motion, ..triangle.material(material) })?.ids {
+            scene.set_tag(id, Tag::new().colour(colour))?;
+        }
     }
     let wide = 1.2 * tube;
     for [from, to] in [[-0.2 * tube, 0.0], [2.0 * middle, 2.0 * middle + 0.2 * tube]] {
-        let end = scene.add_box(Cuboid::between([-wide, -wide, from], [wide, wide, to]).material(material))?;
-        scene.set_tag(end, Tag::new().look(Look::Glass))?;
+        let end = scene.add_box(Cuboid::between([from, -wide, -wide], [to, wide, wide]).material(material))?;
+        scene.set_tag(end, Tag::new().colour(TUBE))?;
     }
     Ok(scene)
 }

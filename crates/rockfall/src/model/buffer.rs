@@ -46,13 +46,17 @@ pub enum Buffer {
     Poses,
     /// The state of rigid bodies, and scratch: [`RIGID_ROWS`](crate::model::layout::RIGID_ROWS) vectors for each.
     RigidBodies,
+    /// The servos: 4 vectors for each.
+    Servos,
+    /// What every sphere and rod, in insertion order, contributes to the force and to the stiffness of every servo: 2 floats for each.
+    ServoLoads,
     /// The [`Status`](crate::model::status::Status) block.
     Status,
 }
 
 impl Buffer {
     /// All buffers.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 20] = [
         Self::Start,
         Self::Y2,
         Self::Y3,
@@ -70,6 +74,8 @@ impl Buffer {
         Self::Rates,
         Self::Poses,
         Self::RigidBodies,
+        Self::Servos,
+        Self::ServoLoads,
         Self::Status,
     ];
 
@@ -92,6 +98,8 @@ impl Buffer {
             Self::Histories => "the springs of contacts",
             Self::Poses => "the poses of moving walls",
             Self::RigidBodies => "the rigid bodies",
+            Self::Servos => "the servos",
+            Self::ServoLoads => "the loads of servos",
             Self::Rates => "the accelerations of the last force evaluation",
             Self::Status => "the status",
         }

@@ -32,6 +32,8 @@ pub enum Threads {
     WideSpheres,
     /// A thread per box and polygon.
     Walls,
+    /// A workgroup per body with a prescribed motion.
+    Motions,
     /// A thread per rod.
     Rods,
     /// A workgroup per batch of fixed-length rods.
@@ -65,6 +67,7 @@ impl Threads {
             Self::SharedMovers => step.layout.large + (movers - step.layout.large).div_ceil(WORKGROUP),
             Self::WideSpheres => step.layout.spheres.div_ceil(WIDE_WORKGROUP),
             Self::Walls => (step.layout.boxes + step.layout.polygons).div_ceil(WORKGROUP),
+            Self::Motions => step.layout.bodies,
             Self::Rods => step.layout.rods.div_ceil(WORKGROUP),
             Self::Batches => step.layout.batches,
             Self::Networks => step.layout.networks,

@@ -122,6 +122,22 @@ constants! {
     pub const FLAG_HALF_STEP: u32 = 2048;
     /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): the scene is periodic along some axis.
     pub const FLAG_PERIODIC: u32 = 4096;
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): some polygons are smooth walls.
+    pub const FLAG_SMOOTH: u32 = 8192;
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): the images of a periodic scene slide along the box.
+    pub const FLAG_SHEARED: u32 = 32_768;
+    /// Surface of a polygon: a parallelogram. The numbers are the places in `Surface::ALL`.
+    pub const SURFACE_PARALLELOGRAM: u32 = 0;
+    /// Surface of a polygon: a triangle.
+    pub const SURFACE_TRIANGLE: u32 = 1;
+    /// Surface of a polygon: a plane.
+    pub const SURFACE_PLANE: u32 = 2;
+    /// Surface of a polygon: a cone that is touched from outside. The next number is that of one that is touched from inside.
+    pub const SURFACE_CONE: u32 = 3;
+    /// Surface of a polygon: a ball that is touched from outside. The next number is that of one that is touched from inside.
+    pub const SURFACE_BALL: u32 = 5;
+    /// Half the edge of the bounding box of a plane, in units.
+    pub const UNBOUNDED: f32 = 1e15;
     /// Words of the rates of a sphere: acceleration x, y, z, torque x, y, z.
     pub const RATE_WORDS: u32 = 6;
     /// Shift of the material in a tag.
@@ -229,6 +245,15 @@ pub const MAX_PAIR_ROWS: u32 = 15 << 28;
 pub const fn words_of_rows(rows: u32) -> u64 {
     SLICE as u64 * rows as u64
 }
+
+/// Bit of [`Constants::flags`](crate::model::step::Constants::flags) that no kernel reads: walls follow servos.
+pub(crate) const FLAG_SERVOS: u32 = 1 << 16;
+/// Vectors of the record of a servo.
+pub(crate) const SERVO_ROWS: u32 = 4;
+/// Partial sums of the forces that a servo exerts, a thread each.
+pub(crate) const SERVO_SUMS: u32 = 256;
+/// Pass of `drive_servos` at the end of a step. Pass 0 is at its start.
+pub(crate) const SERVO_END: u32 = 1;
 
 /// Place of the number of the body in the record of a moving wall.
 pub(crate) const WALL_BODY: usize = 3;

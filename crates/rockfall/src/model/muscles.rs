@@ -13,6 +13,7 @@ use crate::model::lanes::LANES;
 use crate::model::layout::MUSCLE_WORDS;
 use crate::model::status::Status;
 use crate::model::step::Step;
+use crate::phase::{phase, wide, words};
 use crate::scene::Muscle;
 use crate::settings::DEFAULT_TIME_STEP;
 
@@ -79,13 +80,13 @@ impl MuscleClock {
 
     fn half_step(&self, muscle: &Muscle) -> u64 {
         // The product of two f32 is exact in f64.
-        to_phase(f64::from(muscle.frequency) * f64::from(self.dt) * 0.5)
+        phase(f64::from(muscle.frequency) * f64::from(self.dt) * 0.5)
     }
 
     fn phase_at(&self, muscle: &Muscle, steps: u64) -> u64 {
-        let start = to_phase(f64::from(muscle.frequency) * self.start);
+        let start = phase(f64::from(muscle.frequency) * self.start);
         let since = self.half_step(muscle).wrapping_mul(steps.wrapping_mul(2));
-        start.wrapping_add(to_phase(muscle.phase.into())).wrapping_add(since)
+        start.wrapping_add(phase(muscle.phase.into())).wrapping_add(since)
     }
 
     /// Phase of a muscle, in turns from 0 to 1.
@@ -96,7 +97,6 @@ impl MuscleClock {
     /// The record of a spring.
     pub(crate) fn record(&self, muscle: Option<Muscle>) -> [u32; MUSCLE_WORDS as usize] {
         let Some(muscle) = muscle else { return [0; MUSCLE_WORDS as usize] };
-        let words = |phase: u64| [phase as u32, (phase >> 32) as u32];
         let ([low, high], [step_low, step_high]) = (words(self.phase_at(&muscle, self.base())), words(self.half_step(&muscle)));
         [muscle.amplitude.to_bits(), low, high, step_low, step_high]
     }
@@ -105,13 +105,6 @@ impl MuscleClock {
     pub(crate) fn has_table_of(&self, other: &Self) -> bool {
         (self.start.to_bits(), self.dt.to_bits(), self.base()) == (other.start.to_bits(), other.dt.to_bits(), other.base())
     }
-}
-
-/// The fraction of a number of turns, in units of 2^-64 turns.
-fn to_phase(turns: f64) -> u64 {
-    // The factor is exact, and the result is below 2^64 because the fraction is at most 1 - 2^-53. A fraction that is rounded to 1
-    // becomes u64::MAX, which is 2^-64 turns off.
-    (turns.rem_euclid(1.0) * 2.0_f64.powi(64)) as u64
 }
 
 /// Half steps since the base of the muscles' clock, at a force evaluation of a step.
@@ -137,12 +130,11 @@ pub(crate) struct MusclesOfFour {
 impl MusclesOfFour {
     /// The muscles of up to four records.
     pub(crate) fn of(records: &[[u32; MUSCLE_WORDS as usize]]) -> Self {
-        let wide = |low: u32, high: u32| u64::from(high) << 32 | u64::from(low);
         let mut four = Self::default();
         for (lane, [amplitude, low, high, step_low, step_high]) in records.iter().enumerate() {
             four.amplitudes[lane] = f32::from_bits(*amplitude);
-            four.phases[lane] = wide(*low, *high);
-            four.changes[lane] = wide(*step_low, *step_high);
+            four.phases[lane] = wide([*low, *high]);
+            four.changes[lane] = wide([*step_low, *step_high]);
         }
         four
     }
@@ -183,7 +175,7 @@ mod tests {
         for place in 0..10_000_u32 {
             let turns = f64::from(place) / 9973.0;
             let exact = (std::f64::consts::TAU * turns).sin();
-            let error = (f64::from(sine(to_phase(turns))) - exact).abs();
+            let error = (f64::from(sine(phase(turns))) - exact).abs();
             assert!(error < 2e-7, "{turns} turns: {error}");
         }
         assert_eq!([0, 1 << 62, 1 << 63, 3 << 62].map(sine), [0.0, sine(1 << 62), 0.0, -sine(1 << 62)]);

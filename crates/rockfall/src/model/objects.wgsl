@@ -78,7 +78,12 @@ struct Polygon {
     corner: vec3f,
     left: vec3f,
     right: vec3f,
-    is_triangle: bool,
+    // One of the SURFACE_ constants.
+    surface: u32,
+}
+
+fn is_triangle(polygon: Polygon) -> bool {
+    return TRIANGLES && (polygon.surface == SURFACE_TRIANGLE);
 }
 
 fn polygon(index: u32) -> Polygon {
@@ -88,7 +93,7 @@ fn polygon(index: u32) -> Polygon {
         spread_vector_at(at, stride),
         spread_vector_at(at + 3u * stride, stride),
         spread_vector_at(at + 6u * stride, stride),
-        topology[at + 9u * stride] != 0u,
+        topology[at + 9u * stride],
     );
 }
 

@@ -33,10 +33,19 @@ block! {
         pub muscle_step: u32,
         /// Time of the simulation at that base, in s.
         pub time_base: f32,
-        /// Value of `steps` in the status to which the first row of the poses of bodies belongs.
+        /// Value of `steps` in the status to which the first row of the poses of bodies and the displacement of the box above belong.
         pub pose_step: u32,
         /// Number of rows of that table.
         pub pose_rows: u32,
+        /// Displacement of the box above in a sheared scene, in units of 2^-64 periods: the low word. At the step `pose_step`; on the CPU
+        /// at the time of a stage while it runs.
+        pub shear_low: u32,
+        /// The high word.
+        pub shear_high: u32,
+        /// Change of that displacement in half a step: the low word.
+        pub shear_change_low: u32,
+        /// The high word.
+        pub shear_change_high: u32,
         /// How collisions are solved: one of the `SWEEPS_*` constants. Results do not depend on it.
         pub sweeps: u32,
         /// `FLAG_*` bits.
@@ -198,6 +207,10 @@ block! {
         pub from_y: f32,
         /// Least z of the box.
         pub from_z: f32,
+        /// Velocity of the box above in a sheared scene, in units/s.
+        pub shear_speed: f32,
+        /// The axis along which the velocity of the flow changes (0 for x, 1 for y, 2 for z), and 4 times that of the flow.
+        pub shear_axes: u32,
     }
 }
 

@@ -5,7 +5,7 @@
 @group(0) @binding(1) var<uniform> pass_: Pass;
 
 // Whether the scene has rods (RODS), large spheres, each of which gets a workgroup (LARGE), springs with muscles
-// (MUSCLES), moving boxes or polygons (WALLS), rigid bodies (RIGID_BODIES), triangles (TRIANGLES), periodic boundaries (PERIODIC), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
+// (MUSCLES), moving boxes or polygons (WALLS), rigid bodies (RIGID_BODIES), triangles (TRIANGLES), smooth walls (SMOOTH), periodic boundaries (PERIODIC), pairs of materials (MATERIALS), pairs with rolling or twisting resistance (RESISTANCE), and pairs with
 // cohesion (COHESION). Whether the integrator is velocity Verlet (VERLET). Whether geometry uses the low parts of positions (DOUBLE).
 // Kernels for scenes without them are smaller and faster.
 const RODS: bool = true;
@@ -14,10 +14,15 @@ const MUSCLES: bool = true;
 const WALLS: bool = true;
 const RIGID_BODIES: bool = true;
 const TRIANGLES: bool = true;
+const SMOOTH: bool = true;
+// Whether the scene has rods and polygons.
+const ROD_POLYGONS: bool = true;
 // Whether orientations are updated by stages after the integration, which leaves them the mean spins.
 const LATE_TURN: bool = RODS | RIGID_BODIES;
 // Whether the scene is periodic along some axis. Geometry then uses the low parts of positions, too.
 const PERIODIC: bool = true;
+// Whether the images of the scene slide along the box.
+const SHEARED: bool = true;
 const MATERIALS: bool = true;
 const RESISTANCE: bool = true;
 const COHESION: bool = true;

@@ -2,7 +2,7 @@
 
 use crate::model::layout::{
     FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_PERIODIC,
-    FLAG_RESISTANCE, FLAG_TRIANGLES, FLAG_VERLET, MANY_OBJECTS,
+    FLAG_RESISTANCE, FLAG_SERVOS, FLAG_SHEARED, FLAG_SMOOTH, FLAG_TRIANGLES, FLAG_VERLET, MANY_OBJECTS,
 };
 use crate::model::step::Step;
 use crate::settings::Integrator;
@@ -33,12 +33,20 @@ pub struct Traits {
     pub free_table: bool,
     /// Boxes or polygons move.
     pub walls: bool,
+    /// Walls follow servos.
+    pub servos: bool,
     /// There are rigid bodies.
     pub rigid: bool,
     /// Some polygons are triangles.
     pub triangles: bool,
+    /// Some polygons are smooth walls.
+    pub smooth: bool,
+    /// There are rods and polygons.
+    pub rod_polygons: bool,
     /// The scene is periodic along some axis.
     pub periodic: bool,
+    /// The images of the scene slide along the box.
+    pub sheared: bool,
     /// There are properties of pairs of materials.
     pub materials: bool,
     /// There are pairs with rolling or twisting resistance.
@@ -78,9 +86,13 @@ impl Step {
             muscles: layout.muscles_at > 0,
             free_table: layout.free_at != 0,
             walls: layout.walls_at != 0,
+            servos: has(FLAG_SERVOS),
             rigid: layout.rigid_bodies > 0,
             triangles: has(FLAG_TRIANGLES),
+            smooth: has(FLAG_SMOOTH),
+            rod_polygons: layout.rods > 0 && layout.polygons > 0,
             periodic: has(FLAG_PERIODIC),
+            sheared: has(FLAG_SHEARED),
             materials: layout.materials > 0,
             resistance: has(FLAG_RESISTANCE),
             cohesion: has(FLAG_COHESION),

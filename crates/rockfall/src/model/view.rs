@@ -11,6 +11,7 @@ use crate::model::muscles::{half_steps, muscle_length};
 use crate::model::period::Periods;
 use crate::model::status::Status;
 use crate::model::step::{Layout, Step};
+use crate::scene::Surface;
 use crate::user_laws::forces::ForceLaws;
 use crate::user_laws::set::UserLaws;
 use crate::user_laws::{ContactForceLaw, ForceInput, MOST_PARAMETERS};
@@ -68,7 +69,7 @@ pub(crate) struct PolygonRecord {
     pub(crate) corner: Vec3,
     pub(crate) left: Vec3,
     pub(crate) right: Vec3,
-    pub(crate) is_triangle: bool,
+    pub(crate) surface: Surface,
 }
 
 /// Something attached to a sphere: a rod, spring, tether or external force. Decoded from one adjacency word.
@@ -389,7 +390,7 @@ impl<'a> View<'a> {
     pub(crate) fn polygon(&self, polygon: u32) -> PolygonRecord {
         let [px, py, pz, lx, ly, lz, rx, ry, rz, kind] = self.floats(self.step.layout.polygons_at, polygon, POLYGON_WORDS);
         let (corner, left, right) = (Vec3::new(px, py, pz), Vec3::new(lx, ly, lz), Vec3::new(rx, ry, rz));
-        PolygonRecord { corner, left, right, is_triangle: kind.to_bits() != 0 }
+        PolygonRecord { corner, left, right, surface: Surface::of_number(kind.to_bits()).unwrap_or_default() }
     }
 
     /// Group (low 16 bits) and material (high 16 bits) of an object.

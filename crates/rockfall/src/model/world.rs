@@ -12,11 +12,13 @@ pub(crate) mod topology;
 pub(crate) mod walls;
 
 use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
-use glam::Vec4;
+use glam::{Vec2, Vec4};
 
 use crate::model::buffer::Buffer;
 use crate::model::impulse::Impulse;
-use crate::model::layout::{FLAG_VERLET, HISTORY_BLOCK, HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, SLICE, words_of_rows};
+use crate::model::layout::{
+    FLAG_VERLET, HISTORY_BLOCK, HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, SERVO_ROWS, SLICE, words_of_rows,
+};
 use crate::model::muscles::MuscleClock;
 use crate::model::rest::Rest;
 use crate::model::status::Status;
@@ -55,14 +57,23 @@ pub struct World {
     pub rates: Vec<f32>,
     /// The poses of bodies with a prescribed motion (see [`Buffer::Poses`]); empty without such bodies.
     pub poses: Vec<f32>,
+    /// Displacement of the box above in a sheared scene at the step `pose_step`, in units of 2^-64 periods.
+    pub(crate) shear_phase: u64,
     /// The state of rigid bodies, and scratch (see [`Buffer::RigidBodies`]).
     pub rigid_bodies: Vec<Vec4>,
+    /// The servos (see [`Buffer::Servos`]); empty without walls that follow one.
+    pub servos: Vec<Vec4>,
+    /// What every sphere and rod contributes to every servo (see [`Buffer::ServoLoads`]). Scratch.
+    pub servo_loads: Vec<Vec2>,
     /// Insertion index of the sphere in each memory slot; empty when slots and insertion indices are the same.
     pub order: Vec<u32>,
     /// `spheres` unit quaternions x, y, z, w.
     pub orientations: Vec<Vec4>,
     /// The status block.
     pub status: Status,
+    /// Which spheres belong to this process, by insertion index, where several processes share a scene; empty if all do. The contacts
+    /// of the others are not counted.
+    pub(crate) own: Vec<bool>,
     /// The laws that the program gave.
     pub(crate) user_laws: UserLaws,
     /// The topology buffer has an external force for each sphere, in insertion order. Otherwise only for those with a force.
@@ -119,6 +130,8 @@ impl World {
             Buffer::Rates => cast_slice(&self.rates),
             Buffer::Poses => cast_slice(&self.poses),
             Buffer::RigidBodies => cast_slice(&self.rigid_bodies),
+            Buffer::Servos => cast_slice(&self.servos),
+            Buffer::ServoLoads => cast_slice(&self.servo_loads),
             Buffer::Status => bytes_of(&self.status),
         }
     }
@@ -142,6 +155,8 @@ impl World {
             Buffer::Rates => cast_slice_mut(&mut self.rates),
             Buffer::Poses => cast_slice_mut(&mut self.poses),
             Buffer::RigidBodies => cast_slice_mut(&mut self.rigid_bodies),
+            Buffer::Servos => cast_slice_mut(&mut self.servos),
+            Buffer::ServoLoads => cast_slice_mut(&mut self.servo_loads),
             Buffer::Status => bytes_of_mut(&mut self.status),
         }
     }
@@ -149,6 +164,11 @@ impl World {
     /// Number of vectors in `wrenches`.
     pub(crate) fn wrench_count(&self) -> usize {
         (4 * self.step.layout.rods + 2 * self.step.layout.spheres) as usize
+    }
+
+    /// Number of elements in `servo_loads`.
+    pub(crate) fn servo_load_count(&self) -> usize {
+        self.servos.len() / SERVO_ROWS as usize * self.movers() as usize
     }
 
     /// Number of vectors in a state.

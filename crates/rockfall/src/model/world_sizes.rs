@@ -55,8 +55,10 @@ impl WorldSizes {
                 || traits.large
                 || traits.materials
                 || traits.walls
+                || traits.periodic
                 || traits.rigid
-                || traits.triangles)
+                || traits.triangles
+                || traits.smooth)
             && traits.in_insertion_order;
         (fits && traits.spheres > 0 && is_plain && !has_impulses).then_some(room)
     }

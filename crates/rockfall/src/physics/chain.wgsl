@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/rigid_box.wgsl physics/rigid_parts.wgsl
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/rigid_box.wgsl physics/rigid_parts.wgsl
 
 // Which contacts of spheres and rods other parts of their chains cover (docs/physics.md section 2.13).
 

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/scale.wgsl physics/walls.wgsl step/collisions/rows.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/scale.wgsl physics/walls.wgsl step/collisions/rows.wgsl
 
 // The two sides of a contact in the collision phase: their kind, velocity along the normal and inverse mass
 // (docs/physics.md sections 3.2 and 3.3).

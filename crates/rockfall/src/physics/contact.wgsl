@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
-// requires physics/fine.wgsl physics/geometry.wgsl physics/pairs.wgsl physics/period.wgsl
+// requires physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/period.wgsl
 // requires physics/walls.wgsl physics/rigid.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
@@ -228,9 +228,17 @@ fn second_side(a: u32, b: u32, found: Touch) -> Side {
     return moving_side(side_of(b, found.b), a, b, found);
 }
 
-// The side of B, with the motion of the contact point if B is a wall.
+// The velocity of the image of sphere b that is nearest to sphere a, relative to b itself.
+fn image_velocity(a: u32, b: u32) -> vec3f {
+    return velocity_below(round(boxes_in(fine_apart(a, b).high)));
+}
+
+// The side of B, with the motion of the contact point if B is a wall. In a sheared scene B has the velocity of its nearest image.
 fn moving_side(plain: Side, a: u32, b: u32, found: Touch) -> Side {
     var half = plain;
+    if SHEARED {
+        half.velocity += image_velocity(a, b);
+    }
     if WALLS {
         if b >= step.spheres + step.rods {
             let wall = wall_of(b);

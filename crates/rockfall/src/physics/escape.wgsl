@@ -3,7 +3,8 @@
 // Tests whether a sphere is still inside the ball for which its pair list is valid.
 
 // How far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. The ball must be
-// inside by more than the rounding errors far from the origin. In periodic scenes, the nearest image of the ball counts.
+// inside by more than the rounding errors far from the origin. In periodic scenes, the nearest image of the ball counts. In sheared ones the
+// images of other bodies may have come nearer by what they slide in a step.
 fn distance_outside(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     if !ESCAPES {
         return -1.0;
@@ -19,7 +20,7 @@ fn distance_outside(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     if PERIODIC {
         far = max(far, abs(position));
     }
-    return length(nearest_image(position - middle)) + radius - room + ROUNDING_SLACK * max(max(far.x, far.y), far.z);
+    return length(nearest_image(position - middle)) + slide_in_step() + radius - room + ROUNDING_SLACK * max(max(far.x, far.y), far.z);
 }
 
 // How far a sphere is outside the ball that its AABB encloses, in units of 0.02 r; 0 when it is inside.
@@ -34,6 +35,11 @@ fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
 // Requests new lists when a moving sphere, at its present velocity, may leave the ball that its AABB encloses within the
 // `list_interval` steps for which the lists must last.
 fn request_rebuild(sphere: u32, centre: vec4f, velocity: vec4f) {
+    if SHEARED {
+        // Images pass each other however slowly bodies move.
+        atomicOr(&status.rebuild, REBUILD_REQUESTED);
+        return;
+    }
     let reach = centre.w + step.neck * centre.w + travel_bound(velocity, centre.w, step.list_interval);
     if velocity.w > 0.0 {
         if distance_outside(position_ahead(centre.xyz, velocity), reach, aabbs[sphere]) > 0.0 {

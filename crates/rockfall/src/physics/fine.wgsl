@@ -70,10 +70,27 @@ fn fine_apart(a: u32, b: u32) -> Fine {
     return fine_moved(sum_of(to.high, -from_.high), to.low - from_.low);
 }
 
-// A vector without some whole periods.
+// The displacement of the box above in a sheared scene, from the upper 48 digits of its phase.
+fn fine_slide() -> Fine {
+    let phase = shear_phase();
+    let length = periods() * along(step.shear_axes >> 2u);
+    let upper = product_of(length, vec3f(1.52587890625e-5 * f32(bitcast<i32>(phase.y) >> 16u)));
+    let middle = product_of(length, vec3f(2.3283064365386963e-10 * f32(phase.y & 0xffffu)));
+    let lower = length * (3.552713678800501e-15 * f32(phase.x >> 16u));
+    return fine_moved(fine_moved(fine_moved(upper, middle.high), middle.low), lower);
+}
+
+// A vector without some whole periods, and what as many boxes slid.
 fn without_periods(d: Fine, count: vec3f) -> Fine {
     let way = product_of(count, periods());
-    return fine_moved(fine_moved(d, -way.high), -way.low);
+    let rest = fine_moved(fine_moved(d, -way.high), -way.low);
+    if SHEARED {
+        let boxes = dot(count, along(step.shear_axes & 3u));
+        let slid = fine_slide();
+        let part = product_of(vec3f(boxes), slid.high);
+        return fine_moved(fine_moved(rest, -part.high), -(part.low + boxes * slid.low));
+    }
+    return rest;
 }
 
 // The vector from the centre of sphere a to the nearest image of that of sphere b.

@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 use crate::fine::Fine;
 use crate::model::view::{BoxRecord, PolygonRecord, TINY};
 use crate::physics::geometry::{OnEdges, from_edges, is_inside, nearest_face, nearest_on_edges, unrounded};
+use crate::physics::smooth::point_round;
 
 /// Returns the unit normal from sphere A to sphere B, and their overlap.
 pub(super) fn fine_spheres(a: Fine, b: Fine, radii: [f32; 2]) -> (Vec3, f32) {
@@ -42,9 +43,13 @@ pub(super) fn fine_box(cuboid: &BoxRecord, centre: Fine, radius: f32) -> (Vec3, 
 /// Returns the unit normal from a sphere to a polygon, and the overlap. `None` behind the plane of a
 /// parallelogram.
 pub(super) fn fine_polygon(polygon: &PolygonRecord, centre: Fine, radius: f32) -> Option<(Vec3, f32)> {
+    if polygon.surface.is_round() {
+        let (normal, distance) = point_round(polygon, centre.wide() - polygon.corner.as_dvec3(), radius)?;
+        return Some((normal, (f64::from(radius) - distance) as f32));
+    }
     let (mut face, mut overlap, place) = over_plane(polygon, centre, radius);
     let is_behind = overlap > f64::from(radius);
-    if overlap.is_nan() || (is_behind && !polygon.is_triangle) {
+    if overlap.is_nan() || (is_behind && !polygon.is_triangle()) {
         return None;
     }
     if is_behind {

@@ -88,6 +88,12 @@ fn sphere_shape(view: &View, sphere: u32, id: u32, velocity: Vec3, dt: f32) -> O
         let touch = line(view, &earlier, Object::Sphere(sphere), view.object(id), None)?;
         Some((touch.overlap, velocity.dot(touch.normal)))
     };
+    let is_past = |time: f32| at(time).is_none_or(|(overlap, _)| overlap > ROUNDING * radius);
+    let is_hollow = matches!(view.object(id), Object::Polygon(polygon) if view.polygon(polygon).surface.is_inside());
+    if is_hollow && is_past(0.0) && !is_past(dt) {
+        let time = halved(is_past, dt);
+        return at(time).filter(|(overlap, closing)| *overlap >= -NEAR * radius && *closing > 0.0).map(|_| time);
+    }
     let mut time = dt;
     let (mut overlap, mut closing) = at(time)?;
     if overlap > ROUNDING * radius {
@@ -101,6 +107,16 @@ fn sphere_shape(view: &View, sphere: u32, id: u32, velocity: Vec3, dt: f32) -> O
         (overlap, closing) = at(time)?;
     }
     (overlap >= -NEAR * radius && closing > 0.0 && time > 0.0).then_some(time)
+}
+
+/// The time up to which a sphere was apart from a cone or ball around it, from which the distance is a concave function of the time.
+fn halved(is_past: impl Fn(f32) -> bool, dt: f32) -> f32 {
+    let (mut past, mut apart) = (0.0, dt);
+    for _ in 0..ITERATIONS {
+        let middle = 0.5 * (past + apart);
+        if is_past(middle) { past = middle } else { apart = middle }
+    }
+    apart
 }
 
 /// The spheres at an earlier time, moved back along straight lines, relative to the wall that they meet. Fixed spheres are not moved.

@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/contact.wgsl physics/geometry.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
+// requires physics/contact.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl
 
 // Friction impulses of pressed contacts (docs/physics.md section 3.9). The impulse of a contact counts every body as if it were

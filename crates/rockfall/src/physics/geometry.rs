@@ -3,20 +3,9 @@
 use glam::Vec3;
 
 use crate::model::view::{BoxRecord, PolygonRecord, TINY};
-
-/// Relative size of a rounding error: a difference of vectors counts as 0 up to this times their length (docs/physics.md
-/// section 2.3).
-pub(crate) const ROUNDED: f32 = 5e-7;
-/// A distance above this part of the distance at which a pair begins to touch never counts as a rounding error.
-const SMALL: f32 = 0.01;
-
-/// Returns a distance vector, and 0 where it is only a rounding error. `squared` is the squared length of the vectors that the
-/// distance is a difference of. Where the distance is nearly 0, these vectors are no longer than the segments. `reach` is the
-/// distance at which the pair begins to touch.
-pub(super) fn unrounded(d: Vec3, squared: f32, reach: f32) -> Vec3 {
-    let rounded = (ROUNDED * ROUNDED * squared).min(SMALL * SMALL * reach * reach);
-    if d.length_squared() <= rounded { Vec3::ZERO } else { d }
-}
+pub(crate) use crate::physics::rounding::{AT_END, ROUNDED, SMALL, unrounded};
+use crate::physics::smooth::point_round;
+use crate::scene::Surface;
 
 /// Returns a vector without its component along an axis. `squared` is the squared length of the axis. A distance vector from a
 /// line has such a component only because the parameter is rounded. The component would change the direction of a very short
@@ -24,9 +13,6 @@ pub(super) fn unrounded(d: Vec3, squared: f32, reach: f32) -> Vec3 {
 fn across(v: Vec3, axis: Vec3, squared: f32) -> Vec3 {
     v - v.dot(axis) / squared * axis
 }
-
-/// A parameter that is beyond an end by at most this belongs to the segment, so that rounding errors do not decide.
-pub(crate) const AT_END: f32 = 1e-6;
 
 /// Whether a parameter belongs to a segment.
 pub(super) fn on_segment(parameter: f32) -> bool {
@@ -195,7 +181,8 @@ pub(crate) fn point_over_polygon(polygon: &PolygonRecord, p: Vec3) -> (Vec3, f32
 
 /// Whether a point with these parameters along L and R is over the polygon.
 pub(super) fn is_inside(polygon: &PolygonRecord, [l, k]: [f32; 2]) -> bool {
-    on_segment(l) && on_segment(k) && (!polygon.is_triangle || on_segment(l + k))
+    let on_parallelogram = on_segment(l) && on_segment(k) && (!polygon.is_triangle() || on_segment(l + k));
+    on_parallelogram || polygon.surface == Surface::Plane
 }
 
 /// A point on the edges of a polygon, P + l L + k R.
@@ -209,7 +196,7 @@ pub(super) struct OnEdges {
 /// Returns the point of a polygon's edges that is nearest to a point beside its face. `t` is that point as seen from the corner, and
 /// `place` its parameters along L and R.
 pub(super) fn nearest_on_edges(polygon: &PolygonRecord, place: [f32; 2], t: Vec3) -> OnEdges {
-    if polygon.is_triangle {
+    if polygon.is_triangle() {
         return nearest_on_triangle(polygon, t);
     }
     let (mut nearest, mut least) = (OnEdges { l: 0.0, k: 0.0, edge: None }, f32::INFINITY);
@@ -248,13 +235,16 @@ fn nearest_on_triangle(polygon: &PolygonRecord, t: Vec3) -> OnEdges {
 }
 
 /// Returns the unit normal from a sphere to a polygon, and the distance of the sphere's centre `p` from it. `None` behind the plane of a
-/// parallelogram.
+/// surface that has one side.
 pub(crate) fn point_polygon(polygon: &PolygonRecord, p: Vec3, radius: f32) -> Option<(Vec3, f32)> {
-    let face = Face::of(polygon);
     let t = p - polygon.corner;
+    if polygon.surface.is_round() {
+        return point_round(polygon, t.as_dvec3(), radius).map(|(normal, distance)| (normal, distance as f32));
+    }
+    let face = Face::of(polygon);
     let (place, height) = (face.along_edges(t), t.dot(face.normal));
     let is_behind = height < 0.0;
-    if height.is_nan() || (is_behind && !polygon.is_triangle) {
+    if height.is_nan() || (is_behind && !polygon.is_triangle()) {
         return None;
     }
     let inwards = if is_behind { face.normal } else { -face.normal };

@@ -1,59 +1,6 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/scale.wgsl
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/scale.wgsl physics/smooth.wgsl physics/rod_polygon.wgsl physics/round_pair.wgsl
 
 // Where two objects touch (docs/physics.md section 2). A is the object that was added first. n points from A to B.
-
-struct Touch {
-    n: vec3f,
-    // Positive where the objects touch.
-    overlap: f32,
-    // Parameter of the contact on A if A is a rod, from 0 at end 1 to 1 at end 2.
-    a: f32,
-    // Parameter of the contact on B if B is a rod.
-    b: f32,
-}
-
-// Value of `overlap` for a pair without a contact line. It is not 0, because 0 is a possible overlap of a pair with one.
-const NO_CONTACT_LINE: f32 = -3e38;
-
-fn no_touch() -> Touch {
-    return Touch(vec3f(0.0, 1.0, 0.0), NO_CONTACT_LINE, 0.0, 0.0);
-}
-
-// Relative size of a rounding error: a difference of vectors counts as 0 up to this times their length (docs/physics.md section
-// 2.3).
-const ROUNDED: f32 = 5e-7;
-// A distance above this part of the distance at which a pair begins to touch never counts as a rounding error.
-const SMALL: f32 = 0.01;
-
-// A distance vector, and 0 where it is only a rounding error. `squared` is the squared length of the vectors that the distance
-// is a difference of. Where the distance is nearly 0, these vectors are no longer than the segments. `reach` is the distance
-// at which the pair begins to touch.
-fn unrounded(distance: vec3f, squared: f32, reach: f32) -> vec3f {
-    let rounded = min(ROUNDED * ROUNDED * squared, SMALL * SMALL * reach * reach);
-    return select(distance, vec3f(0.0), dot(distance, distance) <= rounded);
-}
-
-// A vector without its component along an axis. `squared` is the squared length of the axis. A distance vector from a line has
-// such a component only because the parameter is rounded. The component would change the direction of a very short distance.
-fn across(v: vec3f, axis: vec3f, squared: f32) -> vec3f {
-    return v - dot(v, axis) / squared * axis;
-}
-
-// Contact of two round objects, from the distance vector, which points from A to B, and `reach`, the sum of the radii.
-fn touch_at(distance: vec3f, reach: f32, a: f32, b: f32, normal_at_zero: vec3f) -> Touch {
-    let squared = dot(distance, distance);
-    if squared <= TINY {
-        return Touch(normal_at_zero, reach, a, b);
-    }
-    let d = sqrt(squared);
-    return Touch(distance / d, reach - d, a, b);
-}
-
-struct Axis {
-    start: vec3f,
-    along: vec3f,
-    radius: f32,
-}
 
 // A rod: the ids of its end spheres, and its axis as seen from a sphere (see `place_from`): end 1 unless another one is named.
 struct Bar {
@@ -88,6 +35,9 @@ fn middle_of_box(box: Cuboid) -> vec3f {
 }
 
 fn middle_of_polygon(face: Polygon) -> vec3f {
+    if is_plane(face) || is_round(face) {
+        return middle_of_smooth(face);
+    }
     return 0.5 * (face.left + face.right);
 }
 
@@ -118,7 +68,7 @@ fn box_from(origin: u32, box: Cuboid) -> Cuboid {
 fn polygon_from(origin: u32, face: Polygon) -> Polygon {
     if DOUBLE {
         let corner = -fine_from_corner(face.corner, middle_of_polygon(face), origin).high;
-        return Polygon(corner, face.left, face.right, face.is_triangle);
+        return Polygon(corner, face.left, face.right, face.surface);
     }
     return face;
 }
@@ -131,13 +81,6 @@ struct Closest {
     distance: vec3f,
     // Normal to use where the distance is 0.
     crossing: vec3f,
-}
-
-// A parameter that is beyond an end by at most this belongs to the segment, so that rounding errors do not decide.
-const AT_END: f32 = 1e-6;
-
-fn unit_interval(x: f32) -> bool {
-    return abs(x - 0.5) <= 0.5 + AT_END;
 }
 
 // Closest points of two segments, (2.1) to (2.3). For parallel segments, the middle of the interval in which they lie side by
@@ -400,10 +343,10 @@ fn nearest_on_edge(side: vec3f, edge: vec3f, place: f32, t: vec3f) -> vec4f {
 
 // The point of a polygon that is nearest to the point `t`, as seen from the corner. `place` are its parameters along the edges.
 fn nearest_on_polygon(polygon: Polygon, place: vec2f, t: vec3f) -> OnPolygon {
-    if TRIANGLES && polygon.is_triangle {
+    if is_triangle(polygon) {
         return nearest_on_triangle(polygon, place, t);
     }
-    if on_face(place) {
+    if on_face(place) || is_plane(polygon) {
         return OnPolygon(place.x, place.y, true, vec3f(0.0));
     }
     var nearest = OnPolygon(0.0, 0.0, false, vec3f(0.0));
@@ -466,7 +409,7 @@ fn touch_edge_of_polygon(radius: f32, polygon: Polygon, face: Face, nearest: OnP
 // A face as it is seen from a height above its plane. The normal of a triangle points to that side.
 fn face_seen_from(face: Face, height: f32, polygon: Polygon) -> Face {
     var seen = face;
-    if TRIANGLES && polygon.is_triangle && (height < 0.0) {
+    if is_triangle(polygon) && (height < 0.0) {
         seen.n = -face.n;
     }
     return seen;
@@ -476,6 +419,9 @@ fn face_seen_from(face: Face, height: f32, polygon: Polygon) -> Face {
 // behind the plane of a parallelogram.
 fn touch_sphere_polygon(centre: vec4f, polygon: Polygon) -> Touch {
     let from_corner = centre.xyz - polygon.corner;
+    if is_round(polygon) {
+        return touch_round(centre.w, polygon, Fine(from_corner, vec3f(0.0)));
+    }
     let front = face_of(polygon);
     let face = face_seen_from(front, dot(from_corner, front.n), polygon);
     let height = dot(from_corner, face.n);
@@ -492,8 +438,11 @@ fn touch_sphere_polygon(centre: vec4f, polygon: Polygon) -> Touch {
 
 // The same for a position with a low part.
 fn touch_polygon_finely(i: u32, radius: f32, polygon: Polygon) -> Touch {
-    let front = face_of(polygon);
     let from_corner = fine_from_corner(polygon.corner, middle_of_polygon(polygon), i);
+    if is_round(polygon) {
+        return touch_round(radius, polygon, from_corner);
+    }
+    let front = face_of(polygon);
     let nearest = nearest_on_polygon(polygon, along_edges(front, from_corner.high), from_corner.high);
     // The parts along the edges do not change the height. Without them the rest is small, so the rounding of the normal matters little.
     var rest = from_corner;
@@ -520,15 +469,17 @@ fn is_over_box(point: vec3f, box: Cuboid) -> bool {
     return dot(select(vec3f(0.0), vec3f(1.0), beside), vec3f(1.0)) == 1.0;
 }
 
-// Whether the centre of a sphere is over the face of a polygon, neither beside nor behind it. A triangle has a face on both sides.
+// Whether the centre of a sphere is over the face of a polygon, neither beside nor behind it. A triangle has a face on both sides, a cone or
+// ball has none.
 fn is_over_polygon(centre: vec3f, polygon: Polygon) -> bool {
     let face = face_of(polygon);
     let from_corner = centre - polygon.corner;
     let place = along_edges(face, from_corner);
-    if TRIANGLES && polygon.is_triangle {
+    if is_triangle(polygon) {
         return on_face(place) & unit_interval(place.x + place.y);
     }
-    return on_face(place) & (dot(from_corner, face.n) >= 0.0);
+    let is_inside = on_face(place) || is_plane(polygon);
+    return is_inside & (dot(from_corner, face.n) >= 0.0) & !is_round(polygon);
 }
 
 // Edge vector of a box: I, J, K for g modulo 3 = 0, 1, 2.
@@ -619,6 +570,12 @@ fn touch_bar(id: u32, own: Bar, other: u32, feature: u32) -> Touch {
     let boxes = step.spheres + step.rods;
     if other < step.spheres {
         return touch_sphere_rod(other, ball_from(own.ends.x, other), own);
+    }
+    if ROD_POLYGONS {
+        if other >= boxes + step.boxes {
+            let face = polygon_from(own.ends.x, polygon(other - boxes - step.boxes));
+            return touch_axis(own.axis, face, feature, false).touch;
+        }
     }
     if other >= boxes {
         return touch_rod_box(own.axis, box_from(own.ends.x, cuboid(other - boxes)), feature);

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use crate::fine::Fine;
 use crate::model::period::Periods;
-use crate::model::view::{BoxRecord, PolygonRecord, TINY, View};
+use crate::model::view::{BoxRecord, PolygonRecord, RodRecord, TINY, View};
 use crate::physics::fine_geometry::{fine_box, fine_polygon, fine_spheres};
 use crate::physics::geometry::{point_box, point_polygon};
 
@@ -95,6 +95,16 @@ impl Motions for View<'_> {
     fn periods(&self) -> Option<Periods> {
         Periods::of(self.step)
     }
+}
+
+/// The origin of the coordinates in which a rod is compared with other objects: its end 1 with double precision, where differences
+/// of positions keep their digits, and otherwise the origin of the scene.
+pub(crate) fn origin_of(at: &impl Motions, rod: RodRecord) -> Fine {
+    at.fine_position(rod.ends[0]).unwrap_or_default()
+}
+
+pub(crate) fn ends(at: &impl Motions, rod: RodRecord, origin: Fine) -> [Vec3; 2] {
+    rod.ends.map(|end| at.seen_from(origin, end))
 }
 
 /// The contact of objects A and B.

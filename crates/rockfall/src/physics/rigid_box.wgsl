@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/period.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/fine.wgsl physics/round_pair.wgsl physics/period.wgsl
 // requires physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl
 
 // Contacts of boxes of rigid bodies (docs/physics.md section 2.16).

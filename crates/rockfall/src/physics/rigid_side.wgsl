@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl physics/rigid.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl physics/round_pair.wgsl physics/rigid.wgsl
 // requires physics/rigid_box.wgsl physics/rigid_parts.wgsl
 
 // The side of an object in a contact with another one, with the mass and inertia of the rigid body that it belongs to, if any. `at` is the

@@ -1,4 +1,4 @@
-// requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/rims_of_list.wgsl physics/round_pair.wgsl
 // requires physics/surface.wgsl physics/surfaces_of_list.wgsl physics/walls.wgsl
 
 // The edges and vertices of boxes in the list of a rod at which another box continues a face (docs/physics.md section 2.11).
@@ -12,7 +12,7 @@ fn is_continued(origin: u32, id: u32, place: vec3f, steps: Cuboid, axes: u32, fi
     for (var e = 0u; e < count; e++) {
         let entry = entry_at(slot_at(first, e));
         let other = entry_id(entry);
-        if !is_static(other) | (other == id) | (entry_feature(entry) != 0u) {
+        if !is_box(other) | (other == id) | (entry_feature(entry) != 0u) {
             continue;
         }
         if WALLS {
@@ -49,7 +49,18 @@ fn is_seam(own: Bar, id: u32, feature: u32, found: Touch, first: vec2u, count: u
 
 // Which of the entries of a rod from `begin` on, up to ENTRIES_PER_MASK, are hidden: a bit each.
 fn hidden_edges(own: Bar, first: vec2u, begin: u32, count: u32) -> u32 {
-    // Boxes are the last entries, with BOX_FEATURES entries each.
+    if ROD_POLYGONS {
+        return hidden_rims(own, first, begin, count) | hidden_box_edges(own, first, begin, count);
+    }
+    return hidden_box_edges(own, first, begin, count);
+}
+
+fn is_box(id: u32) -> bool {
+    return is_static(id) & (id - step.spheres - step.rods < step.boxes);
+}
+
+fn hidden_box_edges(own: Bar, first: vec2u, begin: u32, count: u32) -> u32 {
+    // Boxes and polygons are the last entries. Boxes have BOX_FEATURES entries each.
     if count < 2u * BOX_FEATURES {
         return 0u;
     }
@@ -60,7 +71,7 @@ fn hidden_edges(own: Bar, first: vec2u, begin: u32, count: u32) -> u32 {
     for (var e = begin; e < min(begin + ENTRIES_PER_MASK, count); e++) {
         let entry = entry_at(slot_at(first, e));
         let id = entry_id(entry);
-        if !is_static(id) {
+        if !is_box(id) {
             continue;
         }
         let found = touch_rod_box(own.axis, box_from(own.ends.x, cuboid(id - step.spheres - step.rods)), entry_feature(entry));

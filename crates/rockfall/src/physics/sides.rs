@@ -2,17 +2,22 @@
 
 use glam::Vec3;
 
+use crate::model::period::Periods;
 use crate::model::view::{Object, View, Wall};
 use crate::physics::rigid::side_in_body;
 use crate::physics::side::{Side, side};
 use crate::physics::touch::{Motions, Touch};
 
 /// Returns both sides of a contact of objects A and B. A moving wall, which is always B, has the velocity of the contact point. The free
-/// acceleration of its side is the sum of both, because it may accelerate against A (docs/physics.md section 2.12).
+/// acceleration of its side is the sum of both, because it may accelerate against A (docs/physics.md section 2.12). In a sheared scene B has
+/// the velocity of its nearest image (section 2.14).
 pub(crate) fn sides(view: &View, [a, b]: [u32; 2], touch: &Touch) -> [Side; 2] {
     let of_a = side_in_body(view, view.object(a), touch.a, view.object(b), touch);
     let of_b = match view.wall(view.object(b)) {
-        None => side_in_body(view, view.object(b), touch.b, view.object(a), touch),
+        None => {
+            let own = side_in_body(view, view.object(b), touch.b, view.object(a), touch);
+            Side { velocity: own.velocity + image_velocity(view, a, b), ..own }
+        }
         Some(wall) => {
             let place = place_of(view, view, view.object(a), touch.a);
             let reach = of_a.radius.unwrap_or(0.0) - touch.overlap;
@@ -25,6 +30,16 @@ pub(crate) fn sides(view: &View, [a, b]: [u32; 2], touch: &Touch) -> [Side; 2] {
         }
     };
     [of_a, of_b]
+}
+
+/// Velocity of the image of sphere B that is nearest to sphere A, relative to B itself.
+fn image_velocity(view: &View, a: u32, b: u32) -> Vec3 {
+    match (Periods::of(view.step), view.object(a), view.object(b)) {
+        (Some(periods), Object::Sphere(a), Object::Sphere(b)) => {
+            periods.velocity_of_nearest(view.fine(b).wide() - view.fine(a).wide())
+        }
+        _ => Vec3::ZERO,
+    }
 }
 
 /// Size of the acceleration of a wall at the centre of A. For a rod, the greater one of its ends.

@@ -9,6 +9,8 @@ use crate::model::lists::{Entry, Lists};
 use crate::model::view::{BoxRecord, Object, RodRecord, View};
 use crate::physics::chain::touch;
 use crate::physics::geometry::{box_contains, box_parameters};
+use crate::physics::rod_polygon::Edges;
+use crate::physics::smooth;
 use crate::physics::touch::{Feature, Motions, Touch, box_from, ends, is_over_face, line, origin_of};
 
 /// A candidate counts as hidden if its nearest point is less than this times the radius in front of a tangent plane.
@@ -50,12 +52,8 @@ impl Candidate {
         }
         let cosine = self.normal.dot(nearer.normal);
         let front = if nearer.distance < 0.0 {
-            let (_, [corner, edges @ ..]) = geometry(view, self.id);
             let centre = view.near_shape(view.object(self.id), Fine { high: centre, low: Vec3::ZERO }).high;
-            let along = |vector: Vec3| vector.dot(nearer.normal);
-            let low = edges.map(|edge| along(edge).min(0.0));
-            let lowest = if is_triangle(view, self.id) { low[0].min(low[1]) } else { low.iter().sum() };
-            along(corner - centre) + lowest
+            front(view, self.id, centre, nearer.normal)
         } else {
             self.distance * cosine
         };
@@ -65,8 +63,21 @@ impl Candidate {
     }
 }
 
+/// The least product of a unit vector with the vector from a place to a point of a box or polygon.
+fn front(view: &View, id: u32, place: Vec3, n: Vec3) -> f32 {
+    if let Object::Polygon(polygon) = view.object(id) {
+        let record = view.polygon(polygon);
+        if record.surface.is_smooth() {
+            return smooth::front(&record, place, n, ONE_NORMAL);
+        }
+    }
+    let (_, [corner, edges @ ..]) = geometry(view, id);
+    let low = edges.map(|edge| edge.dot(n).min(0.0));
+    (corner - place).dot(n) + if is_triangle(view, id) { low[0].min(low[1]) } else { low.iter().sum() }
+}
+
 fn is_triangle(view: &View, id: u32) -> bool {
-    matches!(view.object(id), Object::Polygon(polygon) if view.polygon(polygon).is_triangle)
+    matches!(view.object(id), Object::Polygon(polygon) if view.polygon(polygon).is_triangle())
 }
 
 /// Whether an object is a polygon, and the corner and the edges of a box or polygon.
@@ -104,7 +115,8 @@ impl Hidden {
         // Boxes and polygons are the last entries of a list.
         let is_static = |place: &u32| list(*place).id() >= view.step.movers();
         let first = (0..count).rev().take_while(is_static).last().unwrap_or(count);
-        if count - first < 2 || list(first).id() == list(count - 1).id() {
+        // Of one box or polygon, only edges of a polygon hide each other.
+        if count - first < 2 || (list(first).id() == list(count - 1).id() && !is_polygon(view, &list(first))) {
             return Self(Vec::new());
         }
         let statics = (first..count).map(list);
@@ -138,10 +150,13 @@ impl Hidden {
         hidden
     }
 
-    /// The edges and vertices of boxes that a rod touches where another box continues a face.
+    /// The edges and vertices of boxes that a rod touches where another box continues a face, and those of polygons that are no edges of the
+    /// surface.
     fn from_rod(view: &View, rod: u32, statics: impl Iterator<Item = Entry>) -> Self {
         let id = view.step.layout.spheres + rod;
-        let statics: Vec<Entry> = statics.collect();
+        let (polygons, statics): (Vec<Entry>, Vec<Entry>) = statics.partition(|entry| is_polygon(view, entry));
+        let edges = Edges::of(view, view.rod(rod), &polygons);
+        let hidden_edges = polygons.iter().filter(|entry| edges.hides(entry.id(), entry.feature()));
         let origin = origin_of(view, view.rod(rod));
         let cuboid = |entry: &Entry| box_from(view, &view.cuboid(entry.id() - view.step.movers()), origin);
         let continues = |entry: &Entry, points: &[Vec3]| {
@@ -157,7 +172,8 @@ impl Hidden {
                 continues(entry, &points_outside(view, view.rod(rod), &cuboid(entry), &touch, along))
             })
         };
-        Self(statics.iter().filter(is_hidden).map(|entry| (entry.id(), entry.feature())).collect())
+        let hidden = statics.iter().filter(is_hidden).chain(hidden_edges);
+        Self(hidden.map(|entry| (entry.id(), entry.feature())).collect())
     }
 
     /// Whether the object of an entry is hidden.
@@ -180,6 +196,10 @@ pub(crate) fn hid(view: &View, at: &impl Motions, sphere: u32, id: u32, (other, 
     touch.map(|touch| Candidate::of(view, sphere, id, &touch)).is_some_and(|nearer| {
         nearer.distance < own.distance && own.is_behind(view, (at.position(sphere), view.radius(sphere)), &nearer)
     })
+}
+
+fn is_polygon(view: &View, entry: &Entry) -> bool {
+    matches!(view.object(entry.id()), Object::Polygon(_))
 }
 
 fn part_of_box(view: &View, rod: u32, entry: &Entry) -> Option<Feature> {

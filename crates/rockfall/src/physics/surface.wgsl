@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/walls.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/smooth.wgsl physics/walls.wgsl
 
 // Which of the boxes and polygons that a sphere overlaps touch it (docs/physics.md section 2.11). In each round, the nearest candidate
 // that none of the chosen ones hides is chosen.
@@ -47,25 +47,27 @@ fn front_of_shape(id: u32, place: vec3f, n: vec3f) -> f32 {
         return dot(box.corner - x, n) + min(dot(box.i, n), 0.0) + min(dot(box.j, n), 0.0) + min(dot(box.k, n), 0.0);
     }
     let face = polygon(id - boxes - step.boxes);
+    if is_plane(face) || is_round(face) {
+        return front_of_smooth(face, x, n, ONE_NORMAL);
+    }
     let left = min(dot(face.left, n), 0.0);
     let right = min(dot(face.right, n), 0.0);
-    let is_triangle = TRIANGLES && face.is_triangle;
-    return dot(face.corner - x, n) + select(left + right, min(left, right), is_triangle);
+    return dot(face.corner - x, n) + select(left + right, min(left, right), is_triangle(face));
 }
 
 // The cosine of the angle up to which two normals are one.
 fn one_normal(one: u32, other: u32) -> f32 {
     if TRIANGLES {
-        if is_triangle(one) && is_triangle(other) {
+        if is_facet(one) && is_facet(other) {
             return step.mesh_cosine;
         }
     }
     return ONE_NORMAL;
 }
 
-fn is_triangle(id: u32) -> bool {
+fn is_facet(id: u32) -> bool {
     let polygons = step.spheres + step.rods + step.boxes;
-    return (id >= polygons) && polygon(id - polygons).is_triangle;
+    return (id >= polygons) && is_triangle(polygon(id - polygons));
 }
 
 // Whether a chosen candidate hides this one. A box that contains the centre hides only what is wholly behind its face.

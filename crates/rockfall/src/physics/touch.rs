@@ -10,8 +10,9 @@ use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_over_polygon, point_segment, segment_segment,
 };
 use crate::physics::motions::round;
-pub(crate) use crate::physics::motions::{Motions, Touch};
+pub(crate) use crate::physics::motions::{Motions, Touch, ends, origin_of};
 use crate::physics::rigid_box::{has_box, touch_edges, touch_solid};
+use crate::physics::rod_polygon;
 use crate::physics::side::side;
 
 /// In the collision phase, overlaps up to this times the smaller radius count as rounding errors (docs/physics.md section 3.1).
@@ -26,6 +27,7 @@ pub(crate) fn overlapping(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
     }
     let touch = match (a, b) {
         (Object::Rod(a), Object::Cuboid(b)) => rod_box(view, view.rod(a), &view.cuboid(b), feature),
+        (Object::Rod(a), Object::Polygon(b)) => rod_polygon::overlapping(view, view.rod(a), &view.polygon(b), feature),
         _ => line(view, view, a, b, None).filter(|touch| touch.overlap > 0.0),
     }?;
     // A rod cannot move at a fixed end.
@@ -49,6 +51,9 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
                 (Some(edge), Some(vertex)) if edge.overlap > vertex.overlap => edge,
                 (edge, vertex) => vertex.or(edge)?,
             }
+        }
+        (Object::Rod(rod), Object::Polygon(polygon)) => {
+            rod_polygon::line(view, view.rod(rod), &view.polygon(polygon), feature)?
         }
         _ => line(view, view, a, b, None)?,
     };
@@ -85,7 +90,7 @@ fn immovable(view: &View, object: Object) -> bool {
 }
 
 /// Whether the centre of a sphere is over a face of a box or polygon, and neither beside it nor inside the box. A triangle has a face on
-/// both sides.
+/// both sides, a cone or ball has none.
 pub(crate) fn is_over_face(view: &View, a: Object, b: Object) -> bool {
     match (a, b) {
         (Object::Sphere(sphere), Object::Cuboid(cuboid)) => {
@@ -95,7 +100,7 @@ pub(crate) fn is_over_face(view: &View, a: Object, b: Object) -> bool {
         (Object::Sphere(sphere), Object::Polygon(polygon)) => {
             let record = view.polygon(polygon);
             let (_, height, is_inside) = point_over_polygon(&record, view.near_shape(b, view.precise(sphere)).high);
-            is_inside && (height >= 0.0 || record.is_triangle)
+            is_inside && (height >= 0.0 || record.is_triangle()) && !record.surface.is_round()
         }
         _ => false,
     }
@@ -104,18 +109,19 @@ pub(crate) fn is_over_face(view: &View, a: Object, b: Object) -> bool {
 /// The part of a static object that the other object of a contact touches. The contact keeps it at other positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Feature {
-    /// The edge of a box that a rod touches.
+    /// The edge of a box, or the feature of a polygon, that a rod touches.
     Edge(u32),
     /// The vertex of a box that a rod touches.
     Vertex(u32),
 }
 
 impl Feature {
-    /// Returns the part of a box that a rod touches in the present state (docs/physics.md section 2.10). `None` for other pairs.
+    /// Returns the part of a box or polygon that a rod touches in the present state (docs/physics.md section 2.10). `None` for other pairs.
     /// `feature` is that of the list entry.
     pub(crate) fn of(view: &View, a: Object, b: Object, feature: u32) -> Option<Self> {
         match (a, b) {
             (Object::Rod(rod), Object::Cuboid(cuboid)) => Some(Self::of_box(view, rod, cuboid, feature)),
+            (Object::Rod(_), Object::Polygon(_)) => Some(Self::Edge(feature)),
             _ => None,
         }
     }
@@ -152,18 +158,11 @@ pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature
         (Object::Rod(a), Object::Cuboid(b), Some(Feature::Vertex(vertex))) => {
             rod_vertex(at, view.rod(a), &view.cuboid(b), vertex, false)
         }
+        (Object::Rod(a), Object::Polygon(b), Some(Feature::Edge(edge))) => {
+            rod_polygon::line(at, view.rod(a), &view.polygon(b), edge)
+        }
         _ => None,
     }
-}
-
-/// The origin of the coordinates in which a rod is compared with other objects: its end 1 with double precision, where differences
-/// of positions keep their digits, and otherwise the origin of the scene.
-pub(crate) fn origin_of(at: &impl Motions, rod: RodRecord) -> Fine {
-    at.fine_position(rod.ends[0]).unwrap_or_default()
-}
-
-pub(crate) fn ends(at: &impl Motions, rod: RodRecord, origin: Fine) -> [Vec3; 2] {
-    rod.ends.map(|end| at.seen_from(origin, end))
 }
 
 /// A box as seen from an origin.

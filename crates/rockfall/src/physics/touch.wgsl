@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/geometry.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/geometry.wgsl physics/rod_polygon.wgsl physics/round_pair.wgsl
 
 // Signed geometry: the contact line of two objects at any position. The overlap is negative when they are apart
 // (docs/physics.md section 2.10).
@@ -38,6 +38,11 @@ fn signed_touch(a: ContactSide, b: ContactSide, a_poise: SideMotion, b_poise: Si
     if b.id < boxes {
         return touch_rods(bar, bar_at(b, b_poise, 2u));
     }
+    if ROD_POLYGONS {
+        if b.id >= boxes + step.boxes {
+            return touch_axis(bar.axis, polygon_from(origin_of(a), polygon(b.id - boxes - step.boxes)), feature, true).touch;
+        }
+    }
     if by_vertex {
         return touch_rod_vertex(bar.axis, box_from(origin_of(a), cuboid(b.id - boxes)), feature);
     }
@@ -64,6 +69,11 @@ fn meets_by_vertex(a: ContactSide, b: ContactSide, poise: SideMotion, feature: u
     let boxes = step.spheres + step.rods;
     if !RODS | (a.id < step.spheres) | (b.id < boxes) | (feature >= 8u) {
         return false;
+    }
+    if ROD_POLYGONS {
+        if b.id >= boxes + step.boxes {
+            return false;
+        }
     }
     let bar = bar_at(a, poise, 1u);
     let edge = touch_rod_edge(bar.axis, box_from(origin_of(a), cuboid(b.id - boxes)), feature);

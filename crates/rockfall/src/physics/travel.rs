@@ -5,7 +5,7 @@
 
 use glam::{Vec3, Vec4};
 
-use crate::model::layout::ROUNDING_SLACK;
+use crate::model::layout::{FLAG_SHEARED, ROUNDING_SLACK};
 use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
 use crate::model::view::View;
@@ -64,13 +64,18 @@ pub(crate) fn outside(step: &Step, aabb: &Aabb, centre: Vec3, radius: f32) -> f3
 /// rebuild lists.
 pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3, velocity: Vec3) -> bool {
     let (step, radius) = (view.step, view.radius(sphere));
+    if step.constants.flags & FLAG_SHEARED != 0 {
+        // Images pass each other however slowly bodies move.
+        return true;
+    }
     let middle = position_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
     let reach = radius + step.layout.neck * radius + travel_bound(step, velocity, radius, step.lists.list_interval);
     !view.is_fixed(sphere) && distance_outside(step, &aabbs[sphere as usize], middle, reach) > 0.0
 }
 
 /// Returns how far a ball extends beyond the ball that an AABB encloses; not positive when it is inside. The ball must be
-/// inside by more than the rounding errors far from the origin. In periodic scenes, the nearest image of the ball counts.
+/// inside by more than the rounding errors far from the origin. In periodic scenes, the nearest image of the ball counts. In sheared ones
+/// the images of other bodies may have come nearer by what they slide in a step.
 fn distance_outside(step: &Step, aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
     let (min, max) = (Vec3::from_array(aabb.min), Vec3::from_array(aabb.max));
     let (middle, room) = (0.5 * min + 0.5 * max, (0.5 * max - 0.5 * min).min_element());
@@ -83,7 +88,7 @@ fn distance_outside(step: &Step, aabb: &Aabb, centre: Vec3, radius: f32) -> f32 
         None => (centre.distance(middle), far),
         Some(periods) => {
             let apart = periods.nearest((centre - middle).as_dvec3());
-            (apart.as_vec3().length(), far.max(centre.abs().max_element()))
+            (apart.as_vec3().length() + periods.slide_in(step.constants.dt), far.max(centre.abs().max_element()))
         }
     };
     apart + radius - room + ROUNDING_SLACK * far

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/period.wgsl physics/walls.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/period.wgsl physics/smooth.wgsl physics/walls.wgsl
 
 // Bounds for the motion of walls within some steps (docs/physics.md section 2.12).
 
@@ -14,22 +14,32 @@ fn reach_of(id: u32) -> Reach {
     let wall = wall_of(id);
     let zero = vec3f(0.0);
     var box: Cuboid;
-    var is_triangle = false;
+    var is_facet = false;
+    var is_smooth = false;
+    var smooth_bounds = SmoothBounds(zero, zero);
     let index = id - step.spheres - step.rods;
     if index < step.boxes {
         box = cuboid(index);
     } else {
         let face = polygon(index - step.boxes);
         box = Cuboid(face.corner, face.left, face.right, zero);
-        is_triangle = TRIANGLES && face.is_triangle;
+        is_facet = is_triangle(face);
+        is_smooth = is_plane(face) || is_round(face);
+        if is_smooth {
+            smooth_bounds = bounds_of_smooth(face);
+        }
     }
     let rate = length(wall.spin);
     let farthest = length(box.i) + length(box.j) + length(box.k);
     var least = min(box.i, zero) + min(box.j, zero) + min(box.k, zero);
     var most = max(box.i, zero) + max(box.j, zero) + max(box.k, zero);
-    if is_triangle {
+    if is_facet {
         least = min(min(box.i, box.j), zero);
         most = max(max(box.i, box.j), zero);
+    }
+    if is_smooth {
+        least = smooth_bounds.least;
+        most = smooth_bounds.most;
     }
     return Reach(
         box.corner + least,

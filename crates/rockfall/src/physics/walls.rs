@@ -6,6 +6,7 @@ use crate::model::layout::{FLAG_CONTINUOUS, ROUNDING_SLACK};
 use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
 use crate::model::view::{Object, PolygonRecord, View};
+use crate::physics::smooth::hull_of_smooth;
 
 /// A moving box or polygon: its bounds, and the greatest speed and acceleration of its vertices.
 pub(crate) struct Reach {
@@ -65,8 +66,11 @@ pub(crate) fn hull(corner: Vec3, edges: &[Vec3]) -> (Vec3, Vec3) {
 
 /// Bounds of a polygon.
 pub(crate) fn hull_of_polygon(polygon: &PolygonRecord) -> (Vec3, Vec3) {
-    let PolygonRecord { corner, left, right, is_triangle } = *polygon;
-    if is_triangle {
+    let PolygonRecord { corner, left, right, surface } = *polygon;
+    if surface.is_smooth() {
+        return hull_of_smooth(polygon);
+    }
+    if polygon.is_triangle() {
         return (corner + left.min(right).min(Vec3::ZERO), corner + left.max(right).max(Vec3::ZERO));
     }
     hull(corner, &[left, right])

@@ -19,7 +19,7 @@ fn a_mesh_becomes_triangles_and_slivers_are_left_out() {
     let motion = scene.add_motion(Motion::new("drum", MotionTerm::translation([1.0, 0.0, 0.0]))).unwrap();
     let facets = scene.add_mesh(&square(), |triangle| triangle.group(3).motion(motion)).unwrap();
     assert_eq!((facets.ids.len(), facets.left_out), (2, 1));
-    let is_right = |polygon: &Polygon| polygon.is_triangle && polygon.group == 3 && polygon.motion == Some(motion);
+    let is_right = |polygon: &Polygon| polygon.is_triangle() && polygon.group == 3 && polygon.motion == Some(motion);
     assert!(scene.polygons().iter().all(is_right));
     // The right angles of both triangles.
     let corners: Vec<Vec3> = shapes(&scene).iter().map(|shape| shape[0]).collect();

@@ -2,18 +2,19 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use crate::error::{Error, Result};
 use crate::scene::checks::finite;
 use crate::scene::pose::Pose;
 use crate::scene::registry::Handle;
+use crate::scene::servo::Servo;
 use crate::scene::{Cuboid, ObjectId, Polygon, Scene};
 
 /// Handle of a [`Motion`].
 pub type MotionId = Handle<Motion>;
 
-/// A prescribed motion. The boxes and polygons that follow it are one rigid body, which nothing stops.
+/// A prescribed motion, or one that seeks a force. The boxes and polygons that follow it are one rigid body, which nothing stops.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Motion {
@@ -21,6 +22,8 @@ pub struct Motion {
     pub name: String,
     /// The terms. A later one is inside the earlier ones: its axis and its directions move with them.
     pub terms: Vec<MotionTerm>,
+    /// What moves the walls instead of terms until they exert a force or a torque.
+    pub servo: Option<Servo>,
 }
 
 /// One term of a [`Motion`]: a translation, an oscillation and a turn, each of which may be absent.
@@ -132,31 +135,25 @@ impl MotionTerm {
         let s = time.clamp(self.from, self.to) - self.from;
         let on = if time >= self.from && time < self.to { 1.0 } else { 0.0 };
         let axis = self.axis.normalize_or(DVec3::Z);
-        let turn = DMat3::from_axis_angle(axis, self.spin * s);
-        let across = cross_matrix(on * self.spin * axis);
+        let turn = Pose::about(axis, [self.spin * s, on * self.spin], self.through);
         let (rate, angle) = (TAU * self.frequency, TAU * (self.frequency * s + self.phase));
         let shift = self.velocity * s + self.amplitude * (angle.sin() - (TAU * self.phase).sin());
-        let (turn1, turn2) = (across * turn, across * across * turn);
-        Pose {
-            turn: [turn, turn1, turn2],
-            shift: [
-                self.through - turn * self.through + shift,
-                on * (self.velocity + self.amplitude * rate * angle.cos()) - turn1 * self.through,
-                on * (-rate * rate * angle.sin() * self.amplitude) - turn2 * self.through,
-            ],
-        }
+        let velocity = on * (self.velocity + self.amplitude * rate * angle.cos());
+        let acceleration = on * (-rate * rate * angle.sin() * self.amplitude);
+        let [place, moving, bending] = turn.shift;
+        Pose { shift: [place + shift, velocity + moving, acceleration + bending], ..turn }
     }
-}
-
-/// The matrix of the cross product with a vector.
-fn cross_matrix(v: DVec3) -> DMat3 {
-    DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
 }
 
 impl Motion {
     /// Creates a motion of one term.
     pub fn new(name: impl Into<String>, term: MotionTerm) -> Self {
-        Self { name: name.into(), terms: vec![term] }
+        Self { name: name.into(), terms: vec![term], servo: None }
+    }
+
+    /// Creates a motion that seeks a force or a torque.
+    pub fn servo(name: impl Into<String>, servo: Servo) -> Self {
+        Self { name: name.into(), terms: Vec::new(), servo: Some(servo) }
     }
 
     /// Adds a term inside the others.
@@ -184,15 +181,18 @@ impl Motion {
             let velocity = (places[1] - places[0]) / (times[1] - times[0]);
             MotionTerm::translation(velocity).during(times[0], times[1])
         });
-        let motion = Self { name: name.into(), terms: legs.collect() };
+        let motion = Self { name: name.into(), terms: legs.collect(), servo: None };
         motion.validate()?;
         Ok(motion)
     }
 
     /// Replaces what the motion does from a time on, in s, without a jump: terms that are under way end, terms that have not begun are
     /// removed, and the walls go on from where they are with `term`, whose directions and axis are those of the world. A term without
-    /// velocity, amplitude and spin stops them.
+    /// velocity, amplitude and spin stops them. A servo ends.
     pub fn go_on(&mut self, time: f64, term: MotionTerm) {
+        if let Some(servo) = self.servo.take() {
+            self.terms = vec![held(&servo, time)];
+        }
         self.terms.retain(|known| known.from < time);
         for known in &mut self.terms {
             known.to = known.to.min(time);
@@ -203,19 +203,33 @@ impl Motion {
 
     pub(crate) fn validate(&self) -> Result<()> {
         super::tag::check_name("motion.name", &self.name)?;
+        if let Some(servo) = &self.servo {
+            if !self.terms.is_empty() {
+                let (value, expected) = (format!("{} and a servo", self.terms.len()), "either terms or a servo");
+                return Err(Error::Invalid { field: "motion.terms", value, expected });
+            }
+            return servo.validate();
+        }
         if self.terms.is_empty() {
             return Err(Error::Invalid { field: "motion.terms", value: "none".to_owned(), expected: "at least one term" });
         }
         self.terms.iter().try_for_each(MotionTerm::validate)
     }
 
-    /// The pose at a time in s.
+    /// The pose at a time in s. A servo is where it is now.
     pub(crate) fn pose(&self, time: f64) -> Pose {
+        if let Some(servo) = &self.servo {
+            return servo.pose();
+        }
         self.terms.iter().fold(Pose::REST, |outer, term| outer.of_inner(&term.pose(time)))
     }
 
     /// A bound for the speed of a point of the body, given where it is at rest, in units/s.
     pub(crate) fn speed_bound(&self, point: DVec3) -> f64 {
+        if let Some(servo) = &self.servo {
+            let lever = (point - servo.through()).reject_from(servo.direction()).length();
+            return servo.speed * if servo.turns() { lever } else { 1.0 };
+        }
         let of_term = |term: &MotionTerm| {
             let lever = point - term.through;
             let from_axis = lever.reject_from(term.axis.normalize_or(DVec3::Z)).length();
@@ -226,14 +240,25 @@ impl Motion {
 
     /// The point to which the displacements of the body refer: one of the first axis.
     pub(crate) fn reference(&self) -> DVec3 {
-        self.terms.iter().find(|term| term.spin != 0.0).map_or(DVec3::ZERO, |term| term.through)
+        let of_terms = || self.terms.iter().find(|term| term.spin != 0.0).map_or(DVec3::ZERO, |term| term.through);
+        self.servo.map_or_else(of_terms, |servo| servo.through())
     }
 
     /// The motion that begins where this one is after `time` seconds.
     pub(crate) fn after(&self, time: f64) -> Self {
         let terms = self.terms.iter().map(|term| MotionTerm { from: term.from - time, to: term.to - time, ..*term });
-        Self { name: self.name.clone(), terms: terms.collect() }
+        Self { terms: terms.collect(), ..self.clone() }
     }
+}
+
+/// A term that ends at a time and leaves walls where a servo has moved them.
+fn held(servo: &Servo, time: f64) -> MotionTerm {
+    let (way, direction) = (servo.displacement, servo.direction());
+    let term = match servo.turns() {
+        true => MotionTerm::turn(way, direction, servo.through()),
+        false => MotionTerm::translation(way * direction),
+    };
+    term.during(time - 1.0, time)
 }
 
 fn not_a_wall(field: &'static str, id: ObjectId) -> Error {

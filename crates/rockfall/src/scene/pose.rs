@@ -1,6 +1,6 @@
 //! Where motions put boxes and polygons (docs/physics.md section 2.12).
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DQuat, DVec3, Vec3};
 
 /// Where a motion takes the points of a body: x to R x + p. Both have their first and second derivatives by the time.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +11,14 @@ pub(crate) struct Pose {
 
 impl Pose {
     pub(super) const REST: Self = Self { turn: [DMat3::IDENTITY, DMat3::ZERO, DMat3::ZERO], shift: [DVec3::ZERO; 3] };
+
+    /// A turn about a unit vector through a point, by an angle at a rate.
+    pub(super) fn about(axis: DVec3, [angle, rate]: [f64; 2], through: DVec3) -> Self {
+        let turn = DMat3::from_axis_angle(axis, angle);
+        let across = cross_matrix(rate * axis);
+        let (turn1, turn2) = (across * turn, across * across * turn);
+        Self { turn: [turn, turn1, turn2], shift: [through - turn * through, -turn1 * through, -turn2 * through] }
+    }
 
     /// The pose of a term that is inside this one.
     pub(super) fn of_inner(&self, inner: &Self) -> Self {
@@ -37,6 +45,11 @@ impl Pose {
         self.of_point(self.turn[0].transpose() * (place - self.shift[0]))[1]
     }
 
+    /// The turn, as a unit quaternion.
+    pub(crate) fn orientation(&self) -> DQuat {
+        DQuat::from_mat3(&self.turn[0]).normalize()
+    }
+
     /// Angular velocity, in rad/s.
     pub(crate) fn spin(&self) -> DVec3 {
         // R' R^T is the matrix of the cross product with it.
@@ -59,4 +72,9 @@ impl Pose {
     pub(super) fn edge(&self, edge: Vec3) -> Vec3 {
         (self.turn[0] * edge.as_dvec3()).as_vec3()
     }
+}
+
+/// The matrix of the cross product with a vector.
+fn cross_matrix(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v.cross(DVec3::X), v.cross(DVec3::Y), v.cross(DVec3::Z))
 }

@@ -22,6 +22,8 @@ pub struct RunDefaults {
     pub every: Option<u64>,
     /// Number of equal parts that every step is divided into. `None`: 1.
     pub substeps: Option<u32>,
+    /// Simulated seconds per second of film, less than 1 for slow motion. `None`: 1.
+    pub speed: Option<f64>,
 }
 
 impl RunDefaults {
@@ -31,7 +33,7 @@ impl RunDefaults {
     /// Checks that every value is allowed.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for a time step that is not finite and positive, and for numbers of 0.
+    /// [`Error::Invalid`] for a time step and a speed that are not finite and positive, and for numbers of 0.
     pub fn validate(&self) -> Result<()> {
         let invalid = |field, value: String, expected| Err(Error::Invalid { field, value, expected });
         match *self {
@@ -40,6 +42,9 @@ impl RunDefaults {
             Self { every: Some(0), .. } => invalid("run.every", "0".to_owned(), FROM_ONE),
             Self { substeps: Some(parts), .. } if !(1..=Self::MAX_SUBSTEPS).contains(&parts) => {
                 invalid("run.substeps", parts.to_string(), PARTS)
+            }
+            Self { speed: Some(speed), .. } if !(speed.is_finite() && speed > 0.0) => {
+                invalid("run.speed", speed.to_string(), SPEED)
             }
             _ => Ok(()),
         }
@@ -54,6 +59,7 @@ impl RunDefaults {
 
 pub(super) const TIME_STEP: &str = "a finite number of seconds greater than 0";
 pub(super) const FROM_ONE: &str = "a whole number of at least 1";
+pub(super) const SPEED: &str = "a finite number greater than 0";
 pub(super) const PARTS: &str = "a whole number from 1 to 1000000";
 
 impl Scene {

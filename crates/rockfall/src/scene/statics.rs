@@ -7,6 +7,7 @@ use crate::scene::checks::{finite, invalid};
 use crate::scene::materials::MaterialId;
 use crate::scene::motion::MotionId;
 use crate::scene::registry::Handle;
+use crate::scene::surface::Surface;
 
 /// Handle of a [`Cuboid`].
 pub type BoxId = Handle<Cuboid>;
@@ -92,8 +93,8 @@ impl Cuboid {
     }
 }
 
-/// A parallelogram or a triangle, static or moving on a prescribed path: a corner and two edges. A parallelogram is touched on the side that
-/// L x R points to, a triangle on both sides (docs/physics.md section 2.7).
+/// A surface, static or moving on a prescribed path, given by a corner and two edges: a parallelogram, a triangle, or a smooth wall (plane, cone,
+/// cylinder, ball). [`Surface`] says what it consists of and on which side it is touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Polygon {
@@ -103,8 +104,8 @@ pub struct Polygon {
     pub left: Vec3,
     /// Edge R from that corner, in units.
     pub right: Vec3,
-    /// Whether it is the triangle with the vertices P, P + L and P + R.
-    pub is_triangle: bool,
+    /// What the corner and the edges stand for.
+    pub surface: Surface,
     /// Collision group. Objects of different groups never touch.
     pub group: u16,
     /// Material; `None` for an object to whose contacts the constants of the scene apply.
@@ -116,24 +117,29 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// Creates a polygon from a corner and two edges that are not parallel, in units.
+    /// Creates a parallelogram from a corner and two edges that are not parallel, in units.
     pub fn new(corner: impl Into<Vec3>, left: impl Into<Vec3>, right: impl Into<Vec3>) -> Self {
         let (corner, left, right) = (corner.into(), left.into(), right.into());
-        let (is_triangle, group, surface_velocity) = (false, 0, Vec3::ZERO);
-        Self { corner, left, right, is_triangle, group, material: None, motion: None, surface_velocity }
+        let (surface, group, surface_velocity) = (Surface::Parallelogram, 0, Vec3::ZERO);
+        Self { corner, left, right, surface, group, material: None, motion: None, surface_velocity }
     }
 
-    /// The vertices in order around the edge, in units: 4, or 3 of a triangle.
+    /// Whether it is a triangle.
+    pub fn is_triangle(&self) -> bool {
+        self.surface == Surface::Triangle
+    }
+
+    /// The vertices of a parallelogram or triangle in order around the edge, in units: 4 or 3. Those of a smooth wall have no meaning.
     pub fn vertices(&self) -> impl Iterator<Item = Vec3> + use<> {
-        let Self { corner, left, right, is_triangle, .. } = *self;
-        let far = (!is_triangle).then_some(corner + left + right);
+        let Self { corner, left, right, .. } = *self;
+        let far = (!self.is_triangle()).then_some(corner + left + right);
         [corner, corner + left].into_iter().chain(far).chain([corner + right])
     }
 
     /// Creates a triangle from its vertices, in units.
     pub fn triangle(a: impl Into<Vec3>, b: impl Into<Vec3>, c: impl Into<Vec3>) -> Self {
         let corner = a.into();
-        Self { is_triangle: true, ..Self::new(corner, b.into() - corner, c.into() - corner) }
+        Self { surface: Surface::Triangle, ..Self::new(corner, b.into() - corner, c.into() - corner) }
     }
 
     /// Sets the group.
@@ -174,7 +180,7 @@ impl Polygon {
         if self.has_parallel_edges() {
             return Err(invalid("polygon.right", self.right.to_array(), "an edge that is not parallel to the first"));
         }
-        Ok(())
+        self.validate_smooth()
     }
 }
 

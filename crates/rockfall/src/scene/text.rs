@@ -22,13 +22,17 @@
 //! | `@colour COLOUR` | nothing: the colour of the objects of the lines below ([`Colour`](crate::Colour)); `@colour -`: that of their kind |
 //! | `@look LOOK` | nothing: how the objects of the lines below are drawn: `plain`, `striped`, `wood`, `stone` or `glass` ([`Look`](crate::Look)); `@look -`: as usual |
 //! | `@label TEXT` | nothing: text beside the objects of the lines below; `@label -`: none, and no numbers instead |
-//! | `@run dt=S integrator=NAME steps=N every=K substeps=N` | nothing: how the scene is meant to be run ([`RunDefaults`](crate::RunDefaults)) |
+//! | `@run dt=S integrator=NAME steps=N every=K substeps=N speed=X` | nothing: how the scene is meant to be run ([`RunDefaults`](crate::RunDefaults)) |
 //! | `@motion NAME velocity=x,y,z spin=w axis=x,y,z through=x,y,z amplitude=x,y,z frequency=F phase=P from=S to=S` | nothing: adds a term to the motion of that name ([`MotionTerm`](crate::MotionTerm)) |
 //! | `@triangle x y z` + two edges | a triangle with the vertices x y z and the ends of both edges, which is touched from both sides |
 //! | `@mesh FILE scale=s at=x,y,z axis=x,y,z turn=degrees name=N` | the triangles of an STL, OBJ or PLY file ([`Mesh`](crate::Mesh)): scaled, turned about the axis through its origin, and moved. A relative path begins at the folder of the scene file |
+//! | `@plane at=x,y,z normal=x,y,z name=N` | a plane without ends, which is touched on the side of its normal |
+//! | `@cylinder at=x,y,z axis=x,y,z radius=r length=l inside=yes name=N` | a cylinder without caps. Its axis begins at `at` and goes into the direction of `axis`. It is touched from outside, or with `inside=yes` from inside |
+//! | `@cone at=x,y,z axis=x,y,z radius=a..b length=l inside=yes name=N` | a cone without caps, with the radius `a` at the beginning of its axis and `b` at its end. One of them may be 0 |
+//! | `@ball at=x,y,z radius=r inside=yes name=N` | a ball |
 //! | `@move NAME` | nothing: the boxes and polygons of the lines below follow that motion; `@move -`: none |
 //! | `@surface velocity=x,y,z` | nothing: the surfaces of the boxes, polygons and meshes of the lines below move, like conveyors; `@surface -`: they do not |
-//! | `@periodic AXIS FROM TO` | nothing: the scene is periodic along x, y or z, between two coordinates ([`Scene::set_periodic`](crate::Scene::set_periodic)) |
+//! | `@periodic AXIS FROM TO [shear=RATE,DIRECTION,DISPLACEMENT]` | nothing: the scene is periodic along x, y or z, between two coordinates ([`Scene::set_periodic`](crate::Scene::set_periodic)), and sheared ([`Scene::set_shear`](crate::Scene::set_shear)) |
 //! | `@gauge name=N wall=NAME` | nothing: measures the load on the boxes and polygons of that name or motion ([`Gauge`](crate::Gauge)) |
 //! | `@gauge name=N plane=x,y,z,nx,ny,nz` | nothing: counts the spheres that pass the plane through that point, across that normal |
 //! | `@inlet name=N box=x0,y0,z0,x1,y1,z1 rate=PER_S radius=r by=number density=D velocity=x,y,z from=S to=S limit=COUNT seed=N` | nothing: spheres of the material in use come in while a simulation runs ([`Inlet`](crate::Inlet)). `mass_rate=` or `volume_rate=` may replace `rate=`, `mass=` may replace `density=`, `radius=` also takes `a..b` and `lognormal:median,sigma`, `by=mass` weights radii by mass |
@@ -37,7 +41,7 @@
 //! | `@place NAME at=x,y,z axis=x,y,z turn=degrees velocity=x,y,z spin=x,y,z name=N first=REFERENCE` | a rigid body of that shape ([`Placement`](crate::Placement)). Its spheres have references that count on from `first`. `centre=` may replace `at=`, `orientation=w,x,y,z` may replace `axis=` and `turn=`, and `momentum=` may replace `spin=` |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last twenty-eight kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last thirty-two kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -67,13 +71,18 @@ mod objects;
 mod periodic;
 mod repeat;
 mod run;
+mod servo;
 mod set;
+mod smooth;
 mod tags;
+mod values;
 
 use comment::{Title, has_number_sign, is_extension, looks_like, may_be_prose, without_comment};
-use line::{GROUP, Line, TETHER, Wrong};
+use line::{BALL, CONE, CYLINDER, GROUP, Line, PLANE, TETHER, Wrong};
 
 use repeat::{Block, Copy};
+
+pub(super) use smooth::line_of;
 
 use super::{Gauge, MaterialId, MotionId, Scene, SphereId, Tag};
 use crate::error::{Error, Result, nearest, quoted};
@@ -161,7 +170,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 26] = [
+const AT_WORDS: [&str; 31] = [
     "@group",
     "@orientation",
     "@force",
@@ -178,9 +187,14 @@ const AT_WORDS: [&str; 26] = [
     "@mesh",
     "@triangle",
     "@motion",
+    "@servo",
     "@move",
     "@surface",
     "@periodic",
+    "@plane",
+    "@cylinder",
+    "@cone",
+    "@ball",
     "@gauge",
     "@inlet",
     "@outlet",
@@ -270,6 +284,10 @@ impl<'a> Reader<'a> {
             "P" => self.polygon(line),
             "@mesh" => self.mesh(line, number),
             "@triangle" => self.triangle(line),
+            "@plane" => self.smooth(&PLANE, line, number),
+            "@cylinder" => self.smooth(&CYLINDER, line, number),
+            "@cone" => self.smooth(&CONE, line, number),
+            "@ball" => self.smooth(&BALL, line, number),
             "K" => self.spring(line),
             "B" => self.cuboid(line),
             // Here, nan and inf are numbers, which a tether refuses by name.
@@ -288,6 +306,7 @@ impl<'a> Reader<'a> {
             "@label" => self.label(line, number),
             "@run" => self.run(line, number),
             "@motion" => self.motion(line, number),
+            "@servo" => self.servo(line, number),
             "@move" => self.follow(line, number),
             "@surface" => self.surface(line, number),
             "@periodic" => self.periodic(line, number),

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use glam::{DVec3, Quat, Vec3};
 
 use super::periodic::AXES;
+use super::text::line_of;
 use super::{Gauge, Gauged, Material, MaterialId, MotionId, MotionTerm, Pair, Rod, RunDefaults, Scene, Sphere, Tag};
 use crate::error::{Error, Result};
 use crate::output::AtomicFile;
@@ -52,17 +53,40 @@ impl Scene {
         writer.text
     }
 
+    /// Returns the scene as text for a run that goes on with this state. Comments come first: the title of the scene
+    /// ([`Loaded::title`](crate::Loaded::title)), and the line `origin`, which says where the state is from. With
+    /// [`Settings::resting_overlap`](crate::Settings::resting_overlap), other contact constants would be chosen for the present
+    /// positions, and the motion would change, so the text has those in effect instead, and a comment.
+    pub fn to_text_of_state(&self, title: &[String], origin: Option<&str>) -> String {
+        let comment = |line: &str| format!("# {}", line.replace(char::is_control, "?")).trim_end().to_owned() + "\n";
+        let mut scene = self.clone();
+        let share = std::mem::take(&mut scene.settings.resting_overlap);
+        let chosen =
+            (share > 0.0).then(|| format!("contact_force and contact_damping were chosen for resting_overlap {share}"));
+        let title: String = title.iter().map(|line| comment(line)).collect();
+        let notes: String = origin.into_iter().chain(chosen.as_deref()).map(comment).collect();
+        let parts = [title, notes].into_iter().filter(|part| !part.is_empty()).map(|part| part + "\n");
+        parts.collect::<String>() + &scene.to_text()
+    }
+
     /// Writes the scene to a file. On an error, nothing is written.
     ///
     /// # Errors
     /// [`Error::Invalid`] for settings and values of [`Scene::run`] that would not read back, [`Error::File`] when the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
+        self.save_text(path.as_ref(), &self.to_text())
+    }
+
+    /// Writes a text of the scene, as [`Scene::to_text_of_state`] returns it, to a file. On an error, nothing is written.
+    ///
+    /// # Errors
+    /// As for [`Scene::save`].
+    pub fn save_text(&self, path: &Path, text: &str) -> Result<()> {
         self.settings.validate()?;
         self.run.validate()?;
-        let path = path.as_ref();
         let write = || {
             let mut file = AtomicFile::create(path)?;
-            file.write_all(self.to_text().as_bytes())?;
+            file.write_all(text.as_bytes())?;
             file.commit()
         };
         write().map_err(|source| Error::File { file: path.to_owned(), source })
@@ -166,7 +190,7 @@ impl Writer<'_> {
     }
 
     fn run(&mut self) {
-        let RunDefaults { dt, integrator, steps, every, substeps } = self.scene.run;
+        let RunDefaults { dt, integrator, steps, every, substeps, speed } = self.scene.run;
         if self.scene.run == RunDefaults::default() {
             return;
         }
@@ -177,6 +201,7 @@ impl Writer<'_> {
             ("steps", steps.map(|steps| steps.to_string())),
             ("every", every.map(|every| every.to_string())),
             ("substeps", substeps.map(|parts| parts.to_string())),
+            ("speed", speed.map(|speed| speed.to_string())),
         ];
         for (key, value) in values {
             if let Some(value) = value {
@@ -207,10 +232,13 @@ impl Writer<'_> {
     }
 
     fn periods(&mut self) {
-        for (axis, bounds) in AXES.iter().zip(self.scene.periodic()) {
-            if let Some([from, to]) = bounds {
-                let _ = writeln!(self.text, "@periodic {axis} {from} {to}");
+        for (axis, bounds) in self.scene.periodic().into_iter().enumerate() {
+            let Some([from, to]) = bounds else { continue };
+            let _ = write!(self.text, "@periodic {} {from} {to}", AXES[axis]);
+            if let Some(shear) = self.scene.shear().filter(|shear| shear.gradient == axis) {
+                let _ = write!(self.text, " shear={},{},{}", shear.rate, AXES[shear.flow], shear.turns());
             }
+            self.text.push('\n');
         }
     }
 
@@ -218,6 +246,9 @@ impl Writer<'_> {
         for motion in self.scene.motions() {
             for term in &motion.terms {
                 let _ = writeln!(self.text, "@motion {}{}", motion.name, values(term));
+            }
+            if let Some(servo) = motion.servo {
+                let _ = writeln!(self.text, "@servo {}{}", motion.name, servo.words());
             }
         }
     }
@@ -410,7 +441,11 @@ impl Writer<'_> {
             self.set_tag(self.scene.polygons.tag_at(index));
             self.set_motion(polygon.motion);
             self.set_surface(polygon.surface_velocity);
-            let word = if polygon.is_triangle { "@triangle" } else { "P" };
+            if let Some(line) = line_of(polygon) {
+                let _ = writeln!(self.text, "{line}");
+                continue;
+            }
+            let word = if polygon.is_triangle() { "@triangle" } else { "P" };
             self.vectors(word, &[polygon.corner, polygon.left, polygon.right]);
         }
     }

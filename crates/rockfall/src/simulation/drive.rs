@@ -144,6 +144,7 @@ impl Simulation {
         let total = |status: &Status| u64::from(status.total_collisions_high) << 32 | u64::from(status.total_collisions_low);
         self.clock.add(done, self.time_step, &mut self.report);
         self.muscle_clock.steps += done;
+        self.scene.advance_shear(done, self.time_step);
         self.report.contacts = status.last_contacts;
         self.report.max_overlap = f32::from_bits(status.last_max_overlap);
         self.report.collisions = status.last_collisions;

@@ -141,8 +141,6 @@ edits! {
         update_rod(id: RodId, change: impl FnOnce(&mut Rod)) -> ();
     Topology: /// Adds a motion, which boxes and polygons may follow. Its time is that of the simulation.
         add_motion(motion: Motion) -> MotionId;
-    Everything: /// Changes the terms of a motion. The walls jump to where the new terms put them at the present time.
-        update_motion(id: MotionId, change: impl FnOnce(&mut Motion)) -> ();
     Everything: /// Lets a box or polygon follow a motion, or none. It jumps to where the motion puts it at the present time.
         set_motion(id: impl Into<ObjectId>, motion: Option<MotionId>) -> ();
     Everything: /// Sets the surface velocity of a box or polygon, in units/s, for example to stop a conveyor.
@@ -169,6 +167,21 @@ impl Simulation {
     pub fn go_on(&mut self, id: MotionId, term: MotionTerm) -> Result<()> {
         let time = self.muscle_clock.written_time();
         self.update_motion(id, |motion| motion.go_on(time, term))
+    }
+
+    /// Changes the terms or the servo of a motion. The walls jump to where the new terms put them at the present time. Walls of a servo
+    /// stay where they are, unless its displacement is changed.
+    ///
+    /// # Errors
+    /// As for [`Scene::update_motion`], and as for [`Simulation::sync`] if the motion has a servo.
+    pub fn update_motion(&mut self, id: MotionId, change: impl FnOnce(&mut Motion)) -> Result<()> {
+        if self.scene.motion(id)?.servo.is_some() {
+            // The change may depend on the present state.
+            self.sync()?;
+        }
+        self.scene.update_motion(id, change)?;
+        self.dirty = Dirty::Everything;
+        Ok(())
     }
 
     /// Sets a sphere's position, in units.
@@ -332,7 +345,9 @@ impl Simulation {
             self.check_contact_law()?;
             self.observation = None;
         }
-        if self.dirty == Dirty::Everything || !self.edits.is_empty() {
+        // The topology has the places of walls.
+        let has_servos = self.scene.motions().iter().any(|motion| motion.servo.is_some());
+        if self.dirty == Dirty::Everything || !self.edits.is_empty() || has_servos {
             self.pull().await?;
         }
         #[cfg(feature = "gpu")]
@@ -381,7 +396,11 @@ impl Simulation {
     pub(super) fn rebuild(&mut self, springs: &[KeptSpring], rates: &[[f32; 6]]) -> Result<()> {
         let old = &self.world.step;
         let (flags, dt, rows) = (old.constants.flags, old.constants.dt, old.layout.pair_rows);
+        let own = std::mem::take(&mut self.world.own);
         self.world = pack(&self.scene, &self.options)?;
+        if own.len() == self.world.step.layout.spheres as usize {
+            self.world.own = own;
+        }
         self.world.set_flags(FLAG_CONTINUE, flags);
         self.world.set_time_step(dt);
         place_walls(&mut self.world, &self.scene, &self.muscle_clock);
@@ -428,6 +447,7 @@ impl Simulation {
             self.engine.download_spheres(&mut self.world).await?;
             self.world.read_spheres(&mut self.scene, &self.packed);
             self.world.read_bodies(&mut self.scene, &self.packed_bodies);
+            self.world.read_servos(&mut self.scene);
             self.synced = true;
         }
         Ok(())

@@ -249,7 +249,9 @@ impl Engine {
 
     /// Reads the state of the spheres and rigid bodies back into `world`.
     pub(super) async fn download_spheres(&mut self, world: &mut World) -> Result<()> {
-        on_gpu!(self, world, gpu => gpu.download(world, &[Buffer::Start, Buffer::Orientations, Buffer::RigidBodies]).await?)
+        on_gpu!(self, world, gpu => {
+            gpu.download(world, &[Buffer::Start, Buffer::Orientations, Buffer::RigidBodies, Buffer::Servos]).await?;
+        })
     }
 }
 
@@ -257,6 +259,11 @@ impl Engine {
 #[cfg(feature = "gpu")]
 pub(super) async fn open_device(options: &Options) -> Result<(Option<Gpu>, BackendInfo)> {
     let (gpu, reason) = match options.backend {
+        Backend::Cpu if options.device.is_some() => {
+            let value = options.device.unwrap_or_default().to_string();
+            return Err(crate::Error::Invalid { field: "device", value, expected: "no device with the backend cpu" });
+        }
+        _ if options.device.is_some() => (Gpu::open_number(options.device.unwrap_or_default()).await?, "requested"),
         Backend::Cpu => return Ok((None, cpu_info("requested"))),
         Backend::Gpu => (Gpu::open(true).await?, "requested"),
         Backend::Auto => match Gpu::open(false).await {

@@ -150,6 +150,7 @@ impl Simulation {
         // The device may be at any step from the last known one on.
         self.world.set_poses(&self.scene, &self.muscle_clock, self.status.steps, (submitted + steps) as u32 + 1);
         self.engine.upload_poses(&self.world)?;
+        self.world.set_shear(&self.scene, self.status.steps);
         if let Some(recorder) = &mut recorder {
             recorder.expect(owners);
         }

@@ -51,7 +51,7 @@ impl Simulation {
 
     /// Whether the stages that rebuild lists can be left out of some steps, if `phases` are a whole step.
     pub(super) fn lists_may_wait(&self, is_step: bool) -> bool {
-        is_step && self.engine.dispatches() && self.options.uses(Optimization::ListInterval)
+        is_step && self.engine.dispatches() && self.options.uses(Optimization::ListInterval) && self.scene.shear().is_none()
     }
 
     /// The facts of the scene on which the decisions of the policy depend.
@@ -78,7 +78,11 @@ impl Simulation {
     /// AABBs are ahead of motion in whole steps alone. If phases run one by one, the collision phase may follow the broad phase, and
     /// an impulse may reverse the motion for which AABBs are placed ahead.
     pub(super) fn put_list_settings(&mut self, is_step: bool) -> (u32, u32) {
-        let plan = self.lists.settings();
+        let mut plan = self.lists.settings();
+        if self.scene.shear().is_some() {
+            // Images pass each other in every step.
+            plan.lookahead = 1.0;
+        }
         let has_lead = is_step && plan.lookahead > 0.0 && self.options.uses(Optimization::Lead);
         self.world.step.lists = ListSettings {
             margin_scale: plan.margin,

@@ -47,6 +47,11 @@ impl Meter {
         }
     }
 
+    /// Whether there is something to add after every step.
+    pub fn is_active(&self) -> bool {
+        self.has_loads || self.has_work
+    }
+
     /// The means of the sums of loads, after which the sums begin again. Zeros if there was no step.
     pub fn take_means(&mut self) -> Vec<[DVec3; 2]> {
         let steps = self.steps.max(1) as f64;
@@ -64,7 +69,7 @@ impl Simulation {
     /// As for [`Simulation::run_async`], [`Simulation::contacts`] and [`Simulation::gauges`].
     pub fn run_metered(&mut self, steps: u64, dt: f32, meter: &mut Meter) -> Result<()> {
         let device = self.engine.waiter();
-        if !(meter.has_loads || meter.has_work) {
+        if !meter.is_active() {
             return engine::block_on(device, self.run_async(steps, dt)).map(drop);
         }
         self.set_time_step(dt)?;

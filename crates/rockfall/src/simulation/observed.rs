@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::exec::cpu;
-use crate::model::layout::{FLAG_CONTINUOUS, GRAIN, LAW_THESIS};
+use crate::model::layout::{FLAG_CONTINUOUS, FLAG_SHEARED, GRAIN, LAW_THESIS};
 use crate::model::lists::Lists;
 use crate::model::muscles::MuscleClock;
 use crate::model::status::{REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_PAIRS, Status};
@@ -90,6 +90,7 @@ impl Simulation {
         world.set_muscles(&self.scene, &self.muscle_clock);
         place_walls(world, &self.scene, &self.muscle_clock);
         world.set_time_step(self.time_step);
+        world.set_shear(&self.scene, 0);
         self.put_lists_of_observation(world);
     }
 }
@@ -108,6 +109,7 @@ pub(crate) fn observe(
     world.set_muscles(scene, clock);
     place_walls(&mut world, scene, clock);
     world.set_time_step(dt);
+    world.set_shear(scene, 0);
     // The contacts of the present state, and not those within the last step.
     world.set_flags(FLAG_CONTINUOUS, 0);
     find(&mut world, methods, step)?;
@@ -121,8 +123,11 @@ pub(crate) fn view_and_lists(world: &World) -> (View<'_>, Lists<'_>) {
 }
 
 /// Whether lists that were built for an earlier state hold every pair in contact: no sphere and no wall has left its AABB. Fixed spheres count too,
-/// because an edit may move them.
+/// because an edit may move them. In a sheared scene they do not, because images slide.
 fn holds_pairs(world: &World) -> bool {
+    if world.step.constants.flags & FLAG_SHEARED != 0 {
+        return false;
+    }
     let view = View::new(&world.step, &world.topology, &world.states[0]);
     let spheres = (0..world.step.layout.spheres).into_par_iter().with_min_len(GRAIN);
     let holds_spheres = spheres.all(|sphere| {

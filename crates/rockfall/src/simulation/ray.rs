@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::scene::{Body, BoxPart, Cuboid, Polygon, Rod, Scene, finite};
+use crate::scene::{Body, BoxPart, Cuboid, Polygon, Rod, Scene, Surface, finite};
 use crate::simulation::Simulation;
 
 /// The point at which a ray enters a body.
@@ -182,6 +182,9 @@ impl Ray {
 
     /// Intersects the plane, then computes the oblique parameters along both edges (physics.md section 2).
     fn polygon(&self, polygon: &Polygon) -> Option<Entry> {
+        if polygon.surface.is_round() {
+            return self.round(polygon);
+        }
         let [corner, left, right] = [polygon.corner, polygon.left, polygon.right].map(Vec3::as_dvec3);
         let normal = left.cross(right);
         let rate = self.direction.dot(normal);
@@ -192,10 +195,56 @@ impl Ray {
         let p = self.at(t) - corner;
         let square = normal.length_squared();
         let parameters = [p.cross(right).dot(normal) / square, left.cross(p).dot(normal) / square];
-        let inside = parameters.iter().all(|parameter| (0.0..=1.0).contains(parameter))
-            && (!polygon.is_triangle || parameters[0] + parameters[1] <= 1.0);
+        let on_parallelogram = parameters.iter().all(|parameter| (0.0..=1.0).contains(parameter))
+            && (!polygon.is_triangle() || parameters[0] + parameters[1] <= 1.0);
+        let inside = on_parallelogram || polygon.surface == Surface::Plane;
         (t >= 0.0 && inside).then(|| (t, -rate.signum() * normal.normalize()))
     }
+
+    /// Solves |o + t d - c|² = r² for a ball, and |across|² = (r + slope z)² with the way z along the axis for a cone (physics.md section 2.17).
+    fn round(&self, wall: &Polygon) -> Option<Entry> {
+        let from_corner = self.origin - wall.corner.as_dvec3();
+        let Some(axis) = wall.cone_axis() else {
+            let radius = wall.left.as_dvec3().length();
+            let normal = |t: f64| from_corner + t * self.direction;
+            let roots = roots([1.0, from_corner.dot(self.direction), from_corner.length_squared() - radius * radius]);
+            let t = roots.into_iter().find(|t| *t >= 0.0)?;
+            return Some((t, self.against(normal(t).normalize())));
+        };
+        let (length, unit) = (axis.along.length(), axis.along.normalize());
+        let slope = (axis.radii[1] - axis.radii[0]) / length;
+        let [(way, across), (rate, turn)] = [from_corner, self.direction].map(|v| (v.dot(unit), v - v.dot(unit) * unit));
+        let (radius, growth) = (axis.radii[0] + slope * way, slope * rate);
+        let roots = roots([
+            turn.length_squared() - growth * growth,
+            across.dot(turn) - radius * growth,
+            across.length_squared() - radius * radius,
+        ]);
+        let t = roots.into_iter().find(|t| *t >= 0.0 && (0.0..=length).contains(&(way + t * rate)))?;
+        let out = (across + t * turn).normalize_or(wall.right.as_dvec3().normalize());
+        Some((t, self.against((out - slope * unit).normalize())))
+    }
+
+    /// A normal, turned against the ray.
+    fn against(&self, normal: DVec3) -> DVec3 {
+        if normal.dot(self.direction) > 0.0 { -normal } else { normal }
+    }
+}
+
+/// The real roots of a t² + 2 b t + c = 0 in ascending order.
+fn roots([a, b, c]: [f64; 3]) -> Vec<f64> {
+    if a == 0.0 {
+        return if b == 0.0 { Vec::new() } else { vec![-c / (2.0 * b)] };
+    }
+    let squared = b * b - a * c;
+    if squared < 0.0 {
+        return Vec::new();
+    }
+    // The sum of numbers of one sign does not cancel.
+    let far = -b - b.signum() * squared.sqrt();
+    let mut both = if far == 0.0 { vec![0.0] } else { vec![far / a, c / far] };
+    both.sort_by(f64::total_cmp);
+    both
 }
 
 /// The object that the ray enters first; of equal distances, the one that was added first.

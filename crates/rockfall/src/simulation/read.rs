@@ -177,7 +177,7 @@ fn bodies_energy(scene: &Scene, gravity: DVec3) -> Energy {
     for (_, sphere) in loose {
         let mass = f64::from(sphere.mass);
         let (x, v, spin) = (DVec3::from_array(sphere.centre()), sphere.velocity.as_dvec3(), sphere.angular_momentum.as_dvec3());
-        energy.kinetic += kinetic_energy(sphere, v);
+        energy.kinetic += kinetic_energy(sphere, v + scene.image_in_box(x).1.as_dvec3());
         energy.potential -= mass * gravity.dot(x);
         energy.momentum += mass * v;
         energy.angular_momentum += mass * x.cross(v) + spin;

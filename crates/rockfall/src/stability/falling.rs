@@ -1,7 +1,8 @@
 //! Finds bodies that will fall for ever.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
+use crate::model::layout::UNBOUNDED;
 use crate::scene::{Scene, SphereId};
 use crate::stability::connected::{Bounds, NOTHING, Set, directions, sets, turned};
 
@@ -52,9 +53,14 @@ fn statics(scene: &Scene, directions: [DVec3; 3]) -> Vec<Bounds> {
         bounds
     };
     let boxes = scene.boxes().iter().map(|cuboid| hull(cuboid.corner.as_dvec3(), &cuboid.edges.map(|edge| edge.as_dvec3())));
-    let polygons = scene
-        .polygons()
-        .iter()
-        .map(|polygon| hull(polygon.corner.as_dvec3(), &[polygon.left, polygon.right].map(|edge| edge.as_dvec3())));
+    let polygons = scene.polygons().iter().map(|polygon| match (polygon.surface.is_smooth(), polygon.bounds()) {
+        (false, _) => hull(polygon.corner.as_dvec3(), &[polygon.left, polygon.right].map(|edge| edge.as_dvec3())),
+        (true, bounds) => {
+            // A plane has no ends.
+            let (min, max) = bounds.unwrap_or((Vec3::splat(-UNBOUNDED), Vec3::splat(UNBOUNDED)));
+            let size = (max - min).as_dvec3();
+            hull(min.as_dvec3(), &[DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z])
+        }
+    });
     boxes.chain(polygons).collect()
 }

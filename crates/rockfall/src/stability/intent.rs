@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::model::view::PolygonRecord;
 use crate::physics::geometry::point_over_polygon;
-use crate::scene::{Polygon, Scene, Sphere};
+use crate::scene::{Polygon, Scene, Sphere, Surface};
 
 /// Largest number of spheres times polygons that are compared.
 const COMPARISONS: usize = 50_000_000;
@@ -30,11 +30,13 @@ impl Scene {
         let number = |material| self.material_number(material).ok().filter(|number| *number > 0);
         let movers = self.spheres().iter().filter(|sphere| !sphere.fixed);
         let own: BTreeSet<u16> = movers.filter_map(|sphere| number(sphere.material)).collect();
-        let statics = self.boxes().iter().map(|cuboid| cuboid.material).chain(self.polygons().iter().map(|face| face.material));
-        let all: BTreeSet<u16> = own.iter().copied().chain(statics.filter_map(number)).collect();
+        let walls = self.boxes().iter().map(|cuboid| cuboid.material).chain(self.polygons().iter().map(|face| face.material));
+        let all: BTreeSet<u16> = own.iter().copied().chain(walls.filter_map(number)).collect();
+        let of_spheres = || self.spheres().iter().filter_map(|sphere| number(sphere.material));
+        let several = |material: u16| of_spheres().filter(|other| *other == material).nth(1).is_some();
         let pairs = own.iter().flat_map(|one| all.iter().map(move |other| (*one, *other)));
         let (one, other) = pairs
-            .filter(|(one, other)| self.spheres().len() > 1 || one != other)
+            .filter(|(one, other)| one != other || several(*one))
             .find(|(one, other)| self.pair_of_numbers(*one, *other).friction.is_none())?;
         let name = |number: u16| self.materials()[usize::from(number) - 1].name.as_str();
         Some(format!(
@@ -51,11 +53,10 @@ impl Scene {
         }
         let movers = || self.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed);
         let of_face = |(number, face): (usize, &Polygon)| {
-            let Polygon { corner, left, right, is_triangle, .. } = *face;
-            if is_triangle {
+            if face.surface != Surface::Parallelogram {
                 return None;
             }
-            let record = PolygonRecord { corner, left, right, is_triangle };
+            let record = PolygonRecord::of(face);
             let is_behind = |sphere: &Sphere| {
                 let (_, height, inside) = point_over_polygon(&record, sphere.position);
                 inside && height < 0.0 && height > -sphere.radius && sphere.group == face.group

@@ -17,10 +17,11 @@ use crate::step::fused::run_worlds;
 use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, symplectic_euler, turn};
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
-use crate::step::walls::move_walls;
+use crate::step::walls::{drive_servos, move_walls, servo_loads};
 
 /// All stages, each once.
-pub const ALL: [&Stage; 47] = [
+pub const ALL: [&Stage; 49] = [
+    &drive_servos::STAGE,
     &move_walls::STAGE,
     &update_aabbs::STAGE,
     &count_pairs::STAGE,
@@ -53,6 +54,7 @@ pub const ALL: [&Stage; 47] = [
     &commit_friction_impulses::STAGE,
     &rod_loads::STAGE,
     &loads::STAGE,
+    &servo_loads::STAGE,
     &advance::STAGE,
     &finish::STAGE,
     &symplectic_euler::STAGE,

@@ -1,6 +1,8 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
-use crate::model::layout::{AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, RESTORING, SWEEPS, SWEEPS_FEW, SWEEPS_ON};
+use crate::model::layout::{
+    AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, RESTORING, SERVO_END, SWEEPS, SWEEPS_FEW, SWEEPS_ON,
+};
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
@@ -20,7 +22,7 @@ use crate::step::forces::{loads, rod_loads};
 use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, symplectic_euler, turn};
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
-use crate::step::walls::move_walls;
+use crate::step::walls::{drive_servos, move_walls, servo_loads};
 
 /// The scenes that need a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +49,8 @@ pub enum When {
     LongMovers,
     /// Scenes in which boxes or polygons move.
     Walls,
+    /// Scenes in which walls follow servos.
+    Servos,
     /// Scenes with rigid bodies.
     Rigid,
     /// Scenes in which orientations are updated after the integration: those with rods or rigid bodies.
@@ -58,7 +62,7 @@ pub enum When {
 pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
-    /// The pass: 0..4 for the force evaluations of RK4, and for `move_walls` before them, 0 and 3 for those of velocity Verlet, 0 and 1 for `sort_axis`, 0..8 for the digits of a sort, 0..8 for
+    /// The pass: 0..4 for the force evaluations of RK4, and for `move_walls` before them, 0 and 3 for those of velocity Verlet, 0 and 1 for `sort_axis` and `drive_servos`, 0..8 for the digits of a sort, 0..8 for
     /// `sweep_collisions`, 1..=8 for `project_networks` and `gather_impulses`, else 0.
     pub pass: u32,
     /// The scenes in which the stage is run.
@@ -83,6 +87,7 @@ impl Run {
             When::Accelerated => synchronise::is_needed(&traits),
             When::LongMovers => traits.long_movers,
             When::Walls => traits.walls,
+            When::Servos => traits.servos,
             When::Rigid => traits.rigid,
             When::Turned => traits.turns_late(),
         }
@@ -102,7 +107,7 @@ impl Run {
     /// Runs the CPU twin, if the run is part of the step.
     pub fn on_cpu(&self, world: &mut World) {
         if self.applies(&world.step) {
-            (self.stage.cpu)(world, self.pass);
+            world.at_time_of_pass(self.pass, |world| (self.stage.cpu)(world, self.pass));
         }
     }
 
@@ -124,6 +129,16 @@ const fn walls(pass: u32) -> Run {
     self::pass(&move_walls::STAGE, pass).when(When::Walls)
 }
 
+/// Finds the loads of servos in pass `pass`.
+const fn servo_loads(pass: u32) -> Run {
+    self::pass(&servo_loads::STAGE, pass).when(When::Servos)
+}
+
+/// Moves servos: pass 0 at the start of a step, [`SERVO_END`] at its end.
+const fn servos(pass: u32) -> Run {
+    self::pass(&drive_servos::STAGE, pass).when(When::Servos)
+}
+
 /// Moves rigid bodies in pass `pass`.
 const fn bodies(pass: u32) -> Run {
     self::pass(&move_bodies::STAGE, pass).when(When::Rigid)
@@ -131,7 +146,7 @@ const fn bodies(pass: u32) -> Run {
 
 /// Puts walls and the records of rigid bodies where they are at the start of the step. Runs first in every step, so that they are there
 /// whatever happened to the step before.
-pub const PLACE: &[Run] = &[walls(0), bodies(BEFORE_STEP)];
+pub const PLACE: &[Run] = &[servos(0), walls(0), bodies(BEFORE_STEP)];
 
 /// A phase of a step. Each phase can be run on its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -193,6 +208,7 @@ impl Phase {
                         pass(&constrain::STAGE, RESTORING),
                         pass(&rod_loads::STAGE, 0),
                         pass(&loads::STAGE, 0),
+                        servo_loads(0),
                         pass(&advance::STAGE, 0),
                         bodies(0),
                         walls(1),
@@ -211,6 +227,7 @@ impl Phase {
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Turned),
                         bodies(3),
+                        servos(SERVO_END),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -221,11 +238,13 @@ impl Phase {
                         pass(&constrain::STAGE, RESTORING),
                         run(&rod_loads::STAGE),
                         run(&loads::STAGE),
+                        servo_loads(0),
                         walls(3),
                         run(&symplectic_euler::STAGE),
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Turned),
                         bodies(AFTER_EULER),
+                        servos(SERVO_END),
                         run(&end_step::STAGE),
                     ]
                 }
@@ -242,10 +261,12 @@ impl Phase {
                         walls(3),
                         pass(&rod_loads::STAGE, 3),
                         pass(&loads::STAGE, 3),
+                        servo_loads(3),
                         pass(&kick::STAGE, 3),
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Turned),
                         bodies(AFTER_KICK),
+                        servos(SERVO_END),
                         run(&end_step::STAGE),
                     ]
                 }

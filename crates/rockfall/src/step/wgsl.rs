@@ -112,6 +112,7 @@ const SHARED: &[Part] = &[
     part!("physics/motion.wgsl"),
     part!("physics/pairs.wgsl"),
     part!("physics/period.wgsl"),
+    part!("physics/product.wgsl"),
     part!("physics/quaternion.wgsl"),
     part!("physics/rigid.wgsl"),
     part!("physics/rigid_box.wgsl"),
@@ -119,6 +120,10 @@ const SHARED: &[Part] = &[
     part!("physics/rigid_side.wgsl"),
     part!("physics/rotation.wgsl"),
     part!("physics/sine.wgsl"),
+    part!("physics/rims_of_list.wgsl"),
+    part!("physics/rod_polygon.wgsl"),
+    part!("physics/round_pair.wgsl"),
+    part!("physics/smooth.wgsl"),
     part!("physics/seams_of_list.wgsl"),
     part!("physics/surface.wgsl"),
     part!("physics/surfaces_of_list.wgsl"),
@@ -228,8 +233,14 @@ pub struct Variant {
     pub rigid: bool,
     /// There may be triangles.
     pub triangles: bool,
+    /// There may be smooth walls.
+    pub smooth: bool,
+    /// There may be rods and polygons.
+    pub rod_polygons: bool,
     /// The scene is periodic.
     pub periodic: bool,
+    /// The scene is sheared.
+    pub sheared: bool,
     /// There may be pairs of materials.
     pub materials: bool,
     /// There may be pairs with rolling or twisting resistance.
@@ -264,7 +275,10 @@ impl Variant {
             walls: traits.walls,
             rigid: traits.rigid,
             triangles: traits.triangles,
+            smooth: traits.smooth,
+            rod_polygons: traits.rod_polygons,
             periodic: traits.periodic,
+            sheared: traits.sheared,
             materials: traits.materials,
             resistance: traits.resistance,
             cohesion: traits.cohesion,
@@ -288,7 +302,10 @@ impl Variant {
             ("WALLS", self.walls),
             ("RIGID_BODIES", self.rigid),
             ("TRIANGLES", self.triangles),
+            ("SMOOTH", self.smooth),
+            ("ROD_POLYGONS", self.rod_polygons),
             ("PERIODIC", self.periodic),
+            ("SHEARED", self.sheared),
             ("MATERIALS", self.materials),
             ("RESISTANCE", self.resistance),
             ("COHESION", self.cohesion),

@@ -11,8 +11,8 @@ use crate::worlds::{World, WorldPath, Worlds};
 /// centre, or its surface about the centre, is faster than a limit. This depends on nothing but the steps of the world: neither on other
 /// worlds nor on how steps are divided among calls of [`Worlds::run`].
 ///
-/// A world with muscles never sleeps. A world wakes up when its states, rest lengths or forces are set, also to what they were, and
-/// when it is reset or replaced. Then the steps are counted again from 0.
+/// A world with muscles or with walls that follow a motion never sleeps. A world wakes up when its states, rest lengths or forces are
+/// set, also to what they were, and when it is reset or replaced. Then the steps are counted again from 0.
 ///
 /// Worlds with a simulation of their own on a GPU ([`WorldPath::Simulation`]) are not watched, and never sleep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,7 +79,10 @@ impl Sleep {
 impl World {
     fn can_sleep(&self) -> bool {
         let scene = self.simulation.scene();
-        !scene.spheres().is_empty() && scene.springs().iter().all(|spring| spring.muscle.is_none())
+        let moves = scene.springs().iter().any(|spring| spring.muscle.is_some())
+            || scene.boxes().iter().any(|cuboid| cuboid.motion.is_some())
+            || scene.polygons().iter().any(|polygon| polygon.motion.is_some());
+        !scene.spheres().is_empty() && !moves
     }
 
     pub(super) fn is_sleeping(&self, sleep: &Sleep) -> bool {

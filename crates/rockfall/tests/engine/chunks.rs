@@ -91,6 +91,8 @@ fn chunks_of_every_array_give_bitwise_identical_results() {
             Buffer::Collisions,
             Buffer::Histories,
             Buffer::Poses,
+            Buffer::ServoLoads,
+            Buffer::Servos,
             Buffer::RigidBodies,
             Buffer::Status,
         ];
@@ -160,6 +162,8 @@ fn rods_in_chunks_give_bitwise_identical_results() {
             Buffer::Rates,
             Buffer::Histories,
             Buffer::Poses,
+            Buffer::ServoLoads,
+            Buffer::Servos,
             Buffer::RigidBodies,
             Buffer::Status,
         ];

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec4};
 use rockfall::model::layout::{
     BOX_WORDS, FLAG_COLLISIONS, FORCE_WORDS, KIND_FORCE, KIND_SHIFT, KIND_SPRING, KIND_TETHER, MUSCLE_WORDS, POLYGON_WORDS,
-    ROD_WORDS, SPRING_WORDS, TETHER_WORDS,
+    ROD_WORDS, SPRING_WORDS, SURFACE_BALL, SURFACE_CONE, SURFACE_TRIANGLE, TETHER_WORDS,
 };
 use rockfall::model::world::World;
 
@@ -51,7 +51,38 @@ pub(crate) struct Face {
     pub(crate) corner: DVec3,
     pub(crate) left: DVec3,
     pub(crate) right: DVec3,
-    pub(crate) is_triangle: bool,
+    /// One of the `SURFACE_*` constants.
+    pub(crate) surface: u32,
+}
+
+/// A cone or a ball, with the unit vectors and lengths of docs/physics.md section 2.17.
+pub(crate) struct Round {
+    /// 1 if it is touched from outside, -1 from inside.
+    pub(crate) side: f64,
+    /// Vector along the axis; `None` for a ball.
+    pub(crate) axis: Option<DVec3>,
+    /// Radii at the start and at the end of the axis, or of the ball.
+    pub(crate) radii: [f64; 2],
+}
+
+impl Face {
+    pub(crate) fn is_triangle(&self) -> bool {
+        self.surface == SURFACE_TRIANGLE
+    }
+
+    pub(crate) fn round(&self) -> Option<Round> {
+        let is_inside = [SURFACE_CONE + 1, SURFACE_BALL + 1].contains(&self.surface);
+        let side = if is_inside { -1.0 } else { 1.0 };
+        match self.surface {
+            SURFACE_BALL.. => Some(Round { side, axis: None, radii: [self.left.length(); 2] }),
+            SURFACE_CONE.. => {
+                let slope = self.left.dot(self.right) / self.right.length();
+                let axis = self.left - self.right * (slope / self.right.length());
+                Some(Round { side, axis: Some(axis), radii: [self.right.length(), self.right.length() + slope] })
+            }
+            _ => None,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -149,7 +180,7 @@ impl Bodies {
                     corner: triple(step.layout.polygons_at, k, POLYGON_WORDS, 0),
                     left: triple(step.layout.polygons_at, k, POLYGON_WORDS, 3),
                     right: triple(step.layout.polygons_at, k, POLYGON_WORDS, 6),
-                    is_triangle: world.topology[(step.layout.polygons_at + k * POLYGON_WORDS + 9) as usize] != 0,
+                    surface: world.topology[(step.layout.polygons_at + k * POLYGON_WORDS + 9) as usize],
                 })
                 .collect(),
             groups: (0..objects).map(|id| world.topology[(step.layout.tags_at + id) as usize] & 0xffff).collect(),

@@ -14,7 +14,7 @@ use rockfall::model::world::World;
 use rockfall::step::schedule::Run;
 use rockfall::step::stage::Stage;
 use rockfall::step::wgsl::Wgsl;
-use rockfall::{ContactLaw, Integrator, Settings};
+use rockfall::{BroadPhase, ContactLaw, Integrator, Settings};
 
 use crate::compare::{MEASURED, differences};
 use crate::crossings;
@@ -22,7 +22,7 @@ use crate::decisions::entries;
 use crate::device::{GPU, on_gpu, open};
 use crate::trace::{Only, Plan, Scenario, Trace, trace};
 use crate::verdicts::{Key, Verdicts};
-use crate::{assert_scenario_matches, keys, plan, rigid, walls, with_law};
+use crate::{assert_scenario_matches, keys, plan, rigid, rod_walls, servos, shear, walls, with_law};
 
 /// A mistake in a kernel: the stage and its pass, the WGSL file, the correct text, the wrong text, and the buffer that must
 /// differ.
@@ -291,10 +291,52 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Topology,
     ),
     Mistake("loads", 0, "walls.wgsl", "dot(wall.surface, n) * n", "0.0 * n", Buffer::Wrenches),
-    Mistake("loads", 0, "period.wgsl", "round(d / max(", "floor(d / max(", Buffer::Wrenches),
+    Mistake("servo_loads", 0, "servo_loads.wgsl", "along * along", "along", Buffer::ServoLoads),
+    Mistake(
+        "servo_loads",
+        3,
+        "servo_loads.wgsl",
+        "pliancy.stiffness + pliancy.damping / step.dt",
+        "pliancy.stiffness",
+        Buffer::ServoLoads,
+    ),
+    Mistake(
+        "drive_servos",
+        0,
+        "drive_servos.wgsl",
+        "0.5 * f32(half_steps) * step.dt",
+        "f32(half_steps) * step.dt",
+        Buffer::Poses,
+    ),
+    Mistake("drive_servos", 1, "drive_servos.wgsl", "target_force - load.x", "target_force + load.x", Buffer::Servos),
+    Mistake("loads", 0, "period.wgsl", "round(rest / max(", "floor(rest / max(", Buffer::Wrenches),
+    Mistake("loads", 1, "period.wgsl", "(pass_.index + 1u) / 2u", "0u * pass_.index", Buffer::Wrenches),
+    Mistake("loads", 0, "period.wgsl", "-(boxes * step.shear_speed)", "(boxes * step.shear_speed)", Buffer::Wrenches),
+    Mistake("loads", 0, "fine.wgsl", "fine_moved(rest, -part.high)", "fine_moved(rest, part.high)", Buffer::Wrenches),
+    Mistake(
+        "loads",
+        0,
+        "sphere_push.wgsl",
+        "vec3f(0.0), image_velocity(i, id), is_first",
+        "vec3f(0.0), vec3f(0.0), is_first",
+        Buffer::Wrenches,
+    ),
+    Mistake("update_aabbs", 0, "update_aabbs.wgsl", "floor(boxes_in(centre", "round(boxes_in(centre", Buffer::Aabbs),
+    Mistake("fill_pairs", 0, "meet.wgsl", "way = way_of(", "way = periods() * (", Buffer::Lists),
     Mistake("loads", 0, "fine.wgsl", "apart.high - to_middle", "apart.high + to_middle", Buffer::Wrenches),
-    Mistake("update_aabbs", 0, "update_aabbs.wgsl", "floor((centre -", "round((centre -", Buffer::Aabbs),
+    Mistake("update_aabbs", 0, "update_aabbs.wgsl", "floor(before_slide(above", "round(before_slide(above", Buffer::Aabbs),
     Mistake("count_pairs", 0, "meet.wgsl", "b.max - way", "b.max + way", Buffer::Lists),
+    Mistake("loads", 0, "smooth.wgsl", "face.left - slope * out", "face.left + slope * out", Buffer::Wrenches),
+    Mistake("loads", 0, "smooth.wgsl", "-side * meridian.normal", "side * meridian.normal", Buffer::Wrenches),
+    Mistake("loads", 0, "smooth.wgsl", "clamp(parameter_on(meridian), 0.0, 1.0)", "parameter_on(meridian)", Buffer::Wrenches),
+    Mistake("find_collisions", 0, "smooth.wgsl", "side * (distance.x - size.x)", "side * distance.x - size.x", Buffer::Lists),
+    Mistake("count_pairs", 0, "meet.wgsl", "select(4u, 3u,", "select(3u, 4u,", Buffer::Lists),
+    Mistake("rod_loads", 0, "rod_polygon.wgsl", "clamp(b, 0.0, 1.0), is_vertex)", "b, is_vertex)", Buffer::Wrenches),
+    Mistake("rod_loads", 0, "rod_polygon.wgsl", "(cone.end - cone.start)", "(cone.start - cone.end)", Buffer::Wrenches),
+    Mistake("rod_loads", 0, "rims_of_list.wgsl", "rim.inward + v) <= BENT", "rim.inward - v) <= BENT", Buffer::Wrenches),
+    Mistake("find_collisions", 0, "rims_of_list.wgsl", "(feature < rim.feature)", "(feature > rim.feature)", Buffer::Lists),
+    Mistake("update_aabbs", 0, "smooth.wgsl", "axis.along - end", "axis.along + end", Buffer::Aabbs),
+    Mistake("update_aabbs", 0, "update_aabbs.wgsl", "is_open = !differs", "is_open = differs", Buffer::Aabbs),
     Mistake("loads", 0, "geometry.wgsl", "on_third.y < least", "on_third.y > least", Buffer::Wrenches),
     Mistake(
         "loads",
@@ -736,6 +778,10 @@ fn every_kernel_with_a_mistake_is_rejected() {
     traces.push(crossings::trace(1, false));
     traces.push(walls::trace(1, Integrator::Rk4, false, false));
     traces.push(walls::trace(3, Integrator::Rk4, false, true));
+    traces.push(shear::trace(5, ContactLaw::Thesis, Integrator::Rk4, BroadPhase::BruteForce));
+    traces.push(rod_walls::trace(1, Integrator::Rk4));
+    traces.push(servos::trace(1, ContactLaw::Thesis, Integrator::Rk4, [false, false]));
+    traces.push(servos::trace(2, ContactLaw::HertzMindlin, Integrator::VelocityVerlet, [false, false]));
     traces.push(rigid::trace(1, Integrator::Rk4, ContactLaw::Thesis, rigid::Parts::Balls));
     traces.push(rigid::trace(3, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, rigid::Parts::Rods));
     traces.push(rigid::trace(4, Integrator::SymplecticEuler, ContactLaw::Thesis, rigid::Parts::Boxes));

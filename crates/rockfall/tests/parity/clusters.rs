@@ -35,7 +35,7 @@ const RECIPES: [Recipe; 33] = [
     |d| d.box_and_rods(4),
     |d| d.box_and_vertex_rods(),
     |d| d.polygon(),
-    |d| d.polygon(),
+    |d| d.smooth_wall(),
     |d| d.chain(),
     |d| d.frame(),
     |d| d.attached(),

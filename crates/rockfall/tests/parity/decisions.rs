@@ -13,7 +13,7 @@ use rockfall::model::world::World;
 use crate::bodies::{Bodies, Kind};
 use crate::collide::{self, Change, Share};
 use crate::covered::without_covered;
-use crate::narrow::{EDGES, Touch, touches};
+use crate::narrow::{EDGES, Touch, rod_polygon_slack, touches};
 use crate::surfaces::without_hidden;
 
 /// Least slack of a decision, in units, units/s, or as a pure number.
@@ -68,6 +68,7 @@ pub(crate) fn contacts(bodies: &Bodies, findings: &mut Findings) -> Vec<Contact>
     let mut all = Vec::new();
     for a in 0..bodies.movers() {
         for b in a + 1..bodies.groups.len() {
+            findings.decide("rod-polygon", a, rod_polygon_slack(bodies, a, b));
             for touch in touches(bodies, a, b) {
                 findings.decide(touch.kind, a, touch.holds);
                 if touch.holds > 0.0 {
@@ -178,6 +179,11 @@ pub(crate) fn friction_impulses(world: &World, findings: &mut Findings) {
     let pressed = entries(world).into_iter().filter(|entry| entry.word & ENTRY_OVERLAPS != 0 && entry.mover < entry.other);
     for Entry { mover: a, other: b, feature, .. } in pressed {
         let all = touches(bodies, a, b);
+        if all.is_empty() {
+            // A rod and a polygon, which have no reference.
+            findings.decide("rod-polygon", a, 0.0);
+            continue;
+        }
         let mut touch = all[if all.len() > 1 { feature } else { 0 }];
         if let Some(vertex) = all.get(EDGES + feature) {
             // The contact of a rod and a box is at the edge if the edge is hit, and otherwise at the nearer of edge and vertex.

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use crate::bodies::{Block, Bodies, Kind};
+use crate::bodies::{Block, Bodies, Kind, Round};
 
 /// An overlap of two objects, or the geometry of two objects that may overlap.
 #[derive(Clone, Copy, Debug)]
@@ -171,23 +171,50 @@ fn sphere_box(bodies: &Bodies, ball: usize, block: &Block) -> Touch {
     Touch { sure: within.min(depths[1].0 - depth), ..touch }
 }
 
+/// A cone is the segment of its nearest half-plane, which is turned about the axis.
+fn sphere_round(radius: f64, round: &Round, t: DVec3) -> Touch {
+    let Some(axis) = round.axis else {
+        let height = round.side * (t.length() - round.radii[0]);
+        let touch = Touch::new("sphere-ball wall", -round.side * t.normalize(), radius - height, (radius - height).min(height));
+        return Touch { line: height, ..touch };
+    };
+    let along = axis.normalize();
+    let e = t.reject_from_normalized(along).normalize();
+    let (start, end) = (round.radii[0] * e, axis + round.radii[1] * e);
+    let segment = end - start;
+    let k = (t - start).dot(segment) / segment.length_squared();
+    let out = e.reject_from_normalized(segment.normalize()).normalize();
+    let height = round.side * (t - start).dot(out);
+    let to_rim = start + k.clamp(0.0, 1.0) * segment - t;
+    let (kind, n, distance) = if inside(k) >= 0.0 {
+        ("sphere-cone", -round.side * out, height)
+    } else {
+        ("sphere-cone rim", to_rim.normalize(), to_rim.length())
+    };
+    let overlap = radius - distance;
+    Touch { line: height, sure: inside(k).abs(), ..Touch::new(kind, n, overlap, overlap.min(height)) }
+}
+
 fn sphere_polygon(bodies: &Bodies, ball: usize, face: usize) -> Touch {
     let (ball, face) = (&bodies.balls[ball], &bodies.faces[face]);
     let t = ball.x - face.corner;
+    if let Some(round) = face.round() {
+        return sphere_round(ball.radius, &round, t);
+    }
     let front = face.left.cross(face.right).normalize();
-    let n = if face.is_triangle && t.dot(front) < 0.0 { -front } else { front };
+    let n = if face.is_triangle() && t.dot(front) < 0.0 { -front } else { front };
     // t - (t.n) n = l L + k R, by the components of both sides along L and R.
     let (ll, rr, lr) = (face.left.length_squared(), face.right.length_squared(), face.left.dot(face.right));
     let (tl, tr) = (t.dot(face.left), t.dot(face.right));
     let det = ll * rr - lr * lr;
     let (l, k) = ((tl * rr - tr * lr) / det, (tr * ll - tl * lr) / det);
     let height = t.dot(n);
-    let over = inside(l).min(inside(k)).min(if face.is_triangle { inside(l + k) } else { f64::INFINITY });
+    let over = inside(l).min(inside(k)).min(if face.is_triangle() { inside(l + k) } else { f64::INFINITY });
     let (kind, normal, distance) = if over >= 0.0 {
         (FACE, -n, height)
     } else {
         // The nearest of the points of all edges.
-        let corners = match face.is_triangle {
+        let corners = match face.is_triangle() {
             true => vec![DVec3::ZERO, face.left, face.right],
             false => vec![DVec3::ZERO, face.left, face.left + face.right, face.right],
         };
@@ -203,7 +230,7 @@ fn sphere_polygon(bodies: &Bodies, ball: usize, face: usize) -> Touch {
     let overlap = ball.radius - distance;
     let touch = Touch::new(kind, normal, overlap, overlap.min(height));
     // On the plane, rounding decides on which side of a triangle the centre is.
-    let side = if face.is_triangle { height } else { f64::INFINITY };
+    let side = if face.is_triangle() { height } else { f64::INFINITY };
     Touch { line: height, sure: over.abs().min(side), ..touch }
 }
 
@@ -221,6 +248,36 @@ pub(crate) fn face_slack(bodies: &Bodies, a: usize, b: usize) -> f64 {
         }
         _ => f64::INFINITY,
     }
+}
+
+/// Contacts of the axis of a rod with a polygon have no reference here: where the rod may touch an edge, a cone or a ball, all is
+/// ambiguous. `rod_walls.rs` compares the backends there.
+pub(crate) fn rod_polygon_slack(bodies: &Bodies, a: usize, b: usize) -> f64 {
+    let (Kind::Bar(bar), Kind::Face(face)) = (bodies.kind(a), bodies.kind(b)) else { return f64::INFINITY };
+    if bodies.groups[a] != bodies.groups[b] {
+        return f64::INFINITY;
+    }
+    let (segment, radius, face) = (bodies.segment(bar), bodies.bars[bar].radius, &bodies.faces[face]);
+    // Only the end spheres of a rod touch the inside of a cone or ball.
+    if face.round().is_some_and(|round| round.side < 0.0) {
+        return f64::INFINITY;
+    }
+    let (corner, left, right) = (face.corner, face.left, face.right);
+    let of_triangle = [(corner, left), (corner, right), (corner + left, right - left)];
+    let of_parallelogram = [(corner, left), (corner, right), (corner + left, right), (corner + right, left)];
+    let edges = if face.is_triangle() { &of_triangle[..] } else { &of_parallelogram };
+    let distance = |point: DVec3| match face.round() {
+        Some(round) => radius - sphere_round(radius, &round, point - corner).overlap,
+        None => {
+            let apart = edges.iter().map(|&(start, edge)| {
+                let t = (point - start).dot(edge) / edge.length_squared();
+                (start + t.clamp(0.0, 1.0) * edge).distance(point)
+            });
+            apart.fold(f64::INFINITY, f64::min)
+        }
+    };
+    let least = (0..=64).map(|k| distance(segment[0].lerp(segment[1], f64::from(k) / 64.0))).fold(f64::INFINITY, f64::min);
+    (least - radius - segment[0].distance(segment[1]) / 64.0).max(0.0)
 }
 
 /// Returns the ends of one of the twelve edges of a box, numbered as in list entries: edge f runs along edge vector f/4.

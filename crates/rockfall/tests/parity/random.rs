@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec3Swizzles};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use rockfall::{Capsule, Cuboid, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
+use rockfall::{Capsule, Cuboid, Muscle, Polygon, Rod, Scene, Sphere, SphereId, Spring, Surface, Tether};
 
 /// Largest distance of a random position from the centre of its cluster, along each axis.
 const EXTENT: f32 = 0.8;
@@ -362,12 +362,38 @@ impl Draw<'_> {
         let (left, right) = (left * self.between(1.2, 2.0), right * self.between(1.2, 2.0));
         let corner = self.middle - 0.5 * (left + right);
         let mut polygon = Polygon::new(corner, left, right);
-        polygon.is_triangle = self.chance(0.5);
+        polygon.surface = if self.chance(0.5) { Surface::Triangle } else { Surface::Parallelogram };
         self.scene.add_polygon(polygon).unwrap();
         let up = left.cross(right).normalize();
         for (height, speed) in [(0.15, -1.5), (0.1, 1.5), (0.15, 0.1), (-0.1, 1.0)] {
             let (l, k, jitter) = (self.between(0.1, 0.9), self.between(0.1, 0.9), self.vector(0.1));
             let ball = self.ball(corner + l * left + k * right + height * up + jitter);
+            let velocity = ball.velocity * 0.2 + speed * up;
+            self.add(ball.velocity(velocity));
+        }
+        self.capsules(1);
+    }
+
+    /// A cone or a ball, touched from outside or from inside, with balls near its surface and near a rim.
+    pub(crate) fn smooth_wall(&mut self) {
+        let (axis, helper) = (self.direction(), self.direction());
+        let out = (helper - helper.dot(axis) * axis).normalize();
+        let inside = self.chance(0.5);
+        let side = if inside { -1.0 } else { 1.0 };
+        let radii = [self.between(0.8, 1.2), self.between(0.8, 1.2)];
+        let is_ball = self.chance(0.3);
+        let foot = self.middle - radii[0] * out;
+        let (wall, length) = if is_ball {
+            (Polygon::ball(foot, radii[0]), 0.0)
+        } else {
+            let length = self.between(0.8, 1.5);
+            (Polygon::cone(foot - 0.5 * length * axis, axis, radii, length), length)
+        };
+        self.scene.add_polygon(wall.inside(inside)).unwrap();
+        for (height, speed) in [(0.15, -1.5), (0.1, 1.5), (0.15, 0.1), (-0.1, 1.0)] {
+            let (along, jitter) = (length * self.between(-0.6, 0.6), self.vector(0.1));
+            let up = side * out;
+            let ball = self.ball(self.middle + along * axis + jitter + height * up);
             let velocity = ball.velocity * 0.2 + speed * up;
             self.add(ball.velocity(velocity));
         }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 
-use crate::bodies::{Bodies, Kind};
+use crate::bodies::{Bodies, Kind, Round};
 use crate::decisions::{Contact, Findings, LIMIT};
 use crate::narrow::{is_on_face, is_vertex};
 
@@ -30,6 +30,7 @@ struct Shape {
     n: DVec3,
     is_polygon: bool,
     is_triangle: bool,
+    round: Option<Round>,
     on_face: bool,
     numbers: Vec<f64>,
     /// Centre of the sphere.
@@ -39,7 +40,7 @@ struct Shape {
 impl Shape {
     fn of(bodies: &Bodies, place: usize, contact: &Contact) -> Option<(usize, Self)> {
         let Kind::Ball(ball) = bodies.kind(contact.a) else { return None };
-        let mut is_triangle = false;
+        let (mut is_triangle, mut round) = (false, None);
         let (is_polygon, vectors) = match bodies.kind(contact.b) {
             Kind::Block(block) => {
                 let block = &bodies.blocks[block];
@@ -47,7 +48,8 @@ impl Shape {
             }
             Kind::Face(face) => {
                 let face = &bodies.faces[face];
-                is_triangle = face.is_triangle;
+                is_triangle = face.is_triangle();
+                round = face.round();
                 (true, vec![face.corner, face.left, face.right])
             }
             Kind::Ball(_) | Kind::Bar(_) => return None,
@@ -62,6 +64,7 @@ impl Shape {
                 n: contact.touch.n,
                 is_polygon,
                 is_triangle,
+                round,
                 on_face: is_on_face(&contact.touch),
                 numbers,
                 x: bodies.balls[ball].x,
@@ -104,6 +107,12 @@ impl Shape {
     fn depth_of_foremost(&self, n: DVec3) -> f64 {
         let vectors: Vec<DVec3> = self.numbers.chunks(3).map(DVec3::from_slice).collect();
         let corner = (vectors[0] - self.x).dot(n);
+        if let Some(Round { axis, radii, .. }) = self.round {
+            // The foremost points of the rims, or of the ball.
+            let across = axis.map_or(n, |axis| n.reject_from(axis));
+            let ends = [DVec3::ZERO, axis.unwrap_or_default()].into_iter().zip(radii);
+            return ends.map(|(end, radius)| corner + end.dot(n) - radius * across.length()).fold(f64::INFINITY, f64::min);
+        }
         let along = vectors[1..].iter().map(|edge| edge.dot(n).min(0.0));
         corner + if self.is_triangle { along.fold(0.0, f64::min) } else { along.sum() }
     }

@@ -35,8 +35,18 @@ fn add_wall(scene: &mut Scene, random: &mut Pcg64Mcg, group: u16, motion: Option
         cuboid.motion = motion;
         scene.add_box(cuboid).unwrap();
     } else {
-        let mut polygon = Polygon::new(corner, z, x).group(group).surface_velocity(surface);
-        (polygon.motion, polygon.is_triangle) = (motion, group % 3 == 1);
+        let up = turn * Vec3::Y;
+        let radius = random.random_range(0.8..1.2);
+        let polygon = match group % 8 {
+            1 | 2 => Polygon::triangle(corner, corner + z, corner + x),
+            4 => Polygon::plane(corner, if motion.is_none() { Vec3::Y } else { up }),
+            5 => Polygon::ball(corner + radius * up, radius).inside(true),
+            7 => Polygon::cone(0.1 * up - radius * up - 0.5 * x, x, [radius, 0.8 * radius], x.length()),
+            3 => Polygon::cylinder(radius * up - 0.5 * x, x, radius, x.length()).inside(true),
+            _ => Polygon::new(corner, z, x),
+        };
+        let mut polygon = polygon.group(group).surface_velocity(surface);
+        polygon.motion = motion;
         scene.add_polygon(polygon).unwrap();
     }
 }

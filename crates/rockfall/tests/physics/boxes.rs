@@ -2,8 +2,8 @@
 
 use rockfall::glam::{EulerRot, Quat, Vec3};
 use rockfall::{
-    Backend, BroadPhase, ContactLaw, Cuboid, Integrator, Material, MaterialId, Options, Pair, Placement, RigidBody, Scene,
-    Shape, Simulation, Sphere,
+    Backend, Body, BroadPhase, ContactLaw, Cuboid, Integrator, Material, MaterialId, Options, Pair, Placement, RigidBody,
+    Scene, Shape, Simulation, Sphere,
 };
 
 use crate::common::with;
@@ -169,4 +169,25 @@ fn broad_phases_find_the_same_contacts() {
         assert_eq!(states[0], states[1], "{backend}: grid");
         assert_eq!(states[0], states[2], "{backend}: sort-and-skip");
     });
+}
+
+/// A ray meets the faces of a turned box, and neither the sphere that stands for it nor its vertices and edges.
+#[test]
+fn rays_meet_the_faces_of_a_box() {
+    let (mut scene, material) = stage(0.0, Pair::default());
+    let shape = scene.add_shape(block(material, [0.4, 0.2, 0.2])).unwrap();
+    let body = scene.add_body(Placement::new(shape).at([1.0, 0.0, 0.0]).turned(Quat::from_rotation_z(0.5))).unwrap();
+    let solid = scene.body(body).unwrap().spheres()[0];
+    let mut simulation = open(scene, Backend::Cpu);
+    // Along x through the centre: the long face is h / sin a away from the centre, nearer than the end at H / cos a.
+    let hit = simulation.cast_ray([0.0, 0.0, 0.0], [1.0, 0.0, 0.0]).unwrap().expect("a hit");
+    assert_eq!(hit.body, Body::Sphere(solid));
+    assert!((hit.distance - (1.0 - 0.1 / 0.5_f32.sin())).abs() < 1e-5, "{hit:?}");
+    let normal = Quat::from_rotation_z(0.5) * Vec3::Y;
+    assert!(hit.normal.distance(normal) < 1e-5, "{hit:?}");
+    assert_eq!(simulation.cast_ray([0.0, 0.15, 0.0], [1.0, 0.0, 0.0]).unwrap().map(|hit| hit.body), Some(Body::Sphere(solid)));
+    // Past a corner and past a face, but inside the sphere around the box.
+    for origin in [[0.0, 0.2, 0.0], [0.0, 0.0, 0.15]] {
+        assert_eq!(simulation.cast_ray(origin, [1.0, 0.0, 0.0]).unwrap(), None);
+    }
 }

@@ -97,6 +97,7 @@ impl World {
         let spin = self.spins();
         let velocities: Vec<DVec3> = self.balls.iter().map(|ball| ball.v).collect();
         self.advance(&velocities, &Motion::none(self), self.dt);
+        self.place_walls(self.time + self.dt);
         self.constrain(&old);
         let rates = self.rates();
         self.advance(&vec![DVec3::ZERO; self.balls.len()], &rates, half);
@@ -119,6 +120,7 @@ impl World {
             sum.add(&rates, part);
             stage = start.clone();
             stage.advance(&velocities, &rates, next * self.dt);
+            stage.place_walls(start.time + next * self.dt);
         }
         self.advance(&mean_velocity, &sum, self.dt);
         Course { old: start.positions(), spin }

@@ -51,17 +51,17 @@ impl World {
             Thing::Block(_) | Thing::Face(_) => 0.0,
         };
         let steps = if self.set.integrator == Integrator::SymplecticEuler { 4.0 } else { 2.0 };
-        (self.set.threshold * self.least_radius(pair)).max(steps * of(pair.a).max(of(pair.b)) * self.dt)
+        let pulled = of(pair.a).max(of(pair.b)) + self.wall_acceleration(pair);
+        (self.set.threshold * self.least_radius(pair)).max(steps * pulled * self.dt)
     }
 
     /// Finds the pressed contacts, and which of them collide (docs/physics.md section 3.1) and are lone (section 3.5).
     pub(crate) fn find(&self) -> Vec<Pressed> {
-        let motion = Motion::of(self);
         let mut pressed = Vec::new();
         for (pair, line) in self.touches() {
             let mass: f64 = sides(&pair, &line).into_iter().map(|side| self.unprojected(side, line.n)).sum();
             if line.o > PRESSED * self.least_radius(&pair) && mass > 0.0 {
-                let collides = self.approach(&pair, &line, &motion) > self.threshold(&pair);
+                let collides = self.closing(&pair, &line) > self.threshold(&pair);
                 pressed.push(Pressed { pair, line, collides, lone: false, j: 0.0, tau: 0.0 });
             }
         }
@@ -108,30 +108,35 @@ impl World {
         let pair = contact.pair;
         let bodies = self.touched(&pair, &contact.line);
         let face = self.on_face(&pair);
-        let closing = |world: &Self| {
-            let line = match face {
-                Some(ball) => {
-                    let moved = world.balls[ball].x - self.balls[ball].x;
-                    Line { o: contact.line.o + moved.dot(contact.line.n), ..contact.line }
-                }
-                None => world.line(&pair)?,
-            };
-            let u = world.approach(&pair, &line, &Motion::of(world));
+        let line_of = |world: &Self| match face {
+            Some(ball) => {
+                let moved = world.balls[ball].x - self.balls[ball].x;
+                Some(Line { o: contact.line.o + moved.dot(contact.line.n), ..contact.line })
+            }
+            None => world.line(&pair),
+        };
+        let wall = self.wall(pair.b).filter(|_| !self.made(Mistake::WallReturn));
+        let closing = |world: &Self, tau: f64, curved: bool| {
+            if let Some(wall) = &wall {
+                return world.closing_of_wall(&pair, wall, tau, curved, line_of);
+            }
+            let line = line_of(world)?;
+            let u = world.closing(&pair, &line);
             (u > 0.0).then_some((line, u))
         };
         let mut tau = 0.0_f64;
         for _ in 0..4 {
-            let Some((line, u)) = closing(&self.back(&bodies, accelerations, tau, true)) else { break };
+            let Some((line, u)) = closing(&self.back(&bodies, accelerations, tau, true), tau, true) else { break };
             tau = (tau + line.o / u).clamp(0.0, self.dt);
         }
         if self.made(Mistake::NoReturn) {
             tau = 0.0;
         }
         let mut then = self.back(&bodies, accelerations, tau, false);
-        let (line, u) = closing(&then).unwrap_or_else(|| {
+        let (line, u) = closing(&then, tau, false).unwrap_or_else(|| {
             tau = 0.0;
             then = self.clone();
-            (contact.line, self.approach(&pair, &contact.line, &Motion::of(self)))
+            (contact.line, self.closing(&pair, &contact.line))
         });
         let mass: f64 = sides(&pair, &line).into_iter().map(|side| then.unprojected(side, line.n)).sum();
         let mut unit = Motion::none(self);
@@ -236,13 +241,12 @@ impl World {
 
     /// Solves all other collisions (docs/physics.md section 3.7).
     fn cluster(&self, pressed: &mut [Pressed], change: &mut Motion) {
-        let before = Motion::of(self);
         let colliding: Vec<(Pair, Line)> =
             pressed.iter().filter(|contact| contact.collides).map(|contact| (contact.pair, contact.line)).collect();
         let mut members: Vec<&mut Pressed> = pressed.iter_mut().filter(|contact| contact.collides && !contact.lone).collect();
         let units: Vec<Motion> = members.iter().map(|contact| self.unit(&contact.pair, &contact.line)).collect();
         let scales: Vec<f64> = members.iter().map(|contact| self.scale(&contact.pair, &contact.line, &colliding)).collect();
-        let speed: Vec<f64> = members.iter().map(|contact| self.approach(&contact.pair, &contact.line, &before)).collect();
+        let speed: Vec<f64> = members.iter().map(|contact| self.closing(&contact.pair, &contact.line)).collect();
         // Change of the approach velocity of one contact by a unit impulse of another.
         let coupling: Vec<Vec<f64>> = members
             .iter()

@@ -130,15 +130,16 @@ fn perturbed(world: &World, seed: u64) -> World {
         let size = vector.length().max(least);
         *vector += DVec3::from_array([0; 3].map(|_| near(size)));
     };
-    for block in &mut world.blocks {
+    for block in &mut world.blocks_at_rest {
         block.edges.iter_mut().for_each(|edge| off(edge, 0.0));
         off(&mut block.corner, scale.place);
     }
-    for face in &mut world.faces {
+    for face in &mut world.faces_at_rest {
         [&mut face.left, &mut face.right].into_iter().for_each(|edge| off(edge, 0.0));
         off(&mut face.corner, scale.place);
     }
     world.set.restitution += near(1.0);
+    world.place_walls(world.time);
     world
 }
 
@@ -317,6 +318,8 @@ fn evaluate_again(simulation: &mut Simulation) {
 
 fn load(worlds: &mut [World], simulation: &mut Simulation) {
     let states = simulation.spheres().expect("spheres are read back");
+    let time = simulation.report().time;
+    worlds.iter_mut().for_each(|world| world.place_walls(time));
     for (ball, state) in worlds.iter_mut().flat_map(|world| &mut world.balls).zip(&states) {
         ball.set(state);
     }
@@ -364,9 +367,8 @@ pub(crate) fn describe(world: &World, contacts: &[Pressed]) -> String {
     for bar in &world.bars {
         let _ = writeln!(text, "  rod {:?} r {} length {:?}", bar.ends, bar.radius, bar.length);
     }
-    let motion = crate::sides::Motion::of(world);
     for (pair, line) in world.touches() {
-        let u = world.approach(&pair, &line, &motion);
+        let u = world.closing(&pair, &line);
         let (a, b, feature, at, o, c) = (pair.a, pair.b, pair.feature, line.at, line.o, world.threshold(&pair));
         let _ = write!(text, "  {a:?} {b:?} {feature:?} n {} o {o:.6} at {at:.4?} u {u:.5} c {c:.3}", line.n);
         if let Some(contact) = contacts.iter().find(|contact| contact.pair == pair) {

@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use rockfall::glam::Vec3;
-use rockfall::{Capsule, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
+use rockfall::{Capsule, Motion, MotionId, MotionTerm, ObjectId, Polygon, Rod, Scene, Sphere, SphereId, Spring, Tether};
 
 use crate::scenes::rebuilt;
 
@@ -111,9 +111,46 @@ impl Draw {
         if self.chance(0.4) {
             // Its centre is at the point.
             polygon = Polygon::new(point - (left + right) / 3.0, left, right);
-            polygon.is_triangle = true;
+            polygon.surface = rockfall::Surface::Triangle;
         }
         self.scene.add_polygon(polygon).expect("a valid polygon");
+    }
+
+    /// Lets some of the walls follow motions, and makes belts of some.
+    pub(crate) fn move_walls(&mut self) {
+        let walls = self.scene.box_ids().map(ObjectId::Box).chain(self.scene.polygon_ids().map(ObjectId::Polygon));
+        let walls: Vec<ObjectId> = walls.collect();
+        let motions: Vec<MotionId> = (0..2)
+            .map(|number| {
+                let mut motion = Motion::new(format!("motion{number}"), self.term());
+                if self.chance(0.4) {
+                    motion.terms.push(self.term());
+                }
+                self.scene.add_motion(motion).expect("a valid motion")
+            })
+            .collect();
+        for wall in walls {
+            if self.chance(0.7) {
+                let motion = motions[self.rng.random_range(0..2)];
+                self.scene.set_motion(wall, Some(motion)).expect("a wall");
+            }
+            if self.chance(0.2) {
+                let belt = self.vector(2.0);
+                self.scene.set_surface_velocity(wall, belt).expect("a wall");
+            }
+        }
+    }
+
+    /// A translation, an oscillation or a turn. It may begin or end within the first steps.
+    fn term(&mut self) -> MotionTerm {
+        let vector = self.vector(2.0).as_dvec3();
+        let size = f64::from(self.between(0.2, 2.0));
+        let term = match self.rng.random_range(0..3) {
+            0 => MotionTerm::translation(vector),
+            1 => MotionTerm::oscillation(0.1 * vector, size).phase(size),
+            _ => MotionTerm::turn(size, self.direction().as_dvec3(), self.middle.as_dvec3() + vector),
+        };
+        if self.chance(0.3) { term.during(0.0013, 0.021) } else { term }
     }
 
     /// One to three polygons, at right angles or not, and a few bodies that fall on them.

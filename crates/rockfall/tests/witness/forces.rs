@@ -47,7 +47,8 @@ impl World {
         };
         let arms = radii.map(|radius| radius.map_or(0.0, |radius| radius - back));
         let [a, b] = sides(pair, line);
-        let (va, vb) = (self.velocity(a, motion), self.velocity(b, motion));
+        let [va, on_wall] = self.surface_velocities(pair, line, motion);
+        let vb = on_wall + self.belt(pair, line);
         let turn_a = self.spin(a, motion).cross(arms[0] * line.n);
         let turn_b = self.spin(b, motion).cross(arms[1] * line.n);
         let slip = (vb - turn_b) - (va + turn_a);
@@ -59,7 +60,8 @@ impl World {
     /// Reduced mass and normal force of a contact (docs/physics.md section 4.3); `None` where there is no force.
     pub(crate) fn normal_force(&self, pair: &Pair, line: &Line, motion: &Motion, pull: bool) -> Option<(f64, f64)> {
         let [a, b] = sides(pair, line);
-        let u = (self.velocity(a, motion) - self.velocity(b, motion)).dot(line.n);
+        let [va, vb] = self.surface_velocities(pair, line, motion);
+        let u = (va - vb).dot(line.n);
         let c = self.threshold(pair);
         let separating_fast = u < -c && !self.made(Mistake::Separating);
         let new_overlap = u > c && line.o < 2.0 * u * self.dt;

@@ -11,7 +11,7 @@ const SMALL: f64 = 0.01;
 /// A parameter beyond an end by at most this much belongs to the end.
 const AT_END: f64 = 1e-6;
 /// Squared sine of the angle below which two lines count as parallel.
-const PARALLEL: f64 = 1e-8;
+pub(crate) const PARALLEL: f64 = 1e-8;
 
 /// An object on one side of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub(crate) enum Thing {
     Face(usize),
 }
 
-/// Feature of a box that a rod touches.
+/// Feature of a box or polygon that a rod touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Feature {
     None,
@@ -49,13 +49,13 @@ pub(crate) struct Line {
     pub(crate) at: [f64; 2],
 }
 
-fn on_segment(parameter: f64) -> bool {
+pub(crate) fn on_segment(parameter: f64) -> bool {
     (-AT_END..=1.0 + AT_END).contains(&parameter)
 }
 
 /// Returns a distance vector, or 0 where it is only the rounding error of vectors whose squared lengths sum to
 /// `squared`.
-fn without_rounding(d: DVec3, squared: f64, reach: f64) -> DVec3 {
+pub(crate) fn without_rounding(d: DVec3, squared: f64, reach: f64) -> DVec3 {
     let least = (ROUNDED * ROUNDED * squared).min((SMALL * reach).powi(2));
     if d.length_squared() <= least { DVec3::ZERO } else { d }
 }
@@ -153,10 +153,10 @@ fn sphere_box(ball: &Ball, block: &Block) -> Line {
     Line { n: way.1, o: ball.radius + way.0, at: [0.0; 2] }
 }
 
-/// Parameters of a sphere's centre in the plane of a polygon, along L and R, and the unit normal.
-fn place_over(ball: &Ball, face: &Face) -> ([f64; 2], DVec3) {
+/// Parameters of a point in the plane of a polygon, along L and R, and the unit normal.
+pub(crate) fn place_over(point: DVec3, face: &Face) -> ([f64; 2], DVec3) {
     let n = face.left.cross(face.right);
-    let p = ball.x - face.corner;
+    let p = point - face.corner;
     let l = p.cross(face.right).dot(n) / n.length_squared();
     let k = face.left.cross(p).dot(n) / n.length_squared();
     ([l, k], n.normalize())
@@ -170,7 +170,7 @@ pub(crate) fn is_on_face(world: &World, ball: &Ball, thing: Thing) -> bool {
         }
         Thing::Face(face) => {
             let face = &world.faces[face];
-            let ([l, k], _) = place_over(ball, face);
+            let ([l, k], _) = place_over(ball.x, face);
             on_segment(l) && on_segment(k) && (!face.is_triangle || on_segment(l + k))
         }
         Thing::Ball(_) | Thing::Bar(_) => false,
@@ -179,7 +179,7 @@ pub(crate) fn is_on_face(world: &World, ball: &Ball, thing: Thing) -> bool {
 
 /// Contact with the nearest point of a polygon. There is none behind the plane of a parallelogram.
 fn sphere_face(ball: &Ball, face: &Face) -> Option<Line> {
-    let (place, mut up) = place_over(ball, face);
+    let (place, mut up) = place_over(ball.x, face);
     let mut height = (ball.x - face.corner).dot(up);
     if height < 0.0 {
         if !face.is_triangle {
@@ -275,6 +275,10 @@ impl World {
             (Thing::Bar(a), Thing::Block(b)) => {
                 rod_box(&self.bars[a], self.ends(a), &self.blocks[b], pair.feature, self.slack).map(|found| found.0)
             }
+            (Thing::Bar(a), Thing::Face(b)) => match pair.feature {
+                Feature::Edge(edge) => self.rimmed(a, b, edge).map(|found| found.line),
+                _ => None,
+            },
             _ => None,
         }
     }
@@ -290,7 +294,7 @@ impl World {
     /// vertex with this number, whichever is nearer (docs/physics.md section 2.10).
     pub(crate) fn nearer_line(&self, pair: &Pair) -> Option<Line> {
         let number = match pair.feature {
-            Feature::Edge(number) | Feature::Vertex(number) if number < 8 => number,
+            Feature::Edge(number) | Feature::Vertex(number) if number < 8 && matches!(pair.b, Thing::Block(_)) => number,
             _ => return self.line(pair),
         };
         let of = |feature| self.line(&Pair { feature, ..*pair });
@@ -367,6 +371,10 @@ impl World {
                 if found.len() == before {
                     found.extend((0..8).filter_map(|vertex| hit(Feature::Vertex(vertex))));
                 }
+            }
+            (Thing::Bar(bar), Thing::Face(face)) => {
+                let all = self.rims(bar, face).into_iter();
+                found.extend(all.map(|(edge, line)| (Pair { feature: Feature::Edge(edge), ..plain }, line)));
             }
             _ => {
                 let line = self.line(&plain).filter(|line| line.o > 0.0 && !self.is_covered(&plain, line));

@@ -13,8 +13,8 @@ set friction 0
 set contact_damping 0
 ";
 
-/// One end of a level capsule falls on a face.
-pub(crate) const CAPSULE: &str = "C -0.25 0.52 0 0.25 0.52 0 0 -1 0 2 0.5
+/// The lower end of a capsule falls on a face. Its axis is above the edge of the face.
+pub(crate) const CAPSULE: &str = "C -0.25 0.52 0 0.25 0.9 0 0 -1 0 2 0.5
 P -0.5 0 -1 0 0 2 0.375 0 0";
 
 /// A tetrahedron of rods of fixed length lands on a vertex. Its coordinates have six digits.

@@ -1,9 +1,11 @@
 //! Random scenes: small clusters of objects of all kinds, and settings.
 
+use std::collections::HashMap;
+
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::glam::Vec3;
-use rockfall::{Integrator, Scene, Settings, Sphere, SphereId};
+use rockfall::{Integrator, MotionId, Scene, Settings, Sphere, SphereId};
 
 use crate::draw::{Draw, direction};
 
@@ -59,6 +61,11 @@ pub(crate) fn plan(seed: u64, count: usize, regimes: usize) -> Plan {
         let middle = Vec3::new(cell(number), cell(number / 3), cell(number / 9));
         let mut draw = Draw { rng: Pcg64Mcg::seed_from_u64(seed << 8 | number as u64), scene: Scene::new(), middle };
         RECIPES[(seed as usize + number) % KINDS](&mut draw);
+        // From other numbers, so that the bodies do not depend on the walls.
+        draw.rng = Pcg64Mcg::seed_from_u64(!(seed << 8 | number as u64));
+        if draw.chance(0.3) {
+            draw.move_walls();
+        }
         without_stretching(&draw.scene)
     });
     let clusters: Vec<Scene> = clusters.collect();
@@ -184,19 +191,40 @@ fn copy_rest(from: &Scene, to: &mut Scene, copy: &Copy) {
         tether.length *= size;
         to.add_tether(tether).expect("a valid tether");
     }
+    let motions = copy_motions(from, to, size);
     for mut cuboid in from.boxes().iter().copied() {
+        cuboid.motion = cuboid.motion.map(|id| motions[&id]);
+        cuboid.surface_velocity *= size;
         cuboid.corner *= size;
         cuboid.edges = cuboid.edges.map(|edge| size * edge);
         cuboid.group += groups;
         to.add_box(cuboid).expect("a valid box");
     }
     for mut polygon in from.polygons().iter().copied() {
+        polygon.motion = polygon.motion.map(|id| motions[&id]);
+        polygon.surface_velocity *= size;
         polygon.corner *= size;
         polygon.left *= size;
         polygon.right *= size;
         polygon.group += groups;
         to.add_polygon(polygon).expect("a valid polygon");
     }
+}
+
+/// Adds the motions of a scene to another scene, under other names.
+fn copy_motions(from: &Scene, to: &mut Scene, size: f32) -> HashMap<MotionId, MotionId> {
+    let mut copies = HashMap::new();
+    for (id, motion) in from.motion_ids().zip(from.motions()) {
+        let mut motion = motion.clone();
+        for term in &mut motion.terms {
+            for way in [&mut term.velocity, &mut term.amplitude, &mut term.through] {
+                *way *= f64::from(size);
+            }
+        }
+        motion.name = format!("motion{}", to.motions().len());
+        copies.insert(id, to.add_motion(motion).expect("a valid motion"));
+    }
+    copies
 }
 
 /// All clusters in one scene, each in its own groups.

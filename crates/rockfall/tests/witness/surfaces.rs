@@ -16,6 +16,7 @@ const BESIDE: f64 = 1e-3;
 
 /// A box or a polygon that a sphere overlaps.
 struct Candidate {
+    thing: Thing,
     /// Place in the list of contacts.
     place: usize,
     /// Signed distance from the centre of the sphere.
@@ -66,7 +67,8 @@ impl World {
             candidates.sort_by(Candidate::before);
             let mut kept: Vec<Candidate> = Vec::new();
             for candidate in candidates {
-                if kept.iter().any(|earlier| candidate.is_hidden_by(earlier, radius, self.mesh_angle)) {
+                let of_body = |earlier: &&Candidate| self.are_one_body(candidate.thing, earlier.thing);
+                if kept.iter().filter(of_body).any(|earlier| candidate.is_hidden_by(earlier, radius, self.mesh_angle)) {
                     keeps[candidate.place] = false;
                 } else {
                     kept.push(candidate);
@@ -95,7 +97,8 @@ impl World {
         }
         let contains =
             |other: usize, point: DVec3| in_box(&self.blocks[other], point).into_iter().all(|t| (0.0..=1.0).contains(&t));
-        let others = (0..self.blocks.len()).filter(|other| *other != block && self.may_touch(pair.a, Thing::Block(*other)));
+        let joins = |other: &usize| *other != block && self.are_one_body(Thing::Block(block), Thing::Block(*other));
+        let others = (0..self.blocks.len()).filter(joins).filter(|other| self.may_touch(pair.a, Thing::Block(*other)));
         others.into_iter().any(|other| points.iter().any(|(point, outside)| *outside && contains(other, *point)))
     }
 
@@ -117,6 +120,7 @@ impl World {
         own.filter_map(|(place, (pair, line))| {
             let (is_face, vectors) = geometry(pair.b)?;
             Some(Candidate {
+                thing: pair.b,
                 place,
                 d: self.balls[ball].radius - line.o,
                 on_face: is_on_face(self, &self.balls[ball], pair.b),

@@ -3,6 +3,8 @@
 use rockfall::glam::{DQuat, DVec3, Vec3};
 use rockfall::{Integrator, Scene, Settings, SphereState};
 
+use crate::walls::{Path, at_rest};
+
 /// A sphere.
 #[derive(Clone, Debug)]
 pub(crate) struct Ball {
@@ -72,15 +74,19 @@ pub(crate) struct Pull {
     pub(crate) damping: f64,
 }
 
-/// A static box.
+/// A box of a wall.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
     pub(crate) corner: DVec3,
     pub(crate) edges: [DVec3; 3],
     pub(crate) group: u16,
+    /// Number of the motion that it follows.
+    pub(crate) motion: Option<usize>,
+    /// Surface velocity.
+    pub(crate) belt: DVec3,
 }
 
-/// A static polygon.
+/// A polygon of a wall.
 #[derive(Clone, Debug)]
 pub(crate) struct Face {
     pub(crate) corner: DVec3,
@@ -88,6 +94,8 @@ pub(crate) struct Face {
     pub(crate) right: DVec3,
     pub(crate) is_triangle: bool,
     pub(crate) group: u16,
+    pub(crate) motion: Option<usize>,
+    pub(crate) belt: DVec3,
 }
 
 /// The body that a moving sphere belongs to.
@@ -140,7 +148,7 @@ impl Constants {
 }
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 15] = [
+pub(crate) const MISTAKES: [Mistake; 18] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -156,6 +164,9 @@ pub(crate) const MISTAKES: [Mistake; 15] = [
     Mistake::SpringWork,
     Mistake::Hidden,
     Mistake::Covered,
+    Mistake::WallVelocity,
+    Mistake::WallReturn,
+    Mistake::Belts,
 ];
 
 /// A deliberate mistake of the witness. The comparison must detect each of them.
@@ -191,6 +202,12 @@ pub(crate) enum Mistake {
     Hidden,
     /// Contacts that another part of a chain covers count.
     Covered,
+    /// Moving walls have no velocity.
+    WallVelocity,
+    /// Walls stay where they are when the bodies of a lone collision are moved back.
+    WallReturn,
+    /// Surface velocities of walls are ignored.
+    Belts,
 }
 
 /// How the sweeps over rod lengths run.
@@ -209,8 +226,13 @@ pub(crate) struct World {
     pub(crate) balls: Vec<Ball>,
     pub(crate) bars: Vec<Bar>,
     pub(crate) pulls: Vec<Pull>,
+    /// Walls where they are at `time`.
     pub(crate) blocks: Vec<Block>,
     pub(crate) faces: Vec<Face>,
+    pub(crate) blocks_at_rest: Vec<Block>,
+    pub(crate) faces_at_rest: Vec<Face>,
+    pub(crate) paths: Vec<Path>,
+    pub(crate) time: f64,
     pub(crate) set: Constants,
     /// Greatest angle between the normals of triangles that count as one, in rad.
     pub(crate) mesh_angle: f64,
@@ -259,24 +281,17 @@ impl World {
             length: rod.length.map(f64::from),
             group: rod.group,
         });
-        let blocks = scene.boxes().iter().map(|cuboid| Block {
-            corner: wide(cuboid.corner),
-            edges: cuboid.edges.map(wide),
-            group: cuboid.group,
-        });
-        let faces = scene.polygons().iter().map(|polygon| Face {
-            corner: wide(polygon.corner),
-            left: wide(polygon.left),
-            right: wide(polygon.right),
-            is_triangle: polygon.is_triangle,
-            group: polygon.group,
-        });
+        let (blocks, faces) = at_rest(scene);
         let mut world = Self {
             balls: balls.collect(),
             bars: bars.collect(),
             pulls: pulls(scene, number),
-            blocks: blocks.collect(),
-            faces: faces.collect(),
+            blocks: blocks.clone(),
+            faces: faces.clone(),
+            blocks_at_rest: blocks,
+            faces_at_rest: faces,
+            paths: Path::all(scene),
+            time: 0.0,
             set: Constants::of(&scene.settings, integrator),
             mesh_angle: f64::from(scene.settings.mesh_angle).to_radians(),
             dt,
@@ -289,6 +304,7 @@ impl World {
             pulled: None,
         };
         world.find_bodies();
+        world.place_walls(0.0);
         world
     }
 

@@ -14,4 +14,5 @@ mod sleep;
 #[cfg(feature = "gpu")]
 #[path = "../common/verdicts.rs"]
 mod verdicts;
+mod walls;
 mod worlds;

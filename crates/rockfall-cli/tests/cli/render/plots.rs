@@ -90,3 +90,16 @@ fn letters_that_the_font_lacks_are_named() {
     let err = folder.render(&format!("{out} --label --title 日本日"), 0);
     assert!(err.contains("warning: the built-in font lacks the letters 日本球, which are drawn as boxes\n"), "{err}");
 }
+
+/// A picture of a scene that begins without bodies shows its last step, if no step is given.
+#[test]
+fn a_scene_that_begins_without_bodies_is_drawn_at_its_end() {
+    let folder = Folder::new();
+    let inlet = "@inlet box=-1,2,-1,1,3,1 rate=20 radius=0.2";
+    fs::write(folder.path("scene.txt"), format!("@run dt=0.01 steps=100\n{inlet}\nB -2 -1 -2 4 0 0 0 1 0 0 0 4\n")).unwrap();
+    let [usual, end, start] = ["", "--at 100", "--at 0"].map(|at| {
+        folder.render(&format!("--out a.png --size 96x64 {CAMERA} {at}"), 0);
+        folder.picture("a.png").0
+    });
+    assert!(usual == end && usual != start);
+}

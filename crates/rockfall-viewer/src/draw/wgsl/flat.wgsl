@@ -23,6 +23,19 @@ const BACK: f32 = 0.85;
 /// rounding, through which single samples would show the background.
 const OVERLAP: f32 = 0.35;
 
+/// A box is flat if its least edge divided by its second one is at most this.
+const FLAT: f32 = 0.5;
+
+/// Depth of the caps of bodies that a pane of glass covers, in typical radii. A body that touches the pane overlaps it a little.
+const CAP: f32 = 0.12;
+
+/// Moves a corner of a pane of glass towards the eye, so that the caps of bodies that overlap the pane are not drawn in front of it,
+/// where they would be dark dots.
+fn in_front_of_caps(place: vec4f) -> vec4f {
+    let nearer = max(place.w - CAP * frame.typical_radius, 0.5 * place.w);
+    return vec4f(place.xy, place.z * place.w / max(nearer, 1e-30), place.w);
+}
+
 fn quad_corner(index: u32) -> vec2f {
     // Two triangles.
     let order = array<u32, 6>(0u, 1u, 2u, 2u, 1u, 3u);
@@ -81,17 +94,26 @@ fn box_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number
 @vertex
 fn glass_box_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = box_corner(index, number);
+    vertex.place = in_front_of_caps(vertex.place);
     if vertex.look != LOOK_GLASS {
         vertex.place = NOWHERE;
     }
     return vertex;
 }
 
-/// Of boxes that hide bodies, only the edges are drawn.
+/// A box that hides bodies is drawn as a pane: the broad face on the side of the bodies, which the eye sees from within the box. A box
+/// that is not flat has all faces that are turned away from the eye.
 @vertex
 fn box_edges_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = box_corner(index, number);
-    if drawn[number] != 0u {
+    let edge = frame.boxes_at + 12u * number + 3u;
+    let thickness = length(topology_vector(edge + 3u * (index / 12u)));
+    let least = min(thickness, min(vertex.sides.x, vertex.sides.y));
+    let most = max(thickness, max(vertex.sides.x, vertex.sides.y));
+    let second = thickness + vertex.sides.x + vertex.sides.y - least - most;
+    let is_broad = thickness == least || least > FLAT * second;
+    let is_away = dot(vertex.normal, frame.eye - vertex.point) < 0.0;
+    if drawn[number] != 0u || !(is_broad && is_away) {
         vertex.place = NOWHERE;
     }
     return vertex;
@@ -197,7 +219,7 @@ fn corner_between(index: u32, least: vec3f, edges: array<vec3f, 3>, unit: f32, n
 @vertex
 fn polygon_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = polygon_corner(index, number);
-    if polygon_drawn(number) != 1u || vertex.look == LOOK_GLASS {
+    if polygon_state(index, number) != 1u || vertex.look == LOOK_GLASS {
         vertex.place = NOWHERE;
     }
     return vertex;
@@ -206,6 +228,7 @@ fn polygon_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) nu
 @vertex
 fn glass_polygon_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = polygon_corner(index, number);
+    vertex.place = in_front_of_caps(vertex.place);
     if vertex.look != LOOK_GLASS {
         vertex.place = NOWHERE;
     }
@@ -215,21 +238,111 @@ fn glass_polygon_vertex(@builtin(vertex_index) index: u32, @builtin(instance_ind
 @vertex
 fn polygon_edges_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatVertex {
     var vertex = polygon_corner(index, number);
-    if polygon_drawn(number) == 1u {
+    if polygon_state(index, number) == 1u {
         vertex.place = NOWHERE;
     }
     return vertex;
 }
 
-fn polygon_corner(index: u32, number: u32) -> FlatVertex {
+/// Surfaces of polygons, as in the physics.
+const TRIANGLE: u32 = 1u;
+const PLANE: u32 = 2u;
+const CONE: u32 = 3u;
+const BALL: u32 = 5u;
+/// Facets around the axis of a cone or ball, and of a ball along the axis. All together they are FACETS.
+const AROUND: u32 = 64u;
+const ALONG: u32 = 24u;
+
+/// What is drawn of a polygon, as `polygon_drawn` says, and the facets of a cone or ball by themselves: those of one that is touched from
+/// inside are translucent and have no shadow where the camera is outside of it.
+fn polygon_state(index: u32, number: u32) -> u32 {
+    let surface = topology[frame.polygons_at + 10u * number + 9u];
+    if surface < CONE {
+        return polygon_drawn(number);
+    }
+    let middle = round_corner(index - index % 6u, number, vec2f(0.5));
+    return select(1u, 0u, is_hollow(number) && dot(frame.eye - middle.point, middle.normal) < 0.0);
+}
+
+/// Whether a polygon is a cone or ball that is touched from inside.
+fn is_hollow(number: u32) -> bool {
+    let surface = topology[frame.polygons_at + 10u * number + 9u];
+    return surface == CONE + 1u || surface == BALL + 1u;
+}
+
+/// A place on a facet of a cone or ball, from 0 to 1 around the axis and along it. The normal points to the side that is touched.
+fn round_corner(index: u32, number: u32, on: vec2f) -> FlatVertex {
     let at = frame.polygons_at + 10u * number;
     let left = topology_vector(at + 3u);
     let right = topology_vector(at + 6u);
-    let is_triangle = topology[at + 9u] != 0u;
+    let surface = topology[at + 9u];
+    let facet = index / 6u;
+    let is_ball = surface >= BALL;
+    let turn = TURN * (f32(facet % AROUND) + on.x) / f32(AROUND);
+    let middle_turn = TURN * (f32(facet % AROUND) + 0.5) / f32(AROUND);
+    let radius = length(right);
+    let out = right / radius;
+    let slope = dot(left, out);
+    let axis = select(left - slope * out, left, is_ball);
+    let unit = normalize(axis);
+    let beside = cross(unit, out);
+    var vertex: FlatVertex;
+    let around = cos(turn) * out + sin(turn) * beside;
+    let middle = cos(middle_turn) * out + sin(middle_turn) * beside;
+    if is_ball {
+        let polar = 0.5 * TURN * (f32(facet / AROUND) + on.y) / f32(ALONG);
+        let middle_polar = 0.5 * TURN * (f32(facet / AROUND) + 0.5) / f32(ALONG);
+        vertex.point = radius * (cos(polar) * unit + sin(polar) * around);
+        vertex.normal = cos(middle_polar) * unit + sin(middle_polar) * middle;
+    } else {
+        vertex.point = on.y * axis + (radius + on.y * slope) * around;
+        vertex.normal = normalize(length(axis) * middle - slope * unit);
+    }
+    let base = topology_vector(at);
+    let to_middle = select(0.5 * axis, vec3f(0.0), is_ball);
+    vertex.point += base + way_into_box(base + to_middle);
+    vertex.normal *= select(1.0, -1.0, is_hollow(number));
+    vertex.sides = vec2f(TURN * radius / f32(AROUND), length(left));
+    vertex.on_face = vec2f(turn * radius, on.y * length(left));
+    return vertex;
+}
+
+/// The same as `polygon_corner`, for a cone or ball.
+fn corner_of_round(index: u32, number: u32) -> FlatVertex {
+    let is_ball = topology[frame.polygons_at + 10u * number + 9u] >= BALL;
+    var vertex = round_corner(index, number, quad_corner(index % 6u));
+    vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
+    if index / 6u >= select(AROUND, AROUND * ALONG, is_ball) {
+        vertex.place = NOWHERE;
+    }
+    vertex.rim = 0.0;
+    vertex.colour = object_colour(KIND_POLYGON, number);
+    vertex.look = polygon_look(number);
+    vertex.local = in_pattern(vec3f(vertex.on_face, 0.0), vec3f(vertex.sides, 0.0), frame.typical_radius, number);
+    vertex.unit = frame.typical_radius;
+    return vertex;
+}
+
+/// The corners of the first facet of a polygon have the indices 0 to 5. Only cones and balls have others.
+fn polygon_corner(index: u32, number: u32) -> FlatVertex {
+    let at = frame.polygons_at + 10u * number;
+    let surface = topology[at + 9u];
+    if surface >= CONE {
+        return corner_of_round(index, number);
+    }
+    var left = topology_vector(at + 3u);
+    var right = topology_vector(at + 6u);
+    let is_triangle = surface == TRIANGLE;
     // The second half of a quad is not drawn for a triangle: its corners are in one place.
     let shown = select(index, min(index, 2u), is_triangle);
     let base = topology_vector(at);
-    let corner = base + way_into_box(base + 0.5 * (left + right));
+    var corner = base + way_into_box(base + 0.5 * (left + right));
+    if surface == PLANE {
+        let normal = normalize(cross(left, right));
+        corner = frame.stage + dot(base - frame.stage, normal) * normal - frame.stage_size * (left + right);
+        left *= 2.0 * frame.stage_size;
+        right *= 2.0 * frame.stage_size;
+    }
     var vertex = face(corner, left, right, normalize(cross(left, right)), shown);
     vertex.rim = select(1.0, 0.0, is_triangle);
     let pixel = pixel_width() * max(dot(vertex.point - frame.eye, frame.forward), 0.0);
@@ -288,7 +401,7 @@ fn box_surface(vertex: FlatVertex) -> @location(0) vec4f {
 
 @fragment
 fn edges_surface(vertex: FlatVertex) -> @location(0) vec4f {
-    let opacity = 0.45 * rim_at(vertex, fwidth(vertex.on_face));
+    let opacity = 0.45 * vertex.rim * rim_at(vertex, fwidth(vertex.on_face));
     return vec4f(vec3f(0.16, 0.18, 0.21), 1.0) * opacity;
 }
 

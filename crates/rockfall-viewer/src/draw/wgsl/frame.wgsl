@@ -47,6 +47,10 @@ struct Frame {
     rigid_parts_at: u32,
     /// Least corner of the box of a periodic scene.
     least: vec3f,
+    /// Half the edge of the squares that stand for planes, in units.
+    stage_size: f32,
+    /// The point near which planes are shown.
+    stage: vec3f,
     kinds: array<vec4f, 8>,
     scale: array<vec4f, 9>,
 }

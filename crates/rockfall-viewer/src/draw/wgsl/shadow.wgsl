@@ -134,10 +134,11 @@ fn box_shadow(vertex: FlatShadow) -> @builtin(frag_depth) f32 {
 
 @vertex
 fn polygon_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) number: u32) -> FlatShadow {
-    if polygon_drawn(number) == 0u {
+    let vertex = polygon_corner(index, number);
+    if polygon_drawn(number) == 0u || is_hollow(number) || all(vertex.place == NOWHERE) {
         return FlatShadow(NOWHERE, 1.0, 0u);
     }
-    return flat_in_map(polygon_corner(index, number).point, polygon_look(number));
+    return flat_in_map(vertex.point, polygon_look(number));
 }
 
 @fragment

@@ -37,14 +37,15 @@ impl Session {
         let checked = Checked { settings: *self.simulation.settings(), time_step, scene: self.simulation_version };
         if self.checked != Some(checked) {
             self.checked = Some(checked);
-            let concerns = self.simulation.scene().concerns(time_step, self.simulation.integrator());
+            let mut concerns = self.simulation.scene().concerns(time_step, self.simulation.integrator());
             let more = concerns.len().saturating_sub(SHOWN);
-            for text in concerns.into_iter().take(SHOWN) {
-                self.tell(Level::Warning, text);
-            }
+            concerns.truncate(SHOWN);
             if more > 0 {
-                self.tell(Level::Warning, format!("{more} more warnings; `rockfall check` prints them"));
+                concerns.push(format!("{more} more warnings; `rockfall check` prints them"));
             }
+            // Those about earlier constants no longer hold.
+            self.messages.withdraw(&std::mem::replace(&mut self.concerns, concerns.clone()));
+            concerns.into_iter().for_each(|text| self.tell(Level::Warning, text));
         }
     }
 }

@@ -116,6 +116,7 @@ impl Session {
     /// Changes the constants. Another kind of contact law needs another integrator, unless the command line or the scene has one that
     /// it allows.
     pub(super) fn apply_settings(&mut self, settings: Settings) -> rockfall::Result<()> {
+        self.watch.outdate();
         let has_history = settings.contact_law.has_history();
         if self.simulation.settings().contact_law.has_history() == has_history {
             return self.simulation.set_settings(settings);
@@ -226,6 +227,19 @@ impl Session {
         [!self.edits.done.is_empty(), !self.edits.undone.is_empty()]
     }
 
+    /// Restores constants as they were in effect. With `resting_overlap`, the simulation has chosen some for the present positions.
+    fn keep_settings(&mut self, settings: Settings) -> Option<()> {
+        if *self.simulation.settings() == settings {
+            return Some(());
+        }
+        let mut state = self.state()?;
+        state.scene.settings = settings;
+        let restored = self.simulation.restore(&state);
+        self.ok_or_report(restored)?;
+        self.objects_version += 1;
+        self.apply_time_step(self.pace.time_step).then_some(())
+    }
+
     /// Restores what an edit replaced, and returns the edit that reverts this.
     fn swap(&mut self, edit: Edit) -> Option<Edit> {
         let Edit { name, before, revision, .. } = edit;
@@ -234,6 +248,7 @@ impl Session {
                 let present = *self.simulation.settings();
                 let set = self.apply_settings(*before);
                 self.ok_or_report(set)?;
+                self.keep_settings(*before)?;
                 Before::Settings(Box::new(present))
             }
             Before::TimeStep(before) => {

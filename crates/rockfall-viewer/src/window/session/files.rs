@@ -24,7 +24,7 @@ pub(super) fn names_of(source: &Source) -> Names {
     let text = source.path.as_deref().and_then(|path| std::fs::read(path).ok()).unwrap_or_default();
     let names = Names::of(&String::from_utf8_lossy(&text));
     // The file may have changed after the scene was read, and it may be no scene text.
-    if names.spheres() == source.scene.counts().spheres { names } else { Names::default() }
+    if names.fits(&source.scene) { names } else { Names::default() }
 }
 
 impl Session {
@@ -32,6 +32,9 @@ impl Session {
     pub fn reset(&mut self) {
         let source = self.source.clone();
         if self.replace(source, "reset") {
+            if self.is_playing_back() {
+                self.show_frame(0);
+            }
             self.tell(Level::Note, "the scene was reset");
         }
     }
@@ -159,10 +162,18 @@ impl Session {
         scene
     }
 
+    /// Writes the scene after the comment at the beginning of its file.
+    fn write(&self, path: &Path) -> rockfall::Result<()> {
+        let scene = self.scene_to_save();
+        let loaded = self.source.path.as_deref().and_then(|path| Scene::load(path).ok());
+        let title = loaded.map(|loaded| loaded.title).unwrap_or_default();
+        scene.save_text(path, &scene.to_text_of_state(&title, None))
+    }
+
     /// Writes the present state as a scene text, without the tether of a held body, and returns whether that was possible.
     pub fn save(&mut self, path: &Path) -> bool {
         let synced = self.simulation.sync().map(drop);
-        let saved = synced.and_then(|()| self.scene_to_save().save(path));
+        let saved = synced.and_then(|()| self.write(path));
         let saved = self.ok_or_report(saved).is_some();
         if saved {
             self.revisions.opened_or_saved();

@@ -10,7 +10,8 @@ use rockfall::{Body, Error, RayHit, SphereId};
 
 use super::Session;
 use crate::grasp::first_visible;
-use crate::plot::{self, COLOURS, motion, whole};
+use crate::plot::{self, COLOURS};
+use crate::whole::{motion, whole};
 use crate::window::message::Level;
 use crate::window::track::{Point, Track};
 
@@ -48,7 +49,7 @@ impl Session {
         self.ok_or_report(hit).flatten()
     }
 
-    /// Picks a body, or none. An end of a capsule picks the capsule.
+    /// Picks a body, or none. An end of a capsule picks the capsule, a part of a rigid body the rigid body.
     pub fn set_picked(&mut self, body: Option<Body>) {
         let body = body.map(|body| whole(self.simulation.scene(), body));
         if self.picked != body {

@@ -72,7 +72,7 @@ impl Session {
         shown
     }
 
-    fn show_frame(&mut self, index: usize) -> bool {
+    pub(super) fn show_frame(&mut self, index: usize) -> bool {
         let Some(playback) = &mut self.playback else {
             return false;
         };

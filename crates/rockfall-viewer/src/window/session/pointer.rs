@@ -4,7 +4,7 @@ use rockfall::glam::Vec3;
 use rockfall::{Body, Sphere, SphereId};
 
 use super::Session;
-use crate::grasp::{connected, free_place, holding_tether, nearer_end, settle, thrown};
+use crate::grasp::{anchor, connected, free_place, holding_tether, nearer_end, reach, settle, thrown};
 use crate::window::hold::{Held, Sight};
 use crate::window::message::Level;
 
@@ -55,19 +55,31 @@ impl Session {
             return;
         };
         held.pointer = sight.at_depth(held.depth);
-        let (id, point) = (held.tether, held.pointer + held.offset);
-        let updated = self.simulation.update_tether(id, |tether| tether.point = point);
-        if self.ok_or_report(updated).is_none() {
+        self.pull();
+    }
+
+    /// Moves the point of the tether towards the pointer, as far as its force may grow.
+    fn pull(&mut self) {
+        let Some(held) = &self.held else { return };
+        let (sphere, tether, goal) = (held.sphere, held.tether, held.pointer + held.offset);
+        let count = held.connected.len();
+        let pulled = self.simulation.sync().and_then(|scene| {
+            let sphere = scene.sphere(sphere)?;
+            Ok(anchor(sphere, goal, reach(scene, sphere, count)))
+        });
+        let pulled = pulled.and_then(|point| self.simulation.update_tether(tether, |tether| tether.point = point));
+        if self.ok_or_report(pulled).is_none() {
             self.held = None;
         }
     }
 
-    /// Damps the held body after this number of steps, so that it comes to rest at the pointer.
+    /// Damps the held body after this number of steps, so that it comes to rest at the pointer, and pulls it on.
     pub(super) fn settle_held(&mut self, steps: u64) {
         if let Some(held) = &self.held {
             let seconds = steps as f32 * self.pace.time_step;
             let settled = settle(&mut self.simulation, &held.connected, held.pointer + held.offset, seconds);
             self.ok_or_report(settled);
+            self.pull();
         }
     }
 

@@ -1,54 +1,21 @@
 //! Moves the camera with a body, or with the creatures of a scene.
 
+use rockfall::SphereId;
 use rockfall::glam::Vec3;
-use rockfall::{Body, Scene, SphereId};
 
 use super::Viewer;
-use crate::plot::motion;
+use crate::subject::Subject;
+use crate::whole::motion;
 use crate::window::message::Level;
 
 /// Number of spheres above which no body is followed, because its place is read back in every frame.
 const MOST_SPHERES: usize = 200_000;
 
-/// What the camera moves with.
-#[derive(Clone, Debug, PartialEq)]
-enum Target {
-    Body(Body),
-    /// The spheres that muscles move.
-    Creatures(Vec<SphereId>),
-}
-
 /// What the camera moves with, and where that was in the last frame.
 #[derive(Clone, Debug)]
 pub(super) struct Follow {
-    target: Target,
+    target: Subject,
     last: Vec3,
-}
-
-impl Target {
-    /// Returns the ends of all muscles; `None` for a scene without muscles.
-    fn creatures(scene: &Scene) -> Option<Self> {
-        let muscles = scene.springs().iter().filter(|spring| spring.muscle.is_some());
-        let mut ends: Vec<SphereId> = muscles.flat_map(|spring| [spring.a, spring.b]).collect();
-        let mut seen = std::collections::HashSet::new();
-        ends.retain(|end| seen.insert(*end));
-        (!ends.is_empty()).then_some(Self::Creatures(ends))
-    }
-
-    /// Returns position and velocity of the middle; `None` if it is not in the scene any more.
-    fn motion(&self, scene: &Scene) -> Option<(Vec3, Vec3)> {
-        let ends = match self {
-            Self::Body(body) => return motion(scene, *body),
-            Self::Creatures(ends) => ends,
-        };
-        let mut sum = (Vec3::ZERO, Vec3::ZERO);
-        for end in ends {
-            let sphere = scene.sphere(*end).ok()?;
-            sum = (sum.0 + sphere.position, sum.1 + sphere.velocity);
-        }
-        let count = ends.len() as f32;
-        Some((sum.0 / count, sum.1 / count))
-    }
 }
 
 impl Viewer {
@@ -60,8 +27,8 @@ impl Viewer {
     /// Starts to follow the picked body, or the creatures if none is picked. Ends it if the camera follows that already.
     pub(super) fn toggle_follow(&mut self) {
         let scene = self.session.simulation_ref().scene();
-        let picked = self.session.picked().filter(|body| motion(scene, *body).is_some()).map(Target::Body);
-        let target = picked.or_else(|| Target::creatures(scene));
+        let picked = self.session.picked().filter(|body| motion(scene, *body).is_some()).map(Subject::Body);
+        let target = picked.or_else(|| Subject::creatures(scene));
         let same = self.follow.as_ref().is_some_and(|follow| target.is_none() || target.as_ref() == Some(&follow.target));
         if same {
             self.follow = None;
@@ -73,7 +40,7 @@ impl Viewer {
         }
     }
 
-    fn follow_target(&mut self, target: Target) {
+    fn follow_target(&mut self, target: Subject) {
         if self.session.simulation_ref().scene().counts().spheres > MOST_SPHERES {
             self.session.tell(Level::Note, "the scene is too large to follow a body");
             return;
@@ -86,8 +53,8 @@ impl Viewer {
     pub fn follow_initially(&mut self) {
         self.follow = None;
         let scene = self.session.simulation_ref().scene();
-        let found = self.find.as_ref().and_then(|find| find(scene)).map(|sphere| Target::Body(Body::Sphere(sphere)));
-        if let Some(target) = found.or_else(|| Target::creatures(scene)) {
+        let found = self.find.as_ref().and_then(|find| find(scene)).map(|sphere| Subject::of(scene, sphere));
+        if let Some(target) = found.or_else(|| Subject::creatures(scene)) {
             self.follow_target(target);
         }
         self.look_at_found();
@@ -104,7 +71,7 @@ impl Viewer {
 
     /// Moves the camera so that a sphere that was found is in the middle of the picture.
     fn look_at_found(&mut self) {
-        if let (Some(_), Some(Follow { target: Target::Body(_), last })) = (&self.find, &self.follow) {
+        if let (Some(_), Some(Follow { target: Subject::Body(_), last })) = (&self.find, &self.follow) {
             let moved = *last - self.camera.target;
             self.camera.eye += moved;
             self.camera.target += moved;
@@ -123,7 +90,7 @@ impl Viewer {
     }
 
     /// Returns where the body is in the picture, which is drawn between the last two states.
-    fn place_of(&mut self, target: &Target) -> Option<Vec3> {
+    fn place_of(&mut self, target: &Subject) -> Option<Vec3> {
         let part = if self.session.running() { 1.0 - self.session.pace.alpha() } else { 0.0 };
         let before = part * self.session.pace.time_step;
         let scene = self.session.simulation().sync().ok()?;
@@ -141,9 +108,8 @@ impl Viewer {
         if !moved.is_finite() {
             return;
         }
-        if matches!(follow.target, Target::Creatures(_)) && self.session.settings().gravity != 0.0 {
-            moved = moved.reject_from_normalized(self.session.up());
-        }
+        let ignored = follow.target.ignored(self.session.simulation_ref().scene());
+        moved -= moved.dot(ignored) * ignored;
         self.camera.eye += moved;
         self.camera.target += moved;
         if moved != Vec3::ZERO {

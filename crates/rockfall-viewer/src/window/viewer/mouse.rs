@@ -1,9 +1,9 @@
 //! The mouse, the touchpad and the arrow keys.
 
 use rockfall::glam::{Vec2, Vec3};
-use rockfall::{Body, SphereId};
 
 use super::Viewer;
+use crate::whole::ball;
 use crate::window::controls::{Controls, Modifiers};
 use crate::window::hold::Sight;
 use crate::window::navigation::{self, Arrow, Arrows};
@@ -107,15 +107,7 @@ impl Viewer {
     /// Moves the camera to the picked body, or to the point of a box or polygon that was clicked.
     fn focus(&mut self, point: Vec3) {
         let scene = self.session.simulation_ref().scene();
-        let ball = |id: SphereId| scene.sphere(id).ok().copied();
-        let body = match self.session.picked() {
-            Some(Body::Sphere(id)) => ball(id).map(|sphere| (sphere.position, sphere.radius)),
-            Some(Body::Rod(id)) => scene.rod(id).ok().and_then(|rod| {
-                let (one, two) = (ball(rod.end1)?.position, ball(rod.end2)?.position);
-                Some((one.midpoint(two), 0.5 * one.distance(two) + rod.radius))
-            }),
-            _ => None,
-        };
+        let body = self.session.picked().and_then(|body| ball(scene, body));
         match body {
             Some((centre, radius)) => navigation::focus(&mut self.camera, centre, radius),
             None => {

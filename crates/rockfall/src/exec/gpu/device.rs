@@ -80,11 +80,16 @@ async fn candidates() -> Vec<wgpu::Adapter> {
     instance().request_adapter(&options).await.into_iter().collect()
 }
 
+/// The adapters that [`Gpu::open`] may choose from, the best first.
+async fn ranked() -> Vec<wgpu::Adapter> {
+    let mut found = candidates().await;
+    found.sort_by_key(|adapter| Reverse(preference(&adapter.get_info())));
+    found
+}
+
 /// All adapters, including software ones. The first is the one that [`Gpu::open`] tries first.
 pub async fn adapters() -> Vec<wgpu::AdapterInfo> {
-    let mut found: Vec<_> = candidates().await.iter().map(wgpu::Adapter::get_info).collect();
-    found.sort_by_key(|info| Reverse(preference(info)));
-    found
+    ranked().await.iter().map(wgpu::Adapter::get_info).collect()
 }
 
 /// Rank of an adapter; a greater rank is better. Hardware precedes software, discrete GPUs precede integrated ones, and GL
@@ -137,15 +142,32 @@ impl Gpu {
         Ok(gpu)
     }
 
+    /// Opens the adapter with a number in the list of [`adapters`], also a software adapter.
+    ///
+    /// # Errors
+    /// [`Error::NoAdapter`] when there is no such adapter or it cannot be used, [`Error::Device`] when it cannot be opened.
+    pub async fn open_number(number: usize) -> Result<Self> {
+        let candidates = ranked().await;
+        let count = candidates.len();
+        let Some(adapter) = candidates.get(number) else {
+            let found = format!("there is no GPU {number}, `rockfall devices` lists {count}, numbered from 0");
+            return Err(Error::NoAdapter(found));
+        };
+        if let Some(reason) = reason_unusable(adapter, true) {
+            return Err(Error::NoAdapter(reason));
+        }
+        let refused = |error| Error::Device(format!("{}: {error}", adapter.get_info().name));
+        Self::open_adapter(adapter).await.map_err(refused)
+    }
+
     async fn open_another(allow_software: bool) -> Result<Self> {
-        let mut candidates = candidates().await;
+        let mut candidates = ranked().await;
         let mut reasons = Vec::new();
         candidates.retain(|adapter| {
             let reason = reason_unusable(adapter, allow_software);
             reasons.extend(reason.clone());
             reason.is_none()
         });
-        candidates.sort_by_key(|adapter| Reverse(preference(&adapter.get_info())));
         if candidates.is_empty() {
             let found = if reasons.is_empty() { "no adapter was found".to_owned() } else { reasons.join("; ") };
             return Err(Error::NoAdapter(format!("{found}; {HELP}")));

@@ -29,7 +29,7 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         Buffer::Aabbs => 32 * u64::from(world.objects()),
         // The host's arrays of these are complete.
         Buffer::Poses => 4 * u64::from(pose_rows(POSE_STEPS) * step.layout.bodies * POSE_FLOATS),
-        Buffer::Topology | Buffer::Histories | Buffer::Rates | Buffer::RigidBodies | Buffer::Status => 0,
+        Buffer::Topology | Buffer::Histories | Buffer::Rates | Buffer::RigidBodies | Buffer::Servos | Buffer::Status => 0,
         Buffer::Cells => 4 * world.cell_words(),
         Buffer::Lists => 4 * world.list_words(),
         Buffer::CollisionIndices => 4 * world.collision_index_words(),
@@ -37,6 +37,7 @@ pub(crate) fn bytes_needed(world: &World, buffer: Buffer) -> u64 {
         // Rows are read four at a time, so there is room for three more.
         Buffer::Extents => vectors(u64::from(world.objects()) + 3),
         Buffer::Wrenches => vectors(world.wrench_count() as u64),
+        Buffer::ServoLoads => 8 * world.servo_load_count() as u64,
         Buffer::Orientations => vectors(u64::from(step.layout.spheres)),
     };
     addressed.max(world.bytes(buffer).len() as u64).max(LEAST_BYTES)

@@ -179,7 +179,7 @@ struct Declared {
 fn size_of_element(element: &str) -> Option<u64> {
     match element {
         "u32" | "f32" | "atomic<u32>" => Some(4),
-        "vec2u" => Some(8),
+        "vec2u" | "vec2f" => Some(8),
         "vec4f" | "vec4u" => Some(16),
         "Aabb" => Some(32),
         "array<u32, SLICE>" | "array<f32, SLICE>" => Some(4 * u64::from(SLICE)),

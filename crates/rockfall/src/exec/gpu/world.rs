@@ -24,7 +24,7 @@ use crate::user_laws::set::KernelLaws;
 pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
-const KEPT: [Buffer; 10] = [
+const KEPT: [Buffer; 11] = [
     Buffer::Start,
     Buffer::Aabbs,
     Buffer::Topology,
@@ -34,6 +34,7 @@ const KEPT: [Buffer; 10] = [
     Buffer::Rates,
     Buffer::Poses,
     Buffer::RigidBodies,
+    Buffer::Servos,
     Buffer::Status,
 ];
 
@@ -199,6 +200,10 @@ impl GpuWorld {
         self.take_laws(world)?;
         self.fit(world, Buffer::Topology)?;
         self.write(Buffer::Topology, world.bytes(Buffer::Topology))?;
+        for buffer in [Buffer::Servos, Buffer::ServoLoads] {
+            self.fit(world, buffer)?;
+        }
+        self.write(Buffer::Servos, world.bytes(Buffer::Servos))?;
         if Variant::of(&world.step) != Variant::of(&self.step) {
             // They have kernels of their own.
             self.ready.clear();

@@ -7,6 +7,7 @@ use crate::model::layout::{WALL_BODY, WALL_SURFACE, WALL_WORDS};
 use crate::model::period::Periods;
 use crate::model::step::Layout;
 use crate::model::view::{BoxRecord, Object, PolygonRecord, View};
+use crate::scene::{ConeAxis, Polygon, Surface};
 
 /// The motion of a box or polygon at the time of a view.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +26,11 @@ pub(crate) struct Wall {
 }
 
 impl Wall {
+    /// The corner.
+    pub(crate) fn corner(&self) -> Vec3 {
+        self.corner
+    }
+
     /// From the corner to a point.
     pub(crate) fn lever(&self, point: Vec3) -> Vec3 {
         let lever = point - self.corner;
@@ -56,9 +62,23 @@ impl BoxRecord {
 }
 
 impl PolygonRecord {
-    /// The middle of the parallelogram, also for a triangle (docs/physics.md section 2.14).
+    pub(crate) fn of(polygon: &Polygon) -> Self {
+        let Polygon { corner, left, right, surface, .. } = *polygon;
+        Self { corner, left, right, surface }
+    }
+
+    /// The middle of the parallelogram, also for a triangle (docs/physics.md section 2.14); of the axis of a cone; the corner of a plane or a ball
+    /// (section 2.17).
     pub(crate) fn middle(&self) -> Vec3 {
-        self.corner + 0.5 * (self.left + self.right)
+        match self.surface {
+            Surface::Parallelogram | Surface::Triangle => self.corner + 0.5 * (self.left + self.right),
+            Surface::Plane | Surface::Ball { .. } => self.corner,
+            Surface::Cone { .. } => self.corner + 0.5 * ConeAxis::of(self.left, self.right).along.as_vec3(),
+        }
+    }
+
+    pub(crate) fn is_triangle(&self) -> bool {
+        self.surface == Surface::Triangle
     }
 }
 

@@ -1,6 +1,6 @@
 //! Packs a scene into the arrays of a [`World`].
 
-use glam::Vec4;
+use glam::{Vec2, Vec4};
 
 use crate::error::Result;
 use crate::fine::Fine;
@@ -194,6 +194,7 @@ impl World {
         self.resize_cells();
         self.extents.resize(self.objects() as usize, Vec4::ZERO);
         self.wrenches.resize(self.wrench_count(), Vec4::ZERO);
+        self.servo_loads.resize(self.servo_load_count(), Vec2::ZERO);
         self.set_pair_rows(self.step.layout.pair_rows);
     }
 

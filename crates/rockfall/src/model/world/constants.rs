@@ -4,16 +4,27 @@ use glam::Vec4;
 
 use crate::model::layout::{
     FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_GROUPS, FLAG_HALF_STEP, FLAG_PAIR_FRICTION,
-    FLAG_PERIODIC, FLAG_PULL, FLAG_RESISTANCE, FLAG_TRIANGLES, FLAG_VERLET, RATE_WORDS, SWEEPS_LISTED, SWEEPS_ON,
+    FLAG_PERIODIC, FLAG_PULL, FLAG_RESISTANCE, FLAG_SERVOS, FLAG_SHEARED, FLAG_SMOOTH, FLAG_TRIANGLES, FLAG_VERLET, RATE_WORDS,
+    SWEEPS_LISTED, SWEEPS_ON,
 };
 use crate::model::muscles::MuscleClock;
 use crate::model::world::World;
+use crate::phase::{wide, words};
+use crate::scene::Scene;
 use crate::settings::{Integrator, Precision, Settings};
 
 /// Flags that follow from the settings.
 const FLAGS_OF_SETTINGS: u32 = FLAG_COLLISIONS | FLAG_CONTINUOUS | FLAG_PULL | FLAG_DOUBLE;
 /// Flags that follow from the objects, materials and pairs of the scene.
-const FLAGS_OF_SCENE: u32 = FLAG_GROUPS | FLAG_TRIANGLES | FLAG_PAIR_FRICTION | FLAG_RESISTANCE | FLAG_COHESION | FLAG_PERIODIC;
+const FLAGS_OF_SCENE: u32 = FLAG_GROUPS
+    | FLAG_TRIANGLES
+    | FLAG_SMOOTH
+    | FLAG_PAIR_FRICTION
+    | FLAG_RESISTANCE
+    | FLAG_COHESION
+    | FLAG_PERIODIC
+    | FLAG_SHEARED
+    | FLAG_SERVOS;
 /// Flags that follow from the integrator.
 const FLAGS_OF_INTEGRATOR: u32 = FLAG_VERLET | FLAG_HALF_STEP;
 
@@ -80,6 +91,33 @@ impl World {
     pub(super) fn set_muscle_time(&mut self, clock: &MuscleClock) {
         self.step.constants.muscle_step = clock.steps_since_base();
         self.step.constants.time_base = clock.base_time() as f32;
+    }
+
+    /// Writes where the images of a sheared scene are at the step `first`, at which the scene is, and how they slide on.
+    pub fn set_shear(&mut self, scene: &Scene, first: u32) {
+        let Some(shear) = scene.shear() else { return };
+        self.shear_phase = shear.phase;
+        self.put_shear(shear.phase);
+        let constants = &mut self.step.constants;
+        constants.pose_step = first;
+        [constants.shear_change_low, constants.shear_change_high] = words(scene.shear_in_half_step(constants.dt));
+    }
+
+    /// Calls `run` with the images where they are in a pass of a stage on the CPU: 0 is at the start of the step, 1 and 2 in its middle, 3 at its end.
+    pub(crate) fn at_time_of_pass(&mut self, pass: u32, run: impl FnOnce(&mut Self)) {
+        let constants = &self.step.constants;
+        if constants.flags & FLAG_SHEARED == 0 {
+            return run(self);
+        }
+        let halves = 2 * self.status.steps.wrapping_sub(constants.pose_step) + pass.div_ceil(2).min(2);
+        let change = wide([constants.shear_change_low, constants.shear_change_high]).wrapping_mul(halves.into());
+        self.put_shear(self.shear_phase.wrapping_add(change));
+        run(self);
+        self.put_shear(self.shear_phase);
+    }
+
+    fn put_shear(&mut self, phase: u64) {
+        [self.step.constants.shear_low, self.step.constants.shear_high] = words(phase);
     }
 
     /// Writes to which steps the rows of the poses of walls belong.

@@ -5,9 +5,9 @@ use glam::Vec3;
 
 use crate::error::{Error, Result};
 use crate::model::layout::{
-    FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_PERIODIC, FLAG_RESISTANCE, FLAG_TRIANGLES, GROUP_MASK, KIND_FORCE,
-    KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK, NO_ROD, ROD_WORDS,
-    SOME_RODS, WALL_BODY, WALL_SURFACE, WALL_WORDS, max_objects,
+    FLAG_COHESION, FLAG_GROUPS, FLAG_PAIR_FRICTION, FLAG_PERIODIC, FLAG_RESISTANCE, FLAG_SHEARED, FLAG_SMOOTH, FLAG_TRIANGLES,
+    GROUP_MASK, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, MATERIAL_SHIFT, MUSCLE_WORDS, NO_NETWORK,
+    NO_ROD, ROD_WORDS, SOME_RODS, WALL_BODY, WALL_SURFACE, WALL_WORDS, max_objects,
 };
 #[cfg(not(target_family = "wasm"))]
 use crate::model::layout::{LENGTH_WORD, SPRING_WORDS};
@@ -17,7 +17,7 @@ use crate::model::world::build::in_order;
 use crate::model::world::frames::{batches, networks};
 use crate::model::world::order::inverse;
 use crate::model::world::rigid::pack_bodies;
-use crate::scene::{Dampings, Pair, Scene, SphereId};
+use crate::scene::{Dampings, Pair, Scene, SphereId, Surface};
 
 impl World {
     /// Packs everything but the state of the spheres: the topology buffer, and the counts and offsets of the uniform block.
@@ -74,7 +74,8 @@ impl World {
         push_networks(layout, &fixed, &fixed_rods, &mut topology);
         layout.adjacency_at = adjacency.push(&mut topology, layout.spheres);
         self.topology = topology;
-        self.set_flags_of_scene(groups | pairs);
+        let servos = self.set_servos(scene);
+        self.set_flags_of_scene(groups | pairs | servos);
         self.set_sweeps(self.step.constants.sweeps);
         let clock = self.muscles_for.take().unwrap_or_default();
         self.set_muscles(scene, &clock);
@@ -172,7 +173,7 @@ fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut
     layout.polygons_at = topology.len() as u32;
     for polygon in scene.polygons() {
         push_vectors(topology, &[polygon.corner, polygon.left, polygon.right]);
-        topology.push(polygon.is_triangle.into());
+        topology.push(polygon.surface.number());
     }
     pack_walls(scene, layout, topology)?;
     pack_bodies(scene, layout, topology)?;
@@ -186,15 +187,23 @@ fn pack_static(scene: &Scene, order: &[u32], layout: &mut Layout, topology: &mut
         topology.push(u32::from(group) | u32::from(scene.material_number(material)?) << MATERIAL_SHIFT);
     }
     let differ = topology[tags_at..].windows(2).any(|tags| (tags[0] ^ tags[1]) & GROUP_MASK != 0);
-    let has_triangles = scene.polygons().iter().any(|polygon| polygon.is_triangle);
+    let some = |is: fn(&Surface) -> bool| scene.polygons().iter().any(|polygon| is(&polygon.surface));
+    let has_triangles = some(|surface| *surface == Surface::Triangle);
+    let has_smooth = some(|surface| surface.is_smooth());
     let flag = |holds: bool, flag: u32| if holds { flag } else { 0 };
-    Ok(flag(differ, FLAG_GROUPS) | flag(has_triangles, FLAG_TRIANGLES) | flag(pack_periods(scene, layout), FLAG_PERIODIC))
+    Ok(flag(differ, FLAG_GROUPS)
+        | flag(has_triangles, FLAG_TRIANGLES)
+        | flag(has_smooth, FLAG_SMOOTH)
+        | flag(pack_periods(scene, layout), FLAG_PERIODIC)
+        | flag(scene.shear().is_some(), FLAG_SHEARED))
 }
 
 /// Writes the periods of the scene, and returns whether there are some.
 fn pack_periods(scene: &Scene, layout: &mut Layout) -> bool {
     let boxes = scene.periodic().map(|bounds| bounds.map_or((0.0, 0.0), |[from, to]| (to - from, from)));
     [(layout.period_x, layout.from_x), (layout.period_y, layout.from_y), (layout.period_z, layout.from_z)] = boxes;
+    layout.shear_speed = scene.shear_speed() as f32;
+    layout.shear_axes = scene.shear().map_or(0, |shear| (shear.gradient + 4 * shear.flow) as u32);
     scene.is_periodic()
 }
 

@@ -1,7 +1,10 @@
 //! Writes the poses of moving walls (docs/physics.md section 2.12).
 
-use crate::model::layout::POSE_FLOATS;
+use glam::Vec2;
+
+use crate::model::layout::{FLAG_SERVOS, POSE_FLOATS, SERVO_ROWS};
 use crate::model::muscles::MuscleClock;
+use crate::model::servo::ServoRecord;
 use crate::model::world::World;
 use crate::scene::{Motion, Scene};
 
@@ -19,9 +22,36 @@ impl World {
         }
         self.set_pose_rows(first, pose_rows(steps));
         self.poses.clear();
+        let servos = ServoRecord::all(scene);
         for row in 0..pose_rows(steps) {
             let time = clock.written_time_after(row.into());
-            self.poses.extend(scene.motions().iter().flat_map(|motion| pose(motion, time)));
+            let mut servos = servos.iter();
+            let poses = scene.motions().iter().map(|motion| match motion.servo.and_then(|_| servos.next()) {
+                Some(servo) => servo.pose(),
+                None => pose(motion, time),
+            });
+            self.poses.extend(poses.flatten());
+        }
+    }
+
+    /// Packs the servos, if walls follow motions. Returns the flag of scenes with servos.
+    pub(super) fn set_servos(&mut self, scene: &Scene) -> u32 {
+        let servos = if self.step.layout.bodies > 0 { ServoRecord::all(scene) } else { Vec::new() };
+        self.servos = servos.iter().flat_map(ServoRecord::rows).collect();
+        if !self.servo_loads.is_empty() || !self.wrenches.is_empty() {
+            self.servo_loads.resize(self.servo_load_count(), Vec2::ZERO);
+        }
+        if self.servos.is_empty() { 0 } else { FLAG_SERVOS }
+    }
+
+    /// Writes the state of the servos back to the scene.
+    pub(crate) fn read_servos(&self, scene: &mut Scene) {
+        for rows in self.servos.chunks_exact(SERVO_ROWS as usize) {
+            let record = ServoRecord::of(rows);
+            let motion = scene.motions.objects_mut().get_mut(record.body as usize - 1);
+            if let Some(servo) = motion.and_then(|motion| motion.servo.as_mut()) {
+                (servo.displacement, servo.velocity) = (record.place(), record.rate.into());
+            }
         }
     }
 }

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/walls.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/smooth.wgsl physics/walls.wgsl
 
 // Contacts that began and ended within the last step, called crossings (docs/physics.md section 3.10). The motion of the step is
 // taken as straight. Times are in s before the present.
@@ -61,13 +61,51 @@ fn contact_with_shape(place: vec4f, id: u32) -> Touch {
     return touch_sphere_polygon(centre, polygon(id - boxes - step.boxes));
 }
 
+// Whether an object is a cone or a ball that is touched from inside.
+fn is_hollow(id: u32) -> bool {
+    let polygons = step.spheres + step.rods + step.boxes;
+    if !SMOOTH | (id < polygons) {
+        return false;
+    }
+    let face = polygon(id - polygons);
+    return is_round(face) && (side_of_round(face) < 0.0);
+}
+
+// The time up to which a sphere was apart from a cone or ball around it, from which the distance is a concave function of the time. The first two
+// rounds are the start and the end of the step. NO_CROSSING unless it was apart at the start alone.
+fn crossing_of_hollow(sphere: u32, velocity: vec3f, id: u32) -> f32 {
+    let centre = state[position_at(sphere)];
+    var past = 0.0;
+    var apart = step.dt;
+    for (var round = 0u; round < CROSSING_ROUNDS + 2u; round++) {
+        var time = 0.5 * (past + apart);
+        if round < 2u {
+            time = select(0.0, step.dt, round == 0u);
+        }
+        let found = contact_with_shape(vec4f(centre.xyz - time * velocity, centre.w), id);
+        let is_past = (found.overlap == NO_CONTACT_LINE) | (found.overlap > CROSSING_ROUNDING * centre.w);
+        if (round < 2u) & (is_past != (round == 1u)) {
+            return NO_CROSSING;
+        }
+        past = select(past, time, is_past);
+        apart = select(time, apart, is_past);
+    }
+    return apart;
+}
+
 // The distance of a sphere from a box or polygon is a convex function of the time.
 fn crossing_of_shape(sphere: u32, velocity: vec3f, id: u32) -> f32 {
     let centre = state[position_at(sphere)];
     var time = step.dt;
+    var first = 0u;
+    if is_hollow(id) {
+        let halved = crossing_of_hollow(sphere, velocity, id);
+        time = select(time, halved, halved >= 0.0);
+        first = select(0u, CROSSING_ROUNDS, halved >= 0.0);
+    }
     var found = no_touch();
     // The first contact is looked for in one loop so that compilers make one copy of the contact.
-    for (var round = 0u; round <= CROSSING_ROUNDS; round++) {
+    for (var round = first; round <= CROSSING_ROUNDS; round++) {
         found = contact_with_shape(vec4f(centre.xyz - time * velocity, centre.w), id);
         let is_pressed = (round == 0u) & (found.overlap > CROSSING_ROUNDING * centre.w);
         if (found.overlap == NO_CONTACT_LINE) | is_pressed {

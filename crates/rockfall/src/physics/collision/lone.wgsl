@@ -1,5 +1,5 @@
 // requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/contact.wgsl
-// requires physics/forces/attached.wgsl physics/forces/free.wgsl physics/geometry.wgsl physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl physics/walls.wgsl
+// requires physics/forces/attached.wgsl physics/forces/free.wgsl physics/round_pair.wgsl physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl physics/walls.wgsl
 
 // Solves lone collisions at their time of contact (docs/physics.md section 3.6). The pair is moved back to the time at
 // which it first touched.

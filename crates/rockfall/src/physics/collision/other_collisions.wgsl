@@ -1,4 +1,4 @@
-// requires physics/collision/lone.wgsl physics/collision/plain.wgsl physics/geometry.wgsl physics/pairs.wgsl
+// requires physics/collision/lone.wgsl physics/collision/plain.wgsl physics/round_pair.wgsl physics/pairs.wgsl
 
 // The other pressed contacts of the bodies of a collision. They decide whether it is lone, and how large its weight is,
 // which is its scale in the sweeps (docs/physics.md sections 3.5 and 3.7).

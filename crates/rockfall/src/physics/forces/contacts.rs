@@ -32,13 +32,15 @@ pub(crate) struct Contacts<'a> {
     pub(crate) lists: &'a Lists<'a>,
     /// The springs before the step. Not read for the law of the thesis.
     pub(crate) histories: Histories<'a>,
+    /// Which spheres belong to this process, by insertion index; empty if all do.
+    pub(crate) own: &'a [bool],
 }
 
 impl Contacts<'_> {
     /// Evaluates the contact of objects a and b, of which a was added first. The last part is the spring after the step, for laws with
     /// history. Returns `None` if the objects do not touch.
-    fn evaluate(&self, a: u32, b: u32, feature: u32) -> Option<(Touch, ContactForce<Vec3>, Option<Spring>)> {
-        let Self { view, lists, histories } = self;
+    pub(crate) fn evaluate(&self, a: u32, b: u32, feature: u32) -> Option<(Touch, ContactForce<Vec3>, Option<Spring>)> {
+        let Self { view, lists, histories, .. } = self;
         if view.step.layout.law == LAW_THESIS {
             let touch = touch(view, a, b, feature)?;
             let loads = contact_force(view, lists, [a, b], &touch);
@@ -66,7 +68,7 @@ impl Contacts<'_> {
             }
             let ContactForce { force, torque_a, torque_b } = loads;
             if mover == a {
-                if let Some(tally) = tally.as_deref_mut() {
+                if let Some(tally) = tally.as_deref_mut().filter(|_| self.counts(a, b)) {
                     tally.count_contact(touch.overlap);
                 }
                 take(Load { force, torque: torque_a }, touch.a);
@@ -98,6 +100,7 @@ impl Contacts<'_> {
         let mut sums = [Vec4::ZERO; 2];
         let is_plain = self.view.step.layout.law == LAW_THESIS;
         let done = Ball::new(self.view, sphere).filter(|_| is_plain).map_or(0, |ball| {
+            let mut tally = tally.as_deref_mut().filter(|_| self.owns(sphere));
             ball.for_each_near(count, list, |others| add_ball_loads(&ball, others, tally.as_deref_mut(), &mut sums))
         });
         let [force, torque] = sums.map(Vec4::truncate);
@@ -109,11 +112,24 @@ impl Contacts<'_> {
         total
     }
 
+    /// Whether a sphere belongs to this process.
+    fn owns(&self, sphere: u32) -> bool {
+        self.own.is_empty() || self.own[self.view.insertion_index(sphere) as usize]
+    }
+
+    /// Whether this process counts the contact of objects a and b, of which a was added first and is a sphere if there are several
+    /// processes. The process counts it that owns the first of its moving spheres.
+    fn counts(&self, a: u32, b: u32) -> bool {
+        let is_moving = |id: u32| id < self.view.step.layout.spheres && !self.view.is_fixed(id);
+        self.own.is_empty() || self.owns(if !is_moving(a) && is_moving(b) { b } else { a })
+    }
+
     /// Counts the contacts of a fixed sphere, without evaluating their forces.
     pub(crate) fn count(&self, sphere: u32, tally: &mut Tally) {
         let view = self.view;
         for entry in self.lists.row(sphere).filter(|entry| view.insertion_index(entry.id()) > view.insertion_index(sphere)) {
-            if let Some(touch) = touch(view, sphere, entry.id(), entry.feature()) {
+            let touch = touch(view, sphere, entry.id(), entry.feature()).filter(|_| self.counts(sphere, entry.id()));
+            if let Some(touch) = touch {
                 tally.count_contact(touch.overlap);
             }
         }

@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/order.wgsl model/step.wgsl physics/chain.wgsl physics/collision/crossings.wgsl physics/contact.wgsl
-// requires physics/forces/net_force.wgsl physics/geometry.wgsl physics/rigid_side.wgsl
+// requires physics/forces/net_force.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/rigid_side.wgsl
 
 // A contact of a sphere by the law of the thesis.
 
@@ -14,14 +14,21 @@ fn began_within_step(i: u32, own: vec4f, id: u32, their_radius: f32) -> bool {
 
 // Contact of a sphere with the object of an entry. The sphere is evaluated as A. The other object has a higher id or is also a
 // sphere. Between spheres the contact law is symmetric, except for rounding errors of the slip.
-fn push_of(i: u32, partner: u32, own: vec4f, side: Side, other: LoadedEntry) -> Push {
+fn push_of(i: u32, partner: u32, own: vec4f, plain_side: Side, other: LoadedEntry) -> Push {
     let id = entry_id(other.entry);
+    var side = plain_side;
     var found = no_touch();
     var their_side = sphere_side(other.place, other.velocity, other.momentum);
     if id < step.spheres {
         found = touch_two(i, own, id, other.place);
         if joined(i, partner, id) {
             return no_push();
+        }
+        if SHEARED {
+            // The sphere that was added later has the velocity of its image, so that the forces on both are opposite to the bit.
+            let is_first = ordered(i, id).x == i;
+            their_side.velocity += select(vec3f(0.0), image_velocity(i, id), is_first);
+            side.velocity += select(image_velocity(id, i), vec3f(0.0), is_first);
         }
     } else {
         found = touch_static_or_rod(i, id, own);

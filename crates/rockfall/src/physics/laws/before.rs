@@ -33,7 +33,12 @@ pub(crate) fn spring_before(
 fn comes_from_behind(view: &View, [sphere, other]: [u32; 2], touch: &Touch) -> bool {
     let Object::Polygon(polygon) = view.object(other) else { return false };
     let record = view.polygon(polygon);
-    let (normal, height, _) = point_over_polygon(&record, view.near_shape(view.object(other), view.precise(sphere)).high);
+    let (normal, height) = if record.surface.is_round() {
+        (-touch.normal, view.radius(sphere) - touch.overlap)
+    } else {
+        let (normal, height, _) = point_over_polygon(&record, view.near_shape(view.object(other), view.precise(sphere)).high);
+        (normal, height)
+    };
     let [own, wall] = sides(view, [sphere, other], touch);
-    !record.is_triangle && height - (own.velocity - wall.velocity).dot(normal) * view.step.constants.dt < 0.0
+    !record.is_triangle() && height - (own.velocity - wall.velocity).dot(normal) * view.step.constants.dt < 0.0
 }

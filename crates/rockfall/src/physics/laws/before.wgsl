@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/laws/history.wgsl physics/surface.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/laws/history.wgsl physics/smooth.wgsl physics/surface.wgsl
 
 // What a contact of a law with history begins with in a step (docs/physics.md section 4.11).
 
@@ -7,13 +7,16 @@ const PASSAGE: f32 = -1.0;
 
 // Whether the centre of a sphere was behind the plane of a polygon one step ago, unless it is a triangle, which has two sides. `velocity` is
 // that of the sphere relative to the polygon.
-fn comes_from_behind(own: vec4f, velocity: vec3f, id: u32) -> bool {
+fn comes_from_behind(own: vec4f, velocity: vec3f, id: u32, found: Touch) -> bool {
     if id < step.spheres + step.rods + step.boxes {
         return false;
     }
     let face = polygon(id - step.spheres - step.rods - step.boxes);
-    if TRIANGLES && face.is_triangle {
+    if is_triangle(face) {
         return false;
+    }
+    if is_round(face) {
+        return own.w - found.overlap + step.dt * dot(velocity, found.n) < 0.0;
     }
     return dot(near_shape(id, own.xyz) - face.corner - step.dt * velocity, normalize(cross(face.left, face.right))) < 0.0;
 }
@@ -36,7 +39,7 @@ fn spring_on_surface(sphere: u32, id: u32, found: Touch) -> Spring {
         }
     }
     let relative = state[velocity_at(sphere)].xyz - second_side(sphere, id, found).velocity;
-    return Spring(vec3f(0.0), select(0.0, PASSAGE, comes_from_behind(own, relative, id)), vec3f(0.0));
+    return Spring(vec3f(0.0), select(0.0, PASSAGE, comes_from_behind(own, relative, id, found)), vec3f(0.0));
 }
 
 // The spring before the step of the contact of a and b, of which a was added first.

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE};
+use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE, LAW_USER};
 use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity};
 use crate::physics::laws::jkr::{self, Bond};
@@ -162,6 +162,32 @@ fn limited(t: &Tangential, limit: f32) -> (Vec3, Vec3, bool) {
 pub(super) fn of_touch(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch) -> (Constants, Bodies, f32) {
     let [a, b] = sides(view, [id_a, id_b], touch);
     (Constants::of(view, id_a, id_b), Bodies::of(&a, &b), (a.velocity - b.velocity).dot(touch.normal))
+}
+
+/// Stiffness and damping of a contact, along its normal and in its tangent plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pliancy {
+    /// Force per displacement, in mass/s².
+    pub(crate) stiffness: [f32; 2],
+    /// Force per velocity, in mass/s.
+    pub(crate) damping: [f32; 2],
+}
+
+/// Stiffness and damping of a contact by a law with history (docs/physics.md section 2.18).
+pub(crate) fn pliancy(view: &View, ids: [u32; 2], touch: &Touch) -> Pliancy {
+    let (constants, bodies, approach) = of_touch(view, ids, touch);
+    let depth = Bond::of(&constants, bodies.radius, touch.overlap).depth;
+    let at = |overlap: f32, approach: f32| answer(view, ids, &constants, &bodies, [overlap, approach], None);
+    let now = at(depth, approach);
+    let [normal, damping] = if view.step.layout.law == LAW_USER {
+        let (reach, speed) = (0.01 * depth, 0.01 * depth / view.step.constants.dt);
+        let by_overlap = at(depth + reach, approach).press - at(depth - reach, approach).press;
+        let by_speed = at(depth, approach + speed).press - at(depth, approach - speed).press;
+        [by_overlap / (2.0 * reach), by_speed / (2.0 * speed)].map(|slope| slope.max(0.0))
+    } else {
+        [now.stiffness.normal, constants.damping * (now.stiffness.normal * bodies.mass).sqrt()]
+    };
+    Pliancy { stiffness: [normal, now.stiffness.tangential], damping: [damping, now.dashpot] }
 }
 
 /// Energy of the normal spring of a contact, and of its attraction.

@@ -1,4 +1,4 @@
-// requires model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/laws/hertz_mindlin.wgsl
+// requires model/step.wgsl physics/contact.wgsl physics/round_pair.wgsl physics/laws/hertz_mindlin.wgsl
 // requires physics/laws/history.wgsl physics/laws/jkr.wgsl physics/laws/linear.wgsl physics/laws/resistance.wgsl
 // requires physics/laws/stiffness.wgsl physics/laws/user.wgsl physics/pairs.wgsl physics/walls.wgsl
 

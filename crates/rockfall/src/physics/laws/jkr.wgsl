@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/laws/history.wgsl physics/pairs.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/rod_polygon.wgsl physics/round_pair.wgsl physics/laws/history.wgsl physics/pairs.wgsl
 
 // Cohesion by Johnson, Kendall and Roberts (docs/physics.md section 4.13). The contact radius is u^2 times the one at which the
 // contact tears. The overlap is `unit` times u^4 - 4 u.
@@ -62,9 +62,14 @@ fn touch_apart(a: u32, b: u32, feature: u32, found: Touch) -> Touch {
     if !RODS | (b < boxes) {
         return found;
     }
-    // A rod and the feature of a box: the nearer of edge and vertex.
     let bar = bar_of(a - step.spheres);
     let axis = bar.axis;
+    if ROD_POLYGONS {
+        if b >= boxes + step.boxes {
+            return touch_axis(axis, polygon_from(bar.ends.x, polygon(b - boxes - step.boxes)), feature, true).touch;
+        }
+    }
+    // A rod and the feature of a box: the nearer of edge and vertex.
     let box = box_from(bar.ends.x, cuboid(b - boxes));
     let edge = touch_rod_edge(axis, box, feature);
     if feature >= 8u {

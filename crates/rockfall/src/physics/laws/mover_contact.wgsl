@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl
-// requires physics/chain.wgsl physics/geometry.wgsl physics/laws/before.wgsl physics/laws/contact.wgsl physics/laws/history.wgsl physics/laws/jkr.wgsl physics/rigid_side.wgsl
+// requires physics/chain.wgsl physics/round_pair.wgsl physics/laws/before.wgsl physics/laws/contact.wgsl physics/laws/history.wgsl physics/laws/jkr.wgsl physics/rigid_side.wgsl
 
 // A contact of a mover by a law with history.
 struct MoverContact {

@@ -1,13 +1,12 @@
 //! Lines of inlets and outlets: `@inlet` and `@outlet`.
 
-use std::str::FromStr;
-
 use glam::DVec3;
 
 use super::Reader;
-use super::line::{INLET, Kind, Line, OUTLET};
+use super::line::{INLET, Line, OUTLET};
 use super::motion::{number, vector};
-use crate::error::{nearest, quoted};
+use super::values::Values;
+use crate::error::quoted;
 use crate::scene::{GrainMass, Inlet, Outlet, Rate};
 
 const INLET_KEYS: [&str; 16] = [
@@ -29,15 +28,13 @@ const INLET_KEYS: [&str; 16] = [
     "after",
 ];
 const OUTLET_KEYS: [&str; 3] = ["name", "box", "every"];
-/// Keys of which a line has at most one.
-const ALTERNATIVES: [&[&str]; 2] = [&["rate", "mass_rate", "volume_rate"], &["mass", "density"]];
 
 impl Reader<'_> {
     pub(super) fn inlet(&mut self, line: &str, number: usize) -> Line<()> {
         if !line.contains('=') {
             return self.not_understood(number, INLET.wrong("box", format!("missing, expected {}", INLET.form())));
         }
-        let values = Values::read(&INLET, &INLET_KEYS, line)?;
+        let values = Values::read(&INLET, &INLET_KEYS, line.split_ascii_whitespace().skip(1))?;
         let mut inlet = Inlet::new("", [[0.0; 3]; 2], values.rate()?, 0.0);
         inlet.corners = values.corners(self.offset())?;
         inlet.radii = values
@@ -68,7 +65,7 @@ impl Reader<'_> {
         if !line.contains('=') {
             return self.not_understood(number, OUTLET.wrong("box", format!("missing, expected {}", OUTLET.form())));
         }
-        let values = Values::read(&OUTLET, &OUTLET_KEYS, line)?;
+        let values = Values::read(&OUTLET, &OUTLET_KEYS, line.split_ascii_whitespace().skip(1))?;
         let mut outlet = Outlet::new("", [[0.0; 3]; 2]);
         outlet.corners = values.corners(self.offset())?;
         outlet.every = values.parsed("every", WHOLE)?;
@@ -79,49 +76,7 @@ impl Reader<'_> {
 
 const WHOLE: &str = "a whole number, not negative";
 
-/// The words KEY=VALUE of a line.
-struct Values<'a> {
-    kind: &'a Kind,
-    values: Vec<(&'a str, &'a str)>,
-}
-
-impl<'a> Values<'a> {
-    fn read(kind: &'a Kind, keys: &[&str], line: &'a str) -> Line<Self> {
-        let mut found = Self { kind, values: Vec::new() };
-        for word in line.split_ascii_whitespace().skip(1) {
-            let Some((key, value)) = word.split_once('=') else {
-                return Err(kind.wrong(&quoted(word), format!("expected KEY=VALUE with a key of {}", keys.join(", "))));
-            };
-            if !keys.contains(&key) {
-                let known = || format!("expected one of {}", keys.join(", "));
-                let hint = nearest(key, keys).map_or_else(known, |near| format!("did you mean {near}?"));
-                return Err(kind.wrong(&quoted(key), format!("an unknown key, {hint}")));
-            }
-            if found.of(key).is_some() {
-                return Err(kind.wrong(key, "given twice in the line"));
-            }
-            let others = ALTERNATIVES.into_iter().filter(|keys| keys.contains(&key)).flatten();
-            if let Some(other) = others.copied().find(|other| found.of(other).is_some()) {
-                return Err(kind.wrong(key, format!("given together with {other}, expected one of the two")));
-            }
-            found.values.push((key, value));
-        }
-        Ok(found)
-    }
-
-    fn of(&self, key: &str) -> Option<&'a str> {
-        self.values.iter().find(|(known, _)| *known == key).map(|(_, value)| *value)
-    }
-
-    fn number(&self, key: &str) -> Line<Option<f64>> {
-        self.of(key).map(|value| number(self.kind, key, value)).transpose()
-    }
-
-    fn parsed<T: FromStr>(&self, key: &str, expected: &str) -> Line<Option<T>> {
-        let wrong = |value: &str| self.kind.wrong(key, format!("{} is not allowed, expected {expected}", quoted(value)));
-        self.of(key).map(|value| value.parse().map_err(|_| wrong(value))).transpose()
-    }
-
+impl Values<'_> {
     fn rate(&self) -> Line<Rate> {
         let rates = [self.number("rate")?, self.number("mass_rate")?, self.number("volume_rate")?];
         match rates {

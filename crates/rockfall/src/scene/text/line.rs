@@ -87,7 +87,7 @@ pub(super) const LABEL: Kind = Kind { word: "@label", references: &["TEXT"], num
 pub(super) const RUN: Kind = Kind {
     word: "@run",
     references: &[],
-    numbers: &["dt=S", "integrator=NAME", "steps=N", "every=K", "substeps=N"],
+    numbers: &["dt=S", "integrator=NAME", "steps=N", "every=K", "substeps=N", "speed=X"],
     last_is_optional: false,
 };
 pub(super) const MOTION: Kind = Kind {
@@ -106,17 +106,46 @@ pub(super) const MOTION: Kind = Kind {
     ],
     last_is_optional: false,
 };
+pub(super) const SERVO: Kind = Kind {
+    word: "@servo",
+    references: &["NAME"],
+    numbers: &["force=x,y,z|torque=T", "axis=x,y,z", "through=x,y,z", "speed=V", "displacement=D", "velocity=v"],
+    last_is_optional: false,
+};
 pub(super) const MESH: Kind = Kind {
     word: "@mesh",
     references: &["FILE"],
     numbers: &["scale=s", "at=x,y,z", "axis=x,y,z", "turn=degrees", "name=N"],
     last_is_optional: false,
 };
+pub(super) const PLANE: Kind =
+    Kind { word: "@plane", references: &[], numbers: &["at=x,y,z", "normal=x,y,z", "name=N"], last_is_optional: true };
+pub(super) const CYLINDER: Kind = Kind {
+    word: "@cylinder",
+    references: &[],
+    numbers: &["at=x,y,z", "axis=x,y,z", "radius=r", "length=l", "inside=yes|no", "name=N"],
+    last_is_optional: true,
+};
+pub(super) const CONE: Kind = Kind {
+    word: "@cone",
+    numbers: &["at=x,y,z", "axis=x,y,z", "radius=a..b", "length=l", "inside=yes|no", "name=N"],
+    ..CYLINDER
+};
+pub(super) const BALL: Kind = Kind {
+    word: "@ball",
+    references: &[],
+    numbers: &["at=x,y,z", "radius=r", "inside=yes|no", "name=N"],
+    last_is_optional: true,
+};
 pub(super) const MOVE: Kind = Kind { word: "@move", references: &["NAME"], numbers: &[], last_is_optional: false };
 pub(super) const SURFACE: Kind =
     Kind { word: "@surface", references: &[], numbers: &["velocity=x,y,z"], last_is_optional: false };
-pub(super) const PERIODIC: Kind =
-    Kind { word: "@periodic", references: &["AXIS"], numbers: &["FROM", "TO"], last_is_optional: false };
+pub(super) const PERIODIC: Kind = Kind {
+    word: "@periodic",
+    references: &["AXIS"],
+    numbers: &["FROM", "TO", "shear=RATE,DIRECTION,DISPLACEMENT"],
+    last_is_optional: true,
+};
 pub(super) const GAUGE: Kind =
     Kind { word: "@gauge", references: &[], numbers: &["name=N", "wall=NAME|plane=x,y,z,nx,ny,nz"], last_is_optional: false };
 pub(super) const INLET: Kind = Kind {
@@ -194,6 +223,11 @@ impl Kind {
             *last = format!("[{last}]");
         }
         words.join(" ")
+    }
+
+    /// The keys of a line of words KEY=VALUE.
+    pub(super) fn keys(&self) -> Vec<&'static str> {
+        self.numbers.iter().filter_map(|number| number.split_once('=')).map(|(key, _)| key).collect()
     }
 
     /// The expected number of words after the first one, for a message.

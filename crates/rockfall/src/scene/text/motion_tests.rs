@@ -1,8 +1,8 @@
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
-use crate::scene::{MotionTerm, Scene};
+use crate::scene::{MotionTerm, Scene, Surface};
 
 fn parse(text: &str) -> crate::Result<Scene> {
     Scene::parse(text, Path::new("walls.txt")).map(|loaded| loaded.scene)
@@ -51,9 +51,23 @@ fn wrong_lines_name_the_field() {
         ("@motion a velocity=1,0,0 from=3 to=1", "@motion to"),
         ("@move a", "@move 'a': an unknown motion"),
         ("@move", "@move NAME: missing"),
-        ("@motion a velocity=1,0,0\n@move a\nS 0 0 0 0 0 0 0 0 0 0 1 1 1", "S fixed: a fixed sphere cannot follow a motion"),
+        (
+            "@motion a velocity=1,0,0\n@move a\nS 0 0 0 0 1 0 0 0 0 0 1 1 1",
+            "S velocity: a fixed sphere that follows a motion has no velocity of its own, expected 0",
+        ),
     ] {
         let error = parse(&format!("# Walls\n{line}\n")).unwrap_err().to_string();
         assert!(error.contains(message), "{line}: {error}");
     }
+}
+
+#[test]
+fn fixed_spheres_that_follow_a_motion_are_smooth_walls() {
+    let text = "@motion pin velocity=1,0,0\n@move pin\n@name left\nS 0 1 2 3 0 0 0 0 0 0 1 0.25 1\n@move -\nS 1 0 0 0 0 0 0 0 0 0 1 0.5 1\n";
+    let scene = parse(text).unwrap();
+    let ball = scene.polygons()[0];
+    assert_eq!((scene.spheres().len(), scene.polygons().len()), (1, 1));
+    assert_eq!((ball.corner, ball.surface), (Vec3::new(1.0, 2.0, 3.0), Surface::Ball { inside: false }));
+    assert!(ball.motion.is_some());
+    assert!(scene.to_text().contains("@move pin\n@ball at=1,2,3 radius=0.25\n"), "{}", scene.to_text());
 }

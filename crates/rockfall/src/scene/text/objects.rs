@@ -4,7 +4,7 @@ use glam::{Quat, Vec3};
 
 use super::Reader;
 use super::line::{BOX, CAPSULE, FORCE, Kind, Line, MARK, MUSCLE, ORIENTATION, POLYGON, ROD, SPHERE, SPRING, TETHER, TRIANGLE};
-use crate::scene::{Capsule, CapsuleParts, Cuboid, Muscle, Polygon, Rod, Sphere, SphereId, Spring, Tether};
+use crate::scene::{Capsule, CapsuleParts, Cuboid, Muscle, Polygon, Rod, Sphere, SphereId, Spring, Surface, Tether};
 
 fn vector(numbers: &[f32]) -> Vec3 {
     Vec3::from_slice(numbers)
@@ -47,12 +47,24 @@ impl Reader<'_> {
         sphere.mass = self.mass(&SPHERE, n[9], |density| sphere.density(density).mass)?;
         sphere.fixed = n[11] > 0.0;
         if sphere.fixed && self.motion.is_some() {
-            return Err(SPHERE.wrong("fixed", "a fixed sphere cannot follow a motion, expected `@move -` above"));
+            return self.moving_ball(&sphere);
         }
         sphere.material = self.material;
         let id = self.scene.add_sphere(sphere).map_err(|error| SPHERE.refused(&error))?;
         self.references.insert(reference, id);
         self.scene.references.set(id, reference);
+        self.tag_object(&SPHERE, id)
+    }
+
+    /// A fixed sphere that follows a motion is a smooth wall.
+    fn moving_ball(&mut self, sphere: &Sphere) -> Line<()> {
+        if sphere.velocity != Vec3::ZERO || sphere.angular_momentum != Vec3::ZERO {
+            return Err(SPHERE.wrong("velocity", "a fixed sphere that follows a motion has no velocity of its own, expected 0"));
+        }
+        let (group, material, motion, surface_velocity) = (self.group, self.material, self.motion, self.surface);
+        let ball = Polygon::ball(sphere.position, sphere.radius);
+        let id = self.scene.add_polygon(Polygon { group, material, motion, surface_velocity, ..ball });
+        let id = id.map_err(|error| SPHERE.refused(&error))?;
         self.tag_object(&SPHERE, id)
     }
 
@@ -77,18 +89,18 @@ impl Reader<'_> {
     }
 
     pub(super) fn polygon(&mut self, line: &str) -> Line<()> {
-        self.face(&POLYGON, line, false)
+        self.face(&POLYGON, line, Surface::Parallelogram)
     }
 
     pub(super) fn triangle(&mut self, line: &str) -> Line<()> {
-        self.face(&TRIANGLE, line, true)
+        self.face(&TRIANGLE, line, Surface::Triangle)
     }
 
-    fn face(&mut self, kind: &Kind, line: &str, is_triangle: bool) -> Line<()> {
+    fn face(&mut self, kind: &Kind, line: &str, surface: Surface) -> Line<()> {
         let ([], n) = kind.read::<0, 9>(line)?;
         let polygon = Polygon::new(self.point(&n[0..3]), vector(&n[3..6]), vector(&n[6..9])).group(self.group);
         let polygon =
-            Polygon { is_triangle, material: self.material, motion: self.motion, surface_velocity: self.surface, ..polygon };
+            Polygon { surface, material: self.material, motion: self.motion, surface_velocity: self.surface, ..polygon };
         let id = self.scene.add_polygon(polygon).map_err(|error| kind.refused(&error))?;
         self.tag_object(kind, id)
     }

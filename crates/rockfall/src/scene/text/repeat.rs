@@ -19,7 +19,7 @@ const MAX_LINES: u64 = 1_000_000;
 /// Limit on the depth of blocks inside each other.
 const MAX_DEPTH: usize = 8;
 /// Words of lines that hold for the whole scene.
-const REFUSED: [&str; 6] = ["set", "@material", "@pair", "@run", "@motion", "@gauge"];
+const REFUSED: [&str; 7] = ["set", "@material", "@pair", "@run", "@motion", "@servo", "@gauge"];
 
 /// Lines between `@repeat` and `@end`.
 pub(super) struct Block<'a> {

@@ -5,10 +5,10 @@ use std::str::FromStr;
 use super::Reader;
 use super::line::{Line, RUN, Wrong};
 use crate::error::{Error, nearest, quoted};
-use crate::scene::run::{FROM_ONE, PARTS, RunDefaults, TIME_STEP};
+use crate::scene::run::{FROM_ONE, PARTS, RunDefaults, SPEED, TIME_STEP};
 use crate::settings::{ContactLaw, Integrator, IntegratorChoice};
 
-const KEYS: [&str; 5] = ["dt", "integrator", "steps", "every", "substeps"];
+const KEYS: [&str; 6] = ["dt", "integrator", "steps", "every", "substeps", "speed"];
 
 impl Reader<'_> {
     pub(super) fn run(&mut self, line: &str, number: usize) -> Line<()> {
@@ -58,6 +58,7 @@ fn read(word: &str, run: &mut RunDefaults) -> Line<()> {
         "steps" => put(&mut run.steps, key, value, FROM_ONE, |steps| *steps > 0),
         "every" => put(&mut run.every, key, value, FROM_ONE, |every| *every > 0),
         "substeps" => put(&mut run.substeps, key, value, PARTS, |parts| (1..=RunDefaults::MAX_SUBSTEPS).contains(parts)),
+        "speed" => put(&mut run.speed, key, value, SPEED, |speed: &f64| speed.is_finite() && *speed > 0.0),
         _ => {
             let known = || format!("expected one of {}", KEYS.join(", "));
             let hint = nearest(key, &KEYS).map_or_else(known, |near| format!("did you mean {near}?"));

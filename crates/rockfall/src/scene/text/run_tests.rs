@@ -11,7 +11,7 @@ const BALL: &str = "S 1 0 0 0 0 0 0 0 0 0 1 0.5\n";
 
 #[test]
 fn the_line_is_read_and_written() {
-    let text = "@run dt=0.0002 integrator=velocity-verlet steps=5000 every=50 substeps=4 # slow\n";
+    let text = "@run dt=0.0002 integrator=velocity-verlet steps=5000 every=50 substeps=4 speed=0.1 # slow\n";
     let scene = parse(&format!("# A ball.\n\n{text}{BALL}")).unwrap().scene;
     let expected = RunDefaults {
         dt: Some(0.0002),
@@ -19,6 +19,7 @@ fn the_line_is_read_and_written() {
         steps: Some(5000),
         every: Some(50),
         substeps: Some(4),
+        speed: Some(0.1),
     };
     assert_eq!(scene.run, expected);
     assert_eq!(scene.run.time_step(), Some(0.00005));
@@ -56,6 +57,8 @@ fn wrong_lines_name_the_field_and_what_was_expected() {
         ("@run steps=0", "@run steps", "a whole number of at least 1"),
         ("@run steps=1.5", "@run steps", "a whole number of at least 1"),
         ("@run steps=99999999999999999999", "@run steps", "a whole number of at least 1"),
+        ("@run speed=0", "@run speed", "a finite number greater than 0"),
+        ("@run speed=slow", "@run speed", "'slow' is not allowed"),
         ("@run every=0", "@run every", "a whole number of at least 1"),
         ("@run substeps=0", "@run substeps", "from 1 to 1000000"),
         ("@run substeps=1000001", "@run substeps", "from 1 to 1000000"),
@@ -112,6 +115,8 @@ fn values_of_a_program_are_checked() {
         RunDefaults { steps: Some(0), ..run },
         RunDefaults { every: Some(0), ..run },
         RunDefaults { substeps: Some(0), ..run },
+        RunDefaults { speed: Some(0.0), ..run },
+        RunDefaults { speed: Some(f64::INFINITY), ..run },
         RunDefaults { substeps: Some(RunDefaults::MAX_SUBSTEPS + 1), ..run },
     ];
     for run in wrong {

@@ -2,6 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::model::view::PolygonRecord;
+use crate::physics::smooth::distance;
 use crate::scene::{Cuboid, Inlet, Polygon, Scene};
 
 /// What is near the box of an inlet.
@@ -13,6 +15,7 @@ pub(super) struct Room {
     /// Corners and edges.
     boxes: Vec<(DVec3, [DVec3; 3])>,
     triangles: Vec<[DVec3; 3]>,
+    smooth: Vec<PolygonRecord>,
 }
 
 impl Room {
@@ -36,15 +39,15 @@ impl Room {
             let Cuboid { corner, edges, .. } = poses.of_box(cuboid);
             (corner.as_dvec3(), edges.map(Vec3::as_dvec3))
         });
-        let polygons = scene.polygons().iter().filter(|polygon| polygon.group == inlet.group);
+        let polygons =
+            scene.polygons().iter().filter(|polygon| polygon.group == inlet.group).map(|polygon| poses.of_polygon(polygon));
+        let (smooth, flat): (Vec<Polygon>, Vec<Polygon>) = polygons.partition(|polygon| polygon.surface.is_smooth());
         Self {
             spheres: spheres.filter(|(centre, radius)| overlaps(&[*centre], *radius)).collect(),
             rods: rods.filter(|(ends, radius)| overlaps(ends, *radius)).collect(),
             boxes: boxes.filter(|(corner, edges)| overlaps(&corners(*corner, edges), 0.0)).collect(),
-            triangles: polygons
-                .flat_map(|polygon| triangles(&poses.of_polygon(polygon)))
-                .filter(|triangle| overlaps(triangle, 0.0))
-                .collect(),
+            triangles: flat.iter().flat_map(triangles).filter(|triangle| overlaps(triangle, 0.0)).collect(),
+            smooth: smooth.iter().map(PolygonRecord::of).collect(),
         }
     }
 
@@ -60,6 +63,7 @@ impl Room {
         self.spheres.iter().all(|(other, other_radius)| is_free(*other, *other_radius))
             && self.rods.iter().all(|(ends, other_radius)| is_free(on_segment(centre, ends), *other_radius))
             && self.boxes.iter().all(|(corner, edges)| is_free(in_box(centre, *corner, edges), 0.0))
+            && self.smooth.iter().all(|wall| distance(wall, centre - wall.corner.as_dvec3()) >= radius)
             && self.triangles.iter().all(|triangle| is_free(on_triangle(centre, triangle), 0.0))
     }
 }
@@ -76,7 +80,7 @@ fn triangles(polygon: &Polygon) -> Vec<[DVec3; 3]> {
     let [corner, left, right] = [polygon.corner, polygon.left, polygon.right].map(Vec3::as_dvec3);
     let (first, second) = (corner + left, corner + right);
     let half = [corner, first, second];
-    if polygon.is_triangle { vec![half] } else { vec![half, [first + right, first, second]] }
+    if polygon.is_triangle() { vec![half] } else { vec![half, [first + right, first, second]] }
 }
 
 /// The point of a segment that is nearest to a point.

@@ -39,6 +39,7 @@ use crate::model::status::{REBUILD_REQUESTED, REJECTED_ESCAPED};
 use crate::model::step::{Aabb, Step};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
+use crate::physics::smooth::unbounded;
 use crate::physics::travel::{EXACT_MARGIN, MOST_OF_REPEAT, margin_for_escape, position_ahead, trail, travel_bound};
 use crate::physics::walls::{Reach, hull, hull_of_polygon};
 use crate::step::moves::{Moves, NONE};
@@ -86,7 +87,11 @@ fn aabb(view: &View, repeat: f32, id: u32) -> Aabb {
             let cuboid = view.cuboid(cuboid);
             wall_bounds(view, repeat, id, hull(cuboid.corner, &cuboid.edges))
         }
-        Object::Polygon(polygon) => wall_bounds(view, repeat, id, hull_of_polygon(&view.polygon(polygon))),
+        Object::Polygon(polygon) => {
+            let record = view.polygon(polygon);
+            let bounds = wall_bounds(view, repeat, id, hull_of_polygon(&record));
+            unbounded(&record, view.body(view.object(id)) != 0, bounds)
+        }
     };
     let aabb = Aabb { min: min.to_array(), id, max: max.to_array(), tag: view.tag(id) };
     Periods::of(view.step).map_or(aabb, |periods| periods.brought_back(aabb))
@@ -95,7 +100,8 @@ fn aabb(view: &View, repeat: f32, id: u32) -> Aabb {
 /// Returns the bounds of all places that a ball of this radius about the centre of a sphere may reach before lists are rebuilt.
 fn ball_bounds(view: &View, margin: f32, sphere: u32, radius: f32) -> (Vec3, Vec3) {
     let reach = radius + view.step.layout.neck * radius + margin;
-    let middle = position_ahead(view.step, view.position(sphere), view.motion(sphere));
+    let motion = image_velocity(view, sphere).extend(view.motion(sphere).w);
+    let middle = position_ahead(view.step, view.position(sphere), motion);
     grown(view.step, (middle - reach, middle + reach))
 }
 
@@ -121,14 +127,22 @@ fn repeat_margin(world: &World) -> f32 {
     0.02 * margin_for_escape(f32::from_bits(status.escape_ratio)).min(MOST_OF_REPEAT)
 }
 
+/// Velocity of a sphere; in a sheared scene, that of its image in the box.
+fn image_velocity(view: &View, sphere: u32) -> Vec3 {
+    let velocity = view.velocity(sphere);
+    Periods::of(view.step).map_or(velocity, |periods| velocity + periods.velocity_in_box(view.position(sphere)))
+}
+
 fn margin(view: &View, repeat: f32, sphere: u32) -> f32 {
     if view.is_fixed(sphere) {
         return 0.0;
     }
-    let radius = view.radius(sphere);
-    let travel = travel_bound(view.step, view.velocity(sphere), radius, view.step.lists.lookahead);
+    let (radius, velocity) = (view.radius(sphere), image_velocity(view, sphere));
+    let travel = travel_bound(view.step, velocity, radius, view.step.lists.lookahead);
     let is_continuous = view.step.constants.flags & FLAG_CONTINUOUS != 0;
-    let travel = if is_continuous { travel.max(trail(view.step, view.velocity(sphere), radius)) } else { travel };
+    let travel = if is_continuous { travel.max(trail(view.step, velocity, radius)) } else { travel };
+    // What the images of two bodies slide in a step, and as much again where a face of the box is between a sphere and the centre of its AABB.
+    let travel = travel + Periods::of(view.step).map_or(0.0, |periods| periods.slide_in(3.0 * view.step.constants.dt));
     let exact = view.step.has_exact_lists();
     let spare = if exact { EXACT_MARGIN } else { (view.step.lists.margin_scale - 1.0) * 0.02 };
     travel + (spare + repeat) * radius

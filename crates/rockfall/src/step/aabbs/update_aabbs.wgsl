@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/period.wgsl physics/travel.wgsl physics/wall_bounds.wgsl physics/walls.wgsl step/broad_phase/due.wgsl
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/period.wgsl physics/smooth.wgsl physics/travel.wgsl physics/wall_bounds.wgsl physics/walls.wgsl step/broad_phase/due.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -25,14 +25,26 @@ fn margin(velocity: vec4f, radius: f32) -> f32 {
     if CONTINUOUS {
         travel = max(travel, trail(velocity, radius));
     }
+    // What the images of two bodies slide in a step, and as much again where a face of the box is between a sphere and the centre of its
+    // AABB.
+    travel += 3.0 * slide_in_step();
     return select(0.0, travel + spare, velocity.w > 0.0);
+}
+
+// The velocity of a sphere; in a sheared scene, that of its image in the box.
+fn image_velocity(centre: vec3f, velocity: vec4f) -> vec4f {
+    if SHEARED {
+        let boxes = floor(boxes_in(centre - vec3f(step.from_x, step.from_y, step.from_z)));
+        return velocity + vec4f(velocity_below(boxes), 0.0);
+    }
+    return velocity;
 }
 
 // Returns the AABB of a ball of this radius about the centre of a sphere. The radius is that of the sphere itself or of a rod
 // that ends in it.
 fn ball_hull(sphere: u32, radius: f32) -> Hull {
     let centre = state[position_at(sphere)];
-    let velocity = state[velocity_at(sphere)];
+    let velocity = image_velocity(centre.xyz, state[velocity_at(sphere)]);
     let reach = vec3f(radius + step.neck * radius + margin(velocity, centre.w));
     let middle = position_ahead(centre.xyz, velocity);
     return Hull(middle - reach, middle + reach);
@@ -60,7 +72,11 @@ fn hull_of(id: u32) -> Hull {
         );
     }
     let face = polygon(rest - step.boxes);
-    if TRIANGLES && face.is_triangle {
+    if is_plane(face) || is_round(face) {
+        let bounds = bounds_of_smooth(face);
+        return Hull(face.corner + bounds.least, face.corner + bounds.most);
+    }
+    if is_triangle(face) {
         return Hull(
             face.corner + min(min(face.left, face.right), zero),
             face.corner + max(max(face.left, face.right), zero),
@@ -79,12 +95,36 @@ fn grown(hull: Hull) -> Hull {
     return Hull(hull.min - room, hull.max + room);
 }
 
+// The hull of a plane has no ends, except along an axis of the coordinates that is its normal, if it does not move.
+fn unbounded(id: u32, hull: Hull) -> Hull {
+    let polygons = step.spheres + step.rods + step.boxes;
+    if !SMOOTH | (id < polygons) {
+        return hull;
+    }
+    let face = polygon(id - polygons);
+    if !is_plane(face) {
+        return hull;
+    }
+    let differs = cross(face.left, face.right) != vec3f(0.0);
+    var is_open = vec3<bool>(true);
+    if dot(select(vec3f(0.0), vec3f(1.0), differs), vec3f(1.0)) == 1.0 {
+        is_open = !differs;
+    }
+    if WALLS {
+        if body_of(id) != 0u {
+            is_open = vec3<bool>(true);
+        }
+    }
+    return Hull(select(hull.min, vec3f(-UNBOUNDED), is_open), select(hull.max, vec3f(UNBOUNDED), is_open));
+}
+
 // The image of a hull whose centre is in the box of a periodic scene.
 fn brought_back(hull: Hull) -> Hull {
     let length = periods();
     let centre = 0.5 * hull.min + 0.5 * hull.max;
-    let turns = floor((centre - vec3f(step.from_x, step.from_y, step.from_z)) / max(length, vec3f(TINY)));
-    let way = select(vec3f(0.0), turns * length, length > vec3f(0.0));
+    let above = centre - vec3f(step.from_x, step.from_y, step.from_z);
+    let turns = floor(before_slide(above, floor(boxes_in(above))) / max(length, vec3f(TINY)));
+    let way = way_of(select(vec3f(0.0), turns, length > vec3f(0.0)));
     return Hull(hull.min - way, hull.max - way);
 }
 
@@ -105,7 +145,7 @@ fn update_aabbs(
             hull = Hull(hull.min - margin, hull.max + margin);
         }
     }
-    hull = grown(hull);
+    hull = unbounded(id, grown(hull));
     if PERIODIC {
         hull = brought_back(hull);
     }

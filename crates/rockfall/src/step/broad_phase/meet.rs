@@ -5,8 +5,9 @@ use glam::Vec4;
 use crate::model::layout::{BOX_FEATURES, ENTRY_BITS, FEATURE_BITS, WORKGROUP};
 use crate::model::period::Periods;
 use crate::model::step::Aabb;
-use crate::model::view::View;
+use crate::model::view::{Object, View};
 use crate::physics::rigid_box::never_meet;
+use crate::physics::rod_polygon::features;
 
 /// Calls `take` with each list entry of a mover, in ascending order of id, then feature.
 pub(crate) fn for_each_pair(view: &View, aabbs: &[Aabb], mover: u32, mut take: impl FnMut(u32)) {
@@ -63,16 +64,18 @@ pub(crate) fn same_group(a: &Aabb, b: &Aabb) -> bool {
 }
 
 /// Calls `take` with each entry that an object makes in the list of a mover that may meet it. A box makes one entry for each
-/// feature in the list of a rod. A mover makes none in its own list. A polygon makes none in the list of a rod, because the
-/// end spheres of the rod meet it. Parts of rigid bodies that never touch make none.
+/// feature in the list of a rod, and so does a polygon. A mover makes none in its own list. Parts of rigid bodies that never touch make none.
 pub(crate) fn entries(view: &View, mover: u32, id: u32, mut take: impl FnMut(u32)) {
     let layout = &view.step.layout;
     let is_rod = mover >= layout.spheres;
-    let boxes = layout.spheres + layout.rods..layout.spheres + layout.rods + layout.boxes;
-    if id == mover || (is_rod && id >= boxes.end) || never_meet(view, mover, id) {
+    if id == mover || never_meet(view, mover, id) {
         return;
     }
-    let features = if is_rod && boxes.contains(&id) { BOX_FEATURES } else { 1 };
+    let features = match view.object(id) {
+        Object::Cuboid(_) if is_rod => BOX_FEATURES,
+        Object::Polygon(polygon) if is_rod => features(view.polygon(polygon).surface),
+        _ => 1,
+    };
     for feature in 0..features {
         take(feature << (ENTRY_BITS - FEATURE_BITS) | id);
     }

@@ -7,14 +7,22 @@
 fn aabbs_meet(a: Aabb, b: Aabb) -> bool {
     var way = vec3f(0.0);
     if PERIODIC {
-        way = periods() * whole_periods(0.5 * b.min + 0.5 * b.max - (0.5 * a.min + 0.5 * a.max));
+        way = way_of(whole_periods(0.5 * b.min + 0.5 * b.max - (0.5 * a.min + 0.5 * a.max)));
     }
     return all(a.min <= b.max - way) & all(b.min - way <= a.max) & (((a.tag ^ b.tag) & 0xffffu) == 0u);
 }
 
+// Returns the number of entries that a polygon makes in the list of a rod (docs/physics.md section 2.19).
+fn entries_of_polygon(index: u32) -> u32 {
+    let surface = topology[step.polygons_at + index * POLYGON_WORDS + 9u];
+    if surface <= SURFACE_TRIANGLE {
+        return select(4u, 3u, surface == SURFACE_TRIANGLE);
+    }
+    return u32((surface == SURFACE_CONE) | (surface == SURFACE_BALL));
+}
+
 // Returns the number of entries that an object makes in the list of a mover. A box makes one for each feature in the list of
-// a rod. A polygon makes none in the list of a rod, because the end spheres of the rod meet it. Parts of rigid bodies that never touch
-// make none.
+// a rod, and so does a polygon. Parts of rigid bodies that never touch make none.
 fn entries_of(mover: u32, id: u32) -> u32 {
     if never_meet(mover, id) {
         return 0u;
@@ -23,5 +31,10 @@ fn entries_of(mover: u32, id: u32) -> u32 {
     if !(RODS & (mover >= step.spheres)) | (id < movers) {
         return 1u;
     }
-    return select(0u, BOX_FEATURES, id < movers + step.boxes);
+    if ROD_POLYGONS {
+        if id >= movers + step.boxes {
+            return entries_of_polygon(id - movers - step.boxes);
+        }
+    }
+    return BOX_FEATURES;
 }

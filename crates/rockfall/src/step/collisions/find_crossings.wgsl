@@ -1,6 +1,6 @@
 // requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/collision_state.wgsl model/order.wgsl
 // requires model/step.wgsl physics/collision/crossings.wgsl physics/collision/lone.wgsl physics/contact.wgsl
-// requires physics/escape.wgsl physics/collision/hidden_crossing.wgsl physics/geometry.wgsl step/collisions/crossing_rows.wgsl
+// requires physics/escape.wgsl physics/collision/hidden_crossing.wgsl physics/round_pair.wgsl step/collisions/crossing_rows.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;

@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/chain.wgsl physics/contact.wgsl physics/geometry.wgsl step/collisions/records.wgsl step/collisions/report_clusters.wgsl
+// requires physics/chain.wgsl physics/contact.wgsl physics/round_pair.wgsl step/collisions/records.wgsl step/collisions/report_clusters.wgsl
 
 // Creates a record for every collision, and stores its number with the list entries of both sides.
 //

@@ -27,20 +27,20 @@ fn is_across(sphere: u32, entry: u32, n: vec3f) -> bool {
 }
 
 // The other pressed contacts of a body of collision k. The body is a moving sphere with the rods that end in it, or the
-// capsule of that sphere. The sphere does not belong to a network.
-fn company_of(k: Record, sphere: u32) -> OtherContacts {
+// capsule of that sphere. The sphere does not belong to a network. `is_single` says that it does not belong to a capsule.
+fn company_of(k: Record, sphere: u32, is_single: bool) -> OtherContacts {
     var company = no_company();
     let rods = rods_of(sphere);
     for (var r = 0u; r < 1u + 2u * rods.y; r++) {
         let row = row_of(sphere, rods, r);
         if row != NONE {
-            add_row(k, sphere, row, rods.y == 0u, &company);
+            add_row(k, sphere, row, is_single, &company);
         }
     }
     return company;
 }
 
-fn add_row(k: Record, sphere: u32, row: u32, is_plain: bool, company: ptr<function, OtherContacts>) {
+fn add_row(k: Record, sphere: u32, row: u32, is_single: bool, company: ptr<function, OtherContacts>) {
     let count = count_of(row);
     let first = first_of(row);
     for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
@@ -55,7 +55,7 @@ fn add_row(k: Record, sphere: u32, row: u32, is_plain: bool, company: ptr<functi
                 (*company).weight += abs(dot(record_at(record_of(slot)).n, k.n));
             }
             if (*company).is_undisturbed {
-                (*company).is_undisturbed = (row == sphere) & is_plain & is_across(sphere, entry, k.n);
+                (*company).is_undisturbed = (row == sphere) & is_single & is_across(sphere, entry, k.n);
             }
         }
     }
@@ -111,7 +111,7 @@ fn weight_of_end(k: Record, half: ContactSide, end: u32, of_network: vec3f) -> W
             return weight_of_network(of_network);
         }
     }
-    let company = company_of(k, one.sphere);
+    let company = company_of(k, one.sphere, half.kind != CAPSULE);
     var inverse_mass = one.share * one.share * w;
     var weight = company.weight * inverse_mass;
     if half.kind == CAPSULE {

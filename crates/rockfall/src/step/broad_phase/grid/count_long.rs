@@ -25,6 +25,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("extents", Buffer::Extents),
         write("lists", Buffer::Lists),
         read("topology", Buffer::Topology),
+        read("status", Buffer::Status),
     ],
     threads: Threads::LongMovers,
     // Few movers are long.

@@ -5,6 +5,7 @@
 @group(0) @binding(4) var<storage, read> extents: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> topology: array<u32>;
+@group(0) @binding(7) var<storage, read> status: Status;
 
 var<private> found: u32;
 var<workgroup> all_found: atomic<u32>;

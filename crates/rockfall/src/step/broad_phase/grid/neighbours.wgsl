@@ -227,7 +227,7 @@ fn image_of(own: Aabb, image: u32) -> Aabb {
         return own;
     }
     let turns = vec3f(vec3u(image, image / 3u, image / 9u) % vec3u(3u)) - vec3f(1.0);
-    let way = turns * periods();
+    let way = way_of(turns);
     return Aabb(own.min + way, own.id, own.max + way, own.tag);
 }
 

@@ -1,0 +1,112 @@
+//! Shows frames with different spheres in one simulation.
+
+use std::collections::HashSet;
+use std::io;
+
+use rockfall::{Error, Inlet, Radii, Result, Scene, Simulation, Sphere, SphereId};
+
+use super::npz::{Cast, Gone};
+use super::{States, unusable};
+
+/// All spheres of a trajectory, and those that a simulation has.
+#[derive(Debug)]
+pub(super) struct Stage {
+    /// A scene with all spheres.
+    everyone: Scene,
+    /// The spheres by id.
+    spheres: Vec<SphereId>,
+    /// The spheres of the frame that was shown last, in the order of the scene.
+    present: Vec<SphereId>,
+}
+
+impl Stage {
+    /// `scene` has the objects of the last state.
+    pub(super) fn new(mut scene: Scene, cast: &Cast) -> io::Result<Self> {
+        let (found, expected) = (cast.scene.len(), scene.counts().spheres);
+        if found != expected {
+            return Err(unusable(&format!("array scene_id has {found} spheres, but its scene has {expected}")));
+        }
+        let mut spheres: Vec<(u32, SphereId)> = cast.scene.iter().copied().zip(scene.sphere_ids()).collect();
+        for (id, gone) in &cast.gone {
+            spheres.push((*id, add(&mut scene, gone).map_err(|error| unusable(&format!("the sphere with id {id}: {error}")))?));
+        }
+        spheres.sort_unstable_by_key(|(id, _)| *id);
+        let present = scene.sphere_ids().collect();
+        Ok(Self { everyone: scene, spheres: spheres.into_iter().map(|(_, sphere)| sphere).collect(), present })
+    }
+
+    pub(super) fn everyone(&self) -> &Scene {
+        &self.everyone
+    }
+
+    pub(super) fn spheres(&self) -> &[SphereId] {
+        &self.spheres
+    }
+
+    pub(super) fn show(&mut self, states: &States, simulation: &mut Simulation) -> Result<()> {
+        let scene = simulation.scene();
+        if scene.sphere_ids().eq(self.everyone.sphere_ids()) {
+            // Names and colours may have been changed.
+            self.everyone = scene.clone();
+        } else if !scene.sphere_ids().eq(self.present.iter().copied()) {
+            let value = format!("{} spheres", scene.counts().spheres);
+            return Err(Error::Invalid { field: "frame", value, expected: "the spheres of a frame of the trajectory" });
+        }
+        let wanted: Vec<SphereId> = states.ids.iter().map(|id| self.spheres[*id as usize]).collect();
+        self.call(&wanted.iter().copied().collect(), simulation)?;
+        states.put(wanted, simulation)
+    }
+
+    /// Gives a simulation these spheres of the scene, and no others.
+    fn call(&mut self, wanted: &HashSet<SphereId>, simulation: &mut Simulation) -> Result<()> {
+        let scene = simulation.scene();
+        if scene.counts().spheres == wanted.len() && scene.sphere_ids().all(|id| wanted.contains(&id)) {
+            self.present = scene.sphere_ids().collect();
+            return Ok(());
+        }
+        for id in scene.sphere_ids() {
+            let tag = scene.tag(id)?.cloned().unwrap_or_default();
+            self.everyone.set_tag(id, tag)?;
+        }
+        let mut checkpoint = simulation.checkpoint()?;
+        checkpoint.scene = self.everyone.clone();
+        remove_others(&mut checkpoint.scene, wanted)?;
+        self.present = checkpoint.scene.sphere_ids().collect();
+        simulation.restore(&checkpoint)
+    }
+}
+
+/// Removes all spheres that are not wanted, with the bodies that they are part of.
+fn remove_others(scene: &mut Scene, wanted: &HashSet<SphereId>) -> Result<()> {
+    let others: Vec<SphereId> = scene.sphere_ids().filter(|id| !wanted.contains(id)).collect();
+    let bodies: HashSet<_> = others.iter().filter_map(|id| scene.body_of_sphere(*id)).collect();
+    let loose: Vec<SphereId> = others.into_iter().filter(|id| scene.body_of_sphere(*id).is_none()).collect();
+    scene.remove_bodies(&bodies.into_iter().collect::<Vec<_>>())?;
+    scene.remove_spheres(&loose)
+}
+
+/// Adds a sphere that the last state has not.
+fn add(scene: &mut Scene, gone: &Gone) -> Result<SphereId> {
+    let Gone { radius, mass, is_fixed } = *gone;
+    let mut sphere = Sphere::new([0.0; 3], radius);
+    (sphere.mass, sphere.fixed) = (mass, is_fixed);
+    let inlet = scene.inlets().iter().find(|inlet| lets_in(inlet, f64::from(radius))).cloned();
+    if let Some(inlet) = &inlet {
+        (sphere.group, sphere.material) = (inlet.group, inlet.material);
+    }
+    let id = scene.add_sphere(sphere)?;
+    if let Some(inlet) = inlet {
+        scene.set_tag(id, inlet.tag)?;
+    }
+    Ok(id)
+}
+
+/// Whether spheres of a radius come in through an inlet.
+fn lets_in(inlet: &Inlet, radius: f64) -> bool {
+    let is_in = |from: f64, to: f64| (from * (1.0 - 1e-6)..=to * (1.0 + 1e-6)).contains(&radius);
+    match inlet.radii {
+        Radii::Equal(equal) => is_in(equal, equal),
+        Radii::Uniform(from, to) => is_in(from, to),
+        _ => true,
+    }
+}

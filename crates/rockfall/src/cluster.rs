@@ -1,0 +1,217 @@
+//! One scene for several processes, with the same bits for any number of them.
+//!
+//! The scene is divided into slabs with equal numbers of spheres ([`Cluster`]). Every process has a [`Simulation`] of the spheres of its
+//! slab and of *ghosts*: copies of the spheres of other processes that its own may touch. Spheres keep their order, so every sum runs in
+//! the same order as in one process. A ghost takes a step like any sphere, but some of its neighbours are missing; the process that owns
+//! it then sends the true state. Positions, velocities and spins of ghosts are exact whenever forces are evaluated: at the start of a step
+//! of symplectic Euler, and after the drift of velocity Verlet, which depends on the state and on the rates of the sphere alone. So one
+//! exchange per step is enough. The spring of a contact depends on its two bodies, so both sides compute the same one.
+//!
+//! Spheres are divided again before one of them has moved so far that copies could be missing. Each process then learns the whole state.
+
+use std::fmt;
+
+use crate::checkpoint::{Checkpoint, SUFFIX};
+use crate::error::{Error, Result};
+use crate::report::Clock;
+use crate::settings::Integrator;
+use crate::simulation::Simulation;
+
+mod domain;
+mod part;
+#[cfg(feature = "mpi")]
+mod processes;
+mod ranks;
+mod state;
+mod supported;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod threads;
+
+use part::Part;
+#[cfg(feature = "mpi")]
+pub use processes::Processes;
+pub use ranks::Ranks;
+
+/// What one process has of a simulation that several processes share. [`Cluster::run`], [`Cluster::gather`] and [`Cluster::max`] are
+/// collective: every process makes the same calls with the same arguments, in the same order.
+pub struct Cluster<R: Ranks> {
+    ranks: R,
+    /// The state of all spheres when they were last gathered, and the counts of all steps.
+    whole: Checkpoint,
+    clock: Clock,
+    /// Factor by which a sphere reaches further than its radius.
+    reach: f64,
+    /// Velocity Verlet needs an evaluation of forces before its first step.
+    has_rates: bool,
+    /// `None` until spheres are divided for the first time.
+    part: Option<Part>,
+    divisions: u64,
+    /// What failed in this process since the processes last agreed.
+    failure: Option<String>,
+}
+
+impl<R: Ranks> fmt::Debug for Cluster<R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { ranks, part, divisions, .. } = self;
+        let numbers = (ranks.rank(), ranks.size());
+        f.debug_struct("Cluster")
+            .field("ranks", &numbers)
+            .field("part", part)
+            .field("divisions", divisions)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<R: Ranks> Cluster<R> {
+    /// Divides a simulation among processes, each of which has the same simulation. It stays as it is; [`Simulation::restore`] gives it
+    /// a state that was gathered. This call does not communicate.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a simulation that cannot be divided; the message names what it has. Otherwise as for
+    /// [`Simulation::checkpoint`].
+    pub fn new(simulation: &mut Simulation, ranks: R) -> Result<Self> {
+        let whole = simulation.checkpoint()?;
+        supported::check(simulation, &whole)?;
+        let is_verlet = simulation.integrator() == Integrator::VelocityVerlet;
+        Ok(Self {
+            ranks,
+            clock: Clock::default(),
+            reach: simulation.reach().into(),
+            has_rates: !is_verlet || !whole.rates.is_empty(),
+            whole,
+            part: None,
+            divisions: 0,
+            failure: None,
+        })
+    }
+
+    /// The number of this process, from 0.
+    pub fn rank(&self) -> usize {
+        self.ranks.rank()
+    }
+
+    /// Number of steps done, including those before a checkpoint from which the simulation was resumed.
+    pub fn steps(&self) -> u64 {
+        self.whole.report.steps
+    }
+
+    /// How many spheres this process has: its own ones, with fixed ones on process 0, and copies of others. Both are 0 before the first
+    /// step.
+    pub fn counts(&self) -> [usize; 2] {
+        self.part.as_ref().map_or([0; 2], Part::counts)
+    }
+
+    /// Number of times that the spheres were divided among the processes.
+    pub fn divisions(&self) -> u64 {
+        self.divisions
+    }
+
+    /// Replaces every value by the largest of all processes.
+    ///
+    /// # Errors
+    /// [`Error::Cluster`] when a process has ended.
+    pub fn max(&mut self, values: &mut [u64]) -> Result<()> {
+        self.ranks.max(values)
+    }
+
+    /// Runs `steps` steps of `dt` seconds each.
+    ///
+    /// # Errors
+    /// [`Error::Cluster`] with the message of the process that failed, on all processes.
+    pub fn run(&mut self, steps: u64, dt: f32) -> Result<()> {
+        for _ in 0..steps {
+            if !self.has_rates {
+                self.first_step(dt)?;
+                continue;
+            }
+            self.divide_if_due(dt)?;
+            let Some(part) = &mut self.part else { continue };
+            if let Err(error) = part.step(dt) {
+                self.failure = Some(error.describe(&self.whole.scene));
+            }
+            part.exchange(&mut self.ranks)?;
+            self.clock.add(1, dt, &mut self.whole.report);
+        }
+        self.agree(false).map(drop)
+    }
+
+    /// The state of all spheres after the last step, on every process. Its counters `replays` and `list_builds` are those of the start.
+    ///
+    /// # Errors
+    /// [`Error::Cluster`] when a process has ended.
+    pub fn gather(&mut self) -> Result<&Checkpoint> {
+        if let Some(part) = &mut self.part {
+            let words = part.words(&self.whole.scene)?;
+            let all = self.ranks.gather(&words)?;
+            state::put(&all, part.domain(), &mut self.whole);
+            part.put_history(&mut self.whole);
+        }
+        Ok(&self.whole)
+    }
+
+    /// Takes a step of the whole scene on every process. Velocity Verlet has no rates before its first step, so it evaluates forces twice
+    /// in it, and ghosts would have wrong places in the second evaluation.
+    fn first_step(&mut self, dt: f32) -> Result<()> {
+        let mut simulation = Simulation::resume(self.whole.clone())?;
+        simulation.run(1, dt)?;
+        let Checkpoint { scene, springs, rates, history, time_step, report, .. } = simulation.checkpoint()?;
+        let whole = &mut self.whole;
+        (whole.scene, whole.springs, whole.rates, whole.history, whole.time_step) = (scene, springs, rates, history, time_step);
+        (whole.report.contacts, whole.report.max_overlap) = (report.contacts, report.max_overlap);
+        self.clock.add(1, dt, &mut whole.report);
+        self.has_rates = true;
+        Ok(())
+    }
+
+    /// Divides the spheres if one of them may move so far before the next evaluation of forces that a copy could be missing.
+    fn divide_if_due(&mut self, dt: f32) -> Result<()> {
+        let is_due = self.part.as_ref().is_none_or(|part| !part.has_room(dt));
+        if !self.agree(is_due)? {
+            return Ok(());
+        }
+        if self.divisions == 0 {
+            self.check_same()?;
+        }
+        self.gather()?;
+        self.divisions += 1;
+        let before = self.part.take();
+        match Part::new(before, &self.whole, [self.ranks.rank(), self.ranks.size()], self.reach, dt) {
+            Ok(part) => self.part = Some(part),
+            Err(error) => self.failure = Some(error.to_string()),
+        }
+        // Another process may lack memory.
+        self.agree(false).map(drop)
+    }
+
+    /// Checks that all processes have the same scene, by its checksum.
+    fn check_same(&mut self) -> Result<()> {
+        // Hosts may have different numbers of cores.
+        let device = std::mem::take(&mut self.whole.device);
+        // Without the checksum at the end, which would make that of all bytes the same for all checkpoints.
+        let bytes = self.whole.to_bytes();
+        let checksum = crc32fast::hash(&bytes[..bytes.len() - SUFFIX]);
+        self.whole.device = device;
+        let mut values = [u64::from(checksum), u64::from(!checksum)];
+        self.ranks.max(&mut values)?;
+        if values == [u64::from(checksum), u64::from(!checksum)] {
+            return Ok(());
+        }
+        let message = "the processes have different scenes or options: expected the same files on all hosts";
+        Err(Error::Cluster(message.to_owned()))
+    }
+
+    /// Whether `is_so` holds on any process.
+    fn agree(&mut self, is_so: bool) -> Result<bool> {
+        let mut values = [u64::from(self.failure.is_some()), u64::from(is_so)];
+        self.ranks.max(&mut values)?;
+        if values[0] == 0 {
+            return Ok(values[1] != 0);
+        }
+        let mine: Vec<u32> = self.failure.take().unwrap_or_default().chars().map(u32::from).collect();
+        let all = self.ranks.gather(&mine)?;
+        let first = all.iter().find(|words| !words.is_empty());
+        Err(Error::Cluster(first.into_iter().flatten().filter_map(|word| char::from_u32(*word)).collect()))
+    }
+}

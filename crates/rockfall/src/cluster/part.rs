@@ -1,0 +1,182 @@
+//! The spheres of one process, and their copies on others.
+
+use crate::checkpoint::Checkpoint;
+use crate::cluster::domain::Domain;
+use crate::cluster::ranks::Ranks;
+use crate::cluster::state;
+use crate::error::{Error, Result};
+use crate::options::{Optimization, Options};
+use crate::scene::{Scene, SphereId};
+use crate::simulation::Simulation;
+use crate::simulation::share::Places;
+
+/// Least distance that a sphere may move until spheres are divided again, in radii of the largest one.
+const LEAST_ROOM: f64 = 0.5;
+/// Steps for which the room lasts at least at the present speeds.
+const STEPS_OF_ROOM: f64 = 4.0;
+
+/// The own spheres of a process, the copies that it has of others, and who gets copies of its own.
+#[derive(Debug)]
+pub(super) struct Part {
+    local: Simulation,
+    places: Places,
+    domain: Domain,
+    rank: u32,
+    /// Local indices of the own spheres, in ascending order.
+    own: Vec<u32>,
+    /// Where the own spheres were when spheres were divided, in units along the axis of the slabs.
+    starts: Vec<f64>,
+    /// For every process, the local indices of the own spheres of which it has copies.
+    sent: Vec<Vec<u32>>,
+    /// For every process, the local indices of the copies of its spheres.
+    received: Vec<Vec<u32>>,
+    /// How far a sphere may move along the axis, in units.
+    room: f64,
+    /// Messages from and to every process.
+    messages: [Vec<Vec<u32>>; 2],
+}
+
+impl Part {
+    /// Divides the spheres of a state and takes the part of process `rank` of `size`. `before` is the part until now, whose simulation
+    /// is used again. Spheres reach further than their radius by the factor `reach`; steps have `dt` seconds.
+    pub(super) fn new(before: Option<Self>, whole: &Checkpoint, [rank, size]: [usize; 2], reach: f64, dt: f32) -> Result<Self> {
+        let spheres = whole.scene.spheres();
+        let domain = Domain::of(spheres, size);
+        let (room, depth) = room_and_depth(whole, domain.axis, reach, dt);
+        let is_here = |index: usize| {
+            let sphere = &spheres[index];
+            domain.owners[index] as usize == rank || sphere.fixed || domain.needs_copy(rank, sphere, depth)
+        };
+        let present: Vec<u32> = (0..spheres.len()).filter(|index| is_here(*index)).map(|index| index as u32).collect();
+        let mut checkpoint = local_checkpoint(whole, &present)?;
+        let mut local = match before {
+            Some(part) => {
+                let mut local = part.local;
+                local.put_list_plan(&mut checkpoint);
+                local.restore(&checkpoint)?;
+                local
+            }
+            None => Simulation::resume(checkpoint)?,
+        };
+        let owner = |local: usize| domain.owners[present[local] as usize] as usize;
+        let (mut own, mut sent, mut received) = (Vec::new(), vec![Vec::new(); size], vec![Vec::new(); size]);
+        for (place, index) in present.iter().enumerate() {
+            let sphere = &spheres[*index as usize];
+            if owner(place) != rank {
+                received[owner(place)].extend((!sphere.fixed).then_some(place as u32));
+                continue;
+            }
+            own.push(place as u32);
+            let others = (0..size).filter(|other| *other != rank && domain.needs_copy(*other, sphere, depth));
+            others.for_each(|other| sent[other].push(place as u32));
+        }
+        local.set_own((0..present.len()).map(|place| owner(place) == rank).collect());
+        let mut places = Places::default();
+        places.update(&local);
+        let starts = own.iter().map(|index| local.ahead(&places, *index, domain.axis, dt)[0]).collect();
+        let messages = [vec![Vec::new(); size], vec![Vec::new(); size]];
+        Ok(Self { local, places, domain, rank: rank as u32, own, starts, sent, received, room, messages })
+    }
+
+    /// How the spheres are divided.
+    pub(super) fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// Gives a checkpoint what the steps have left beyond the state of the spheres.
+    pub(super) fn put_history(&self, checkpoint: &mut Checkpoint) {
+        self.local.put_history(checkpoint);
+    }
+
+    /// Number of own spheres, and of copies.
+    pub(super) fn counts(&self) -> [usize; 2] {
+        [self.own.len(), self.received.iter().map(Vec::len).sum()]
+    }
+
+    /// Whether all own spheres are close enough to where they were when spheres were divided, also at the next evaluation of forces.
+    pub(super) fn has_room(&self, dt: f32) -> bool {
+        self.own.iter().zip(&self.starts).all(|(index, start)| {
+            let [place, drift] = self.local.ahead(&self.places, *index, self.domain.axis, dt);
+            (place - start).abs() + drift <= self.room
+        })
+    }
+
+    /// Takes a step. The copies have wrong states after it, until [`Part::exchange`].
+    pub(super) fn step(&mut self, dt: f32) -> Result<()> {
+        let result = self.local.run(1, dt);
+        self.places.update(&self.local);
+        match result {
+            Err(Error::NonFinite { sphere, step, stage }) => {
+                Err(Error::NonFinite { sphere: self.index_in_whole(sphere), step, stage })
+            }
+            result => result.map(drop),
+        }
+    }
+
+    /// Gives all copies the states of their owners.
+    pub(super) fn exchange(&mut self, ranks: &mut impl Ranks) -> Result<()> {
+        let width = self.local.shared_words();
+        let [from, to] = &mut self.messages;
+        for (words, sent) in to.iter_mut().zip(&self.sent) {
+            words.clear();
+            sent.iter().for_each(|index| words.extend_from_slice(&self.local.row(&self.places, *index)[..width]));
+        }
+        for (words, received) in from.iter_mut().zip(&self.received) {
+            words.resize(received.len() * width, 0);
+        }
+        ranks.exchange(to, from)?;
+        for (words, received) in from.iter().zip(&self.received) {
+            for (row, index) in words.chunks_exact(width).zip(received) {
+                self.local.put_row(&self.places, *index, row);
+            }
+        }
+        Ok(())
+    }
+
+    /// The state of the own spheres, for all processes.
+    pub(super) fn words(&mut self, whole: &Scene) -> Result<Vec<u32>> {
+        let springs = self.local.kept_springs()?;
+        let report = self.local.report();
+        let mut words = vec![report.contacts, report.max_overlap.to_bits(), self.own.len() as u32];
+        self.own.iter().for_each(|index| words.extend_from_slice(&self.local.row(&self.places, *index)));
+        springs.iter().for_each(|spring| state::add_spring(spring, whole, &self.domain, self.rank, &mut words));
+        Ok(words)
+    }
+
+    /// The index in the whole scene of a sphere with this local index.
+    fn index_in_whole(&self, local: usize) -> usize {
+        let mut own =
+            self.own.iter().zip((0..self.domain.owners.len()).filter(|index| self.domain.owners[*index] == self.rank));
+        // The state of a copy is not finite only where that of its owner is not, which reports it too.
+        own.find(|(place, _)| **place as usize == local).map_or(local, |(_, index)| index)
+    }
+}
+
+/// How far spheres may move along an axis until they are divided again, and how far from the own spheres of a process others are copied,
+/// in units.
+fn room_and_depth(whole: &Checkpoint, axis: usize, reach: f64, dt: f32) -> (f64, f64) {
+    let moving = || whole.scene.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed);
+    let radius = moving().map(|(_, sphere)| f64::from(sphere.radius)).fold(0.0, f64::max);
+    let speed = moving().map(|(index, sphere)| {
+        let rate = whole.rates.get(index).map_or(0.0, |rates| rates[axis]);
+        f64::from(sphere.velocity.to_array()[axis].abs() + 0.5 * dt * rate.abs())
+    });
+    let fastest = speed.fold(0.0, f64::max);
+    let room = (LEAST_ROOM * radius).max(STEPS_OF_ROOM * fastest * f64::from(dt));
+    (room, 2.0 * radius * reach + 2.0 * room)
+}
+
+/// The state of some of the spheres, given by their indices in ascending order, and of all walls.
+fn local_checkpoint(whole: &Checkpoint, present: &[u32]) -> Result<Checkpoint> {
+    let mut local = whole.clone();
+    let mut present_next = present.iter().peekable();
+    let is_absent = |index: usize| present_next.next_if(|next| **next as usize == index).is_none();
+    let absent: Vec<bool> = (0..whole.scene.spheres().len()).map(is_absent).collect();
+    let ids: Vec<SphereId> = whole.scene.sphere_ids().zip(&absent).filter_map(|(id, absent)| absent.then_some(id)).collect();
+    local.scene.remove_spheres(&ids)?;
+    if !whole.rates.is_empty() {
+        local.rates = present.iter().map(|index| whole.rates[*index as usize]).collect();
+    }
+    local.options = Options { pair_capacity: None, ..whole.options.clone() }.without(Optimization::JoinedSteps);
+    Ok(local)
+}

@@ -1,0 +1,43 @@
+//! What several processes can simulate together.
+
+use crate::checkpoint::Checkpoint;
+use crate::error::{Error, Result};
+use crate::options::Backend;
+use crate::settings::Integrator;
+use crate::simulation::Simulation;
+
+/// Returns an error that names the first thing in a simulation that several processes cannot share. `state` is its checkpoint.
+pub(super) fn check(simulation: &Simulation, state: &Checkpoint) -> Result<()> {
+    let Checkpoint { scene, options, .. } = state;
+    let counts = scene.counts();
+    let refused = [
+        (options.backend == Backend::Gpu, "the backend gpu"),
+        (counts.bodies > 0, "a scene with rigid bodies"),
+        (counts.capsules > 0, "a scene with capsules"),
+        (counts.rods > 0, "a scene with rods"),
+        (scene.springs().iter().any(|spring| spring.muscle.is_some()), "a scene with muscles"),
+        (counts.springs > 0, "a scene with springs"),
+        (counts.tethers > 0, "a scene with tethers"),
+        (scene.motions().iter().any(|motion| motion.servo.is_some()), "a scene with servos"),
+        (!scene.gauges().is_empty(), "a scene with gauges"),
+        (!scene.inlets().is_empty(), "a scene with inlets"),
+        (!scene.outlets().is_empty(), "a scene with outlets"),
+        (scene.shear().is_some(), "a scene with a sheared box"),
+        (scene.is_periodic(), "a scene with periodic boundaries"),
+        (scene.settings.collisions, "a scene with impulses of collisions (without: set collisions off)"),
+        (simulation.has_friction_impulses(), "a scene with impulses of friction (without: set coulomb_friction 0)"),
+        (simulation.integrator() == Integrator::Rk4, "the integrator rk4"),
+        (!options.force_laws.is_empty(), "forces of the program"),
+        (options.contact_force_law.is_some(), "a contact law of the program"),
+        (options.keep_going, "a simulation that keeps going"),
+    ];
+    match refused.into_iter().find(|(is_used, _)| *is_used) {
+        None => Ok(()),
+        Some((_, what)) => Err(Error::Invalid {
+            field: "MPI",
+            value: what.to_owned(),
+            expected: "free spheres among boxes, polygons, smooth walls, meshes and fixed spheres, a law without \
+                       impulses, and the integrator symplectic-euler or velocity-verlet on the backend cpu (docs/cluster.md)",
+        }),
+    }
+}
