@@ -27,7 +27,7 @@ fn the_examples_of_the_thesis_load() {
         let scene = scene(text);
         let counts = scene.counts();
         assert_eq!((counts.spheres, counts.rods, counts.springs), (6, 3, 1));
-        let third = Sphere::new([0.0, 5.0, -1.0], 0.2).velocity([0.0, 1.0, 0.0]);
+        let third = Sphere::new([0.0, 3.4, -1.0], 0.2);
         assert_eq!(scene.spheres()[2], third);
         let ids: Vec<SphereId> = scene.sphere_ids().collect();
         let spring = Spring::new(ids[4], ids[5], 100.0, 2.0).damping(1.0);
