@@ -18,6 +18,8 @@ mod drum;
 mod json;
 mod measure;
 mod phases;
+#[cfg(feature = "mpi")]
+mod shared;
 mod spread;
 mod table;
 mod worlds;

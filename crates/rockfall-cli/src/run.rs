@@ -26,7 +26,7 @@ mod past;
 mod resume;
 mod samples;
 mod save;
-mod team;
+pub(crate) mod team;
 mod tensions;
 mod trace;
 

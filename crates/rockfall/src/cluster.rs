@@ -10,9 +10,11 @@
 //! Spheres are divided again before one of them has moved so far that copies could be missing. Each process then learns the whole state.
 
 use std::fmt;
+use std::time::Instant;
 
 use crate::checkpoint::{Checkpoint, SUFFIX};
 use crate::error::{Error, Result};
+use crate::options::Backend;
 use crate::report::Clock;
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
@@ -28,16 +30,20 @@ mod supported;
 mod tests;
 #[cfg(test)]
 mod threads;
+mod work;
 
 use part::Part;
 #[cfg(feature = "mpi")]
 pub use processes::Processes;
 pub use ranks::Ranks;
+pub use work::Work;
+use work::timed;
 
-/// What one process has of a simulation that several processes share. [`Cluster::run`], [`Cluster::gather`] and [`Cluster::max`] are
-/// collective: every process makes the same calls with the same arguments, in the same order.
+/// What one process has of a simulation that several processes share. [`Cluster::run`], [`Cluster::gather`], [`Cluster::work`] and [`Cluster::max`]
+/// are collective: every process makes the same calls with the same arguments, in the same order.
 pub struct Cluster<R: Ranks> {
     ranks: R,
+    backend: Backend,
     /// The state of all spheres when they were last gathered, and the counts of all steps.
     whole: Checkpoint,
     clock: Clock,
@@ -47,20 +53,16 @@ pub struct Cluster<R: Ranks> {
     has_rates: bool,
     /// `None` until spheres are divided for the first time.
     part: Option<Part>,
-    divisions: u64,
+    work: Work,
     /// What failed in this process since the processes last agreed.
     failure: Option<String>,
 }
 
 impl<R: Ranks> fmt::Debug for Cluster<R> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { ranks, part, divisions, .. } = self;
+        let Self { ranks, part, work, .. } = self;
         let numbers = (ranks.rank(), ranks.size());
-        f.debug_struct("Cluster")
-            .field("ranks", &numbers)
-            .field("part", part)
-            .field("divisions", divisions)
-            .finish_non_exhaustive()
+        f.debug_struct("Cluster").field("ranks", &numbers).field("part", part).field("work", work).finish_non_exhaustive()
     }
 }
 
@@ -77,12 +79,13 @@ impl<R: Ranks> Cluster<R> {
         let is_verlet = simulation.integrator() == Integrator::VelocityVerlet;
         Ok(Self {
             ranks,
+            backend: simulation.backend().kind,
             clock: Clock::default(),
             reach: simulation.reach().into(),
             has_rates: !is_verlet || !whole.rates.is_empty(),
             whole,
             part: None,
-            divisions: 0,
+            work: Work::default(),
             failure: None,
         })
     }
@@ -97,15 +100,19 @@ impl<R: Ranks> Cluster<R> {
         self.whole.report.steps
     }
 
-    /// How many spheres this process has: its own ones, with fixed ones on process 0, and copies of others. Both are 0 before the first
-    /// step.
-    pub fn counts(&self) -> [usize; 2] {
-        self.part.as_ref().map_or([0; 2], Part::counts)
-    }
-
     /// Number of times that the spheres were divided among the processes.
     pub fn divisions(&self) -> u64 {
-        self.divisions
+        self.work.divisions
+    }
+
+    /// What all processes have, and where their time went, by their numbers.
+    ///
+    /// # Errors
+    /// [`Error::Cluster`] when a process has ended.
+    pub fn work(&mut self) -> Result<Vec<Work>> {
+        let [own, ghosts] = self.part.as_ref().map_or([0; 2], Part::counts).map(|count| count as u64);
+        let all = self.ranks.gather(&Work { own, ghosts, ..self.work }.words())?;
+        Ok(all.iter().map(|words| Work::from_words(words)).collect())
     }
 
     /// Replaces every value by the largest of all processes.
@@ -128,10 +135,14 @@ impl<R: Ranks> Cluster<R> {
             }
             self.divide_if_due(dt)?;
             let Some(part) = &mut self.part else { continue };
-            if let Err(error) = part.step(dt) {
+            let work = &mut self.work;
+            let done = timed(&mut work.steps, || part.step(dt));
+            let taken = timed(&mut work.rows, || part.take(dt));
+            timed(&mut work.exchange, || part.exchange(&mut self.ranks))?;
+            let put = timed(&mut work.rows, || part.put());
+            if let Err(error) = done.and(taken).and(put) {
                 self.failure = Some(error.describe(&self.whole.scene));
             }
-            part.exchange(&mut self.ranks)?;
             self.clock.add(1, dt, &mut self.whole.report);
         }
         self.agree(false).map(drop)
@@ -168,14 +179,24 @@ impl<R: Ranks> Cluster<R> {
     /// Divides the spheres if one of them may move so far before the next evaluation of forces that a copy could be missing.
     fn divide_if_due(&mut self, dt: f32) -> Result<()> {
         let is_due = self.part.as_ref().is_none_or(|part| !part.has_room(dt));
-        if !self.agree(is_due)? {
+        let start = Instant::now();
+        let is_due = self.agree(is_due)?;
+        self.work.waiting += start.elapsed().as_secs_f64();
+        if !is_due {
             return Ok(());
         }
-        if self.divisions == 0 {
+        let start = Instant::now();
+        self.divide(dt)?;
+        self.work.division += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    fn divide(&mut self, dt: f32) -> Result<()> {
+        if self.work.divisions == 0 {
             self.check_same()?;
         }
         self.gather()?;
-        self.divisions += 1;
+        self.work.divisions += 1;
         let before = self.part.take();
         match Part::new(before, &self.whole, [self.ranks.rank(), self.ranks.size()], self.reach, dt) {
             Ok(part) => self.part = Some(part),
@@ -185,20 +206,26 @@ impl<R: Ranks> Cluster<R> {
         self.agree(false).map(drop)
     }
 
-    /// Checks that all processes have the same scene, by its checksum.
+    /// Checks that all processes have the same backend and the same scene, by its checksum.
     fn check_same(&mut self) -> Result<()> {
         // Hosts may have different numbers of cores.
         let device = std::mem::take(&mut self.whole.device);
         // Without the checksum at the end, which would make that of all bytes the same for all checkpoints.
         let bytes = self.whole.to_bytes();
-        let checksum = crc32fast::hash(&bytes[..bytes.len() - SUFFIX]);
+        let checksum = u64::from(crc32fast::hash(&bytes[..bytes.len() - SUFFIX]));
         self.whole.device = device;
-        let mut values = [u64::from(checksum), u64::from(!checksum)];
+        let backend = self.backend as u64;
+        let mine = [checksum, u64::MAX - checksum, backend, u64::MAX - backend];
+        let mut values = mine;
         self.ranks.max(&mut values)?;
-        if values == [u64::from(checksum), u64::from(!checksum)] {
+        if values == mine {
             return Ok(());
         }
-        let message = "the processes have different scenes or options: expected the same files on all hosts";
+        let message = if values[2..] == mine[2..] {
+            "the processes have different scenes or options: expected the same files on all hosts"
+        } else {
+            "some processes run on a GPU and some on the CPU: expected --backend cpu, or a GPU on every host"
+        };
         Err(Error::Cluster(message.to_owned()))
     }
 

@@ -31,6 +31,8 @@ pub(crate) mod rest;
 pub(crate) mod rigid;
 pub(crate) mod rotate;
 pub(crate) mod servo;
+#[cfg(any(test, feature = "mpi"))]
+pub(crate) mod shared;
 pub(crate) mod state;
 pub mod status;
 pub mod step;

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::time::Instant;
 
 use rockfall::generate::Drum;
-use rockfall::{Integrator, Report, Simulation};
+use rockfall::{Integrator, Options, Report, Scene, Simulation};
 use serde_json::json;
 
 use crate::bench::measure::Measured;
@@ -24,13 +24,13 @@ const PROFILED: u64 = 200;
 /// mu = 0.65, mu_r = 0.1 (model C), a drum four times as long as its radius (0.2 m for 1,000,000 grains). The direction of
 /// gravity turns in the frame of the drum. The grains start as a loose lattice and fall for about 0.2 s, which are 20,000
 /// steps of 1e-5 s. At 12 revolutions per minute the bed begins to flow after about 45,000 steps: --warmup 60000 measures the
-/// flow.
+/// flow. Under mpirun, processes share the drum (docs/cluster.md), with --triangles or --rpm 0.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// Numbers of grains, separated by commas; each is measured separately
     #[arg(long, value_name = "N", value_delimiter = ',', default_value = "2000,16000",
         value_parser = whole(1_u32, u32::MAX), allow_negative_numbers = true)]
-    grains: Vec<u32>,
+    pub(super) grains: Vec<u32>,
     /// Radius of the grains in m; the drum grows with it
     #[arg(long, value_name = "M", default_value = "0.002", value_parser = positive, allow_negative_numbers = true)]
     radius: f32,
@@ -45,16 +45,16 @@ pub(crate) struct Arguments {
     clumps: bool,
     /// Number of timed steps in each run
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
-    steps: u64,
+    pub(super) steps: u64,
     /// Steps before the timed ones
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = whole(0, u64::MAX), allow_negative_numbers = true)]
-    warmup: u64,
+    pub(super) warmup: u64,
     /// Number of runs, one after the other in the same drum; their median is reported
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = whole(1, u32::MAX), allow_negative_numbers = true)]
-    runs: u32,
+    pub(super) runs: u32,
     /// Time step in seconds
     #[arg(long, value_name = "S", default_value = "0.00001", value_parser = time_step, allow_negative_numbers = true)]
-    dt: f32,
+    pub(super) dt: f32,
     /// Revolutions per minute
     #[arg(long, value_name = "N", default_value = "12", value_parser = finite, allow_negative_numbers = true)]
     rpm: f64,
@@ -63,7 +63,7 @@ pub(crate) struct Arguments {
     turn_every: u64,
     /// Integrator: symplectic-euler or velocity-verlet
     #[arg(long, default_value_t = Integrator::VelocityVerlet)]
-    integrator: Integrator,
+    pub(super) integrator: Integrator,
     #[command(flatten)]
     engine: Engine,
     /// Seed of the random numbers; the same seed gives the same drum
@@ -71,7 +71,7 @@ pub(crate) struct Arguments {
     seed: u64,
     /// Print one JSON object instead of tables
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 fn positive(text: &str) -> Result<f32, String> {
@@ -116,15 +116,29 @@ impl Arguments {
         TAU * self.rpm / 60.0 * as_written(self.dt) * steps as f64
     }
 
+    /// Whether the direction of gravity stays as it is.
+    #[cfg(feature = "mpi")]
+    pub(super) fn has_still_gravity(&self) -> bool {
+        self.triangles || self.rpm == 0.0
+    }
+
     fn drum(&self, grains: u32) -> Drum {
         let mut drum = Drum::new(grains);
         (drum.radius, drum.facets, drum.clumps) = (self.radius, self.facets, self.clumps);
         if self.triangles { drum.triangles().spin(TAU * self.rpm / 60.0) } else { drum }
     }
 
+    /// The scene with this number of grains.
+    pub(super) fn scene(&self, grains: u32) -> Result<Scene, Failure> {
+        Ok(self.drum(grains).scene(self.seed)?)
+    }
+
+    pub(super) fn options(&self) -> Options {
+        self.engine.with_integrator(self.integrator)
+    }
+
     fn measure(&self, grains: u32) -> Result<Measured, Failure> {
-        let scene = self.drum(grains).scene(self.seed)?;
-        let mut simulation = Simulation::with_options(scene, self.engine.with_integrator(self.integrator))?;
+        let mut simulation = Simulation::with_options(self.scene(grains)?, self.options())?;
         simulation.prepare()?;
         let mut drum = Turning { simulation, steps: 0 };
         output::note(&format!("drum {grains}: {} warm-up steps", self.warmup));
@@ -222,6 +236,10 @@ impl Arguments {
 }
 
 pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
+    #[cfg(feature = "mpi")]
+    if super::shared::bench(arguments)? {
+        return Ok(());
+    }
     let sizes = arguments.grains.iter().map(|grains| arguments.measure(*grains)).collect::<Result<Vec<_>, _>>()?;
     output::print(&if arguments.json { arguments.object(&sizes)? } else { arguments.table(&sizes) })
 }

@@ -1,8 +1,10 @@
 //! The processes that share a run, if `mpirun` started them. All of them follow the same path; the first one prints and writes files.
 
 #[cfg(feature = "mpi")]
+use rockfall::Backend;
+#[cfg(feature = "mpi")]
 use rockfall::cluster::{Cluster, Processes, Ranks as _};
-use rockfall::{Backend, Options, Simulation};
+use rockfall::{Options, Simulation};
 
 use super::outputs::Outputs;
 use crate::failure::Failure;
@@ -24,7 +26,7 @@ pub(crate) struct Team {
 #[cfg(feature = "mpi")]
 impl Starting {
     /// Starts MPI if `mpirun` started this process. All processes but the first are silent from then on.
-    pub(super) fn start() -> Result<Self, Failure> {
+    pub(crate) fn start() -> Result<Self, Failure> {
         if !Processes::are_started() {
             return Ok(Self { processes: None });
         }
@@ -34,17 +36,31 @@ impl Starting {
     }
 
     /// Whether this process prints and writes files.
-    pub(super) fn is_first(&self) -> bool {
+    pub(crate) fn is_first(&self) -> bool {
         self.processes.as_ref().is_none_or(|processes| processes.rank() == 0)
     }
 
     /// Whether several processes may share the run.
-    pub(super) fn is_shared(&self) -> bool {
+    pub(crate) fn is_shared(&self) -> bool {
         self.processes.is_some()
     }
 
+    /// The options of a simulation that processes may share: the GPU of process r is number r modulo the number of GPUs of its host, if
+    /// none is given.
+    pub(crate) fn options(&self, options: Options) -> Options {
+        let Some(processes) = &self.processes else { return options };
+        if options.backend == Backend::Cpu || options.device.is_some() {
+            return options;
+        }
+        let devices = rockfall::devices();
+        let hardware = devices.iter().filter(|device| !device.software).count();
+        // Hardware comes first in the list. A device that a CPU emulates is used only on request.
+        let count = if hardware == 0 && options.backend == Backend::Gpu { devices.len() } else { hardware };
+        if count == 0 { options } else { options.device(processes.rank() % count) }
+    }
+
     /// Waits until all processes have begun. If one of them has failed, all end, and the first that did reports it.
-    pub(super) fn all<T>(&mut self, begun: Result<T, Failure>) -> Result<T, Failure> {
+    pub(crate) fn all<T>(&mut self, begun: Result<T, Failure>) -> Result<T, Failure> {
         let Some(processes) = &mut self.processes else { return begun };
         let mine = if begun.is_err() { processes.size() - processes.rank() } else { 0 };
         let mut first = [mine as u64];
@@ -59,17 +75,22 @@ impl Starting {
         }
     }
 
-    /// Shares a simulation among the processes.
+    /// Shares a simulation among the processes, if there are some.
     pub(super) fn share(&self, simulation: &mut Simulation) -> Result<Team, Failure> {
+        Ok(Team { cluster: self.cluster(simulation)? })
+    }
+
+    /// The simulation as the processes share it; `None` without `mpirun`.
+    pub(crate) fn cluster(&self, simulation: &mut Simulation) -> Result<Option<Cluster<Processes>>, Failure> {
         let share = |processes: &Processes| Cluster::new(simulation, processes.clone());
-        Ok(Team { cluster: self.processes.as_ref().map(share).transpose()? })
+        Ok(self.processes.as_ref().map(share).transpose()?)
     }
 }
 
 #[cfg(not(feature = "mpi"))]
 impl Starting {
     /// Notes if `mpirun` started several processes, which cannot share a run.
-    pub(super) fn start() -> Result<Self, Failure> {
+    pub(crate) fn start() -> Result<Self, Failure> {
         let size = std::env::var("OMPI_COMM_WORLD_SIZE").unwrap_or_default();
         if size.parse().is_ok_and(|size: u32| size > 1) {
             output::note(&format!(
@@ -79,15 +100,19 @@ impl Starting {
         Ok(Self {})
     }
 
-    pub(super) fn is_first(&self) -> bool {
+    pub(crate) fn is_first(&self) -> bool {
         true
     }
 
-    pub(super) fn is_shared(&self) -> bool {
+    pub(crate) fn is_shared(&self) -> bool {
         false
     }
 
-    pub(super) fn all<T>(&mut self, begun: Result<T, Failure>) -> Result<T, Failure> {
+    pub(crate) fn options(&self, options: Options) -> Options {
+        options
+    }
+
+    pub(crate) fn all<T>(&mut self, begun: Result<T, Failure>) -> Result<T, Failure> {
         begun
     }
 
@@ -105,12 +130,6 @@ impl Starting {
             return Err(Failure::usage(message));
         }
         Ok(())
-    }
-
-    /// The options of a simulation that processes may share: the backend `auto` is the CPU.
-    pub(super) fn options(&self, options: Options) -> Options {
-        let is_open = self.is_shared() && options.backend == Backend::Auto;
-        if is_open { options.backend(Backend::Cpu) } else { options }
     }
 }
 
@@ -168,7 +187,7 @@ impl Team {
 
 #[cfg(not(feature = "mpi"))]
 impl Team {
-    pub(super) fn is_first(&self) -> bool {
+    pub(crate) fn is_first(&self) -> bool {
         true
     }
 

@@ -5,10 +5,11 @@ use crate::cluster::domain::Domain;
 use crate::cluster::ranks::Ranks;
 use crate::cluster::state;
 use crate::error::{Error, Result};
+use crate::model::shared::Shared;
 use crate::options::{Optimization, Options};
 use crate::scene::{Scene, SphereId};
 use crate::simulation::Simulation;
-use crate::simulation::share::Places;
+use crate::simulation::share::Rows;
 
 /// Least distance that a sphere may move until spheres are divided again, in radii of the largest one.
 const LEAST_ROOM: f64 = 0.5;
@@ -19,20 +20,13 @@ const STEPS_OF_ROOM: f64 = 4.0;
 #[derive(Debug)]
 pub(super) struct Part {
     local: Simulation,
-    places: Places,
+    rows: Rows,
     domain: Domain,
     rank: u32,
-    /// Local indices of the own spheres, in ascending order.
-    own: Vec<u32>,
-    /// Where the own spheres were when spheres were divided, in units along the axis of the slabs.
-    starts: Vec<f64>,
-    /// For every process, the local indices of the own spheres of which it has copies.
-    sent: Vec<Vec<u32>>,
-    /// For every process, the local indices of the copies of its spheres.
-    received: Vec<Vec<u32>>,
-    /// How far a sphere may move along the axis, in units.
-    room: f64,
-    /// Messages from and to every process.
+    /// Whether no sphere can touch one of which there is no copy, in a step of `dt` seconds.
+    has_room: bool,
+    dt: f32,
+    /// Messages to and from every process.
     messages: [Vec<Vec<u32>>; 2],
 }
 
@@ -50,32 +44,29 @@ impl Part {
         let present: Vec<u32> = (0..spheres.len()).filter(|index| is_here(*index)).map(|index| index as u32).collect();
         let mut checkpoint = local_checkpoint(whole, &present)?;
         let mut local = match before {
-            Some(part) => {
-                let mut local = part.local;
+            Some(Self { mut local, .. }) => {
                 local.put_list_plan(&mut checkpoint);
                 local.restore(&checkpoint)?;
                 local
             }
             None => Simulation::resume(checkpoint)?,
         };
-        let owner = |local: usize| domain.owners[present[local] as usize] as usize;
-        let (mut own, mut sent, mut received) = (Vec::new(), vec![Vec::new(); size], vec![Vec::new(); size]);
-        for (place, index) in present.iter().enumerate() {
-            let sphere = &spheres[*index as usize];
-            if owner(place) != rank {
-                received[owner(place)].extend((!sphere.fixed).then_some(place as u32));
+        let mut shared = Shared { axis: domain.axis, room, ..Shared::default() };
+        (shared.sent, shared.received) = (vec![Vec::new(); size], vec![Vec::new(); size]);
+        for (place, index) in (0..).zip(&present) {
+            let (sphere, owner) = (&spheres[*index as usize], domain.owners[*index as usize] as usize);
+            if owner != rank {
+                shared.received[owner].extend((!sphere.fixed).then_some(place));
                 continue;
             }
-            own.push(place as u32);
+            shared.own.push(place);
+            shared.starts.push(sphere.position.to_array()[domain.axis]);
             let others = (0..size).filter(|other| *other != rank && domain.needs_copy(*other, sphere, depth));
-            others.for_each(|other| sent[other].push(place as u32));
+            others.for_each(|other| shared.sent[other].push(place));
         }
-        local.set_own((0..present.len()).map(|place| owner(place) == rank).collect());
-        let mut places = Places::default();
-        places.update(&local);
-        let starts = own.iter().map(|index| local.ahead(&places, *index, domain.axis, dt)[0]).collect();
-        let messages = [vec![Vec::new(); size], vec![Vec::new(); size]];
-        Ok(Self { local, places, domain, rank: rank as u32, own, starts, sent, received, room, messages })
+        let rows = Rows::new(&mut local, shared)?;
+        let messages = rows.messages();
+        Ok(Self { local, rows, domain, rank: rank as u32, has_room: true, dt, messages })
     }
 
     /// How the spheres are divided.
@@ -90,22 +81,18 @@ impl Part {
 
     /// Number of own spheres, and of copies.
     pub(super) fn counts(&self) -> [usize; 2] {
-        [self.own.len(), self.received.iter().map(Vec::len).sum()]
+        let Shared { own, received, .. } = self.rows.shared();
+        [own.len(), received.iter().map(Vec::len).sum()]
     }
 
     /// Whether all own spheres are close enough to where they were when spheres were divided, also at the next evaluation of forces.
     pub(super) fn has_room(&self, dt: f32) -> bool {
-        self.own.iter().zip(&self.starts).all(|(index, start)| {
-            let [place, drift] = self.local.ahead(&self.places, *index, self.domain.axis, dt);
-            (place - start).abs() + drift <= self.room
-        })
+        self.has_room && dt <= self.dt
     }
 
-    /// Takes a step. The copies have wrong states after it, until [`Part::exchange`].
+    /// Takes a step. The copies have wrong states after it, until [`Part::put`].
     pub(super) fn step(&mut self, dt: f32) -> Result<()> {
-        let result = self.local.run(1, dt);
-        self.places.update(&self.local);
-        match result {
+        match self.local.run(1, dt) {
             Err(Error::NonFinite { sphere, step, stage }) => {
                 Err(Error::NonFinite { sphere: self.index_in_whole(sphere), step, stage })
             }
@@ -113,40 +100,43 @@ impl Part {
         }
     }
 
-    /// Gives all copies the states of their owners.
-    pub(super) fn exchange(&mut self, ranks: &mut impl Ranks) -> Result<()> {
-        let width = self.local.shared_words();
-        let [from, to] = &mut self.messages;
-        for (words, sent) in to.iter_mut().zip(&self.sent) {
-            words.clear();
-            sent.iter().for_each(|index| words.extend_from_slice(&self.local.row(&self.places, *index)[..width]));
-        }
-        for (words, received) in from.iter_mut().zip(&self.received) {
-            words.resize(received.len() * width, 0);
-        }
-        ranks.exchange(to, from)?;
-        for (words, received) in from.iter().zip(&self.received) {
-            for (row, index) in words.chunks_exact(width).zip(received) {
-                self.local.put_row(&self.places, *index, row);
-            }
-        }
+    /// Reads the states that are sent after a step of `dt` seconds.
+    pub(super) fn take(&mut self, dt: f32) -> Result<()> {
+        self.dt = dt;
+        self.has_room = self.rows.take(&self.local, dt, &mut self.messages[0])?;
         Ok(())
+    }
+
+    /// Sends the states of spheres to the processes that have copies of them.
+    pub(super) fn exchange(&mut self, ranks: &mut impl Ranks) -> Result<()> {
+        let [to, from] = &mut self.messages;
+        ranks.exchange(to, from)
+    }
+
+    /// Gives all copies the states that their owners have sent.
+    pub(super) fn put(&mut self) -> Result<()> {
+        self.rows.put(&mut self.local, &self.messages[1])
     }
 
     /// The state of the own spheres, for all processes.
     pub(super) fn words(&mut self, whole: &Scene) -> Result<Vec<u32>> {
         let springs = self.local.kept_springs()?;
         let report = self.local.report();
-        let mut words = vec![report.contacts, report.max_overlap.to_bits(), self.own.len() as u32];
-        self.own.iter().for_each(|index| words.extend_from_slice(&self.local.row(&self.places, *index)));
+        let rows = self.rows.own_rows(&mut self.local)?;
+        let mut words = vec![report.contacts, report.max_overlap.to_bits(), rows.len() as u32];
+        words.extend(rows.as_flattened());
         springs.iter().for_each(|spring| state::add_spring(spring, whole, &self.domain, self.rank, &mut words));
         Ok(words)
     }
 
     /// The index in the whole scene of a sphere with this local index.
     fn index_in_whole(&self, local: usize) -> usize {
-        let mut own =
-            self.own.iter().zip((0..self.domain.owners.len()).filter(|index| self.domain.owners[*index] == self.rank));
+        let mut own = self
+            .rows
+            .shared()
+            .own
+            .iter()
+            .zip((0..self.domain.owners.len()).filter(|index| self.domain.owners[*index] == self.rank));
         // The state of a copy is not finite only where that of its owner is not, which reports it too.
         own.find(|(place, _)| **place as usize == local).map_or(local, |(_, index)| index)
     }

@@ -2,7 +2,6 @@
 
 use crate::checkpoint::Checkpoint;
 use crate::error::{Error, Result};
-use crate::options::Backend;
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
 
@@ -11,7 +10,6 @@ pub(super) fn check(simulation: &Simulation, state: &Checkpoint) -> Result<()> {
     let Checkpoint { scene, options, .. } = state;
     let counts = scene.counts();
     let refused = [
-        (options.backend == Backend::Gpu, "the backend gpu"),
         (counts.bodies > 0, "a scene with rigid bodies"),
         (counts.capsules > 0, "a scene with capsules"),
         (counts.rods > 0, "a scene with rods"),

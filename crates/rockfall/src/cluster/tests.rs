@@ -23,7 +23,11 @@ impl Numbers {
 }
 
 fn options(integrator: Integrator) -> Options {
-    Options::new().backend(Backend::Cpu).integrator(integrator)
+    options_on(Backend::Cpu, integrator)
+}
+
+fn options_on(backend: Backend, integrator: Integrator) -> Options {
+    Options::new().backend(backend).integrator(integrator)
 }
 
 /// A scene without spheres, with a material that has friction and rolling friction.
@@ -66,6 +70,8 @@ fn alone(checkpoint: &Checkpoint, steps: u64, dt: f32) -> Checkpoint {
 /// The states that the processes gather after `steps` steps, and how often spheres were divided.
 fn shared(checkpoint: &Checkpoint, size: usize, steps: u64, dt: f32) -> Vec<(Checkpoint, u64)> {
     let run = |ranks: Threads| {
+        #[cfg(feature = "gpu")]
+        let _shared = crate::exec::gpu::SharedDevice::new();
         let mut simulation = Simulation::resume(checkpoint.clone()).unwrap();
         let mut cluster = Cluster::new(&mut simulation, ranks).unwrap();
         // Where a caller divides steps into calls does not matter.
@@ -108,10 +114,16 @@ fn assert_same(one: &Checkpoint, other: &Checkpoint, what: &str) {
 
 /// Checks that 1 to 4 processes get the bits of one plain simulation. Returns how often 4 processes divided the spheres.
 fn check(scene: Scene, integrator: Integrator, steps: u64, dt: f32) -> (Checkpoint, u64) {
-    let start = Simulation::with_options(scene, options(integrator)).unwrap().checkpoint().unwrap();
+    check_on(Backend::Cpu, &[1, 2, 3, 4], scene, integrator, steps, dt)
+}
+
+/// Checks that these numbers of processes get the bits of one plain simulation on a backend. Returns the state, and how often the last
+/// number of processes divided the spheres.
+fn check_on(backend: Backend, sizes: &[usize], scene: Scene, integrator: Integrator, steps: u64, dt: f32) -> (Checkpoint, u64) {
+    let start = Simulation::with_options(scene, options_on(backend, integrator)).unwrap().checkpoint().unwrap();
     let expected = alone(&start, steps, dt);
     let mut divisions = 0;
-    for size in 1..=4 {
+    for size in sizes.iter().copied() {
         for (rank, (state, divided)) in shared(&start, size, steps, dt).into_iter().enumerate() {
             assert_same(&state, &expected, &format!("process {rank} of {size}"));
             divisions = divided;
@@ -137,8 +149,7 @@ fn sizes_of_one_to_five_cross_faces_to_the_same_bits() {
 }
 
 /// A floor that oscillates, a bar that turns among the grains, a belt and a roller.
-#[test]
-fn grains_among_moving_walls_have_the_same_bits() {
+fn machine() -> Scene {
     let mut scene = column(ContactLaw::HertzMindlin, |_| 0.1);
     let floor = scene.box_ids().next().unwrap();
     let sand = scene.boxes()[0].material.unwrap();
@@ -153,15 +164,19 @@ fn grains_among_moving_walls_have_the_same_bits() {
     let roller = Sphere::new([0.5, 0.1, 1.4], 0.2).fixed().material(sand);
     let inertia = roller.inertia();
     scene.add_sphere(roller.angular_momentum([8.0 * inertia, 0.0, 0.0])).unwrap();
+    scene
+}
+
+#[test]
+fn grains_among_moving_walls_have_the_same_bits() {
     for integrator in [Integrator::VelocityVerlet, Integrator::SymplecticEuler] {
-        let (state, divisions) = check(scene.clone(), integrator, 600, 0.0005);
+        let (state, divisions) = check(machine(), integrator, 600, 0.0005);
         assert!(divisions > 3 && state.springs.len() > 100, "{divisions}, {}", state.springs.len());
     }
 }
 
 /// A gas with the law of the thesis in a box. Spheres fly from slab to slab, and pass edges and corners.
-#[test]
-fn a_gas_moves_to_the_same_bits() {
+fn gas() -> Scene {
     let mut scene = Scene::new();
     scene.settings.collisions = false;
     scene.settings.gravity = 0.0;
@@ -180,10 +195,26 @@ fn a_gas_moves_to_the_same_bits() {
         let velocity = [0; 3].map(|_| 4.0 * (numbers.next() - 0.5));
         scene.add_sphere(Sphere::new(place, 0.12 + 0.12 * numbers.next()).velocity(velocity)).unwrap();
     }
+    scene
+}
+
+#[test]
+fn a_gas_moves_to_the_same_bits() {
     for integrator in [Integrator::SymplecticEuler, Integrator::VelocityVerlet] {
-        let (state, divisions) = check(scene.clone(), integrator, 500, 0.002);
+        let (state, divisions) = check(gas(), integrator, 500, 0.002);
         assert!(divisions > 5 && state.report.contacts > 10, "{divisions}, {:?}", state.report);
     }
+}
+
+/// The same on a GPU.
+#[cfg(feature = "gpu")]
+#[test]
+fn processes_on_a_gpu_have_the_same_bits() {
+    let _shared = crate::exec::gpu::SharedDevice::new();
+    let (state, divisions) = check_on(Backend::Gpu, &[1, 3], machine(), Integrator::VelocityVerlet, 90, 0.0005);
+    assert!(divisions > 0 && state.springs.len() > 100, "{divisions}, {}", state.springs.len());
+    let (state, divisions) = check_on(Backend::Gpu, &[2], gas(), Integrator::SymplecticEuler, 60, 0.002);
+    assert!(divisions > 1 && state.report.contacts > 10, "{divisions}, {:?}", state.report);
 }
 
 /// Three spheres cannot be shared by four processes, and on a triangle they meet at one place.

@@ -8,12 +8,14 @@
 
 mod array;
 mod check;
+mod copiers;
 mod device;
 mod exchange;
-mod exchangers;
 mod fault;
 mod kernel;
 mod memory;
+#[cfg(any(test, feature = "mpi"))]
+pub(crate) mod share;
 #[cfg(not(target_family = "wasm"))]
 mod sharing;
 mod split;

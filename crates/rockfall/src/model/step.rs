@@ -163,6 +163,8 @@ block! {
         pub insertion_indices_at: u32,
         /// First word of the slots: the memory slot of each sphere, by its insertion index; 0 when they are the same.
         pub slots_at: u32,
+        /// First word of the bits that say which spheres belong to this process, by insertion index, 32 per word; 0 where all do.
+        pub own_at: u32,
         /// First word of the long movers in `cells`; 0 when radii differ so little that one thread builds each list.
         pub long_at: u32,
         /// First word of the table of ends, one word per sphere: [`NO_ROD`](crate::model::layout::NO_ROD),

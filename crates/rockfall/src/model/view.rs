@@ -205,6 +205,13 @@ impl<'a> View<'a> {
         self.insertion_indices.get(id as usize).copied().unwrap_or(id)
     }
 
+    /// Whether a sphere belongs to this process, where several share a scene.
+    pub(crate) fn is_own(&self, sphere: u32) -> bool {
+        let at = self.step.layout.own_at;
+        let index = self.insertion_index(sphere);
+        at == 0 || self.topology[(at + index / u32::BITS) as usize] >> (index % u32::BITS) & 1 != 0
+    }
+
     /// Returns two objects in insertion order.
     pub(crate) fn ordered(&self, a: u32, b: u32) -> (u32, u32) {
         if self.insertion_index(a) < self.insertion_index(b) { (a, b) } else { (b, a) }

@@ -72,7 +72,7 @@ pub struct World {
     /// The status block.
     pub status: Status,
     /// Which spheres belong to this process, by insertion index, where several processes share a scene; empty if all do. The contacts
-    /// of the others are not counted.
+    /// of the others are not counted. [`World::set_own`] writes it.
     pub(crate) own: Vec<bool>,
     /// The laws that the program gave.
     pub(crate) user_laws: UserLaws,

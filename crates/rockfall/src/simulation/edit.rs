@@ -399,7 +399,7 @@ impl Simulation {
         let own = std::mem::take(&mut self.world.own);
         self.world = pack(&self.scene, &self.options)?;
         if own.len() == self.world.step.layout.spheres as usize {
-            self.world.own = own;
+            self.world.set_own(own);
         }
         self.world.set_flags(FLAG_CONTINUE, flags);
         self.world.set_time_step(dt);

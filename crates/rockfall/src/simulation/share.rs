@@ -1,11 +1,14 @@
-//! The spheres of one process of a cluster: their states as rows of words, without an edit.
+//! The spheres of one process of a cluster: their states as rows of words, without an edit, on both backends.
 
 use bytemuck::cast_slice;
-use glam::{Quat, Vec3, Vec4};
+use glam::{Quat, Vec3};
 
 use crate::checkpoint::{Checkpoint, KeptSpring};
 use crate::error::Result;
+#[cfg(feature = "gpu")]
+use crate::exec::gpu::share::Link;
 use crate::model::layout::RATE_WORDS;
+use crate::model::shared::Shared;
 use crate::scene::Sphere;
 use crate::simulation::{Simulation, engine};
 
@@ -31,16 +34,103 @@ pub(crate) fn put_in_scene(row: &Row, sphere: &mut Sphere) -> [f32; KEPT_WORDS] 
     std::array::from_fn(|at| numbers[MOTION_WORDS + at])
 }
 
-/// The places of the spheres of a simulation in memory, by insertion index, until memory is sorted again.
-#[derive(Debug, Default)]
-pub(crate) struct Places {
-    packings: u64,
+/// Reads and writes the rows of what a process shares, where its simulation keeps them.
+#[derive(Debug)]
+pub(crate) struct Rows {
+    shared: Shared,
+    /// Words of a row that a contact and the next step depend on.
+    width: usize,
+    /// The places of spheres in memory, by insertion index.
     slots: Vec<u32>,
+    /// The version of these places.
+    packings: u64,
+    #[cfg(feature = "gpu")]
+    link: Option<Link>,
 }
 
-impl Places {
-    /// Finds the places again if memory has been sorted.
-    pub(crate) fn update(&mut self, simulation: &Simulation) {
+impl Rows {
+    /// Prepares what a simulation shares. Only the contacts of the own spheres are counted from now on.
+    pub(crate) fn new(simulation: &mut Simulation, shared: Shared) -> Result<Self> {
+        let mut own = vec![false; simulation.world.step.layout.spheres as usize];
+        shared.own.iter().for_each(|index| own[*index as usize] = true);
+        simulation.world.set_own(own);
+        simulation.engine.upload_topology(&simulation.world)?;
+        let width = MOTION_WORDS + if simulation.world.rates.is_empty() { 0 } else { KEPT_WORDS };
+        #[cfg(feature = "gpu")]
+        let link = simulation.engine.gpu_world().map(|world| Link::new(world, &shared, width)).transpose()?;
+        let (slots, packings) = (Vec::new(), 0);
+        Ok(Self {
+            shared,
+            width,
+            slots,
+            packings,
+            #[cfg(feature = "gpu")]
+            link,
+        })
+    }
+
+    /// What is shared.
+    pub(crate) fn shared(&self) -> &Shared {
+        &self.shared
+    }
+
+    /// Empty messages of the right lengths, to and from every process.
+    pub(crate) fn messages(&self) -> [Vec<Vec<u32>>; 2] {
+        let empty = |spheres: &[Vec<u32>]| spheres.iter().map(|spheres| vec![0; spheres.len() * self.width]).collect();
+        [empty(&self.shared.sent), empty(&self.shared.received)]
+    }
+
+    /// Reads the rows that are sent. Returns whether all own spheres are close enough to where they were when spheres were divided, also
+    /// at the next evaluation of forces, in a step of `dt` seconds.
+    pub(crate) fn take(&mut self, simulation: &Simulation, dt: f32, to: &mut [Vec<u32>]) -> Result<bool> {
+        #[cfg(feature = "gpu")]
+        if let (Some(link), Some(world)) = (&self.link, simulation.engine.gpu_world()) {
+            let (words, is_far) = engine::block_on(simulation.engine.waiter(), link.take(world, dt))?;
+            let mut rest = &words[..];
+            for message in to {
+                let (mine, others) = rest.split_at(message.len());
+                message.copy_from_slice(mine);
+                rest = others;
+            }
+            return Ok(!is_far);
+        }
+        self.find(simulation);
+        for (words, sent) in to.iter_mut().zip(&self.shared.sent) {
+            let rows = words.chunks_exact_mut(self.width).zip(sent);
+            rows.for_each(|(row, index)| row.copy_from_slice(&self.row(simulation, *index)[..self.width]));
+        }
+        Ok(self.has_room(simulation, dt))
+    }
+
+    /// Replaces the motion of the copies by rows that were received. This is no edit: forces are not evaluated again. A sphere that has
+    /// left its AABB makes the next step build its lists again, as after a step.
+    pub(crate) fn put(&mut self, simulation: &mut Simulation, from: &[Vec<u32>]) -> Result<()> {
+        simulation.synced = false;
+        #[cfg(feature = "gpu")]
+        if let (Some(link), Some(world)) = (&self.link, simulation.engine.gpu_world()) {
+            return link.put(world, from.iter().map(Vec::as_slice));
+        }
+        for (words, received) in from.iter().zip(&self.shared.received) {
+            let rows = words.chunks_exact(self.width).zip(received);
+            rows.for_each(|(row, index)| self.put_row(simulation, *index, row));
+        }
+        Ok(())
+    }
+
+    /// The whole states of the own spheres.
+    pub(crate) fn own_rows(&mut self, simulation: &mut Simulation) -> Result<Vec<Row>> {
+        let waiter = simulation.engine.waiter();
+        let Simulation { engine, world, .. } = simulation;
+        engine::block_on(waiter.clone(), engine.download_spheres(world))?;
+        if !world.rates.is_empty() {
+            engine::block_on(waiter, engine.download_rates(world))?;
+        }
+        self.find(simulation);
+        Ok(self.shared.own.iter().map(|index| self.row(simulation, *index)).collect())
+    }
+
+    /// Finds the places of spheres in memory again if it has been sorted.
+    fn find(&mut self, simulation: &Simulation) {
         if self.packings == simulation.packings && !self.slots.is_empty() {
             return;
         }
@@ -49,20 +139,11 @@ impl Places {
         self.slots = vec![0; world.step.layout.spheres as usize];
         (0..self.slots.len()).for_each(|slot| self.slots[world.insertion_index(slot)] = slot as u32);
     }
-}
 
-/// Access to the state on the host. Only for the CPU backend.
-impl Simulation {
-    /// Number of words of a row that a contact and the next step depend on.
-    pub(crate) fn shared_words(&self) -> usize {
-        MOTION_WORDS + if self.world.rates.is_empty() { 0 } else { KEPT_WORDS }
-    }
-
-    /// The state of a sphere by its insertion index.
-    pub(crate) fn row(&self, places: &Places, index: u32) -> Row {
-        let (world, slot) = (&self.world, places.slots[index as usize] as usize);
-        let spheres = places.slots.len();
-        let region = |region: usize| world.states[0][region * spheres + slot].truncate().to_array().map(f32::to_bits);
+    /// The state of a sphere on the host.
+    fn row(&self, simulation: &Simulation, index: u32) -> Row {
+        let (world, slot) = (&simulation.world, self.slots[index as usize] as usize);
+        let region = |region: usize| world.states[0][region * self.slots.len() + slot].truncate().to_array().map(f32::to_bits);
         let mut row = [0; ROW_WORDS];
         // The low parts of positions are in region 3.
         for (part, number) in [0, 3, 1, 2].into_iter().enumerate() {
@@ -76,13 +157,10 @@ impl Simulation {
         row
     }
 
-    /// Replaces the motion of a sphere by the first [`Simulation::shared_words`] words of a row. This is no edit: forces are not
-    /// evaluated again. A sphere that has left its AABB makes the next step build its lists again, as after a step.
-    pub(crate) fn put_row(&mut self, places: &Places, index: u32, words: &[u32]) {
-        let spheres = places.slots.len();
-        let (world, slot) = (&mut self.world, places.slots[index as usize] as usize);
+    fn put_row(&self, simulation: &mut Simulation, index: u32, words: &[u32]) {
+        let (world, slot) = (&mut simulation.world, self.slots[index as usize] as usize);
         for (part, number) in [0, 3, 1, 2].into_iter().enumerate() {
-            let row = &mut world.states[0][number * spheres + slot];
+            let row = &mut world.states[0][number * self.slots.len() + slot];
             let vector = Vec3::from_array(std::array::from_fn(|at| f32::from_bits(words[3 * part + at])));
             *row = vector.extend(row.w);
         }
@@ -90,31 +168,27 @@ impl Simulation {
             let rates = &mut world.rates[index as usize * KEPT_WORDS..][..KEPT_WORDS];
             rates.copy_from_slice(cast_slice(&words[MOTION_WORDS..][..KEPT_WORDS]));
         }
-        self.synced = false;
     }
 
-    /// Where a sphere is along an axis, and how far it moves along it before the next evaluation of forces, in units: with velocity
-    /// Verlet by the drift of the next step, otherwise not at all.
-    pub(crate) fn ahead(&self, places: &Places, index: u32, axis: usize, dt: f32) -> [f64; 2] {
-        let spheres = places.slots.len();
-        let slot = places.slots[index as usize] as usize;
-        let at = |region: usize| -> f64 { component(self.world.states[0][region * spheres + slot], axis).into() };
-        if self.world.rates.is_empty() {
-            return [at(0), 0.0];
-        }
-        let rate = f64::from(self.world.rates[index as usize * KEPT_WORDS + axis]);
-        let dt = f64::from(dt);
-        [at(0), ((at(1) + 0.5 * dt * rate) * dt).abs()]
+    /// Whether all own spheres have room: with velocity Verlet after the drift of the next step, otherwise at once.
+    fn has_room(&self, simulation: &Simulation, dt: f32) -> bool {
+        let (world, axis) = (&simulation.world, self.shared.axis);
+        self.shared.own.iter().zip(&self.shared.starts).all(|(index, start)| {
+            let slot = self.slots[*index as usize] as usize;
+            let at = |region: usize| f64::from(world.states[0][region * self.slots.len() + slot].to_array()[axis]);
+            let rate = world.rates.get(*index as usize * KEPT_WORDS + axis);
+            let dt = f64::from(dt);
+            let drift = rate.map_or(0.0, |rate| ((at(1) + 0.5 * dt * f64::from(*rate)) * dt).abs());
+            (at(0) - f64::from(*start)).abs() + drift <= self.shared.room
+        })
     }
+}
 
-    /// Says which spheres belong to this process, by insertion index. Only the contacts of those are counted.
-    pub(crate) fn set_own(&mut self, own: Vec<bool>) {
-        self.world.own = own;
-    }
-
+impl Simulation {
     /// The springs of all contacts, by their handles.
     pub(crate) fn kept_springs(&mut self) -> Result<Vec<KeptSpring>> {
-        engine::block_on(None, self.springs())
+        let waiter = self.engine.waiter();
+        engine::block_on(waiter, self.springs())
     }
 
     /// Gives a checkpoint what the steps so far have left beyond the state of the spheres and the settings of lists.
@@ -139,8 +213,4 @@ impl Simulation {
     pub(crate) fn has_friction_impulses(&self) -> bool {
         self.world.step.traits().friction_impulses
     }
-}
-
-fn component(row: Vec4, axis: usize) -> f32 {
-    row.to_array()[axis]
 }

@@ -105,6 +105,14 @@ impl Verdicts {
         }
     }
 
+    /// Number of threads that may run broken kernels, each with a device of its own.
+    pub(crate) fn threads(&self) -> usize {
+        if self.mode != Mode::Record {
+            return 2;
+        }
+        std::thread::available_parallelism().map_or(2, |cores| cores.get().clamp(2, 12))
+    }
+
     /// Whether one of the trials rejects the kernel, in this run or in the one that wrote the file. `what` names the mistake. Also true
     /// for a kernel that is left to another run.
     pub(crate) fn rejects<T>(

@@ -2,10 +2,10 @@
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::error::{Error, Result};
-use crate::exec::gpu::exchangers::Exchangers;
+use crate::exec::gpu::copiers::Copiers;
 use crate::exec::gpu::fault::{Faults, catch};
 use crate::exec::gpu::kernel::Kernel;
 #[cfg(not(target_family = "wasm"))]
@@ -27,7 +27,8 @@ struct Inner {
     queue: wgpu::Queue,
     faults: Faults,
     kernels: Mutex<HashMap<KernelKey, KernelSlot>>,
-    exchangers: OnceLock<Arc<Exchangers>>,
+    /// By the first of their entry points.
+    copiers: Mutex<HashMap<&'static str, Arc<Copiers>>>,
 }
 
 /// Name of the stage, variant, number of chunks of each array, text of the program's laws.
@@ -228,7 +229,8 @@ impl Gpu {
     }
 
     fn with(device: wgpu::Device, queue: wgpu::Queue, faults: Faults) -> Self {
-        Self { inner: Arc::new(Inner { device, queue, faults, kernels: Mutex::default(), exchangers: OnceLock::new() }) }
+        let (kernels, copiers) = (Mutex::default(), Mutex::default());
+        Self { inner: Arc::new(Inner { device, queue, faults, kernels, copiers }) }
     }
 
     /// The device.
@@ -269,12 +271,29 @@ impl Gpu {
     }
 
     /// The kernels of [`Table`](crate::exec::gpu::Table), compiled at their first use.
-    pub(super) fn exchangers(&self) -> Result<Arc<Exchangers>> {
-        if let Some(known) = self.inner.exchangers.get() {
+    pub(super) fn exchangers(&self) -> Result<Arc<Copiers>> {
+        self.copiers(wgpu::include_wgsl!("exchange.wgsl"), 5, ["gather", "scatter", "check"])
+    }
+
+    /// The kernels for the rows of spheres that several processes share, compiled at their first use.
+    #[cfg(any(test, feature = "mpi"))]
+    pub(super) fn sharers(&self) -> Result<Arc<Copiers>> {
+        self.copiers(wgpu::include_wgsl!("share.wgsl"), 7, ["take", "put", "look"])
+    }
+
+    fn copiers(
+        &self,
+        file: wgpu::ShaderModuleDescriptor<'_>,
+        bindings: u32,
+        entry_points: [&'static str; 3],
+    ) -> Result<Arc<Copiers>> {
+        let mut copiers = self.inner.copiers.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = copiers.get(entry_points[0]) {
             return Ok(Arc::clone(known));
         }
-        let made = Arc::new(catch(self.device(), || Exchangers::new(self.device()))?);
-        Ok(Arc::clone(self.inner.exchangers.get_or_init(|| made)))
+        let made = Arc::new(catch(self.device(), || Copiers::new(self.device(), file, bindings, entry_points))?);
+        copiers.insert(entry_points[0], Arc::clone(&made));
+        Ok(made)
     }
 
     fn kernels(&self) -> MutexGuard<'_, HashMap<KernelKey, KernelSlot>> {

@@ -4,7 +4,6 @@
 use bytemuck::{Pod, Zeroable, bytes_of};
 
 use crate::error::{Error, Result};
-use crate::exec::gpu::exchangers::Exchangers;
 use crate::exec::gpu::fault::catch;
 use crate::exec::gpu::memory::{READ_BACK, make_buffer};
 use crate::exec::gpu::wait::Mapped;
@@ -87,7 +86,7 @@ impl GpuWorld {
             });
         }
         let mut encoder = self.encoder();
-        self.encode_exchange(&mut encoder, table, into, None, |kernels| &kernels.gather)?;
+        self.encode_exchange(&mut encoder, table, into, None, "gather")?;
         Ok(self.gpu().queue().submit([encoder.finish()]))
     }
 
@@ -100,7 +99,7 @@ impl GpuWorld {
             let topology = self.buffer(Buffer::Topology)?;
             catch(self.gpu().device(), || encoder.copy_buffer_to_buffer(from, 0, topology, at, bytes))?;
         } else {
-            self.encode_exchange(&mut encoder, table, from, None, |kernels| &kernels.scatter)?;
+            self.encode_exchange(&mut encoder, table, from, None, "scatter")?;
         }
         Ok(self.gpu().queue().submit([encoder.finish()]))
     }
@@ -116,7 +115,7 @@ impl GpuWorld {
         let staging = make_buffer(device, "first bad row", 4, READ_BACK)?;
         let mut encoder = self.encoder();
         self.gpu().queue().write_buffer(&found, 0, &u32::MAX.to_le_bytes());
-        self.encode_exchange(&mut encoder, table, buffer, Some(&found), |kernels| &kernels.check)?;
+        self.encode_exchange(&mut encoder, table, buffer, Some(&found), "check")?;
         encoder.copy_buffer_to_buffer(&found, 0, &staging, 0, 4);
         let submission = catch(device, || self.gpu().queue().submit([encoder.finish()]))?;
         let view = Mapped::read(&staging, self.gpu().faults()).after(submission).bytes("the check of a table").await?;
@@ -126,7 +125,7 @@ impl GpuWorld {
         }
     }
 
-    fn encoder(&self) -> wgpu::CommandEncoder {
+    pub(super) fn encoder(&self) -> wgpu::CommandEncoder {
         self.gpu().device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
@@ -149,7 +148,7 @@ impl GpuWorld {
         table: Table,
         buffer: &wgpu::Buffer,
         found: Option<&wgpu::Buffer>,
-        kernel: impl Fn(&Exchangers) -> &wgpu::ComputePipeline,
+        kernel: &str,
     ) -> Result<()> {
         self.check_size(table, buffer)?;
         let step = self.step();
@@ -173,20 +172,9 @@ impl GpuWorld {
         let across = device.limits().max_compute_workgroups_per_dimension;
         catch(device, || {
             queue.write_buffer(&uniform, 0, bytes_of(&block));
-            let entries: Vec<_> = (0..)
-                .zip(buffers)
-                .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
-                .collect();
-            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("exchange"),
-                layout: &kernels.layout,
-                entries: &entries,
-            });
+            let group = kernels.bind(device, &buffers);
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(kernel(&kernels));
-            pass.set_bind_group(0, &group, &[]);
-            let [x, y, z] = rows(step.layout.spheres.div_ceil(THREADS), across);
-            pass.dispatch_workgroups(x, y, z);
+            kernels.dispatch(&mut pass, kernel, &group, rows(step.layout.spheres.div_ceil(THREADS), across));
         })
     }
 }

@@ -74,6 +74,7 @@ impl World {
         push_networks(layout, &fixed, &fixed_rods, &mut topology);
         layout.adjacency_at = adjacency.push(&mut topology, layout.spheres);
         self.topology = topology;
+        self.pack_own();
         let servos = self.set_servos(scene);
         self.set_flags_of_scene(groups | pairs | servos);
         self.set_sweeps(self.step.constants.sweeps);
@@ -98,6 +99,21 @@ fn pack_order(order: &[u32], slots: &[u32], layout: &mut Layout, topology: &mut 
     };
     if !order.is_empty() {
         (layout.insertion_indices_at, layout.slots_at) = (append(order), append(slots));
+    }
+}
+
+impl World {
+    /// Says which spheres belong to this process, by insertion index; none for all of them.
+    pub(crate) fn set_own(&mut self, own: Vec<bool>) {
+        self.own = own;
+        self.pack_own();
+    }
+
+    /// Appends a bit per sphere for [`World::set_own`].
+    fn pack_own(&mut self) {
+        self.step.layout.own_at = if self.own.is_empty() { 0 } else { self.topology.len() as u32 };
+        let word = |own: &[bool]| (0..).zip(own).fold(0, |word, (bit, is_own)| word | u32::from(*is_own) << bit);
+        self.topology.extend(self.own.chunks(u32::BITS as usize).map(word));
     }
 }
 

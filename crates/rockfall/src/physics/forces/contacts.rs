@@ -32,8 +32,6 @@ pub(crate) struct Contacts<'a> {
     pub(crate) lists: &'a Lists<'a>,
     /// The springs before the step. Not read for the law of the thesis.
     pub(crate) histories: Histories<'a>,
-    /// Which spheres belong to this process, by insertion index; empty if all do.
-    pub(crate) own: &'a [bool],
 }
 
 impl Contacts<'_> {
@@ -100,7 +98,7 @@ impl Contacts<'_> {
         let mut sums = [Vec4::ZERO; 2];
         let is_plain = self.view.step.layout.law == LAW_THESIS;
         let done = Ball::new(self.view, sphere).filter(|_| is_plain).map_or(0, |ball| {
-            let mut tally = tally.as_deref_mut().filter(|_| self.owns(sphere));
+            let mut tally = tally.as_deref_mut().filter(|_| self.view.is_own(sphere));
             ball.for_each_near(count, list, |others| add_ball_loads(&ball, others, tally.as_deref_mut(), &mut sums))
         });
         let [force, torque] = sums.map(Vec4::truncate);
@@ -112,16 +110,11 @@ impl Contacts<'_> {
         total
     }
 
-    /// Whether a sphere belongs to this process.
-    fn owns(&self, sphere: u32) -> bool {
-        self.own.is_empty() || self.own[self.view.insertion_index(sphere) as usize]
-    }
-
     /// Whether this process counts the contact of objects a and b, of which a was added first and is a sphere if there are several
     /// processes. The process counts it that owns the first of its moving spheres.
     fn counts(&self, a: u32, b: u32) -> bool {
         let is_moving = |id: u32| id < self.view.step.layout.spheres && !self.view.is_fixed(id);
-        self.own.is_empty() || self.owns(if !is_moving(a) && is_moving(b) { b } else { a })
+        self.view.is_own(if !is_moving(a) && is_moving(b) { b } else { a })
     }
 
     /// Counts the contacts of a fixed sphere, without evaluating their forces.

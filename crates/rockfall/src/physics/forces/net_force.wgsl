@@ -1,4 +1,4 @@
-// requires model/counters.wgsl model/entries.wgsl model/order.wgsl model/step.wgsl
+// requires model/counters.wgsl model/entries.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires
 
 // Net force and torque on a sphere (docs/physics.md section 4), and the counts of its contacts.
@@ -30,17 +30,33 @@ fn no_push() -> Push {
     return Push(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
 }
 
-// Counts a contact, only in the pass that counts and only on the side that was added first.
+// Whether this process counts the contact of sphere a, which was added first, with object b. Of several processes, that one does
+// which owns the first of their moving spheres.
+fn is_counted_here(a: u32, b: u32) -> bool {
+    if step.own_at == 0u {
+        return true;
+    }
+    var first = a;
+    if (b < step.spheres) & (inverse_mass(a) == 0.0) {
+        first = select(a, b, inverse_mass(b) > 0.0);
+    }
+    let index = insertion_index(first);
+    return ((topology[step.own_at + index / 32u] >> (index % 32u)) & 1u) != 0u;
+}
+
+// Counts the contact of sphere i with an entry of its list, only in the pass that counts and only on the side that was added first.
 fn count_push(i: u32, entry: u32, push: Push, net: ptr<function, Net>) {
     if (evaluation() == COUNTED) & (push.overlap > 0.0) {
-        count_if(insertion_index(i) < insertion_index(entry_id(entry)), push, net);
+        count_if(insertion_index(i) < insertion_index(entry_id(entry)), i, entry, push, net);
     }
 }
 
-fn count_if(is_first: bool, push: Push, net: ptr<function, Net>) {
+fn count_if(is_first: bool, i: u32, entry: u32, push: Push, net: ptr<function, Net>) {
     if is_first {
-        (*net).contacts += 1u;
-        (*net).deepest = max((*net).deepest, push.overlap);
+        if is_counted_here(i, entry_id(entry)) {
+            (*net).contacts += 1u;
+            (*net).deepest = max((*net).deepest, push.overlap);
+        }
     }
 }
 

@@ -59,7 +59,7 @@ fn add_law_contacts(i: u32, net: ptr<function, Net>) {
                 continue;
             }
             add_push(met.push, net);
-            count_if(met.is_a, met.push, net);
+            count_if(met.is_a, i, entry, met.push, net);
             if met.owns {
                 put_spring(entry_key(entry_id(entry), entry_feature(entry)), met.spring, &chain);
             }

@@ -88,13 +88,13 @@ pub(super) fn evaluate(
     load: impl Fn(&Contacts, &[Vec4], u32, &mut [Vec4], &mut Owned, Option<&mut Tally>) + Sync,
 ) {
     let table = world.history_words();
-    let World { step, topology, states, user_laws, lists, histories, wrenches, status, own, .. } = world;
+    let World { step, topology, states, user_laws, lists, histories, wrenches, status, .. } = world;
     let counts = pass == step.counted_pass();
     let (first, second) = histories.split_at_mut(table);
     let (before, after) = if status.history_table == 0 { (first, second) } else { (second, first) };
     let view = View::new(step, topology, &states[pass as usize]).at_evaluation(status, pass).with_laws(user_laws);
     let lists = Lists::new(step, lists);
-    let contacts = Contacts { view: &view, lists: &lists, histories: Histories::new(before), own };
+    let contacts = Contacts { view: &view, lists: &lists, histories: Histories::new(before) };
     let mut blocks = blocks_of(&view, movers.clone(), if counts { &mut *after } else { &mut [] });
     let (rods, spheres) = wrenches.split_at_mut(4 * step.layout.rods as usize);
     let (rod_loads, rows, width) = if movers.start == 0 { (&*rods, spheres, 2) } else { (&[][..], rods, 4) };

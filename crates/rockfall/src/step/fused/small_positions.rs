@@ -72,12 +72,7 @@ fn advance(world: &mut World, springs: &mut Springs, pass: u32) {
     let lists = Lists::new(&world.step, &world.lists);
     let mut tally = Tally::default();
     // Stages 2 and 3 are at the same time.
-    springs.evaluate(
-        &Contacts { view: &view, lists: &lists, histories: Histories::new(&[]), own: &[] },
-        pass,
-        pass != 2,
-        &mut tally,
-    );
+    springs.evaluate(&Contacts { view: &view, lists: &lists, histories: Histories::new(&[]) }, pass, pass != 2, &mut tally);
     for sphere in 0..world.step.layout.spheres {
         let next = if view.is_fixed(sphere) {
             Motion::of(&start, sphere)
@@ -106,7 +101,7 @@ fn finish(world: &mut World, springs: &mut Springs) {
         return;
     }
     let mut tally = Tally::default();
-    springs.evaluate(&Contacts { view: last, lists: &lists, histories: Histories::new(&[]), own: &[] }, 3, true, &mut tally);
+    springs.evaluate(&Contacts { view: last, lists: &lists, histories: Histories::new(&[]) }, 3, true, &mut tally);
     let n = world.step.layout.spheres as usize;
     for sphere in 0..world.step.layout.spheres {
         let place = sphere as usize;

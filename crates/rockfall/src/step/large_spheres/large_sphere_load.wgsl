@@ -28,7 +28,7 @@ fn large_push(i: u32, local: u32, partner: u32, own: vec4f, side: Side, entry: u
         return push;
     }
     let met = mover_contact(i, entry);
-    count_if(met.is_a, met.push, net);
+    count_if(met.is_a, i, entry, met.push, net);
     if met.owns {
         new_keys[local] = entry_key(entry_id(entry), entry_feature(entry));
         new_springs[local] = met.spring;

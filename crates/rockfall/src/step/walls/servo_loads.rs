@@ -50,7 +50,7 @@ fn servo_loads(world: &mut World, pass: u32) {
     let before = if status.history_table == 0 { first } else { second };
     let view = View::new(step, topology, &states[pass as usize]).at_evaluation(status, pass).with_laws(user_laws);
     let lists = Lists::new(step, lists);
-    let contacts = Contacts { view: &view, lists: &lists, histories: Histories::new(before), own: &[] };
+    let contacts = Contacts { view: &view, lists: &lists, histories: Histories::new(before) };
     let servos: Vec<ServoRecord> = servos.chunks_exact(SERVO_ROWS as usize).map(ServoRecord::of).collect();
     let movers = step.movers() as usize;
     let of = |mover: u32| {

@@ -1,0 +1,154 @@
+//! Rows of spheres that several processes share (docs/cluster.md), between the arrays of a world and the host.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable, bytes_of, cast_slice, pod_collect_to_vec};
+
+use crate::error::Result;
+use crate::exec::gpu::copiers::Copiers;
+use crate::exec::gpu::fault::catch;
+use crate::exec::gpu::memory::{READ_BACK, make_buffer};
+use crate::exec::gpu::wait::Mapped;
+use crate::exec::gpu::world::{GpuWorld, UNIFORM};
+use crate::model::buffer::Buffer;
+use crate::model::dispatch::rows;
+use crate::model::shared::Shared;
+
+/// Threads per workgroup in `share.wgsl`.
+const THREADS: u32 = 256;
+
+/// The uniform block of `share.wgsl`.
+#[derive(Clone, Copy, Zeroable, Pod)]
+#[repr(C)]
+struct Block {
+    spheres: u32,
+    slots_at: u32,
+    count: u32,
+    width: u32,
+    axis: u32,
+    room: f32,
+    dt: f32,
+    padding: u32,
+}
+
+/// The rows of a dispatch on the device.
+#[derive(Debug)]
+struct Table {
+    count: u32,
+    block: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    words: wgpu::Buffer,
+}
+
+/// The tables on the device of what a process shares.
+#[derive(Debug)]
+pub(crate) struct Link {
+    kernels: Arc<Copiers>,
+    sent: Table,
+    received: Table,
+    own: Table,
+    is_far: wgpu::Buffer,
+    staging: wgpu::Buffer,
+    axis: u32,
+    room: f32,
+    width: u32,
+}
+
+impl Link {
+    /// Makes the tables, for rows of `width` words.
+    ///
+    /// # Errors
+    /// [`Error::Device`](crate::Error::Device) when memory runs out, or an array of the world is larger than one binding may be.
+    pub(crate) fn new(world: &GpuWorld, shared: &Shared, width: usize) -> Result<Self> {
+        let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let device = world.gpu().device();
+        let made = |name: &str, words: usize| make_buffer(device, name, 4 * words.max(1) as u64, storage);
+        let table = |indices: &[u32], width: usize| -> Result<Table> {
+            let table = Table {
+                count: indices.len() as u32,
+                block: make_buffer(device, "shared rows", size_of::<Block>() as u64, UNIFORM)?,
+                indices: made("shared spheres", indices.len())?,
+                words: made("shared rows", width * indices.len())?,
+            };
+            catch(device, || world.gpu().queue().write_buffer(&table.indices, 0, cast_slice(indices)))?;
+            Ok(table)
+        };
+        let own = table(&shared.own, 1)?;
+        catch(device, || world.gpu().queue().write_buffer(&own.words, 0, cast_slice(&shared.starts)))?;
+        let sent = table(&shared.sent.concat(), width)?;
+        let staging = make_buffer(device, "shared rows", sent.words.size() + 4, READ_BACK)?;
+        let received = table(&shared.received.concat(), width)?;
+        let (axis, room, width) = (shared.axis as u32, shared.room as f32, width as u32);
+        let kernels = world.gpu().sharers()?;
+        Ok(Self { kernels, sent, received, own, is_far: made("far", 1)?, staging, axis, room, width })
+    }
+
+    /// Reads the rows that are sent, and whether some own sphere may leave its room in a step of `dt` seconds.
+    ///
+    /// # Errors
+    /// [`Error::Device`](crate::Error::Device) when the device is lost.
+    pub(crate) async fn take(&self, world: &GpuWorld, dt: f32) -> Result<(Vec<u32>, bool)> {
+        let (device, queue) = (world.gpu().device(), world.gpu().queue());
+        let mut encoder = world.encoder();
+        catch(device, || queue.write_buffer(&self.is_far, 0, &[0; 4]))?;
+        self.encode(world, &mut encoder, &self.sent, "take", dt)?;
+        self.encode(world, &mut encoder, &self.own, "look", dt)?;
+        let size = self.sent.words.size();
+        let submission = catch(device, || {
+            encoder.copy_buffer_to_buffer(&self.sent.words, 0, &self.staging, 0, size);
+            encoder.copy_buffer_to_buffer(&self.is_far, 0, &self.staging, size, 4);
+            queue.submit([encoder.finish()])
+        })?;
+        let mapped = Mapped::read(&self.staging, world.gpu().faults()).after(submission);
+        let mut words: Vec<u32> = pod_collect_to_vec(&mapped.bytes("shared rows").await?);
+        self.staging.unmap();
+        let is_far = words.pop().is_some_and(|word| word != 0);
+        words.truncate((self.sent.count * self.width) as usize);
+        Ok((words, is_far))
+    }
+
+    /// Writes the rows that were received. Submits this without waiting for it.
+    ///
+    /// # Errors
+    /// [`Error::Device`](crate::Error::Device) when the device is lost.
+    pub(crate) fn put<'a>(&self, world: &GpuWorld, rows: impl Iterator<Item = &'a [u32]>) -> Result<()> {
+        let (device, queue) = (world.gpu().device(), world.gpu().queue());
+        let mut encoder = world.encoder();
+        catch(device, || {
+            let mut at = 0;
+            for words in rows {
+                queue.write_buffer(&self.received.words, at, cast_slice(words));
+                at += 4 * words.len() as u64;
+            }
+        })?;
+        self.encode(world, &mut encoder, &self.received, "put", 0.0)?;
+        catch(device, || queue.submit([encoder.finish()])).map(drop)
+    }
+
+    fn encode(
+        &self,
+        world: &GpuWorld,
+        encoder: &mut wgpu::CommandEncoder,
+        table: &Table,
+        entry_point: &str,
+        dt: f32,
+    ) -> Result<()> {
+        if table.count == 0 {
+            return Ok(());
+        }
+        let (gpu, layout) = (world.gpu(), &world.step().layout);
+        let Self { axis, room, width, .. } = *self;
+        let (spheres, slots_at) = (layout.spheres, layout.slots_at);
+        let block = Block { spheres, slots_at, count: table.count, width, axis, room, dt, padding: 0 };
+        let arrays = [Buffer::Start, Buffer::Topology, Buffer::Rates].map(|array| world.buffer(array));
+        let [state, topology, rates] = arrays;
+        let buffers = [&table.block, state?, topology?, rates?, &table.indices, &table.words, &self.is_far];
+        let across = gpu.device().limits().max_compute_workgroups_per_dimension;
+        catch(gpu.device(), || {
+            gpu.queue().write_buffer(&table.block, 0, bytes_of(&block));
+            let group = self.kernels.bind(gpu.device(), &buffers);
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            self.kernels.dispatch(&mut pass, entry_point, &group, rows(table.count.div_ceil(THREADS), across));
+        })
+    }
+}

@@ -1,0 +1,117 @@
+// Copies the state of some spheres to and from rows of words, for processes that share a scene (share.rs). All numbers are copied as
+// words, so that no bit changes.
+
+struct Share {
+    // Number of spheres in memory.
+    spheres: u32,
+    // Where the slots of the insertion indices begin in `topology`, or 0 if both are the same.
+    slots_at: u32,
+    // Number of rows of this dispatch.
+    count: u32,
+    // Words of a row: position, its low part, velocity, angular momentum, and with velocity Verlet acceleration and torque.
+    width: u32,
+    // The axis along which spheres are divided.
+    axis: u32,
+    // How far a sphere may move along it, in units.
+    room: f32,
+    // Time step in s.
+    dt: f32,
+}
+
+@group(0) @binding(0) var<uniform> share: Share;
+@group(0) @binding(1) var<storage, read_write> state: array<vec4u>;
+@group(0) @binding(2) var<storage, read_write> topology: array<u32>;
+@group(0) @binding(3) var<storage, read_write> rates: array<u32>;
+// Insertion index of the sphere of each row.
+@group(0) @binding(4) var<storage, read_write> indices: array<u32>;
+// The rows; for `look`, the place of each sphere along the axis when spheres were divided.
+@group(0) @binding(5) var<storage, read_write> words: array<u32>;
+// 1 if a sphere may leave its room.
+@group(0) @binding(6) var<storage, read_write> is_far: atomic<u32>;
+
+const MOTION_WORDS: u32 = 12u;
+const RATE_WORDS: u32 = 6u;
+
+// A thread in a dispatch of several rows of workgroups.
+struct Thread {
+    @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u,
+    @builtin(local_invocation_index) local: u32,
+}
+
+fn row_of(thread: Thread) -> u32 {
+    return (thread.group.y * thread.groups.x + thread.group.x) * 256u + thread.local;
+}
+
+fn slot_of(index: u32) -> u32 {
+    if share.slots_at == 0u {
+        return index;
+    }
+    return topology[share.slots_at + index];
+}
+
+// The region of the state that has part `part` of a row. The low parts of positions are the last region.
+fn region_of(part: u32) -> u32 {
+    return array(0u, 3u, 1u, 2u)[part];
+}
+
+fn vector_in(at: u32) -> vec3u {
+    return vec3u(words[at], words[at + 1u], words[at + 2u]);
+}
+
+@compute @workgroup_size(256)
+fn take(thread: Thread) {
+    let row = row_of(thread);
+    if row >= share.count {
+        return;
+    }
+    let first = row * share.width;
+    let slot = slot_of(indices[row]);
+    for (var part = 0u; part < 4u; part++) {
+        let vector = state[region_of(part) * share.spheres + slot];
+        words[first + 3u * part] = vector.x;
+        words[first + 3u * part + 1u] = vector.y;
+        words[first + 3u * part + 2u] = vector.z;
+    }
+    for (var word = MOTION_WORDS; word < share.width; word++) {
+        words[first + word] = rates[indices[row] * RATE_WORDS + word - MOTION_WORDS];
+    }
+}
+
+@compute @workgroup_size(256)
+fn put(thread: Thread) {
+    let row = row_of(thread);
+    if row >= share.count {
+        return;
+    }
+    let first = row * share.width;
+    let slot = slot_of(indices[row]);
+    for (var part = 0u; part < 4u; part++) {
+        let at = region_of(part) * share.spheres + slot;
+        state[at] = vec4u(vector_in(first + 3u * part), state[at].w);
+    }
+    for (var word = MOTION_WORDS; word < share.width; word++) {
+        rates[indices[row] * RATE_WORDS + word - MOTION_WORDS] = words[first + word];
+    }
+}
+
+// Looks for spheres that are too far from where they were when spheres were divided, also at the next evaluation of forces: with
+// velocity Verlet after a drift, otherwise at once.
+@compute @workgroup_size(256)
+fn look(thread: Thread) {
+    let row = row_of(thread);
+    if row >= share.count {
+        return;
+    }
+    let slot = slot_of(indices[row]);
+    let place = bitcast<f32>(state[slot][share.axis]);
+    var drift = 0.0;
+    if share.width > MOTION_WORDS {
+        let rate = bitcast<f32>(rates[indices[row] * RATE_WORDS + share.axis]);
+        drift = abs((bitcast<f32>(state[share.spheres + slot][share.axis]) + 0.5 * share.dt * rate) * share.dt);
+    }
+    // Not `>`, so that NaN is far, too.
+    if !(abs(place - bitcast<f32>(words[row])) + drift <= share.room) {
+        atomicStore(&is_far, 1u);
+    }
+}
