@@ -133,7 +133,8 @@ impl Survey {
             path.fill(first);
             velocity[1] = velocity[0];
         }
-        let middle = |state: usize| bodies.iter().map(|body| self.paths[*body][state]).sum::<Vec3>() / bodies.len().max(1) as f32;
+        let middle =
+            |state: usize| bodies.iter().map(|body| self.paths[*body][state]).sum::<Vec3>() / bodies.len().max(1) as f32;
         for state in 0..self.paths.first().map_or(0, Vec::len) {
             let moved = middle(state) - middle(0);
             let moved = moved - moved.dot(ignored) * ignored;

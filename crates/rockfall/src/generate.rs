@@ -349,9 +349,10 @@ fn ball_within(random: &mut Random, centre: Vec3, cell: f32, radii: [f32; 2]) ->
     Sphere::new(position, radius).mass((radius / 0.2).powi(3))
 }
 
-/// A drum that turns, of steel, with ends of glass.
+/// A short drum that turns, of steel, with ends of glass.
 fn drum(spheres: u32, seed: u64) -> Result<Scene> {
-    let mut scene = Drum::new(spheres).spin(DRUM_SPIN).scene(seed)?;
+    let drum = Drum { length: 1.2, ..Drum::new(spheres) };
+    let mut scene = drum.spin(DRUM_SPIN).scene(seed)?;
     for id in scene.polygon_ids().collect::<Vec<_>>() {
         scene.set_tag(id, Tag::new().colour(STEEL))?;
     }
@@ -368,7 +369,7 @@ fn pile(spheres: u32, random: &mut Random) -> Result<Scene> {
         scene.add_sphere(ball(random, &cells, index, [0.15, 0.25]))?;
     }
     let half = cells.half_width();
-    tank(&mut scene, [half; 2], cells.top())?;
+    tank(&mut scene, [half; 2], 0.8 * cells.top())?;
     Ok(scene)
 }
 

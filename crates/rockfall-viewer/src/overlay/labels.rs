@@ -52,8 +52,7 @@ impl Labels {
             let ends = [[at[0], top], [at[0], middle[1] + 0.5 * height]];
             self.lines.push(Mark::Line { ends, width: (0.1 * em).max(1.0), colour: self.ink, opacity: 0.7 });
         }
-        let (at, align) =
-            if has_line { ([at[0], middle[1] + 0.5 * height], [0.5, 1.0]) } else { (at, [0.5, 0.5]) };
+        let (at, align) = if has_line { ([at[0], middle[1] + 0.5 * height], [0.5, 1.0]) } else { (at, [0.5, 0.5]) };
         self.texts.push(Mark::Text { text: text.to_owned(), at, align, em, colour: DARK, panel: true });
     }
 
@@ -76,7 +75,7 @@ mod tests {
     #[test]
     fn labels_of_near_balls_do_not_cover_each_other() {
         let mut labels = Labels::new(10.0, DARK);
-        for (at, radius, text) in [([100.0, 100.0], 5.0, "left"), ([112.0, 102.0], 5.0, "right"), ([105.0, 99.0], 30.0, "in")] {
+        for (at, radius, text) in [([100.0, 100.0], 5.0, "left"), ([112.0, 102.0], 5.0, "right"), ([105.0, 84.0], 30.0, "in")] {
             labels.add(at, radius, text);
         }
         let taken = labels.taken.clone();

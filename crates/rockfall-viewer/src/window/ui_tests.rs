@@ -294,7 +294,8 @@ fn the_window_of_the_picked_body_leaves_it_in_view() {
         screen.viewer.session.set_picked(None);
         screen.context.data_mut(|data| data.remove::<rockfall::Body>(id));
         // The ball is at this part of the width, and near the upper edge.
-        let half = screen.viewer.camera.eye.distance(screen.viewer.camera.target) * (0.5 * screen.viewer.camera.field_of_view).tan();
+        let half =
+            screen.viewer.camera.eye.distance(screen.viewer.camera.target) * (0.5 * screen.viewer.camera.field_of_view).tan();
         let axes = screen.viewer.camera.axes();
         let aside = half * ((1.0 - 2.0 * part) * screen.viewer.aspect() * axes.right - 0.6 * axes.up);
         screen.viewer.camera = screen.viewer.camera.looking_at(aside);

@@ -43,7 +43,8 @@ pub(super) fn mixed(spheres: u32, random: &mut Random) -> Result<Scene> {
         scene.add_spring(Spring::new(a, b, 200.0, 2.0 * HALF).damping(1.0))?;
     }
     let half = cells.half_width();
-    tank(&mut scene, [half; 2], cells.top())?;
+    // The bodies fill a small part of their cells, and fall straight down into the tank.
+    tank(&mut scene, [half; 2], 0.6 * cells.top())?;
     Ok(scene)
 }
 
@@ -146,9 +147,9 @@ pub(super) fn chain(spheres: u32, random: &mut Random) -> Result<Scene> {
     for row in 0..chains.div_ceil(places) {
         let last = along(places.min(chains - row * places) - 1);
         let (low, z) = (HEIGHT + 1.1 * LINK_RADIUS, ACROSS * row as f32);
-        // So thin that it does not hide the fixed spheres of the rows behind it.
+        // The fixed spheres of the rows behind it are seen through it.
         let beam = scene.add_box(Cuboid::between([-0.8, low, z - 0.1], [last + 0.8, low + 0.12, z + 0.1]))?;
-        scene.set_tag(beam, Tag::new().look(Look::Wood))?;
+        scene.set_tag(beam, Tag::new().look(Look::Glass))?;
     }
     Ok(scene)
 }

@@ -39,7 +39,7 @@ pub(super) fn clumps(spheres: u32, random: &mut Random) -> Result<Scene> {
     }
     scene.round_positions();
     let half = cells.half_width();
-    tank(&mut scene, [half; 2], cells.top())?;
+    tank(&mut scene, [half; 2], 0.8 * cells.top())?;
     Ok(scene)
 }
 
