@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use rockfall::glam::Vec3;
 use rockfall::{Body, Result, Scene, Simulation, SphereId};
 
 use crate::camera::Camera;
@@ -15,9 +14,11 @@ use crate::sheet::{Sheet, lacks, letters, width_of};
 use crate::whole::{spheres, whole};
 
 mod corner;
+mod labels;
 mod projection;
 
 pub use crate::mark::Mark;
+use labels::Labels;
 use projection::Projection;
 
 /// What is written and drawn over a picture.
@@ -53,8 +54,6 @@ const TRAIL: Rgb = [0x00, 0x72, 0xb2];
 const KEY: f32 = 0.12;
 /// Greatest length of the scale bar, divided by the width of the picture.
 const BAR: f32 = 0.2;
-/// Length of the line between a ball and its label, in heights of letters.
-const LEADER: f32 = 0.8;
 /// Distance of captions from the edges of the picture, and height of the letters of the title, in heights of letters.
 const EDGE: f32 = 0.9;
 const TITLE: f32 = 1.2;
@@ -194,9 +193,13 @@ impl Overlay {
             }
         }
         if self.labels {
-            motion
-                .labels()
-                .for_each(|(place, radius, text)| self.label(&projection, (place, radius), text, 0.75 * em, &mut marks));
+            let mut labels = Labels::new(0.75 * em, self.ink());
+            for (place, radius, text) in motion.labels() {
+                if let Some(at) = projection.place(place) {
+                    labels.add(at, radius * projection.pixels_per_unit_at(place), text);
+                }
+            }
+            marks.extend(labels.marks());
         }
         self.captions(motion, &projection, size, em, &mut marks);
         marks
@@ -205,27 +208,6 @@ impl Overlay {
     /// Colour of lines.
     fn ink(&self) -> Rgb {
         if self.dark { LIGHT } else { DARK }
-    }
-
-    /// The text of a ball: in its middle if the ball is larger than the text, or else above it with a line.
-    fn label(&self, projection: &Projection, (place, radius): (Vec3, f32), text: &str, em: f32, marks: &mut Vec<Mark>) {
-        let Some(at) = projection.place(place) else { return };
-        let radius = radius * projection.pixels_per_unit_at(place);
-        // About the half of the diagonal of the text with its background.
-        let half = 0.5 * (0.6 * em * (text.chars().count() as f32 + 1.0)).hypot(1.6 * em);
-        let text =
-            |at: [f32; 2], align: [f32; 2]| Mark::Text { text: text.to_owned(), at, align, em, colour: DARK, panel: true };
-        if radius > half {
-            return marks.push(text(at, [0.5, 0.5]));
-        }
-        let [top, end] = [at[1] - radius, at[1] - radius - LEADER * em];
-        marks.push(Mark::Line {
-            ends: [[at[0], top], [at[0], end]],
-            width: (0.1 * em).max(1.0),
-            colour: self.ink(),
-            opacity: 0.7,
-        });
-        marks.push(text([at[0], end], [0.5, 1.0]));
     }
 
     /// Lines through the past places of the bodies, in their own colours, which fade with age.

@@ -1,7 +1,7 @@
 //! The places of the bodies over the time of a film, from which the camera is chosen.
 
-use rockfall::Scene;
 use rockfall::glam::Vec3;
+use rockfall::{Body, Scene, SphereId};
 
 use crate::extent::{Extent, extents_of_static_objects};
 use crate::groups::{Group, groups};
@@ -120,6 +120,29 @@ impl Survey {
                 }
             }
         }
+    }
+
+    /// Returns the survey seen from a camera that moves with the middle of some spheres, but not along the unit vector `ignored`: their
+    /// places relative to that middle. Other bodies are where they are in the first state.
+    pub(crate) fn moving_with(&self, scene: &Scene, spheres: &[SphereId], ignored: Vec3) -> Self {
+        let indices = spheres.iter().filter_map(|id| Body::Sphere(*id).index(scene).ok());
+        let bodies: Vec<usize> = indices.filter(|index| index % self.stride == 0).map(|index| index / self.stride).collect();
+        let mut moving = self.clone();
+        for (path, velocity) in moving.paths.iter_mut().zip(&mut moving.velocities) {
+            let first = path[0];
+            path.fill(first);
+            velocity[1] = velocity[0];
+        }
+        let middle =
+            |state: usize| bodies.iter().map(|body| self.paths[*body][state]).sum::<Vec3>() / bodies.len().max(1) as f32;
+        for state in 0..self.paths.first().map_or(0, Vec::len) {
+            let moved = middle(state) - middle(0);
+            let moved = moved - moved.dot(ignored) * ignored;
+            for body in &bodies {
+                moving.paths[*body][state] = self.paths[*body][state] - moved;
+            }
+        }
+        moving
     }
 
     /// Whether the survey has several states of a film.

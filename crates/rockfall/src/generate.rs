@@ -14,7 +14,7 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::error::{Error, Result, quoted};
 use crate::model::layout::max_objects;
-use crate::scene::{Cuboid, RunDefaults, Scene, Sphere};
+use crate::scene::{BoxId, Colour, Cuboid, Look, RunDefaults, Scene, Sphere, Tag};
 use crate::settings::Integrator;
 
 mod benchmark;
@@ -124,7 +124,7 @@ impl Kind {
             Self::Soft => bodies::soft(spheres, &mut random),
             Self::Chain => bodies::chain(spheres, &mut random),
             Self::Hopper => hopper::hopper(spheres, &mut random),
-            Self::Drum => Drum::new(spheres).spin(DRUM_SPIN).scene(seed),
+            Self::Drum => drum(spheres, seed),
             Self::Column => grains::column(spheres, &mut random),
             Self::Vibrated => machines::vibrated(spheres, &mut random),
             Self::ShearCell => machines::shear_cell(spheres, &mut random),
@@ -301,23 +301,39 @@ const THICK: f32 = 2.0;
 
 /// Adds a floor at y = 0 and four thick walls around the y axis, with inner half widths `x` and `z`.
 fn walled_box(scene: &mut Scene, x: f32, z: f32, height: f32) -> Result<()> {
-    box_of(scene, [x, z], height, THICK)
+    box_of(scene, [x, z], height, [THICK; 2]).map(drop)
 }
 
-/// Adds a floor at y = 0 and four walls around the y axis with an inner half width. The walls are a tenth as thick, so that a picture
-/// shows mostly what is between them, and thicker than the distance that the fastest body moves in a step.
-fn thin_box(scene: &mut Scene, half: f32, height: f32) -> Result<()> {
-    box_of(scene, [half, half], height, (0.1 * half).clamp(0.1, THICK))
+/// Colour of machines.
+const STEEL: Colour = Colour([0xa9, 0xb9, 0xc6]);
+/// Colour of the floors of tanks.
+const FLOOR: Colour = Colour([0xb9, 0x8a, 0x56]);
+
+/// Adds a tank around the y axis with inner half widths `x` and `z`: a floor of wood at y = 0, and walls of glass. The walls are a
+/// tenth as thick, so that a picture shows what is between them, and thicker than the distance that the fastest body moves in a step.
+fn tank(scene: &mut Scene, [x, z]: [f32; 2], height: f32) -> Result<()> {
+    let thick = (0.1 * x.min(z)).clamp(0.1, THICK);
+    let boxes = box_of(scene, [x, z], height, [(2.0 * thick).min(THICK), thick])?;
+    furnish(scene, boxes)
 }
 
-fn box_of(scene: &mut Scene, [x, z]: [f32; 2], height: f32, thick: f32) -> Result<()> {
-    let mut add = |min: [f32; 3], max: [f32; 3]| scene.add_box(Cuboid::between(min, max)).map(drop);
+/// Makes the first of five boxes of wood, and the others of glass.
+fn furnish(scene: &mut Scene, boxes: [BoxId; 5]) -> Result<()> {
+    scene.set_tag(boxes[0], Tag::new().look(Look::Wood).colour(FLOOR))?;
+    boxes[1..].iter().try_for_each(|wall| scene.set_tag(*wall, Tag::new().look(Look::Glass)))
+}
+
+/// Adds a floor and four walls, with the thickness of the floor and of the walls.
+fn box_of(scene: &mut Scene, [x, z]: [f32; 2], height: f32, [floor, thick]: [f32; 2]) -> Result<[BoxId; 5]> {
+    let mut add = |min: [f32; 3], max: [f32; 3]| scene.add_box(Cuboid::between(min, max));
     let (x_out, z_out) = (x + thick, z + thick);
-    add([-x_out, -THICK, -z_out], [x_out, 0.0, z_out])?;
-    add([-x_out, 0.0, -z_out], [-x, height, z_out])?;
-    add([x, 0.0, -z_out], [x_out, height, z_out])?;
-    add([-x, 0.0, -z_out], [x, height, -z])?;
-    add([-x, 0.0, z], [x, height, z_out])
+    Ok([
+        add([-x_out, -floor, -z_out], [x_out, 0.0, z_out])?,
+        add([-x_out, 0.0, -z_out], [-x, height, z_out])?,
+        add([x, 0.0, -z_out], [x_out, height, z_out])?,
+        add([-x, 0.0, -z_out], [x, height, -z])?,
+        add([-x, 0.0, z], [x, height, z_out])?,
+    ])
 }
 
 /// A sphere at a random place in its cell. `radii` are the least and greatest radius.
@@ -333,6 +349,19 @@ fn ball_within(random: &mut Random, centre: Vec3, cell: f32, radii: [f32; 2]) ->
     Sphere::new(position, radius).mass((radius / 0.2).powi(3))
 }
 
+/// A short drum that turns, of steel, with ends of glass.
+fn drum(spheres: u32, seed: u64) -> Result<Scene> {
+    let drum = Drum { length: 1.2, ..Drum::new(spheres) };
+    let mut scene = drum.spin(DRUM_SPIN).scene(seed)?;
+    for id in scene.polygon_ids().collect::<Vec<_>>() {
+        scene.set_tag(id, Tag::new().colour(STEEL))?;
+    }
+    for id in scene.box_ids().collect::<Vec<_>>() {
+        scene.set_tag(id, Tag::new().look(Look::Glass))?;
+    }
+    Ok(scene)
+}
+
 fn pile(spheres: u32, random: &mut Random) -> Result<Scene> {
     let mut scene = Scene::new();
     let cells = Cells::new(spheres, 0.56, 0.2);
@@ -340,7 +369,7 @@ fn pile(spheres: u32, random: &mut Random) -> Result<Scene> {
         scene.add_sphere(ball(random, &cells, index, [0.15, 0.25]))?;
     }
     let half = cells.half_width();
-    thin_box(&mut scene, half, cells.top() + 1.0)?;
+    tank(&mut scene, [half; 2], 0.8 * cells.top())?;
     Ok(scene)
 }
 

@@ -13,9 +13,10 @@ use crate::failure::Failure;
 #[cfg(feature = "view")]
 use crate::files;
 
-/// Colours of the masses and springs of a creature.
+/// Colours of the masses and springs of a creature, and of the ground.
 const BALLS: Colour = Colour([0xe0, 0x7b, 0x39]);
 const SPRINGS: Colour = Colour([0x4f, 0x70, 0x8c]);
+const GROUND: Colour = Colour([0xb5, 0xc2, 0xa6]);
 /// Creatures in a gallery at most.
 const GALLERY: usize = 12;
 
@@ -102,6 +103,11 @@ fn scene_text(evolution: &Evolution, genome: &Genome, outcome: &Outcome, title: 
     }
     for id in scene.spring_ids().collect::<Vec<_>>() {
         scene.set_tag(id, Tag::new().colour(SPRINGS))?;
+    }
+    for id in scene.box_ids().collect::<Vec<_>>() {
+        if scene.tag(id)?.is_none() {
+            scene.set_tag(id, Tag::new().colour(GROUND))?;
+        }
     }
     let mut text = format!("# {title}: {}\n", evolve_command(evolution)?);
     let _ = writeln!(

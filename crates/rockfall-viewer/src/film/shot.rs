@@ -51,9 +51,10 @@ impl Shot {
     pub fn new(view: &View, survey: &Survey, scene: &Scene, aspect: f32) -> Result<Option<Self>> {
         let all_around = view.orbit != 0.0;
         let framing_of = |survey: &Survey| Camera::of_survey(survey, scene, aspect, view.from, all_around);
-        // What creatures do later, they do elsewhere, where the camera follows them.
-        let mut framing = match view.follow {
-            Some(Subject::Creatures(_)) => framing_of(&Survey::new(scene)),
+        let ignored = view.follow.as_ref().map_or(Vec3::ZERO, |subject| subject.ignored(scene));
+        let mut framing = match &view.follow {
+            // What creatures do later, they do elsewhere, where the camera follows them.
+            Some(Subject::Creatures(ends)) => framing_of(&survey.moving_with(scene, ends, ignored)),
             _ => framing_of(survey),
         };
         if view.camera.is_none() && view.look_at.is_none() && !matches!(view.follow, Some(Subject::Body(_))) {
@@ -71,7 +72,6 @@ impl Shot {
         }
         let eye = view.camera.unwrap_or(eye);
         let camera = Camera { eye, target, ..framing };
-        let ignored = view.follow.as_ref().map_or(Vec3::ZERO, |subject| subject.ignored(scene));
         Ok((eye != target).then_some(Self { camera, orbit: view.orbit, start, ignored }))
     }
 
@@ -162,6 +162,27 @@ mod tests {
         let later = shot.at(1.0, Some(Vec3::new(6.0, 5.0, 3.0)));
         assert!((later.target - shot.camera().target).distance(Vec3::new(5.0, 0.0, 0.0)) < 1e-5, "{later:?}");
         assert!((later.eye - shot.camera().eye).distance(Vec3::new(5.0, 0.0, 0.0)) < 1e-5, "{later:?}");
+    }
+
+    /// A creature that grows while it walks does not leave the picture.
+    #[test]
+    fn the_camera_of_creatures_shows_what_they_do_in_all_states() {
+        let creature = |middle: f32, half: f32| {
+            let mut scene = Scene::new();
+            let ends = [-half, half].map(|x| scene.add_sphere(Sphere::new([middle + x, 1.0, 0.0], 0.2)).unwrap());
+            scene.add_spring(Spring::new(ends[0], ends[1], 1.0, 1.0).muscle(Muscle::new(0.1, 1.0, 0.0))).unwrap();
+            scene
+        };
+        let distance = |half: f32| {
+            let scene = creature(0.0, 1.0);
+            let mut survey = Survey::new(&scene);
+            survey.add(&creature(50.0, half));
+            let view = View { follow: Subject::creatures(&scene), ..View::default() };
+            let camera = Shot::new(&view, &survey, &scene, 1.5).unwrap().unwrap().camera();
+            camera.eye.distance(camera.target)
+        };
+        let [same, twice] = [1.0, 2.0].map(distance);
+        assert!((1.5..2.5).contains(&(twice / same)) && same < 10.0, "{same} {twice}");
     }
 
     #[test]

@@ -36,12 +36,13 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     let section = |ui: &mut Ui, title: &str, open: bool, add: &mut dyn FnMut(&mut Ui)| {
         egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(open).show(ui, add);
     };
-    section(ui, "Constants", true, &mut |ui| constants_panel::show(ui, viewer));
-    section(ui, "Colours", true, &mut |ui| colours(ui, viewer));
+    // The plots are above the many constants, so that a low window shows them.
     section(ui, "Energy over time", true, &mut |ui| energies(ui, viewer));
     if viewer.session.watch.gauges().back().is_some_and(|last| !last.forces.is_empty()) {
         section(ui, "Forces on walls over time", true, &mut |ui| gauges(ui, viewer));
     }
+    section(ui, "Colours", true, &mut |ui| colours(ui, viewer));
+    section(ui, "Constants", true, &mut |ui| constants_panel::show(ui, viewer));
     section(ui, "Time of the phases", false, &mut |ui| phases(ui, viewer));
 }
 

@@ -2,15 +2,16 @@
 
 use std::collections::VecDeque;
 
-use egui::{Rect, RichText, Ui};
+use egui::{Id, Pos2, Rect, RichText, Ui, Vec2};
 use egui_plot::{Line, PlotPoints};
 use rockfall::glam::Vec3;
 
-use super::panel;
 use super::track::Point;
 use super::viewer::Viewer;
+use super::{marks, panel};
 use crate::palette::Rgb;
 use crate::plot::{Quantity, colours_of};
+use crate::whole::ball;
 
 const WIDTH: f32 = 300.0;
 /// Size of the text of the values, in points.
@@ -18,14 +19,24 @@ const TEXT: f32 = 11.0;
 const PLOT_HEIGHT: f32 = 84.0;
 /// Number of points above which only some are drawn.
 const MOST_POINTS: usize = 1000;
-/// Shows the window if a body is picked. It opens in the upper left corner of the picture, beside its middle.
+/// Distance of the window from the edges of the picture, in points.
+const EDGE: f32 = 8.0;
+/// Height that the window is taken to have before it is shown, in points.
+const HEIGHT: f32 = 400.0;
+
+/// Shows the window if a body is picked. It opens in the upper left corner of the picture, beside its middle, or where that would
+/// cover the body, in the upper right one.
 pub(super) fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
     let Some(facts) = viewer.session.watch.facts().cloned().filter(|_| viewer.session.picked().is_some()) else {
         return;
     };
     let mut open = true;
-    let window = egui::Window::new(&facts.title).id(egui::Id::unique("picked body")).open(&mut open).resizable(false);
-    window.default_pos(area.left_top() + egui::vec2(8.0, 8.0)).constrain_to(area).show(ui.ctx(), |ui| {
+    let id = Id::unique("picked body");
+    let mut window = egui::Window::new(&facts.title).id(id).open(&mut open).resizable(false);
+    if let Some(place) = way_out(ui, area, viewer, id) {
+        window = window.current_pos(place);
+    }
+    window.default_pos(left(area)).constrain_to(area).show(ui.ctx(), |ui| {
         ui.set_width(WIDTH);
         egui::Grid::new("picked").num_columns(2).spacing([8.0, 2.0]).show(ui, |ui| {
             for (name, value) in &facts.values {
@@ -39,6 +50,27 @@ pub(super) fn show(ui: &Ui, area: Rect, viewer: &mut Viewer) {
     if !open {
         viewer.session.set_picked(None);
     }
+}
+
+fn left(area: Rect) -> Pos2 {
+    area.left_top() + Vec2::splat(EDGE)
+}
+
+/// The place to which the window moves when another body is picked that it would cover: the corner on the other side of the picture.
+fn way_out(ui: &Ui, area: Rect, viewer: &Viewer, id: Id) -> Option<Pos2> {
+    let picked = viewer.session.picked()?;
+    let before = ui.data_mut(|data| {
+        let before = data.get_temp(id);
+        data.insert_temp(id, picked);
+        before
+    });
+    let (centre, radius) = ball(viewer.session.simulation_ref().scene(), picked).filter(|_| before != Some(picked))?;
+    let (at, scale) = marks::project(viewer, area, centre)?;
+    let usual = Rect::from_min_size(left(area), egui::vec2(WIDTH, HEIGHT));
+    let present = ui.memory(|memory| memory.area_rect(id)).unwrap_or(usual);
+    let is_left = at.x < area.center().x;
+    let right = area.right_top() + egui::vec2(-EDGE - present.width().max(WIDTH), EDGE);
+    present.expand(radius * scale).contains(at).then_some(if is_left { right } else { left(area) })
 }
 
 /// Plots a quantity of bodies over time, with a colour for each.

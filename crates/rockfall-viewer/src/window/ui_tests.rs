@@ -34,12 +34,13 @@ impl Screen {
         self.frame_of(RawInput { events: events.into_iter().collect(), ..RawInput::default() });
     }
 
-    fn frame_of(&mut self, input: RawInput) {
+    fn frame_of(&mut self, input: RawInput) -> egui::FullOutput {
         let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1280.0, 800.0)));
         let input = RawInput { screen_rect, focused: true, ..input };
         let viewer = &mut self.viewer;
         let mut output = self.context.run_ui(input, |ui| show(ui, viewer, &mut |_, _, _| (TextureId::default(), Vec::new())));
         output.textures_delta.clear();
+        output
     }
 }
 
@@ -280,4 +281,46 @@ fn the_picked_body_is_shown_beside_the_middle() {
     let window = screen.context.memory(|memory| memory.area_rect(egui::Id::unique("picked body"))).unwrap();
     assert!(area.contains_rect(window) && !window.contains(area.center()), "{window} in {area}");
     assert_eq!(picture_of(&screen), area);
+}
+
+/// The window of a picked body does not cover the body, also where it is for the next body that is picked.
+#[test]
+fn the_window_of_the_picked_body_leaves_it_in_view() {
+    let mut screen = Screen::new();
+    let area = picture_of(&screen);
+    let id = egui::Id::unique("picked body");
+    let body = rockfall::Body::Sphere(screen.viewer.session.simulation_ref().scene().sphere_ids().next().unwrap());
+    for part in [0.15, 0.85, 0.1] {
+        screen.viewer.session.set_picked(None);
+        screen.context.data_mut(|data| data.remove::<rockfall::Body>(id));
+        // The ball is at this part of the width, and near the upper edge.
+        let half =
+            screen.viewer.camera.eye.distance(screen.viewer.camera.target) * (0.5 * screen.viewer.camera.field_of_view).tan();
+        let axes = screen.viewer.camera.axes();
+        let aside = half * ((1.0 - 2.0 * part) * screen.viewer.aspect() * axes.right - 0.6 * axes.up);
+        screen.viewer.camera = screen.viewer.camera.looking_at(aside);
+        screen.viewer.session.set_picked(Some(body));
+        screen.frame([]);
+        screen.frame([]);
+        screen.frame([]);
+        let window = screen.context.memory(|memory| memory.area_rect(id)).unwrap();
+        let at = marks::project(&screen.viewer, area, Vec3::ZERO).unwrap().0;
+        assert!(area.contains(at) && area.contains_rect(window) && !window.contains(at), "{part}: {at} in {window}");
+    }
+}
+
+/// A window of 1280 x 800 points shows the plot of the energies without scrolling.
+#[test]
+fn the_plot_of_the_energies_is_in_view() {
+    let mut screen = Screen::new();
+    let output = screen.frame_of(RawInput::default());
+    let height_of = |title: &str| {
+        let found = output.shapes.iter().find_map(|clipped| match &clipped.shape {
+            egui::Shape::Text(text) if text.galley.text() == title => Some(text.pos.y),
+            _ => None,
+        });
+        found.unwrap_or_else(|| panic!("{title} is not shown"))
+    };
+    let [plot, below] = ["Energy over time", "Colours"].map(height_of);
+    assert!(below > plot + 130.0 && below < 800.0, "{plot} {below}");
 }

@@ -2,7 +2,7 @@
 
 use glam::{Mat3, Vec3};
 
-use super::{Cells, Random, ball, thin_box};
+use super::{Cells, Random, ball, tank};
 use crate::error::Result;
 use crate::scene::{Capsule, Cuboid, Look, Rod, Scene, Sphere, SphereId, Spring, Tag};
 
@@ -43,7 +43,8 @@ pub(super) fn mixed(spheres: u32, random: &mut Random) -> Result<Scene> {
         scene.add_spring(Spring::new(a, b, 200.0, 2.0 * HALF).damping(1.0))?;
     }
     let half = cells.half_width();
-    thin_box(&mut scene, half, cells.top() + 1.0)?;
+    // The bodies fill a small part of their cells, and fall straight down into the tank.
+    tank(&mut scene, [half; 2], 0.6 * cells.top())?;
     Ok(scene)
 }
 
@@ -62,13 +63,14 @@ pub(super) fn soft(spheres: u32, random: &mut Random) -> Result<Scene> {
         blob(&mut scene, random, cells.centre(index as u32), BLOB.min(spheres - first))?;
     }
     let half = cells.half_width() + 0.5;
-    thin_box(&mut scene, half, cells.top() + 1.0)?;
+    tank(&mut scene, [half; 2], cells.top())?;
     // Blocks on the floor for the blobs to fall onto, one below every column.
     for column in 0..cells.across * cells.across {
         let at = cells.centre(column) + random.offset(0.3);
         let size = random.between(0.2, 0.4);
         let corner = Vec3::new(at.x - size, 0.0, at.z - size);
-        scene.add_box(Cuboid::between(corner, corner + Vec3::new(2.0 * size, 2.0 * size, 2.0 * size)))?;
+        let block = scene.add_box(Cuboid::between(corner, corner + Vec3::splat(2.0 * size)))?;
+        scene.set_tag(block, Tag::new().look(Look::Plain))?;
     }
     Ok(scene)
 }
@@ -145,8 +147,9 @@ pub(super) fn chain(spheres: u32, random: &mut Random) -> Result<Scene> {
     for row in 0..chains.div_ceil(places) {
         let last = along(places.min(chains - row * places) - 1);
         let (low, z) = (HEIGHT + 1.1 * LINK_RADIUS, ACROSS * row as f32);
-        let beam = scene.add_box(Cuboid::between([-0.8, low, z - 0.15], [last + 0.8, low + 0.3, z + 0.15]))?;
-        scene.set_tag(beam, Tag::new().look(Look::Wood))?;
+        // The fixed spheres of the rows behind it are seen through it.
+        let beam = scene.add_box(Cuboid::between([-0.8, low, z - 0.1], [last + 0.8, low + 0.12, z + 0.1]))?;
+        scene.set_tag(beam, Tag::new().look(Look::Glass))?;
     }
     Ok(scene)
 }

@@ -3,7 +3,7 @@
 use glam::{DVec3, Quat, Vec3};
 
 use super::clumps::turn;
-use super::{Cells, Random, ball, thin_box};
+use super::{Cells, Random, ball, tank};
 use crate::error::Result;
 use crate::scene::{Cuboid, Placement, Scene, Shape, ShapeId, Sphere};
 use crate::settings::Integrator;
@@ -59,7 +59,7 @@ pub(super) fn boxes(spheres: u32, random: &mut Random) -> Result<Scene> {
     }
     scene.round_positions();
     let half = cells.half_width();
-    thin_box(&mut scene, half, cells.top() + 1.0)?;
+    tank(&mut scene, [half; 2], 0.8 * cells.top())?;
     Ok(scene)
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3, Vec4};
 
-use super::{Cells, Random, ball, thin_box};
+use super::{Cells, Random, ball, tank};
 use crate::error::Result;
 use crate::scene::{Placement, Scene, Shape};
 
@@ -39,7 +39,7 @@ pub(super) fn clumps(spheres: u32, random: &mut Random) -> Result<Scene> {
     }
     scene.round_positions();
     let half = cells.half_width();
-    thin_box(&mut scene, half, cells.top() + 1.0)?;
+    tank(&mut scene, [half; 2], 0.8 * cells.top())?;
     Ok(scene)
 }
 

@@ -179,7 +179,8 @@ impl Drum {
             scene.add_polygon(Polygon { motion, ..facet })?;
         }
         let wide = 1.3 * drum;
-        for [from, to] in [[-half - drum, -half], [half, half + drum]] {
+        let thick = 0.2 * drum;
+        for [from, to] in [[-half - thick, -half], [half, half + thick]] {
             let wall = Cuboid::between([-wide, -wide, from], [wide, wide, to]).material(end);
             scene.add_box(Cuboid { motion, ..wall })?;
         }

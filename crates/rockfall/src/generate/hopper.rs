@@ -2,12 +2,11 @@
 
 use glam::Vec3;
 
-use super::{Cells, Random, ball, walled_box};
+use super::{Cells, Random, ball, tank};
 use crate::error::Result;
-use crate::scene::{Colour, Cuboid, Look, Scene, Tag};
+use crate::scene::{BoxId, Colour, Cuboid, Look, Scene, Tag};
 
 const CELL: f32 = 0.42;
-const WALLS: Colour = Colour([0xe4, 0xe7, 0xe9]);
 const SLOPES: Colour = Colour([0xb8, 0x74, 0x3a]);
 
 /// The sizes of a hopper, in units.
@@ -59,30 +58,23 @@ pub(super) fn hopper(spheres: u32, random: &mut Random) -> Result<Scene> {
     for index in 0..spheres {
         scene.add_sphere(ball(random, &cells, index, [0.12, 0.2]))?;
     }
-    walled_box(&mut scene, half, half_depth, cells.top() + 1.0)?;
-    let walls = scene.box_ids().count();
+    tank(&mut scene, [half, half_depth], cells.top())?;
     for side in [-1.0, 1.0] {
         let upper = Vec3::new(side * half, slope_top, 0.0);
         let lower = Vec3::new(side * half_slot, slot_height, 0.0);
-        slope(&mut scene, upper, lower, half_depth)?;
-    }
-    // The slopes would look like parts of the walls.
-    for (index, id) in scene.box_ids().collect::<Vec<_>>().into_iter().enumerate() {
-        let tag =
-            if index < walls { Tag::new().look(Look::Plain).colour(WALLS) } else { Tag::new().look(Look::Wood).colour(SLOPES) };
-        scene.set_tag(id, tag)?;
+        let slope = slope(&mut scene, upper, lower, half_depth)?;
+        scene.set_tag(slope, Tag::new().look(Look::Wood).colour(SLOPES))?;
     }
     Ok(scene)
 }
 
 /// Adds a slab whose upper side runs from `upper` down to `lower` and extends `half_depth` to either side in z.
-fn slope(scene: &mut Scene, upper: Vec3, lower: Vec3, half_depth: f32) -> Result<()> {
-    const THICK: f32 = 1.0;
+fn slope(scene: &mut Scene, upper: Vec3, lower: Vec3, half_depth: f32) -> Result<BoxId> {
+    const THICK: f32 = 0.4;
     let along = lower - upper;
     let across = Vec3::Z * (2.0 * half_depth);
     let normal = along.cross(across).normalize();
     let down = if normal.y > 0.0 { -normal } else { normal };
     let corner = upper - 0.5 * across;
-    scene.add_box(Cuboid::new(corner, along, THICK * down, across))?;
-    Ok(())
+    scene.add_box(Cuboid::new(corner, along, THICK * down, across))
 }

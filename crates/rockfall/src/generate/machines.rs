@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::{DVec3, Vec2, Vec3};
 
 use super::grains::{CELL, DENSITY, GRAVITY, grains, lattice};
-use super::{Cells, Random};
+use super::{Cells, FLOOR, Random, STEEL, furnish};
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::scene::{Colour, Cuboid, Look, MaterialId, Motion, MotionTerm, Pair, Polygon, Scene, Sphere, Tag};
@@ -57,9 +57,10 @@ pub(super) fn vibrated(spheres: u32, random: &mut Random) -> Result<Scene> {
         ([-half, 0.0, -out], [half, top, -half]),
         ([-half, 0.0, half], [half, top, out]),
     ];
-    for (from, to) in walls {
-        scene.add_box(Cuboid::between(from, to).material(material).motion(motion))?;
-    }
+    let mut add = |(from, to)| scene.add_box(Cuboid::between(from, to).material(material).motion(motion));
+    let [floor, left, right, back, front] = walls;
+    let boxes = [add(floor)?, add(left)?, add(right)?, add(back)?, add(front)?];
+    furnish(&mut scene, boxes)?;
     Ok(scene)
 }
 
@@ -89,7 +90,8 @@ pub(super) fn shear_cell(spheres: u32, random: &mut Random) -> Result<Scene> {
     let lid = scene.add_motion(slide("lid", SPEED).and(down))?;
     let mut add = |motion, from: [f32; 2], low: f32, high: f32| {
         let cuboid = Cuboid::between([from[0], low, 0.0], [from[1], high, length]);
-        scene.add_box(cuboid.material(material).motion(motion))
+        let plate = scene.add_box(cuboid.material(material).motion(motion))?;
+        scene.set_tag(plate, Tag::new().look(Look::Plain).colour(STEEL))
     };
     add(base, [0.0, length], -THICK, 0.0)?;
     add(lid, [0.0, length], top, top + THICK)?;
@@ -116,7 +118,8 @@ pub(super) fn mixer(spheres: u32, random: &mut Random) -> Result<Scene> {
     let wall = Mesh::cylinder(radius, height, FACETS)?.transformed(1.0, DVec3::X, -90.0, DVec3::ZERO)?;
     add_glass(&mut scene, &wall, material)?;
     let wide = 1.5 * drum;
-    scene.add_box(Cuboid::between([-wide, -0.2 * drum, -wide], [wide, 0.0, wide]).material(material))?;
+    let floor = scene.add_box(Cuboid::between([-wide, -0.2 * drum, -wide], [wide, 0.0, wide]).material(material))?;
+    scene.set_tag(floor, Tag::new().look(Look::Wood).colour(FLOOR))?;
     let motion = scene.add_motion(Motion::new("blades", MotionTerm::turn(TAU, DVec3::Y, DVec3::ZERO)))?;
     let blades = blades(radius, f64::from(RADIUS))?;
     scene.add_mesh(&blades, |triangle| triangle.material(material).motion(motion))?;
@@ -141,7 +144,7 @@ fn blades(radius: f64, gap: f64) -> Result<Mesh> {
 pub(super) fn screw(spheres: u32, random: &mut Random) -> Result<Scene> {
     const ASPECT: f32 = 6.0;
     const TUBE: Colour = Colour([0xc9, 0xd1, 0xd6]);
-    const SCREW: Colour = Colour([0x7d, 0x8b, 0x99]);
+    const SCREW: Colour = Colour([0xc9, 0x9f, 0x58]);
     let (mut scene, material) = empty()?;
     let cell = 2.0 * CELL * RADIUS;
     let mut tube = (spheres as f32 * cell.powi(3) / ASPECT).cbrt().max(4.0 * cell);

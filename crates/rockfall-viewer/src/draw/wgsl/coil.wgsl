@@ -49,7 +49,9 @@ fn coil_between(end1: vec4f, end2: vec4f, rest: f32) -> Coil {
     coil.line = long * axis;
     let least = select(min(end1.w, end2.w), max(end1.w, end2.w), min(end1.w, end2.w) == 0.0);
     let room = max(rest - sunk.x - sunk.y, 0.25 * long);
-    coil.radius = min(0.36 * least, 0.5 * room);
+    // Of many springs between a few balls, the turns are narrower, so that a lattice is seen and not a tangle.
+    let crowd = clamp(1.5 * f32(frame.spheres) / f32(max(frame.springs, 1u)), 0.3, 1.0);
+    coil.radius = min(0.36 * crowd * least, 0.5 * room);
     // Thin enough that the turns of a spring at rest do not touch.
     coil.wire = min(0.18 * coil.radius, 0.17 * room / TURNS);
     return coil;

@@ -70,16 +70,44 @@ fn wood(point: vec3f, width: f32) -> f32 {
     return 1.08 - 0.40 * mix(0.42, late, detail(width, 0.4)) - 0.24 * fibre * detail(width, 0.06);
 }
 
+/// Returns the product of an offset from a corner of the grid with the slope of the noise there, one of twelve directions.
+fn rise(corner: vec3i, away: vec3f) -> f32 {
+    let code = u32(15.99 * grid_hash(corner));
+    let first = select(away.y, away.x, code < 8u);
+    let second = select(select(away.z, away.x, code == 12u || code == 14u), away.y, code < 4u);
+    return select(first, -first, (code & 1u) != 0u) + select(second, -second, (code & 2u) != 0u);
+}
+
+/// Returns smooth noise around 0 with a period of about 1 unit and without the blocks of `noise` (gradient noise, Perlin 2002).
+fn gradient_noise(point: vec3f) -> f32 {
+    let low = floor(point);
+    let part = point - low;
+    let weight = part * part * part * (part * (part * 6.0 - 15.0) + 10.0);
+    let at = vec3i(low);
+    var sums: array<f32, 4>;
+    for (var row = 0; row < 4; row++) {
+        let corner = vec3i(0, row & 1, row >> 1u);
+        let away = part - vec3f(corner);
+        sums[row] = mix(rise(at + corner, away), rise(at + corner + vec3i(1, 0, 0), away - vec3f(1.0, 0.0, 0.0)), weight.x);
+    }
+    return mix(mix(sums[0], sums[1], weight.y), mix(sums[2], sums[3], weight.y), weight.z);
+}
+
+/// A rotation that takes no axis near another, so that no two octaves of noise have the same grid.
+const TILT: mat3x3f = mat3x3f(0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6);
+
 /// Returns the brightness of stone: noise of several sizes, and dark grains.
 fn stone(point: vec3f, width: f32) -> f32 {
     var sum = 0.0;
     var size = 1.0;
+    var place = TILT * (1.6 * point);
     for (var octave = 0; octave < 4; octave++) {
-        sum += 0.5 * size * (noise(1.6 * point / size + 13.0 * f32(octave)) - 0.5) * detail(width, size / 1.6);
-        size *= 0.5;
+        sum += 0.36 * size * gradient_noise(place) * detail(width, size / 1.6);
+        size *= 0.55;
+        place = TILT * (place / 0.55 + 13.0);
     }
-    let grains = smoothstep(0.70, 0.82, noise(11.0 * point)) * detail(width, 0.09);
-    return 0.97 + 1.1 * sum - 0.30 * grains;
+    let grains = smoothstep(0.30, 0.50, gradient_noise(TILT * (12.0 * point))) * detail(width, 0.08);
+    return 0.97 + sum - 0.34 * grains;
 }
 
 /// Returns the brightness of a look at a point in the coordinates of the body.
@@ -107,7 +135,7 @@ fn pattern_offset(number: u32) -> vec3f {
 fn glass(colour: vec3f, normal: vec3f, view: vec3f, edge: f32) -> vec4f {
     let facing = abs(dot(normal, view));
     let graze = pow(1.0 - facing, 3.0);
-    let opacity = mix(mix(0.20, 0.62, graze), 0.85, edge);
+    let opacity = mix(mix(0.07, 0.55, graze), 0.80, edge);
     let sky = mix(frame.horizon, frame.zenith, smoothstep(-0.3, 0.7, reflect(-view, normal).y));
     let body = mix(mix(0.78 * colour, sky, 0.35 * graze), 0.38 * colour, edge);
     let half_way = normalize(view + frame.light);
