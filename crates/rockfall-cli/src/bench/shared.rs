@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::time::Instant;
 
 use rockfall::Simulation;
-use rockfall::cluster::{Cluster, Processes, Ranks as _, Work};
+use rockfall::cluster::{Cluster, Processes, Work};
 use serde_json::{Value, json};
 
 use crate::bench::drum::Arguments;

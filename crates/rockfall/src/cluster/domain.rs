@@ -34,6 +34,13 @@ impl Domain {
         Self { axis, owners, extents }
     }
 
+    /// The mean thickness of the slabs, in units; 0 without moving spheres.
+    pub(super) fn thickness(&self) -> f64 {
+        let start = self.extents.iter().map(|extent| *extent.start()).fold(f64::INFINITY, f64::min);
+        let end = self.extents.iter().map(|extent| *extent.end()).fold(f64::NEG_INFINITY, f64::max);
+        (end - start).max(0.0) / self.extents.len() as f64
+    }
+
     /// Whether a process that does not own a sphere needs a copy of it: the sphere moves, and is within `depth` units of a sphere that the
     /// process owns, as far as the axis tells.
     pub(super) fn needs_copy(&self, rank: usize, sphere: &Sphere, depth: f64) -> bool {
@@ -64,6 +71,7 @@ mod tests {
         let spheres: Vec<Sphere> = (0..10_u8).map(|k| Sphere::new([0.0, 10.0 - f32::from(k), 0.5], 0.1)).collect();
         let domain = Domain::of(&spheres, 3);
         assert_eq!(domain.axis, 1);
+        assert_eq!(domain.thickness(), 3.0);
         assert_eq!(domain.owners, [2, 2, 2, 2, 1, 1, 1, 0, 0, 0]);
         assert!(domain.needs_copy(0, &spheres[6], 1.0) && !domain.needs_copy(0, &spheres[5], 1.0));
     }

@@ -13,6 +13,9 @@ use crate::simulation::share::Rows;
 
 /// Least distance that a sphere may move until spheres are divided again, in radii of the largest one.
 const LEAST_ROOM: f64 = 0.5;
+/// The same as a fraction of the mean thickness of the slabs: a division takes as long as very many steps, and more copies are few in a thick
+/// slab.
+const SHARE_OF_SLAB: f64 = 0.02;
 /// Steps for which the room lasts at least at the present speeds.
 const STEPS_OF_ROOM: f64 = 4.0;
 
@@ -36,7 +39,7 @@ impl Part {
     pub(super) fn new(before: Option<Self>, whole: &Checkpoint, [rank, size]: [usize; 2], reach: f64, dt: f32) -> Result<Self> {
         let spheres = whole.scene.spheres();
         let domain = Domain::of(spheres, size);
-        let (room, depth) = room_and_depth(whole, domain.axis, reach, dt);
+        let (room, depth) = room_and_depth(whole, &domain, reach, dt);
         let is_here = |index: usize| {
             let sphere = &spheres[index];
             domain.owners[index] as usize == rank || sphere.fixed || domain.needs_copy(rank, sphere, depth)
@@ -144,15 +147,16 @@ impl Part {
 
 /// How far spheres may move along an axis until they are divided again, and how far from the own spheres of a process others are copied,
 /// in units.
-fn room_and_depth(whole: &Checkpoint, axis: usize, reach: f64, dt: f32) -> (f64, f64) {
+fn room_and_depth(whole: &Checkpoint, domain: &Domain, reach: f64, dt: f32) -> (f64, f64) {
     let moving = || whole.scene.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed);
     let radius = moving().map(|(_, sphere)| f64::from(sphere.radius)).fold(0.0, f64::max);
     let speed = moving().map(|(index, sphere)| {
-        let rate = whole.rates.get(index).map_or(0.0, |rates| rates[axis]);
-        f64::from(sphere.velocity.to_array()[axis].abs() + 0.5 * dt * rate.abs())
+        let rate = whole.rates.get(index).map_or(0.0, |rates| rates[domain.axis]);
+        f64::from(sphere.velocity.to_array()[domain.axis].abs() + 0.5 * dt * rate.abs())
     });
     let fastest = speed.fold(0.0, f64::max);
-    let room = (LEAST_ROOM * radius).max(STEPS_OF_ROOM * fastest * f64::from(dt));
+    let least = (LEAST_ROOM * radius).max(SHARE_OF_SLAB * domain.thickness());
+    let room = least.max(STEPS_OF_ROOM * fastest * f64::from(dt));
     (room, 2.0 * radius * reach + 2.0 * room)
 }
 

@@ -106,6 +106,7 @@ impl Verdicts {
     }
 
     /// Number of threads that may run broken kernels, each with a device of its own.
+    #[allow(dead_code, reason = "the worlds are run one after the other")]
     pub(crate) fn threads(&self) -> usize {
         if self.mode != Mode::Record {
             return 2;
