@@ -15,7 +15,7 @@ use crate::simulation::share::Rows;
 const LEAST_ROOM: f64 = 0.5;
 /// The same as a fraction of the mean thickness of the slabs: a division takes as long as very many steps, and more copies are few in a thick
 /// slab.
-const SHARE_OF_SLAB: f64 = 0.02;
+const SHARE_OF_SLAB: f64 = 0.005;
 /// Steps for which the room lasts at least at the present speeds.
 const STEPS_OF_ROOM: f64 = 4.0;
 

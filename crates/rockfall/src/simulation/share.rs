@@ -85,14 +85,7 @@ impl Rows {
     pub(crate) fn take(&mut self, simulation: &Simulation, dt: f32, to: &mut [Vec<u32>]) -> Result<bool> {
         #[cfg(feature = "gpu")]
         if let (Some(link), Some(world)) = (&self.link, simulation.engine.gpu_world()) {
-            let (words, is_far) = engine::block_on(simulation.engine.waiter(), link.take(world, dt))?;
-            let mut rest = &words[..];
-            for message in to {
-                let (mine, others) = rest.split_at(message.len());
-                message.copy_from_slice(mine);
-                rest = others;
-            }
-            return Ok(!is_far);
+            return engine::block_on(simulation.engine.waiter(), link.take(world, dt, to)).map(|is_far| !is_far);
         }
         self.find(simulation);
         for (words, sent) in to.iter_mut().zip(&self.shared.sent) {
@@ -107,8 +100,8 @@ impl Rows {
     pub(crate) fn put(&mut self, simulation: &mut Simulation, from: &[Vec<u32>]) -> Result<()> {
         simulation.synced = false;
         #[cfg(feature = "gpu")]
-        if let (Some(link), Some(world)) = (&self.link, simulation.engine.gpu_world()) {
-            return link.put(world, from.iter().map(Vec::as_slice));
+        if let (Some(link), Some(world)) = (&mut self.link, simulation.engine.gpu_world()) {
+            return link.put(world, from);
         }
         for (words, received) in from.iter().zip(&self.shared.received) {
             let rows = words.chunks_exact(self.width).zip(received);

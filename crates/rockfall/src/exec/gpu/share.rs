@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable, bytes_of, cast_slice, pod_collect_to_vec};
+use bytemuck::{Pod, Zeroable, bytes_of, cast_slice, cast_slice_mut};
+use wgpu::BufferSize;
+use wgpu::util::StagingBelt;
 
 use crate::error::Result;
 use crate::exec::gpu::copiers::Copiers;
@@ -48,7 +50,10 @@ pub(crate) struct Link {
     received: Table,
     own: Table,
     is_far: wgpu::Buffer,
+    /// Takes rows to the host.
     staging: wgpu::Buffer,
+    /// Takes rows to the device.
+    belt: StagingBelt,
     axis: u32,
     room: f32,
     width: u32,
@@ -80,14 +85,15 @@ impl Link {
         let received = table(&shared.received.concat(), width)?;
         let (axis, room, width) = (shared.axis as u32, shared.room as f32, width as u32);
         let kernels = world.gpu().sharers()?;
-        Ok(Self { kernels, sent, received, own, is_far: made("far", 1)?, staging, axis, room, width })
+        let belt = StagingBelt::new(device.clone(), received.words.size());
+        Ok(Self { kernels, sent, received, own, is_far: made("far", 1)?, staging, belt, axis, room, width })
     }
 
-    /// Reads the rows that are sent, and whether some own sphere may leave its room in a step of `dt` seconds.
+    /// Reads the rows that are sent to each process. Returns whether some own sphere may leave its room in a step of `dt` seconds.
     ///
     /// # Errors
     /// [`Error::Device`](crate::Error::Device) when the device is lost.
-    pub(crate) async fn take(&self, world: &GpuWorld, dt: f32) -> Result<(Vec<u32>, bool)> {
+    pub(crate) async fn take(&self, world: &GpuWorld, dt: f32, to: &mut [Vec<u32>]) -> Result<bool> {
         let (device, queue) = (world.gpu().device(), world.gpu().queue());
         let mut encoder = world.encoder();
         catch(device, || queue.write_buffer(&self.is_far, 0, &[0; 4]))?;
@@ -100,29 +106,41 @@ impl Link {
             queue.submit([encoder.finish()])
         })?;
         let mapped = Mapped::read(&self.staging, world.gpu().faults()).after(submission);
-        let mut words: Vec<u32> = pod_collect_to_vec(&mapped.bytes("shared rows").await?);
+        let view = mapped.bytes("shared rows").await?;
+        let mut at = 0;
+        for message in to {
+            let bytes: &mut [u8] = cast_slice_mut(message);
+            bytes.copy_from_slice(&view[at..at + bytes.len()]);
+            at += bytes.len();
+        }
+        let is_far = view[size as usize] != 0;
+        drop(view);
         self.staging.unmap();
-        let is_far = words.pop().is_some_and(|word| word != 0);
-        words.truncate((self.sent.count * self.width) as usize);
-        Ok((words, is_far))
+        Ok(is_far)
     }
 
     /// Writes the rows that were received. Submits this without waiting for it.
     ///
     /// # Errors
     /// [`Error::Device`](crate::Error::Device) when the device is lost.
-    pub(crate) fn put<'a>(&self, world: &GpuWorld, rows: impl Iterator<Item = &'a [u32]>) -> Result<()> {
+    pub(crate) fn put(&mut self, world: &GpuWorld, from: &[Vec<u32>]) -> Result<()> {
         let (device, queue) = (world.gpu().device(), world.gpu().queue());
         let mut encoder = world.encoder();
         catch(device, || {
             let mut at = 0;
-            for words in rows {
-                queue.write_buffer(&self.received.words, at, cast_slice(words));
-                at += 4 * words.len() as u64;
+            for bytes in from.iter().map(|words| cast_slice::<u32, u8>(words)) {
+                if let Some(size) = BufferSize::new(bytes.len() as u64) {
+                    let mut view = self.belt.write_buffer(&mut encoder, &self.received.words, at, size);
+                    view.copy_from_slice(bytes);
+                    at += size.get();
+                }
             }
+            self.belt.finish();
         })?;
         self.encode(world, &mut encoder, &self.received, "put", 0.0)?;
-        catch(device, || queue.submit([encoder.finish()])).map(drop)
+        catch(device, || queue.submit([encoder.finish()]))?;
+        self.belt.recall();
+        Ok(())
     }
 
     fn encode(
