@@ -166,7 +166,7 @@ fn broken(Mistake(right, wrong): &Mistake) -> &'static Stage {
 fn key_of_input() -> Key {
     let mut key = Key::of_code(&[include_str!("broken.rs"), include_str!("../../src/step/wgsl.rs")]);
     for scene in scenes() {
-        key.add(format!("{scene:?}"));
+        key.add(scene.to_text());
         for integrator in INTEGRATORS {
             key.add(format!("{:?}", bits(&seen_alone(&scene, integrator, Backend::Cpu))));
         }
