@@ -84,6 +84,8 @@ impl Arguments {
 pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
     match &arguments.other {
         Some(Other::Worlds(arguments)) => return worlds::bench(arguments),
+        #[cfg(feature = "mpi")]
+        Some(Other::Drum(arguments)) if shared::bench(arguments)? => return Ok(()),
         Some(Other::Drum(arguments)) => return drum::bench(arguments),
         None => {}
     }

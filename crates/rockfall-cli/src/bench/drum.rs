@@ -236,10 +236,6 @@ impl Arguments {
 }
 
 pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
-    #[cfg(feature = "mpi")]
-    if super::shared::bench(arguments)? {
-        return Ok(());
-    }
     let sizes = arguments.grains.iter().map(|grains| arguments.measure(*grains)).collect::<Result<Vec<_>, _>>()?;
     output::print(&if arguments.json { arguments.object(&sizes)? } else { arguments.table(&sizes) })
 }
