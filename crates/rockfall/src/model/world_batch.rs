@@ -10,7 +10,7 @@ use crate::model::world_sizes::WorldSizes;
 /// a little, and fewer are slower.
 const MANY_WORLDS: u32 = 2048;
 /// Bytes of workgroup memory for worlds that share a workgroup. With less, a device runs more workgroups at a time.
-const GROUP_BYTES: u32 = 8192;
+const GROUP_BYTES: u32 = 8448;
 
 /// The worlds for which the kernel `run_worlds` is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

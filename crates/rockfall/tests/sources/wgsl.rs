@@ -110,8 +110,8 @@ fn wgsl_below(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Modules of their own, which are no part of a step. `tests/engine/exchange.rs` and `tests/worlds` run them.
-const OWN_MODULES: [&str; 2] = ["exec/gpu/exchange.wgsl", "exec/gpu/world_lengths.wgsl"];
+/// Modules of their own, which are no part of a step. `tests/engine/exchange.rs`, `cluster/tests.rs` and `tests/worlds` run them.
+const OWN_MODULES: [&str; 3] = ["exec/gpu/exchange.wgsl", "exec/gpu/share.wgsl", "exec/gpu/world_lengths.wgsl"];
 
 #[test]
 fn every_file_belongs_to_a_stage_or_is_shared() {
