@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 const INSTALL: &str = "this test needs Xvfb and xdotool: apt-get install xvfb xdotool libxkbcommon-x11-0, or run scripts/test";
 /// Longest time to wait for a change. A window on software Vulkan is slow.
-const PATIENCE: Duration = Duration::from_secs(120);
+const PATIENCE: Duration = Duration::from_secs(300);
 
 /// A virtual display.
 pub(crate) struct Display {
