@@ -114,10 +114,10 @@ impl Rows {
     pub(crate) fn own_rows(&mut self, simulation: &mut Simulation) -> Result<Vec<Row>> {
         let waiter = simulation.engine.waiter();
         let Simulation { engine, world, .. } = simulation;
-        engine::block_on(waiter.clone(), engine.download_spheres(world))?;
-        if !world.rates.is_empty() {
-            engine::block_on(waiter, engine.download_rates(world))?;
-        }
+        engine::block_on(waiter, async {
+            engine.download_spheres(world).await?;
+            if world.rates.is_empty() { Ok(()) } else { engine.download_rates(world).await }
+        })?;
         self.find(simulation);
         Ok(self.shared.own.iter().map(|index| self.row(simulation, *index)).collect())
     }
