@@ -280,3 +280,9 @@ pub(crate) fn torques<const N: usize>(loads: &[Load], expected: [[f64; 3]; N], t
         near(load.torque, expected, tolerance, &format!("torque on sphere {index}"));
     }
 }
+
+/// A simulation of a scene on a backend.
+pub(crate) fn open(scene: Scene, backend: Backend, integrator: Integrator) -> Simulation {
+    let options = Options::new().backend(backend).integrator(integrator);
+    Simulation::with_options(scene, options).expect("the simulation opens")
+}

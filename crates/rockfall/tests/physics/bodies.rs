@@ -2,18 +2,12 @@
 
 use rockfall::glam::{DVec3, Quat, Vec3};
 use rockfall::{
-    Backend, ContactLaw, Cuboid, Integrator, Material, MaterialId, Options, Pair, Placement, RigidBody, Scene, Shape,
-    Simulation, Sphere,
+    Backend, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Placement, RigidBody, Scene, Shape, Simulation, Sphere,
 };
 
-use crate::common::with;
+use crate::common::{open, with};
 
 const INTEGRATORS: [Integrator; 3] = [Integrator::Rk4, Integrator::SymplecticEuler, Integrator::VelocityVerlet];
-
-fn open(scene: Scene, backend: Backend, integrator: Integrator) -> Simulation {
-    let options = Options::new().backend(backend).integrator(integrator);
-    Simulation::with_options(scene, options).expect("the simulation opens")
-}
 
 /// A scene without gravity and collisions.
 fn free() -> Scene {

@@ -3,14 +3,10 @@
 use rockfall::glam::DVec3;
 use rockfall::{
     Backend, Checkpoint, ContactLaw, Cuboid, Gauge, GaugeReading, Integrator, Material, MaterialId, Meter, Motion, MotionTerm,
-    Muscle, Options, Pair, Polygon, Scene, Simulation, Sphere, Spring, Tag, WallLoad,
+    Muscle, Pair, Polygon, Scene, Simulation, Sphere, Spring, Tag, WallLoad,
 };
 
-use crate::common::{close, near, on, spheres, with};
-
-fn open(scene: Scene, backend: Backend, integrator: Integrator) -> Simulation {
-    Simulation::with_options(scene, Options::new().backend(backend).integrator(integrator)).expect("the simulation opens")
-}
+use crate::common::{close, near, on, open, spheres, with};
 
 /// A scene with a law with history, and its only material.
 fn grains(law: ContactLaw, e: f32, friction: f32, gravity: f32) -> (Scene, MaterialId) {

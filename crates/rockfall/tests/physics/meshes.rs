@@ -6,11 +6,11 @@ use rockfall::{
     Polygon, Scene, Simulation, Sphere, SphereState,
 };
 
-use crate::common::{bits, close, near, on, with};
+use crate::common::{bits, close, near, on, open, with};
 use crate::faults::scenes::{Random, in_gravity, kinetic};
 
 /// A scene of smooth elastic bodies without gravity. All contacts that approach collide.
-fn elastic() -> Scene {
+pub(crate) fn elastic() -> Scene {
     with(|settings| {
         (settings.gravity, settings.activation_threshold, settings.restitution) = (0.0, 0.0, 1.0);
         (settings.friction, settings.contact_damping) = (0.0, 0.0);
@@ -31,11 +31,7 @@ fn grains(law: ContactLaw, friction: f32) -> (Scene, rockfall::MaterialId) {
     (scene, glass)
 }
 
-fn open(scene: Scene, backend: Backend, integrator: Integrator) -> Simulation {
-    Simulation::with_options(scene, Options::new().backend(backend).integrator(integrator)).expect("the simulation opens")
-}
-
-fn spheres(simulation: &mut Simulation) -> Vec<SphereState> {
+pub(crate) fn spheres(simulation: &mut Simulation) -> Vec<SphereState> {
     simulation.spheres().expect("spheres are read back")
 }
 

@@ -6,7 +6,7 @@ use rockfall::{
     SphereState,
 };
 
-use crate::common::{bits, close, near, on, with};
+use crate::common::{bits, close, near, on, open, with};
 use crate::faults::scenes::{Random, in_gravity, kinetic};
 
 /// Radius and half of the length of the capsules. Their mass is 1.
@@ -19,10 +19,6 @@ fn elastic() -> Scene {
         (settings.gravity, settings.activation_threshold, settings.restitution) = (0.0, 0.0, 1.0);
         (settings.friction, settings.contact_damping) = (0.0, 0.0);
     })
-}
-
-fn open(scene: Scene, backend: Backend, integrator: Integrator) -> Simulation {
-    Simulation::with_options(scene, Options::new().backend(backend).integrator(integrator)).expect("the simulation opens")
 }
 
 fn spheres(simulation: &mut Simulation) -> Vec<SphereState> {

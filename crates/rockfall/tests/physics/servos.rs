@@ -6,7 +6,7 @@ use rockfall::{
     Pair, Scene, Servo, Simulation, Sphere, Worlds,
 };
 
-use crate::common::{close, near, with};
+use crate::common::{close, near, open, with};
 
 /// Normal stiffness of the contacts of the pack.
 const STIFFNESS: f32 = 1000.0;
@@ -15,10 +15,6 @@ const SIDE: u16 = 3;
 const LAYERS: u16 = 2;
 /// Part of the error of the force that is corrected in a step.
 const GAIN: f64 = 0.25;
-
-fn open(scene: Scene, backend: Backend, integrator: Integrator) -> Simulation {
-    Simulation::with_options(scene, Options::new().backend(backend).integrator(integrator)).expect("the simulation opens")
-}
 
 fn servo(simulation: &mut Simulation, id: MotionId) -> Servo {
     simulation.sync().expect("a state").motion(id).expect("a motion").servo.expect("a servo")

@@ -5,19 +5,12 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use rockfall::glam::{DVec3, Quat, Vec3};
 use rockfall::{
     Backend, Body, BroadPhase, ContactLaw, Gauge, GaugeReading, Integrator, Material, MaterialId, Motion, MotionTerm, Options,
-    Pair, Polygon, Scene, Simulation, Sphere, SphereState,
+    Pair, Polygon, Scene, Simulation, Sphere,
 };
 
-use crate::common::{bits, close, near, on, with};
+use crate::common::{bits, close, near, on, open, with};
 use crate::faults::scenes::{Random, kinetic};
-
-/// A scene of smooth elastic bodies without gravity. All contacts that approach collide.
-fn elastic() -> Scene {
-    with(|settings| {
-        (settings.gravity, settings.activation_threshold, settings.restitution) = (0.0, 0.0, 1.0);
-        (settings.friction, settings.contact_damping) = (0.0, 0.0);
-    })
-}
+use crate::meshes::{elastic, spheres};
 
 /// Grains of the linear law, in gravity 9.81.
 fn grains(friction: f32, restitution: f32) -> (Scene, MaterialId) {
@@ -29,14 +22,6 @@ fn grains(friction: f32, restitution: f32) -> (Scene, MaterialId) {
     let pair = Pair::default().restitution(restitution).friction(friction).stiffness(1e4);
     scene.set_pair(glass, glass, pair).expect("a valid pair");
     (scene, glass)
-}
-
-fn open(scene: Scene, backend: Backend, integrator: Integrator) -> Simulation {
-    Simulation::with_options(scene, Options::new().backend(backend).integrator(integrator)).expect("the simulation opens")
-}
-
-fn spheres(simulation: &mut Simulation) -> Vec<SphereState> {
-    simulation.spheres().expect("spheres are read back")
 }
 
 /// Grains that fall and roll on a plane do what they do on a parallelogram, to the bit.

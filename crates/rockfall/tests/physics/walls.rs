@@ -6,7 +6,7 @@ use rockfall::{
     Polygon, Scene, Simulation, Sphere, SphereState, Tag,
 };
 
-use crate::common::{bits_of, close, near, on, with};
+use crate::common::{bits_of, close, near, on, open, with};
 
 const INTEGRATORS: [Integrator; 3] = [Integrator::Rk4, Integrator::SymplecticEuler, Integrator::VelocityVerlet];
 
@@ -16,10 +16,6 @@ fn smooth(e: f32) -> Scene {
         (settings.gravity, settings.activation_threshold, settings.restitution) = (0.0, 0.0, e);
         (settings.friction, settings.contact_damping) = (0.0, 0.0);
     })
-}
-
-fn open(scene: Scene, backend: Backend, integrator: Integrator) -> Simulation {
-    Simulation::with_options(scene, Options::new().backend(backend).integrator(integrator)).expect("the simulation opens")
 }
 
 fn slide(scene: &mut Scene, velocity: [f64; 3]) -> MotionId {
