@@ -75,7 +75,7 @@ fn compare(
 }
 
 /// The quarter of the random scenes that this run compares, another one every day, or all of them with `ROCKFALL_SEEDS=all`.
-/// `ROCKFALL_SEEDS` may also be the number of a quarter, from 0 to 3.
+/// `ROCKFALL_SEEDS` may also be the number of a day, which is a quarter modulo 4.
 #[derive(Clone, Copy)]
 struct Share(Option<u64>);
 
@@ -83,8 +83,11 @@ impl Share {
     fn now() -> Self {
         let quarter = match std::env::var("ROCKFALL_SEEDS").as_deref() {
             Ok("all") => None,
-            Ok(number @ ("0" | "1" | "2" | "3")) => Some(number.parse().expect("a number")),
-            Ok(other) => panic!("ROCKFALL_SEEDS is {other}, expected all or a number from 0 to 3"),
+            Ok(day) => {
+                let day: u64 =
+                    day.parse().unwrap_or_else(|_| panic!("ROCKFALL_SEEDS is {day}, expected all or the number of a day"));
+                Some(day % 4)
+            }
             Err(_) => {
                 let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).expect("a time after 1970");
                 Some(now.as_secs() / (24 * 3600) % 4)
