@@ -56,23 +56,30 @@ fn gauges_write_the_final_state_or_means() {
     assert_eq!((columns(tens[3])[9], columns(last[3])[9..].to_vec()), ("0", vec!["4", "1"]));
 }
 
+/// Runs a scene as a whole and in two parts, and leaves the checkpoint between them in `a.ckpt`.
+fn stop(rockfall: &Rockfall, backend: &str) {
+    for substeps in [1, 2] {
+        let run = format!("run scene.txt --backend {backend} --substeps {substeps} --every 8");
+        rockfall.run(&format!("{run} --steps 24 --gauges whole.csv --trace whole-trace.csv --trace-every 3"), 0);
+        rockfall.run(&format!("{run} --steps 13 --gauges a.csv --trace a-trace.csv --trace-every 3 --checkpoint a.ckpt"), 0);
+        rockfall.run("run --resume a.ckpt --steps 24", 0);
+        assert_eq!(rockfall.read("whole.csv"), rockfall.read("a.csv"), "{backend}");
+        let trace = rockfall.read("a-trace.csv");
+        assert_eq!(rockfall.read("whole-trace.csv"), trace, "{backend}");
+        let work = number(columns(trace.lines().last().unwrap())[15]);
+        assert!(work > 0.0, "{trace}");
+    }
+}
+
+#[test]
+fn a_stopped_run_writes_the_same_gauges_and_work_on_the_gpu() {
+    stop(&Rockfall::with(SCENE), "gpu");
+}
+
 #[test]
 fn a_stopped_run_writes_the_same_gauges_and_work() {
     let rockfall = Rockfall::with(SCENE);
-    for backend in ["cpu", "gpu"] {
-        for substeps in [1, 2] {
-            let run = format!("run scene.txt --backend {backend} --substeps {substeps} --every 8");
-            rockfall.run(&format!("{run} --steps 24 --gauges whole.csv --trace whole-trace.csv --trace-every 3"), 0);
-            rockfall
-                .run(&format!("{run} --steps 13 --gauges a.csv --trace a-trace.csv --trace-every 3 --checkpoint a.ckpt"), 0);
-            rockfall.run("run --resume a.ckpt --steps 24", 0);
-            assert_eq!(rockfall.read("whole.csv"), rockfall.read("a.csv"), "{backend}");
-            let trace = rockfall.read("a-trace.csv");
-            assert_eq!(rockfall.read("whole-trace.csv"), trace, "{backend}");
-            let work = number(columns(trace.lines().last().unwrap())[15]);
-            assert!(work > 0.0, "{trace}");
-        }
-    }
+    stop(&rockfall, "cpu");
     // A new file begins at the checkpoint: the mean is that of the steps since.
     rockfall.run("run --resume a.ckpt --steps 32 --gauges b.csv --trace b-trace.csv --trace-every 4", 0);
     assert!(rockfall.read("b.csv").lines().nth(1).unwrap().starts_with("24,0.012,weight,"));

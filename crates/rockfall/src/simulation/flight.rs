@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn the_device_repeats_steps_of_a_pile() {
+    fn steps_of_a_pile_are_repeated_on_the_gpu() {
         let pile = Benchmark::Pile.generate(1100, 4).unwrap();
         assert_same_without_escapes(&pile, Integrator::Rk4, BroadPhase::Grid, 12);
         assert_same_without_escapes(&pile, Integrator::SymplecticEuler, BroadPhase::SortAndSkip, 10);
@@ -262,13 +262,13 @@ mod tests {
     }
 
     #[test]
-    fn the_device_repeats_steps_in_one_dispatch() {
+    fn steps_are_repeated_in_one_dispatch_on_the_gpu() {
         let pile = Benchmark::Pile.generate(200, 4).unwrap();
         assert_same_without_escapes(&pile, Integrator::Rk4, BroadPhase::BruteForce, 12);
     }
 
     #[test]
-    fn the_device_repeats_steps_with_springs_of_contacts() {
+    fn steps_are_repeated_with_springs_of_contacts_on_the_gpu() {
         let mut scene = Scene::new();
         scene.settings.contact_law = ContactLaw::Linear;
         scene.settings.gravity = 60.0;
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn the_device_repeats_steps_of_rods() {
+    fn steps_of_rods_are_repeated_on_the_gpu() {
         let scene = Benchmark::Mixed.generate(300, 4).unwrap();
         assert_same_without_escapes(&scene, Integrator::Rk4, BroadPhase::Grid, 25);
     }

@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn prepare_compiles_all_kernels() {
+    fn prepare_compiles_all_kernels_on_the_gpu() {
         for (scene, integrator, broad_phase) in [
             (Benchmark::Mixed, Integrator::Rk4, BroadPhase::Grid),
             (Benchmark::Mixed, Integrator::SymplecticEuler, BroadPhase::BruteForce),
