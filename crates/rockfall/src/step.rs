@@ -14,6 +14,7 @@ pub(crate) mod forces;
 pub(crate) mod fused;
 pub(crate) mod integrate;
 pub mod moves;
+pub mod prune;
 pub(crate) mod reorder;
 pub mod schedule;
 pub mod stage;

@@ -8,6 +8,7 @@ use rockfall::model::layout::{LAW_HERTZ_MINDLIN, LAW_LINEAR, LAW_THESIS, LAW_USE
 use rockfall::model::status::{Counters, Status};
 use rockfall::model::step::{Aabb, Layout, Pass, Step};
 use rockfall::step::catalog::{ALL, OUTSIDE};
+use rockfall::step::prune::prune;
 use rockfall::step::stage::{Access, Stage};
 use rockfall::step::wgsl::{Variant, WorldBatch, WorldSizes};
 
@@ -53,6 +54,7 @@ fn module_for(stage: &Stage, [rods, large, muscles]: [bool; 3]) -> Module {
         worlds: None,
     }
     .apply(&source(stage));
+    let text = prune(&text);
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}: {}", stage.name, e.emit_to_string(&text)))
 }
 

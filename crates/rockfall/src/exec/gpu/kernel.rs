@@ -8,6 +8,7 @@ use crate::exec::gpu::memory::chunk_bytes;
 use crate::exec::gpu::split::{Split, binding_numbers, split};
 use crate::model::layout::WORKGROUP;
 use crate::model::part::Part;
+use crate::step::prune::prune;
 use crate::step::stage::{Access, Stage};
 use crate::step::wgsl::Variant;
 use crate::user_laws::set::KernelLaws;
@@ -86,7 +87,8 @@ fn threads_of_workgroup(device: &wgpu::Device) -> u32 {
 
 #[allow(unsafe_code)]
 fn build(device: &wgpu::Device, stage: &Stage, variant: Variant, chunks: &[u32], laws: &KernelLaws) -> Kernel {
-    let text = split(&variant.apply(&join(&stage.parts())), &Split::of(stage, chunks, chunk_bytes(&device.limits())));
+    let text = prune(&variant.apply(&join(&stage.parts())));
+    let text = split(&text, &Split::of(stage, chunks, chunk_bytes(&device.limits())));
     // After all other changes, which must not apply to the program's own text.
     let text = laws.put_into(&text);
     let flag = |is_set: bool| f64::from(u8::from(is_set));
