@@ -7,26 +7,31 @@ import path from "node:path";
 import { driver, open } from "./browser.mjs";
 
 const STEPS = 200;
+// The time step of a scene that has none.
 const DT = 0.005;
 // Differences of positions in units and of velocities in units/s, as in crates/rockfall/tests/parity/whole.rs.
 const TOLERANCE = { positions: 1e-4, velocities: 2e-3 };
+
+const timeStep = scene => Number(/^@run .*\bdt=(\S+)/m.exec(fs.readFileSync(scene, "utf8"))?.[1] ?? DT);
 
 // Final state of a native run: positions and velocities in insertion order. On a GPU it is the one of the browser.
 function native(scene, backend) {
     const folder = fs.mkdtempSync(path.join(os.tmpdir(), "rockfall-web-"));
     const out = path.join(folder, "state.csv");
-    execFileSync(process.env.ROCKFALL_BIN, ["run", scene, "--backend", backend, "--steps", `${STEPS}`, "--dt", `${DT}`, "--out", out], {
+    const steps = ["--steps", `${STEPS}`, "--every", `${STEPS}`, "--dt", `${timeStep(scene)}`];
+    execFileSync(process.env.ROCKFALL_BIN, ["run", scene, "--backend", backend, ...steps, "--out", out], {
         env: { ...process.env, ...(backend === "gpu" ? driver() : {}) },
         stdio: ["ignore", "ignore", "pipe"],
     });
-    const [head, ...rows] = fs.readFileSync(out, "utf8").trim().split("\n").map(line => line.split(","));
+    const [head, ...states] = fs.readFileSync(out, "utf8").trim().split("\n").map(line => line.split(","));
+    const rows = states.filter(row => row[head.indexOf("step")] === `${STEPS}`);
     fs.rmSync(folder, { recursive: true });
     const columns = names => rows.flatMap(row => names.map(name => Math.fround(row[head.indexOf(name)])));
     return { positions: columns(["x", "y", "z"]), velocities: columns(["vx", "vy", "vz"]) };
 }
 
 // The state after the same steps in the page.
-function inPage(page, name, backend) {
+function inPage(page, scene, backend) {
     return page.evaluate(async ([name, backend, steps, dt]) => {
         const rockfall = await import("/rockfall.js");
         await rockfall.default();
@@ -36,7 +41,7 @@ function inPage(page, name, backend) {
         const state = { positions: [...await simulation.positions()], velocities: [...await simulation.velocities()] };
         const energy = await simulation.energy();
         return { ...state, backend: simulation.backend, device: simulation.device, steps: report.steps, kinetic: energy.kinetic };
-    }, [name, backend, STEPS, DT]);
+    }, [path.basename(scene), backend, STEPS, timeStep(scene)]);
 }
 
 function greatestDifference(a, b) {
@@ -49,8 +54,9 @@ export async function cpuIsBitwiseEqual(address, scenes) {
     await page.goto(`${address}check.html`);
     assert.equal(await page.evaluate(async () => (await navigator.gpu?.requestAdapter()) ?? null), null, "WebGPU is off");
     for (const scene of fs.readdirSync(scenes).filter(name => name.endsWith(".txt"))) {
-        const expected = native(path.join(scenes, scene), "cpu");
-        const found = await inPage(page, scene, "auto");
+        const file = path.join(scenes, scene);
+        const expected = native(file, "cpu");
+        const found = await inPage(page, file, "auto");
         assert.deepEqual([found.backend, found.steps], ["cpu", STEPS]);
         assert.ok(found.kinetic > 0, `${scene} moves`);
         for (const field of ["positions", "velocities"]) {
@@ -64,9 +70,9 @@ export async function cpuIsBitwiseEqual(address, scenes) {
 export async function gpuIsBitwiseEqualAndAgreesWithCpu(address, scenes) {
     const { browser, page, problems } = await open(address, { gpu: true });
     await page.goto(`${address}check.html`);
-    const found = await inPage(page, "soft-cube.txt", "gpu");
-    assert.deepEqual([found.backend, found.steps], ["gpu", STEPS]);
     const scene = path.join(scenes, "soft-cube.txt");
+    const found = await inPage(page, scene, "gpu");
+    assert.deepEqual([found.backend, found.steps], ["gpu", STEPS]);
     const sameAdapter = native(scene, "gpu");
     assert.deepEqual(found.positions, sameAdapter.positions, "positions of the native run on the same adapter");
     assert.deepEqual(found.velocities, sameAdapter.velocities, "velocities of the native run on the same adapter");
