@@ -86,6 +86,17 @@ def floats(
     return single
 
 
+def vector(name: str, value: npt.ArrayLike, *, is_direction: bool = False) -> list[float]:
+    """Returns three finite numbers, which are not all 0 for a direction."""
+    array = np.asarray(value, dtype=np.float64)
+    if array.shape != (3,):
+        raise ValueError(f"{name}: expected shape (3,), got {array.shape}")
+    numbers = [float(number) for number in array]
+    if not np.isfinite(array).all() or (is_direction and not array.any()):
+        raise ValueError(f"{name}: expected three finite numbers{', not all 0' if is_direction else ''}, got {numbers}")
+    return numbers
+
+
 def quaternions(name: str, value: Any, count: int | None = None) -> FloatArray:
     """Returns unit quaternions w, x, y, z of shape ``(count, 4)``."""
     array = floats(name, value, (4,), count)

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import IntArray, floats, integers
+from rockfall._arrays import IntArray, floats, integers, vector
 from rockfall._bodies import Bodies, numbers_from
 from rockfall._names import tag_of
 from rockfall.typing import LookName
@@ -87,19 +87,12 @@ class PlaneFlow:
     count: int
 
 
-def _vector(name: str, value: npt.ArrayLike) -> list[float]:
-    array = np.asarray(value, dtype=np.float64)
-    if array.shape != (3,):
-        raise ValueError(f"{name}: expected shape (3,), got {array.shape}")
-    return [float(number) for number in array]
-
-
 def motion_term(
     velocity: npt.ArrayLike, spin: float, axis: npt.ArrayLike, through: npt.ArrayLike, amplitude: npt.ArrayLike,
     frequency: float, phase: float, start: float, end: float,
 ) -> list[float]:
     vectors = {"velocity": velocity, "amplitude": amplitude, "axis": axis, "through": through}
-    numbers = [number for name, value in vectors.items() for number in _vector(name, value)]
+    numbers = [number for name, value in vectors.items() for number in vector(name, value)]
     return [*numbers, *(float(number) for number in (spin, frequency, phase, start, end))]
 
 
@@ -173,7 +166,7 @@ class Walls(Bodies):
         indices = integers("triangles", [] if triangles is None else np.asarray(triangles).reshape(-1))
         if len(indices) % 3 or (len(indices) and not (0 <= indices.min() and indices.max() < max(len(corners), 1))):
             raise ValueError(f"triangles: expected shape (T, 3) with indices from 0 to {len(corners) - 1}")
-        place = (float(scale), _vector("axis", axis), float(turn), _vector("at", at))
+        place = (float(scale), vector("axis", axis), float(turn), vector("at", at))
         number = int(self._material_numbers("material", material))
         self._edited()
         first, count, left_out = _rockfall.add_mesh(
@@ -266,8 +259,8 @@ class Walls(Bodies):
         if (force is None) == (torque is None):
             raise TypeError("force, torque: expected one of them")
         self._edited()
-        turning = None if torque is None else (float(torque), _vector("axis", axis), _vector("through", through))
-        pushing = None if force is None else _vector("force", force)
+        turning = None if torque is None else (float(torque), vector("axis", axis), vector("through", through))
+        pushing = None if force is None else vector("force", force)
         _rockfall.add_servo(self._native, name, pushing, turning, float(speed))
 
     def set_servo(self, name: str, *, target: float | None = None, speed: float | None = None) -> None:
@@ -296,7 +289,10 @@ class Walls(Bodies):
     def servos(self) -> dict[str, Servo]:
         """All walls that seek a force or a torque, by name, where they are now."""
         rows = _rockfall.servos(self._native)
-        return {name: Servo(*numbers, tuple(direction), turns) for name, numbers, direction, turns in rows}  # type: ignore[arg-type]
+        return {
+            name: Servo(target, speed, displacement, velocity, (x, y, z), turns)
+            for name, (target, speed, displacement, velocity), (x, y, z), turns in rows
+        }
 
     def add_gauge(
         self,
@@ -328,7 +324,7 @@ class Walls(Bodies):
             raise TypeError("wall, plane: expected one of them")
         point, normal = (_ZERO, _Z) if plane is None else plane
         self._edited()
-        _rockfall.add_gauge(self._native, name, wall, [*_vector("plane", point), *_vector("plane", normal)])
+        _rockfall.add_gauge(self._native, name, wall, [*vector("plane", point), *vector("plane", normal)])
 
     def add_motion_table(self, name: str, times: npt.ArrayLike, displacements: npt.ArrayLike) -> None:
         """Add a translation along straight lines, each at constant speed.
@@ -403,7 +399,7 @@ class Walls(Bodies):
         """
         numbers: NDArray[np.int64] = np.atleast_1d(integers("ids", ids))
         self._edited()
-        _rockfall.set_surface_velocity(self._native, kind, numbers.tolist(), _vector("velocity", velocity))
+        _rockfall.set_surface_velocity(self._native, kind, numbers.tolist(), vector("velocity", velocity))
 
     def follow(self, kind: WallKind, ids: npt.ArrayLike, motion: str | None) -> None:
         """Let boxes or polygons follow a motion.

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
+from rockfall._arrays import vector
 from rockfall._materials import Materials
 from rockfall._motions import Walls
 from rockfall._names import tag_of
@@ -17,15 +18,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from rockfall._options import BoxOptions
-
-
-def _vector(name: str, value: npt.ArrayLike, *, is_direction: bool = False) -> list[float]:
-    array = np.asarray(value, dtype=np.float64)
-    if array.shape != (3,):
-        raise ValueError(f"{name}: expected shape (3,), got {array.shape}")
-    if not np.isfinite(array).all() or (is_direction and not array.any()):
-        raise ValueError(f"{name}: expected three finite numbers{', not all 0' if is_direction else ''}, got {value}")
-    return [float(number) for number in array]
 
 
 def _length(name: str, value: float) -> float:
@@ -60,7 +52,7 @@ class SmoothWalls(Walls):
         ValueError
             For numbers that are not finite, and a normal that is 0.
         """
-        place = _vector("at", at), _vector("normal", normal, is_direction=True)
+        place = vector("at", at), vector("normal", normal, is_direction=True)
         return self._add_smooth("plane", place, ((1.0, 1.0), 1.0, False), **options)
 
     def add_cylinder(
@@ -98,7 +90,8 @@ class SmoothWalls(Walls):
         ValueError
             For numbers that are not finite, an axis that is 0, and a radius or length that is not positive.
         """
-        return self.add_cone(at, axis, (_length("radius", radius),) * 2, length, inside=inside, **options)
+        radius = _length("radius", radius)
+        return self.add_cone(at, axis, (radius, radius), length, inside=inside, **options)
 
     def add_cone(
         self,
@@ -140,7 +133,7 @@ class SmoothWalls(Walls):
         both = np.asarray(radii, dtype=np.float64)
         if both.shape != (2,) or not np.isfinite(both).all() or both.min() < 0 or both.max() == 0:
             raise ValueError(f"radii: expected two finite numbers, not negative and not both 0, got {radii}")
-        place = _vector("at", at), _vector("axis", axis, is_direction=True)
+        place = vector("at", at), vector("axis", axis, is_direction=True)
         size = (float(both[0]), float(both[1])), _length("length", length), bool(inside)
         return self._add_smooth("cone", place, size, **options)
 
@@ -170,8 +163,9 @@ class SmoothWalls(Walls):
         ValueError
             For numbers that are not finite, and a radius that is not positive.
         """
-        place = _vector("at", at), [0.0, 0.0, 1.0]
-        return self._add_smooth("ball", place, ((_length("radius", radius),) * 2, 1.0, bool(inside)), **options)
+        place = vector("at", at), [0.0, 0.0, 1.0]
+        radius = _length("radius", radius)
+        return self._add_smooth("ball", place, ((radius, radius), 1.0, bool(inside)), **options)
 
     def _add_smooth(
         self,

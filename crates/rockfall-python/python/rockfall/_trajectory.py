@@ -175,9 +175,13 @@ class Trajectory(Strict, Sequence[Frame]):
                 "trajectory[k].positions with trajectory[k].ids, or to_pandas()"
             )
 
+    def _floats(self) -> list[tuple[FloatArray, ...]]:
+        """The arrays of each frame, in the order of ``_ARRAYS``."""
+        return [self._native.frame(place)[:4] for place in self._places]
+
     def _stack(self, field: int, columns: int) -> FloatArray:
         self._one_number(_ARRAYS[field])
-        frames = [self._native.frame(place)[field] for place in self._places]
+        frames = [arrays[field] for arrays in self._floats()]
         return np.stack(frames) if frames else np.zeros((0, self.scene.counts.spheres, columns), np.float32)
 
     @property
@@ -278,7 +282,7 @@ class Trajectory(Strict, Sequence[Frame]):
         return place
 
     def _arrays(self) -> dict[str, FloatArray]:
-        frames = [self._native.frame(place) for place in self._places]
+        frames = self._floats()
         if not frames:
             return {name: self._stack(0, len(names)) for name, names in zip(_ARRAYS, _COLUMNS, strict=True)}
         return {name: np.stack([frame[field] for frame in frames]) for field, name in enumerate(_ARRAYS)}
