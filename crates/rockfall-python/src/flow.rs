@@ -6,6 +6,7 @@ use rockfall::{Inlet, Outlet, Rate, Tag};
 
 use crate::doors::with;
 use crate::errors::Raise;
+use crate::ids::handle;
 use crate::materials::materials_of;
 use crate::names::{Texts, tag_of};
 use crate::simulation::Simulation;
@@ -21,7 +22,9 @@ pub(crate) struct Spheres {
     #[pyo3(item)]
     rate: (String, f64),
     #[pyo3(item)]
-    radius: String,
+    shape: Option<i64>,
+    #[pyo3(item)]
+    radius: Option<String>,
     #[pyo3(item)]
     by: String,
     #[pyo3(item)]
@@ -54,8 +57,10 @@ pub(crate) fn add_inlet(target: &Bound<'_, PyAny>, name: String, corners: Corner
         ("mass_rate", rate) => Rate::Mass(rate),
         (_, rate) => Rate::Volume(rate),
     };
-    let radii = spheres.radius.parse().or_raise()?;
-    let mut inlet = Inlet::new(name, corners, rate, 1.0).radii(radii, spheres.by.parse().or_raise()?);
+    let mut inlet = Inlet::new(name, corners, rate, 1.0);
+    if let Some(radius) = spheres.radius {
+        inlet = inlet.radii(radius.parse().or_raise()?, spheres.by.parse().or_raise()?);
+    }
     inlet = spheres.mass.map_or(inlet.clone(), |mass| inlet.mass(mass));
     inlet = spheres.density.map_or(inlet.clone(), |density| inlet.density(density));
     inlet = inlet.velocity(spheres.velocity).during(spheres.times.0, spheres.times.1).seed(spheres.seed).group(spheres.group);
@@ -64,6 +69,7 @@ pub(crate) fn add_inlet(target: &Bound<'_, PyAny>, name: String, corners: Corner
     inlet = inlet.tag(tag.unwrap_or_else(Tag::new));
     with(target, |doors, ids| {
         inlet.material = materials_of(ids, &[spheres.material])?.pop().flatten();
+        inlet.shape = spheres.shape.map(|shape| handle(&ids.shapes, "shape", shape)).transpose()?;
         doors.add_inlet(inlet).or_raise()
     })
 }

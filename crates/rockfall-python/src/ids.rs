@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyLookupError;
 use pyo3::prelude::*;
-use rockfall::{Body, BoxId, CapsuleId, MaterialId, PolygonId, RigidBodyId, RodId, ShapeId, SphereId, SpringId, TetherId};
+use rockfall::{BoxId, CapsuleId, MaterialId, PolygonId, RigidBodyId, RodId, ShapeId, SphereId, SpringId, TetherId};
 
 /// The handles of all objects that were ever added, by kind. The position in a list is the number that Python sees. It is never
 /// given to another object.
@@ -39,14 +39,22 @@ impl Ids {
 }
 
 impl Ids {
-    /// Numbers the spheres that came in through inlets since the last call and are still there.
+    /// Numbers the spheres and rigid bodies that came in through inlets since the last call and are still there.
     pub(crate) fn add_incoming(&mut self, scene: &rockfall::Scene) {
         if scene.inlets().is_empty() {
             return;
         }
-        // They were added after all others.
-        let last = self.spheres.iter().rev().find_map(|id| Body::Sphere(*id).index(scene).ok());
-        self.spheres.extend(scene.sphere_ids().skip(last.map_or(0, |index| index + 1)));
+        add_new(&mut self.spheres, scene.sphere_ids(), |id| scene.sphere(id).is_ok());
+        add_new(&mut self.rods, scene.rod_ids(), |id| scene.rod(id).is_ok());
+        add_new(&mut self.bodies, scene.body_ids(), |id| scene.body(id).is_ok());
+    }
+}
+
+/// Adds those handles of a scene that are not known. They were added to the scene after all others.
+fn add_new<T: Copy + Eq>(known: &mut Vec<T>, scene: impl Iterator<Item = T>, is_there: impl Fn(T) -> bool) {
+    match known.iter().rev().copied().find(|id| is_there(*id)) {
+        Some(last) => known.extend(scene.skip_while(|id| *id != last).skip(1)),
+        None => known.extend(scene),
     }
 }
 

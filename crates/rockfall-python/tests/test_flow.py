@@ -78,9 +78,45 @@ def test_wrong_inlets_are_refused() -> None:
         scene.add_outlet("a", (0, 0, 0), (1, 0, 1))
     with pytest.raises(LookupError):
         scene.add_inlet("a", *box, rate=1, radius=0.1, material="none")
+    with pytest.raises(TypeError, match="shape, radius: expected one of them, got none"):
+        scene.add_inlet("a", *box, rate=1)
+    with pytest.raises(LookupError, match="there is no shape 0"):
+        scene.add_inlet("a", *box, rate=1, shape=0)
+    ball = scene.add_shape(rf.Shape().sphere((0, 0, 0), 0.1))
+    with pytest.raises(TypeError, match="shape, radius: expected one of them, got both"):
+        scene.add_inlet("a", *box, rate=1, shape=ball, radius=0.1)
+    with pytest.raises(TypeError, match="expected none with a shape"):
+        scene.add_inlet("a", *box, rate=1, shape=ball, mass=0.1)
+    with pytest.raises(ValueError, match="volume_rate"):
+        scene.add_inlet("a", *box, volume_rate=1, shape=ball)
     scene.add_outlet("a", *box)
     with pytest.raises(ValueError, match="no other outlet"):
         scene.add_outlet("a", *box)
+
+
+def test_bodies_come_in_and_leave(tmp_path: Path) -> None:
+    scene = rf.Scene()
+    dimer = scene.add_shape(rf.Shape(density=500).capsule((0, 0, 0), (0.2, 0, 0), 0.1))
+    scene.add_inlet("feed", (-1, 2, -1), (1, 2.6, 1), rate=30, shape=dimer, velocity=(0, -2, 0), seed=4)
+    scene.add_outlet("drain", (-3, -2, -3), (3, 0, 3))
+    assert rf.Scene.parse(scene.to_text()).to_text() == scene.to_text()
+    sim = rf.Simulation(scene, dt=DT, backend="cpu")
+    with sim.record(tmp_path / "run.npz", every=20):
+        sim.run(200)
+    flow, mass = sim.flow, scene.shape_mass(dimer).mass
+    came, left = flow.inlets["feed"], flow.outlets["drain"]
+    assert left.spheres > 10
+    assert came.spheres - left.spheres == flow.spheres == sim.counts.bodies == len(sim.bodies.positions)
+    assert came.mass == pytest.approx(mass * came.spheres)
+    assert sim.counts.spheres == 2 * flow.spheres
+    # The numbers of those that came in count on.
+    assert len(set(sim.sphere_ids.tolist())) == 2 * flow.spheres
+    frames = rf.Trajectory(tmp_path / "run.npz")
+    assert len(frames) == 11
+    for frame in frames:
+        ends = frame.positions.reshape(-1, 2, 3)
+        lengths = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
+        assert lengths == pytest.approx(0.2, abs=1e-5)
 
 
 def test_a_rate_that_does_not_fit_is_a_concern() -> None:

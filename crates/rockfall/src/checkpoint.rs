@@ -47,7 +47,7 @@ use words::{Damage, Words};
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
 /// Version of the format. Files of other versions are refused.
-const VERSION: u32 = 15;
+const VERSION: u32 = 16;
 /// Bytes of magic, version and length.
 pub(crate) const PREFIX: usize = MAGIC.len() + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -170,11 +170,12 @@ impl Checkpoint {
             checkpoint.rates = read_rates(&mut words, counts.spheres)?;
             let lows = read_lows(&mut words, counts.spheres)?;
             let tags = tags::take(&mut words)?;
-            checkpoint.flow = flow::read(&mut words, &mut checkpoint.scene)?;
+            let flow = tags::take(&mut words)?;
             let bodies = tags::take(&mut words)?;
             objects::read(&mut words, &counts, &mut checkpoint.scene)?;
             put_lows(&mut checkpoint.scene, &lows);
             bodies::put(bodies, &mut checkpoint.scene)?;
+            checkpoint.flow = flow::put(flow, &mut checkpoint.scene)?;
             tags::put(tags, &mut checkpoint.scene)?;
             checkpoint.springs = springs::named(&springs, &checkpoint.scene)?;
             words.end()?;

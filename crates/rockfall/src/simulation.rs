@@ -49,6 +49,7 @@ mod ray;
 mod read;
 #[cfg(any(test, feature = "mpi"))]
 pub(crate) mod share;
+mod shear_work;
 mod springs;
 mod sweeps;
 mod tensions;

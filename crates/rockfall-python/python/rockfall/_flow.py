@@ -1,4 +1,4 @@
-"""Inlets and outlets: grains that come and go."""
+"""Inlets and outlets: grains and rigid bodies that come and go."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Outflow(NamedTuple):
 
 class Flow(NamedTuple):
     """What came in and left since the start of a simulation, as :attr:`Simulation.flow` returns it. The ends of a capsule count as
-    two spheres."""
+    two spheres, and a rigid body as one."""
 
     #: The inlets, by name.
     inlets: dict[str, Inflow]
@@ -80,7 +80,8 @@ class Flows(Bodies):
         rate: float | None = None,
         mass_rate: float | None = None,
         volume_rate: float | None = None,
-        radius: float | tuple[float, float] | str,
+        shape: int | None = None,
+        radius: float | tuple[float, float] | str | None = None,
         by: Literal["number", "mass"] = "number",
         mass: float | None = None,
         density: float | None = None,
@@ -96,9 +97,10 @@ class Flows(Bodies):
         label: str | None = None,
         look: LookName | None = None,
     ) -> None:
-        """Add a box in which spheres appear while a simulation runs.
+        """Add a box in which spheres, or rigid bodies of a shape, appear while a simulation runs. What is said of spheres below is also
+        said of bodies.
 
-        Radii and places are random, without overlaps, and follow from the seed. A sphere for which there is no room waits. How steps are
+        Radii, places and orientations are random, without overlaps, and follow from the seed. A sphere for which there is no room waits. How steps are
         divided into calls of :meth:`Simulation.run` does not matter.
 
         Parameters
@@ -108,9 +110,11 @@ class Flows(Bodies):
         low, high : array_like, shape (3,)
             Two opposite corners of the box, in units. Spheres appear wholly inside it.
         rate, mass_rate, volume_rate : float
-            One of them: spheres, mass, or volume of spheres in units³, per second.
+            One of them: spheres, mass, or volume of spheres in units³, per second. Bodies have no volume rate.
+        shape : int, optional
+            Number of the shape of the bodies, as :meth:`add_shape` returned it. It has its own size, mass, materials and groups.
         radius : float, pair of floats or str
-            The radius in units, the two ends of a range, or ``"lognormal:median,sigma"``.
+            Without a shape: the radius in units, the two ends of a range, or ``"lognormal:median,sigma"``.
         by : {"number", "mass"}
             What the distribution of radii counts.
         mass, density : float, optional
@@ -136,6 +140,10 @@ class Flows(Bodies):
         ------
         ValueError
             For numbers out of range, a box that is too small for the largest sphere, and a name that is in use.
+        TypeError
+            For a shape together with a radius, mass or density, and for neither a shape nor a radius.
+        LookupError
+            For a shape or a material that does not exist.
         """
         rates = {"rate": rate, "mass_rate": mass_rate, "volume_rate": volume_rate}
         given = [(key, float(value)) for key, value in rates.items() if value is not None]
@@ -143,10 +151,15 @@ class Flows(Bodies):
             raise TypeError(f"rate, mass_rate, volume_rate: expected one of them, got {len(given)}")
         if mass is not None and density is not None:
             raise TypeError("mass, density: expected at most one of them")
+        if (shape is None) == (radius is None):
+            raise TypeError(f"shape, radius: expected one of them, got {'none' if shape is None else 'both'}")
+        if shape is not None and (mass is not None or density is not None):
+            raise TypeError("mass, density: expected none with a shape, which has its own mass")
         corners = _corners(low, high)
         spheres = {
             "rate": given[0],
-            "radius": _radius(radius),
+            "shape": shape,
+            "radius": None if radius is None else _radius(radius),
             "by": by,
             "mass": None if mass is None else float(mass),
             "density": None if density is None else float(density),

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::io;
 
-use rockfall::{Error, Inlet, Radii, Result, Scene, Simulation, Sphere, SphereId};
+use rockfall::{Error, Inlet, Placement, Radii, Result, Scene, ShapeId, Simulation, Sphere, SphereId};
 
 use super::npz::{Cast, Gone};
 use super::{States, unusable};
@@ -27,8 +27,17 @@ impl Stage {
             return Err(unusable(&format!("array scene_id has {found} spheres, but its scene has {expected}")));
         }
         let mut spheres: Vec<(u32, SphereId)> = cast.scene.iter().copied().zip(scene.sphere_ids()).collect();
-        for (id, gone) in &cast.gone {
-            spheres.push((*id, add(&mut scene, gone).map_err(|error| unusable(&format!("the sphere with id {id}: {error}")))?));
+        let kinds = kinds(&mut scene.clone());
+        let mut rest = &cast.gone[..];
+        while let Some((id, first)) = rest.first() {
+            let failed = |error| unusable(&format!("the sphere with id {id}: {error}"));
+            let added = match kinds.iter().find(|kind| kind.begins(rest)) {
+                Some(kind) => add_body(&mut scene, kind.shape).map_err(failed)?,
+                None => vec![add(&mut scene, first).map_err(failed)?],
+            };
+            let (these, others) = rest.split_at(added.len());
+            spheres.extend(these.iter().map(|(id, _)| *id).zip(added));
+            rest = others;
         }
         spheres.sort_unstable_by_key(|(id, _)| *id);
         let present = scene.sphere_ids().collect();
@@ -85,12 +94,52 @@ fn remove_others(scene: &mut Scene, wanted: &HashSet<SphereId>) -> Result<()> {
     scene.remove_spheres(&loose)
 }
 
+/// The spheres of a rigid body of a shape.
+struct Kind {
+    shape: ShapeId,
+    /// Radius and mass.
+    spheres: Vec<[f32; 2]>,
+}
+
+impl Kind {
+    /// Whether a list of spheres begins with those of a body of the shape, which follow each other.
+    fn begins(&self, gone: &[(u32, Gone)]) -> bool {
+        let is_part = |(id, Gone { radius, mass, is_fixed }): &(u32, Gone), first: u32, number: usize| {
+            id.checked_sub(first) == Some(number as u32) && !is_fixed && [*radius, *mass] == self.spheres[number]
+        };
+        gone.len() >= self.spheres.len() && (0..self.spheres.len()).all(|number| is_part(&gone[number], gone[0].0, number))
+    }
+}
+
+/// What bodies of all shapes of a scene are made of, those of more spheres first. Bodies are added to the scene.
+fn kinds(scene: &mut Scene) -> Vec<Kind> {
+    let shapes: Vec<ShapeId> = scene.shape_ids().collect();
+    let kind = |shape: ShapeId| {
+        let spheres =
+            add_body(scene, shape).ok()?.into_iter().map(|id| scene.sphere(id).map(|sphere| [sphere.radius, sphere.mass]));
+        Some(Kind { shape, spheres: spheres.collect::<Result<_>>().ok()? })
+    };
+    let mut kinds: Vec<Kind> = shapes.into_iter().filter_map(kind).collect();
+    kinds.sort_by_key(|kind| std::cmp::Reverse(kind.spheres.len()));
+    kinds
+}
+
+/// Adds a body that the last state has not. Returns its spheres.
+fn add_body(scene: &mut Scene, shape: ShapeId) -> Result<Vec<SphereId>> {
+    let id = scene.add_body(Placement::new(shape))?;
+    let tag = scene.inlets().iter().find(|inlet| inlet.shape == Some(shape)).map(|inlet| inlet.tag.clone());
+    if let Some(tag) = tag {
+        scene.set_tag(id, tag)?;
+    }
+    Ok(scene.body(id)?.spheres().to_vec())
+}
+
 /// Adds a sphere that the last state has not.
 fn add(scene: &mut Scene, gone: &Gone) -> Result<SphereId> {
     let Gone { radius, mass, is_fixed } = *gone;
     let mut sphere = Sphere::new([0.0; 3], radius);
     (sphere.mass, sphere.fixed) = (mass, is_fixed);
-    let inlet = scene.inlets().iter().find(|inlet| lets_in(inlet, f64::from(radius))).cloned();
+    let inlet = scene.inlets().iter().find(|inlet| inlet.shape.is_none() && lets_in(inlet, f64::from(radius))).cloned();
     if let Some(inlet) = &inlet {
         (sphere.group, sphere.material) = (inlet.group, inlet.material);
     }

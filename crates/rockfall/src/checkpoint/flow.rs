@@ -1,14 +1,18 @@
-//! Inlets and outlets in a checkpoint: their number, then the properties of each and what it has done.
+//! Inlets and outlets in a checkpoint: the length of what follows in bytes, 0 if there are none; their number, then the properties of each
+//! and what it has done. The shapes of inlets are known when it is read.
 
 use glam::DVec3;
 
 use super::Checkpoint;
 use super::tags;
 use super::words::{Damage, Head, Words};
-use crate::scene::{FlowState, GrainMass, Inlet, InletState, Outlet, Passed, Radii, Rate, Scene, Sum};
+use crate::scene::{FlowState, GrainMass, Inlet, InletState, Outlet, Passed, Radii, Rate, Scene, ShapeId, Sum};
 
 pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let Checkpoint { scene, flow, .. } = checkpoint;
+    if scene.inlets().is_empty() && scene.outlets().is_empty() {
+        return 0_u64.to_le_bytes().to_vec();
+    }
     // A program may have added inlets to the checkpoint.
     let mut flow = flow.clone();
     flow.complete(scene);
@@ -32,11 +36,18 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     }
     put_number(&mut head, acted);
     head.u32(next_reference);
-    head.bytes
+    let mut all = (head.bytes.len() as u64).to_le_bytes().to_vec();
+    all.extend(head.bytes);
+    all
 }
 
-pub(super) fn read(words: &mut Words, scene: &mut Scene) -> Result<FlowState, Damage> {
+/// Adds the inlets and outlets to a scene that has all shapes. Returns what they have done.
+pub(super) fn put(given: &[u8], scene: &mut Scene) -> Result<FlowState, Damage> {
     let mut flow = FlowState::default();
+    if given.is_empty() {
+        return Ok(flow);
+    }
+    let words = &mut Words::new(given);
     for _ in 0..words.u32()? {
         let inlet = read_inlet(words, scene)?;
         scene.add_inlet(inlet)?;
@@ -53,13 +64,36 @@ pub(super) fn read(words: &mut Words, scene: &mut Scene) -> Result<FlowState, Da
     }
     flow.acted = read_number(words)?;
     flow.next_reference = words.u32()?;
+    words.end()?;
+    if scene.inlets().is_empty() && scene.outlets().is_empty() {
+        return Err(Damage::new("its list of inlets and outlets is empty"));
+    }
     Ok(flow)
 }
 
 fn put_inlet(head: &mut Head, scene: &Scene, inlet: &Inlet) {
-    let Inlet { name, corners, rate, radii, by, mass, velocity, from, to, limit, seed, every, after, material, group, tag } =
-        inlet;
+    let Inlet {
+        name,
+        corners,
+        rate,
+        shape,
+        radii,
+        by,
+        mass,
+        velocity,
+        from,
+        to,
+        limit,
+        seed,
+        every,
+        after,
+        material,
+        group,
+        tag,
+    } = inlet;
     head.text(name);
+    // Counted from 1, 0 for spheres.
+    head.u32(shape.map_or(0, |shape| scene.shapes.index(shape).map_or(0, |index| index as u32 + 1)));
     put_corners(head, corners);
     let (kind, rate) = match *rate {
         Rate::Number(rate) => (0, rate),
@@ -97,7 +131,7 @@ fn put_inlet(head: &mut Head, scene: &Scene, inlet: &Inlet) {
 }
 
 fn read_inlet(words: &mut Words, scene: &Scene) -> Result<Inlet, Damage> {
-    let (name, corners) = (words.text()?, read_corners(words)?);
+    let (name, shape, corners) = (words.text()?, read_shape(words, scene)?, read_corners(words)?);
     let rate = match (words.u32()?, words.f64()?) {
         (0, rate) => Rate::Number(rate),
         (1, rate) => Rate::Mass(rate),
@@ -112,6 +146,7 @@ fn read_inlet(words: &mut Words, scene: &Scene) -> Result<Inlet, Damage> {
     };
     let by = words.text()?.parse()?;
     let mut inlet = Inlet::new(name, corners.map(|corner| corner.to_array()), rate, 1.0).radii(radii, by);
+    inlet.shape = shape;
     inlet.mass = match (words.u32()?, words.f64()?) {
         (0, rest) if rest.to_bits() == 0 => GrainMass::OfMaterial,
         (1, mass) => GrainMass::Mass(mass),
@@ -133,6 +168,12 @@ fn read_inlet(words: &mut Words, scene: &Scene) -> Result<Inlet, Damage> {
     inlet.group = group.try_into().map_err(|_| Damage::new(format!("an inlet has the group {group}")))?;
     inlet.tag = tags::read(words)?;
     Ok(inlet)
+}
+
+fn read_shape(words: &mut Words, scene: &Scene) -> Result<Option<ShapeId>, Damage> {
+    let Some(index) = (words.u32()? as usize).checked_sub(1) else { return Ok(None) };
+    let missing = || Damage::new(format!("an inlet has the shape {index}, which is missing"));
+    scene.shape_ids().nth(index).map(Some).ok_or_else(missing)
 }
 
 fn put_corners(head: &mut Head, corners: &[DVec3; 2]) {

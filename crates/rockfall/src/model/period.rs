@@ -54,8 +54,15 @@ impl Periods {
         (step.constants.flags & FLAG_PERIODIC != 0).then(bounds)
     }
 
+    /// Those of a scene that is not sheared.
+    pub(crate) fn unsheared(bounds: [Option<[f32; 2]>; 3]) -> Option<Self> {
+        let [from, to] =
+            [0, 1].map(|end| DVec3::from_array(bounds.map(|bounds| bounds.map_or(0.0, |bounds| bounds[end].into()))));
+        (bounds != [None; 3]).then_some(Self { length: to - from, from, slide: None })
+    }
+
     /// The displacement of the image that is nearest to a vector: whole periods, and the slide of as many boxes.
-    fn whole(&self, d: DVec3) -> DVec3 {
+    pub(crate) fn whole(&self, d: DVec3) -> DVec3 {
         self.displacement(|axis, slid| (d[axis] - slid) / self.length[axis], f64::round_ties_even)
     }
 

@@ -21,7 +21,8 @@ pub struct Gauge {
 pub enum Gauged {
     /// The force and the torque that bodies exert on the boxes and polygons that have this name or follow the motion of this name.
     Wall(String),
-    /// The spheres whose centre passes a plane. A sphere is in front of it where (x - point) · normal is positive.
+    /// The spheres whose centre passes a plane. A sphere is in front of it where (x - point) · normal is positive. In a scene that is
+    /// periodic along the normal, the images of the plane count as well.
     Plane {
         /// A point of the plane, in units.
         point: DVec3,
@@ -64,9 +65,9 @@ pub(crate) struct Front {
 }
 
 impl Front {
-    pub(crate) fn add(&mut self, mass: f32) {
-        self.count += 1;
-        self.mass += f64::from(mass);
+    pub(crate) fn add(&mut self, mass: f32, times: i64) {
+        self.count += times;
+        self.mass += f64::from(mass) * times as f64;
     }
 
     pub(crate) fn less(self, other: Self) -> Self {
@@ -79,11 +80,18 @@ impl Gauged {
         matches!(self, Self::Plane { .. })
     }
 
-    /// Whether a centre is in front of the plane.
-    pub(crate) fn has_in_front(&self, centre: DVec3) -> bool {
-        match self {
-            Self::Plane { point, normal } => (centre - *point).dot(*normal) > 0.0,
-            Self::Wall(_) => false,
+    /// How often a centre is in front of the plane: 0 or 1. Where the normal is along a periodic axis, the images of the plane count, too,
+    /// less those behind which the centre is.
+    pub(crate) fn times_in_front(&self, centre: DVec3, bounds: &[Option<[f32; 2]>; 3]) -> i64 {
+        let Self::Plane { point, normal } = self else { return 0 };
+        let from_plane = centre - *point;
+        let along = |axis: &usize| (0..3).all(|other| (normal[other] != 0.0) == (other == *axis));
+        match (0..3).find(along).map(|axis| (axis, bounds[axis])) {
+            Some((axis, Some([from, to]))) => {
+                let period = f64::from(to) - f64::from(from);
+                (from_plane[axis] * normal[axis].signum() / period).ceil() as i64
+            }
+            _ => i64::from(from_plane.dot(*normal) > 0.0),
         }
     }
 }

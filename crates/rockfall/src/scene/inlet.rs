@@ -1,4 +1,4 @@
-//! Inlets, which insert spheres while a simulation runs, and outlets, which remove them (docs/physics.md section 2.15).
+//! Inlets, which insert spheres or rigid bodies while a simulation runs, and outlets, which remove them (docs/physics.md section 2.15).
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,7 +6,7 @@ use std::str::FromStr;
 use glam::{DVec3, Vec3};
 
 use super::tag::check_name;
-use super::{MaterialId, Scene, Sphere, Tag};
+use super::{MaterialId, Placement, Scene, ShapeId, Sphere, Tag};
 use crate::error::{Error, Result, quoted};
 
 mod grains;
@@ -19,7 +19,7 @@ pub(crate) use sum::Sum;
 /// Largest value of [`Inlet::after`].
 const MOST_BEFORE: u64 = 100_000_000;
 
-/// A box in which spheres appear, at a rate.
+/// A box in which spheres appear, or rigid bodies of a shape, at a rate. What is said of spheres below is also said of bodies.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Inlet {
@@ -29,11 +29,14 @@ pub struct Inlet {
     pub corners: [DVec3; 2],
     /// How many spheres, how much mass or how much volume come in.
     pub rate: Rate,
-    /// The radii of the spheres, in units.
+    /// Shape of the rigid bodies that appear, in random orientations; `None` for spheres.
+    pub shape: Option<ShapeId>,
+    /// The radii of the spheres, in units. For rigid bodies, [`Scene::add_inlet`] sets the radius of the sphere about the centre of mass
+    /// that encloses the shape.
     pub radii: Radii,
     /// What the distribution of radii counts.
     pub by: SizedBy,
-    /// Mass of a sphere.
+    /// Mass of a sphere. For rigid bodies, [`Scene::add_inlet`] sets that of the shape.
     pub mass: GrainMass,
     /// Velocity of a sphere that appears, in units/s.
     pub velocity: Vec3,
@@ -50,9 +53,9 @@ pub struct Inlet {
     pub every: Option<u64>,
     /// Number of spheres that came in before the simulation began. The sequence of spheres goes on after them.
     pub after: u64,
-    /// Material of the spheres.
+    /// Material of the spheres. Parts of a shape have their own.
     pub material: Option<MaterialId>,
-    /// Collision group of the spheres.
+    /// Collision group of the spheres. Parts of a shape have their own.
     pub group: u16,
     /// Name, colour, look and label of the spheres.
     pub tag: Tag,
@@ -131,6 +134,7 @@ impl Inlet {
             name: name.into(),
             corners: corners.map(DVec3::from_array),
             rate,
+            shape: None,
             radii: Radii::Equal(radius),
             by: SizedBy::Number,
             mass: GrainMass::OfMaterial,
@@ -145,6 +149,11 @@ impl Inlet {
             group: 0,
             tag: Tag::default(),
         }
+    }
+
+    /// Creates an inlet of rigid bodies between two opposite corners of a box in units, with its rate.
+    pub fn of_bodies(name: impl Into<String>, corners: [[f64; 3]; 2], rate: Rate, shape: ShapeId) -> Self {
+        Self { shape: Some(shape), ..Self::new(name, corners, rate, 0.0) }
     }
 
     /// Sets the distribution of the radii, and what it counts.
@@ -347,18 +356,28 @@ impl FromStr for SizedBy {
 }
 
 impl Scene {
-    /// Adds an inlet. Simulations of the scene insert its spheres.
+    /// Adds an inlet. Simulations of the scene insert its spheres or rigid bodies.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a name that another inlet has or that is not one word, a box without volume or too small for the largest
-    /// sphere, and numbers that are out of range. [`Error::StaleHandle`] for a material that is not in the scene.
-    pub fn add_inlet(&mut self, inlet: Inlet) -> Result<()> {
+    /// sphere, a volume rate of rigid bodies, and numbers that are out of range. [`Error::StaleHandle`] for a material or a shape that is
+    /// not in the scene.
+    pub fn add_inlet(&mut self, mut inlet: Inlet) -> Result<()> {
+        if let Some(shape) = inlet.shape {
+            let is_volume = matches!(inlet.rate, Rate::Volume(_));
+            demand(!is_volume, "inlet.volume_rate", "given with a shape", "a rate or a mass rate, which rigid bodies have")?;
+            let mass = GrainMass::Mass((self.shape_mass(shape)?.mass as f32).into());
+            (inlet.radii, inlet.by, inlet.mass) = (Radii::Equal(self.shape_reach(shape)?), SizedBy::Number, mass);
+        }
         inlet.validate()?;
         self.material_number(inlet.material)?;
         let is_known = self.inlets.iter().any(|known| known.name == inlet.name);
         demand(!is_known, "inlet.name", quoted(&inlet.name), "a name that no other inlet has")?;
         // Every sphere between the smallest and the largest one is valid, too.
-        self.samples(&inlet).iter().try_for_each(Sphere::validate)?;
+        match inlet.shape {
+            Some(shape) => drop(self.laid(Placement::new(shape).velocity(inlet.velocity))?),
+            None => self.samples(&inlet).iter().try_for_each(Sphere::validate)?,
+        }
         self.inlets.push(inlet);
         Ok(())
     }

@@ -226,6 +226,30 @@ impl Scene {
     /// share of the mass that a sphere may not have. [`Error::StaleHandle`](crate::Error::StaleHandle) for a shape that is not in the
     /// scene.
     pub fn add_body(&mut self, placement: Placement) -> Result<RigidBodyId> {
+        let (mut body, spheres) = self.laid(placement)?;
+        let shape = self.shapes.get(placement.shape)?;
+        let (parts, rods) = (shape.all_spheres(), shape.all_rods());
+        for (sphere, ShapeSphere { tag, .. }) in spheres.into_iter().zip(parts) {
+            let id = self.spheres.add(sphere);
+            body.spheres.push(id);
+            if tag.is_some() {
+                self.put_tag(id.into(), tag)?;
+            }
+        }
+        for part in rods {
+            let [end1, end2] = [part.end1, part.end2].map(|end| body.spheres[end]);
+            let rod = Rod { group: part.group, material: part.material, ..Rod::new(end1, end2, part.radius) };
+            let id = self.rods.add(rod);
+            body.rods.push(id);
+            if part.tag.is_some() {
+                self.put_tag(id.into(), part.tag)?;
+            }
+        }
+        Ok(self.keep_body(body))
+    }
+
+    /// A body where it is laid, which has no parts yet, and its spheres. Fails as [`Scene::add_body`].
+    pub(super) fn laid(&self, placement: Placement) -> Result<(RigidBody, Vec<Sphere>)> {
         let kinetics = *self.shape_mass(placement.shape)?;
         let mut body = RigidBody {
             shape: placement.shape,
@@ -248,27 +272,9 @@ impl Scene {
         };
         body.validate()?;
         let shape = self.shapes.get(placement.shape)?;
-        let parts = shape.all_spheres();
-        let spheres = members(shape, &parts, &body, &kinetics);
+        let spheres = members(shape, &shape.all_spheres(), &body, &kinetics);
         spheres.iter().try_for_each(Sphere::validate)?;
-        let rods = shape.all_rods();
-        for (sphere, ShapeSphere { tag, .. }) in spheres.into_iter().zip(parts) {
-            let id = self.spheres.add(sphere);
-            body.spheres.push(id);
-            if tag.is_some() {
-                self.put_tag(id.into(), tag)?;
-            }
-        }
-        for part in rods {
-            let [end1, end2] = [part.end1, part.end2].map(|end| body.spheres[end]);
-            let rod = Rod { group: part.group, material: part.material, ..Rod::new(end1, end2, part.radius) };
-            let id = self.rods.add(rod);
-            body.rods.push(id);
-            if part.tag.is_some() {
-                self.put_tag(id.into(), part.tag)?;
-            }
-        }
-        Ok(self.keep_body(body))
+        Ok((body, spheres))
     }
 
     /// Adds a body whose spheres and rods are in the scene already.

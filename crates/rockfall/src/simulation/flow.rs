@@ -1,9 +1,9 @@
-//! Spheres that come in through inlets and leave through outlets, between two steps (docs/physics.md section 2.15).
+//! Spheres and rigid bodies that come in through inlets and leave through outlets, between two steps (docs/physics.md section 2.15).
 
 use glam::{DVec3, Vec3};
 
 use crate::error::Result;
-use crate::scene::{Inlet, InletState, ObjectId, Outlet, Passed, RigidBody, Scene, SphereId, shared};
+use crate::scene::{Inlet, InletState, ObjectId, Outlet, Passed, RigidBody, Scene, ShapeId, SphereId, shared};
 use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
 
@@ -18,7 +18,8 @@ const MOST: u64 = 1 << 16;
 /// Steps between two looks where nothing gives a time scale.
 const FEW_STEPS: u64 = 10;
 
-/// What came in and left since the start of a simulation, and what is inside. The ends of a capsule count as two spheres.
+/// What came in and left since the start of a simulation, and what is inside. The ends of a capsule count as two spheres, and a rigid body
+/// as one.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Flow {
@@ -66,8 +67,7 @@ impl Simulation {
         let mut state = self.flow.clone();
         state.complete(&self.scene);
         let time = self.muscle_clock.written_time();
-        let mut inside = Passed::default();
-        self.scene.spheres().iter().filter(|sphere| !sphere.fixed).for_each(|sphere| inside.add(sphere.mass));
+        let inside = inside(&self.scene);
         let inlets = self.scene.inlets().iter().zip(&state.inlets).enumerate().map(|(number, (inlet, state))| Inflow {
             name: inlet.name.clone(),
             spheres: state.passed.spheres,
@@ -121,8 +121,7 @@ impl Simulation {
         let bodies: Vec<_> =
             self.scene.body_ids().zip(self.scene.bodies()).filter(|(_, body)| inside(body)).map(|(id, _)| id).collect();
         for id in bodies {
-            let mass = self.scene.shape_mass(self.scene.body(id)?.shape)?.mass as f32;
-            self.flow.outlets[number].add(mass);
+            self.flow.outlets[number].add(body_mass(&self.scene, self.scene.body(id)?.shape));
             self.remove_body(id)?;
         }
         if !gone.is_empty() {
@@ -147,10 +146,21 @@ impl Simulation {
                 state.tries += TRIES;
                 break;
             };
-            let id = scene.add_sphere(inlet.sphere_of(centre, grain.radius, grain.mass))?;
-            scene.references.set(id, self.flow.next_reference);
-            self.flow.next_reference = self.flow.next_reference.saturating_add(1);
-            scene.share_tag(ObjectId::from(id), &tag)?;
+            let (id, spheres) = match inlet.shape {
+                Some(shape) => {
+                    let id = scene.add_body(inlet.placement(shape, number, state.serial, centre))?;
+                    (ObjectId::from(id), scene.body(id)?.spheres().to_vec())
+                }
+                None => {
+                    let id = scene.add_sphere(inlet.sphere_of(centre, grain.radius, grain.mass))?;
+                    (ObjectId::from(id), vec![id])
+                }
+            };
+            for sphere in spheres {
+                scene.references.set(sphere, self.flow.next_reference);
+                self.flow.next_reference = self.flow.next_reference.saturating_add(1);
+            }
+            scene.share_tag(id, &tag)?;
             room.add(centre, grain.radius);
             state.sum += inlet.share(&grain);
             state.passed.add(grain.mass);
@@ -199,6 +209,20 @@ impl Simulation {
     fn steps_in(&self, seconds: f64) -> u64 {
         if seconds.is_finite() { ((seconds / f64::from(self.time_step)) as u64).max(1) } else { FEW_STEPS }
     }
+}
+
+/// What is in a scene and not fixed.
+fn inside(scene: &Scene) -> Passed {
+    let mut inside = Passed::default();
+    let alone = scene.sphere_ids().zip(scene.spheres()).filter(|(id, _)| scene.body_of_sphere(*id).is_none());
+    alone.filter(|(_, sphere)| !sphere.fixed).for_each(|(_, sphere)| inside.add(sphere.mass));
+    scene.bodies().iter().for_each(|body| inside.add(body_mass(scene, body.shape)));
+    inside
+}
+
+/// The mass of a rigid body as it is counted.
+fn body_mass(scene: &Scene, shape: ShapeId) -> f32 {
+    scene.shape_mass(shape).map_or(0.0, |kinetics| kinetics.mass as f32)
 }
 
 /// What the rate counts of all spheres up to the next one, which is due when it has let in as much; `None` at the limit.

@@ -1,4 +1,4 @@
-//! Means of loads, and the work of walls and muscles (docs/physics.md section 2.12).
+//! Means of loads, and the work of walls and muscles (docs/physics.md section 2.12) and of a shear.
 
 use std::f64::consts::TAU;
 
@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 use crate::error::Result;
 use crate::scene::{Body, Pose, Scene, Sphere};
 use crate::simulation::observe::{Contact, ContactAction};
+use crate::simulation::shear_work::Slid;
 use crate::simulation::{Simulation, engine};
 
 /// Sums over steps: the loads that the gauges of a scene measure, and the work done on bodies by what moves them.
@@ -19,15 +20,18 @@ pub struct Meter {
     pub loads: Vec<[DVec3; 2]>,
     /// Number of steps that the sums of loads have.
     pub steps: u64,
-    /// Work done on bodies by walls that move, conveyors, the surfaces of fixed spheres, and muscles, in mass units²/s².
+    /// Work done on bodies by walls that move, conveyors, the surfaces of fixed spheres, muscles, and the shear of a periodic scene, in
+    /// mass units²/s².
     pub work: f64,
     has_loads: bool,
     has_work: bool,
     /// How bodies are driven after the last step.
     last: Option<Drive>,
+    /// Where spheres are in a sheared scene after the last step.
+    slid: Vec<Slid>,
 }
 
-/// How walls and muscles drive bodies in one state.
+/// How walls, muscles and a shear drive bodies in one state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Drive {
     /// Power of forces.
@@ -75,7 +79,8 @@ impl Simulation {
         self.set_time_step(dt)?;
         if meter.has_work && meter.last.is_none() {
             let contacts = self.contacts()?;
-            meter.last = Some(self.drive_of(&contacts));
+            meter.last = Some(self.drive_of(&contacts)?);
+            meter.slid = self.slid();
         }
         for _ in 0..steps {
             let device = self.engine.waiter();
@@ -90,18 +95,20 @@ impl Simulation {
                 meter.steps += 1;
             }
             if meter.has_work {
-                let now = self.drive_of(&contacts);
+                let now = self.drive_of(&contacts)?;
                 let before = meter.last.replace(now).unwrap_or_default();
                 meter.work += before.impulses + 0.5 * f64::from(dt) * (before.power + now.power);
+                let slid = std::mem::replace(&mut meter.slid, self.slid());
+                meter.work += self.work_at_faces(&slid, &meter.slid);
             }
         }
         Ok(())
     }
 
     /// How walls and muscles drive bodies in the current state, whose contacts are given.
-    fn drive_of(&self, contacts: &[Contact]) -> Drive {
+    fn drive_of(&mut self, contacts: &[Contact]) -> Result<Drive> {
         let time = self.muscle_clock.written_time();
-        let mut drive = Drive::default();
+        let mut drive = Drive { power: self.power_of_shear(contacts)?, ..Drive::default() };
         let driven =
             Driven { scene: &self.scene, poses: self.scene.motions().iter().map(|motion| motion.pose(time)).collect() };
         for contact in contacts {
@@ -113,7 +120,7 @@ impl Simulation {
             }
         }
         drive.power += self.power_of_muscles();
-        drive
+        Ok(drive)
     }
 
     /// The power of muscles: minus the elastic tension times the rate of the rest length.
@@ -165,12 +172,13 @@ fn surface_velocity(sphere: &Sphere, place: DVec3) -> DVec3 {
     sphere.velocity.as_dvec3() + spin.cross(place - DVec3::from_array(sphere.centre()))
 }
 
-/// Whether walls, surfaces or muscles of a scene can do work.
+/// Whether walls, surfaces, muscles or the shear of a scene can do work.
 fn is_driven(scene: &Scene) -> bool {
     let surfaces = scene.boxes().iter().map(|cuboid| cuboid.surface_velocity);
     let mut surfaces = surfaces.chain(scene.polygons().iter().map(|polygon| polygon.surface_velocity));
     let turns = |sphere: &Sphere| sphere.velocity != Vec3::ZERO || sphere.angular_momentum != Vec3::ZERO;
     !scene.motions().is_empty()
+        || scene.shear().is_some()
         || surfaces.any(|velocity| velocity != Vec3::ZERO)
         || scene.springs().iter().any(|spring| spring.muscle.is_some())
         || scene.spheres().iter().any(|sphere| sphere.fixed && turns(sphere))

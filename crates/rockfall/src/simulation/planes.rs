@@ -64,7 +64,7 @@ impl Planes {
             high + low
         };
         let spheres: Vec<(f32, DVec3)> = self.masses.iter().zip(&slots).map(|(mass, slot)| (*mass, centre(*slot))).collect();
-        scene.gauges().iter().map(|gauge| front(gauge, spheres.iter().copied())).collect()
+        scene.gauges().iter().map(|gauge| front(scene, gauge, spheres.iter().copied())).collect()
     }
 
     /// Takes into account that edits have changed the spheres; `before` was in front before them.
@@ -81,18 +81,18 @@ impl Planes {
 }
 
 /// What is in front of the plane of a gauge, of spheres with their masses and centres.
-fn front(gauge: &Gauge, spheres: impl Iterator<Item = (f32, DVec3)>) -> Front {
+fn front(scene: &Scene, gauge: &Gauge, spheres: impl Iterator<Item = (f32, DVec3)>) -> Front {
     let mut front = Front::default();
     if gauge.of.is_plane() {
-        let counted = spheres.filter(|(mass, centre)| *mass != 0.0 && gauge.of.has_in_front(*centre));
-        counted.for_each(|(mass, _)| front.add(mass));
+        let (bounds, movable) = (scene.periodic(), spheres.filter(|(mass, _)| *mass != 0.0));
+        movable.for_each(|(mass, centre)| front.add(mass, gauge.of.times_in_front(centre, &bounds)));
     }
     front
 }
 
 fn fronts(scene: &Scene) -> Vec<Front> {
     let spheres = || scene.spheres().iter().map(|sphere| (mass(sphere), DVec3::from_array(sphere.centre())));
-    scene.gauges().iter().map(|gauge| front(gauge, spheres())).collect()
+    scene.gauges().iter().map(|gauge| front(scene, gauge, spheres())).collect()
 }
 
 fn mass(sphere: &crate::scene::Sphere) -> f32 {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::error::Result;
-use crate::scene::{SphereId, SpringId, TetherId};
+use crate::scene::{Scene, SphereId, SpringId, TetherId};
 use crate::simulation::Simulation;
 
 /// A spring or a tether.
@@ -48,6 +48,16 @@ impl Law {
         let Some(direction) = apart.try_normalize() else { return (0.0, 0.0) };
         let elastic = f64::from(self.stiffness) * (distance - self.rest);
         (distance as f32, (elastic + f64::from(self.damping) * velocity.dot(direction)) as f32)
+    }
+}
+
+impl Tension {
+    /// The point in which a tether ends; the origin for a spring.
+    pub(super) fn point(&self, scene: &Scene) -> DVec3 {
+        match self.link {
+            Link::Tether(id) => scene.tether(id).map(|tether| tether.point.as_dvec3()).unwrap_or_default(),
+            Link::Spring(_) => DVec3::ZERO,
+        }
     }
 }
 

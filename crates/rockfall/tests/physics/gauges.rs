@@ -141,6 +141,26 @@ fn planes_count_what_passes(backend: Backend) {
     assert_eq!(flows(&mut simulation), [(6.0, 2)]);
 }
 
+/// In a periodic scene a plane has images. A sphere that goes round passes one of them on every round, either way; a tilted plane has none.
+fn planes_count_each_round(backend: Backend) {
+    let mut scene = with(|settings| settings.gravity = 0.0);
+    scene.set_periodic(0, Some([-1.0, 1.0])).expect("a periodic axis");
+    for (y, speed, mass) in [(0.0, 8.0, 2.0), (3.0, -4.0, 16.0)] {
+        let ball = Sphere::new([-0.5, y, 0.0], 0.1).mass(mass).velocity([speed, 0.0, 0.0]);
+        scene.add_sphere(ball).expect("a valid sphere");
+    }
+    for (name, normal) in [("right", [5.0, 0.0, 0.0]), ("left", [-1.0, 0.0, 0.0]), ("tilted", [1.0, 0.1, 0.0])] {
+        scene.add_gauge(Gauge::plane(name, [0.25, 0.0, 0.0], normal)).expect("a valid gauge");
+    }
+    let mut simulation = open(scene, backend, Integrator::SymplecticEuler);
+    // After 1 s the first ball is at 7.5 and has passed 0.25, 2.25, 4.25 and 6.25, and the second one is at -4.5 and has passed -1.75 and -3.75.
+    simulation.run(64, 1.0 / 64.0).expect("steps");
+    let found = flows(&mut simulation);
+    assert_eq!(found[0], (4.0 * 2.0 - 2.0 * 16.0, 2), "{found:?}");
+    assert_eq!(found[1], (-found[0].0, -found[0].1));
+    assert_eq!(found[2], (2.0, 1), "{found:?}");
+}
+
 /// The energy that elastic grains gain is the work of the piston that compresses them, with every law and integrator.
 fn a_piston_does_the_work_that_grains_gain(backend: Backend) {
     for (law, integrator) in [
@@ -230,6 +250,7 @@ both! {
     a_bin_bears_the_weight_of_a_pile,
     a_disk_feels_the_friction_of_balls,
     planes_count_what_passes,
+    planes_count_each_round,
     a_piston_does_the_work_that_grains_gain,
     a_belt_does_twice_the_work_that_a_ball_keeps,
     a_muscle_does_the_work_that_balls_gain,

@@ -4,11 +4,11 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{
-    Backend, BroadPhase, Checkpoint, ContactLaw, Integrator, Material, MaterialId, Options, Pair, Scene, Shear, Simulation,
-    Sphere,
+    Backend, BroadPhase, Checkpoint, ContactLaw, Integrator, Material, MaterialId, Meter, Options, Pair, Scene, Shear,
+    Simulation, Sphere, Spring, Tether,
 };
 
-use crate::common::{bits_of, near, with};
+use crate::common::{bits_of, near, on, with};
 
 const RATE: f32 = 2.0;
 /// Each law with an integrator and a time step.
@@ -126,6 +126,27 @@ fn momentum_is_conserved(backend: Backend) {
     }
 }
 
+/// What the shear does is what an elastic crowd gains: through contacts, springs and tethers, and where bodies pass a face.
+fn the_shear_does_the_work_that_a_crowd_gains(backend: Backend) {
+    let mut scene = crowd(ContactLaw::HertzMindlin, [0.0; 3]);
+    let stuff = scene.material_ids().next().expect("a material");
+    scene.set_pair(stuff, stuff, Pair::default().restitution(1.0).friction(0.0)).expect("a valid pair");
+    let ids: Vec<_> = scene.sphere_ids().collect();
+    for pair in ids.chunks(2).take(20) {
+        scene.add_spring(Spring::new(pair[0], pair[1], 40.0, 1.0)).expect("a valid spring");
+    }
+    scene.add_tether(Tether::new(ids[60], [1.0, 1.0, 1.0], 40.0)).expect("a valid tether");
+    let mut simulation = open(scene, backend, Integrator::VelocityVerlet, BroadPhase::Auto);
+    let dt = 1e-4;
+    let before = simulation.energy().expect("an energy").total();
+    let mut meter = Meter::new(simulation.scene(), false, true);
+    simulation.run_metered(on(backend, 6_000, 300), dt, &mut meter).expect("steps");
+    let gained = simulation.energy().expect("an energy").total() - before;
+    assert!(gained.abs() > 0.01 * before, "{gained} of {before}");
+    let error = (meter.work - gained).abs();
+    assert!(error < 0.01 * gained.abs().max(meter.work.abs()), "{} of {gained}, {before} before", meter.work);
+}
+
 /// A flow with the velocity of the shear everywhere meets no edge: its bodies never touch, and their images stay in the box.
 fn a_uniform_flow_has_no_edges(backend: Backend) {
     let (mut scene, _) = sheared(ContactLaw::Thesis, [0.0; 3], Some(Shear::new(1, 0, RATE)));
@@ -168,4 +189,5 @@ both! {
     momentum_is_conserved,
     a_uniform_flow_has_no_edges,
     checkpoints_have_the_shear,
+    the_shear_does_the_work_that_a_crowd_gains,
 }

@@ -2,8 +2,8 @@
 
 use rockfall::glam::Vec3;
 use rockfall::{
-    Backend, Capsule, Checkpoint, ContactLaw, Cuboid, Flow, Inlet, Material, Options, Outlet, Pair, Radii, Rate, Scene,
-    Simulation, SizedBy, Sphere, Spring, Tag,
+    Backend, Capsule, Checkpoint, ContactLaw, Cuboid, Flow, GrainMass, Inlet, Material, Options, Outlet, Pair, Radii, Rate,
+    Scene, Shape, ShapeId, Simulation, SizedBy, Sphere, Spring, Tag,
 };
 
 use crate::common::{DT, bits_of};
@@ -33,6 +33,8 @@ both!(
     springs_of_other_contacts_are_kept,
     what_is_attached_leaves_too,
     phases_alone_are_a_step,
+    bodies_come_in_and_leave,
+    inlets_look_across_faces,
 );
 
 fn masses_balance_exactly(backend: Backend) {
@@ -243,4 +245,82 @@ fn a_material_that_the_law_needs_is_demanded_at_the_start() {
     scene.add_inlet(chute().inlets()[0].clone()).expect("an inlet");
     let error = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap_err().to_string();
     assert!(error.contains("linear without a material for sphere number 0"), "{error}");
+}
+
+/// Two spheres and a box as one body.
+fn hammer(scene: &mut Scene) -> ShapeId {
+    let head = Cuboid::between([-0.1, -0.05, -0.05], [0.1, 0.05, 0.05]);
+    let shape = Shape::new().sphere([0.0, 0.2, 0.0], 0.06).sphere([0.0, 0.3, 0.0], 0.05).cuboid(head).density(400.0);
+    scene.add_shape(shape.name("hammer")).expect("a shape")
+}
+
+fn bodies_come_in_and_leave(backend: Backend) {
+    let mut scene = chute();
+    let shape = hammer(&mut scene);
+    let inlet = Inlet::of_bodies("hammers", [[-1.0, 3.0, -0.8], [1.0, 4.0, 0.8]], Rate::Number(20.0), shape);
+    scene.add_inlet(inlet.velocity([0.0, -2.0, 0.0]).seed(5).tag(Tag::new().name("hammer"))).expect("an inlet");
+    let mut simulation = open(&scene, backend);
+    simulation.run(16, DT).expect("steps");
+    let scene = simulation.scene();
+    let turns: Vec<f32> = scene.bodies().iter().map(|body| body.orientation.w.abs()).collect();
+    assert!(turns.len() >= 4 && turns.iter().all(|w| *w < 0.999), "they are turned: {turns:?}");
+    for _ in 0..6 {
+        simulation.run(30, DT).expect("steps");
+        let Flow { inlets, outlets, spheres, mass, .. } = simulation.flow();
+        assert_eq!(inlets[0].mass + inlets[1].mass - outlets[0].mass, mass, "not one bit is lost");
+        assert_eq!(inlets[0].spheres + inlets[1].spheres - outlets[0].spheres, spheres);
+        for (id, body) in simulation.scene().body_ids().zip(simulation.scene().bodies()) {
+            assert_eq!(body.spheres().len(), 11);
+            let tag = simulation.scene().tag(id).expect("in the scene").expect("a tag");
+            assert_eq!(tag.name.as_deref(), Some("hammer"));
+        }
+    }
+    let flow = simulation.flow();
+    assert!(flow.inlets[1].spheres > 40, "{flow:?}");
+
+    // A checkpoint has the shape of the inlet, and the run goes on with the same bodies.
+    let bytes = simulation.checkpoint().expect("a checkpoint").to_bytes();
+    let read = Checkpoint::from_bytes(&bytes, "file.ckpt").expect("a checkpoint");
+    assert_eq!(read.to_bytes(), bytes);
+    let mut resumed = Simulation::resume(read).expect("it resumes");
+    for run in [&mut simulation, &mut resumed] {
+        run.run(60, DT).expect("steps");
+    }
+    assert!((simulation.flow(), bits_of(&mut simulation)) == (resumed.flow(), bits_of(&mut resumed)));
+}
+
+#[test]
+fn inlets_of_bodies_have_their_size_and_mass() {
+    let mut scene = Scene::new();
+    let shape = scene.add_shape(Shape::new().sphere([0.0; 3], 0.1).sphere([0.2, 0.0, 0.0], 0.1).mass(3.0)).expect("a shape");
+    let corners = [[0.0; 3], [0.5, 0.5, 0.5]];
+    scene.add_inlet(Inlet::of_bodies("in", corners, Rate::Mass(6.0), shape)).expect("an inlet");
+    let inlet = &scene.inlets()[0];
+    assert_eq!((inlet.radii, inlet.mass), (Radii::Equal(f64::from(0.1_f32) + f64::from(0.2_f32) / 2.0), GrainMass::Mass(3.0)));
+    // The sphere around it has the diameter 0.4.
+    let small = Inlet::of_bodies("small", [[0.0; 3], [0.5, 0.39, 0.5]], Rate::Mass(6.0), shape);
+    let error = scene.add_inlet(small).expect_err("it does not fit").to_string();
+    assert!(error.contains("inlet.box"), "{error}");
+    let volume =
+        scene.add_inlet(Inlet::of_bodies("volume", corners, Rate::Volume(1.0), shape)).expect_err("refused").to_string();
+    assert!(volume.contains("inlet.volume_rate"), "{volume}");
+    let mut other = Scene::new();
+    assert!(other.add_inlet(Inlet::of_bodies("in", corners, Rate::Mass(6.0), shape)).is_err(), "the shape is of another scene");
+}
+
+/// Through the face of a periodic box a sphere touches what is near the other face.
+fn inlets_look_across_faces(backend: Backend) {
+    let mut scene = Scene::new();
+    scene.settings.gravity = 0.0;
+    scene.set_periodic(0, Some([0.0, 2.0])).expect("a periodic axis");
+    for y in [0.2, 0.6] {
+        scene.add_sphere(Sphere::new([1.95, y, 0.2], 0.2).fixed()).expect("a sphere");
+    }
+    scene.add_box(Cuboid::between([1.8, 0.8, 0.0], [2.2, 0.9, 0.4])).expect("a box");
+    let inlet = Inlet::new("in", [[0.0, 0.0, 0.0], [0.5, 1.2, 0.4]], Rate::Number(6400.0), 0.05).every(1);
+    scene.add_inlet(inlet).expect("an inlet");
+    let mut simulation = open(&scene, backend);
+    simulation.run(2, DT).expect("steps");
+    assert!(simulation.flow().spheres > 30, "{:?}", simulation.flow());
+    assert_eq!(simulation.contacts().expect("contacts").len(), 0, "none overlaps the images");
 }

@@ -4,10 +4,10 @@
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
 use super::{GrainMass, Inlet, Radii, Rate, SizedBy};
-use crate::scene::{Scene, Sphere};
+use crate::scene::{Placement, Scene, ShapeId, Sphere};
 
 /// Standard deviations beyond which radii of a log-normal distribution are left out.
 const TAIL: f64 = 4.0;
@@ -19,6 +19,7 @@ const SLACK: f64 = 1e-12;
 enum Draw {
     Radius,
     Place,
+    Orientation,
 }
 
 /// A sphere that has not appeared yet.
@@ -109,10 +110,28 @@ impl Inlet {
         DVec3::new(at(0), at(1), at(2))
     }
 
+    /// The orientation of a rigid body: all are as likely as each other (Shoemake, Graphics Gems III, 1992).
+    fn orientation(&self, number: usize, serial: u64) -> DQuat {
+        let [u, v, w] = [0, 1, 2].map(|index| random([self.seed, number as u64, serial, Draw::Orientation as u64, index]));
+        let ((sin_v, cos_v), (sin_w, cos_w)) = ((TAU * v).sin_cos(), (TAU * w).sin_cos());
+        let (less, more) = ((1.0 - u).sqrt(), u.sqrt());
+        DQuat::from_xyzw(less * sin_v, less * cos_v, more * sin_w, more * cos_w)
+    }
+
+    /// Where a rigid body appears.
+    pub(crate) fn placement(&self, shape: ShapeId, number: usize, serial: u64, centre: DVec3) -> Placement {
+        let turn = self.orientation(number, serial).as_quat().normalize();
+        Placement::new(shape).centred_at(centre).turned(turn).velocity(self.velocity)
+    }
+
     /// A sphere of the inlet.
     pub(crate) fn sphere_of(&self, centre: DVec3, radius: f32, mass: f32) -> Sphere {
         let sphere = Sphere::new(centre.as_vec3(), radius).mass(mass).velocity(self.velocity).group(self.group);
         Sphere { material: self.material, ..sphere }
+    }
+
+    fn middle(&self) -> DVec3 {
+        (self.corners[0] + self.corners[1]) / 2.0
     }
 
     /// What a sphere adds to the sum that the rate compares: 1, its mass or its volume.
@@ -144,11 +163,11 @@ impl Scene {
         [small, large].map(|radius| {
             let one = Inlet { radii: Radii::Equal(radius), ..inlet.clone() };
             let Grain { radius, mass } = one.grain(0, 0, self.inlet_density(inlet));
-            one.sphere_of((one.corners[0] + one.corners[1]) / 2.0, radius, mass)
+            one.sphere_of(one.middle(), radius, mass)
         })
     }
 
-    /// The scene with the smallest and the largest sphere of every inlet, and without the inlets, for checks of what the scene will
+    /// The scene with the smallest and the largest sphere of every inlet, or one of its rigid bodies, and without the inlets, for checks of what the scene will
     /// contain.
     pub fn with_grains(&self) -> Cow<'_, Self> {
         if self.inlets.is_empty() {
@@ -156,8 +175,14 @@ impl Scene {
         }
         let mut scene = self.clone();
         for inlet in std::mem::take(&mut scene.inlets) {
-            for sphere in scene.samples(&inlet) {
-                scene.spheres.add(sphere);
+            match inlet.shape {
+                Some(shape) => {
+                    // The inlet would not be in the scene if its bodies could not be.
+                    let _ = scene.add_body(inlet.placement(shape, 0, 0, inlet.middle()));
+                }
+                None => scene.samples(&inlet).into_iter().for_each(|sphere| {
+                    scene.spheres.add(sphere);
+                }),
             }
         }
         Cow::Owned(scene)

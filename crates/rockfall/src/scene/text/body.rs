@@ -11,7 +11,7 @@ use super::comment::without_comment;
 use super::line::{BODY, BOX, CAPSULE, Kind, Line, MARK, PLACE, ROD, SPHERE, Wrong};
 use super::motion::{number, numbers, vector};
 use crate::error::{nearest, quoted};
-use crate::scene::{Cuboid, MaterialId, ObjectId, Placement, Shape, Tag, shared};
+use crate::scene::{Cuboid, MaterialId, ObjectId, Placement, Shape, ShapeId, Tag, shared};
 
 const BODY_KEYS: [&str; 5] = ["mass", "density", "centre", "inertia", "rounding"];
 const PLACE_KEYS: [&str; 10] = ["at", "centre", "axis", "turn", "orientation", "velocity", "spin", "momentum", "name", "first"];
@@ -228,14 +228,7 @@ impl Reader<'_> {
             return self.not_understood(number_of_line, PLACE.wrong("NAME", format!("missing, expected {}", PLACE.form())));
         };
         let given = Keys::read(&PLACE, &PLACE_KEYS, line)?;
-        let shape = self.scene.find_shape(name).ok_or_else(|| {
-            let known: Vec<&str> = self.scene.shapes().iter().filter_map(|shape| shape.name.as_deref()).collect();
-            let hint = match nearest(name, &known) {
-                Some(near) => format!("did you mean {}?", quoted(near)),
-                None => "expected the name of an @body line above".to_owned(),
-            };
-            PLACE.wrong(&quoted(name), format!("an unknown body, {hint}"))
-        })?;
+        let shape = self.known_shape(&PLACE, name)?;
         let placement = self.placed(Placement::new(shape), &given)?;
         let references = self.references_of(line)?;
         let id = self.scene.add_body(placement).map_err(|error| PLACE.refused(&error))?;
@@ -248,6 +241,18 @@ impl Reader<'_> {
             tag.validate().map_err(|error| PLACE.wrong("name", PLACE.refused(&error).message))?;
         }
         self.scene.share_tag(ObjectId::from(id), &shared(tag)).map_err(|error| PLACE.refused(&error))
+    }
+
+    /// The shape of a name, which a line of this kind has.
+    pub(super) fn known_shape(&self, kind: &Kind, name: &str) -> Line<ShapeId> {
+        self.scene.find_shape(name).ok_or_else(|| {
+            let known: Vec<&str> = self.scene.shapes().iter().filter_map(|shape| shape.name.as_deref()).collect();
+            let hint = match nearest(name, &known) {
+                Some(near) => format!("did you mean {}?", quoted(near)),
+                None => "expected the name of an @body line above".to_owned(),
+            };
+            kind.wrong(&quoted(name), format!("an unknown body, {hint}"))
+        })
     }
 
     fn placed(&self, placement: Placement, given: &Keys) -> Line<Placement> {

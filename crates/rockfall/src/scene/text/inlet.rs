@@ -7,14 +7,15 @@ use super::line::{INLET, Line, OUTLET};
 use super::motion::{number, vector};
 use super::values::Values;
 use crate::error::quoted;
-use crate::scene::{GrainMass, Inlet, Outlet, Rate};
+use crate::scene::{GrainMass, Inlet, Outlet, Rate, ShapeId};
 
-const INLET_KEYS: [&str; 16] = [
+const INLET_KEYS: [&str; 17] = [
     "name",
     "box",
     "rate",
     "mass_rate",
     "volume_rate",
+    "shape",
     "radius",
     "by",
     "mass",
@@ -37,15 +38,10 @@ impl Reader<'_> {
         let values = Values::read(&INLET, &INLET_KEYS, line.split_ascii_whitespace().skip(1))?;
         let mut inlet = Inlet::new("", [[0.0; 3]; 2], values.rate()?, 0.0);
         inlet.corners = values.corners(self.offset())?;
-        inlet.radii = values
-            .parsed("radius", "a radius r, a range a..b or lognormal:median,sigma")?
-            .ok_or_else(|| INLET.wrong("radius", "missing, expected radius=r, radius=a..b or radius=lognormal:median,sigma"))?;
-        inlet.by = values.parsed("by", "number or mass")?.unwrap_or_default();
-        inlet.mass = match (values.number("mass")?, values.number("density")?) {
-            (Some(mass), _) => GrainMass::Mass(mass),
-            (None, Some(density)) => GrainMass::Density(density),
-            (None, None) => GrainMass::OfMaterial,
-        };
+        inlet.shape = self.shape_of(&values)?;
+        if inlet.shape.is_none() {
+            values.grains(&mut inlet)?;
+        }
         if let Some(velocity) = values.of("velocity") {
             inlet.velocity = vector(&INLET, "velocity", velocity)?.as_vec3();
         }
@@ -59,6 +55,15 @@ impl Reader<'_> {
         (inlet.material, inlet.group) = (self.material, self.group);
         inlet.tag = self.tag.as_deref().cloned().unwrap_or_default();
         self.scene.add_inlet(inlet).map_err(|error| INLET.refused(&error))
+    }
+
+    /// The shape of the rigid bodies that an inlet lets in.
+    fn shape_of(&self, values: &Values) -> Line<Option<ShapeId>> {
+        let Some(name) = values.of("shape") else { return Ok(None) };
+        if let Some(key) = ["radius", "by", "mass", "density", "volume_rate"].into_iter().find(|key| values.of(key).is_some()) {
+            return Err(INLET.wrong(key, "given with shape, expected one of them: a shape has its own size and mass"));
+        }
+        self.known_shape(&INLET, name).map(Some)
     }
 
     pub(super) fn outlet(&mut self, line: &str, number: usize) -> Line<()> {
@@ -85,6 +90,20 @@ impl Values<'_> {
             [.., Some(rate)] => Ok(Rate::Volume(rate)),
             [None, None, None] => Err(self.kind.wrong("rate", "missing, expected rate=, mass_rate= or volume_rate=")),
         }
+    }
+
+    /// Reads the sizes and masses of spheres.
+    fn grains(&self, inlet: &mut Inlet) -> Line<()> {
+        let missing = "missing, expected radius=r, radius=a..b or radius=lognormal:median,sigma, or shape=NAME";
+        let radii = self.parsed("radius", "a radius r, a range a..b or lognormal:median,sigma")?;
+        inlet.radii = radii.ok_or_else(|| INLET.wrong("radius", missing))?;
+        inlet.by = self.parsed("by", "number or mass")?.unwrap_or_default();
+        inlet.mass = match (self.number("mass")?, self.number("density")?) {
+            (Some(mass), _) => GrainMass::Mass(mass),
+            (None, Some(density)) => GrainMass::Density(density),
+            (None, None) => GrainMass::OfMaterial,
+        };
+        Ok(())
     }
 
     /// The corners of the box, moved on for a copy of the line.

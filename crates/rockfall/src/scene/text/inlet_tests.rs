@@ -55,7 +55,7 @@ fn wrong_lines_name_the_field_and_what_was_expected() {
         ("@inlet box=0,0,0,1,1,1 radius=0.1", "@inlet rate: missing, expected rate=, mass_rate= or volume_rate="),
         (
             "@inlet box=0,0,0,1,1,1 rate=5",
-            "@inlet radius: missing, expected radius=r, radius=a..b or radius=lognormal:median,sigma",
+            "@inlet radius: missing, expected radius=r, radius=a..b or radius=lognormal:median,sigma, or shape=NAME",
         ),
         ("@inlet box=0,0,0,1,1 rate=5 radius=1", "@inlet box: '0,0,0,1,1' is not allowed, expected six numbers"),
         ("@inlet box=0,0,0,1,-1,1 rate=5 radius=0.1", "with x0 < x1, y0 < y1 and z0 < z1"),
@@ -76,6 +76,12 @@ fn wrong_lines_name_the_field_and_what_was_expected() {
             &format!("@inlet {good} name=a\n@inlet {good} name=a"),
             "silo.txt:2: @inlet name: 'a' is not allowed, expected a name that",
         ),
+        (
+            "@inlet box=0,0,0,1,1,1 rate=5 shape=rock",
+            "@inlet 'rock': an unknown body, expected the name of an @body line above",
+        ),
+        ("@inlet box=0,0,0,1,1,1 rate=5 shape=rock radius=1", "@inlet radius: given with shape, expected one of them"),
+        ("@inlet box=0,0,0,1,1,1 volume_rate=5 shape=rock", "@inlet volume_rate: given with shape, expected one of them"),
         ("@outlet name=a", "@outlet box: missing, expected six numbers"),
         ("@outlet box=0,0,0,1,1,1 rate=3", "@outlet 'rate': an unknown key"),
     ];
@@ -84,6 +90,19 @@ fn wrong_lines_name_the_field_and_what_was_expected() {
         assert!(error.contains(expected), "{text}: {error}");
         assert!(error.starts_with("silo.txt:"), "{error}");
     }
+}
+
+#[test]
+fn inlets_of_bodies_are_read_and_written() {
+    let text = "@body rock density=3\nS 1 0 0 0 0 0 0 0 0 0 - 0.1\nS 2 0.1 0 0 0 0 0 0 0 0 - 0.1\n@end\n\
+                @inlet name=feed box=0,0,0,1,1,1 mass_rate=5 shape=rock velocity=0,-1,0 limit=3\n";
+    let scene = parse(text).unwrap();
+    let inlet = &scene.inlets()[0];
+    assert_eq!((inlet.shape, inlet.rate, inlet.limit), (scene.find_shape("rock"), Rate::Mass(5.0), Some(3)));
+    let again = scene.to_text();
+    let line = "@inlet name=feed box=0,0,0,1,1,1 mass_rate=5 shape=rock velocity=0,-1,0 limit=3\n";
+    assert!(again.ends_with(line), "{again}");
+    assert_eq!(parse(&again).unwrap().to_text(), again);
 }
 
 #[test]

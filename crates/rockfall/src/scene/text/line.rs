@@ -155,7 +155,7 @@ pub(super) const INLET: Kind = Kind {
         "name=N",
         "box=x0,y0,z0,x1,y1,z1",
         "rate=PER_S|mass_rate=M|volume_rate=V",
-        "radius=r|a..b|lognormal:median,sigma",
+        "radius=r|a..b|lognormal:median,sigma|shape=NAME",
         "by=number|mass",
         "mass=M|density=D",
         "velocity=x,y,z",

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 
 use super::{Writer, bits, is_turned};
 use crate::fine::Fine;
-use crate::scene::{RigidBody, ShapeMass, Tag};
+use crate::scene::{RigidBody, ShapeId, ShapeMass, Tag};
 
 /// The words of a position: as many digits as it needs.
 fn words([x, y, z]: [String; 3]) -> String {
@@ -89,8 +89,13 @@ impl Writer<'_> {
         Some(spheres.len())
     }
 
+    /// The name under which a shape was written.
+    pub(super) fn name_of_shape(&self, shape: ShapeId) -> String {
+        scene_name(&self.shape_names, self.scene.shapes.index(shape)).to_owned()
+    }
+
     fn body(&mut self, body: &RigidBody, at: usize, uses: &[u32]) {
-        let name = scene_name(&self.shape_names, self.scene.shapes.index(body.shape));
+        let name = self.name_of_shape(body.shape);
         let _ = write!(self.text, "@place {name} {}", self.position(body));
         if is_turned(body.orientation) {
             let q = body.orientation;

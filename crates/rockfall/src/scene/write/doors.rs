@@ -14,48 +14,49 @@ impl Writer<'_> {
             self.set_group(inlet.group, inlet.material);
             self.set_tag(Some(&Arc::new(inlet.tag.clone())));
             // Writing to a string cannot fail.
-            let _ = writeln!(self.text, "@inlet name={}{}", inlet.name, values(inlet));
+            let _ = writeln!(self.text, "@inlet name={}{}", inlet.name, self.values(inlet));
         }
         for outlet in self.scene.outlets() {
             let every = outlet.every.map_or(String::new(), |steps| format!(" every={steps}"));
             let _ = writeln!(self.text, "@outlet name={} box={}{every}", outlet.name, numbers(&outlet.corners));
         }
     }
+
+    /// The values that are not those of a new inlet.
+    fn values(&self, inlet: &Inlet) -> String {
+        let Inlet { corners, rate, shape, radii, by, mass, velocity, from, to, limit, seed, every, after, .. } = inlet;
+        let Vec3 { x, y, z } = *velocity;
+        let (rate_key, rate) = match rate {
+            Rate::Number(rate) => ("rate", rate),
+            Rate::Mass(rate) => ("mass_rate", rate),
+            Rate::Volume(rate) => ("volume_rate", rate),
+        };
+        let (mass_key, mass) = match *mass {
+            GrainMass::Mass(mass) if shape.is_none() => ("mass", mass),
+            GrainMass::Density(density) => ("density", density),
+            _ => ("", 0.0),
+        };
+        let number = |number: Option<u64>| number.map(|number| number.to_string());
+        let all = [
+            ("box", Some(numbers(corners))),
+            (rate_key, Some(rate.to_string())),
+            ("shape", shape.map(|shape| self.name_of_shape(shape))),
+            ("radius", shape.is_none().then(|| radii.to_string())),
+            ("by", (*by != SizedBy::Number).then(|| by.to_string())),
+            (mass_key, (!mass_key.is_empty()).then(|| mass.to_string())),
+            ("velocity", (super::bits(*velocity) != [0; 3]).then(|| format!("{x},{y},{z}"))),
+            ("from", (from.to_bits() != 0).then(|| from.to_string())),
+            ("to", to.is_finite().then(|| to.to_string())),
+            ("limit", number(*limit)),
+            ("seed", (*seed != 0).then(|| seed.to_string())),
+            ("every", number(*every)),
+            ("after", (*after != 0).then(|| after.to_string())),
+        ];
+        all.into_iter().filter_map(|(key, value)| Some(format!(" {key}={}", value?))).collect()
+    }
 }
 
 fn numbers(corners: &[DVec3; 2]) -> String {
     let numbers: Vec<String> = corners.iter().flat_map(|corner| corner.to_array()).map(|x| x.to_string()).collect();
     numbers.join(",")
-}
-
-/// The values that are not those of a new inlet.
-fn values(inlet: &Inlet) -> String {
-    let Inlet { corners, rate, radii, by, mass, velocity, from, to, limit, seed, every, after, .. } = inlet;
-    let Vec3 { x, y, z } = *velocity;
-    let (rate_key, rate) = match rate {
-        Rate::Number(rate) => ("rate", rate),
-        Rate::Mass(rate) => ("mass_rate", rate),
-        Rate::Volume(rate) => ("volume_rate", rate),
-    };
-    let (mass_key, mass) = match *mass {
-        GrainMass::OfMaterial => ("", 0.0),
-        GrainMass::Mass(mass) => ("mass", mass),
-        GrainMass::Density(density) => ("density", density),
-    };
-    let number = |number: Option<u64>| number.map(|number| number.to_string());
-    let all = [
-        ("box", Some(numbers(corners))),
-        (rate_key, Some(rate.to_string())),
-        ("radius", Some(radii.to_string())),
-        ("by", (*by != SizedBy::Number).then(|| by.to_string())),
-        (mass_key, (!mass_key.is_empty()).then(|| mass.to_string())),
-        ("velocity", (super::bits(*velocity) != [0; 3]).then(|| format!("{x},{y},{z}"))),
-        ("from", (from.to_bits() != 0).then(|| from.to_string())),
-        ("to", to.is_finite().then(|| to.to_string())),
-        ("limit", number(*limit)),
-        ("seed", (*seed != 0).then(|| seed.to_string())),
-        ("every", number(*every)),
-        ("after", (*after != 0).then(|| after.to_string())),
-    ];
-    all.into_iter().filter_map(|(key, value)| Some(format!(" {key}={}", value?))).collect()
 }

@@ -2,19 +2,22 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::model::period::Periods;
 use crate::model::view::PolygonRecord;
 use crate::physics::smooth::distance;
 use crate::scene::{Cuboid, Inlet, Polygon, Scene};
 
 /// What is near the box of an inlet.
 pub(super) struct Room {
+    periods: Option<Periods>,
     /// Centres and radii of spheres.
     spheres: Vec<(DVec3, f64)>,
     /// Ends and radii of rods.
     rods: Vec<([DVec3; 2], f64)>,
     /// Corners and edges.
     boxes: Vec<(DVec3, [DVec3; 3])>,
-    triangles: Vec<[DVec3; 3]>,
+    /// Corners, and the middle of the polygon.
+    triangles: Vec<([DVec3; 3], DVec3)>,
     smooth: Vec<PolygonRecord>,
 }
 
@@ -22,31 +25,37 @@ impl Room {
     /// What the spheres of an inlet can touch, at a time in s.
     pub(super) fn of(scene: &Scene, inlet: &Inlet, time: f64) -> Self {
         let [low, high] = inlet.corners;
-        // Spheres stay inside the box, so it is enough that an object overlaps it.
+        let periods = Periods::unsheared(scene.periodic());
+        let way = |to: DVec3| periods.map_or(DVec3::ZERO, |periods| periods.whole(to - 0.5 * (low + high)));
+        // Spheres stay inside the box, so it is enough that an object overlaps it: where it does, its image that is nearest to the middle does.
         let overlaps = |points: &[DVec3], margin: f64| {
-            let (least, greatest) = (points.iter().copied().reduce(DVec3::min), points.iter().copied().reduce(DVec3::max));
-            least.is_some_and(|least| (least - margin).cmple(high).all())
-                && greatest.is_some_and(|greatest| (greatest + margin).cmpge(low).all())
+            let (least, greatest) = points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(least, greatest), point| {
+                (least.min(*point), greatest.max(*point))
+            });
+            let way = way(0.5 * (least + greatest));
+            (least - margin - way).cmple(high).all() && (greatest + margin - way).cmpge(low).all()
         };
         let poses = scene.poses(time);
-        let spheres = scene.spheres().iter().filter(|sphere| sphere.group == inlet.group);
+        let groups = groups(scene, inlet);
+        let spheres = scene.spheres().iter().filter(|sphere| groups.contains(&sphere.group));
         let spheres = spheres.map(|sphere| (sphere.position.as_dvec3(), f64::from(sphere.radius)));
-        let rods = scene.rods().iter().filter(|rod| rod.group == inlet.group).filter_map(|rod| {
+        let rods = scene.rods().iter().filter(|rod| groups.contains(&rod.group)).filter_map(|rod| {
             let [Ok(one), Ok(other)] = [rod.end1, rod.end2].map(|id| scene.sphere(id)) else { return None };
             Some(([one, other].map(|end| end.position.as_dvec3()), f64::from(rod.radius)))
         });
-        let boxes = scene.boxes().iter().filter(|cuboid| cuboid.group == inlet.group).map(|cuboid| {
+        let boxes = scene.boxes().iter().filter(|cuboid| groups.contains(&cuboid.group)).map(|cuboid| {
             let Cuboid { corner, edges, .. } = poses.of_box(cuboid);
             (corner.as_dvec3(), edges.map(Vec3::as_dvec3))
         });
         let polygons =
-            scene.polygons().iter().filter(|polygon| polygon.group == inlet.group).map(|polygon| poses.of_polygon(polygon));
+            scene.polygons().iter().filter(|polygon| groups.contains(&polygon.group)).map(|polygon| poses.of_polygon(polygon));
         let (smooth, flat): (Vec<Polygon>, Vec<Polygon>) = polygons.partition(|polygon| polygon.surface.is_smooth());
         Self {
+            periods,
             spheres: spheres.filter(|(centre, radius)| overlaps(&[*centre], *radius)).collect(),
             rods: rods.filter(|(ends, radius)| overlaps(ends, *radius)).collect(),
             boxes: boxes.filter(|(corner, edges)| overlaps(&corners(*corner, edges), 0.0)).collect(),
-            triangles: flat.iter().flat_map(triangles).filter(|triangle| overlaps(triangle, 0.0)).collect(),
+            triangles: flat.iter().flat_map(triangles).filter(|(triangle, _)| overlaps(triangle, 0.0)).collect(),
             smooth: smooth.iter().map(PolygonRecord::of).collect(),
         }
     }
@@ -59,13 +68,28 @@ impl Room {
     /// Whether a sphere touches nothing.
     pub(super) fn has_room(&self, centre: DVec3, radius: f32) -> bool {
         let (centre, radius) = (centre.as_vec3().as_dvec3(), f64::from(radius));
-        let is_free = |point: DVec3, other: f64| centre.distance_squared(point) >= (radius + other) * (radius + other);
-        self.spheres.iter().all(|(other, other_radius)| is_free(*other, *other_radius))
-            && self.rods.iter().all(|(ends, other_radius)| is_free(on_segment(centre, ends), *other_radius))
-            && self.boxes.iter().all(|(corner, edges)| is_free(in_box(centre, *corner, edges), 0.0))
-            && self.smooth.iter().all(|wall| distance(wall, centre - wall.corner.as_dvec3()) >= radius)
-            && self.triangles.iter().all(|triangle| is_free(on_triangle(centre, triangle), 0.0))
+        // The image that is nearest to the middle of an object.
+        let near = |middle: DVec3| self.periods.map_or(centre, |periods| centre - periods.whole(centre - middle));
+        // Whether the image is far enough from the nearest point of the object, which has a radius.
+        let is_free = |middle: DVec3, nearest: &dyn Fn(DVec3) -> DVec3, other: f64| {
+            let centre = near(middle);
+            centre.distance_squared(nearest(centre)) >= (radius + other) * (radius + other)
+        };
+        self.spheres.iter().all(|(other, other_radius)| is_free(*other, &|_| *other, *other_radius))
+            && self.rods.iter().all(|(ends, other_radius)| is_free(ends[0], &|centre| on_segment(centre, ends), *other_radius))
+            && self.boxes.iter().all(|(corner, edges)| {
+                is_free(*corner + 0.5 * edges.iter().sum::<DVec3>(), &|centre| in_box(centre, *corner, edges), 0.0)
+            })
+            && self.smooth.iter().all(|wall| distance(wall, near(wall.middle().as_dvec3()) - wall.corner.as_dvec3()) >= radius)
+            && self.triangles.iter().all(|(triangle, middle)| is_free(*middle, &|centre| on_triangle(centre, triangle), 0.0))
     }
+}
+
+/// The collision groups of what comes in.
+fn groups(scene: &Scene, inlet: &Inlet) -> Vec<u16> {
+    let Some(Ok(shape)) = inlet.shape.map(|shape| scene.shape(shape)) else { return vec![inlet.group] };
+    let spheres = shape.all_spheres().into_iter().map(|sphere| sphere.group);
+    spheres.chain(shape.all_rods().into_iter().map(|rod| rod.group)).collect()
 }
 
 fn corners(corner: DVec3, [i, j, k]: &[DVec3; 3]) -> [DVec3; 8] {
@@ -76,11 +100,13 @@ fn corners(corner: DVec3, [i, j, k]: &[DVec3; 3]) -> [DVec3; 8] {
 }
 
 /// A triangle, or the two halves of a parallelogram.
-fn triangles(polygon: &Polygon) -> Vec<[DVec3; 3]> {
+fn triangles(polygon: &Polygon) -> Vec<([DVec3; 3], DVec3)> {
     let [corner, left, right] = [polygon.corner, polygon.left, polygon.right].map(Vec3::as_dvec3);
     let (first, second) = (corner + left, corner + right);
     let half = [corner, first, second];
-    if polygon.is_triangle() { vec![half] } else { vec![half, [first + right, first, second]] }
+    let middle = PolygonRecord::of(polygon).middle().as_dvec3();
+    let halves = if polygon.is_triangle() { vec![half] } else { vec![half, [first + right, first, second]] };
+    halves.into_iter().map(|half| (half, middle)).collect()
 }
 
 /// The point of a segment that is nearest to a point.
