@@ -263,7 +263,7 @@ fn bodies_come_in_and_leave(backend: Backend) {
     simulation.run(16, DT).expect("steps");
     let scene = simulation.scene();
     let turns: Vec<f32> = scene.bodies().iter().map(|body| body.orientation.w.abs()).collect();
-    assert!(turns.len() >= 4 && turns.iter().all(|w| *w < 0.999), "they are turned: {turns:?}");
+    assert!(turns.len() >= 3 && turns.iter().all(|w| *w < 0.999), "they are turned: {turns:?}");
     for _ in 0..6 {
         simulation.run(30, DT).expect("steps");
         let Flow { inlets, outlets, spheres, mass, .. } = simulation.flow();
