@@ -47,6 +47,7 @@ experiments! {
     janssen: "A tube of grains with static friction",
     brazil: "A large grain that rises",
     drum: "A rotating drum",
+    incline: "Flow down an incline, and a fast drum",
     surfaces: "Several shapes that form one surface",
     walls: "Walls that move, belts and meshes",
     smooth: "Smooth walls",

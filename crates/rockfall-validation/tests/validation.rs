@@ -53,6 +53,7 @@ experiments!(
     janssen,
     brazil,
     drum,
+    incline,
     surfaces,
     walls,
     smooth,

@@ -50,12 +50,16 @@ impl Room {
         let polygons =
             scene.polygons().iter().filter(|polygon| groups.contains(&polygon.group)).map(|polygon| poses.of_polygon(polygon));
         let (smooth, flat): (Vec<Polygon>, Vec<Polygon>) = polygons.partition(|polygon| polygon.surface.is_smooth());
+        let near_box = |polygon: &Polygon| {
+            let near = triangles(polygon).into_iter().filter(|triangle| overlaps(triangle, 0.0));
+            near.map(|triangle| (triangle, PolygonRecord::of(polygon).middle().as_dvec3())).collect::<Vec<_>>()
+        };
         Self {
             periods,
             spheres: spheres.filter(|(centre, radius)| overlaps(&[*centre], *radius)).collect(),
             rods: rods.filter(|(ends, radius)| overlaps(ends, *radius)).collect(),
             boxes: boxes.filter(|(corner, edges)| overlaps(&corners(*corner, edges), 0.0)).collect(),
-            triangles: flat.iter().flat_map(triangles).filter(|(triangle, _)| overlaps(triangle, 0.0)).collect(),
+            triangles: flat.iter().flat_map(near_box).collect(),
             smooth: smooth.iter().map(PolygonRecord::of).collect(),
         }
     }
@@ -100,13 +104,11 @@ fn corners(corner: DVec3, [i, j, k]: &[DVec3; 3]) -> [DVec3; 8] {
 }
 
 /// A triangle, or the two halves of a parallelogram.
-fn triangles(polygon: &Polygon) -> Vec<([DVec3; 3], DVec3)> {
+fn triangles(polygon: &Polygon) -> Vec<[DVec3; 3]> {
     let [corner, left, right] = [polygon.corner, polygon.left, polygon.right].map(Vec3::as_dvec3);
     let (first, second) = (corner + left, corner + right);
     let half = [corner, first, second];
-    let middle = PolygonRecord::of(polygon).middle().as_dvec3();
-    let halves = if polygon.is_triangle() { vec![half] } else { vec![half, [first + right, first, second]] };
-    halves.into_iter().map(|half| (half, middle)).collect()
+    if polygon.is_triangle() { vec![half] } else { vec![half, [first + right, first, second]] }
 }
 
 /// The point of a segment that is nearest to a point.
