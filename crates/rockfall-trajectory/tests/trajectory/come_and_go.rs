@@ -3,9 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use rockfall::glam::Vec3;
+use rockfall::glam::{Quat, Vec3};
 use rockfall::output::Mark;
-use rockfall::{Backend, Capsule, Colour, Cuboid, Inlet, Options, Outlet, Rate, Scene, Simulation, Sphere, SphereId, Tag};
+use rockfall::{
+    Backend, Capsule, Colour, Cuboid, Inlet, Options, Outlet, Rate, Scene, Shape, Simulation, Sphere, SphereId, Tag,
+};
 use rockfall_trajectory::{Format, Reader, Writer};
 
 const RED: Colour = Colour([255, 0, 0]);
@@ -96,6 +98,41 @@ fn frames_are_shown_with_their_spheres_in_any_order() {
     let gone = simulation.scene().sphere_ids().last().expect("a sphere");
     let tag = simulation.scene().tag(gone).expect("it is there").cloned().unwrap_or_default();
     assert_eq!(tag.colour, Some(RED));
+}
+
+/// Rigid bodies that have left are bodies again in the frames that have them.
+#[test]
+fn frames_are_shown_with_their_rigid_bodies() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = file(&folder, "run.npz");
+    let mut scene = stream();
+    let brick = Cuboid::between([-0.1, -0.05, -0.05], [0.1, 0.05, 0.05]);
+    let shape = scene.add_shape(Shape::new().cuboid(brick).density(2.0)).expect("a shape");
+    let inlet = Inlet::of_bodies("bricks", [[-9.0, 1.0, 0.0], [-5.0, 2.0, 3.0]], Rate::Number(60.0), shape);
+    scene.add_inlet(inlet.every(1)).expect("an inlet");
+    let mut simulation = on_cpu(scene);
+    let mut writer = Writer::create(&path, Format::Npz).expect("it is begun");
+    let mut written = Vec::new();
+    for _ in 0..12 {
+        writer.frame(&mut simulation).expect("a frame");
+        simulation.sync().expect("a state");
+        written.push(simulation.scene().bodies().iter().map(|body| (body.position, body.orientation)).collect::<Vec<_>>());
+        simulation.run(7, 0.01).expect("steps");
+    }
+    writer.finish(simulation.scene()).expect("it is finished");
+    assert!(simulation.flow().outlets[0].spheres > 40 && written[6].len() > 10, "{:?}", simulation.flow());
+
+    let mut reader = Reader::open(&path).expect("it is read");
+    let mut simulation = on_cpu(reader.scene().clone());
+    for index in [11, 6, 2, 0, 9] {
+        reader.show(index, &mut simulation).expect("it fits");
+        let mut shown: Vec<_> = simulation.scene().bodies().iter().map(|body| (body.position, body.orientation)).collect();
+        assert_eq!(shown.len(), written[index].len(), "{index}");
+        for (position, orientation) in &written[index] {
+            let near = |body: &(Vec3, Quat)| body.0.distance(*position) < 1e-5 && body.1.dot(*orientation).abs() > 1.0 - 1e-5;
+            shown.remove(shown.iter().position(near).unwrap_or_else(|| panic!("{index}: no body at {position}")));
+        }
+    }
 }
 
 #[test]
