@@ -5,13 +5,13 @@ use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rockfall::exec::gpu::Gpu;
-use rockfall::{Scene, SphereId};
+use rockfall::{Body, Scene, SphereId};
 use rockfall_viewer::camera::{Camera, Direction};
 use rockfall_viewer::draw::{ColourBy, Range, Renderer, Style};
 use rockfall_viewer::legend::Corner;
 use rockfall_viewer::overlay::{self, Arrows, Overlay, body_number};
 use rockfall_viewer::picture::{Canvas, FORMAT};
-use rockfall_viewer::plot::{Graph, Layout, Plot, named};
+use rockfall_viewer::plot::{Graph, Layout, Plot, bodies_named, named};
 use rockfall_viewer::survey::Survey;
 
 use crate::errors::{Raise, SimulationError};
@@ -142,12 +142,16 @@ impl Look {
     /// The plots of a scene.
     pub(crate) fn graphs(&self, scene: &Scene, ids: &Ids) -> PyResult<Vec<Graph>> {
         Layout::check(self.size.into(), self.plot.len()).map_err(|error| PyValueError::new_err(format!("plot: {error}")))?;
-        let find = |name: &str| Self::find("plot", name, scene, ids);
+        let find = |name: &String| match name.parse() {
+            Ok(number) => handle(&ids.spheres, "sphere", number).map(|sphere| vec![Body::Sphere(sphere)]),
+            Err(_) => bodies_named(scene, name).map_err(|error| PyKeyError::new_err(format!("plot: {error}"))),
+        };
         let plot = |text: &String| Plot::parse(text).map_err(|error| PyValueError::new_err(format!("plot: {error}")));
         let graph = |text: &String| {
             let plot = plot(text)?;
             plot.check_gauges(scene).map_err(|error| PyKeyError::new_err(format!("plot: {error}")))?;
-            plot.of(scene, find)
+            let found: Vec<_> = plot.bodies().iter().map(find).collect::<PyResult<_>>()?;
+            plot.of(scene, &found).map_err(|error| PyValueError::new_err(format!("plot: {error}")))
         };
         self.plot.iter().map(graph).collect()
     }

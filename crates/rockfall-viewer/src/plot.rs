@@ -1,5 +1,7 @@
 //! Plots of quantities over time beside pictures, and the names of the quantities.
 
+use std::collections::HashSet;
+
 use rockfall::glam::Vec3;
 use rockfall::{Body, Energy, Gauge, GaugeReading, Gauged, ObjectId, Result, Scene, Simulation, SphereId};
 
@@ -214,33 +216,44 @@ impl Plot {
         Ok(())
     }
 
-    /// Finds the bodies; `find` returns the sphere that a name or a number means.
+    /// The plot of a scene. `found` has the bodies that each name and number of [`Plot::bodies`] means.
     ///
     /// # Errors
-    /// Those of `find`.
-    pub fn of<E>(
-        &self,
-        scene: &Scene,
-        find: impl FnMut(&str) -> std::result::Result<SphereId, E>,
-    ) -> std::result::Result<Graph, E> {
-        let spheres: Vec<SphereId> =
-            self.bodies().iter().map(String::as_str).map(find).collect::<std::result::Result<_, E>>()?;
+    /// A text that says how many bodies are too many.
+    pub fn of(&self, scene: &Scene, found: &[Vec<Body>]) -> std::result::Result<Graph, String> {
+        let bodies: Vec<Body> = found.iter().flatten().map(|body| whole(scene, *body)).collect();
+        if bodies.len() > COLOURS.len() {
+            return Err(format!("expected at most {} bodies, got {}", COLOURS.len(), bodies.len()));
+        }
         let lines = match self.quantity {
             Quantity::Energy => ENERGIES.map(|(name, colour)| (name.to_owned(), colour)).into(),
             Quantity::Momentum => ["x", "y", "z"].map(str::to_owned).into_iter().zip(COLOURS).collect(),
             Quantity::Contacts | Quantity::Kinetic | Quantity::Potential => vec![(String::new(), COLOURS[0])],
             Quantity::Gauge => self.names.iter().cloned().zip(COLOURS).collect(),
-            _ => {
-                let given = |(text, sphere): (&String, &SphereId)| match text.parse::<u32>() {
-                    Ok(_) => name_of(scene, *sphere).unwrap_or(text).to_owned(),
-                    Err(_) => text.clone(),
-                };
-                let colours = colours_of(scene, spheres.iter().map(|sphere| Body::Sphere(*sphere)));
-                self.names.iter().zip(&spheres).map(given).zip(colours).collect()
-            }
+            _ => self.titles(scene, found).into_iter().zip(colours_of(scene, bodies.iter().copied())).collect(),
         };
-        let bodies = spheres.into_iter().map(|sphere| whole(scene, Body::Sphere(sphere))).collect();
         Ok(Graph { quantity: self.quantity, bodies, lines, start: None })
+    }
+}
+
+impl Plot {
+    /// What the lines of bodies are called: by their names, with numbers where a name has several bodies, or else as they were given.
+    fn titles(&self, scene: &Scene, found: &[Vec<Body>]) -> Vec<String> {
+        let own = |text: &String, body: Body| match text.parse::<u32>() {
+            Ok(_) => object_of(scene, body).and_then(|object| name_of(scene, object)).unwrap_or(text).to_owned(),
+            Err(_) => text.clone(),
+        };
+        let names: Vec<String> =
+            self.names.iter().zip(found).flat_map(|(text, bodies)| bodies.iter().map(move |body| own(text, *body))).collect();
+        let mut given =
+            self.names.iter().zip(found).flat_map(|(text, bodies)| (1..=bodies.len()).map(move |number| (text, number)));
+        let title = |name: &String| {
+            let (text, number) = given.next()?;
+            let is_one = names.iter().filter(|other| *other == name).count() == 1;
+            let number = if text == name { number.to_string() } else { text.clone() };
+            Some(if is_one { name.clone() } else { format!("{name} {number}") })
+        };
+        names.iter().filter_map(title).collect()
     }
 }
 
@@ -323,6 +336,27 @@ pub fn named(scene: &Scene, name: &str) -> std::result::Result<SphereId, String>
         _ => None,
     };
     objects.iter().find_map(sphere).ok_or_else(|| format!("{name}: only static objects have this name, expected a body"))
+}
+
+/// The bodies of a name in a plot: rigid bodies, capsules and spheres, or else rods.
+///
+/// # Errors
+/// A text that says what is wrong.
+pub fn bodies_named(scene: &Scene, name: &str) -> std::result::Result<Vec<Body>, String> {
+    let objects = scene.named(name).map_err(|error| format!("{name}: {error}"))?;
+    let body = |id: &ObjectId| match *id {
+        ObjectId::Sphere(id) => Some(whole(scene, Body::Sphere(id))),
+        ObjectId::Rod(id) => Some(whole(scene, Body::Rod(id))),
+        _ => None,
+    };
+    let mut seen = HashSet::new();
+    let mut bodies: Vec<Body> = objects.iter().filter_map(body).filter(|body| seen.insert(*body)).collect();
+    let is_rod = |body: &Body| matches!(body, Body::Rod(id) if scene.capsules().iter().all(|capsule| capsule.rod != *id));
+    if !bodies.iter().all(is_rod) {
+        bodies.retain(|body| !is_rod(body));
+    }
+    let expected = "only springs and static objects have this name, expected a body";
+    if bodies.is_empty() { Err(format!("{name}: {expected}")) } else { Ok(bodies) }
 }
 
 /// Unit vector against gravity.

@@ -1,11 +1,11 @@
 //! Text, arrows, trails and plots over the picture. The page draws them in a 2D context.
 
 use js_sys::Function;
-use rockfall::SphereId;
+use rockfall::{Body, SphereId};
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::draw::Motion;
 use rockfall_viewer::overlay::{self, Arrows, Mark};
-use rockfall_viewer::plot::{Graph, Layout, Plot, named};
+use rockfall_viewer::plot::{Graph, Layout, Plot, bodies_named};
 use wasm_bindgen::prelude::*;
 
 use crate::errors::thrown;
@@ -193,8 +193,12 @@ fn graph(text: &str, simulation: &Simulation) -> Result<Graph, String> {
             false => scene.sphere_ids().nth(number as usize),
         }
     };
-    plot.of(scene, |name| match name.parse::<u32>() {
-        Ok(number) => numbered(number).ok_or_else(|| format!("{text}: there is no sphere {number}")),
-        Err(_) => named(scene, name).map_err(|wrong| format!("{text}: {wrong}")),
-    })
+    let found = |name: &String| match name.parse::<u32>() {
+        Ok(number) => {
+            numbered(number).map(|sphere| vec![Body::Sphere(sphere)]).ok_or_else(|| format!("there is no sphere {number}"))
+        }
+        Err(_) => bodies_named(scene, name),
+    };
+    let found: Result<Vec<_>, String> = plot.bodies().iter().map(found).collect();
+    found.and_then(|found| plot.of(scene, &found)).map_err(|wrong| format!("{text}: {wrong}"))
 }

@@ -3,10 +3,10 @@
 use std::fmt;
 
 use rockfall::glam::Vec3;
-use rockfall::{Scene, Simulation, SphereId};
+use rockfall::{Body, Scene, Simulation, SphereId};
 use rockfall_viewer::camera::Camera;
 use rockfall_viewer::film::{self, Subject, View};
-use rockfall_viewer::plot::named;
+use rockfall_viewer::plot::{bodies_named, named};
 use rockfall_viewer::survey::Survey;
 
 use super::Arguments;
@@ -82,6 +82,14 @@ impl Named {
         }
         let expected = |_| format!("expected the number of a sphere from 0 to {}, or a name in the scene", u32::MAX);
         text.parse().map(Self::Number).map_err(expected)
+    }
+
+    /// The bodies that `option` means: all those with a name.
+    pub(crate) fn bodies(&self, scene: &Scene, option: &str) -> Result<Vec<Body>, Failure> {
+        match self {
+            Self::Number(number) => body(scene, *number).map(|sphere| vec![Body::Sphere(sphere)]),
+            Self::Name(name) => bodies_named(scene, name).map_err(|error| Failure::usage(format!("{option} {error}"))),
+        }
     }
 
     /// The sphere that `option` means.

@@ -8,6 +8,7 @@ use rockfall_viewer::film::{self, Follower, Format, Moment, Subject, plotted, su
 use rockfall_viewer::legend::Corner;
 use rockfall_viewer::overlay::Overlay;
 use rockfall_viewer::picture::{Canvas, FORMAT, Picture};
+use rockfall_viewer::plot::Plot;
 use rockfall_viewer::survey::Survey;
 
 use super::camera::{Named, Shot};
@@ -55,11 +56,15 @@ impl Studio {
         warn_of_letters(&overlay, scene);
         find_trails(&mut overlay, scene)?;
         renderer.set_overlay(&overlay);
-        let find = |name: &str| Named::parse(name).map_err(Failure::usage)?.of(scene, "--plot");
+        let find = |name: &String| Named::parse(name).map_err(Failure::usage)?.bodies(scene, "--plot");
         for plot in &arguments.plot {
             check_gauges(plot, is_recorded, scene)?;
         }
-        let graphs: Result<_, Failure> = arguments.plot.iter().map(|plot| plot.of(scene, find)).collect();
+        let graph = |plot: &Plot| {
+            let found: Vec<_> = plot.bodies().iter().map(find).collect::<Result<_, Failure>>()?;
+            plot.of(scene, &found).map_err(|error| Failure::usage(format!("--plot: {error}")))
+        };
+        let graphs: Result<_, Failure> = arguments.plot.iter().map(graph).collect();
         renderer.set_plots(graphs?);
         Ok(Self { footage, renderer, canvas, style, overlay, corner: Corner::default(), interrupt })
     }

@@ -26,8 +26,13 @@ fn plots_say_what_they_expect() {
 fn fallen(steps: u32, plots: &[&str]) -> Plots {
     let scene = scene("set gravity 10\nS 1 0 9 0 0 0 0 0 0 0 1 0.5\nC 5 2 0 7 4 0 0 0 0 2 0.2\n");
     let spheres: Vec<SphereId> = scene.sphere_ids().collect();
-    let find = |text: &str| text.parse::<usize>().map(|index| spheres[index]);
-    let graphs = plots.iter().map(|text| Plot::parse(text).unwrap().of(&scene, find).unwrap()).collect();
+    let find = |text: &String| vec![Body::Sphere(spheres[text.parse::<usize>().unwrap()])];
+    let graph = |text: &&str| {
+        let plot = Plot::parse(text).unwrap();
+        let found: Vec<_> = plot.bodies().iter().map(find).collect();
+        plot.of(&scene, &found).unwrap()
+    };
+    let graphs = plots.iter().map(graph).collect();
     let mut plots = Plots::new(graphs);
     let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
     for step in 0..=steps {
@@ -61,17 +66,37 @@ fn lines_have_the_colours_and_names_of_the_bodies() {
         "@colour red\n@name left\nS 1 0 9 0 0 0 0 0 0 0 1 0.5\n@colour -\nS 2 3 9 0 0 0 0 0 0 0 1 0.5\n@name -\n\
          S 3 6 9 0 0 0 0 0 0 0 1 0.5\n@colour #0072b2\nS 4 9 9 0 0 0 0 0 0 0 1 0.5\nS 5 12 9 0 0 0 0 0 0 0 1 0.5\n",
     );
-    let spheres: Vec<SphereId> = scene.sphere_ids().collect();
-    let find = |text: &str| text.parse::<usize>().map(|index| spheres[index - 1]);
-    let graph = Plot::parse("x:1,2,3,4,5").unwrap().of(&scene, find).unwrap();
+    let found: Vec<Vec<Body>> = scene.sphere_ids().map(|id| vec![Body::Sphere(id)]).collect();
+    let graph = Plot::parse("x:1,2,3,4,5").unwrap().of(&scene, &found).unwrap();
     let expected = [
-        ("left", "red".parse::<rockfall::Colour>().unwrap().0),
-        ("left", COLOURS[1]),
+        ("left 1", "red".parse::<rockfall::Colour>().unwrap().0),
+        ("left 2", COLOURS[1]),
         ("3", COLOURS[2]),
         ("4", COLOURS[0]),
         ("5", COLOURS[3]),
     ];
     assert_eq!(graph.lines, expected.map(|(name, colour)| (name.to_owned(), colour)));
+}
+
+/// A name in a plot means all bodies with it, and a rod by its middle.
+#[test]
+fn a_name_of_several_bodies_is_all_of_them() {
+    let text = "@body crate mass=1\nB -0.3 -0.4 -0.5 0.6 0 0 0 0.8 0 0 0 1\n@end\n@name pair\nS 1 0 9 0 0 0 0 0 0 0 1 0.5\n\
+                S 2 0 1 0 0 0 0 0 0 0 1 0.5\n@name string\nR 1 2 0.1\n@name crates\n@repeat 7 2 0 0\n@place crate at=0,3,5\n@end\n\
+                @name wire\nP 1 2 30 8\n";
+    let scene = scene(text);
+    let lines = |plot: &str| {
+        let plot = Plot::parse(plot).unwrap();
+        let found: std::result::Result<Vec<_>, _> = plot.bodies().iter().map(|name| bodies_named(&scene, name)).collect();
+        let mut graph = plot.of(&scene, &found?)?;
+        let mut simulation = Simulation::with_options(scene.clone(), Options::new().backend(Backend::Cpu)).unwrap();
+        let values = graph.values(&mut simulation).unwrap();
+        Ok::<_, String>(graph.lines.iter().map(|(name, _)| name.clone()).zip(values).collect::<Vec<_>>())
+    };
+    let named = |name: &str, value: f64| (name.to_owned(), value);
+    assert_eq!(lines("height:pair,string").unwrap(), [named("pair 1", 9.0), named("pair 2", 1.0), named("string", 5.0)]);
+    assert_eq!(lines("height:crates").unwrap_err(), "expected at most 6 bodies, got 7");
+    assert!(lines("height:wire").unwrap_err().contains("only springs and static objects"), "{:?}", lines("height:wire"));
 }
 
 #[test]
@@ -219,7 +244,7 @@ fn gauges_have_the_size_of_the_force() {
     let plot = Plot::parse("gauge:weight").unwrap();
     plot.check_gauges(&scene).unwrap();
     assert!(plot.bodies().is_empty());
-    let mut graph = plot.of(&scene, |_| -> std::result::Result<SphereId, ()> { panic!("no bodies") }).unwrap();
+    let mut graph = plot.of(&scene, &[]).unwrap();
     let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
     simulation.run(3000, 0.005).unwrap();
     let values = graph.values(&mut simulation).unwrap();
