@@ -16,6 +16,8 @@ const MANY: usize = 20;
 const OUTLIER_DISTANCE: f32 = 0.6;
 /// Of many bodies, none is an outlier if all of them need less room than this times the extent of the majority.
 const ROOM_FOR_ALL: f32 = 2.5;
+/// A picture also shows where bodies were at the start of its run, if that needs less room than this times their present extent.
+const ROOM_FOR_START: f32 = 4.0;
 /// A body that falls below all static objects is shown for this part of the extent of the places above.
 const FALL_SHOWN: f32 = 0.3;
 /// A body that comes back from an excursion is shown up to this distance from the majority, divided by its extent.
@@ -57,8 +59,8 @@ pub struct Survey {
     coming: Option<Extent>,
     /// Some of these spheres in all states.
     passing: Vec<(Vec3, f32)>,
-    /// Whether the past places are those of trails in a single picture.
-    has_trails: bool,
+    /// Whether it is that of a single picture, also if it has past places.
+    is_single: bool,
 }
 
 impl Survey {
@@ -80,7 +82,7 @@ impl Survey {
             above: None,
             coming: Extent::of(scene.inlets().iter().flat_map(|inlet| inlet.corners).map(|corner| corner.as_vec3())),
             passing: Vec::new(),
-            has_trails: false,
+            is_single: false,
         };
         survey.add(scene);
         survey
@@ -108,11 +110,21 @@ impl Survey {
         }
     }
 
+    /// Returns the survey of a picture and of the start of its run, if that needs not much more room than the picture alone. So a machine is in
+    /// view from where its bodies come.
+    pub fn from_start(self, start: Self, scene: &Scene) -> Self {
+        let mut both = start;
+        both.add(scene);
+        both.is_single = true;
+        let room = |survey: &Self| survey.extent().map_or(0.0, Extent::size);
+        if room(&both) < ROOM_FOR_START * room(&self) { both } else { self }
+    }
+
     /// Adds the places of bodies in past states, the oldest first, each with the index of the first sphere of the body: those of the
     /// trails in a picture of the present state.
     pub fn add_trails<Places: Iterator<Item = (usize, Vec3)>>(&mut self, past: impl Iterator<Item = Places>) {
         for places in past {
-            self.has_trails = true;
+            self.is_single = true;
             for (sphere, place) in places.filter(|(sphere, _)| sphere % self.stride == 0) {
                 // The last place stays the present one.
                 if let Some(path) = self.paths.get_mut(sphere / self.stride) {
@@ -147,7 +159,7 @@ impl Survey {
 
     /// Whether the survey has several states of a film.
     pub(crate) fn moves(&self) -> bool {
-        !self.has_trails && self.paths.first().is_some_and(|path| path.len() > 1)
+        !self.is_single && self.paths.first().is_some_and(|path| path.len() > 1)
     }
 
     /// Returns the centres and radii of the bodies that a picture should show, in all states.

@@ -72,9 +72,17 @@ impl Studio {
     pub(super) fn picture(mut self, arguments: &Arguments, product: Product) -> Result<(), Failure> {
         let path = &arguments.out;
         let mut file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?;
+        let start = match &mut self.footage {
+            Footage::Live(_) if self.overlay.trails == 0.0 => Some(Survey::new(self.footage.simulation().sync()?)),
+            _ => None,
+        };
         self.go_to_start(arguments, false)?;
         let simulation = self.footage.simulation();
-        let mut survey = Survey::new(simulation.sync()?);
+        let scene = simulation.sync()?;
+        let mut survey = Survey::new(scene);
+        if let Some(start) = start {
+            survey = survey.from_start(start, scene);
+        }
         survey.add_trails(self.renderer.motion().past(&self.overlay.trails_of));
         let shot = Shot::new(arguments, &survey, simulation)?;
         let camera = shot.at(0.0, None);
