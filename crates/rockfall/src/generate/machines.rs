@@ -17,6 +17,8 @@ const YOUNG: f32 = 5e6;
 const RADIUS: f32 = 0.003;
 /// Time step: a tenth of the Rayleigh time of a grain, in s.
 pub(super) const MACHINE_STEP: f32 = 3e-5;
+/// Colour of what turns.
+const BRASS: Colour = Colour([0xc9, 0x9f, 0x58]);
 /// Facets of a full turn of a cylinder or a screw.
 const FACETS: u32 = 96;
 
@@ -103,26 +105,32 @@ pub(super) fn shear_cell(spheres: u32, random: &mut Random) -> Result<Scene> {
     Ok(scene)
 }
 
-/// An upright drum with four blades at its bottom that turn once a second.
+/// An upright drum with a shaft and four blades at its bottom that turn once a second.
 pub(super) fn mixer(spheres: u32, random: &mut Random) -> Result<Scene> {
     let (mut scene, material) = empty()?;
-    // A bed as high as three quarters of the radius, above the blades.
-    let drum = (spheres as f32 / (0.75 * 3.0)).cbrt().max(3.0) * 2.0 * CELL * RADIUS;
-    let disc = disc(drum);
+    // A bed as high as 0.4 of the radius, above the blades, which stick out of it when it has come down.
+    let drum = (spheres as f32 / (0.4 * 3.0)).cbrt().max(3.0) * 2.0 * CELL * RADIUS;
+    let shaft = 0.1 * drum;
+    let disc: Vec<Vec2> = disc(drum).into_iter().filter(|place| place.length() > shaft + CELL * RADIUS).collect();
     for index in 0..spheres as usize {
         let (place, layer) = (disc[index % disc.len()], index / disc.len());
         let height = 0.4 * drum + (layer as f32 + 1.0) * 2.0 * CELL * RADIUS;
         scene.add_sphere(grain(Vec3::new(place.x, height, place.y), random, material))?;
     }
-    let (radius, height) = (f64::from(drum), f64::from(2.5 * drum));
+    let (radius, height) = (f64::from(drum), f64::from(1.6 * drum));
     let wall = Mesh::cylinder(radius, height, FACETS)?.transformed(1.0, DVec3::X, -90.0, DVec3::ZERO)?;
     add_glass(&mut scene, &wall, material)?;
-    let wide = 1.5 * drum;
+    let wide = 1.15 * drum;
     let floor = scene.add_box(Cuboid::between([-wide, -0.2 * drum, -wide], [wide, 0.0, wide]).material(material))?;
     scene.set_tag(floor, Tag::new().look(Look::Wood).colour(FLOOR))?;
     let motion = scene.add_motion(Motion::new("blades", MotionTerm::turn(TAU, DVec3::Y, DVec3::ZERO)))?;
     let blades = blades(radius, f64::from(RADIUS))?;
-    scene.add_mesh(&blades, |triangle| triangle.material(material).motion(motion))?;
+    for id in scene.add_mesh(&blades, |triangle| triangle.material(material).motion(motion))?.ids {
+        scene.set_tag(id, Tag::new().colour(BRASS))?;
+    }
+    let shaft = Polygon::cylinder([0.0; 3], [0.0, 1.0, 0.0], shaft, 1.8 * drum).material(material).motion(motion);
+    let shaft = scene.add_polygon(shaft)?;
+    scene.set_tag(shaft, Tag::new().colour(STEEL))?;
     Ok(scene)
 }
 
@@ -144,7 +152,6 @@ fn blades(radius: f64, gap: f64) -> Result<Mesh> {
 pub(super) fn screw(spheres: u32, random: &mut Random) -> Result<Scene> {
     const ASPECT: f32 = 6.0;
     const TUBE: Colour = Colour([0xc9, 0xd1, 0xd6]);
-    const SCREW: Colour = Colour([0xc9, 0x9f, 0x58]);
     let (mut scene, material) = empty()?;
     let cell = 2.0 * CELL * RADIUS;
     let mut tube = (spheres as f32 * cell.powi(3) / ASPECT).cbrt().max(4.0 * cell);
@@ -167,8 +174,8 @@ pub(super) fn screw(spheres: u32, random: &mut Random) -> Result<Scene> {
     let turns = length / f64::from(pitch);
     let walls = [
         (Mesh::cylinder(tube.into(), length, FACETS)?, None, TUBE),
-        (Mesh::cylinder(shaft.into(), length, FACETS / 2)?, Some(motion), SCREW),
-        (Mesh::helix(shaft.into(), flight.into(), pitch.into(), turns, FACETS)?, Some(motion), SCREW),
+        (Mesh::cylinder(shaft.into(), length, FACETS / 2)?, Some(motion), BRASS),
+        (Mesh::helix(shaft.into(), flight.into(), pitch.into(), turns, FACETS)?, Some(motion), BRASS),
     ];
     for (mesh, motion, colour) in walls {
         let along_x = mesh.transformed(1.0, DVec3::Y, 90.0, DVec3::ZERO)?;
