@@ -10,6 +10,7 @@ import numpy.typing as npt
 from rockfall import _rockfall
 from rockfall._bodies import Bodies
 from rockfall._names import tag_of
+from rockfall._rigid import shape_number
 from rockfall.typing import LookName
 
 _ZERO = (0.0, 0.0, 0.0)
@@ -158,7 +159,7 @@ class Flows(Bodies):
         corners = _corners(low, high)
         spheres = {
             "rate": given[0],
-            "shape": shape,
+            "shape": None if shape is None else shape_number(shape),
             "radius": None if radius is None else _radius(radius),
             "by": by,
             "mass": None if mass is None else float(mass),

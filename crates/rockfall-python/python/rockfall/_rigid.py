@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import QUATERNION, VECTOR, FloatArray, IntArray, box_between, columns, floats, integers
+from rockfall._arrays import QUATERNION, VECTOR, FloatArray, IntArray, box_between, columns, floats, integers, whole
 from rockfall._bodies import Bodies, first_of, numbers_from
 from rockfall._materials import Materials
 from rockfall._names import tag_of
@@ -114,6 +114,13 @@ class Shape:
         """
         self._boxes.append((_row("corner", corner, (3,)), _row("edges", edges, (3, 3)), _group(group), material))
         return self
+
+
+def shape_number(shape: Any) -> int:
+    """Returns the number of a shape."""
+    if isinstance(shape, Shape):
+        raise TypeError("shape: expected the number that add_shape returns, got a Shape: call add_shape first")
+    return whole("shape", shape)
 
 
 def _row(name: str, value: Any, shape: tuple[int, ...] = (), *, not_negative: bool = False) -> Any:
@@ -226,7 +233,7 @@ class Rigid(Bodies):
     def shape_mass(self, shape: int) -> MassProperties:
         """Mass, centre and inertia of a shape, by its number."""
         self._edited()
-        return MassProperties(*_rockfall.shape_mass(self._native, int(shape)))
+        return MassProperties(*_rockfall.shape_mass(self._native, shape_number(shape)))
 
     def add_bodies(
         self,
@@ -278,7 +285,7 @@ class Rigid(Bodies):
             spins=(_ZERO if spins is None else spins, VECTOR),
         )
         self._edited()
-        (body, sphere, rod), (spheres, rods) = _rockfall.add_bodies(self._native, int(shape), *arrays)
+        (body, sphere, rod), (spheres, rods) = _rockfall.add_bodies(self._native, shape_number(shape), *arrays)
         added = RigidBodies(
             numbers_from(body, count),
             numbers_from(sphere, count * spheres).reshape(count, spheres),

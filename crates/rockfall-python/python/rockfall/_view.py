@@ -25,6 +25,9 @@ def in_notebook() -> bool:
     return shell is not None and hasattr(shell, "kernel")
 
 
+_WIDGET = "the widget of a notebook needs anywidget: pip install anywidget, or pip install 'rockfall[notebook]'"
+
+
 @keywords
 def view(sim: Simulation, kind: Literal["auto", "widget", "window"] = "auto", **options: Unpack[ViewOptions]) -> Any:
     """Open an interactive view of a simulation.
@@ -67,11 +70,17 @@ def view(sim: Simulation, kind: Literal["auto", "widget", "window"] = "auto", **
     has_widgets = importlib.util.find_spec("anywidget") is not None
     if kind == "widget" or (kind == "auto" and has_widgets and in_notebook()):
         if not has_widgets:
-            raise ImportError("the widget needs anywidget: pip install anywidget, or pip install 'rockfall[notebook]'")
+            raise ImportError(_WIDGET)
         from rockfall._widget import Viewer
 
         return Viewer(sim, **options)
     if options:
-        raise ValueError(f"{next(iter(options))}: expected no options for a window, which has controls for them")
-    return open_window(sim)
+        hint = f"; {_WIDGET}" if in_notebook() else ""
+        raise ValueError(f"{next(iter(options))}: expected no options for a window, which has controls for them{hint}")
+    try:
+        return open_window(sim)
+    except FileNotFoundError as error:
+        if in_notebook():
+            raise FileNotFoundError(f"{error}; {_WIDGET}") from None
+        raise
 

@@ -141,7 +141,8 @@ impl Simulation {
             energy.kinetic = self.synchronised_kinetic_energy()?;
         }
         energy.spring = spring_energy(&self.scene, &self.muscle_clock)?;
-        energy.contact = contact;
+        // An empty sum is -0.
+        energy.contact = contact + 0.0;
         Ok(energy)
     }
 

@@ -14,13 +14,26 @@ impl Scene {
     ///
     /// - with a contact law with history, a pair of materials without friction, which slides as on ice;
     /// - a moving sphere whose centre is behind a polygon and nearer than its radius: polygons act on one side only;
-    /// - a fixed sphere with a velocity, which moves its surface and not its place.
+    /// - a fixed sphere with a velocity, which moves its surface and not its place;
+    /// - a negative gravity, which pulls upwards.
     pub fn intent(&self) -> Vec<String> {
         let mut found = Vec::new();
         found.extend(self.slippery_pair());
         found.extend(self.behind_polygon());
         found.extend(self.moving_surface());
+        found.extend(self.gravity_upwards());
         found
+    }
+
+    fn gravity_upwards(&self) -> Option<String> {
+        let gravity = self.settings.gravity;
+        (gravity < 0.0).then(|| {
+            format!(
+                "gravity {gravity} pulls against gravity_direction, because gravity is a magnitude: set gravity {}, or turn gravity_direction \
+                 round if bodies are meant to rise",
+                -gravity
+            )
+        })
     }
 
     fn slippery_pair(&self) -> Option<String> {

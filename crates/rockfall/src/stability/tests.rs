@@ -205,3 +205,15 @@ fn the_speed_is_that_of_a_fall_through_the_scene() {
     scene.add_polygon(crate::Polygon::new([-1.0, 0.0, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0])).unwrap();
     assert_eq!(scene.tunnelling(0.0191).map(|tunnelling| tunnelling.what), Some(Thin::Polygon));
 }
+
+#[test]
+fn a_negative_gravity_is_a_concern() {
+    let mut scene = Scene::new();
+    scene.add_sphere(Sphere::new([0.0; 3], 0.1)).unwrap();
+    let about_gravity =
+        |scene: &Scene| scene.intent().iter().any(|concern| concern.contains("gravity is a magnitude: set gravity 9.81"));
+    scene.settings.gravity = 9.81;
+    assert!(!about_gravity(&scene));
+    scene.settings.gravity = -9.81;
+    assert!(about_gravity(&scene), "{:?}", scene.intent());
+}
