@@ -261,7 +261,7 @@ fn begin(arguments: &Arguments, starting: &Starting) -> Result<Run, Failure> {
     if arguments.gauges.is_some() && scene.gauges().is_empty() {
         output::note("note: --gauges: the scene has no gauges (a line `@gauge name=N wall=NAME` adds one)");
     }
-    if arguments.bodies.is_some() && counts.bodies == 0 && scene.motions().is_empty() {
+    if arguments.bodies.is_some() && counts.bodies == 0 && scene.shapes().is_empty() && scene.motions().is_empty() {
         let how = "a line `@place NAME at=x,y,z` adds a body, a line `@motion` moves walls";
         output::note(&format!("note: --bodies: the scene has no rigid bodies and no motions ({how})"));
     }

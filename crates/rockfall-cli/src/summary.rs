@@ -126,7 +126,7 @@ impl Summary<'_> {
         let [units, radii, resting] = [units, radii, resting].map(|number| short(number.into()));
         row("overlap", format!("{units} at the end, {radii} radii; {resting} radii between bodies at rest"));
         row("collisions", format!("{} in all, {} in the last step", report.total_collisions, report.collisions));
-        flow_rows(&simulation.flow(), &mut row);
+        flow_rows(simulation.scene(), &simulation.flow(), &mut row);
         if report.replays > 0 {
             let steps = if report.replays == 1 { "step" } else { "steps" };
             row("replays", format!("{} {steps} repeated, with new lists or more memory", report.replays));
@@ -145,9 +145,10 @@ impl Summary<'_> {
 }
 
 /// Rows about inlets and outlets, if there are any.
-fn flow_rows(flow: &Flow, row: &mut impl FnMut(&str, String)) {
-    let amount =
-        |spheres: u64, mass: f64| format!("{} of mass {}", counted(spheres as usize, "sphere", "spheres"), short(mass));
+fn flow_rows(scene: &Scene, flow: &Flow, row: &mut impl FnMut(&str, String)) {
+    let has_bodies = !scene.shapes().is_empty();
+    let [one, many] = if has_bodies { ["sphere or body", "spheres and bodies"] } else { ["sphere", "spheres"] };
+    let amount = |spheres: u64, mass: f64| format!("{} of mass {}", counted(spheres as usize, one, many), short(mass));
     for inlet in &flow.inlets {
         let waiting = if inlet.waiting > 0 { format!(", {} due and not in yet", inlet.waiting) } else { String::new() };
         row("in", format!("{} through {}{waiting}", amount(inlet.spheres, inlet.mass), inlet.name));

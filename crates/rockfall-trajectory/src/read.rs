@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use rockfall::glam::{Quat, Vec3};
-use rockfall::{Error, Result, Scene, Simulation, SphereId};
+use rockfall::{Error, Result, RigidBodyId, Scene, Simulation, SphereId};
 
 mod npz;
 mod stage;
@@ -85,12 +85,31 @@ impl States {
     /// Gives these states to spheres.
     fn put(&self, spheres: impl IntoIterator<Item = SphereId>, simulation: &mut Simulation) -> Result<()> {
         for (index, id) in spheres.into_iter().enumerate() {
-            simulation.set_position(id, self.positions[index])?;
-            simulation.set_velocity(id, self.velocities[index])?;
-            simulation.set_orientation(id, self.orientations[index])?;
-            simulation.set_angular_momentum(id, self.angular_momenta[index])?;
+            match simulation.scene().body_of_sphere(id) {
+                Some(body) => self.put_body(index, id, body, simulation)?,
+                None => {
+                    simulation.set_position(id, self.positions[index])?;
+                    simulation.set_velocity(id, self.velocities[index])?;
+                    simulation.set_orientation(id, self.orientations[index])?;
+                    simulation.set_angular_momentum(id, self.angular_momenta[index])?;
+                }
+            }
         }
         Ok(())
+    }
+
+    /// Gives the state with an index to a rigid body, if its sphere is the first one of the body.
+    fn put_body(&self, index: usize, id: SphereId, body: RigidBodyId, simulation: &mut Simulation) -> Result<()> {
+        let scene = simulation.scene();
+        if scene.body(body)?.spheres().first() != Some(&id) {
+            return Ok(());
+        }
+        let mut sphere = *scene.sphere(id)?;
+        (sphere.position, sphere.position_low) = (self.positions[index], Vec3::ZERO);
+        (sphere.velocity, sphere.orientation) = (self.velocities[index], self.orientations[index]);
+        sphere.angular_momentum = self.angular_momenta[index];
+        let moved = scene.body_with_sphere(body, &sphere)?;
+        simulation.update_body(body, |body| *body = moved)
     }
 }
 

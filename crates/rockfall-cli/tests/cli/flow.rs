@@ -94,3 +94,20 @@ fn check_counts_inlets_and_judges_their_spheres() {
     let (out, _) = Rockfall::with("@outlet box=-9,-5,-9,9,-1,9 every=10\n# nothing\n").run("check scene.txt", 0);
     assert!(out.contains("no spheres, so nothing will move"), "{out}");
 }
+
+#[test]
+fn bodies_come_in_and_are_reported() {
+    let rockfall = Rockfall::with(
+        "@run dt=0.01 steps=150\n@body brick density=2\nB 0 0 0 0.2 0 0 0 0.1 0 0 0 0.1\n@end\nset gravity 9.81\n\
+         @inlet name=feed box=-1,2,-1,1,3,1 rate=30 shape=brick velocity=0,-3,0\n@outlet name=drain box=-9,-5,-9,9,-1,9 every=5\n",
+    );
+    let (out, err) = rockfall.run("run scene.txt --backend cpu --bodies bodies.csv --every 50 --out run.npz", 0);
+    assert_eq!(err, "");
+    assert!(out.contains("spheres and bodies of mass") && out.contains("through drain"), "{out}");
+    let rows: Vec<String> = rockfall.read("bodies.csv").lines().map(str::to_owned).collect();
+    assert!(rows.len() > 30, "{}", rows.len());
+    let (_, err) = rockfall.run("render run.npz --at 1s --size 64x48 --plain --out a.png", 0);
+    assert!(err.starts_with("wrote a.png"), "{err}");
+    let (out, _) = rockfall.run("check scene.txt", 0);
+    assert!(out.contains("1 inlet") && !out.contains("spheres will wait"), "{out}");
+}

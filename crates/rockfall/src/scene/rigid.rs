@@ -310,6 +310,24 @@ impl Scene {
         self.place_members(id)
     }
 
+    /// The rigid body with the pose and the motion that it has when its first sphere has the position, the velocity, the orientation and
+    /// the angular momentum of `sphere`: what the states of spheres in a file say about it.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene.
+    pub fn body_with_sphere(&self, id: RigidBodyId, sphere: &Sphere) -> Result<RigidBody> {
+        let mut body = self.bodies.get(id)?.clone();
+        let kinetics = self.shape_mass(body.shape)?;
+        let first = self.shapes.get(body.shape)?.all_spheres()[0].centre.as_dvec3();
+        let turn = wide(sphere.orientation);
+        let (arm, spin) = (turn * (first - kinetics.centre), sphere.angular_momentum.as_dvec3() / f64::from(sphere.inertia()));
+        body.set_centre(DVec3::from_array(sphere.centre()) - arm);
+        body.orientation = sphere.orientation;
+        body.velocity = (sphere.velocity.as_dvec3() - spin.cross(arm)).as_vec3();
+        body.angular_momentum = (kinetics.tensor(turn) * spin).as_vec3();
+        Ok(body)
+    }
+
     /// The angular velocity of a rigid body along the axes of the world, in rad/s.
     ///
     /// # Errors
