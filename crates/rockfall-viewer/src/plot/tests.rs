@@ -83,7 +83,7 @@ fn lines_have_the_colours_and_names_of_the_bodies() {
 fn a_name_of_several_bodies_is_all_of_them() {
     let text = "@body crate mass=1\nB -0.3 -0.4 -0.5 0.6 0 0 0 0.8 0 0 0 1\n@end\n@name pair\nS 1 0 9 0 0 0 0 0 0 0 1 0.5\n\
                 S 2 0 1 0 0 0 0 0 0 0 1 0.5\n@name string\nR 1 2 0.1\n@name crates\n@repeat 7 2 0 0\n@place crate at=0,3,5\n@end\n\
-                @name wire\nP 1 2 30 8\n";
+                @name wire\nK 1 2 30 8 0\n";
     let scene = scene(text);
     let lines = |plot: &str| {
         let plot = Plot::parse(plot).unwrap();
