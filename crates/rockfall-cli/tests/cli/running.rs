@@ -87,7 +87,7 @@ fn generated_grains_run_without_options() {
     let (out, err) = rockfall.run("run column.txt --backend cpu --steps 2", 0);
     assert!(out.contains("2 of 4e-5 s") && out.contains("integrator  velocity-verlet\n"), "{out}");
     assert!(!err.contains("advised"), "{err}");
-    assert!(rockfall.run("generate pile --spheres 20", 0).0.contains("\n@run dt=0.02 steps=1000\n"));
+    assert!(rockfall.run("generate pile --spheres 20", 0).0.contains("\n@run dt=0.02 steps=1000 speed=2.5\n"));
 }
 
 #[test]
