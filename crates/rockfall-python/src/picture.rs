@@ -120,18 +120,18 @@ impl Look {
         Layout::new(self.size.into(), self.plot.len()).dark(dark)
     }
 
-    /// The sphere that a name or a number of an argument means.
-    fn find(argument: &str, name: &str, scene: &Scene, ids: &Ids) -> PyResult<SphereId> {
+    /// The sphere that a name or a number of trails means.
+    fn find(name: &str, scene: &Scene, ids: &Ids) -> PyResult<SphereId> {
         match name.parse() {
             Ok(number) => handle(&ids.spheres, "sphere", number),
-            Err(_) => named(scene, name).map_err(|error| PyKeyError::new_err(format!("{argument}: {error}"))),
+            Err(_) => named(scene, name).map_err(|error| PyKeyError::new_err(format!("trails: {error}"))),
         }
     }
 
     /// Finds the bodies that have trails in a scene, and replaces the numbers of spheres by those that the overlay knows.
     pub(crate) fn find_trails(&mut self, scene: &Scene, ids: &Ids) -> PyResult<()> {
         for name in &mut self.trails_of {
-            let sphere = Self::find("trails", name, scene, ids)?;
+            let sphere = Self::find(name, scene, ids)?;
             if name.parse::<i64>().is_ok() {
                 *name = body_number(scene, sphere);
             }

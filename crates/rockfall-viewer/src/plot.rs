@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use rockfall::glam::Vec3;
-use rockfall::{Body, Energy, Gauge, GaugeReading, Gauged, ObjectId, Result, Scene, Simulation, SphereId};
+use rockfall::{Body, Energy, Gauge, GaugeReading, Gauged, ObjectId, Result, RodId, Scene, Simulation, SphereId};
 
 use crate::palette::Rgb;
 use crate::tags::{colour_of, name_of, object_of};
@@ -234,26 +234,22 @@ impl Plot {
         };
         Ok(Graph { quantity: self.quantity, bodies, lines, start: None })
     }
-}
 
-impl Plot {
     /// What the lines of bodies are called: by their names, with numbers where a name has several bodies, or else as they were given.
     fn titles(&self, scene: &Scene, found: &[Vec<Body>]) -> Vec<String> {
-        let own = |text: &String, body: Body| match text.parse::<u32>() {
-            Ok(_) => object_of(scene, body).and_then(|object| name_of(scene, object)).unwrap_or(text).to_owned(),
+        let own = |text: &String, body: &Body| match text.parse::<u32>() {
+            Ok(_) => object_of(scene, *body).and_then(|object| name_of(scene, object)).unwrap_or(text).to_owned(),
             Err(_) => text.clone(),
         };
-        let names: Vec<String> =
-            self.names.iter().zip(found).flat_map(|(text, bodies)| bodies.iter().map(move |body| own(text, *body))).collect();
-        let mut given =
-            self.names.iter().zip(found).flat_map(|(text, bodies)| (1..=bodies.len()).map(move |number| (text, number)));
-        let title = |name: &String| {
-            let (text, number) = given.next()?;
-            let is_one = names.iter().filter(|other| *other == name).count() == 1;
-            let number = if text == name { number.to_string() } else { text.clone() };
-            Some(if is_one { name.clone() } else { format!("{name} {number}") })
-        };
-        names.iter().filter_map(title).collect()
+        let lines = self.names.iter().zip(found).flat_map(|(text, bodies)| (1..).zip(bodies).map(move |line| (text, line)));
+        let lines: Vec<(&String, u32, String)> = lines.map(|(text, (number, body))| (text, number, own(text, body))).collect();
+        let title =
+            |(text, number, name): &(&String, u32, String)| match lines.iter().filter(|(.., other)| other == name).count() {
+                1 => name.clone(),
+                _ if *text == name => format!("{name} {number}"),
+                _ => format!("{name} {text}"),
+            };
+        lines.iter().map(title).collect()
     }
 }
 
@@ -349,12 +345,12 @@ pub fn bodies_named(scene: &Scene, name: &str) -> std::result::Result<Vec<Body>,
         ObjectId::Rod(id) => Some(whole(scene, Body::Rod(id))),
         _ => None,
     };
+    let capsules: HashSet<RodId> = scene.capsules().iter().map(|parts| parts.rod).collect();
+    let is_rod = |body: &Body| matches!(body, Body::Rod(id) if !capsules.contains(id));
     let mut seen = HashSet::new();
-    let mut bodies: Vec<Body> = objects.iter().filter_map(body).filter(|body| seen.insert(*body)).collect();
-    let is_rod = |body: &Body| matches!(body, Body::Rod(id) if scene.capsules().iter().all(|capsule| capsule.rod != *id));
-    if !bodies.iter().all(is_rod) {
-        bodies.retain(|body| !is_rod(body));
-    }
+    let all = objects.iter().filter_map(body).filter(|body| seen.insert(*body));
+    let (rods, others): (Vec<Body>, Vec<Body>) = all.partition(is_rod);
+    let bodies = if others.is_empty() { rods } else { others };
     let expected = "only springs and static objects have this name, expected a body";
     if bodies.is_empty() { Err(format!("{name}: {expected}")) } else { Ok(bodies) }
 }

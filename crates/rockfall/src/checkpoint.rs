@@ -169,9 +169,7 @@ impl Checkpoint {
             let springs = springs::read(&mut words)?;
             checkpoint.rates = read_rates(&mut words, counts.spheres)?;
             let lows = read_lows(&mut words, counts.spheres)?;
-            let tags = tags::take(&mut words)?;
-            let flow = tags::take(&mut words)?;
-            let bodies = tags::take(&mut words)?;
+            let (tags, flow, bodies) = (words.block()?, words.block()?, words.block()?);
             objects::read(&mut words, &counts, &mut checkpoint.scene)?;
             put_lows(&mut checkpoint.scene, &lows);
             bodies::put(bodies, &mut checkpoint.scene)?;

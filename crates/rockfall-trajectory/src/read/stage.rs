@@ -27,7 +27,7 @@ impl Stage {
             return Err(unusable(&format!("array scene_id has {found} spheres, but its scene has {expected}")));
         }
         let mut spheres: Vec<(u32, SphereId)> = cast.scene.iter().copied().zip(scene.sphere_ids()).collect();
-        let kinds = kinds(&mut scene.clone());
+        let kinds = if scene.shapes().is_empty() { Vec::new() } else { kinds(scene.clone()) };
         let mut rest = &cast.gone[..];
         while let Some((id, first)) = rest.first() {
             let failed = |error| unusable(&format!("the sphere with id {id}: {error}"));
@@ -111,12 +111,12 @@ impl Kind {
     }
 }
 
-/// What bodies of all shapes of a scene are made of, those of more spheres first. Bodies are added to the scene.
-fn kinds(scene: &mut Scene) -> Vec<Kind> {
+/// What bodies of all shapes of a scene are made of, those of more spheres first. The scene is a copy, in which one of each is laid.
+fn kinds(mut scene: Scene) -> Vec<Kind> {
     let shapes: Vec<ShapeId> = scene.shape_ids().collect();
     let kind = |shape: ShapeId| {
         let spheres =
-            add_body(scene, shape).ok()?.into_iter().map(|id| scene.sphere(id).map(|sphere| [sphere.radius, sphere.mass]));
+            add_body(&mut scene, shape).ok()?.into_iter().map(|id| scene.sphere(id).map(|sphere| [sphere.radius, sphere.mass]));
         Some(Kind { shape, spheres: spheres.collect::<Result<_>>().ok()? })
     };
     let mut kinds: Vec<Kind> = shapes.into_iter().filter_map(kind).collect();

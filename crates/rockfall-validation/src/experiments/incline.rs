@@ -13,6 +13,7 @@ use crate::{Effort, Outcome, Result};
 
 /// Grains along the flow, across it and upwards. Their mean diameter, their mass and gravity are 1.
 const BED: [usize; 3] = [6, 5, 8];
+/// Time step.
 const STEP: f32 = 1e-3;
 /// Constants of Jop, Forterre and Pouliquen for glass beads.
 const LEAST: f64 = 0.382;
@@ -35,12 +36,12 @@ fn inertial(degrees: f64) -> f64 {
     if slope > LEAST { SCALE * (slope - LEAST) / (MOST - slope) } else { 0.0 }
 }
 
-/// The speed of a flow with the inertial number 1 at a height, over that at the surface of a bed of the height h, times h^(3/2).
+/// The profile of Bagnold in a bed of the height h: h^(3/2) - (h - z)^(3/2) at the height z.
 fn bagnold(height: f64, bed: f64) -> f64 {
     bed.powf(1.5) - (bed - height).max(0.0).powf(1.5)
 }
 
-/// Grains on a rough floor that is inclined along x and periodic to all sides. They begin as a flow with an inertial number.
+/// Grains on a rough floor that is inclined along x, periodic along x and z. They begin as a flow with an inertial number.
 fn bed(degrees: f64, start: f64) -> Result<Scene> {
     let mut random = Pcg64Mcg::seed_from_u64(8);
     let (mut scene, glass) = empty()?;

@@ -11,17 +11,13 @@ use crate::scene::{Cuboid, MaterialId, RigidBody, Scene, Shape, ShapeBox, ShapeM
 pub(super) fn bytes(scene: &Scene) -> Vec<u8> {
     let mut head = Head::default();
     if scene.shapes().is_empty() {
-        head.u64(0);
-        return head.bytes;
+        return head.block();
     }
     head.u32(scene.shapes().len() as u32);
     scene.shapes().iter().for_each(|shape| put_shape(&mut head, scene, shape));
     head.u64(scene.bodies().len() as u64);
     scene.bodies().iter().for_each(|body| put_body(&mut head, scene, body));
-    let mut all = Head::default();
-    all.u64(head.bytes.len() as u64);
-    all.bytes.extend(head.bytes);
-    all.bytes
+    head.block()
 }
 
 /// Adds the shapes and bodies to a scene that has all other objects.

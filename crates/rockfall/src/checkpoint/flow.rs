@@ -10,14 +10,14 @@ use crate::scene::{FlowState, GrainMass, Inlet, InletState, Outlet, Passed, Radi
 
 pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let Checkpoint { scene, flow, .. } = checkpoint;
+    let mut head = Head::default();
     if scene.inlets().is_empty() && scene.outlets().is_empty() {
-        return 0_u64.to_le_bytes().to_vec();
+        return head.block();
     }
     // A program may have added inlets to the checkpoint.
     let mut flow = flow.clone();
     flow.complete(scene);
     let FlowState { acted, next_reference, inlets, outlets } = flow;
-    let mut head = Head::default();
     head.u32(scene.inlets().len() as u32);
     for (inlet, state) in scene.inlets().iter().zip(&inlets) {
         put_inlet(&mut head, scene, inlet);
@@ -36,9 +36,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     }
     put_number(&mut head, acted);
     head.u32(next_reference);
-    let mut all = (head.bytes.len() as u64).to_le_bytes().to_vec();
-    all.extend(head.bytes);
-    all
+    head.block()
 }
 
 /// Adds the inlets and outlets to a scene that has all shapes. Returns what they have done.

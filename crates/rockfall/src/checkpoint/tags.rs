@@ -23,15 +23,12 @@ pub(super) fn bytes(scene: &Scene) -> Vec<u8> {
     }
     let mut head = Head::default();
     if count > 0 {
-        head.u64((tags.bytes.len() + objects.bytes.len() + 4 + 8) as u64);
         head.u32(numbers.len() as u32);
         head.bytes.extend(tags.bytes);
         head.u64(count);
         head.bytes.extend(objects.bytes);
-    } else {
-        head.u64(0);
     }
-    head.bytes
+    head.block()
 }
 
 pub(super) fn put_tag(head: &mut Head, Tag { name, colour, look, label }: &Tag) {
@@ -39,12 +36,6 @@ pub(super) fn put_tag(head: &mut Head, Tag { name, colour, look, label }: &Tag) 
     head.u32(colour.map_or(0, |Colour([red, green, blue])| 1 + u32::from_be_bytes([0, red, green, blue])));
     head.u32(look.map_or(0, |look| 1 + look as u32));
     head.text(label.as_deref().unwrap_or_default());
-}
-
-/// The bytes of the tags or of the bodies, which can be read when the objects are known.
-pub(super) fn take<'a>(words: &mut Words<'a>) -> Result<&'a [u8], Damage> {
-    let length = usize::try_from(words.u64()?).map_err(|_| Damage::new("its names or bodies are too long"))?;
-    words.take(length)
 }
 
 pub(super) fn put(given: &[u8], scene: &mut Scene) -> Result<(), Damage> {

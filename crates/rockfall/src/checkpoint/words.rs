@@ -29,6 +29,12 @@ impl<'a> Words<'a> {
         Self { bytes }
     }
 
+    /// The bytes of a [`Head::block`].
+    pub(crate) fn block(&mut self) -> Result<&'a [u8], Damage> {
+        let length = usize::try_from(self.u64()?).map_err(|_| Damage::new("a part of it is too long"))?;
+        self.take(length)
+    }
+
     pub(crate) fn take(&mut self, length: usize) -> Result<&'a [u8], Damage> {
         let (taken, rest) = self
             .bytes
@@ -105,6 +111,14 @@ pub(crate) struct Head {
 }
 
 impl Head {
+    /// The length of the bytes, and the bytes.
+    pub(crate) fn block(self) -> Vec<u8> {
+        let mut all = Self::default();
+        all.u64(self.bytes.len() as u64);
+        all.bytes.extend(self.bytes);
+        all.bytes
+    }
+
     pub(crate) fn u32(&mut self, number: u32) {
         self.bytes.extend(number.to_le_bytes());
     }
