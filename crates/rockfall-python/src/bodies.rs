@@ -4,13 +4,15 @@ use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::glam::Vec3;
-use rockfall::{Cuboid, Placement, Shape};
+use rockfall::{Cuboid, ObjectId, Placement, Shape};
 
 use crate::arguments::{Rows, check, quaternion, vector};
 use crate::doors::{with, with_states};
 use crate::errors::Raise;
 use crate::ids::handle;
 use crate::materials::materials_of;
+use crate::motions::find;
+use crate::names::{Texts, tag_of};
 
 /// Centre, radius, group and material of a sphere.
 type ShapeSphere = ([f32; 3], f32, u16, i64);
@@ -114,6 +116,42 @@ pub(crate) fn add_bodies(
         }
         ids.bodies.extend(added);
         Ok((first, parts))
+    })
+}
+
+/// Adds the parts of a shape as fixed objects, or as walls that follow a motion. Returns the numbers of the first sphere, rod, box and
+/// polygon, and how many there are of each.
+#[pyfunction]
+pub(crate) fn add_static_body(
+    target: &Bound<'_, PyAny>,
+    shape: i64,
+    position: Rows<'_>,
+    orientation: Rows<'_>,
+    motion: Option<&str>,
+    tag: Texts,
+) -> PyResult<([usize; 4], [usize; 4])> {
+    let (position, orientation) = (position.as_slice()?, orientation.as_slice()?);
+    check(1, &[position.len() / 3, orientation.len() / 4])?;
+    let tag = tag_of(tag).or_raise()?;
+    with(target, |doors, ids| {
+        let motion = motion.map(|name| find(doors.objects(), name)).transpose()?;
+        let id = handle(&ids.shapes, "shape", shape)?;
+        let place = Placement::new(id).at(vector(position, 0)).turned(quaternion(orientation, 0));
+        let first = [ids.spheres.len(), ids.rods.len(), ids.boxes.len(), ids.polygons.len()];
+        for part in doors.add_static_body(place, motion).or_raise()? {
+            let own = doors.objects().tag(part).or_raise()?.cloned().unwrap_or_default();
+            doors.set_tag(part, own.or(&tag)).or_raise()?;
+            match part {
+                ObjectId::Sphere(id) => ids.spheres.push(id),
+                ObjectId::Rod(id) => ids.rods.push(id),
+                ObjectId::Box(id) => ids.boxes.push(id),
+                ObjectId::Polygon(id) => ids.polygons.push(id),
+                // A static body has no other parts.
+                _ => {}
+            }
+        }
+        let after = [ids.spheres.len(), ids.rods.len(), ids.boxes.len(), ids.polygons.len()];
+        Ok((first, std::array::from_fn(|kind| after[kind] - first[kind])))
     })
 }
 

@@ -68,6 +68,7 @@ doors! {
     add_capsule(capsule: Capsule) -> CapsuleId;
     add_shape(shape: Shape) -> ShapeId;
     add_body(placement: Placement) -> RigidBodyId;
+    add_static_body(placement: Placement, motion: Option<MotionId>) -> Vec<ObjectId>;
     add_spring(spring: Spring) -> SpringId;
     add_tether(tether: Tether) -> TetherId;
     add_box(cuboid: Cuboid) -> BoxId;

@@ -23,7 +23,7 @@ fn term(numbers: Numbers) -> MotionTerm {
     term
 }
 
-fn find(scene: &rockfall::Scene, name: &str) -> PyResult<MotionId> {
+pub(crate) fn find(scene: &rockfall::Scene, name: &str) -> PyResult<MotionId> {
     let known = || scene.motions().iter().map(|motion| motion.name.as_str()).collect::<Vec<_>>().join(", ");
     let expected =
         || if scene.motions().is_empty() { "this scene has none".to_owned() } else { format!("expected one of {}", known()) };

@@ -182,3 +182,31 @@ def test_wrong_boxes_are_errors() -> None:
     with pytest.raises(LookupError, match="there is no material 7"):
         scene.add_shape(rf.Shape().box([0, 0, 0], EDGES, material=7))
     assert scene.add_shape(rf.Shape().box([0, 0, 0], EDGES)) == 0
+
+
+def test_a_static_body_stays_or_follows_a_motion() -> None:
+    scene = rf.Scene()
+    shape = scene.add_shape(rf.Shape().capsule([0, 0, 0], [1, 0, 0], 0.2).box([1, -0.5, -0.5], [2, 0.5, 0.5]))
+    scene.add_motion("rotor", spin=2, axis=[0, 1, 0])
+    fixed = scene.add_static_body(shape, [0, 1, 0], name="post")
+    rotor = scene.add_static_body(shape, [5, 1, 0], [0, 0, 1, 0], motion="rotor")
+    assert [len(part) for part in fixed] == [2, 1, 1, 0]
+    assert [len(part) for part in rotor] == [0, 0, 1, 3]
+    assert len(scene.bodies) == 0
+    assert "post" in scene.names
+    ball = scene.add_sphere([0.5, 2, 0], 0.3)
+    sim = rf.Simulation(scene, backend="cpu")
+    sim.run(200, 0.01)
+    assert sim.positions[int(ball), 1] > 1
+    assert sim.add_static_body(shape, [0, -5, 0]).boxes.tolist() == [2]
+
+
+def test_a_static_body_needs_a_shape_and_a_known_motion() -> None:
+    scene = rf.Scene()
+    shape = scene.add_shape(rf.Shape().sphere([0, 0, 0], 1))
+    with pytest.raises(LookupError, match="there is no shape 7"):
+        scene.add_static_body(7, [0, 0, 0])
+    with pytest.raises(LookupError, match="motion: 'up' is unknown"):
+        scene.add_static_body(shape, [0, 0, 0], motion="up")
+    with pytest.raises(ValueError, match="got 2 rows"):
+        scene.add_static_body(shape, [[0, 0, 0], [1, 0, 0]])

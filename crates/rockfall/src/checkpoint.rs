@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; gauges; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels; inlets and outlets, and what they have done; shapes and rigid bodies |
+//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; gauges; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres and bodies with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels; inlets and outlets, and what they have done; shapes and rigid bodies; implied bodies |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one |
 //! | 4 | CRC-32 of all bytes before |
@@ -33,6 +33,7 @@ mod bodies;
 mod flow;
 mod gauges;
 mod head;
+mod implied;
 mod laws;
 mod motions;
 mod objects;
@@ -47,7 +48,7 @@ use words::{Damage, Words};
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
 /// Version of the format. Files of other versions are refused.
-const VERSION: u32 = 16;
+const VERSION: u32 = 17;
 /// Bytes of magic, version and length.
 pub(crate) const PREFIX: usize = MAGIC.len() + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -167,12 +168,14 @@ impl Checkpoint {
             let mut words = Words::new(content(bytes, &MAGIC, VERSION)?);
             let (mut checkpoint, counts) = head::read(&mut words)?;
             let springs = springs::read(&mut words)?;
-            checkpoint.rates = read_rates(&mut words, counts.spheres)?;
+            checkpoint.rates = read_rates(&mut words)?;
             let lows = read_lows(&mut words, counts.spheres)?;
-            let (tags, flow, bodies) = (words.block()?, words.block()?, words.block()?);
+            let [tags, flow, bodies, implied] = [words.block()?, words.block()?, words.block()?, words.block()?];
             objects::read(&mut words, &counts, &mut checkpoint.scene)?;
             put_lows(&mut checkpoint.scene, &lows);
             bodies::put(bodies, &mut checkpoint.scene)?;
+            implied::put(implied, &mut checkpoint.scene)?;
+            check_rates(&checkpoint)?;
             checkpoint.flow = flow::put(flow, &mut checkpoint.scene)?;
             tags::put(tags, &mut checkpoint.scene)?;
             checkpoint.springs = springs::named(&springs, &checkpoint.scene)?;
@@ -190,6 +193,7 @@ impl Checkpoint {
         head.extend(tags::bytes(&self.scene));
         head.extend(flow::bytes(self));
         head.extend(bodies::bytes(&self.scene));
+        head.extend(implied::bytes(&self.scene));
         let length = PREFIX + head.len() + objects::length(&self.scene) + SUFFIX;
         let mut out = Hashed { out, crc32: crc32fast::Hasher::new() };
         out.write_all(&MAGIC)?;
@@ -210,13 +214,9 @@ fn rates(rates: &[[f32; 6]]) -> Vec<u8> {
     head.bytes
 }
 
-fn read_rates(words: &mut Words, spheres: usize) -> Result<Vec<[f32; 6]>, Damage> {
-    let count = words.u64()?;
-    if count != 0 && count != spheres as u64 {
-        return Err(Damage::new(format!("it has the accelerations of {count} spheres, expected 0 or {spheres}")));
-    }
+fn read_rates(words: &mut Words) -> Result<Vec<[f32; 6]>, Damage> {
     let mut rates = Vec::new();
-    for _ in 0..count {
+    for _ in 0..words.u64()? {
         let mut one = [0.0; 6];
         for number in &mut one {
             *number = words.f32()?;
@@ -227,6 +227,15 @@ fn read_rates(words: &mut Words, spheres: usize) -> Result<Vec<[f32; 6]>, Damage
         rates.push(one);
     }
     Ok(rates)
+}
+
+/// Checks that there are rates of all spheres and bodies, or none.
+fn check_rates(Checkpoint { rates, scene, .. }: &Checkpoint) -> Result<(), Damage> {
+    let expected = scene.spheres().len() + scene.whole_bodies().count();
+    if rates.is_empty() || rates.len() == expected {
+        return Ok(());
+    }
+    Err(Damage::new(format!("it has the accelerations of {} spheres and bodies, expected 0 or {expected}", rates.len())))
 }
 
 /// The low parts of positions: the number of spheres that have them, which is 0 where all of them are 0, then 3 numbers each.

@@ -12,6 +12,7 @@ mod checks;
 mod colour;
 mod contact_law;
 mod gauge;
+mod implied;
 mod inlet;
 mod look;
 mod materials;
@@ -31,6 +32,7 @@ mod servo;
 mod shape;
 mod shear;
 mod smooth;
+mod static_body;
 mod statics;
 mod surface;
 mod tag;
@@ -46,6 +48,7 @@ pub(crate) use colour::is_hexadecimal;
 pub(crate) use contact_law::{Dampings, TANGENTIAL_RATIO};
 pub(crate) use gauge::Front;
 pub use gauge::{Gauge, Gauged};
+pub(crate) use implied::{AnyForm, BodyHandles, Form, ImpliedBody, WholeBody};
 pub(crate) use inlet::{FlowState, InletState, Passed, Sum};
 pub use inlet::{GrainMass, Inlet, Outlet, Radii, Rate, SizedBy};
 pub use look::Look;
@@ -60,7 +63,7 @@ pub(crate) use references::References;
 pub use registry::Handle;
 pub(crate) use registry::Registry;
 use registry::new_scene_number;
-pub(crate) use rigid::Frame;
+pub(crate) use rigid::{BodyState, Frame};
 pub use rigid::{Placement, RigidBody, RigidBodyId};
 pub use run::RunDefaults;
 pub use servo::{Servo, Sought};
@@ -88,7 +91,10 @@ pub struct Scene {
     /// How bodies of each shape move, in the order of the shapes.
     pub(crate) kinetics: Vec<Kinetics>,
     pub(crate) bodies: Registry<RigidBody>,
-    pub(crate) members: rigid::Members,
+    pub(crate) members: rigid::Members<RigidBody>,
+    /// Capsules and frames of rods that move as rigid bodies, in a simulation.
+    pub(crate) implied: Registry<ImpliedBody>,
+    pub(crate) implied_members: rigid::Members<ImpliedBody>,
     pub(crate) springs: Registry<Spring>,
     pub(crate) tethers: Registry<Tether>,
     pub(crate) boxes: Registry<Cuboid>,
@@ -147,6 +153,8 @@ impl Scene {
             kinetics: Vec::new(),
             bodies: Registry::new(number, "rigid body"),
             members: rigid::Members::default(),
+            implied: Registry::new(number, "implied body"),
+            implied_members: rigid::Members::default(),
             springs: Registry::new(number, "spring"),
             tethers: Registry::new(number, "tether"),
             boxes: Registry::new(number, "box"),
@@ -295,6 +303,7 @@ impl Scene {
         if self.body_of_rod(id).is_some() {
             return Err(checks::invalid("rod", id, "a rod that is not part of a rigid body, whose shape cannot be changed"));
         }
+        self.release_rods(&[id]);
         let mut rod = *self.rods.get(id)?;
         let ends = (rod.end1, rod.end2);
         change(&mut rod);

@@ -14,7 +14,7 @@ use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
-use crate::scene::{AnyId, FlowState, RigidBodyId, Scene, SphereId};
+use crate::scene::{AnyId, BodyHandles, FlowState, Scene, SphereId};
 use crate::settings::{BroadPhase, ContactLaw, DEFAULT_TIME_STEP, Integrator, Precision, Settings};
 use crate::step::schedule::Phase;
 use crate::step::walls::move_walls::place_walls;
@@ -90,7 +90,7 @@ pub struct Simulation {
     /// Handles of the spheres in insertion order, as they were when `world` was packed.
     packed: Vec<SphereId>,
     /// The same of the rigid bodies.
-    packed_bodies: Vec<RigidBodyId>,
+    packed_bodies: BodyHandles,
     /// Handles of all objects at that time, by number; empty with the law of the thesis.
     packed_ids: Vec<AnyId>,
     /// What passed the planes of gauges.
@@ -201,7 +201,7 @@ impl Simulation {
         let lists = ListPolicy::start(engine.dispatches() && world.movers() <= FEW_MOVERS);
         Self {
             packed: scene.sphere_ids().collect(),
-            packed_bodies: scene.body_ids().collect(),
+            packed_bodies: BodyHandles::of(&scene),
             packed_ids: ids_of(&scene),
             planes: Planes::start(&scene),
             disorder: Disorder::default(),
@@ -273,9 +273,11 @@ impl Simulation {
             self.scene.settings = self.scene.with_grains().resolved_settings();
         }
         let now = self.scene.settings;
-        if before.contact_law != now.contact_law || before.precision != now.precision {
+        let has_table = now.contact_law.has_history() || !self.scene.bodies().is_empty();
+        let table_changes = has_table && before.collisions != now.collisions;
+        if before.contact_law != now.contact_law || before.precision != now.precision || table_changes {
             self.dirty = Dirty::Everything;
-        } else if now.contact_law.has_history() && !only_gravity_differs(&before, &now) {
+        } else if has_table && !only_gravity_differs(&before, &now) {
             // The table of pairs has constants that follow from the settings.
             self.dirty = self.dirty.max(Dirty::Topology);
         }
@@ -425,6 +427,7 @@ fn resolve(mut scene: Scene, options: &Options) -> Result<Scene> {
         scene.settings.set("contact_law", ContactLaw::User.name())?;
     }
     scene.settings = scene.with_grains().resolved_settings();
+    scene.imply_bodies();
     Ok(scene)
 }
 

@@ -44,6 +44,7 @@ from rockfall._rockfall import SimulationError
 from rockfall._scene import RunDefaults, Scene
 from rockfall._settings import Settings
 from rockfall._simulation import SceneWarning, Simulation
+from rockfall._static import StaticBody
 from rockfall._sweep import SweepError, SweepResult, sweep
 from rockfall._tables import to_pandas
 from rockfall._trajectory import Frame, Recording, Trajectory
@@ -101,6 +102,7 @@ __all__ = [
     "SimulationError",
     "StageTime",
     "State",
+    "StaticBody",
     "SweepError",
     "SweepResult",
     "Tag",

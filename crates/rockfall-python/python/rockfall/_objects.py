@@ -16,9 +16,8 @@ from rockfall._flow import Flows
 from rockfall._materials import Materials
 from rockfall._names import tag_of
 from rockfall._periodic import Periodic
-from rockfall._rigid import Rigid
 from rockfall._settings import SETTINGS, Settings
-from rockfall._smooth import SmoothWalls
+from rockfall._static import StaticBodies
 from rockfall.typing import KindName, LookName
 
 if TYPE_CHECKING:
@@ -53,7 +52,7 @@ class Counts(NamedTuple):
     bodies: int = 0
 
 
-class Objects(Rigid, SmoothWalls, Flows, Periodic, Strict):
+class Objects(StaticBodies, Flows, Periodic, Strict):
     """Objects that can be added, removed and changed. The base of :class:`Scene` and :class:`Simulation`.
 
     Every ``add`` method takes N objects at once. An argument with one value instead of N counts for all of them. It returns

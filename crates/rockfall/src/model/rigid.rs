@@ -51,14 +51,7 @@ pub(crate) fn times([xx, yy, zz, xy, xz, yz]: [f32; 6], v: Vec3) -> Vec3 {
     Vec3::new(xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z)
 }
 
-/// Position, velocity, angular momentum and orientation of a body.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pose {
-    pub(crate) position: Fine,
-    pub(crate) velocity: Vec3,
-    pub(crate) momentum: Vec3,
-    pub(crate) orientation: Quat,
-}
+pub(crate) use crate::scene::BodyState as Pose;
 
 impl Pose {
     /// Number of rows of a pose.

@@ -149,13 +149,14 @@ impl Approach {
 /// - The overlap began within this step. The collision phase has not seen it yet. The impulse follows in the next step.
 #[inline]
 pub(crate) fn normal_forces(step: &Step, a: &Sides, b: &Sides, overlap: Vec4, approach: &Approach) -> Vec4 {
-    pressures(step, overlap, approach.velocity) * acting_masses(step, a, b, overlap, approach)
+    let damping = Vec4::splat(step.constants.contact_damping);
+    pressures(step, overlap, approach.velocity, damping) * acting_masses(step, a, b, overlap, approach)
 }
 
 /// Normal forces divided by the reduced masses.
 #[inline]
-fn pressures(step: &Step, overlap: Vec4, approach: Vec4) -> Vec4 {
-    let pressure = step.constants.contact_force * overlap + step.constants.contact_damping * approach;
+fn pressures(step: &Step, overlap: Vec4, approach: Vec4, damping: Vec4) -> Vec4 {
+    let pressure = step.constants.contact_force * overlap + damping * approach;
     if step.constants.flags & FLAG_PULL == 0 { pressure.max(Vec4::ZERO) } else { pressure }
 }
 
@@ -218,7 +219,7 @@ pub(crate) fn contact_forces(
     let (n, overlap) = (touches.normal, touches.overlap);
     let approach = Approach::of(step, a, b, n);
     let mass = acting_masses(step, a, b, overlap, &approach);
-    let normal = n * (pressures(step, overlap, approach.velocity) * mass);
+    let normal = n * (pressures(step, overlap, approach.velocity, surfaces.damping) * mass);
     let [arm_a, arm_b] = arms(a, b, overlap);
     // Friction impulses replace the friction force.
     let has_impulses = surfaces.coulomb_friction.cmpgt(Vec4::ZERO);

@@ -328,9 +328,20 @@ fn has_force(overlap: f32, approach: f32, radius: f32, a: u32, b: u32) -> bool {
     return ((step.flags & FLAG_COLLISIONS) == 0u) | !(fresh | (approach < -threshold)) | touches_body(a, b);
 }
 
+// The damping of the contact of two objects: that for the restitution, if it is one of a rigid body and collisions are switched on
+// (docs/physics.md section 4.16).
+fn damping_of(a: u32, b: u32) -> f32 {
+    if RIGID_BODIES {
+        if touches_body(a, b) {
+            return pair_property(a, b, 6u, step.contact_damping);
+        }
+    }
+    return step.contact_damping;
+}
+
 // Repulsion and damping per reduced mass: (2.18, 2.19).
-fn pressure_of(overlap: f32, approach: f32) -> f32 {
-    let press = step.contact_force * overlap + step.contact_damping * approach;
+fn pressure_of(overlap: f32, approach: f32, damping: f32) -> f32 {
+    let press = step.contact_force * overlap + damping * approach;
     return select(max(press, 0.0), press, (step.flags & FLAG_PULL) != 0u);
 }
 
@@ -358,7 +369,7 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
     if !has_force(overlap, approach, radius, a, b) {
         return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
     }
-    let press = pressure_of(overlap, approach);
+    let press = pressure_of(overlap, approach, damping_of(a, b));
     let arms = arms_of(a_side, b_side, overlap, b_moves);
     var friction = vec3f(0.0);
     // With Coulomb friction, impulses replace the friction force. The reason for the combined condition is in objects.wgsl

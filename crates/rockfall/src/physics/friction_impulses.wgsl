@@ -118,7 +118,7 @@ fn limit_of(slot: vec2u, pair: vec2u, a: Side, b: Side, overlap: f32, approach: 
     }
     if (overlap > 0.0) & (in_contacts > 0.0) {
         if has_force(overlap, approach, smaller_radius(a.radius, b.radius, b_moves), pair.x, pair.y) {
-            let force = max(pressure_of(overlap, approach), 0.0) / (a.inverse_mass + b.inverse_mass);
+            let force = max(pressure_of(overlap, approach, step.contact_damping), 0.0) / (a.inverse_mass + b.inverse_mass);
             limit += in_contacts * step.dt * force;
         }
     }

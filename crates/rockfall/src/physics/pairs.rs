@@ -16,13 +16,16 @@ pub(crate) struct Surface {
     pub(crate) coulomb_friction: f32,
     /// Coefficient of Coulomb friction in collisions.
     pub(crate) collision_friction: f32,
+    /// Damping of contact forces with the law of the thesis.
+    pub(crate) damping: f32,
 }
 
 impl Surface {
     /// The constants of the scene.
     fn of_scene(step: &Step) -> Self {
-        let Constants { restitution, friction, coulomb_friction, collision_friction, .. } = step.constants;
-        Self { restitution, friction, coulomb_friction, collision_friction }
+        let Constants { restitution, friction, coulomb_friction, collision_friction, contact_damping: damping, .. } =
+            step.constants;
+        Self { restitution, friction, coulomb_friction, collision_friction, damping }
     }
 
     /// The properties of a pair of objects: those of their materials, and the constants of the scene for the others.
@@ -37,13 +40,16 @@ impl Surface {
             friction: or(given[1], of_scene.friction),
             coulomb_friction: or(given[2], of_scene.coulomb_friction),
             collision_friction: or(given[3], of_scene.collision_friction),
+            // Contacts of rigid bodies rebound by their damping (docs/physics.md section 4.16).
+            damping: if view.touches_body([a, b]) { or(given[6], of_scene.damping) } else { of_scene.damping },
         }
     }
 }
 
-/// The friction of four contacts.
+/// The friction and the damping of four contacts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surfaces {
+    pub(crate) damping: Vec4,
     pub(crate) friction: Vec4,
     pub(crate) coulomb_friction: Vec4,
 }
@@ -51,7 +57,9 @@ pub(crate) struct Surfaces {
 impl Surfaces {
     /// Repeats one pair four times.
     pub(crate) fn splat(surface: &Surface) -> Self {
-        Self { friction: Vec4::splat(surface.friction), coulomb_friction: Vec4::splat(surface.coulomb_friction) }
+        let Surface { damping, friction, coulomb_friction, .. } = *surface;
+        let [damping, friction, coulomb_friction] = [damping, friction, coulomb_friction].map(Vec4::splat);
+        Self { damping, friction, coulomb_friction }
     }
 
     /// The pairs of an object with four others.
@@ -62,6 +70,7 @@ impl Surfaces {
         }
         let all = others.map(|other| Surface::of(view, object, other));
         Self {
+            damping: Vec4::from_array(all.map(|surface| surface.damping)),
             friction: Vec4::from_array(all.map(|surface| surface.friction)),
             coulomb_friction: Vec4::from_array(all.map(|surface| surface.coulomb_friction)),
         }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result, quoted};
 use crate::scene::restitution::damping_for;
-use crate::scene::{Body, CohesionModel, Material, RollingModel, Scene};
+use crate::scene::{Body, CohesionModel, Material, Pair, RollingModel, Scene};
 use crate::settings::{ContactLaw, Integrator, Settings};
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
@@ -170,7 +170,7 @@ impl Scene {
         let law = self.settings.contact_law;
         let pair = self.pair_of_numbers(one, other);
         let known = match law {
-            ContactLaw::Thesis => None,
+            ContactLaw::Thesis => return [0.0, 0.0, self.damping_of_bodies(pair, dampings), 0.0, 0.0, 0.0, 0.0, 0.0],
             ContactLaw::Linear => match pair.stiffness {
                 Some(stiffness) => Some([stiffness, TANGENTIAL_RATIO * stiffness]),
                 None => pair.characteristic_velocity.zip(self.moduli(one, other)).map(|(speed, [young, _])| [-young, speed]),
@@ -194,6 +194,22 @@ impl Scene {
         let cohesion = self.neck_constant(one, other).map_or_else(of_dmt, |constant| -constant as f32);
         let [rolling, twisting] = [pair.rolling_friction, pair.twisting_friction].map(Option::unwrap_or_default);
         [normal, tangential, damping, friction, rolling, rolling_damping, twisting, cohesion]
+    }
+
+    /// The damping with which contacts of rigid bodies have the restitution of a pair, or -1 for `contact_damping` (docs/physics.md
+    /// section 4.16).
+    fn damping_of_bodies(&self, pair: Pair, dampings: &mut Dampings) -> f32 {
+        if !self.has_damped_bodies() {
+            return -1.0;
+        }
+        let restitution = pair.restitution.unwrap_or(self.settings.restitution);
+        dampings.of(ContactLaw::Linear, restitution) * self.settings.contact_force.max(0.0).sqrt()
+    }
+
+    /// Whether contacts of rigid bodies rebound by a damping that follows from the restitution.
+    pub(crate) fn has_damped_bodies(&self) -> bool {
+        let Settings { contact_law, collisions, .. } = self.settings;
+        contact_law == ContactLaw::Thesis && collisions && !self.bodies().is_empty()
     }
 
     /// Names of the materials.

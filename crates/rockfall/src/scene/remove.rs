@@ -56,6 +56,7 @@ impl Scene {
 
     /// Removes spheres of any kind with what is attached to them.
     fn remove_with_attached(&mut self, ids: &[SphereId]) -> Result<()> {
+        self.release_spheres(ids);
         self.spheres.remove(ids)?;
         let spheres = &self.spheres;
         let is_gone = |id: SphereId| spheres.index(id).is_err();
@@ -74,6 +75,7 @@ impl Scene {
         if let Some(id) = ids.iter().find(|id| self.body_of_rod(**id).is_some()) {
             return Err(invalid("rod", id, "a rod that is not part of a rigid body; remove the body"));
         }
+        self.release_rods(ids);
         self.rods.remove(ids)?;
         let rods = &self.rods;
         self.capsules.remove_where(|capsule| rods.index(capsule.rod).is_err());

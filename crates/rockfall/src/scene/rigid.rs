@@ -59,10 +59,50 @@ pub struct RigidBody {
 }
 
 /// The bodies that spheres and rods are part of, by slot. The owner of a slot is a body that was removed if nothing else is right.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Members {
-    spheres: Vec<Option<RigidBodyId>>,
-    rods: Vec<Option<RigidBodyId>>,
+#[derive(Clone, Debug)]
+pub(crate) struct Members<T> {
+    spheres: Vec<Option<Handle<T>>>,
+    rods: Vec<Option<Handle<T>>>,
+}
+
+impl<T> Default for Members<T> {
+    fn default() -> Self {
+        Self { spheres: Vec::new(), rods: Vec::new() }
+    }
+}
+
+impl<T> Members<T> {
+    pub(super) fn put(&mut self, spheres: &[SphereId], rods: &[RodId], owner: Handle<T>) {
+        let slots = [
+            (&mut self.spheres, spheres.iter().map(|id| id.slot()).collect::<Vec<_>>()),
+            (&mut self.rods, rods.iter().map(|id| id.slot()).collect()),
+        ];
+        for (owners, slots) in slots {
+            for slot in slots {
+                if owners.len() <= slot {
+                    owners.resize(slot + 1, None);
+                }
+                owners[slot] = Some(owner);
+            }
+        }
+    }
+
+    pub(super) fn of_sphere(&self, id: SphereId) -> Option<Handle<T>> {
+        *self.spheres.get(id.slot())?
+    }
+
+    pub(super) fn of_rod(&self, id: RodId) -> Option<Handle<T>> {
+        *self.rods.get(id.slot())?
+    }
+}
+
+/// Position of the centre of mass, velocity, angular momentum about it and orientation of a body.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BodyState {
+    pub(crate) position: Fine,
+    pub(crate) velocity: Vec3,
+    pub(crate) momentum: Vec3,
+    pub(crate) orientation: Quat,
 }
 
 /// Where the points of a body are and how they move, in `f64`.
@@ -150,6 +190,20 @@ impl RigidBody {
         &self.rods
     }
 
+    pub(crate) fn state(&self) -> BodyState {
+        BodyState {
+            position: Fine { high: self.position, low: self.position_low },
+            velocity: self.velocity,
+            momentum: self.angular_momentum,
+            orientation: self.orientation,
+        }
+    }
+
+    pub(crate) fn set_state(&mut self, state: BodyState) {
+        (self.position, self.position_low) = (state.position.high, state.position.low);
+        (self.velocity, self.angular_momentum, self.orientation) = (state.velocity, state.momentum, state.orientation);
+    }
+
     pub(crate) fn validate(&self) -> Result<()> {
         finite("body.position", self.position)?;
         finite("body.position_low", self.position_low)?;
@@ -192,18 +246,18 @@ impl Kinetics {
 }
 
 impl Frame {
-    pub(crate) fn of(body: &RigidBody, kinetics: &Kinetics) -> Self {
+    pub(crate) fn of(body: &BodyState, kinetics: &Kinetics) -> Self {
         let turn = wide(body.orientation);
         Self {
-            centre: DVec3::from_array(body.centre()),
+            centre: body.position.wide(),
             turn,
             velocity: body.velocity.as_dvec3(),
-            spin: kinetics.inverse_tensor(turn) * body.angular_momentum.as_dvec3(),
+            spin: kinetics.inverse_tensor(turn) * body.momentum.as_dvec3(),
         }
     }
 
     /// Sets the state of a sphere at a point that is `arm` away from the centre of mass in coordinates of the shape.
-    fn place(&self, sphere: &mut Sphere, arm: DVec3, orientation: Quat) {
+    pub(super) fn place(&self, sphere: &mut Sphere, arm: DVec3, orientation: Quat) {
         let arm = self.turn * arm;
         sphere.set_centre((self.centre + arm).to_array());
         sphere.velocity = (self.velocity + self.spin.cross(arm)).as_vec3();
@@ -212,8 +266,20 @@ impl Frame {
     }
 }
 
+/// Where the coordinates of a shape lie.
+pub(super) struct Laid {
+    pub(super) turn: DQuat,
+    pub(super) origin: DVec3,
+}
+
+impl Laid {
+    pub(super) fn point(&self, place: Vec3) -> DVec3 {
+        self.origin + self.turn * place.as_dvec3()
+    }
+}
+
 /// A unit quaternion in `f64`.
-fn wide(orientation: Quat) -> DQuat {
+pub(super) fn wide(orientation: Quat) -> DQuat {
     orientation.as_dquat().normalize()
 }
 
@@ -279,19 +345,9 @@ impl Scene {
 
     /// Adds a body whose spheres and rods are in the scene already.
     pub(crate) fn keep_body(&mut self, body: RigidBody) -> RigidBodyId {
-        let [spheres, rods] = [
-            body.spheres.iter().map(|id| id.slot()).collect::<Vec<_>>(),
-            body.rods.iter().map(|id| id.slot()).collect::<Vec<_>>(),
-        ];
+        let (spheres, rods) = (body.spheres.clone(), body.rods.clone());
         let id = self.bodies.add(body);
-        for (owners, slots) in [(&mut self.members.spheres, spheres), (&mut self.members.rods, rods)] {
-            for slot in slots {
-                if owners.len() <= slot {
-                    owners.resize(slot + 1, None);
-                }
-                owners[slot] = Some(id);
-            }
-        }
+        self.members.put(&spheres, &rods, id);
         id
     }
 
@@ -338,13 +394,13 @@ impl Scene {
 
     /// The rigid body that a sphere is part of.
     pub fn body_of_sphere(&self, id: SphereId) -> Option<RigidBodyId> {
-        let owner = (*self.members.spheres.get(id.slot())?)?;
+        let owner = self.members.of_sphere(id)?;
         (self.spheres.index(id).is_ok() && self.bodies.index(owner).is_ok()).then_some(owner)
     }
 
     /// The rigid body that a rod is part of.
     pub fn body_of_rod(&self, id: RodId) -> Option<RigidBodyId> {
-        let owner = (*self.members.rods.get(id.slot())?)?;
+        let owner = self.members.of_rod(id)?;
         (self.rods.index(id).is_ok() && self.bodies.index(owner).is_ok()).then_some(owner)
     }
 
@@ -380,14 +436,14 @@ impl Scene {
     /// Where a body is and how it moves.
     pub(crate) fn frame(&self, id: RigidBodyId) -> Result<Frame> {
         let body = self.bodies.get(id)?;
-        Ok(Frame::of(body, self.shape_mass(body.shape)?))
+        Ok(Frame::of(&body.state(), self.shape_mass(body.shape)?))
     }
 
     /// Gives the spheres of a body the places and motions that follow from it.
     pub(crate) fn place_members(&mut self, id: RigidBodyId) -> Result<()> {
         let body = self.bodies.get(id)?;
         let (shape, kinetics) = (self.shapes.get(body.shape)?, *self.shape_mass(body.shape)?);
-        let frame = Frame::of(body, &kinetics);
+        let frame = Frame::of(&body.state(), &kinetics);
         for (member, part) in body.spheres.iter().zip(shape.all_spheres()) {
             frame.place(self.spheres.get_mut(*member)?, part.centre.as_dvec3() - kinetics.centre, body.orientation);
         }
@@ -430,7 +486,7 @@ impl Scene {
 
 /// The spheres of a new body. `parts` are all spheres of its shape.
 fn members(shape: &Shape, parts: &[ShapeSphere], body: &RigidBody, kinetics: &Kinetics) -> Vec<Sphere> {
-    let frame = Frame::of(body, kinetics);
+    let frame = Frame::of(&body.state(), kinetics);
     // The spheres of a box share what it weighs.
     let volume = |(number, part): (usize, &ShapeSphere)| match shape.box_of_sphere(number) {
         Some(BoxPart::Solid(of) | BoxPart::Rim(of)) => shape.boxes[of].volume() / BOX_SPHERES as f64,

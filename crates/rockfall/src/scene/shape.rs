@@ -305,7 +305,7 @@ impl ShapeSphere {
 }
 
 impl Kinetics {
-    fn of(properties: &MassProperties) -> Self {
+    pub(crate) fn of(properties: &MassProperties) -> Self {
         let (moments, axes) = properties.principal();
         Self { mass: properties.mass, centre: DVec3::from_array(properties.centre), moments, axes }
     }

@@ -51,7 +51,7 @@ impl Tag {
     }
 
     /// This tag, with what it leaves open from another one.
-    pub(super) fn or(&self, other: &Self) -> Self {
+    pub fn or(&self, other: &Self) -> Self {
         let (one, other) = (self.clone(), other.clone());
         Self {
             name: one.name.or(other.name),

@@ -8,9 +8,9 @@ use crate::fine::Fine;
 use crate::mesh::Mesh;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
-    BoxId, Capsule, CapsuleId, Cuboid, Facets, Inlet, Material, MaterialId, Motion, MotionId, MotionTerm, ObjectId, Outlet,
-    Pair, Placement, Polygon, PolygonId, RigidBody, RigidBodyId, Rod, RodId, Scene, Shape, ShapeId, Sphere, SphereId, Spring,
-    SpringId, Tag, Tether, TetherId, finite,
+    BodyHandles, BoxId, Capsule, CapsuleId, Cuboid, Facets, Inlet, Material, MaterialId, Motion, MotionId, MotionTerm,
+    ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, RigidBody, RigidBodyId, Rod, RodId, Scene, Shape, ShapeId, Sphere,
+    SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
 };
 use crate::simulation::order::Disorder;
 use crate::simulation::rates::put_rates;
@@ -90,6 +90,8 @@ edits! {
         add_shape(shape: Shape) -> ShapeId;
     Everything: /// Adds a rigid body with its spheres and rods.
         add_body(placement: Placement) -> RigidBodyId;
+    Everything: /// Adds the parts of a shape as fixed objects, or as walls that follow a motion.
+        add_static_body(placement: Placement, motion: Option<MotionId>) -> Vec<ObjectId>;
     Everything: /// Removes a rigid body with its spheres and rods and everything attached to them.
         remove_body(id: RigidBodyId) -> ();
     Everything: /// Removes rigid bodies with their spheres and rods and everything attached to them, in one pass.
@@ -319,6 +321,17 @@ impl Simulation {
                 expected: "a sphere of its own: `update_body` moves a body",
             });
         }
+        if self.scene.implied_of(id).is_some() {
+            match edit {
+                Edit::Force(_) => {}
+                Edit::Orientation(_) => {
+                    let expected = "a sphere of its own: a capsule or frame of rods turns as a whole with this contact law";
+                    return Err(Error::Invalid { field: "sphere", value: format!("{id:?}"), expected });
+                }
+                // Its body is formed anew.
+                _ => self.dirty = Dirty::Everything,
+            }
+        }
         self.edits.push((id, edit));
         Ok(())
     }
@@ -364,6 +377,8 @@ impl Simulation {
                 edit.apply(sphere);
             }
         }
+        let moved = edits.iter().filter(|(_, edit)| !matches!(edit, Edit::Force(_))).map(|(id, _)| *id);
+        self.scene.release_spheres(&moved.collect::<Vec<_>>());
         if let Some(before) = fronts {
             self.planes.edited(before, &self.scene);
         }
@@ -397,6 +412,7 @@ impl Simulation {
         let old = &self.world.step;
         let (flags, dt, rows) = (old.constants.flags, old.constants.dt, old.layout.pair_rows);
         let own = std::mem::take(&mut self.world.own);
+        self.scene.imply_bodies();
         self.world = pack(&self.scene, &self.options)?;
         if own.len() == self.world.step.layout.spheres as usize {
             self.world.set_own(own);
@@ -412,7 +428,7 @@ impl Simulation {
         self.engine.complete(&mut self.world);
         self.packed_ids = ids_of(&self.scene);
         self.packed = self.scene.sphere_ids().collect();
-        self.packed_bodies = self.scene.body_ids().collect();
+        self.packed_bodies = BodyHandles::of(&self.scene);
         self.observation = None;
         self.packings += 1;
         self.engine.replace(&self.world)?;

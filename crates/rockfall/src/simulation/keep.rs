@@ -104,6 +104,7 @@ impl Simulation {
     /// As for [`Simulation::resume`].
     pub async fn resume_async(mut checkpoint: Checkpoint) -> Result<Self> {
         checkpoint.check_laws()?;
+        checkpoint.scene.imply_bodies();
         let mut world = prepare(&checkpoint.scene, &checkpoint.options)?;
         put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
         put_rates(&mut world, &checkpoint.rates);
@@ -120,6 +121,7 @@ impl Simulation {
     #[cfg(feature = "gpu")]
     pub fn resume_on_device(mut checkpoint: Checkpoint, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         checkpoint.check_laws()?;
+        checkpoint.scene.imply_bodies();
         let (scene, options) = (take(&mut checkpoint.scene), take(&mut checkpoint.options));
         let simulation = Self::on_device_as_is(scene, options, &checkpoint.springs, &checkpoint.rates, device, queue)?;
         Ok(simulation.with_history(&checkpoint))
@@ -129,6 +131,7 @@ impl Simulation {
     #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
     pub(crate) fn resume_on_gpu(mut checkpoint: Checkpoint, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
         checkpoint.check_laws()?;
+        checkpoint.scene.imply_bodies();
         let options = Options { backend: info.kind, ..take(&mut checkpoint.options) };
         let mut world = prepare(&checkpoint.scene, &options)?;
         put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);

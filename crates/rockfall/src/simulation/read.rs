@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::model::muscles::MuscleClock;
 use crate::model::world::World;
 use crate::report::{Energy, SphereState};
-use crate::scene::{Frame, RigidBody, Scene, Sphere, SphereId, Spring, SpringId};
+use crate::scene::{Frame, Scene, Sphere, SphereId, Spring, SpringId, WholeBody};
 use crate::simulation::observed::{Detail, view_and_lists};
 use crate::simulation::{Simulation, engine};
 
@@ -152,7 +152,7 @@ impl Simulation {
         let view = view_and_lists(world).0.in_collisions();
         let movers = (0..).zip(scene.spheres()).filter(|(index, _)| view.is_integrated(*index));
         let loose: f64 = movers.map(|(index, sphere)| kinetic_energy(sphere, view.velocity(index).as_dvec3())).sum();
-        Ok(loose + scene.bodies().iter().map(|body| body_energy(scene, body)).sum::<f64>())
+        Ok(loose + scene.whole_bodies().map(|body| body_energy(&body)).sum::<f64>())
     }
 }
 
@@ -163,18 +163,15 @@ fn kinetic_energy(sphere: &Sphere, velocity: DVec3) -> f64 {
     0.5 * (mass * velocity.length_squared() + sphere.angular_momentum.as_dvec3().length_squared() / inertia)
 }
 
-/// Kinetic energy of a rigid body.
-fn body_energy(scene: &Scene, body: &RigidBody) -> f64 {
-    scene.shape_mass(body.shape).map_or(0.0, |kinetics| {
-        let (v, momentum) = (body.velocity.as_dvec3(), body.angular_momentum.as_dvec3());
-        0.5 * (kinetics.mass * v.length_squared() + momentum.dot(Frame::of(body, kinetics).spin))
-    })
+/// Kinetic energy of a body that moves as a whole.
+fn body_energy(WholeBody { kinetics, state, .. }: &WholeBody) -> f64 {
+    let Frame { velocity, spin, .. } = Frame::of(state, kinetics);
+    0.5 * (kinetics.mass * velocity.length_squared() + state.momentum.as_dvec3().dot(spin))
 }
 
 fn bodies_energy(scene: &Scene, gravity: DVec3) -> Energy {
     let mut energy = Energy::default();
-    let loose =
-        scene.sphere_ids().zip(scene.spheres()).filter(|(id, sphere)| !sphere.fixed && scene.body_of_sphere(*id).is_none());
+    let loose = scene.sphere_ids().zip(scene.spheres()).filter(|(id, sphere)| !sphere.fixed && !scene.moves_with_body(*id));
     for (_, sphere) in loose {
         let mass = f64::from(sphere.mass);
         let (x, v, spin) = (DVec3::from_array(sphere.centre()), sphere.velocity.as_dvec3(), sphere.angular_momentum.as_dvec3());
@@ -183,13 +180,12 @@ fn bodies_energy(scene: &Scene, gravity: DVec3) -> Energy {
         energy.momentum += mass * v;
         energy.angular_momentum += mass * x.cross(v) + spin;
     }
-    for body in scene.bodies() {
-        let Ok(kinetics) = scene.shape_mass(body.shape) else { continue };
-        let (x, v, momentum) = (DVec3::from_array(body.centre()), body.velocity.as_dvec3(), body.angular_momentum.as_dvec3());
-        energy.kinetic += body_energy(scene, body);
-        energy.potential -= kinetics.mass * gravity.dot(x);
-        energy.momentum += kinetics.mass * v;
-        energy.angular_momentum += kinetics.mass * x.cross(v) + momentum;
+    for body in scene.whole_bodies() {
+        let (x, v, mass) = (body.state.position.wide(), body.state.velocity.as_dvec3(), body.kinetics.mass);
+        energy.kinetic += body_energy(&body);
+        energy.potential -= mass * gravity.dot(x);
+        energy.momentum += mass * v;
+        energy.angular_momentum += mass * x.cross(v) + body.state.momentum.as_dvec3();
     }
     energy
 }

@@ -195,3 +195,57 @@ fn a_body_of_one_ball_moves_as_the_ball() {
         }
     });
 }
+
+/// An upright dimer falls on a floor at speed 1, with the law of the thesis. With collisions it rebounds with the restitution of the scene or of the pair,
+/// without them by the damping: the ratio 12.5 / (2 sqrt(1000)) is 0.198, which with the force clipped at 0 is a rebound of 0.58.
+#[test]
+fn bodies_rebound_with_the_restitution_of_the_thesis_law() {
+    let rebound = |backend: Backend, restitution: f32, of_pair: Option<f32>, collisions: bool| {
+        let mut scene =
+            with(|settings| (settings.gravity, settings.restitution, settings.collisions) = (0.0, restitution, collisions));
+        let mut shape = Shape::new();
+        let mut floor = Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0]);
+        if let Some(restitution) = of_pair {
+            let material = stuff(&mut scene, Pair::default().restitution(restitution));
+            (shape, floor.material) = (shape.material(material), Some(material));
+        }
+        let shape = scene.add_shape(shape.sphere([0.0, 0.5, 0.0], 0.5).sphere([0.0, 1.0, 0.0], 0.5)).unwrap();
+        scene.add_box(floor).unwrap();
+        scene.add_body(Placement::new(shape).at([0.0, 1e-3, 0.0]).velocity([0.0, -1.0, 0.0])).unwrap();
+        let mut simulation = open(scene, backend, Integrator::Rk4);
+        simulation.run(100, 2e-3).unwrap();
+        assert!(simulation.contacts().unwrap().is_empty());
+        body_of(&mut simulation).velocity.y
+    };
+    on_both(|backend, shorter| {
+        let all = [
+            (0.25, None, true, 0.25),
+            (0.75, None, true, 0.75),
+            (1.0, None, true, 1.0),
+            (0.75, Some(0.5), true, 0.5),
+            (0.25, None, false, 0.58),
+        ];
+        for (restitution, of_pair, collisions, expected) in all.into_iter().step_by(usize::from(shorter)) {
+            let found = rebound(backend, restitution, of_pair, collisions);
+            assert!((found - expected).abs() < 0.01, "{backend}: {restitution} {of_pair:?} {collisions}: {found}");
+        }
+    });
+}
+
+/// A run that is resumed from a file has the same bits, also with the accelerations that velocity Verlet keeps for bodies.
+#[test]
+fn a_resumed_run_of_bodies_has_the_same_bits() {
+    on_both(|backend, _| {
+        let (mut scene, material) = with_law(ContactLaw::Linear, 9.81, Pair::default().restitution(0.5).friction(0.5));
+        let shape = scene.add_shape(dimer(material)).unwrap();
+        scene.add_body(Placement::new(shape).at([0.0, 0.101, 0.0]).velocity([0.5, -0.5, 0.0])).unwrap();
+        scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0]).material(material)).unwrap();
+        let mut simulation = open(scene, backend, Integrator::VelocityVerlet);
+        simulation.run(40, 2e-4).unwrap();
+        let bytes = simulation.checkpoint().unwrap().to_bytes();
+        let mut resumed = Simulation::resume(rockfall::Checkpoint::from_bytes(&bytes, "memory").unwrap()).unwrap();
+        simulation.run(40, 2e-4).unwrap();
+        resumed.run(40, 2e-4).unwrap();
+        assert_eq!(format!("{:?}", body_of(&mut simulation)), format!("{:?}", body_of(&mut resumed)));
+    });
+}

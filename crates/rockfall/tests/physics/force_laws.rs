@@ -5,7 +5,9 @@ mod messages;
 mod motion;
 
 use rockfall::glam::Vec3;
-use rockfall::{Backend, Capsule, ForceInput, ForceLaw, ForceLoad, Integrator, Options, Rod, Scene, Simulation, Sphere};
+use rockfall::{
+    Backend, Capsule, ForceInput, ForceLaw, ForceLoad, Integrator, Options, Placement, Rod, Scene, Shape, Simulation, Sphere,
+};
 
 use crate::common::*;
 

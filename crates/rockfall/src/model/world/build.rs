@@ -91,7 +91,7 @@ impl World {
         world.set_spheres(scene);
         world.set_grid(scene);
         // Spheres of rigid bodies have a thread each.
-        world.step.layout.large = if scene.bodies().is_empty() { world.large_spheres(scene) } else { 0 };
+        world.step.layout.large = if world.step.layout.rigid_bodies == 0 { world.large_spheres(scene) } else { 0 };
         world.set_history_pool(0);
         world.set_collision_room();
         let entries = if world.movers() <= FEW_MOVERS { FIRST_ENTRIES_OF_FEW } else { FIRST_ENTRIES };

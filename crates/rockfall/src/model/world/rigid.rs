@@ -1,17 +1,17 @@
 //! Packs rigid bodies: their records, shapes and members in the topology, and their state.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3, Quat, Vec4};
 
 use crate::error::Result;
-use crate::fine::Fine;
 use crate::model::layout::{BOX_RIM, NO_RIGID, RIGID_ROWS, RIGID_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS};
 use crate::model::rigid::{Moments, Pose};
 use crate::model::step::Layout;
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::scene::{BoxPart, Core, Kinetics, RigidBody, RigidBodyId, Scene, ShapeId};
+use crate::scene::{AnyForm, BodyHandles, BoxPart, Core, Form, Kinetics, Scene, Shape, ShapeId, WholeBody};
 
 /// The moments as kernels use them.
 fn moments_of(kinetics: &Kinetics) -> Moments {
@@ -21,95 +21,106 @@ fn moments_of(kinetics: &Kinetics) -> Moments {
     Moments { middle: sorted[1] as f32, excess: (inverse - DVec3::splat(sorted[1])).as_vec3(), axes: narrow(kinetics.axes) }
 }
 
-fn pose_of(body: &RigidBody) -> Pose {
-    Pose {
-        position: Fine::sum(body.position, body.position_low),
-        velocity: body.velocity,
-        momentum: body.angular_momentum,
-        orientation: body.orientation,
-    }
-}
-
 fn narrow(q: DQuat) -> Quat {
     q.normalize().as_quat()
 }
 
-/// The words of a shape: its moments, the rotation of its principal axes, the places of its spheres from its centre of mass, and its
-/// boxes.
-fn shape_words(scene: &Scene, id: ShapeId) -> Result<Vec<u32>> {
-    let kinetics = scene.shape_mass(id)?;
-    let Moments { middle, excess, axes } = moments_of(kinetics);
+/// The places of the spheres of a body from its centre of mass.
+fn places(body: &WholeBody) -> Vec<DVec3> {
+    match body.form {
+        AnyForm::Shape(_, shape) => {
+            shape.all_spheres().iter().map(|sphere| sphere.centre.as_dvec3() - body.kinetics.centre).collect()
+        }
+        AnyForm::Implied(form) => form.places.clone(),
+    }
+}
+
+/// The words of a form: its moments, the rotation of its principal axes, the places of its spheres from its centre of mass, and its boxes.
+fn form_words(body: &WholeBody) -> Vec<u32> {
+    let Moments { middle, excess, axes } = moments_of(body.kinetics);
     let mut words = vec![middle];
     words.extend(excess.to_array());
     words.extend(axes.to_array());
-    let shape = scene.shape(id)?;
-    for sphere in shape.all_spheres() {
-        words.extend((sphere.centre.as_dvec3() - kinetics.centre).as_vec3().to_array());
+    words.extend(places(body).into_iter().flat_map(|place| place.as_vec3().to_array()));
+    if let AnyForm::Shape(_, shape) = body.form {
+        for part in &shape.boxes {
+            let Core { centre, turn, half, radius } = part.core(shape.rounding);
+            words.extend((centre - body.kinetics.centre).as_vec3().to_array());
+            words.push(radius as f32);
+            words.extend(half.as_vec3().to_array());
+            words.extend(turn.as_quat().to_array());
+        }
     }
-    for part in &shape.boxes {
-        let Core { centre, turn, half, radius } = part.core(shape.rounding);
-        words.extend((centre - kinetics.centre).as_vec3().to_array());
-        words.push(radius as f32);
-        words.extend(half.as_vec3().to_array());
-        words.extend(turn.as_quat().to_array());
-    }
-    Ok(words.into_iter().map(f32::to_bits).collect())
+    words.into_iter().map(f32::to_bits).collect()
 }
 
-/// Appends the rigid bodies of a scene: records, bodies of spheres, shapes, members.
+/// What bodies with the same words have in common.
+#[derive(PartialEq, Eq, Hash)]
+enum FormKey {
+    Shape(ShapeId),
+    Implied(*const Form),
+}
+
+impl FormKey {
+    fn of(form: AnyForm) -> Self {
+        match form {
+            AnyForm::Shape(id, _) => Self::Shape(id),
+            AnyForm::Implied(form) => Self::Implied(Arc::as_ptr(form)),
+        }
+    }
+}
+
+/// Appends the rigid bodies of a scene: records, bodies of spheres, forms, members.
 pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) -> Result<()> {
-    (layout.rigid_bodies, layout.rigid_at, layout.rigid_of_at) = (scene.bodies().len() as u32, 0, 0);
+    let count = scene.whole_bodies().count();
+    (layout.rigid_bodies, layout.rigid_at, layout.rigid_of_at) = (count as u32, 0, 0);
     layout.rigid_parts_at = 0;
-    if scene.bodies().is_empty() {
+    if count == 0 {
         return Ok(());
     }
     layout.rigid_at = topology.len() as u32;
-    topology.resize(topology.len() + scene.bodies().len() * RIGID_WORDS as usize, 0);
+    topology.resize(topology.len() + count * RIGID_WORDS as usize, 0);
     layout.rigid_of_at = topology.len() as u32;
     topology.resize(topology.len() + scene.spheres().len(), NO_RIGID);
     if scene.bodies().iter().any(|body| scene.shape(body.shape).is_ok_and(|shape| !shape.boxes.is_empty())) {
         layout.rigid_parts_at = topology.len() as u32;
         topology.resize(topology.len() + scene.spheres().len() + scene.rods().len(), 0);
     }
-    let mut shapes: HashMap<ShapeId, u32> = HashMap::new();
-    for (number, body) in scene.bodies().iter().enumerate() {
-        let shape = match shapes.get(&body.shape) {
-            Some(at) => *at,
-            None => {
-                let at = topology.len() as u32;
-                topology.extend(shape_words(scene, body.shape)?);
-                shapes.insert(body.shape, at);
-                at
-            }
-        };
+    let mut forms: HashMap<FormKey, u32> = HashMap::new();
+    for (number, body) in scene.whole_bodies().enumerate() {
+        let form = *forms.entry(FormKey::of(body.form)).or_insert_with(|| {
+            let at = topology.len() as u32;
+            topology.extend(form_words(&body));
+            at
+        });
         let members = topology.len() as u32;
-        for sphere in body.spheres() {
+        for sphere in body.spheres {
             let index = scene.spheres.index(*sphere)?;
             topology[layout.rigid_of_at as usize + index] = number as u32;
             topology.push(index as u32);
         }
-        put_parts(scene, body, shape, layout, topology)?;
-        let kinetics = scene.shape_mass(body.shape)?;
+        if let AnyForm::Shape(_, shape) = body.form {
+            put_parts(scene, &body, shape, form, layout, topology)?;
+        }
         let mut record = [0; RIGID_WORDS as usize];
         let mut put = |at: usize, numbers: &[f32]| {
             record[at..at + numbers.len()].iter_mut().zip(numbers).for_each(|(word, x)| *word = x.to_bits());
         };
         // `set_bodies` writes the centre, the tensor and the orientation.
-        put(3, &[(1.0 / kinetics.mass) as f32]);
-        put(10, &[(1.0 / kinetics.moments.min_element()) as f32]);
-        record[11..14].copy_from_slice(&[shape, members, body.spheres().len() as u32]);
+        put(3, &[(1.0 / body.kinetics.mass) as f32]);
+        put(10, &[(1.0 / body.kinetics.moments.min_element()) as f32]);
+        record[11..14].copy_from_slice(&[form, members, body.spheres.len() as u32]);
         topology[layout.rigid_at as usize + number * RIGID_WORDS as usize..][..record.len()].copy_from_slice(&record);
     }
     Ok(())
 }
 
-/// Writes which spheres and rods of a body are parts of boxes. `at` is the first word of its shape.
-fn put_parts(scene: &Scene, body: &RigidBody, at: u32, layout: &Layout, topology: &mut [u32]) -> Result<()> {
-    let shape = scene.shape(body.shape)?;
+/// Writes which spheres and rods of a body are parts of boxes. `at` is the first word of its form.
+fn put_parts(scene: &Scene, body: &WholeBody, shape: &Shape, at: u32, layout: &Layout, topology: &mut [u32]) -> Result<()> {
     let boxes_at = at + SHAPE_WORDS + 3 * shape.sphere_count() as u32;
     let box_at = |number: usize| boxes_at + SHAPE_BOX_WORDS * number as u32;
     let table = layout.rigid_parts_at as usize;
-    for (number, sphere) in body.spheres().iter().enumerate() {
+    for (number, sphere) in body.spheres.iter().enumerate() {
         let word = match shape.box_of_sphere(number) {
             None => continue,
             Some(BoxPart::Solid(number)) => box_at(number),
@@ -117,7 +128,7 @@ fn put_parts(scene: &Scene, body: &RigidBody, at: u32, layout: &Layout, topology
         };
         topology[table + scene.spheres.index(*sphere)?] = word;
     }
-    for (number, rod) in body.rods().iter().enumerate() {
+    for (number, rod) in body.rods.iter().enumerate() {
         if let Some(number) = shape.box_of_rod(number) {
             topology[table + scene.spheres().len() + scene.rods.index(*rod)?] = box_at(number) | BOX_RIM;
         }
@@ -128,19 +139,18 @@ fn put_parts(scene: &Scene, body: &RigidBody, at: u32, layout: &Layout, topology
 impl World {
     /// Packs the state of the rigid bodies, and places their spheres.
     pub(super) fn set_bodies(&mut self, scene: &Scene) {
-        self.rigid_bodies = vec![Vec4::ZERO; scene.bodies().len() * RIGID_ROWS as usize];
-        for (rows, body) in self.rigid_bodies.chunks_exact_mut(RIGID_ROWS as usize).zip(scene.bodies()) {
-            rows[..Pose::ROWS].copy_from_slice(&pose_of(body).rows());
+        let poses: Vec<Pose> = scene.whole_bodies().map(|body| body.state).collect();
+        self.rigid_bodies = vec![Vec4::ZERO; poses.len() * RIGID_ROWS as usize];
+        for (rows, pose) in self.rigid_bodies.chunks_exact_mut(RIGID_ROWS as usize).zip(&poses) {
+            rows[..Pose::ROWS].copy_from_slice(&pose.rows());
         }
-        for (number, body) in (0..).zip(scene.bodies()) {
-            self.put_record(number, &pose_of(body));
+        for (number, pose) in (0..).zip(&poses) {
+            self.put_record(number, pose);
         }
         let view = View::new(&self.step, &self.topology, &self.states[0]);
         let placed: Vec<(u32, [Vec4; 4], Quat)> = (0..)
-            .zip(scene.bodies())
-            .flat_map(|(number, body)| {
-                view.placed(number, pose_of(body)).map(move |(slot, rows)| (slot, rows, body.orientation))
-            })
+            .zip(&poses)
+            .flat_map(|(number, pose)| view.placed(number, *pose).map(move |(slot, rows)| (slot, rows, pose.orientation)))
             .collect();
         let n = self.step.layout.spheres as usize;
         for (slot, rows, orientation) in placed {
@@ -166,13 +176,17 @@ impl World {
     }
 
     /// Writes the state of the rigid bodies back to the scene that it was packed from. `packed` are the handles of the bodies at that time.
-    pub(crate) fn read_bodies(&self, scene: &mut Scene, packed: &[RigidBodyId]) {
-        for (rows, id) in self.rigid_bodies.chunks_exact(RIGID_ROWS as usize).zip(packed) {
-            // Skips bodies that have been removed since.
+    pub(crate) fn read_bodies(&self, scene: &mut Scene, packed: &BodyHandles) {
+        let mut poses = self.rigid_bodies.chunks_exact(RIGID_ROWS as usize).map(Pose::of);
+        // Skips bodies that have been removed since.
+        for (id, pose) in packed.declared.iter().zip(poses.by_ref()) {
             if let Ok(body) = scene.bodies.get_mut(*id) {
-                let Pose { position, velocity, momentum, orientation } = Pose::of(rows);
-                (body.position, body.position_low, body.velocity) = (position.high, position.low, velocity);
-                (body.angular_momentum, body.orientation) = (momentum, orientation);
+                body.set_state(pose);
+            }
+        }
+        for (id, pose) in packed.implied.iter().zip(poses) {
+            if let Ok(body) = scene.implied.get_mut(*id) {
+                body.state = pose;
             }
         }
     }

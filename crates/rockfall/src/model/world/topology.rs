@@ -45,11 +45,13 @@ impl World {
 
         layout.rods_at = topology.len() as u32;
         let mut fixed_rods = Vec::new();
-        for (rod, number) in scene.rods().iter().zip(0..) {
+        for ((id, rod), number) in scene.rod_ids().zip(scene.rods()).zip(0..) {
             let ends = [index(rod.end1)?, index(rod.end2)?];
-            topology.extend([ends[0], ends[1], rod.radius.to_bits(), rod.length.unwrap_or(0.0).to_bits()]);
+            // Implied bodies keep the lengths of their rods.
+            let length = rod.length.filter(|_| scene.implied_of_rod(id).is_none());
+            topology.extend([ends[0], ends[1], rod.radius.to_bits(), length.unwrap_or(0.0).to_bits()]);
             adjacency.attach(KIND_ROD, number, &ends);
-            if rod.length.is_some() {
+            if length.is_some() {
                 fixed_rods.push((number, ends));
             }
         }
@@ -253,7 +255,7 @@ fn pack_pairs(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) -> u3
     // Rounded up, so that the AABBs hold every contact.
     layout.neck = (scene.neck() * (1.0 + 1e-5)) as f32;
     let law = scene.settings.contact_law;
-    if scene.pairs.is_empty() && !law.has_history() {
+    if scene.pairs.is_empty() && !law.has_history() && !scene.has_damped_bodies() {
         return 0;
     }
     let mut flags = 0;

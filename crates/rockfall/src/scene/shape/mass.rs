@@ -52,7 +52,7 @@ impl MassProperties {
         Self { mass: self.mass * factor, centre: self.centre, inertia: self.inertia.map(|element| element * factor) }
     }
 
-    pub(super) fn validate(&self) -> Result<()> {
+    pub(crate) fn validate(&self) -> Result<()> {
         let numbers = [&[self.mass], self.centre.as_slice(), &self.inertia].concat();
         if !numbers.iter().all(|number| number.is_finite()) {
             let value = format!("{} at {:?} with {:?}", self.mass, self.centre, self.inertia);

@@ -11,10 +11,11 @@ use super::comment::without_comment;
 use super::line::{BODY, BOX, CAPSULE, Kind, Line, MARK, PLACE, ROD, SPHERE, Wrong};
 use super::motion::{number, numbers, vector};
 use crate::error::{nearest, quoted};
-use crate::scene::{Cuboid, MaterialId, ObjectId, Placement, Shape, ShapeId, Tag, shared};
+use crate::scene::{Cuboid, MaterialId, ObjectId, Placement, Shape, ShapeId, SphereId, Tag, shared};
 
 const BODY_KEYS: [&str; 5] = ["mass", "density", "centre", "inertia", "rounding"];
-const PLACE_KEYS: [&str; 10] = ["at", "centre", "axis", "turn", "orientation", "velocity", "spin", "momentum", "name", "first"];
+const PLACE_KEYS: [&str; 11] =
+    ["at", "centre", "axis", "turn", "orientation", "velocity", "spin", "momentum", "name", "first", "fixed"];
 /// Words of lines that hold for the lines below them.
 const STATE: [&str; 6] = ["@group", "@use", "@name", "@colour", "@look", "@label"];
 /// Share of the distance of two spheres by which the length of a rod between them may differ from it.
@@ -231,16 +232,28 @@ impl Reader<'_> {
         let shape = self.known_shape(&PLACE, name)?;
         let placement = self.placed(Placement::new(shape), &given)?;
         let references = self.references_of(line)?;
-        let id = self.scene.add_body(placement).map_err(|error| PLACE.refused(&error))?;
-        if let Some(first) = references {
-            self.name_members(id, first)?;
-        }
         let mut tag = self.tag.as_deref().cloned().unwrap_or_default();
         if let Some(name) = given.get("name") {
             tag = Tag { name: Some(name.to_owned()), ..tag };
             tag.validate().map_err(|error| PLACE.wrong("name", PLACE.refused(&error).message))?;
         }
-        self.scene.share_tag(ObjectId::from(id), &shared(tag)).map_err(|error| PLACE.refused(&error))
+        let fixed = match given.get("fixed") {
+            None | Some("0") => self.motion.is_some(),
+            Some("1") => true,
+            Some(other) => return Err(PLACE.wrong("fixed", format!("{} is not possible, expected 0 or 1", quoted(other)))),
+        };
+        let refused = |error| PLACE.refused(&error);
+        if fixed {
+            let parts = self.scene.add_static_body(placement, self.motion).map_err(refused)?;
+            let spheres: Vec<SphereId> =
+                parts.iter().filter_map(|id| if let ObjectId::Sphere(id) = id { Some(*id) } else { None }).collect();
+            self.name_spheres(&spheres, references)?;
+            return self.scene.tag_parts(&parts, &tag).map_err(refused);
+        }
+        let id = self.scene.add_body(placement).map_err(refused)?;
+        let spheres = self.scene.body(id).map_err(refused)?.spheres().to_vec();
+        self.name_spheres(&spheres, references)?;
+        self.scene.share_tag(ObjectId::from(id), &shared(tag)).map_err(refused)
     }
 
     /// The shape of a name, which a line of this kind has.
@@ -294,13 +307,18 @@ impl Reader<'_> {
         Ok(placement)
     }
 
-    /// Gives the spheres of a body references that count on from `first`.
-    fn name_members(&mut self, id: crate::scene::RigidBodyId, first: u32) -> Line<()> {
-        let spheres = self.scene.body(id).map_err(|error| PLACE.refused(&error))?.spheres().to_vec();
+    /// Gives the spheres of a body references that count on from `first`, if there is one.
+    fn name_spheres(&mut self, spheres: &[SphereId], first: Option<u32>) -> Line<()> {
+        let Some(first) = first else { return Ok(()) };
+        if spheres.is_empty() {
+            return Err(
+                PLACE.wrong("first", "given for a body without spheres of its own: below @move they are walls, expected none")
+            );
+        }
         for (reference, sphere) in (first..).zip(spheres) {
             let reference = self.counted_on(reference);
-            self.references.insert(reference, sphere);
-            self.scene.references.set(sphere, reference);
+            self.references.insert(reference, *sphere);
+            self.scene.references.set(*sphere, reference);
         }
         Ok(())
     }

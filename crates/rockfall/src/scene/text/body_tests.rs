@@ -83,6 +83,21 @@ fn all_that_a_line_may_say_is_read() {
     assert!(text.contains(" orientation=0.6,0,0.8,0 momentum=1,2,3 first=40\n@force 41 1 0 0\n"), "{text}");
 }
 
+/// A fixed body consists of fixed objects, and one below `@move` of walls. They are written as such.
+#[test]
+fn bodies_that_do_not_move_by_forces() {
+    let text = format!(
+        "{DUMBBELL}@place bone at=0,0,0 fixed=1 first=10 name=arm\nK 10 11 1 1 0\n@motion up velocity=0,1,0\n@move up\n@place bone at=5,0,0\n"
+    );
+    let scene = read(&text);
+    let counts = scene.counts();
+    assert_eq!((counts.spheres, counts.rods, counts.polygons, counts.bodies), (2, 1, 3, 0));
+    assert!(scene.spheres().iter().all(|sphere| sphere.fixed) && scene.polygons().iter().all(|wall| wall.motion.is_some()));
+    assert_eq!(scene.named("arm").unwrap().len(), 3);
+    let again = read(&written(&scene));
+    assert_eq!((again.counts(), written(&again)), (counts, written(&scene)));
+}
+
 #[test]
 fn given_mass_properties_are_kept() {
     let text = "@body top mass=2 centre=0,0.5,0 inertia=1,2,2,0.25,0,0\nS 0 0 0 0 0 0 0 0 0 0 - 1\n@end\n@place top at=0,0,0\n";
@@ -207,6 +222,12 @@ fn wrong_lines_name_the_field_and_what_was_expected() {
         (bodies("@place bone at=0,0,0 spin=0,0,0 momentum=0,0,0"), "7: @place momentum: given with spin"),
         (bodies("@place bone at=1e39,0,0"), "7: @place position: [inf, 0.0, 0.0] is not allowed"),
         (bodies("@place bone at=0,0,0 name=3"), "7: @place name: '3' is not allowed"),
+        (bodies("@place bone at=0,0,0 fixed=2"), "7: @place fixed: '2' is not possible, expected 0 or 1"),
+        (bodies("@place bone at=0,0,0 spin=1,0,0 fixed=1"), "7: @place velocity: "),
+        (
+            bodies("@motion up velocity=0,1,0\n@move up\n@place bone at=0,0,0 first=5"),
+            "9: @place first: given for a body without spheres",
+        ),
         (bodies("@place bone at=0,0,0 first=-1"), "7: @place first: '-1' is not a whole number"),
         (bodies("@place bone at=0,0,0 first=4294967295"), "7: @place first: '4294967295' is not a whole number, or counts on"),
     ] {

@@ -191,6 +191,7 @@ pub(super) const PLACE: Kind = Kind {
         "spin=x,y,z|momentum=x,y,z",
         "name=N",
         "first=REFERENCE",
+        "fixed=0|1",
     ],
     last_is_optional: false,
 };

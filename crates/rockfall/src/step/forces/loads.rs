@@ -27,12 +27,13 @@ use crate::model::step::Aabb;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::forces::attached::add_attached;
-use crate::physics::forces::contacts::Contacts;
+use crate::physics::forces::contacts::{Contacts, Load};
 use crate::physics::laws::history::{BLOCK_WORDS, Chains, Histories, Owned, Record};
 use crate::physics::travel::{escape_ratio, needs_rebuild};
 use crate::step::moves::{FORCES, Moves};
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
 use crate::step::wgsl::Wgsl;
+use crate::user_laws::ForceLoad;
 
 /// The stage.
 pub(crate) const STAGE: Stage = Stage {
@@ -72,11 +73,21 @@ fn loads(world: &mut World, pass: u32) {
             let mut load = contacts.sphere_load(sphere, owned, tally);
             if !is_fixed {
                 add_attached(contacts.view, rod_loads, sphere, &mut load);
+                add_laws_of_member(contacts.view, sphere, &mut load);
                 rows.copy_from_slice(&[load.force, load.torque].map(|vector| vector.extend(0.0)));
             }
         });
     }
     check_places(world, pass);
+}
+
+/// Adds the load of the laws of the program on a sphere of a rigid body. Integrators add that on other spheres.
+fn add_laws_of_member(view: &View, sphere: u32, load: &mut Load) {
+    let laws = view.force_laws().filter(|_| view.body_of_sphere(sphere).is_some());
+    if let Some(ForceLoad { force, torque }) = laws.map(|laws| laws.load(&view.force_input(sphere))) {
+        load.force += force;
+        load.torque += torque;
+    }
 }
 
 /// Evaluates the loads of all spheres or of all rods, by their ids. `load` gets the contacts, the loads of the rods, the mover, the rows

@@ -1,5 +1,5 @@
 // requires model/counters.wgsl model/load_rows.wgsl model/one_state.wgsl model/step.wgsl physics/collision/hidden_crossing.wgsl physics/escape.wgsl physics/forces/due.wgsl
-// requires physics/forces/net_force.wgsl step/large_spheres/large_sphere_load.wgsl step/large_spheres/workgroup_per_sphere.wgsl
+// requires physics/forces/net_force.wgsl physics/forces/rates.wgsl physics/forces/user.wgsl physics/rigid.wgsl step/large_spheres/large_sphere_load.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -9,10 +9,25 @@
 @group(0) @binding(7) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
-fn put_load(i: u32, net: Net) {
+// The load of the laws of the program on a sphere of a rigid body. Integrators add that on other spheres.
+fn law_load(i: u32, inverse_mass: f32) -> Load {
+    var load = Load(vec3f(0.0), vec3f(0.0));
+    if !RIGID_BODIES {
+        return load;
+    }
+    if !is_free(i) {
+        var rates = Rates(vec3f(0.0), vec3f(0.0));
+        add_user(i, &rates);
+        load = Load(rates.acceleration / inverse_mass, rates.torque);
+    }
+    return load;
+}
+
+fn put_load(i: u32, net: Net, inverse_mass: f32) {
+    let laws = law_load(i, inverse_mass);
     let at = load_at(i);
-    wrenches[at] = vec4f(net.force, 0.0);
-    wrenches[at + 1u] = vec4f(net.torque, 0.0);
+    wrenches[at] = vec4f(net.force + laws.force, 0.0);
+    wrenches[at + 1u] = vec4f(net.torque + laws.torque, 0.0);
 }
 
 // Reports a sphere that is outside its AABB. In the last pass of several, requests new lists if it may soon leave it.
@@ -42,7 +57,7 @@ fn loads(
         let velocity = state[velocity_at(i)];
         if velocity.w > 0.0 {
             if are_due {
-                put_load(i, net);
+                put_load(i, net, velocity.w);
             }
             check_place(i, velocity);
         }

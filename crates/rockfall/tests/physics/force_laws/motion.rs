@@ -8,6 +8,7 @@ use super::*;
 
 both!(
     drag_slows_exponentially,
+    drag_on_both_spheres_slows_a_dimer_and_its_turn,
     charge_in_a_magnetic_field_circles,
     sphere_in_a_trap_swings,
     torque_turns_a_sphere,
@@ -41,6 +42,23 @@ fn drag_slows_exponentially(backend: Backend) {
         simulation.run(64, DT).expect("steps");
         let left = (-0.75_f64 / 2.0).exp();
         near(simulation.spheres().expect("the state")[0].velocity, [3.0, -1.0, 2.0].map(|v| v * left), 3e-6, "velocity");
+    }
+}
+
+/// The drag c of each of two spheres at the distance b from the centre: V decays with 2 c / M, the angular momentum with 2 c b² / J.
+fn drag_on_both_spheres_slows_a_dimer_and_its_turn(backend: Backend) {
+    for law in laws(backend, &drag()) {
+        let mut scene = weightless();
+        let dimer = Shape::new().sphere([-1.0, 0.0, 0.0], 0.5).sphere([1.0, 0.0, 0.0], 0.5).mass(2.0);
+        let dimer = scene.add_shape(dimer).expect("a shape");
+        let placement = Placement::new(dimer).velocity([1.0, 2.0, -3.0]).spin([0.0, 0.0, 0.5]);
+        let body = scene.add_body(placement).expect("a body");
+        let mut simulation = with_laws(scene, backend, [law]);
+        simulation.run(64, DT).expect("steps");
+        let (left, inertia) = ((-0.75_f64).exp(), 2.0_f64 * (1.0 + 0.4 * 0.25));
+        let body = simulation.sync().expect("the state").body(body).expect("the body");
+        near(body.velocity, [1.0_f64, 2.0, -3.0].map(|v| v * left), 5e-6, "velocity");
+        near(body.angular_momentum, [0.0, 0.0, 0.5 * inertia * (-2.0_f64 * 0.75 / inertia).exp()], 5e-6, "angular momentum");
     }
 }
 
