@@ -7,6 +7,7 @@ pub(crate) mod balls;
 pub(crate) mod chain;
 pub(crate) mod collision;
 pub(crate) mod contact;
+pub(crate) mod corners;
 pub(crate) mod fine_geometry;
 pub(crate) mod first_contact;
 pub(crate) mod forces;

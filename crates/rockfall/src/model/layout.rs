@@ -266,7 +266,8 @@ pub(crate) const LENGTH_WORD: usize = 3;
 
 /// Bits of the feature in a list entry, in scenes with rods (see
 /// [`Step::entry_id_bits`](crate::model::step::Step::entry_id_bits)). A rod has up to [`BOX_FEATURES`] contacts with a box,
-/// each with a list entry of its own. The feature is 0 for every other pair.
+/// each with a list entry of its own. The solid of a box of a rigid body has an entry for each corner of a wall. The feature is 0 for every
+/// other pair.
 pub const FEATURE_BITS: u32 = 4;
 
 /// Maximum number of blocks in a table of springs. The vectors of both tables are then numbered by 32 bits.

@@ -157,12 +157,12 @@ fn is_covered(a: u32, b: u32, found: Touch) -> bool {
 }
 
 // A contact, unless its chain covers it, and with the geometry of boxes of bodies. `n` points from a to b.
-fn uncovered(a: u32, b: u32, found: Touch) -> Touch {
+fn uncovered(a: u32, b: u32, found: Touch, feature: u32) -> Touch {
     if RIGID_BODIES {
         let one = box_word(a);
         let other = box_word(b);
         if (one | other) != 0u {
-            return touch_parts(a, b, one, other, found);
+            return touch_parts(a, b, one, other, found, feature);
         }
     }
     if is_covered(a, b, found) {
@@ -174,7 +174,7 @@ fn uncovered(a: u32, b: u32, found: Touch) -> Touch {
 // Contact of a mover with another object, from the one that was added first.
 fn contact_with(own: Own, id: u32, feature: u32) -> Touch {
     let pair = ordered(own.id, id);
-    return uncovered(pair.x, pair.y, touch_with(own, id, feature));
+    return uncovered(pair.x, pair.y, touch_with(own, id, feature), feature);
 }
 
 // Contact of two objects. `a` must be a mover.

@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/period.wgsl
-// requires physics/walls.wgsl physics/rigid.wgsl
+// requires physics/walls.wgsl physics/rigid.wgsl physics/rigid_box.wgsl physics/rigid_parts.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
 
@@ -223,6 +223,16 @@ fn contact_point(a: u32, at: f32, overlap: f32, n: vec3f) -> vec3f {
     return own.xyz + (own.w - overlap) * n;
 }
 
+// The contact point on the surface of a wall: for the solid of a box, the corner that it touches.
+fn point_on_wall(a: u32, wall: u32, found: Touch) -> vec3f {
+    if RIGID_BODIES {
+        if is_solid(box_word(a)) {
+            return state[position_at(a)].xyz + corner_seen(a, wall, u32(found.b));
+        }
+    }
+    return contact_point(a, found.a, found.overlap, found.n);
+}
+
 // The side of B. A moving wall has the velocity of the contact point.
 fn second_side(a: u32, b: u32, found: Touch) -> Side {
     return moving_side(side_of(b, found.b), a, b, found);
@@ -242,7 +252,7 @@ fn moving_side(plain: Side, a: u32, b: u32, found: Touch) -> Side {
     if WALLS {
         if b >= step.spheres + step.rods {
             let wall = wall_of(b);
-            half.velocity = velocity_of_surface(wall, contact_point(a, found.a, found.overlap, found.n), found.n);
+            half.velocity = velocity_of_surface(wall, point_on_wall(a, b, found), found.n);
             half.spin = wall.spin;
         }
     }

@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::fine::Fine;
 use crate::model::rotate::{back, rotated};
 use crate::model::view::{BodyBox, Object, PartOfBox, TINY, View};
+use crate::physics::corners;
 use crate::physics::geometry::SegmentPair;
 use crate::physics::motions::{Motions, Touch};
 
@@ -37,7 +38,8 @@ fn is_left_to_others(view: &View, a: Object, b: Object) -> bool {
             (Object::Rod(_), Object::Sphere(_)) => one.is_some(),
             _ => false,
         },
-        1 => !are_spheres,
+        // A solid also meets the corners of walls.
+        1 => !are_spheres && !matches!(b, Object::Cuboid(_) | Object::Polygon(_)),
         _ => true,
     }
 }
@@ -66,7 +68,7 @@ pub(crate) fn touch_solid(view: &View, at: &impl Motions, [a, b]: [u32; 2]) -> O
 }
 
 /// The unit vector from the core of a box to a place, which is relative to its centre, and the distance: negative inside.
-fn from_core(body_box: &BodyBox, place: Vec3) -> (Vec3, f32) {
+pub(super) fn from_core(body_box: &BodyBox, place: Vec3) -> (Vec3, f32) {
     let local = rotated(back(body_box.turn), place);
     let gap = local - local.clamp(-body_box.half, body_box.half);
     let squared = gap.length_squared();
@@ -82,14 +84,17 @@ fn from_core(body_box: &BodyBox, place: Vec3) -> (Vec3, f32) {
 
 /// Where a solid is touched: the point of its core from its centre, and the rounding radius. `None` for other objects.
 pub(crate) fn core_point(view: &View, object: Object, other: Object, touch: &Touch) -> Option<(Vec3, f32)> {
-    let (Object::Sphere(hub), Object::Sphere(ball)) = (object, other) else { return None };
+    let Object::Sphere(hub) = object else { return None };
     if !is_solid(view, object) {
         return None;
     }
     let radius = view.box_of(object)?.radius;
-    let place = view.between(hub, ball);
+    let (place, of_other) = match other {
+        Object::Sphere(ball) => (view.between(hub, ball), view.radius(ball)),
+        wall => (corners::place(view, hub, wall, touch)?, 0.0),
+    };
     let outward = if touch.normal.dot(place) < 0.0 { -touch.normal } else { touch.normal };
-    Some((place - (view.radius(ball) + radius - touch.overlap) * outward, radius))
+    Some((place - (of_other + radius - touch.overlap) * outward, radius))
 }
 
 /// The contact of two rods of which at least one is an edge of a box. `pair` has the closest points, `sine` is that of their angle.

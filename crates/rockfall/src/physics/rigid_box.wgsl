@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/fine.wgsl physics/round_pair.wgsl physics/period.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/rod_polygon.wgsl physics/round_pair.wgsl physics/period.wgsl
 // requires physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl
 
 // Contacts of boxes of rigid bodies (docs/physics.md section 2.16).
@@ -65,12 +65,57 @@ fn touch_solid(a: u32, b: u32, one: u32, other: u32) -> Touch {
     return Touch(select(-nearest.xyz, nearest.xyz, is_a), overlap, 0.0, 0.0);
 }
 
-// Where a solid is touched: the vector from its centre to the point of its core.
-fn core_point(solid: u32, ball: u32, word: u32, found: Touch) -> vec3f {
-    let radius = float_at(word + 3u);
-    let place = between(solid, ball);
+// A corner of a box or polygon, seen from the centre of a sphere.
+fn corner_seen(sphere: u32, wall: u32, corner: u32) -> vec3f {
+    let boxes = step.spheres + step.rods;
+    let far = vec3f(f32(corner & 1u), f32((corner >> 1u) & 1u), f32((corner >> 2u) & 1u));
+    var place = vec3f(0.0);
+    if !DOUBLE {
+        place = near_shape(wall, state[position_at(sphere)].xyz);
+    }
+    if wall < boxes + step.boxes {
+        let box = box_from(sphere, cuboid(wall - boxes));
+        return box.corner - place + far.x * box.i + far.y * box.j + far.z * box.k;
+    }
+    let face = polygon_from(sphere, polygon(wall - boxes - step.boxes));
+    return face.corner - place + far.x * face.left + far.y * face.right;
+}
+
+// The contact of a solid with a corner of a box or polygon. The parameter on the wall is the number of the corner.
+fn touch_corner(solid: u32, wall: u32, word: u32, corner: u32) -> Touch {
+    let box = box_of_part(solid, word);
+    let nearest = from_core(box, corner_seen(solid, wall, corner));
+    return Touch(nearest.xyz, box.radius - nearest.w, 0.0, f32(corner));
+}
+
+// Where a solid is touched: the vector from its centre to the point of its core. `other` is a sphere or a wall.
+fn core_point(solid: u32, other: u32, word: u32, found: Touch) -> vec3f {
+    var reach = float_at(word + 3u) - found.overlap;
+    var place = vec3f(0.0);
+    if other < step.spheres {
+        place = between(solid, other);
+        reach += state[position_at(other)].w;
+    } else {
+        place = corner_seen(solid, other, u32(found.b));
+    }
     let outward = select(found.n, -found.n, dot(found.n, place) < 0.0);
-    return place - (state[position_at(ball)].w + radius - found.overlap) * outward;
+    return place - reach * outward;
+}
+
+// Whether an edge of a box touches a wall at a vertex of the wall. The corner and the solid stand for that contact.
+fn meets_vertex(edge: u32, wall: u32, feature: u32) -> bool {
+    let boxes = step.spheres + step.rods;
+    let bar = bar_of(edge - step.spheres);
+    if wall < boxes + step.boxes {
+        if feature >= 8u {
+            return false;
+        }
+        return !(touch_rod_edge(bar.axis, box_from(bar.ends.x, cuboid(wall - boxes)), feature).overlap > 0.0);
+    }
+    if ROD_POLYGONS {
+        return touch_axis(bar.axis, polygon_from(bar.ends.x, polygon(wall - boxes - step.boxes)), feature, false).is_vertex;
+    }
+    return false;
 }
 
 // How much of an edge or another rod is left near its ends, at a parameter.
@@ -117,7 +162,18 @@ fn touch_edges(a: u32, b: u32, one: u32, other: u32, found: Touch) -> Touch {
 }
 
 // The contact of two objects of which at least one is a part of a box. `found` is that of the sphere or rod that stands for it.
-fn touch_parts(a: u32, b: u32, one: u32, other: u32, found: Touch) -> Touch {
+fn touch_parts(a: u32, b: u32, one: u32, other: u32, found: Touch, feature: u32) -> Touch {
+    if b >= step.spheres + step.rods {
+        if is_solid(one) {
+            return touch_corner(a, b, one, feature);
+        }
+        if RODS & (a >= step.spheres) & (found.overlap > 0.0) {
+            if meets_vertex(a, b, feature) {
+                return no_touch();
+            }
+        }
+        return found;
+    }
     if is_solid(one) | is_solid(other) {
         return touch_solid(a, b, one, other);
     }

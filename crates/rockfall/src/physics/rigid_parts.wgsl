@@ -50,7 +50,9 @@ fn is_left_to_others(a: u32, b: u32) -> bool {
     let a_sphere = a < step.spheres;
     let b_sphere = b < step.spheres;
     if is_solid(one) | is_solid(other) {
-        return (is_solid(one) & is_solid(other)) | !(a_sphere & b_sphere);
+        // A solid also meets the corners of walls.
+        let is_with_wall = max(a, b) >= step.spheres + step.rods;
+        return (is_solid(one) & is_solid(other)) | !((a_sphere & b_sphere) | is_with_wall);
     }
     if a_sphere & b_sphere {
         return (one | other) != 0u;

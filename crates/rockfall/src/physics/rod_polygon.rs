@@ -86,7 +86,7 @@ impl Edge {
 }
 
 /// A polygon as seen from an origin.
-fn polygon_from(at: &impl Motions, polygon: &PolygonRecord, origin: Fine) -> PolygonRecord {
+pub(crate) fn polygon_from(at: &impl Motions, polygon: &PolygonRecord, origin: Fine) -> PolygonRecord {
     let origin = at.near(polygon.middle().as_dvec3(), origin);
     PolygonRecord { corner: Fine { high: polygon.corner, low: Vec3::ZERO }.minus(origin), ..*polygon }
 }
@@ -97,11 +97,12 @@ pub(crate) fn line(at: &impl Motions, rod: RodRecord, polygon: &PolygonRecord, f
     Contact::of(&polygon_from(at, polygon, origin), ends(at, rod, origin), rod.radius, feature).map(|contact| contact.touch)
 }
 
-/// Returns the contact of a rod with a feature of a polygon that it overlaps, unless its end spheres carry it.
-pub(crate) fn overlapping(view: &View, rod: RodRecord, polygon: &PolygonRecord, feature: u32) -> Option<Touch> {
+/// Returns the contact of a rod with a feature of a polygon that it overlaps, unless its end spheres carry it, and whether it is with a
+/// vertex.
+pub(crate) fn overlapping(view: &View, rod: RodRecord, polygon: &PolygonRecord, feature: u32) -> Option<(Touch, bool)> {
     let origin = origin_of(view, rod);
     Contact::carried(&polygon_from(view, polygon, origin), ends(view, rod, origin), rod.radius, feature)
-        .map(|contact| contact.touch)
+        .map(|contact| (contact.touch, contact.is_vertex))
 }
 
 /// A contact of the axis of a rod.

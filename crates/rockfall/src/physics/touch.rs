@@ -6,12 +6,13 @@ use glam::Vec3;
 use crate::fine::Fine;
 use crate::model::layout::BOX_FEATURES;
 use crate::model::view::{BoxRecord, Object, RodRecord, TINY, View};
+use crate::physics::corners::touch_corner;
 use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_over_polygon, point_segment, segment_segment,
 };
 use crate::physics::motions::round;
 pub(crate) use crate::physics::motions::{Motions, Touch, ends, origin_of};
-use crate::physics::rigid_box::{has_box, touch_edges, touch_solid};
+use crate::physics::rigid_box::{has_box, is_solid, touch_edges, touch_solid};
 use crate::physics::rod_polygon;
 use crate::physics::side::side;
 
@@ -25,9 +26,22 @@ pub(crate) fn overlapping(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
     if ignore(view, a, b) {
         return None;
     }
+    // The corner and the solid stand for a contact of an edge of a box with a vertex of a wall.
+    let is_edge = view.part_of_box(a).is_some();
     let touch = match (a, b) {
-        (Object::Rod(a), Object::Cuboid(b)) => rod_box(view, view.rod(a), &view.cuboid(b), feature),
-        (Object::Rod(a), Object::Polygon(b)) => rod_polygon::overlapping(view, view.rod(a), &view.polygon(b), feature),
+        (Object::Rod(rod), Object::Cuboid(b)) => {
+            let cuboid = view.cuboid(b);
+            let touch = rod_box(view, view.rod(rod), &cuboid, feature)?;
+            let by_vertex = is_edge && rod_edge(view, view.rod(rod), &cuboid, feature, true).is_none();
+            Some(touch).filter(|_| !by_vertex)
+        }
+        (Object::Rod(rod), Object::Polygon(b)) => {
+            let (touch, by_vertex) = rod_polygon::overlapping(view, view.rod(rod), &view.polygon(b), feature)?;
+            Some(touch).filter(|_| !(is_edge && by_vertex))
+        }
+        (Object::Sphere(_), Object::Cuboid(_) | Object::Polygon(_)) if is_solid(view, a) => {
+            touch_corner(view, a, b, feature).filter(|touch| touch.overlap > 0.0)
+        }
         _ => line(view, view, a, b, None).filter(|touch| touch.overlap > 0.0),
     }?;
     // A rod cannot move at a fixed end.
@@ -55,6 +69,7 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
         (Object::Rod(rod), Object::Polygon(polygon)) => {
             rod_polygon::line(view, view.rod(rod), &view.polygon(polygon), feature)?
         }
+        (Object::Sphere(_), Object::Cuboid(_) | Object::Polygon(_)) if is_solid(view, a) => touch_corner(view, a, b, feature)?,
         _ => line(view, view, a, b, None)?,
     };
     let inverse_mass = side(view, a, touch.a).inverse_mass + side(view, b, touch.b).inverse_mass;

@@ -81,6 +81,7 @@ const SHARED: &[Part] = &[
     part!("physics/collision/other_collisions.wgsl"),
     part!("physics/collision/plain.wgsl"),
     part!("physics/contact.wgsl"),
+    part!("physics/corners_of_list.wgsl"),
     part!("physics/escape.wgsl"),
     part!("physics/fine.wgsl"),
     part!("physics/forces/attached.wgsl"),

@@ -6,7 +6,9 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::model::layout::{AFTER_DRIFT, AFTER_EULER, AFTER_KICK};
 use rockfall::model::world::World;
 use rockfall::step::schedule::{PLACE, Phase, Run};
-use rockfall::{BroadPhase, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Placement, Scene, Shape, Sphere};
+use rockfall::{
+    BroadPhase, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Placement, Polygon, Scene, Shape, Sphere,
+};
 
 use crate::assert_scenario_matches;
 use crate::decisions::Findings;
@@ -44,6 +46,19 @@ fn shape(random: &mut Pcg64Mcg, material: MaterialId, group: u16, parts: Parts) 
     shape
 }
 
+/// Adds a post or a roof of two triangles, whose corners meet the faces of a box.
+fn add_corners(scene: &mut Scene, group: u16, material: MaterialId) {
+    if group.is_multiple_of(2) {
+        scene.add_box(Cuboid::between([-0.03, -0.5, -0.04], [0.05, 0.13, 0.02]).material(material).group(group)).unwrap();
+        return;
+    }
+    let feet = [[0.3, 0.05, 0.3], [-0.3, 0.05, 0.2], [0.1, 0.05, -0.4]];
+    for (one, other) in [(0, 1), (1, 2)] {
+        let triangle = Polygon::triangle([0.01, 0.16, 0.0], feet[one], feet[other]);
+        scene.add_polygon(triangle.material(material).group(group)).unwrap();
+    }
+}
+
 /// Every group has a floor, a body that overlaps it a little, a ball beside the body, and in every third group a second body.
 fn scene(seed: u64, law: ContactLaw, parts: Parts) -> Scene {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
@@ -70,6 +85,9 @@ fn scene(seed: u64, law: ContactLaw, parts: Parts) -> Scene {
         scene.add_sphere(ball).unwrap();
         let floor = Cuboid::between([-2.0, -1.0, -2.0], [2.0, 0.1, 2.0]).material(material).group(group);
         scene.add_box(floor).unwrap();
+        if parts == Parts::Boxes {
+            add_corners(&mut scene, group, material);
+        }
     }
     assert!(scene.bodies().iter().all(|body| DVec3::from_array(body.centre()).is_finite()));
     scene

@@ -2,8 +2,8 @@
 
 use rockfall::glam::{EulerRot, Quat, Vec3};
 use rockfall::{
-    Backend, Body, BroadPhase, ContactLaw, Cuboid, Integrator, Material, MaterialId, Options, Pair, Placement, RigidBody,
-    Scene, Shape, Simulation, Sphere,
+    Backend, Body, BroadPhase, ContactLaw, Cuboid, Integrator, Material, MaterialId, Motion, MotionTerm, Options, Pair,
+    Placement, Polygon, RigidBody, Scene, Shape, Simulation, Sphere,
 };
 
 use crate::common::with;
@@ -157,6 +157,8 @@ fn broad_phases_find_the_same_contacts() {
                 let place = [0.05 * f64::from(number), 0.11 + 0.36 * f64::from(number), 0.0];
                 scene.add_body(Placement::new(shape).at(place).turned(turn)).unwrap();
             }
+            // Its corners meet the face of a box.
+            scene.add_box(Cuboid::between([0.04, -0.5, -0.03], [0.1, 0.02, 0.03]).material(material)).unwrap();
             scene.add_sphere(Sphere::new([0.9, 0.2, 0.0], 0.1).density(1000.0).material(material)).unwrap();
             let options = Options::new().backend(backend).integrator(Integrator::VelocityVerlet).broad_phase(broad_phase);
             let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
@@ -190,4 +192,118 @@ fn rays_meet_the_faces_of_a_box() {
     for origin in [[0.0, 0.2, 0.0], [0.0, 0.0, 0.15]] {
         assert_eq!(simulation.cast_ray(origin, [1.0, 0.0, 0.0]).unwrap(), None);
     }
+}
+
+/// A plank lies on a narrow post, whose four corners meet the middle of its face, with both kinds of laws. It fell through the post.
+#[test]
+fn a_plank_rests_on_the_corners_of_a_post() {
+    on_both(|backend, shorter| {
+        for law in [ContactLaw::Linear, ContactLaw::Thesis] {
+            let (mut scene, material) = stage(9.81, Pair::default().restitution(0.2).friction(0.5));
+            if law == ContactLaw::Thesis {
+                scene.settings.set("contact_law", "thesis").unwrap();
+                (scene.settings.collisions, scene.settings.contact_force, scene.settings.contact_damping) = (false, 1e5, 300.0);
+            }
+            scene.add_box(Cuboid::between([-0.1, 0.0, -0.1], [0.1, 1.0, 0.1]).material(material)).unwrap();
+            let shape = scene.add_shape(block(material, [1.0, 0.2, 1.0])).unwrap();
+            scene.add_body(Placement::new(shape).at([0.02, 1.1005, 0.01])).unwrap();
+            let mut simulation = open(scene, backend);
+            simulation.run(4000 / u64::from(shorter), 1e-4).unwrap();
+            let (body, contacts) = (last_body(&mut simulation), simulation.contacts().unwrap());
+            assert!((body.position.y - 1.1).abs() < 1e-3 && contacts.len() == 4, "{backend} {law}: {body:?} {contacts:?}");
+            assert!(contacts.iter().all(|contact| (contact.point.y - 1.0).abs() < 1e-3), "{contacts:?}");
+        }
+    });
+}
+
+/// A plank on the peak of four triangles has one contact: the triangles share the corner. A peak below a nearer wall is not felt.
+#[test]
+fn a_corner_of_several_walls_counts_once() {
+    on_both(|backend, _| {
+        let (mut scene, material) = stage(9.81, Pair::default().restitution(0.2).friction(0.5));
+        let foot = |number: usize| [[0.3, 0.0, 0.3], [-0.3, 0.0, 0.3], [-0.3, 0.0, -0.3], [0.3, 0.0, -0.3]][number % 4];
+        for number in 0..4 {
+            let triangle = Polygon::triangle([0.0, 1.0, 0.0], foot(number), foot(number + 1));
+            scene.add_polygon(triangle.material(material)).unwrap();
+        }
+        // Its top is above the peak by less than the overlap.
+        scene.add_box(Cuboid::between([5.0, 0.0, 5.0], [5.4, 1.0, 5.4]).material(material)).unwrap();
+        scene.add_box(Cuboid::between([4.8, 0.0, 4.8], [5.6, 1.0001, 5.6]).material(material)).unwrap();
+        let shape = scene.add_shape(block(material, [1.0, 0.2, 1.0])).unwrap();
+        for x in [0.0, 5.2] {
+            scene.add_body(Placement::new(shape).at([x, 1.0999, f64::from(x as f32)])).unwrap();
+        }
+        let mut simulation = open(scene, backend);
+        simulation.run(1, 1e-5).unwrap();
+        let contacts = simulation.contacts().unwrap();
+        let places: Vec<Vec3> = contacts.iter().map(|contact| contact.point).collect();
+        let (peak, box_): (Vec<Vec3>, Vec<Vec3>) = places.iter().partition(|place| place.x < 2.0);
+        assert!(peak.len() == 1 && peak[0].distance(Vec3::Y) < 1e-3, "{backend}: {places:?}");
+        // The corners of the inner box are no corners of the surface.
+        assert_eq!(box_.len(), 4, "{backend}: {places:?}");
+        assert!(box_.iter().all(|place| (place.x - 5.2).abs() > 0.3), "{backend}: {places:?}");
+    });
+}
+
+/// A box slides without friction over tiles and over triangles as over one floor: it meets no corners.
+#[test]
+fn a_box_slides_over_tiles_as_over_one_floor() {
+    let slide = |backend: Backend, kind: u32, steps: u64| {
+        let (mut scene, material) = stage(9.81, Pair::default().restitution(0.2).friction(0.0));
+        for x in -3..5 {
+            for z in -2..2 {
+                let [x, z] = [x, z].map(|number: i32| 0.37 * number as f32);
+                if kind == 1 {
+                    scene.add_box(Cuboid::between([x, -1.0, z], [x + 0.37, 0.0, z + 0.37]).material(material)).unwrap();
+                } else if kind == 2 {
+                    let corner = |i: f32, k: f32| [x + 0.37 * i, 0.0, z + 0.37 * k];
+                    for triangle in [
+                        [corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 1.0)],
+                        [corner(0.0, 0.0), corner(1.0, 1.0), corner(1.0, 0.0)],
+                    ] {
+                        scene.add_polygon(Polygon::triangle(triangle[0], triangle[1], triangle[2]).material(material)).unwrap();
+                    }
+                }
+            }
+        }
+        if kind == 0 {
+            floor(&mut scene, material);
+        }
+        let shape = scene.add_shape(block(material, [0.4, 0.2, 0.3])).unwrap();
+        let turned = Placement::new(shape).at([-0.5, 0.1, 0.0]).turned(Quat::from_rotation_y(0.3)).velocity([1.0, 0.0, 0.1]);
+        scene.add_body(turned).unwrap();
+        let mut simulation = open(scene, backend);
+        simulation.run(steps, 1e-4).unwrap();
+        last_body(&mut simulation)
+    };
+    on_both(|backend, shorter| {
+        let steps = 10_000 / u64::from(shorter);
+        for kind in [0, 1, 2] {
+            let body = slide(backend, kind, steps);
+            assert!((body.velocity.x - 1.0).abs() < 2e-4 && body.velocity.y.abs() < 1e-3, "{backend} {kind}: {body:?}");
+            assert!(
+                (body.position.y - 0.1).abs() < 1e-4 && body.angular_momentum.length() < 1e-3,
+                "{backend} {kind}: {body:?}"
+            );
+        }
+    });
+}
+
+/// A post that rises carries a plank with it.
+#[test]
+fn a_moving_post_carries_a_plank() {
+    on_both(|backend, shorter| {
+        let (mut scene, material) = stage(9.81, Pair::default().restitution(0.2).friction(0.5));
+        let motion = scene.add_motion(Motion::new("up", MotionTerm::translation([0.3, 0.5, 0.0]))).unwrap();
+        let post = scene.add_box(Cuboid::between([-0.1, 0.0, -0.1], [0.1, 1.0, 0.1]).material(material)).unwrap();
+        scene.set_motion(post, Some(motion)).unwrap();
+        let shape = scene.add_shape(block(material, [1.0, 0.2, 1.0])).unwrap();
+        scene.add_body(Placement::new(shape).at([0.0, 1.1, 0.0]).velocity([0.3, 0.5, 0.0])).unwrap();
+        let mut simulation = open(scene, backend);
+        let steps = 4000 / u64::from(shorter);
+        simulation.run(steps, 1e-4).unwrap();
+        let (body, time) = (last_body(&mut simulation), 1e-4 * steps as f32);
+        let expected = Vec3::new(0.3 * time, 1.1 + 0.5 * time, 0.0);
+        assert!(body.position.distance(expected) < 1e-3 && body.angular_momentum.length() < 0.05, "{backend}: {body:?}");
+    });
 }

@@ -32,9 +32,11 @@ fn push_of(i: u32, partner: u32, own: vec4f, plain_side: Side, other: LoadedEntr
         }
     } else {
         found = touch_static_or_rod(i, id, own);
+    }
+    found = uncovered(i, id, found, entry_feature(other.entry));
+    if id >= step.spheres {
         their_side = moving_side(other_side(id, found.b), i, id, found);
     }
-    found = uncovered(i, id, found);
     // A position far outside of the range of f32 makes the overlap no number. That is no contact either.
     if !(found.overlap > 0.0) | (side.inverse_mass + their_side.inverse_mass <= 0.0) {
         return no_push();

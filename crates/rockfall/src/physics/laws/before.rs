@@ -4,6 +4,7 @@ use crate::model::view::{Object, View};
 use crate::physics::geometry::point_over_polygon;
 use crate::physics::laws::contact::Spring;
 use crate::physics::laws::history::{Histories, feature_bits};
+use crate::physics::rigid_box::is_solid;
 use crate::physics::sides::sides;
 use crate::physics::surface::hides;
 use crate::physics::touch::Touch;
@@ -18,7 +19,9 @@ pub(crate) fn spring_before(
     touch: &Touch,
 ) -> Option<Spring> {
     let own = histories.spring(view, a, b, feature);
-    let is_on_surface = a < view.step.layout.spheres && b >= view.step.movers() && touch.overlap > 0.0;
+    // A corner that a solid touches keeps its place on the wall.
+    let is_ball = a < view.step.layout.spheres && !is_solid(view, view.object(a));
+    let is_on_surface = is_ball && b >= view.step.movers() && touch.overlap > 0.0;
     if own.as_ref().is_some_and(|spring| spring.overlap != 0.0) || !is_on_surface {
         return own;
     }

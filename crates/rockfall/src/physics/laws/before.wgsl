@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/laws/history.wgsl physics/smooth.wgsl physics/surface.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/laws/history.wgsl physics/rigid_parts.wgsl physics/smooth.wgsl physics/surface.wgsl
 
 // What a contact of a law with history begins with in a step (docs/physics.md section 4.11).
 
@@ -47,6 +47,12 @@ fn spring_before(a: u32, b: u32, feature: u32, found: Touch) -> Spring {
     let spring = spring_of(a, b, feature);
     if (spring.overlap != 0.0) | (a >= step.spheres) | !is_static(b) | !(found.overlap > 0.0) {
         return spring;
+    }
+    if RIGID_BODIES {
+        // A corner keeps its place on the wall.
+        if is_solid(box_word(a)) {
+            return spring;
+        }
     }
     return spring_on_surface(a, b, found);
 }

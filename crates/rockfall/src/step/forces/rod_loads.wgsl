@@ -27,7 +27,8 @@ fn add_contact(id: u32, own: Bar, entry: u32, sum: ptr<function, RodLoad>) {
     let other = entry_id(entry);
     let a = min(id, other);
     let b = max(id, other);
-    let found = uncovered(a, b, touch_bar(id, own, other, entry_feature(entry)));
+    let feature = entry_feature(entry);
+    let found = uncovered(a, b, touch_bar(id, own, other, feature), feature);
     let a_side = side_of(a, found.a);
     let b_side = second_side(a, b, found);
     if !(found.overlap > 0.0) | (a_side.inverse_mass + b_side.inverse_mass <= 0.0) {

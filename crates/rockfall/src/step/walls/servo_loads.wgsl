@@ -110,7 +110,7 @@ fn contribution(mover: u32, wall: u32, feature: u32, servo: u32) -> vec2f {
     var way = servos[at + 1u].xyz;
     if servos[at + 3u].x != 0.0 {
         let moving = wall_of(wall);
-        let place = moving.corner + lever_on_wall(moving, contact_point(mover, found.a, found.overlap, found.n));
+        let place = moving.corner + lever_on_wall(moving, point_on_wall(mover, wall, found));
         way = cross(way, place - servos[at + 2u].xyz);
     }
     let along = dot(way, found.n);
