@@ -83,11 +83,28 @@ impl Sharing {
     /// Copies a field to shared memory, and waits for the copy. `None` for fields that the device has no table of.
     pub(crate) fn read(&mut self, simulation: &mut rockfall::Simulation, field: Field) -> PyResult<Option<SharedArray>> {
         let Some(table) = table_of(field).filter(|table| *table != Table::Forces) else { return Ok(None) };
-        let rows = simulation.scene().spheres().len();
+        self.read_table(simulation, table).map(Some)
+    }
+
+    /// The same for a field of all rigid bodies.
+    pub(crate) fn read_bodies(&mut self, simulation: &mut rockfall::Simulation, field: Field) -> PyResult<Option<SharedArray>> {
+        let table = match field {
+            Field::Position => Table::BodyPositions,
+            Field::Velocity => Table::BodyVelocities,
+            Field::AngularMomentum => Table::BodyAngularMomenta,
+            Field::Orientation => Table::BodyOrientations,
+            _ => return Ok(None),
+        };
+        self.read_table(simulation, table).map(Some)
+    }
+
+    fn read_table(&mut self, simulation: &mut rockfall::Simulation, table: Table) -> PyResult<SharedArray> {
+        let scene = simulation.scene();
+        let rows = if table.is_of_bodies() { scene.bodies().len() } else { scene.spheres().len() };
         let memory = self.memory(table.bytes(rows)).map_err(failed)?;
         let submission = simulation.read_table(table, &memory.buffer).or_raise()?;
         self.wait_for_vulkan(submission)?;
-        Ok(Some(SharedArray { memory: Owned::new(memory), rows, columns: table.columns() as usize }))
+        Ok(SharedArray { memory: Owned::new(memory), rows, columns: table.columns() as usize })
     }
 
     /// Sets a field from an array on the device, and waits for the copy.

@@ -354,6 +354,15 @@ impl Simulation {
         })
     }
 
+    /// A field of all rigid bodies on the device, in order of addition; `None` where memory cannot be shared.
+    fn shared_bodies(&self, py: Python<'_>, field: &str) -> PyResult<Option<SharedArray>> {
+        let field: Field = field.parse()?;
+        self.read(py, |running| match running.sharing() {
+            Ok((sharing, simulation)) => sharing.read_bodies(simulation, field),
+            Err(_) => Ok(None),
+        })
+    }
+
     /// Sets a field of all spheres from an array on the device. Returns whether the array is there.
     fn put_shared(&self, py: Python<'_>, field: &str, array: &Bound<'_, PyAny>) -> PyResult<bool> {
         let field: Field = field.parse()?;

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +10,7 @@ import numpy.typing as npt
 from rockfall import _rockfall
 from rockfall._arrays import QUATERNION, VECTOR, FloatArray, IntArray, box_between, columns, floats, integers, whole
 from rockfall._bodies import Bodies, first_of, numbers_from
+from rockfall._device import DeviceArray
 from rockfall._materials import Materials
 from rockfall._names import tag_of
 from rockfall.typing import LookName
@@ -169,7 +170,11 @@ class RigidBodies(NamedTuple):
 
 
 class BodyStates:
-    """States of all rigid bodies in order of addition, as :attr:`Objects.bodies` returns them. Each attribute is a new array."""
+    """States of all rigid bodies in order of addition, as :attr:`Objects.bodies` returns them. Each attribute is a new array.
+
+    In a simulation on an NVIDIA card the arrays are on the device, and PyTorch and others take them by DLPack without a copy through
+    the host, as those of :attr:`Simulation.positions`. They cannot be written to.
+    """
 
     def __init__(self, objects: Rigid) -> None:
         self._objects = objects
@@ -179,6 +184,13 @@ class BodyStates:
 
     def _field(self, field: str, width: int = 3) -> FloatArray:
         self._objects._edited()
+        shared_bodies = getattr(self._objects._native, "shared_bodies", None)
+        shared = shared_bodies(field) if shared_bodies else None
+        if shared is not None:
+            # A DeviceArray does what an array does.
+            on_device = DeviceArray(shared)
+            on_device._freeze()
+            return cast(FloatArray, on_device)
         array: FloatArray = _rockfall.body_states(self._objects._native, field).reshape(-1, width)
         return array
 

@@ -8,7 +8,7 @@ use crate::simulation::edit::Dirty;
 use crate::simulation::engine;
 
 impl Simulation {
-    /// Copies a field of all spheres to a buffer on the device, in order of addition and without a copy through the host. Does
+    /// Copies a field of all spheres or rigid bodies to a buffer on the device, in order of addition and without a copy through the host. Does
     /// not wait for the copy. It is done when the returned submission is.
     ///
     /// # Errors
@@ -17,6 +17,9 @@ impl Simulation {
     #[cfg(not(target_family = "wasm"))]
     pub fn read_table(&mut self, table: Table, into: &wgpu::Buffer) -> Result<wgpu::SubmissionIndex> {
         self.flush()?;
+        if table.is_of_bodies() {
+            return self.gpu_world()?.read_rows(table, self.scene.bodies().len() as u32, into);
+        }
         self.gpu_world()?.read_table(table, into)
     }
 
@@ -38,6 +41,14 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::write_table`].
     pub async fn write_table_async(&mut self, table: Table, from: &wgpu::Buffer) -> Result<wgpu::SubmissionIndex> {
+        if table.is_of_bodies() {
+            let value = format!("{table:?}");
+            return Err(Error::Invalid {
+                field: "table",
+                value,
+                expected: "a field of spheres: those of rigid bodies can only be read",
+            });
+        }
         self.flush_async().await?;
         self.gpu_world()?.check_table(table, from).await?;
         if table == Table::Forces && !self.world.has_force_on_each {

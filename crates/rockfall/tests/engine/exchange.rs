@@ -6,7 +6,8 @@ use rockfall::generate::Benchmark;
 use rockfall::glam::{Quat, Vec3};
 use rockfall::gpu::Table;
 use rockfall::{
-    Backend, BroadPhase, ContactLaw, Error, Integrator, Material, Options, Precision, Scene, Simulation, Sphere, Spring, wgpu,
+    Backend, BroadPhase, Capsule, ContactLaw, Error, Integrator, Material, Options, Pair, Placement, Precision, RigidBody,
+    Scene, Shape, Simulation, Sphere, Spring, wgpu,
 };
 
 const STATE: [Table; 4] = [Table::Positions, Table::Velocities, Table::AngularMomenta, Table::Orientations];
@@ -74,6 +75,7 @@ fn expected(simulation: &mut Simulation, table: Table) -> Vec<f32> {
                 vec![q.w, q.x, q.y, q.z]
             }
             Table::Forces => sphere.force.to_array().to_vec(),
+            _ => panic!("{table:?} has no row for a sphere"),
         })
         .collect()
 }
@@ -244,4 +246,38 @@ fn written_positions_have_no_low_part() {
     simulation.write_table(Table::Positions, &table).unwrap();
     assert!(!lows(&mut simulation));
     assert_eq!(expected(&mut simulation, Table::Positions), positions);
+}
+
+/// Fields of rigid bodies are read in order of addition, without those of capsules that move as bodies.
+#[test]
+fn tables_of_rigid_bodies_are_read_on_the_gpu() {
+    let mut scene = Scene::new();
+    scene.settings.set("contact_law", "linear").unwrap();
+    let material = scene.add_material(Material::new("stuff").density(1.0)).unwrap();
+    scene.set_pair(material, material, Pair::default().stiffness(1e3)).unwrap();
+    scene.add_capsule(Capsule::new([9.0, 0.0, 0.0], [10.0, 0.0, 0.0], 0.2).material(material)).unwrap();
+    let shape = Shape::new().material(material).sphere([0.0; 3], 0.5).sphere([0.7, 0.0, 0.0], 0.4).sphere([0.0, 0.6, 0.0], 0.3);
+    let shape = scene.add_shape(shape).unwrap();
+    for number in 0..5_u8 {
+        let at = [0.0, 3.0 * f64::from(number), 1.0];
+        scene.add_body(Placement::new(shape).at(at).velocity([0.1, f32::from(number), 0.0]).spin([1.0, 0.0, 2.0])).unwrap();
+    }
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Gpu)).unwrap();
+    simulation.run(4, DT).unwrap();
+    let fields = [Table::BodyPositions, Table::BodyVelocities, Table::BodyAngularMomenta, Table::BodyOrientations];
+    for (number, table) in fields.into_iter().enumerate() {
+        let into = buffer(&simulation, table.bytes(5));
+        simulation.read_table(table, &into).unwrap();
+        let found = downloaded(&simulation, &into);
+        let of = |body: &RigidBody| match number {
+            0 => body.position.to_array().to_vec(),
+            1 => body.velocity.to_array().to_vec(),
+            2 => body.angular_momentum.to_array().to_vec(),
+            _ => [body.orientation.w, body.orientation.x, body.orientation.y, body.orientation.z].to_vec(),
+        };
+        let expected: Vec<f32> = simulation.sync().unwrap().bodies().iter().flat_map(of).collect();
+        assert_eq!(found, expected, "{table:?}");
+        let error = simulation.write_table(table, &into).unwrap_err().to_string();
+        assert!(error.contains("can only be read"), "{error}");
+    }
 }

@@ -10,6 +10,7 @@ use crate::exec::gpu::wait::Mapped;
 use crate::exec::gpu::world::{GpuWorld, UNIFORM};
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
+use crate::model::layout::RIGID_ROWS;
 
 /// Threads per workgroup in `exchange.wgsl`.
 const THREADS: u32 = 256;
@@ -27,31 +28,48 @@ pub enum Table {
     Orientations,
     /// External forces x, y, z, in mass units/s². Can only be written.
     Forces,
+    /// Centres of mass x, y, z of the rigid bodies, in units. Can only be read, as all fields of bodies.
+    BodyPositions,
+    /// Velocities x, y, z of their centres of mass, in units/s.
+    BodyVelocities,
+    /// Their angular momenta x, y, z about the centres of mass, in mass units²/s.
+    BodyAngularMomenta,
+    /// Their orientations, unit quaternions w, x, y, z.
+    BodyOrientations,
 }
 
 impl Table {
-    /// Numbers per sphere.
+    /// Numbers per sphere or body.
     pub fn columns(self) -> u32 {
-        if self == Self::Orientations { 4 } else { 3 }
+        if matches!(self, Self::Orientations | Self::BodyOrientations) { 4 } else { 3 }
     }
 
-    /// Size in bytes for this number of spheres.
-    pub fn bytes(self, spheres: usize) -> u64 {
-        4 * u64::from(self.columns()) * spheres as u64
+    /// Size in bytes for this number of spheres or bodies.
+    pub fn bytes(self, count: usize) -> u64 {
+        4 * u64::from(self.columns()) * count as u64
     }
 
     /// What every row must be.
     fn expected(self) -> &'static str {
-        if self == Self::Orientations { "unit quaternions w, x, y, z" } else { "finite numbers" }
+        if self.columns() == 4 { "unit quaternions w, x, y, z" } else { "finite numbers" }
     }
 
-    /// The array that holds the field, and the region of it, counted in rows per sphere.
+    /// Whether it has a row for each rigid body, and not for each sphere.
+    pub fn is_of_bodies(self) -> bool {
+        matches!(self.place(), Some((Buffer::RigidBodies, _)))
+    }
+
+    /// The array that holds the field, and the region of it, counted in rows per sphere, or the row of a body.
     fn place(self) -> Option<(Buffer, u32)> {
         match self {
             Self::Positions => Some((Buffer::Start, 0)),
             Self::Velocities => Some((Buffer::Start, 1)),
             Self::AngularMomenta => Some((Buffer::Start, 2)),
             Self::Orientations => Some((Buffer::Orientations, 0)),
+            Self::BodyPositions => Some((Buffer::RigidBodies, 0)),
+            Self::BodyVelocities => Some((Buffer::RigidBodies, 2)),
+            Self::BodyAngularMomenta => Some((Buffer::RigidBodies, 3)),
+            Self::BodyOrientations => Some((Buffer::RigidBodies, 4)),
             Self::Forces => None,
         }
     }
@@ -61,14 +79,15 @@ impl Table {
 #[derive(Clone, Copy, Zeroable, Pod)]
 #[repr(C)]
 struct Exchange {
-    spheres: u32,
+    count: u32,
     first: u32,
     columns: u32,
     slots_at: u32,
     component: u32,
     /// First row of the low parts of positions that become 0 when the field is written; 0 for none.
     lows: u32,
-    padding: [u32; 2],
+    stride: u32,
+    padding: u32,
 }
 
 impl GpuWorld {
@@ -85,9 +104,20 @@ impl GpuWorld {
                 expected: "positions, velocities, angular momenta or orientations",
             });
         }
+        self.read_rows(table, self.count_of(table), into)
+    }
+
+    /// [`GpuWorld::read_table`] for the first `count` spheres or bodies.
+    pub(crate) fn read_rows(&self, table: Table, count: u32, into: &wgpu::Buffer) -> Result<wgpu::SubmissionIndex> {
         let mut encoder = self.encoder();
-        self.encode_exchange(&mut encoder, table, into, None, "gather")?;
+        self.encode_exchange(&mut encoder, (table, count), into, None, "gather")?;
         Ok(self.gpu().queue().submit([encoder.finish()]))
+    }
+
+    /// Number of rows of a table. Bodies of the scene come before capsules and frames that move as bodies.
+    fn count_of(&self, table: Table) -> u32 {
+        let layout = &self.step().layout;
+        if table.is_of_bodies() { layout.rigid_bodies } else { layout.spheres }
     }
 
     /// Copies `table` to a field of the state. Submits the copy without waiting for it. Forces need an entry for each sphere in
@@ -95,11 +125,12 @@ impl GpuWorld {
     pub(crate) fn write_table(&self, table: Table, from: &wgpu::Buffer) -> Result<wgpu::SubmissionIndex> {
         let mut encoder = self.encoder();
         if table == Table::Forces {
-            let (bytes, at) = (self.check_size(table, from)?, 4 * u64::from(self.step().layout.forces_at));
+            let (bytes, at) =
+                (self.check_size(table, self.count_of(table), from)?, 4 * u64::from(self.step().layout.forces_at));
             let topology = self.buffer(Buffer::Topology)?;
             catch(self.gpu().device(), || encoder.copy_buffer_to_buffer(from, 0, topology, at, bytes))?;
         } else {
-            self.encode_exchange(&mut encoder, table, from, None, "scatter")?;
+            self.encode_exchange(&mut encoder, (table, self.count_of(table)), from, None, "scatter")?;
         }
         Ok(self.gpu().queue().submit([encoder.finish()]))
     }
@@ -115,7 +146,7 @@ impl GpuWorld {
         let staging = make_buffer(device, "first bad row", 4, READ_BACK)?;
         let mut encoder = self.encoder();
         self.gpu().queue().write_buffer(&found, 0, &u32::MAX.to_le_bytes());
-        self.encode_exchange(&mut encoder, table, buffer, Some(&found), "check")?;
+        self.encode_exchange(&mut encoder, (table, self.count_of(table)), buffer, Some(&found), "check")?;
         encoder.copy_buffer_to_buffer(&found, 0, &staging, 0, 4);
         let submission = catch(device, || self.gpu().queue().submit([encoder.finish()]))?;
         let view = Mapped::read(&staging, self.gpu().faults()).after(submission).bytes("the check of a table").await?;
@@ -130,13 +161,13 @@ impl GpuWorld {
     }
 
     /// Number of bytes of a table, after a check that the buffer holds as many.
-    fn check_size(&self, table: Table, buffer: &wgpu::Buffer) -> Result<u64> {
-        let bytes = table.bytes(self.step().layout.spheres as usize);
+    fn check_size(&self, table: Table, count: u32, buffer: &wgpu::Buffer) -> Result<u64> {
+        let bytes = table.bytes(count as usize);
         if buffer.size() < bytes {
             return Err(Error::Invalid {
                 field: "table",
                 value: format!("{} bytes", buffer.size()),
-                expected: "a buffer with room for a row per sphere",
+                expected: "a buffer with room for a row per sphere or body",
             });
         }
         Ok(bytes)
@@ -145,24 +176,28 @@ impl GpuWorld {
     fn encode_exchange(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        table: Table,
+        (table, count): (Table, u32),
         buffer: &wgpu::Buffer,
         found: Option<&wgpu::Buffer>,
         kernel: &str,
     ) -> Result<()> {
-        self.check_size(table, buffer)?;
+        self.check_size(table, count, buffer)?;
+        if count == 0 {
+            return Ok(());
+        }
         let step = self.step();
         // `check` does not read the array.
         let (array, region) = table.place().unwrap_or((Buffer::Start, 0));
         let block = Exchange {
-            spheres: step.layout.spheres,
-            first: region * step.layout.spheres,
+            count,
+            first: if table.is_of_bodies() { region } else { region * step.layout.spheres },
             columns: table.columns(),
-            slots_at: step.layout.slots_at,
+            slots_at: if table.is_of_bodies() { 0 } else { step.layout.slots_at },
             // Rows hold x, y, z, w.
-            component: if table == Table::Orientations { 3 } else { 0 },
+            component: if table.columns() == 4 { 3 } else { 0 },
             lows: if table == Table::Positions { 3 * step.layout.spheres } else { 0 },
-            padding: [0; 2],
+            stride: if table.is_of_bodies() { RIGID_ROWS } else { 1 },
+            padding: 0,
         };
         let (device, queue) = (self.gpu().device(), self.gpu().queue());
         let uniform = make_buffer(device, "exchange", size_of::<Exchange>() as u64, UNIFORM)?;
@@ -174,7 +209,7 @@ impl GpuWorld {
             queue.write_buffer(&uniform, 0, bytes_of(&block));
             let group = kernels.bind(device, &buffers);
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            kernels.dispatch(&mut pass, kernel, &group, rows(step.layout.spheres.div_ceil(THREADS), across));
+            kernels.dispatch(&mut pass, kernel, &group, rows(count.div_ceil(THREADS), across));
         })
     }
 }

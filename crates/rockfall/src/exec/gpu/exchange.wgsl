@@ -1,10 +1,11 @@
-// Copies rows of four numbers per memory slot to or from a table in insertion order (exchange.rs).
+// Copies rows of four numbers per memory slot of a sphere, or per rigid body, to or from a table in insertion order (exchange.rs).
 
 struct Exchange {
-    spheres: u32,
+    // Number of spheres or bodies.
+    count: u32,
     // First row of the field.
     first: u32,
-    // Numbers per sphere in the table: 3 or 4.
+    // Numbers per row of the table: 3 or 4.
     columns: u32,
     // Where the slots of the insertion indices begin in `topology`, or 0 if both are the same.
     slots_at: u32,
@@ -12,6 +13,8 @@ struct Exchange {
     component: u32,
     // First row of the low parts of positions, which become 0 when the table is written; 0 for none.
     lows: u32,
+    // Rows of the array from one sphere or body to the next.
+    stride: u32,
 }
 
 @group(0) @binding(0) var<uniform> exchange: Exchange;
@@ -34,7 +37,7 @@ fn sphere_of(thread: Thread) -> u32 {
 
 fn row_of(sphere: u32) -> u32 {
     if exchange.slots_at == 0u {
-        return exchange.first + sphere;
+        return exchange.first + exchange.stride * sphere;
     }
     return exchange.first + topology[exchange.slots_at + sphere];
 }
@@ -42,7 +45,7 @@ fn row_of(sphere: u32) -> u32 {
 @compute @workgroup_size(256)
 fn gather(thread: Thread) {
     let sphere = sphere_of(thread);
-    if sphere >= exchange.spheres {
+    if sphere >= exchange.count {
         return;
     }
     let row = rows[row_of(sphere)];
@@ -55,7 +58,7 @@ fn gather(thread: Thread) {
 @compute @workgroup_size(256)
 fn scatter(thread: Thread) {
     let sphere = sphere_of(thread);
-    if sphere >= exchange.spheres {
+    if sphere >= exchange.count {
         return;
     }
     let at = row_of(sphere);
@@ -73,7 +76,7 @@ fn scatter(thread: Thread) {
 @compute @workgroup_size(256)
 fn check(thread: Thread) {
     let sphere = sphere_of(thread);
-    if sphere >= exchange.spheres {
+    if sphere >= exchange.count {
         return;
     }
     var is_good = true;
