@@ -18,6 +18,7 @@ import numpy as np
 import torch
 
 import rockfall as rf
+from rockfall import _rockfall
 
 FIELDS = ("positions", "velocities", "orientations", "angular_momenta")
 
@@ -47,6 +48,27 @@ def check_reading() -> None:
             np.testing.assert_array_equal(tensor.cpu().numpy(), array.numpy())
             np.testing.assert_array_equal(cupy.from_dlpack(array).get(), array.numpy())
         np.testing.assert_array_equal(sim.positions.numpy(), host)
+
+
+def check_rigid_bodies() -> None:
+    """Fields of rigid bodies, without those of a capsule that moves as a body."""
+    scene = rf.Scene()
+    scene.settings.contact_law = "linear"
+    scene.add_material("stuff", density=1)
+    scene.set_pair("stuff", "stuff", stiffness=1000)
+    scene.add_capsules([20, 0, 0], [21, 0, 0], radius=0.2, material="stuff")
+    shape = scene.add_shape(rf.Shape().sphere([0, 0, 0], 0.5, material="stuff").sphere([0.7, 0, 0], 0.4, material="stuff"))
+    scene.add_bodies(shape, np.arange(30.0).reshape(10, 3), velocities=np.ones((10, 3)), spins=[1, 0, 2])
+    sim = rf.Simulation(scene, dt=0.001, backend="gpu")
+    for _ in range(3):
+        sim.run(5)
+        bodies = sim.bodies
+        for field in FIELDS:
+            array = getattr(bodies, field)
+            assert isinstance(array, rf.DeviceArray)
+            name = {"angular_momenta": "angular_momentum", "velocities": "velocity"}.get(field, field.removesuffix("s"))
+            host = _rockfall.body_states(sim._native, name).reshape(10, -1)
+            np.testing.assert_array_equal(torch.from_dlpack(array).cpu().numpy(), host)
 
 
 def check_order_of_addition() -> None:
