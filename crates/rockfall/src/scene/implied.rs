@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DMat3, DQuat, DVec3};
 
 use super::rigid::{BodyState, Frame};
-use super::{Handle, Kinetics, MassProperties, RigidBodyId, RodId, Scene, Shape, ShapeId, SphereId};
+use super::{Handle, Kinetics, MassProperties, RigidBodyId, RodId, Scene, Shape, ShapeId, Sphere, SphereId};
 use crate::disjoint::DisjointSets;
 use crate::fine::Fine;
 
@@ -16,6 +16,10 @@ const MOST_SPHERES: usize = 100;
 /// Sweeps over the rods of a network that restore their lengths, and the relative error at which they end.
 const SWEEPS: usize = 1_000;
 const LENGTH_ERROR: f64 = 1e-6;
+/// How far spheres may be off their places in a form, as a part of its size.
+const OFF_PLACE: f64 = 1e-4;
+/// The least cosine of the angle between a rod and the first axis of an orientation that fits it.
+const FITS: f64 = 1.0 - 1e-6;
 /// Elements of a matrix of unit vectors below this size count as 0.
 const NEGLIGIBLE: f64 = 1e-6;
 
@@ -97,15 +101,21 @@ impl Scene {
 
     /// Adds an implied body, and gives its spheres the places and motions that follow from it.
     pub(crate) fn keep_implied(&mut self, body: ImpliedBody) {
-        let frame = Frame::of(&body.state, &body.form.kinetics);
-        for (id, place) in body.spheres.iter().zip(&body.form.places) {
-            if let Ok(sphere) = self.spheres.get_mut(*id) {
-                frame.place(sphere, *place, body.state.orientation);
-            }
-        }
         let (spheres, rods) = (body.spheres.clone(), body.rods.clone());
         let id = self.implied.add(body);
         self.implied_members.put(&spheres, &rods, id);
+        self.place_implied(id);
+    }
+
+    /// Gives the spheres of an implied body the places and motions that follow from it.
+    fn place_implied(&mut self, id: Handle<ImpliedBody>) {
+        let Ok(ImpliedBody { spheres, form, state, .. }) = self.implied.get(id) else { return };
+        let frame = Frame::of(state, &form.kinetics);
+        for (id, place) in spheres.iter().zip(&form.places) {
+            if let Ok(sphere) = self.spheres.get_mut(*id) {
+                frame.place(sphere, *place, state.orientation);
+            }
+        }
     }
 
     /// The implied body that a sphere is part of.
@@ -187,30 +197,51 @@ impl Scene {
         if count > 2 && rank(&rigidity(&points, &ends)) < 3 * count - 6 {
             return None;
         }
-        let balls = Balls::of(self, network, &points);
-        let (form, orientation) = if count == 2 {
-            let form = match forms.entry(self.key_of_pair(network)) {
+        let spheres: Vec<SphereId> = network.spheres.iter().map(|index| self.spheres.handle_at(*index)).collect();
+        let balls = Balls::of(self, &spheres, &points)?;
+        let form = if count == 2 {
+            match forms.entry(self.key_of_pair(network)) {
                 Entry::Occupied(known) => known.get().clone(),
                 Entry::Vacant(new) => new.insert(Arc::new(self.pair_form(network, &balls)?)).clone(),
-            };
-            (form, DQuat::from_rotation_arc(DVec3::X, (balls.arms[1] - balls.arms[0]).normalize()))
+            }
         } else {
-            let kinetics = kinetics(balls.mass, balls.inertia)?;
-            (Arc::new(Form { places: balls.arms.clone(), kinetics }), DQuat::IDENTITY)
+            let back = balls.turn.unwrap_or(DQuat::IDENTITY).inverse();
+            let (turn, places) = (DMat3::from_quat(back), balls.arms.iter().map(|arm| back * *arm).collect());
+            Arc::new(Form { places, kinetics: kinetics(balls.mass, turn * balls.inertia * turn.transpose())? })
         };
-        let momentum = form.kinetics.tensor(orientation) * (balls.inertia.inverse() * balls.momentum);
-        let state = BodyState {
-            position: Fine::at(balls.centre.to_array()),
-            velocity: balls.velocity.as_vec3(),
-            momentum: momentum.as_vec3(),
-            orientation: orientation.as_quat(),
+        let state = balls.as_body(&form);
+        let rods = network.rods.iter().map(|index| self.rods.handle_at(*index)).collect();
+        Some(ImpliedBody { spheres, rods, form, state })
+    }
+
+    /// Takes over what was changed about spheres of implied bodies. Returns whether all of them still have their forms; otherwise
+    /// bodies have to be formed anew.
+    pub(crate) fn follow_spheres(&mut self, ids: &[SphereId]) -> bool {
+        let owners: HashSet<_> = ids.iter().filter_map(|id| self.implied_of(*id)).collect();
+        let states = owners.into_iter().map(|owner| Some((owner, self.state_of_spheres(owner)?)));
+        let Some(states) = states.collect::<Option<Vec<_>>>() else {
+            self.release_spheres(ids);
+            return false;
         };
-        Some(ImpliedBody {
-            spheres: network.spheres.iter().map(|index| self.spheres.handle_at(*index)).collect(),
-            rods: network.rods.iter().map(|index| self.rods.handle_at(*index)).collect(),
-            form,
-            state,
-        })
+        for (owner, state) in states {
+            if let Ok(body) = self.implied.get_mut(owner) {
+                body.state = state;
+            }
+            self.place_implied(owner);
+        }
+        true
+    }
+
+    /// The state of an implied body that follows from its spheres; `None` if they do not have the places of its form.
+    fn state_of_spheres(&self, id: Handle<ImpliedBody>) -> Option<BodyState> {
+        let ImpliedBody { spheres, form, .. } = self.implied.get(id).ok()?;
+        let points = spheres.iter().map(|id| Some(DVec3::from_array(self.sphere(*id).ok()?.centre())));
+        let balls = Balls::of(self, spheres, &points.collect::<Option<Vec<_>>>()?)?;
+        let state = balls.as_body(form);
+        let turn = state.orientation.as_dquat();
+        let size = form.places.iter().map(|place| place.length()).fold(0.0, f64::max);
+        let mut pairs = form.places.iter().zip(&balls.arms);
+        pairs.all(|(place, arm)| (turn * *place).distance(*arm) <= OFF_PLACE * size).then_some(state)
     }
 
     /// For each rod of a network, the places of its ends in the list of spheres.
@@ -276,6 +307,8 @@ struct Balls {
     centre: DVec3,
     /// From the centre of mass to each sphere.
     arms: Vec<DVec3>,
+    /// Their orientation, if all have the same one.
+    turn: Option<DQuat>,
     velocity: DVec3,
     /// Inertia about the centre of mass, and angular momentum about it.
     inertia: DMat3,
@@ -283,8 +316,12 @@ struct Balls {
 }
 
 impl Balls {
-    fn of(scene: &Scene, network: &Network, points: &[DVec3]) -> Self {
-        let spheres = || network.spheres.iter().map(|index| &scene.spheres()[*index]);
+    /// `None` if one of them is not in the scene.
+    fn of(scene: &Scene, ids: &[SphereId], points: &[DVec3]) -> Option<Self> {
+        let found: Vec<&Sphere> = ids.iter().map(|id| scene.sphere(*id).ok()).collect::<Option<_>>()?;
+        let spheres = || found.iter().copied();
+        let first = found.first()?.orientation;
+        let turn = found.iter().all(|sphere| sphere.orientation == first).then(|| first.as_dquat().normalize());
         let mass: f64 = spheres().map(|sphere| f64::from(sphere.mass)).sum();
         let mean = |of: &dyn Fn(usize) -> DVec3| {
             spheres().enumerate().map(|(place, sphere)| f64::from(sphere.mass) / mass * of(place)).sum::<DVec3>()
@@ -300,7 +337,27 @@ impl Balls {
             inertia += DMat3::from_diagonal(DVec3::splat(m * arm.length_squared() + own)) - m * outer;
             momentum += m * arm.cross(*v - velocity) + sphere.angular_momentum.as_dvec3();
         }
-        Self { mass, centre, arms, velocity, inertia, momentum }
+        Some(Self { mass, centre, arms, turn, velocity, inertia, momentum })
+    }
+
+    /// The state of a body of this form. Its orientation is that of the spheres, if it fits; the first axis of a pair lies along its rod.
+    fn as_body(&self, form: &Form) -> BodyState {
+        let own = self.turn.unwrap_or(DQuat::IDENTITY);
+        let orientation = match self.arms[..] {
+            [one, other] => {
+                let along = (other - one).normalize_or(DVec3::X);
+                let from = if (own * DVec3::X).dot(along) >= FITS { own } else { DQuat::IDENTITY };
+                DQuat::from_rotation_arc(from * DVec3::X, along) * from
+            }
+            _ => own,
+        };
+        let momentum = form.kinetics.tensor(orientation) * (self.inertia.inverse() * self.momentum);
+        BodyState {
+            position: Fine::at(self.centre.to_array()),
+            velocity: self.velocity.as_vec3(),
+            momentum: momentum.as_vec3(),
+            orientation: orientation.normalize().as_quat(),
+        }
     }
 }
 

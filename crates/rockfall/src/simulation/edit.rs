@@ -321,17 +321,6 @@ impl Simulation {
                 expected: "a sphere of its own: `update_body` moves a body",
             });
         }
-        if self.scene.implied_of(id).is_some() {
-            match edit {
-                Edit::Force(_) => {}
-                Edit::Orientation(_) => {
-                    let expected = "a sphere of its own: a capsule or frame of rods turns as a whole with this contact law";
-                    return Err(Error::Invalid { field: "sphere", value: format!("{id:?}"), expected });
-                }
-                // Its body is formed anew.
-                _ => self.dirty = Dirty::Everything,
-            }
-        }
         self.edits.push((id, edit));
         Ok(())
     }
@@ -369,7 +358,6 @@ impl Simulation {
         }
         let moves = self.dirty == Dirty::Everything || !self.edits.is_empty();
         let fronts = moves.then(|| self.planes.in_front_of(&self.world, &self.scene));
-        let springs = if self.dirty == Dirty::Everything { self.springs().await? } else { Vec::new() };
         let edits = std::mem::take(&mut self.edits);
         for (id, edit) in &edits {
             // Edits of a sphere that was removed afterwards have no effect.
@@ -378,7 +366,10 @@ impl Simulation {
             }
         }
         let moved = edits.iter().filter(|(_, edit)| !matches!(edit, Edit::Force(_))).map(|(id, _)| *id);
-        self.scene.release_spheres(&moved.collect::<Vec<_>>());
+        if !self.scene.follow_spheres(&moved.collect::<Vec<_>>()) {
+            self.dirty = Dirty::Everything;
+        }
+        let springs = if self.dirty == Dirty::Everything { self.springs().await? } else { Vec::new() };
         if let Some(before) = fronts {
             self.planes.edited(before, &self.scene);
         }

@@ -116,8 +116,18 @@ fn e30_the_parts_of_a_body_are_changed_as_before(backend: Backend) {
     simulation.run(1, 1e-3).expect("steps");
     let energy = simulation.energy().expect("energies");
     within(energy.momentum.y, 2.0, 1e-6, "momentum");
-    let turned = simulation.set_orientation(ends[0], Quat::IDENTITY).expect_err("an orientation").to_string();
-    assert!(turned.contains("turns as a whole"), "{turned}");
+    // An orientation of both ends that turns x along the rod stays, another one is replaced by one that does.
+    let way = |simulation: &mut Simulation| {
+        let spheres = simulation.spheres().expect("spheres");
+        ((spheres[1].position - spheres[0].position).normalize(), spheres[1].orientation)
+    };
+    let (along, before) = way(&mut simulation);
+    let rolled = Quat::from_axis_angle(along, 0.7) * before;
+    for (given, expected) in [([rolled, rolled], rolled), ([rolled, before], Quat::from_rotation_arc(Vec3::X, along))] {
+        ends.iter().zip(given).for_each(|(end, turn)| simulation.set_orientation(*end, turn).expect("an orientation"));
+        let (_, found) = way(&mut simulation);
+        assert!(found.dot(expected).abs() > 1.0 - 1e-6, "{found} {expected}");
+    }
     let scene = simulation.scene();
     let text = scene.to_text();
     assert!(scene.bodies().is_empty() && !text.contains("@body") && text.contains("@capsule"), "{text}");
