@@ -195,8 +195,8 @@ def test_a_static_body_stays_or_follows_a_motion() -> None:
     assert len(scene.bodies) == 0
     assert "post" in scene.names
     ball = scene.add_sphere([0.5, 2, 0], 0.3)
-    sim = rf.Simulation(scene, backend="cpu")
-    sim.run(200, 0.01)
+    sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+    sim.run(200)
     assert sim.positions[int(ball), 1] > 1
     assert sim.add_static_body(shape, [0, -5, 0]).boxes.tolist() == [2]
 
