@@ -303,13 +303,13 @@ impl Scene {
         if self.body_of_rod(id).is_some() {
             return Err(checks::invalid("rod", id, "a rod that is not part of a rigid body, whose shape cannot be changed"));
         }
-        self.release_rods(&[id]);
         let mut rod = *self.rods.get(id)?;
         let ends = (rod.end1, rod.end2);
         change(&mut rod);
         (rod.end1, rod.end2) = ends;
         rod.validate()?;
         self.material_number(rod.material)?;
+        self.release_rods(&[id]);
         *self.rods.get_mut(id)? = rod;
         Ok(())
     }

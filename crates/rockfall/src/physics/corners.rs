@@ -69,7 +69,24 @@ pub(super) fn hidden(view: &View, hub: u32, statics: &[Entry]) -> Vec<(u32, u32)
     statics.iter().filter(is_hidden).map(|entry| (entry.id(), entry.feature())).collect()
 }
 
-/// Whether another wall is in front of a corner, or has a corner at its place and was added before.
+/// The vector from the middle of a wall to a corner.
+fn outward(view: &View, wall: Object, corner: u32) -> Vec3 {
+    let side = |bit: u32, middle: f32| (corner >> bit & 1) as f32 - middle;
+    match wall {
+        Object::Cuboid(cuboid) => {
+            let [i, j, k] = view.cuboid(cuboid).edges;
+            side(0, 0.5) * i + side(1, 0.5) * j + side(2, 0.5) * k
+        }
+        Object::Polygon(polygon) => {
+            let face = view.polygon(polygon);
+            let middle = if face.is_triangle() { 1.0 / 3.0 } else { 0.5 };
+            side(0, middle) * face.left + side(1, middle) * face.right
+        }
+        Object::Sphere(_) | Object::Rod(_) => Vec3::ZERO,
+    }
+}
+
+/// Whether another wall is in front of a corner, has a corner at its place and comes before, or continues the surface beyond it.
 fn does_not_count(view: &View, hub: u32, entry: &Entry, touch: &Touch, statics: &[Entry]) -> Option<bool> {
     let radius = view.box_of(Object::Sphere(hub))?.radius;
     let corner = seen(view, hub, view.object(entry.id()), entry.feature())?;
@@ -77,12 +94,15 @@ fn does_not_count(view: &View, hub: u32, entry: &Entry, touch: &Touch, statics: 
     let mut walls: Vec<u32> = statics.iter().map(|other| other.id()).collect();
     walls.dedup();
     let own = walls.iter().position(|wall| *wall == entry.id())?;
+    let outward = outward(view, view.object(entry.id()), entry.feature());
+    let along = (outward - outward.dot(touch.normal) * touch.normal).normalize_or_zero();
     let overlap = |wall: u32| overlap_with(view, hub, view.object(wall), centre, radius);
+    let goes_on = |wall: u32| overlap_with(view, hub, view.object(wall), centre + radius * along, radius) >= -slack;
     let is_off = overlap(entry.id()).abs() > slack;
     let others = walls.iter().enumerate().filter(|(number, _)| *number != own);
     let hides = |(number, wall): (usize, &u32)| {
         let overlap = overlap(*wall);
-        overlap > slack || number < own && overlap >= -slack
+        overlap > slack || number < own && overlap >= -slack || goes_on(*wall)
     };
     Some(is_off || others.into_iter().any(hides))
 }

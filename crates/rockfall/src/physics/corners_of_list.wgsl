@@ -20,10 +20,27 @@ fn overlap_near(i: u32, wall: u32, place: vec3f, radius: f32) -> f32 {
     return touch_sphere_polygon(vec4f(centre, radius), polygon_from(i, polygon(wall - boxes - step.boxes))).overlap;
 }
 
+// The vector from the middle of a box or polygon to a corner.
+fn outward_of_corner(wall: u32, corner: u32) -> vec3f {
+    let boxes = step.spheres + step.rods;
+    let far = vec3f(f32(corner & 1u), f32((corner >> 1u) & 1u), f32((corner >> 2u) & 1u));
+    if wall < boxes + step.boxes {
+        let box = cuboid(wall - boxes);
+        return (far.x - 0.5) * box.i + (far.y - 0.5) * box.j + (far.z - 0.5) * box.k;
+    }
+    let face = polygon(wall - boxes - step.boxes);
+    let middle = select(0.5, 1.0 / 3.0, is_triangle(face));
+    return (far.x - middle) * face.left + (far.y - middle) * face.right;
+}
+
 // Whether the corner of an entry does not count. `found` is its contact.
 fn is_corner_hidden(i: u32, entry: u32, found: Touch, radius: f32, first: vec2u, count: u32) -> bool {
     let wall = entry_id(entry);
     let place = corner_seen(i, wall, entry_feature(entry)) - radius * found.n;
+    let outward = outward_of_corner(wall, entry_feature(entry));
+    let along = outward - dot(outward, found.n) * found.n;
+    let squared = dot(along, along);
+    let beside = place + select(vec3f(0.0), radius * inverseSqrt(squared) * along, squared > TINY);
     let slack = CORNER_SLACK * radius;
     var is_before = true;
     for (var e = 0u; e < count; e++) {
@@ -39,6 +56,8 @@ fn is_corner_hidden(i: u32, entry: u32, found: Touch, radius: f32, first: vec2u,
                 return true;
             }
         } else if (overlap > slack) | (is_before & (overlap >= -slack)) {
+            return true;
+        } else if overlap_near(i, id, beside, radius) >= -slack {
             return true;
         }
     }

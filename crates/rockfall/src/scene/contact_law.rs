@@ -206,6 +206,19 @@ impl Scene {
         dampings.of(ContactLaw::Linear, restitution) * self.settings.contact_force.max(0.0).sqrt()
     }
 
+    /// The greatest damping of contacts of rigid bodies that follows from a restitution, in 1/s; 0 where none does.
+    pub(crate) fn greatest_damping_of_bodies(&self) -> f32 {
+        if !self.has_damped_bodies() {
+            return 0.0;
+        }
+        let numbers = 0..=self.materials().len() as u16;
+        let pairs = numbers.clone().flat_map(|one| numbers.clone().map(move |other| self.pair_of_numbers(one, other)));
+        // Without a name of their own, all pairs have that of the scene.
+        let restitutions = pairs.map(|pair| pair.restitution.unwrap_or(self.settings.restitution));
+        let least = restitutions.fold(f32::INFINITY, f32::min);
+        damping_for(ContactLaw::Linear, least) * self.resolved_settings().contact_force.max(0.0).sqrt()
+    }
+
     /// Whether contacts of rigid bodies rebound by a damping that follows from the restitution.
     pub(crate) fn has_damped_bodies(&self) -> bool {
         let Settings { contact_law, collisions, .. } = self.settings;

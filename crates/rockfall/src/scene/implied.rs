@@ -74,8 +74,9 @@ struct Network {
     rods: Vec<usize>,
 }
 
-/// What the form of two spheres with a rod follows from: bits of their masses and radii, of the radius of the rod, and of its length.
-type PairKey = [u32; 6];
+/// What the form of two spheres with a rod follows from: bits of their masses and radii, of the radius of the rod and of its
+/// length, and the number of rods.
+type PairKey = [u32; 7];
 
 impl Scene {
     /// Finds the implied bodies. Those that are known stay as they are, and so does their state.
@@ -171,7 +172,10 @@ impl Scene {
         if rods.is_empty() {
             return Vec::new();
         }
-        let is_fixed = |sphere: &usize| self.spheres()[*sphere].fixed;
+        // Rods to a rigid body hold a network as those to a fixed sphere do.
+        let is_held =
+            |sphere: usize| self.spheres()[sphere].fixed || self.body_of_sphere(self.spheres.handle_at(sphere)).is_some();
+        let is_fixed = |sphere: &usize| is_held(*sphere);
         let mut sets = DisjointSets::new(self.spheres().len());
         rods.iter().filter(|(_, ends)| !ends.iter().any(is_fixed)).for_each(|(_, ends)| sets.join(*ends));
         let moving_end = |ends: [usize; 2]| ends.into_iter().find(|end| !is_fixed(end));
@@ -194,6 +198,9 @@ impl Scene {
             return None;
         }
         let points = self.straightened(network, &ends)?;
+        if self.exceeds_period(network, &points) {
+            return None;
+        }
         if count > 2 && rank(&rigidity(&points, &ends)) < 3 * count - 6 {
             return None;
         }
@@ -244,6 +251,17 @@ impl Scene {
         pairs.all(|(place, arm)| (turn * *place).distance(*arm) <= OFF_PLACE * size).then_some(state)
     }
 
+    /// Whether a network is longer than half a period, so that it may touch its own image.
+    fn exceeds_period(&self, network: &Network, points: &[DVec3]) -> bool {
+        let radius = network.spheres.iter().map(|index| self.spheres()[*index].radius).fold(0.0, f32::max);
+        let along = |axis: usize| {
+            let places = points.iter().map(|point| point[axis]);
+            places.clone().fold(f64::NEG_INFINITY, f64::max) - places.fold(f64::INFINITY, f64::min) + 2.0 * f64::from(radius)
+        };
+        let periods = self.periodic().into_iter().enumerate();
+        periods.into_iter().any(|(axis, bounds)| bounds.is_some_and(|[from, to]| along(axis) > 0.5 * f64::from(to - from)))
+    }
+
     /// For each rod of a network, the places of its ends in the list of spheres.
     fn places_of_ends(&self, network: &Network) -> Vec<[usize; 2]> {
         let place = |id: SphereId| {
@@ -279,7 +297,9 @@ impl Scene {
     fn key_of_pair(&self, network: &Network) -> PairKey {
         let [a, b] = [0, 1].map(|place: usize| &self.spheres()[network.spheres[place]]);
         let rod = &self.rods()[network.rods[0]];
-        [a.mass, b.mass, a.radius, b.radius, rod.radius, rod.length.unwrap_or_default()].map(f32::to_bits)
+        let [a_mass, b_mass, a_radius, b_radius, radius, length] =
+            [a.mass, b.mass, a.radius, b.radius, rod.radius, rod.length.unwrap_or_default()].map(f32::to_bits);
+        [a_mass, b_mass, a_radius, b_radius, radius, length, network.rods.len() as u32]
     }
 
     /// The form of two spheres. Its first axis is that of the rod.

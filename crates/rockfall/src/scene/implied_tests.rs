@@ -1,4 +1,4 @@
-use crate::{Capsule, ContactLaw, Rod, Scene, Settings, Sphere, SphereId};
+use crate::{Capsule, ContactLaw, Placement, Rod, Scene, Settings, Shape, Sphere, SphereId};
 
 /// A scene with a law with history.
 fn scene() -> Scene {
@@ -84,6 +84,24 @@ fn a_frame_that_is_held_or_has_collisions_stays_a_network() {
     scene.settings = Settings::default();
     scene.imply_bodies();
     assert_eq!(scene.implied.len(), 0);
+}
+
+/// A rod to a sphere of a rigid body leaves the body as it is. A network that is longer than half a period stays one.
+#[test]
+fn rigid_bodies_and_long_networks_are_left_alone() {
+    let mut scene = scene();
+    let shape = scene.add_shape(Shape::new().sphere([0.0; 3], 0.1).sphere([0.2, 0.0, 0.0], 0.1)).unwrap();
+    let body = scene.add_body(Placement::new(shape)).unwrap();
+    let ball = scene.add_sphere(Sphere::new([0.7, 0.0, 0.0], 0.1)).unwrap();
+    let end = scene.body(body).unwrap().spheres()[1];
+    add_rod(&mut scene, end, ball);
+    scene.imply_bodies();
+    assert_eq!(scene.implied.len(), 0);
+    scene.set_periodic(0, Some([0.0, 2.0])).unwrap();
+    add_frame(&mut scene, &[[0.2, 5.0, 0.0], [0.9, 5.0, 0.0]], &[[0, 1]]);
+    add_frame(&mut scene, &[[0.2, 7.0, 0.0], [1.1, 7.0, 0.0]], &[[0, 1]]);
+    scene.imply_bodies();
+    assert_eq!(scene.implied.len(), 1);
 }
 
 #[test]

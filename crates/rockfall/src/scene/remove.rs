@@ -56,6 +56,8 @@ impl Scene {
 
     /// Removes spheres of any kind with what is attached to them.
     fn remove_with_attached(&mut self, ids: &[SphereId]) -> Result<()> {
+        // Nothing is released if one is not in the scene.
+        ids.iter().try_for_each(|id| self.spheres.index(*id).map(drop))?;
         self.release_spheres(ids);
         self.spheres.remove(ids)?;
         let spheres = &self.spheres;
@@ -75,6 +77,8 @@ impl Scene {
         if let Some(id) = ids.iter().find(|id| self.body_of_rod(**id).is_some()) {
             return Err(invalid("rod", id, "a rod that is not part of a rigid body; remove the body"));
         }
+        // Nothing is released if one is not in the scene.
+        ids.iter().try_for_each(|id| self.rods.index(*id).map(drop))?;
         self.release_rods(ids);
         self.rods.remove(ids)?;
         let rods = &self.rods;

@@ -31,41 +31,63 @@ impl Scene {
         let (shape, centre) = (self.shapes.get(body.shape)?.clone(), self.shape_mass(body.shape)?.centre);
         let (turn, origin) = (wide(body.orientation), DVec3::from_array(body.centre()) - wide(body.orientation) * centre);
         let laid = Laid { turn, origin };
-        let mut added = match motion {
-            None => self.add_fixed_parts(&shape, &laid)?,
-            Some(motion) => self.add_moving_parts(&shape, &laid, motion)?,
-        };
-        for part in &shape.boxes {
-            let Cuboid { corner, edges, .. } = part.cuboid;
-            let edges = edges.map(|edge| (turn * edge.as_dvec3()).as_vec3());
-            let id = self.add_box(Cuboid { corner: laid.point(corner).as_vec3(), edges, motion, ..part.cuboid })?;
-            self.put_tag(id.into(), part.tag.clone())?;
-            added.push(id.into());
+        let mut added = Vec::new();
+        if let Err(error) = self.add_parts(&shape, &laid, motion, &mut added) {
+            self.remove_parts(&added)?;
+            return Err(error);
         }
         Ok(added)
     }
 
-    fn add_fixed_parts(&mut self, shape: &Shape, laid: &Laid) -> Result<Vec<ObjectId>> {
+    fn add_parts(&mut self, shape: &Shape, laid: &Laid, motion: Option<MotionId>, added: &mut Vec<ObjectId>) -> Result<()> {
+        match motion {
+            None => self.add_fixed_parts(shape, laid, added)?,
+            Some(motion) => self.add_moving_parts(shape, laid, motion, added)?,
+        }
+        for part in &shape.boxes {
+            let Cuboid { corner, edges, .. } = part.cuboid;
+            let edges = edges.map(|edge| (laid.turn * edge.as_dvec3()).as_vec3());
+            let id = self.add_box(Cuboid { corner: laid.point(corner).as_vec3(), edges, motion, ..part.cuboid })?;
+            added.push(id.into());
+            self.put_tag(id.into(), part.tag.clone())?;
+        }
+        Ok(())
+    }
+
+    fn remove_parts(&mut self, parts: &[ObjectId]) -> Result<()> {
+        for id in parts {
+            match id {
+                // Takes its rods along.
+                ObjectId::Sphere(id) => self.remove_sphere(*id)?,
+                ObjectId::Box(id) => self.remove_box(*id)?,
+                ObjectId::Polygon(id) => self.remove_polygon(*id)?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn add_fixed_parts(&mut self, shape: &Shape, laid: &Laid, added: &mut Vec<ObjectId>) -> Result<()> {
         let mut spheres = Vec::with_capacity(shape.spheres.len());
         for ShapeSphere { centre, radius, group, material, tag } in &shape.spheres {
             let mut sphere = Sphere::new(Vec3::ZERO, *radius).group(*group);
             (sphere.fixed, sphere.material) = (true, *material);
             sphere.set_centre(laid.point(*centre).to_array());
             let id = self.add_sphere(sphere)?;
-            self.put_tag(id.into(), tag.clone())?;
             spheres.push(id);
+            added.push(id.into());
+            self.put_tag(id.into(), tag.clone())?;
         }
-        let mut added: Vec<ObjectId> = spheres.iter().map(|id| (*id).into()).collect();
         for ShapeRod { end1, end2, radius, group, material, tag } in &shape.rods {
             let rod = Rod { group: *group, material: *material, ..Rod::new(spheres[*end1], spheres[*end2], *radius) };
             let id = self.add_rod(rod)?;
-            self.put_tag(id.into(), tag.clone())?;
             added.push(id.into());
+            self.put_tag(id.into(), tag.clone())?;
         }
-        Ok(added)
+        Ok(())
     }
 
-    fn add_moving_parts(&mut self, shape: &Shape, laid: &Laid, motion: MotionId) -> Result<Vec<ObjectId>> {
+    fn add_moving_parts(&mut self, shape: &Shape, laid: &Laid, motion: MotionId, added: &mut Vec<ObjectId>) -> Result<()> {
         let balls = shape.spheres.iter().map(|ShapeSphere { centre, radius, group, material, tag }| {
             let wall = Polygon::ball(laid.point(*centre).as_vec3(), *radius);
             (Polygon { group: *group, material: *material, ..wall }, tag)
@@ -75,13 +97,12 @@ impl Scene {
             let wall = Polygon::cylinder(from.as_vec3(), (to - from).as_vec3(), *radius, from.distance(to) as f32);
             (Polygon { group: *group, material: *material, ..wall }, tag)
         });
-        let mut added = Vec::new();
         for (wall, tag) in balls.chain(cylinders) {
             let id = self.add_polygon(Polygon { motion: Some(motion), ..wall })?;
-            self.put_tag(id.into(), tag.clone())?;
             added.push(ObjectId::from(id));
+            self.put_tag(id.into(), tag.clone())?;
         }
-        Ok(added)
+        Ok(())
     }
 
     /// Gives the parts of a static body what their shape does not say.

@@ -57,6 +57,9 @@ impl Simulation {
             self.flush_async().await?;
         }
         let submission = self.gpu_world()?.write_table(table, from)?;
+        if table != Table::Forces {
+            self.follow_written_spheres().await?;
+        }
         if table == Table::Forces {
             self.forces_synced = false;
             self.status.forces_due = 1;
@@ -65,6 +68,22 @@ impl Simulation {
             self.mark_state_edited();
         }
         Ok(submission)
+    }
+
+    /// Lets capsules and frames that move as rigid bodies follow the states that were written to their spheres.
+    async fn follow_written_spheres(&mut self) -> Result<()> {
+        if self.scene.implied.len() == 0 {
+            return Ok(());
+        }
+        self.synced = false;
+        self.pull().await?;
+        let ids: Vec<_> = self.scene.sphere_ids().collect();
+        if !self.scene.follow_spheres(&ids) {
+            self.dirty = Dirty::Everything;
+            return self.flush_async().await;
+        }
+        self.world.set_spheres(&self.scene);
+        self.engine.upload_spheres(&self.world)
     }
 
     fn gpu_world(&self) -> Result<&GpuWorld> {

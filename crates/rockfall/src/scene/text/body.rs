@@ -245,6 +245,9 @@ impl Reader<'_> {
         let refused = |error| PLACE.refused(&error);
         if fixed {
             let parts = self.scene.add_static_body(placement, self.motion).map_err(refused)?;
+            for wall in parts.iter().filter(|id| matches!(id, ObjectId::Box(_) | ObjectId::Polygon(_))) {
+                self.scene.set_surface_velocity(*wall, self.surface).map_err(refused)?;
+            }
             let spheres: Vec<SphereId> =
                 parts.iter().filter_map(|id| if let ObjectId::Sphere(id) = id { Some(*id) } else { None }).collect();
             self.name_spheres(&spheres, references)?;
