@@ -281,7 +281,7 @@ fn a_box_slides_over_tiles_as_over_one_floor() {
         for kind in [0, 1, 2] {
             let (body, contacts) = slide(backend, kind, steps);
             assert_eq!(contacts, 4, "{backend} {kind}");
-            assert!((body.velocity.x - 1.0).abs() < 1e-5 && body.velocity.y.abs() < 1e-4, "{backend} {kind}: {body:?}");
+            assert!((body.velocity.x - 1.0).abs() < 2e-4 && body.velocity.y.abs() < 1e-4, "{backend} {kind}: {body:?}");
             assert!(
                 (body.position.y - 0.1).abs() < 1e-4 && body.angular_momentum.length() < 1e-3,
                 "{backend} {kind}: {body:?}"
