@@ -2,7 +2,8 @@
 
 use rockfall::glam::{DVec3, Quat, Vec3};
 use rockfall::{
-    Backend, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Placement, RigidBody, Scene, Shape, Simulation, Sphere,
+    Backend, ContactLaw, Cuboid, Integrator, Material, MaterialId, Options, Pair, Placement, RigidBody, Rod, Scene, Shape,
+    Simulation, Sphere,
 };
 
 use crate::common::{open, with};
@@ -248,4 +249,21 @@ fn a_resumed_run_of_bodies_has_the_same_bits() {
         resumed.run(40, 2e-4).unwrap();
         assert_eq!(format!("{:?}", body_of(&mut simulation)), format!("{:?}", body_of(&mut resumed)));
     });
+}
+
+/// A rod of fixed length to a body would take momentum away, so it is refused. One of free length is not.
+#[test]
+fn rods_of_fixed_length_do_not_end_in_bodies() {
+    let opened = |length: Option<f32>| {
+        let mut scene = free();
+        let shape = scene.add_shape(Shape::new().sphere([0.0; 3], 0.1).sphere([0.2, 0.0, 0.0], 0.1)).unwrap();
+        let body = scene.add_body(Placement::new(shape)).unwrap();
+        let ball = scene.add_sphere(Sphere::new([0.7, 0.0, 0.0], 0.1)).unwrap();
+        let rod = Rod::new(scene.body(body).unwrap().spheres()[1], ball, 0.05);
+        scene.add_rod(length.map_or(rod, |length| rod.length(length))).unwrap();
+        Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).map(drop)
+    };
+    let error = opened(Some(0.5)).unwrap_err().to_string();
+    assert!(error.contains("rod") && error.contains("does not pull a rigid body"), "{error}");
+    opened(None).unwrap();
 }
