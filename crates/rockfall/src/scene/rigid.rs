@@ -6,7 +6,7 @@ use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 use super::shape::{BOX_SPHERES, BoxPart, Kinetics, ShapeId};
 use super::{Body, Cuboid, Handle, ObjectId, Rod, RodId, Scene, Shape, ShapeSphere, Sphere, SphereId, Tag, shared};
-use crate::error::{Error, Result};
+use crate::error::{self, Result};
 use crate::fine::Fine;
 use crate::scene::checks::{finite, invalid};
 
@@ -227,7 +227,7 @@ impl Scene {
             |rod: &Rod| rod.length.is_some() && [rod.end1, rod.end2].into_iter().any(|end| self.body_of_sphere(end).is_some());
         if let Some((id, _)) = self.rod_ids().zip(self.rods()).find(|(_, rod)| pulls(rod)) {
             let expected = "a rod of free length, or a spring: a rod of fixed length does not pull a rigid body";
-            return Err(Error::Invalid { field: "rod.length", value: self.name_of(Body::Rod(id)), expected });
+            return Err(error::Error::Invalid { field: "rod.length", value: self.name_of(Body::Rod(id)), expected });
         }
         if !(self.settings.collisions && self.settings.continuous_collisions) {
             return Ok(());
