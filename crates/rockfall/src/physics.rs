@@ -13,6 +13,7 @@ pub(crate) mod first_contact;
 pub(crate) mod forces;
 pub(crate) mod friction_impulses;
 pub(crate) mod geometry;
+mod hidden_corners;
 pub(crate) mod laws;
 pub(crate) mod lengths;
 pub(crate) mod motions;

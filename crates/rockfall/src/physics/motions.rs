@@ -103,6 +103,12 @@ pub(crate) fn origin_of(at: &impl Motions, rod: RodRecord) -> Fine {
     at.fine_position(rod.ends[0]).unwrap_or_default()
 }
 
+/// A box as seen from an origin.
+pub(crate) fn box_from(at: &impl Motions, cuboid: &BoxRecord, origin: Fine) -> BoxRecord {
+    let origin = at.near(cuboid.middle().as_dvec3(), origin);
+    BoxRecord { corner: Fine { high: cuboid.corner, low: Vec3::ZERO }.minus(origin), ..*cuboid }
+}
+
 pub(crate) fn ends(at: &impl Motions, rod: RodRecord, origin: Fine) -> [Vec3; 2] {
     rod.ends.map(|end| at.seen_from(origin, end))
 }

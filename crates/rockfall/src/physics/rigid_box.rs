@@ -67,8 +67,20 @@ pub(crate) fn touch_solid(view: &View, at: &impl Motions, [a, b]: [u32; 2]) -> O
     Some(Touch { normal: if is_a { outward } else { -outward }, overlap, a: 0.0, b: 0.0 })
 }
 
+/// The contact of the solid of a box with a corner of a wall, also where they are apart; `None` for other objects. The parameter on the
+/// wall is the number of the corner.
+pub(crate) fn touch_corner(view: &View, solid: Object, wall: Object, corner: u32) -> Option<Touch> {
+    let Object::Sphere(hub) = solid else { return None };
+    if !is_solid(view, solid) {
+        return None;
+    }
+    let body_box = view.box_of(solid)?;
+    let (normal, distance) = from_core(&body_box, corners::seen(view, hub, wall, corner)?);
+    Some(Touch { normal, overlap: body_box.radius - distance, a: 0.0, b: corner as f32 })
+}
+
 /// The unit vector from the core of a box to a place, which is relative to its centre, and the distance: negative inside.
-pub(super) fn from_core(body_box: &BodyBox, place: Vec3) -> (Vec3, f32) {
+fn from_core(body_box: &BodyBox, place: Vec3) -> (Vec3, f32) {
     let local = rotated(back(body_box.turn), place);
     let gap = local - local.clamp(-body_box.half, body_box.half);
     let squared = gap.length_squared();
@@ -91,7 +103,7 @@ pub(crate) fn core_point(view: &View, object: Object, other: Object, touch: &Tou
     let radius = view.box_of(object)?.radius;
     let (place, of_other) = match other {
         Object::Sphere(ball) => (view.between(hub, ball), view.radius(ball)),
-        wall => (corners::place(view, hub, wall, touch)?, 0.0),
+        wall => (corners::seen(view, hub, wall, touch.b as u32)?, 0.0),
     };
     let outward = if touch.normal.dot(place) < 0.0 { -touch.normal } else { touch.normal };
     Some((place - (of_other + radius - touch.overlap) * outward, radius))

@@ -3,16 +3,14 @@
 
 use glam::Vec3;
 
-use crate::fine::Fine;
 use crate::model::layout::BOX_FEATURES;
 use crate::model::view::{BoxRecord, Object, RodRecord, TINY, View};
-use crate::physics::corners::touch_corner;
 use crate::physics::geometry::{
     box_contains, box_edge, box_parameters, box_vertex, point_over_polygon, point_segment, segment_segment,
 };
 use crate::physics::motions::round;
-pub(crate) use crate::physics::motions::{Motions, Touch, ends, origin_of};
-use crate::physics::rigid_box::{has_box, is_solid, touch_edges, touch_solid};
+pub(crate) use crate::physics::motions::{Motions, Touch, box_from, ends, origin_of};
+use crate::physics::rigid_box::{has_box, is_solid, touch_corner, touch_edges, touch_solid};
 use crate::physics::rod_polygon;
 use crate::physics::side::side;
 
@@ -178,12 +176,6 @@ pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature
         }
         _ => None,
     }
-}
-
-/// A box as seen from an origin.
-pub(crate) fn box_from(at: &impl Motions, cuboid: &BoxRecord, origin: Fine) -> BoxRecord {
-    let origin = at.near(cuboid.middle().as_dvec3(), origin);
-    BoxRecord { corner: Fine { high: cuboid.corner, low: Vec3::ZERO }.minus(origin), ..*cuboid }
 }
 
 fn sphere_rod(view: &View, at: &impl Motions, sphere: u32, rod: RodRecord) -> Option<Touch> {
