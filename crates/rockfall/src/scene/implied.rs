@@ -97,15 +97,18 @@ impl Scene {
         let gone: Vec<_> = self.implied.handles().filter(|id| !kept.contains(id)).collect();
         // All of them are there.
         let _ = self.implied.remove(&gone);
-        bodies.into_iter().for_each(|body| self.keep_implied(body));
+        for body in bodies {
+            let id = self.keep_implied(body);
+            self.place_implied(id);
+        }
     }
 
-    /// Adds an implied body, and gives its spheres the places and motions that follow from it.
-    pub(crate) fn keep_implied(&mut self, body: ImpliedBody) {
+    /// Adds an implied body whose spheres are where they should be.
+    pub(crate) fn keep_implied(&mut self, body: ImpliedBody) -> Handle<ImpliedBody> {
         let (spheres, rods) = (body.spheres.clone(), body.rods.clone());
         let id = self.implied.add(body);
         self.implied_members.put(&spheres, &rods, id);
-        self.place_implied(id);
+        id
     }
 
     /// Gives the spheres of an implied body the places and motions that follow from it.
