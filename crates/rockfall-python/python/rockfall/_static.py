@@ -77,11 +77,13 @@ class StaticBodies(Rigid, SmoothWalls):
         """
         tag = tag_of(name, colour, label, look)
         self._check_motion(motion)
-        count, arrays = columns(
+        count, (positions, orientations) = columns(
             position=(position, VECTOR), orientation=(_UPRIGHT if orientation is None else orientation, QUATERNION)
         )
         if count != 1:
             raise ValueError(f"position: expected shape (3,), got {count} rows")
         self._edited()
-        firsts, counts = _rockfall.add_static_body(self._native, shape_number(shape), *arrays, motion, tag)
+        firsts, counts = _rockfall.add_static_body(
+            self._native, shape_number(shape), positions, orientations, motion, tag
+        )
         return StaticBody(*(numbers_from(first, number) for first, number in zip(firsts, counts, strict=True)))
