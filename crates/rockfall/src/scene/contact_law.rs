@@ -213,7 +213,7 @@ impl Scene {
         }
         let numbers = 0..=self.materials().len() as u16;
         let pairs = numbers.clone().flat_map(|one| numbers.clone().map(move |other| self.pair_of_numbers(one, other)));
-        // Without a name of their own, all pairs have that of the scene.
+        // A pair without a restitution has that of the scene.
         let restitutions = pairs.map(|pair| pair.restitution.unwrap_or(self.settings.restitution));
         let least = restitutions.fold(f32::INFINITY, f32::min);
         damping_for(ContactLaw::Linear, least) * self.resolved_settings().contact_force.max(0.0).sqrt()

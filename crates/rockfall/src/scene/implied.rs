@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::{DMat3, DQuat, DVec3};
 
 use super::rigid::{BodyState, Frame};
+use super::shape::capsule_along_x;
 use super::{Handle, Kinetics, MassProperties, RigidBodyId, RodId, Scene, Shape, ShapeId, Sphere, SphereId};
 use crate::disjoint::DisjointSets;
 use crate::fine::Fine;
@@ -312,7 +313,8 @@ impl Scene {
         let distance = balls.arms[1].distance(balls.arms[0]);
         let is_capsule = network.rods.len() == 1 && a.radius == b.radius && a.mass == b.mass && rod.radius == a.radius;
         let (along, across) = if is_capsule {
-            spherocylinder(balls.mass, distance, f64::from(a.radius))
+            let [along, across, ..] = capsule_along_x(balls.mass, distance, f64::from(a.radius)).inertia;
+            (along, across)
         } else {
             let reduced = f64::from(a.mass) * f64::from(b.mass) / balls.mass;
             let along = f64::from(a.inertia()) + f64::from(b.inertia());
@@ -382,17 +384,6 @@ impl Balls {
             orientation: orientation.normalize().as_quat(),
         }
     }
-}
-
-/// The moments of a solid spherocylinder along and across its axis, which is `length` long (docs/physics.md section 1.5).
-fn spherocylinder(mass: f64, length: f64, radius: f64) -> (f64, f64) {
-    let cylinder = mass * length / (length + 4.0 / 3.0 * radius);
-    let balls = mass - cylinder;
-    let squared = radius * radius;
-    let along = 0.5 * cylinder * squared + 0.4 * balls * squared;
-    let across = cylinder * (length * length / 12.0 + 0.25 * squared)
-        + balls * (0.4 * squared + 0.375 * length * radius + 0.25 * length * length);
-    (along, across)
 }
 
 /// How a body with this inertia about its centre of mass moves; `None` if `f32` cannot hold it.

@@ -355,3 +355,10 @@ impl Scene {
         Ok(&self.kinetics[self.shapes.index(id)?])
     }
 }
+
+/// The mass properties of a solid capsule about its middle. `length` is that of its axis, along x.
+pub(super) fn capsule_along_x(mass: f64, length: f64, radius: f64) -> MassProperties {
+    let [a, b] = [-0.5, 0.5].map(|place| place * length * DVec3::X);
+    let solid = Solid::new(vec![Part::sphere(a, radius), Part::sphere(b, radius), Part::cylinder(a, b, radius)]).properties();
+    solid.scaled(mass / solid.mass)
+}
