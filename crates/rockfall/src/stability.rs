@@ -46,6 +46,7 @@ mod necks;
 mod resolution;
 mod rods;
 mod servos;
+mod sides;
 mod softness;
 mod speed;
 
@@ -281,6 +282,8 @@ impl Scene {
         if self.settings.contact_law.has_history() {
             return None;
         }
+        let side = self.stiffness_of_sides();
+        let (force, damping) = (side * force, side.sqrt() * damping);
         match self.crowd() {
             Crowd::None => None,
             Crowd::Pair => Some(few_steps(1.0, force, damping, integrator)),

@@ -24,7 +24,8 @@ const PROFILED: u64 = 200;
 /// mu = 0.65, mu_r = 0.1 (model C), a drum four times as long as its radius (0.2 m for 1,000,000 grains). The direction of
 /// gravity turns in the frame of the drum. The grains start as a loose lattice and fall for about 0.2 s, which are 20,000
 /// steps of 1e-5 s. At 12 revolutions per minute the bed begins to flow after about 45,000 steps: --warmup 60000 measures the
-/// flow. Under mpirun, processes share the drum (docs/cluster.md), with --triangles or --rpm 0.
+/// flow. Under mpirun, processes share the drum (docs/cluster.md), with --triangles or --rpm 0. The warm-up steps, and the same timed steps for comparison,
+/// are taken by every process alone first.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// Numbers of grains, separated by commas; each is measured separately

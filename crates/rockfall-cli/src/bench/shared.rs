@@ -17,6 +17,8 @@ use crate::run::team::Starting;
 struct Measured {
     grains: u32,
     device: String,
+    /// Seconds of each run of the first process alone, before the grains are divided.
+    alone: Spread,
     /// Seconds of each run.
     seconds: Spread,
     /// What every process had to do in all runs together.
@@ -32,8 +34,7 @@ pub(super) fn bench(arguments: &Arguments) -> Result<bool, Failure> {
     let mut sizes = Vec::new();
     for grains in &arguments.grains {
         let begun = begin(arguments, *grains, &starting);
-        let (cluster, device) = starting.all(begun)?;
-        sizes.push(measure(arguments, *grains, cluster, device)?);
+        sizes.push(measure(arguments, *grains, starting.all(begun)?)?);
     }
     let text = if arguments.json { object(arguments, &sizes) } else { table(arguments, &sizes) };
     if starting.is_first() {
@@ -42,7 +43,15 @@ pub(super) fn bench(arguments: &Arguments) -> Result<bool, Failure> {
     Ok(true)
 }
 
-fn begin(arguments: &Arguments, grains: u32, starting: &Starting) -> Result<(Cluster<Processes>, String), Failure> {
+/// What one process has before it shares the grains with others.
+struct Begun {
+    cluster: Cluster<Processes>,
+    device: String,
+    alone: Spread,
+}
+
+/// Every process takes the warm-up steps, and the timed steps for the comparison, alone: grains that fall would be divided very often.
+fn begin(arguments: &Arguments, grains: u32, starting: &Starting) -> Result<Begun, Failure> {
     if !arguments.has_still_gravity() {
         let message = "MPI: processes cannot share a drum whose direction of gravity turns: expected --triangles or --rpm 0";
         return Err(Failure::usage(message));
@@ -50,23 +59,33 @@ fn begin(arguments: &Arguments, grains: u32, starting: &Starting) -> Result<(Clu
     let options = starting.options(arguments.options());
     let mut simulation = Simulation::with_options(arguments.scene(grains)?, options)?;
     let device = simulation.backend().device.clone();
+    output::note(&format!("drum {grains}: {} warm-up steps on each process alone", arguments.warmup));
+    simulation.run(arguments.warmup, arguments.dt)?;
+    let alone = timed(arguments, grains, |steps| Ok(simulation.run(steps, arguments.dt).map(drop)?))?;
     let Some(cluster) = starting.cluster(&mut simulation)? else { unreachable!("mpirun started this process") };
-    Ok((cluster, device))
+    Ok(Begun { cluster, device, alone })
 }
 
-fn measure(arguments: &Arguments, grains: u32, mut cluster: Cluster<Processes>, device: String) -> Result<Measured, Failure> {
-    output::note(&format!("drum {grains}: {} warm-up steps", arguments.warmup));
-    cluster.run(arguments.warmup, arguments.dt)?;
-    let before = cluster.work()?;
+/// The seconds of each run.
+fn timed(arguments: &Arguments, grains: u32, mut run: impl FnMut(u64) -> Result<(), Failure>) -> Result<Spread, Failure> {
     let mut seconds = Vec::new();
-    for run in 1..=arguments.runs {
-        output::note(&format!("drum {grains}: run {run} of {}", arguments.runs));
+    for number in 1..=arguments.runs {
+        output::note(&format!("drum {grains}: run {number} of {}", arguments.runs));
         let start = Instant::now();
-        cluster.run(arguments.steps, arguments.dt)?;
+        run(arguments.steps)?;
         seconds.push(start.elapsed().as_secs_f64());
     }
+    Ok(Spread::of(seconds))
+}
+
+fn measure(arguments: &Arguments, grains: u32, begun: Begun) -> Result<Measured, Failure> {
+    let Begun { mut cluster, device, alone } = begun;
+    // The first steps divide the grains and build lists.
+    cluster.run(arguments.steps, arguments.dt)?;
+    let before = cluster.work()?;
+    let seconds = timed(arguments, grains, |steps| Ok(cluster.run(steps, arguments.dt)?))?;
     let work = cluster.work()?.into_iter().zip(before).map(|(after, before)| after - before).collect();
-    Ok(Measured { grains, device, seconds: Spread::of(seconds), work })
+    Ok(Measured { grains, device, alone, seconds, work })
 }
 
 fn table(arguments: &Arguments, sizes: &[Measured]) -> String {
@@ -90,6 +109,14 @@ fn table(arguments: &Arguments, sizes: &[Measured]) -> String {
             min * ms,
             max * ms,
             rate / 1e6
+        );
+        let _ = writeln!(
+            text,
+            "one process alone: {:.3} ms per step ({:.3} to {:.3}), so {processes} are {:.2} times as fast",
+            size.alone.median * ms,
+            size.alone.min * ms,
+            size.alone.max * ms,
+            size.alone.median / median
         );
         let _ = writeln!(
             text,
@@ -123,6 +150,7 @@ fn object(arguments: &Arguments, sizes: &[Measured]) -> String {
         json!({
             "grains": size.grains,
             "seconds": size.seconds.json(),
+            "alone": size.alone.json(),
             "processes": size.work.iter().map(work).collect::<Vec<Value>>(),
         })
     };

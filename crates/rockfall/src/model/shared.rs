@@ -1,5 +1,8 @@
 //! Which spheres a process shares with others (docs/cluster.md).
 
+/// Words of a row that is sent to another process: the motion of a sphere.
+pub(crate) const SENT_WORDS: usize = 12;
+
 /// What a process shares with others. Spheres are given by their indices in its simulation.
 #[derive(Debug, Default)]
 pub(crate) struct Shared {

@@ -11,6 +11,7 @@ use crate::model::view::{TINY, View};
 use crate::physics::first_contact::time_of_visible_beginning;
 use crate::physics::geometry::ROUNDED;
 use crate::physics::pairs::{Surface, Surfaces};
+use crate::physics::rigid::wall_damping;
 use crate::physics::side::Side;
 use crate::physics::sides::sides;
 use crate::physics::touch::Touch;
@@ -87,12 +88,14 @@ pub(crate) fn contact_force(view: &View, lists: &Lists, [id_a, id_b]: [u32; 2], 
         }
     }
     let [a, b] = sides.each_ref().map(Sides::splat);
-    let surfaces = Surfaces::splat(&Surface::of(view, id_a, id_b));
+    let mut surface = Surface::of(view, id_a, id_b);
+    surface.damping *= wall_damping(view, [id_a, id_b], touch, sides[0].inverse_mass);
+    let surfaces = Surfaces::splat(&surface);
     let of_four = contact_forces(view.step, &a, &b, &Touches::splat(touch), &surfaces);
     let [mut force, mut torque_a, mut torque_b] = [of_four.force, of_four.torque_a, of_four.torque_b].map(|v| v.to_rows()[0]);
     let mu = surfaces.coulomb_friction.x;
     if mu > 0.0 && view.touches_body([id_a, id_b]) {
-        let press = -force.dot(touch.normal);
+        let press = (-force.dot(touch.normal)).max(0.0);
         let friction = body_friction(view.step, &sides, touch, mu, press);
         let [arm_a, arm_b] = arms(&a, &b, Vec4::splat(touch.overlap)).map(|arm| arm.x);
         let torque = touch.normal.cross(friction);

@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/period.wgsl
-// requires physics/walls.wgsl physics/rigid.wgsl physics/rigid_box.wgsl physics/rigid_parts.wgsl
+// requires physics/wall_damping.wgsl physics/walls.wgsl physics/rigid.wgsl physics/rigid_box.wgsl physics/rigid_parts.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
 
@@ -379,7 +379,8 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
     if !has_force(overlap, approach, radius, a, b) {
         return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
     }
-    let press = pressure_of(overlap, approach, damping_of(a, b));
+    let damping = damping_of(a, b) * wall_damping(a, b, overlap, n, a_side.inverse_mass);
+    let press = pressure_of(overlap, approach, damping);
     let arms = arms_of(a_side, b_side, overlap, b_moves);
     var friction = vec3f(0.0);
     // With Coulomb friction, impulses replace the friction force. The reason for the combined condition is in objects.wgsl
@@ -397,7 +398,7 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
     if RIGID_BODIES {
         let mu = coulomb_friction_of(a, b);
         if (mu > 0.0) & touches_body(a, b) {
-            friction = body_friction(a_side, b_side, arms, n, approach, mu * press * reduced_mass);
+            friction = body_friction(a_side, b_side, arms, n, approach, mu * max(press, 0.0) * reduced_mass);
         }
     }
     return ContactForce(friction - press * reduced_mass * n, cross(n, friction), arms.x, arms.y);

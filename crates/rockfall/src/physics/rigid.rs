@@ -1,7 +1,10 @@
 //! The sides of rigid bodies in contacts (docs/physics.md section 4.16).
 
+use glam::Vec3;
+
+use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_THESIS};
 use crate::model::rigid::times;
-use crate::model::view::{Object, View};
+use crate::model::view::{Object, PartOfBox, View};
 use crate::physics::motions::Touch;
 use crate::physics::rigid_box::core_point;
 use crate::physics::side::{Side, side};
@@ -35,4 +38,39 @@ pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, other: O
         free_acceleration: f32::INFINITY,
         ..side
     }
+}
+
+/// Factor of the damping of a contact of objects A and B. If A is a sphere of a rigid body and B a wall, all spheres of the body that touch
+/// the wall, taken as a plane, damp as one contact. `inverse_mass` is that of A.
+pub(crate) fn wall_damping(view: &View, [a, b]: [u32; 2], touch: &Touch, inverse_mass: f32) -> f32 {
+    let (Object::Sphere(own), Object::Cuboid(_) | Object::Polygon(_)) = (view.object(a), view.object(b)) else { return 1.0 };
+    let is_solid = |sphere: u32| view.part_of_box(Object::Sphere(sphere)) == Some(PartOfBox::Solid);
+    let Some(body) = view.body_of_sphere(own).filter(|_| touch.overlap > 0.0 && !is_solid(own)) else { return 1.0 };
+    let body = view.rigid_body(body);
+    let pressed = touch.overlap * view.radius(own);
+    let turning = |moment: Vec3| {
+        let turn = moment.cross(touch.normal);
+        turn.dot(times(body.inverse_inertia, turn))
+    };
+    let (mut force, mut moment, mut energy) = (0.0, Vec3::ZERO, 0.0);
+    for (index, _) in view.members(body) {
+        let sphere = view.slot_of(index);
+        let place = view.position(sphere);
+        let further = view.radius(sphere) - view.radius(own);
+        let overlap = touch.overlap + ((place - view.position(own)).dot(touch.normal) + further);
+        if overlap <= 0.0 || is_solid(sphere) {
+            continue;
+        }
+        let stiffness = match view.step.layout.law {
+            LAW_THESIS => inverse_mass / (body.inverse_mass + turning(place - body.centre)),
+            LAW_HERTZ_MINDLIN => (view.radius(sphere) * overlap / pressed).sqrt(),
+            _ => 1.0,
+        };
+        let push = stiffness * overlap;
+        force += push;
+        moment += push * (place - body.centre);
+        energy += push * overlap;
+    }
+    let response = body.inverse_mass * force * force + turning(moment);
+    (inverse_mass * energy / response).sqrt()
 }

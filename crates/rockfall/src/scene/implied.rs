@@ -1,4 +1,4 @@
-//! Implied bodies: capsules and frames of rods that move as rigid bodies under laws with history (docs/physics.md section 1.6).
+//! Implied bodies: capsules and frames of rods that move as rigid bodies (docs/physics.md section 1.6).
 
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
@@ -11,6 +11,7 @@ use super::shape::capsule_along_x;
 use super::{Handle, Kinetics, MassProperties, RigidBodyId, RodId, Scene, Shape, ShapeId, Sphere, SphereId};
 use crate::disjoint::DisjointSets;
 use crate::fine::Fine;
+use crate::settings::Settings;
 
 /// Most spheres of an implied body. The work to find out whether a network is rigid grows with the third power of their number.
 const MOST_SPHERES: usize = 100;
@@ -82,8 +83,7 @@ type PairKey = [u32; 7];
 impl Scene {
     /// Finds the implied bodies. Those that are known stay as they are, and so does their state.
     pub(crate) fn imply_bodies(&mut self) {
-        let applies = self.settings.contact_law.has_history() && !self.settings.collisions;
-        let networks = if applies { self.networks() } else { Vec::new() };
+        let networks: Vec<Network> = self.networks().into_iter().filter(|network| self.may_be_body(network)).collect();
         let id_of = |network: &Network| self.implied_of(self.spheres.handle_at(network.spheres[0]));
         let is_known = |network: &&Network| {
             id_of(network).and_then(|id| self.implied.get(id).ok()).is_some_and(|body| {
@@ -101,6 +101,15 @@ impl Scene {
         for body in bodies {
             let id = self.keep_implied(body);
             self.place_implied(id);
+        }
+    }
+
+    /// Whether the settings let a network be a body: capsules have the impulses of the thesis, and bodies have none.
+    fn may_be_body(&self, network: &Network) -> bool {
+        let Settings { contact_law, collisions, continuous_collisions, .. } = self.settings;
+        match network.spheres.len() {
+            2 => contact_law.has_history() && !collisions,
+            _ => !(collisions && continuous_collisions),
         }
     }
 

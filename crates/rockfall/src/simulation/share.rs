@@ -8,16 +8,22 @@ use crate::error::Result;
 #[cfg(feature = "gpu")]
 use crate::exec::gpu::share::Link;
 use crate::model::layout::RATE_WORDS;
-use crate::model::shared::Shared;
+use crate::model::shared::{SENT_WORDS, Shared};
 use crate::scene::Sphere;
 use crate::simulation::{Simulation, engine};
 
-/// Words that a contact with the sphere depends on: position, its low part, velocity, angular momentum.
+/// Words of the motion of a sphere: position, its low part, velocity, angular momentum.
 const MOTION_WORDS: usize = 12;
+/// The regions of the state that have these vectors.
+const REGIONS: [usize; 4] = [0, 3, 1, 2];
 /// Words of the rates of velocity Verlet.
 const KEPT_WORDS: usize = RATE_WORDS as usize;
 /// Words of the whole state of a sphere: those above, then the orientation.
 pub(crate) const ROW_WORDS: usize = MOTION_WORDS + KEPT_WORDS + 4;
+
+/// Where the words that are sent to another process begin in the whole row: the motion; with velocity Verlet the velocity, the angular momentum and the rates. The position of a
+/// copy is exact then, because it follows in a drift from the state before.
+const SENT_FROM: [usize; 2] = [0, 6];
 
 /// The state of a sphere as the bits of its numbers.
 pub(crate) type Row = [u32; ROW_WORDS];
@@ -38,8 +44,8 @@ pub(crate) fn put_in_scene(row: &Row, sphere: &mut Sphere) -> [f32; KEPT_WORDS] 
 #[derive(Debug)]
 pub(crate) struct Rows {
     shared: Shared,
-    /// Words of a row that a contact and the next step depend on.
-    width: usize,
+    /// Where the words that are sent begin in a row.
+    sent_from: usize,
     /// The places of spheres in memory, by insertion index.
     slots: Vec<u32>,
     /// The version of these places.
@@ -55,13 +61,13 @@ impl Rows {
         shared.own.iter().for_each(|index| own[*index as usize] = true);
         simulation.world.set_own(own);
         simulation.engine.upload_topology(&simulation.world)?;
-        let width = MOTION_WORDS + if simulation.world.rates.is_empty() { 0 } else { KEPT_WORDS };
+        let is_verlet = !simulation.world.rates.is_empty();
         #[cfg(feature = "gpu")]
-        let link = simulation.engine.gpu_world().map(|world| Link::new(world, &shared, width)).transpose()?;
+        let link = simulation.engine.gpu_world().map(|world| Link::new(world, &shared, is_verlet)).transpose()?;
         let (slots, packings) = (Vec::new(), 0);
         Ok(Self {
             shared,
-            width,
+            sent_from: SENT_FROM[usize::from(is_verlet)],
             slots,
             packings,
             #[cfg(feature = "gpu")]
@@ -76,7 +82,7 @@ impl Rows {
 
     /// Empty messages of the right lengths, to and from every process.
     pub(crate) fn messages(&self) -> [Vec<Vec<u32>>; 2] {
-        let empty = |spheres: &[Vec<u32>]| spheres.iter().map(|spheres| vec![0; spheres.len() * self.width]).collect();
+        let empty = |spheres: &[Vec<u32>]| spheres.iter().map(|spheres| vec![0; spheres.len() * SENT_WORDS]).collect();
         [empty(&self.shared.sent), empty(&self.shared.received)]
     }
 
@@ -89,8 +95,8 @@ impl Rows {
         }
         self.find(simulation);
         for (words, sent) in to.iter_mut().zip(&self.shared.sent) {
-            let rows = words.chunks_exact_mut(self.width).zip(sent);
-            rows.for_each(|(row, index)| row.copy_from_slice(&self.row(simulation, *index)[..self.width]));
+            let rows = words.chunks_exact_mut(SENT_WORDS).zip(sent);
+            rows.for_each(|(row, index)| row.copy_from_slice(&self.row(simulation, *index)[self.sent_from..][..SENT_WORDS]));
         }
         Ok(self.has_room(simulation, dt))
     }
@@ -104,7 +110,7 @@ impl Rows {
             return link.put(world, from);
         }
         for (words, received) in from.iter().zip(&self.shared.received) {
-            let rows = words.chunks_exact(self.width).zip(received);
+            let rows = words.chunks_exact(SENT_WORDS).zip(received);
             rows.for_each(|(row, index)| self.put_row(simulation, *index, row));
         }
         Ok(())
@@ -138,8 +144,7 @@ impl Rows {
         let (world, slot) = (&simulation.world, self.slots[index as usize] as usize);
         let region = |region: usize| world.states[0][region * self.slots.len() + slot].truncate().to_array().map(f32::to_bits);
         let mut row = [0; ROW_WORDS];
-        // The low parts of positions are in region 3.
-        for (part, number) in [0, 3, 1, 2].into_iter().enumerate() {
+        for (part, number) in REGIONS.into_iter().enumerate() {
             row[3 * part..3 * part + 3].copy_from_slice(&region(number));
         }
         if !world.rates.is_empty() {
@@ -152,15 +157,13 @@ impl Rows {
 
     fn put_row(&self, simulation: &mut Simulation, index: u32, words: &[u32]) {
         let (world, slot) = (&mut simulation.world, self.slots[index as usize] as usize);
-        for (part, number) in [0, 3, 1, 2].into_iter().enumerate() {
-            let row = &mut world.states[0][number * self.slots.len() + slot];
-            let vector = Vec3::from_array(std::array::from_fn(|at| f32::from_bits(words[3 * part + at])));
+        let mut words = words.chunks_exact(3).map(|words| Vec3::from_array([0, 1, 2].map(|at| f32::from_bits(words[at]))));
+        for (region, vector) in REGIONS[self.sent_from / 3..].iter().zip(&mut words) {
+            let row = &mut world.states[0][region * self.slots.len() + slot];
             *row = vector.extend(row.w);
         }
-        if !world.rates.is_empty() {
-            let rates = &mut world.rates[index as usize * KEPT_WORDS..][..KEPT_WORDS];
-            rates.copy_from_slice(cast_slice(&words[MOTION_WORDS..][..KEPT_WORDS]));
-        }
+        let rates = world.rates.get_mut(index as usize * KEPT_WORDS..).unwrap_or_default();
+        rates.chunks_exact_mut(3).zip(words).for_each(|(rates, vector)| rates.copy_from_slice(&vector.to_array()));
     }
 
     /// Whether all own spheres have room: with velocity Verlet after the drift of the next step, otherwise at once.

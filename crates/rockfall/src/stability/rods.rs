@@ -84,7 +84,11 @@ impl Scene {
             let along = axis.dot(accelerations[b] - accelerations[a]).abs() / f64::from(length);
             (!one.fixed && !two.fixed).then_some((along, ends))
         };
-        let strains = self.rods().iter().filter_map(|rod| strain([rod.end1, rod.end2], rod.length?));
+        // Rods of frames are parts of rigid bodies, which keep it.
+        let mut frames = self.clone();
+        frames.imply_bodies();
+        let loose = self.rod_ids().zip(self.rods()).filter(|(id, _)| frames.implied_of_rod(*id).is_none());
+        let strains = loose.filter_map(|(_, rod)| strain([rod.end1, rod.end2], rod.length?));
         let (strain, ends) = strains.reduce(|most, next| if next.0 > most.0 { next } else { most })?;
         let lost = |dt: f64| strain.powi(2) * dt.powi(3) / 6.0;
         let largest_dt = (6.0 * LOST / strain.powi(2)).cbrt();

@@ -131,6 +131,7 @@ const SHARED: &[Part] = &[
     part!("physics/touch.wgsl"),
     part!("physics/travel.wgsl"),
     part!("physics/wall_bounds.wgsl"),
+    part!("physics/wall_damping.wgsl"),
     part!("physics/walls.wgsl"),
     part!("step/broad_phase/brute_force/pair_tiles.wgsl"),
     part!("step/broad_phase/grid/bitonic.wgsl"),

@@ -14,7 +14,7 @@ use crate::exec::gpu::wait::Mapped;
 use crate::exec::gpu::world::{GpuWorld, UNIFORM};
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
-use crate::model::shared::Shared;
+use crate::model::shared::{SENT_WORDS, Shared};
 
 /// Threads per workgroup in `share.wgsl`.
 const THREADS: u32 = 256;
@@ -26,7 +26,7 @@ struct Block {
     spheres: u32,
     slots_at: u32,
     count: u32,
-    width: u32,
+    is_verlet: u32,
     axis: u32,
     room: f32,
     dt: f32,
@@ -56,15 +56,15 @@ pub(crate) struct Link {
     belt: StagingBelt,
     axis: u32,
     room: f32,
-    width: u32,
+    is_verlet: bool,
 }
 
 impl Link {
-    /// Makes the tables, for rows of `width` words.
+    /// Makes the tables.
     ///
     /// # Errors
     /// [`Error::Device`](crate::Error::Device) when memory runs out, or an array of the world is larger than one binding may be.
-    pub(crate) fn new(world: &GpuWorld, shared: &Shared, width: usize) -> Result<Self> {
+    pub(crate) fn new(world: &GpuWorld, shared: &Shared, is_verlet: bool) -> Result<Self> {
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
         let device = world.gpu().device();
         let made = |name: &str, words: usize| make_buffer(device, name, 4 * words.max(1) as u64, storage);
@@ -80,13 +80,13 @@ impl Link {
         };
         let own = table(&shared.own, 1)?;
         catch(device, || world.gpu().queue().write_buffer(&own.words, 0, cast_slice(&shared.starts)))?;
-        let sent = table(&shared.sent.concat(), width)?;
+        let sent = table(&shared.sent.concat(), SENT_WORDS)?;
         let staging = make_buffer(device, "shared rows", sent.words.size() + 4, READ_BACK)?;
-        let received = table(&shared.received.concat(), width)?;
-        let (axis, room, width) = (shared.axis as u32, shared.room as f32, width as u32);
+        let received = table(&shared.received.concat(), SENT_WORDS)?;
+        let (axis, room) = (shared.axis as u32, shared.room as f32);
         let kernels = world.gpu().sharers()?;
         let belt = StagingBelt::new(device.clone(), received.words.size());
-        Ok(Self { kernels, sent, received, own, is_far: made("far", 1)?, staging, belt, axis, room, width })
+        Ok(Self { kernels, sent, received, own, is_far: made("far", 1)?, staging, belt, axis, room, is_verlet })
     }
 
     /// Reads the rows that are sent to each process. Returns whether some own sphere may leave its room in a step of `dt` seconds.
@@ -155,9 +155,10 @@ impl Link {
             return Ok(());
         }
         let (gpu, layout) = (world.gpu(), &world.step().layout);
-        let Self { axis, room, width, .. } = *self;
+        let Self { axis, room, is_verlet, .. } = *self;
         let (spheres, slots_at) = (layout.spheres, layout.slots_at);
-        let block = Block { spheres, slots_at, count: table.count, width, axis, room, dt, padding: 0 };
+        let block =
+            Block { spheres, slots_at, count: table.count, is_verlet: u32::from(is_verlet), axis, room, dt, padding: 0 };
         let arrays = [Buffer::Start, Buffer::Topology, Buffer::Rates].map(|array| world.buffer(array));
         let [state, topology, rates] = arrays;
         let buffers = [&table.block, state?, topology?, rates?, &table.indices, &table.words, &self.is_far];

@@ -8,8 +8,9 @@ struct Share {
     slots_at: u32,
     // Number of rows of this dispatch.
     count: u32,
-    // Words of a row: position, its low part, velocity, angular momentum, and with velocity Verlet acceleration and torque.
-    width: u32,
+    // 1 with velocity Verlet. Then a row has velocity, angular momentum, acceleration and torque. Otherwise it has the position, its low part,
+    // velocity and angular momentum.
+    is_verlet: u32,
     // The axis along which spheres are divided.
     axis: u32,
     // How far a sphere may move along it, in units.
@@ -29,7 +30,7 @@ struct Share {
 // 1 if a sphere may leave its room.
 @group(0) @binding(6) var<storage, read_write> is_far: atomic<u32>;
 
-const MOTION_WORDS: u32 = 12u;
+const ROW_WORDS: u32 = 12u;
 const RATE_WORDS: u32 = 6u;
 
 // A thread in a dispatch of several rows of workgroups.
@@ -50,7 +51,7 @@ fn slot_of(index: u32) -> u32 {
     return topology[share.slots_at + index];
 }
 
-// The region of the state that has part `part` of a row. The low parts of positions are the last region.
+// The region of the state that has a part of the motion. The low parts of positions are the last region.
 fn region_of(part: u32) -> u32 {
     return array(0u, 3u, 1u, 2u)[part];
 }
@@ -65,16 +66,17 @@ fn take(thread: Thread) {
     if row >= share.count {
         return;
     }
-    let first = row * share.width;
+    var at = row * ROW_WORDS;
     let slot = slot_of(indices[row]);
-    for (var part = 0u; part < 4u; part++) {
+    for (var part = 2u * share.is_verlet; part < 4u; part++) {
         let vector = state[region_of(part) * share.spheres + slot];
-        words[first + 3u * part] = vector.x;
-        words[first + 3u * part + 1u] = vector.y;
-        words[first + 3u * part + 2u] = vector.z;
+        words[at] = vector.x;
+        words[at + 1u] = vector.y;
+        words[at + 2u] = vector.z;
+        at += 3u;
     }
-    for (var word = MOTION_WORDS; word < share.width; word++) {
-        words[first + word] = rates[indices[row] * RATE_WORDS + word - MOTION_WORDS];
+    for (var word = 0u; word < RATE_WORDS * share.is_verlet; word++) {
+        words[at + word] = rates[indices[row] * RATE_WORDS + word];
     }
 }
 
@@ -84,14 +86,15 @@ fn put(thread: Thread) {
     if row >= share.count {
         return;
     }
-    let first = row * share.width;
+    var at = row * ROW_WORDS;
     let slot = slot_of(indices[row]);
-    for (var part = 0u; part < 4u; part++) {
-        let at = region_of(part) * share.spheres + slot;
-        state[at] = vec4u(vector_in(first + 3u * part), state[at].w);
+    for (var part = 2u * share.is_verlet; part < 4u; part++) {
+        let place = region_of(part) * share.spheres + slot;
+        state[place] = vec4u(vector_in(at), state[place].w);
+        at += 3u;
     }
-    for (var word = MOTION_WORDS; word < share.width; word++) {
-        rates[indices[row] * RATE_WORDS + word - MOTION_WORDS] = words[first + word];
+    for (var word = 0u; word < RATE_WORDS * share.is_verlet; word++) {
+        rates[indices[row] * RATE_WORDS + word] = words[at + word];
     }
 }
 
@@ -106,7 +109,7 @@ fn look(thread: Thread) {
     let slot = slot_of(indices[row]);
     let place = bitcast<f32>(state[slot][share.axis]);
     var drift = 0.0;
-    if share.width > MOTION_WORDS {
+    if share.is_verlet != 0u {
         let rate = bitcast<f32>(rates[indices[row] * RATE_WORDS + share.axis]);
         drift = abs((bitcast<f32>(state[share.spheres + slot][share.axis]) + 0.5 * share.dt * rate) * share.dt);
     }

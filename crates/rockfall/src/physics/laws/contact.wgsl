@@ -1,6 +1,6 @@
 // requires model/step.wgsl physics/contact.wgsl physics/round_pair.wgsl physics/laws/hertz_mindlin.wgsl
 // requires physics/laws/history.wgsl physics/laws/jkr.wgsl physics/laws/linear.wgsl physics/laws/resistance.wgsl
-// requires physics/laws/stiffness.wgsl physics/laws/user.wgsl physics/pairs.wgsl physics/walls.wgsl
+// requires physics/laws/stiffness.wgsl physics/laws/user.wgsl physics/pairs.wgsl physics/wall_damping.wgsl physics/walls.wgsl
 
 // Forces of a contact by a law with history, and its tangential spring (docs/physics.md section 4.11).
 
@@ -76,7 +76,8 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, kept_befo
     }
     let mass = 1.0 / (a_side.inverse_mass + b_side.inverse_mass);
     let radius = select(a_side.radius, a_side.radius * b_side.radius / (a_side.radius + b_side.radius), b_moves);
-    let constants = law_constants_of(a, b);
+    var constants = law_constants_of(a, b);
+    constants.z *= wall_damping(a, b, overlap, n, a_side.inverse_mass);
     var cohesion = 0.0;
     if COHESION {
         cohesion = cohesion_of(a, b);

@@ -66,9 +66,31 @@ fn e30_frames_and_capsules_stay_on_a_slope(backend: Backend) {
             simulation.run(steps, 1e-4).expect("steps");
         }
         let way = mean(&mut simulation, place).distance(before);
-        let allowed = on(backend, 2e-7, 1e-4);
+        let allowed = on(backend, 5e-7, 1e-4);
         assert!(way < allowed, "the {name} moved by {way}");
     }
+}
+
+/// `frame-on-slope.txt` under the thesis's law: a tetrahedron on a slope of 10 degrees with friction 0.8 rolled at 0.76 G sin a, 1.3 units in 1 s. Friction is a
+/// force there, so that it creeps with the slip at which this force holds it.
+fn e30_a_frame_stays_on_a_slope_under_the_law_of_the_thesis(backend: Backend) {
+    let ball = |[x, y, z]: [f64; 3]| format!("S {x} {y} {z} 0 0 0 0 0 0 1 0.5 0\n");
+    let feet = [[1.0, 0.5, 0.0], [-0.5, 0.5, 0.866_025_403_8], [-0.5, 0.5, -0.866_025_403_8], [0.0, 1.909_813_4, 0.0]];
+    let balls: String =
+        feet.iter().enumerate().map(|(number, at)| ball(*at).replacen("S", &format!("S {number}"), 1)).collect();
+    let lengths = |b: usize| if b == 3 { 1.728_457_2 } else { 1.732_050_8 };
+    let rods: String = (0..4).flat_map(|b| (0..b).map(move |a| format!("R {a} {b} 0.2 {}\n", lengths(b)))).collect();
+    let text = format!(
+        "set gravity 9.81\nset gravity_direction 0.17364817766693033 -0.984807753012208 0\nset coulomb_friction 0.8\n\
+         set collision_friction 0.8\nB -50 -1 -50  100 0 0  0 1 0  0 0 100\n{balls}{rods}"
+    );
+    let mut simulation = opened(scene(&text), backend, Integrator::Rk4);
+    let steps = on(backend, 1_000, 250);
+    let place = |sphere: &rockfall::SphereState| sphere.position;
+    let before = mean(&mut simulation, place);
+    simulation.run(steps, 1e-3).expect("steps");
+    let way = mean(&mut simulation, place).distance(before);
+    assert!(way < 0.03, "it moved by {way}");
 }
 
 /// A capsule with r = 1, l = 4 and mass 1 that a couple turns: its moment of inertia across the axis is 2.6625, not 4.4 (that of two balls).
@@ -152,6 +174,7 @@ fn e30_a_resumed_run_has_the_same_bits(backend: Backend) {
 both! {
     e30_capsules_and_frames_are_rigid_bodies_under_laws_with_history,
     e30_frames_and_capsules_stay_on_a_slope,
+    e30_a_frame_stays_on_a_slope_under_the_law_of_the_thesis,
     e30_a_couple_turns_a_capsule_as_a_solid,
     e30_a_braced_cube_keeps_its_angular_momentum,
     e30_the_parts_of_a_body_are_changed_as_before,
