@@ -8,12 +8,16 @@ mod common;
 
 #[path = "witness/advance.rs"]
 mod advance;
+#[path = "witness/bodies.rs"]
+mod bodies;
 #[path = "witness/chains.rs"]
 mod chains;
 #[path = "witness/closed.rs"]
 mod closed;
 #[path = "witness/closed_surfaces.rs"]
 mod closed_surfaces;
+#[path = "witness/clumps.rs"]
+mod clumps;
 #[path = "witness/collide.rs"]
 mod collide;
 #[path = "witness/compare.rs"]
@@ -207,5 +211,26 @@ fn the_cpu_agrees_with_the_witness_in_a_long_run() {
         println!("from {first}: {tally}");
         tally.failures.iter().filter_map(|text| text.lines().next()).for_each(|line| println!("  {line}"));
         assert!(tally.worst < 4.0, "{}", tally.failures.concat());
+    }
+}
+
+#[test]
+#[ignore = "dev"]
+fn dev_bodies() {
+    for integrator in [None, Some(Integrator::VelocityVerlet)] {
+        for kind in [22, 23, 24] {
+            let mut tally = Tally::default();
+            let mistake = std::env::var("FACTOR").is_err().then_some(Mistake::WallFactor);
+            for seed in (0..300 * scenes::KINDS as u64).filter(|seed| *seed as usize % scenes::KINDS == kind) {
+                let mut plan = scenes::plan(seed, 1, 1);
+                plan.integrator = integrator.unwrap_or(plan.integrator);
+                let name = format!("seed {seed} kind {kind} {}", plan.integrator);
+                Trial { name, plan: &plan, backend: Backend::Cpu, steps: 6, mistake, phases: seed % 3 != 0 }.run(&mut tally);
+            }
+            println!("kind {kind} {integrator:?} {} failures {tally}", tally.failures.len());
+            for failure in tally.failures.iter().take(3) {
+                println!("{failure}");
+            }
+        }
     }
 }

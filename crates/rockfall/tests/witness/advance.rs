@@ -80,11 +80,8 @@ impl World {
         let old = self.positions();
         let rates = self.rates();
         let dt = self.dt;
-        for (at, ball) in self.balls.iter_mut().enumerate().filter(|(_, ball)| !ball.fixed) {
-            ball.v += dt * rates.v[at];
-            ball.l += dt * rates.l[at];
-            ball.x += dt * ball.v;
-        }
+        self.advance(&Motion::none(self), &rates, dt);
+        self.advance(&Motion::of(self), &Motion::none(self), dt);
         Course { old, spin: self.spins() }
     }
 
@@ -93,44 +90,43 @@ impl World {
         let old = self.positions();
         let half = 0.5 * self.dt;
         let rates = self.rates();
-        self.advance(&vec![DVec3::ZERO; self.balls.len()], &rates, half);
+        self.advance(&Motion::none(self), &rates, half);
         let spin = self.spins();
-        let velocities: Vec<DVec3> = self.balls.iter().map(|ball| ball.v).collect();
-        self.advance(&velocities, &Motion::none(self), self.dt);
+        self.advance(&Motion::of(self), &Motion::none(self), self.dt);
         self.place_walls(self.time + self.dt);
         self.constrain(&old);
         let rates = self.rates();
-        self.advance(&vec![DVec3::ZERO; self.balls.len()], &rates, half);
+        self.advance(&Motion::none(self), &rates, half);
         Course { old, spin }
     }
 
     fn rk4(&mut self) -> Course {
         let start = self.clone();
-        let (mut mean_velocity, mut sum) = (vec![DVec3::ZERO; self.balls.len()], Motion::none(self));
-        let mut spin = mean_velocity.clone();
+        let (mut mean, mut sum) = (Motion::none(self), Motion::none(self));
+        let mut spin = vec![DVec3::ZERO; self.balls.len()];
         let mut stage = start.clone();
         for (weight, next) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)] {
             let rates = stage.rates();
-            let velocities: Vec<DVec3> = stage.balls.iter().map(|ball| ball.v).collect();
+            let motion = Motion::of(&stage);
             let part = weight / 6.0;
-            for (at, turn) in stage.spins().into_iter().enumerate() {
-                mean_velocity[at] += part * velocities[at];
-                spin[at] += part * turn;
-            }
+            stage.spins().into_iter().zip(&mut spin).for_each(|(turn, spin)| *spin += part * turn);
+            mean.add(&motion, part);
             sum.add(&rates, part);
             stage = start.clone();
-            stage.advance(&velocities, &rates, next * self.dt);
+            stage.advance(&motion, &rates, next * self.dt);
             stage.place_walls(start.time + next * self.dt);
         }
-        self.advance(&mean_velocity, &sum, self.dt);
+        self.advance(&mean, &sum, self.dt);
         Course { old: start.positions(), spin }
     }
 
-    fn advance(&mut self, velocities: &[DVec3], rates: &Motion, time: f64) {
+    /// Moves everything with the velocities of `motion`, which change at the given rates.
+    fn advance(&mut self, motion: &Motion, rates: &Motion, time: f64) {
         for (at, ball) in self.balls.iter_mut().enumerate().filter(|(_, ball)| !ball.fixed) {
-            ball.x += time * velocities[at];
+            ball.x += time * motion.v[at];
             ball.v += time * rates.v[at];
             ball.l += time * rates.l[at];
         }
+        self.advance_clumps(motion, rates, time);
     }
 }

@@ -58,7 +58,7 @@ impl World {
     /// Finds the pressed contacts, and which of them collide (docs/physics.md section 3.1) and are lone (section 3.5).
     pub(crate) fn find(&self) -> Vec<Pressed> {
         let mut pressed = Vec::new();
-        for (pair, line) in self.touches() {
+        for (pair, line) in self.touches().into_iter().filter(|(pair, _)| !self.has_clump(pair)) {
             let mass: f64 = sides(&pair, &line).into_iter().map(|side| self.unprojected(side, line.n)).sum();
             if line.o > PRESSED * self.least_radius(&pair) && mass > 0.0 {
                 let collides = self.closing(&pair, &line) > self.threshold(&pair);
@@ -159,7 +159,7 @@ impl World {
                     change.l[ball] += impulse.l[ball];
                 }
                 Body::Capsule(bar) => self.capsule_forth(bar, tau, &impulse, change, moved),
-                Body::Network(_) => {}
+                Body::Network(_) | Body::Clump(_) => {}
             }
         }
     }
@@ -201,7 +201,7 @@ impl World {
                     let shift = way(v);
                     world.place(bar, &Rigid::of(self, bar), shift, d, v - tau * a, q);
                 }
-                Body::Network(_) => {}
+                Body::Network(_) | Body::Clump(_) => {}
             }
         }
         world

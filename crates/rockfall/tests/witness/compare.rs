@@ -9,9 +9,10 @@ use std::fmt::{self, Write as _};
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use rockfall::glam::DVec3;
-use rockfall::{Backend, Integrator, Options, Report, Simulation, SphereState};
+use rockfall::glam::{DQuat, DVec3};
+use rockfall::{Backend, Integrator, Options, Report, RigidBody, Simulation, SphereState};
 
+use crate::bodies::state_of;
 use crate::collide::Pressed;
 use crate::scenes::{Plan, Regime, together};
 use crate::world::{Ball, Body, Constants, Mistake, Sweeps, World};
@@ -113,6 +114,7 @@ fn perturbed(world: &World, seed: u64) -> World {
     let scale = scale(world);
     let mut near = |size: f64| 3.0 * EPS * size * rng.random_range(-1.0..1.0);
     let mut world = World { sweeps: Sweeps::WithinTolerance(seed), slack: near(10.0), ..world.clone() };
+    let reaches: Vec<Ball> = world.compared().split_off(world.balls.len());
     for ball in &mut world.balls {
         for axis in 0..3 {
             ball.x[axis] += near(scale.place);
@@ -122,6 +124,19 @@ fn perturbed(world: &World, seed: u64) -> World {
         ball.radius += near(ball.radius);
         ball.mass += near(ball.mass);
     }
+    for (clump, size) in world.clumps.iter_mut().zip(reaches) {
+        for axis in 0..3 {
+            clump.x[axis] += near(scale.place);
+            clump.v[axis] += near(scale.speed);
+            clump.l[axis] += near(clump.l.length().max(scale.speed * clump.moments.min_element() / size.radius));
+            clump.moments[axis] += near(clump.moments[axis]);
+            // The places of its spheres are rounded one by one.
+            clump.members.iter_mut().for_each(|(_, arm)| arm[axis] += near(scale.place));
+        }
+        clump.mass += near(clump.mass);
+        clump.q = (clump.q * DQuat::from_xyzw(near(1.0), near(1.0), near(1.0), 1.0)).normalize();
+    }
+    world.place_members();
     for bar in &mut world.bars {
         bar.radius += near(bar.radius);
         bar.length = bar.length.map(|length| length + near(length));
@@ -162,29 +177,30 @@ fn field_differences(one: &Ball, two: &Ball) -> [f64; 4] {
 fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, runs: u64) -> Option<Vec<[f64; 4]>> {
     let (before, after) = (scale(world), scale(&outcome.world));
     let speed = before.speed.max(after.speed);
-    let mut spread = vec![[0.0_f64; 4]; world.balls.len()];
+    let (balls, expected) = (world.compared(), outcome.world.compared());
+    let mut spread = vec![[0.0_f64; 4]; balls.len()];
     let mut lost = outcome.world.lost;
     for seed in 0..runs {
         let other = run(perturbed(world, seed), part, lengths_due);
         lost |= other.world.lost || other.collisions() != outcome.collisions();
-        for (most, (one, two)) in spread.iter_mut().zip(other.world.balls.iter().zip(&outcome.world.balls)) {
+        for (most, (one, two)) in spread.iter_mut().zip(other.world.compared().iter().zip(&expected)) {
             for (most, far) in most.iter_mut().zip(field_differences(one, two)) {
                 *most = most.max(far);
             }
         }
     }
     let positions = part != Part::Collisions;
+    let in_network = |at: usize| matches!(world.body.get(at), Some(Some(Body::Network(_))));
     // SHAKE divides the rounding error of positions by the time step. In a network, a part of the length tolerance is
     // divided by it too.
     let off = |at: usize| {
         let mut rods = world.bars.iter().filter(|bar| positions && bar.length.is_some() && bar.ends.contains(&at));
-        let network = matches!(world.body[at], Some(Body::Network(_)));
+        let network = in_network(at);
         let length =
             rods.next().map(|bar| 3.0 * EPS * before.place + if network { NETWORK * bar.length.unwrap_or(0.0) } else { 0.0 });
         length.unwrap_or(0.0)
     };
-    let tolerances: Vec<[f64; 4]> = world
-        .balls
+    let tolerances: Vec<[f64; 4]> = balls
         .iter()
         .enumerate()
         .map(|(at, ball)| {
@@ -196,7 +212,7 @@ fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, r
                 ball.inertia() / ball.radius * speed_floor,
                 ROUNDING * EPS * (1.0 + speed / ball.radius * world.dt) + speed_floor * world.dt / ball.radius,
             ];
-            let factor = if matches!(world.body[at], Some(Body::Network(_))) { NETWORK_SPREAD } else { SPREAD };
+            let factor = if in_network(at) { NETWORK_SPREAD } else { SPREAD };
             std::array::from_fn(|field| floors[field] + factor * spread[at][field])
         })
         .collect();
@@ -205,7 +221,7 @@ fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, r
         let limits = [0.1 * ball.radius, least, least * ball.inertia() / ball.radius, 1.0];
         tolerance.iter().zip(limits).any(|(tolerance, limit)| *tolerance > UNDECIDED * limit)
     };
-    lost |= tolerances.iter().zip(&world.balls).any(wide);
+    lost |= tolerances.iter().zip(&balls).any(wide);
     (!lost).then_some(tolerances)
 }
 
@@ -226,6 +242,8 @@ struct Made<'a> {
     part: Part,
     lengths_due: bool,
     states: &'a [SphereState],
+    /// States of rigid bodies.
+    bodies: &'a [SphereState],
     report: Report,
 }
 
@@ -261,24 +279,27 @@ impl Trial<'_> {
                     return;
                 }
                 let (states, report) = (simulation.spheres().expect("spheres are read back"), simulation.report());
-                self.judge(&worlds, &Made { step, part, lengths_due: due, states: &states, report }, tally);
+                let bodies: Vec<SphereState> = bodies(&worlds, &mut simulation).iter().map(state_of).collect();
+                let made = Made { step, part, lengths_due: due, states: &states, bodies: &bodies, report };
+                self.judge(&worlds, &made, tally);
                 due = always_due || due && part == Part::Collisions;
             }
         }
     }
 
     fn judge(&self, worlds: &[World], made: &Made, tally: &mut Tally) {
-        let &Made { step, part, lengths_due, states, report } = made;
-        let mut first = 0;
+        let &Made { step, part, lengths_due, states, bodies, report } = made;
+        let (mut first, mut first_body) = (0, 0);
         let (mut collisions, mut known) = (0, true);
         for (cluster, world) in worlds.iter().enumerate() {
             let outcome = run(world.clone(), part, lengths_due);
-            let own = &states[first..first + world.balls.len()];
-            first += world.balls.len();
+            let (next, next_body) = (first + world.balls.len(), first_body + world.clumps.len());
+            let own = [&states[first..next], &bodies[first_body..next_body]].concat();
+            (first, first_body) = (next, next_body);
             collisions += outcome.collisions();
             let differing = |runs: u64| {
                 let allowed = tolerances(world, part, lengths_due, &outcome, runs)?;
-                Some(differences(&outcome.world, own, &allowed))
+                Some(differences(&outcome.world, &own, &allowed))
             };
             let mut found = differing(RUNS);
             if found.as_ref().is_some_and(|found| found.0 > 1.0) {
@@ -309,7 +330,8 @@ impl Trial<'_> {
 
 /// Makes the next step evaluate the forces at its start: the witness does not know those of the step before.
 fn evaluate_again(simulation: &mut Simulation) {
-    let id = simulation.scene().sphere_ids().next();
+    let scene = simulation.scene();
+    let id = scene.sphere_ids().find(|id| scene.body_of_sphere(*id).is_none());
     if let Some(id) = id {
         let velocity = simulation.sync().expect("the state").sphere(id).expect("the sphere").velocity;
         simulation.set_velocity(id, velocity).expect("the same velocity");
@@ -323,6 +345,17 @@ fn load(worlds: &mut [World], simulation: &mut Simulation) {
     for (ball, state) in worlds.iter_mut().flat_map(|world| &mut world.balls).zip(&states) {
         ball.set(state);
     }
+    let bodies = bodies(worlds, simulation);
+    worlds.iter_mut().flat_map(|world| &mut world.clumps).zip(&bodies).for_each(|(clump, body)| clump.set(body));
+    worlds.iter_mut().for_each(World::place_members);
+}
+
+/// The rigid bodies of the engine.
+fn bodies(worlds: &[World], simulation: &mut Simulation) -> Vec<RigidBody> {
+    if worlds.iter().all(|world| world.clumps.is_empty()) {
+        return Vec::new();
+    }
+    simulation.sync().expect("the state").bodies().to_vec()
 }
 
 fn engine(simulation: &mut Simulation, part: Part, dt: f32) -> rockfall::Result<()> {
@@ -336,7 +369,7 @@ fn engine(simulation: &mut Simulation, part: Part, dt: f32) -> rockfall::Result<
 /// Returns the largest difference in units of the tolerance, and a description of all that exceed it.
 fn differences(world: &World, states: &[SphereState], allowed: &[[f64; 4]]) -> (f64, String) {
     let (mut worst, mut text) = (0.0_f64, String::new());
-    for (at, ((ball, state), allowed)) in world.balls.iter().zip(states).zip(allowed).enumerate() {
+    for (at, ((ball, state), allowed)) in world.compared().iter().zip(states).zip(allowed).enumerate() {
         let mut seen = ball.clone();
         seen.set(state);
         let far = field_differences(ball, &seen);
@@ -363,6 +396,10 @@ pub(crate) fn describe(world: &World, contacts: &[Pressed]) -> String {
     for (at, ball) in world.balls.iter().enumerate() {
         let body = world.body[at];
         let _ = writeln!(text, "  {at} {body:?} m {} r {} x {} v {} l {}", ball.mass, ball.radius, ball.x, ball.v, ball.l);
+    }
+    for clump in &world.clumps {
+        let (mass, moments, members) = (clump.mass, clump.moments, &clump.members);
+        let _ = writeln!(text, "  body m {mass} J {moments} x {} v {} l {} {members:?}", clump.x, clump.v, clump.l);
     }
     for bar in &world.bars {
         let _ = writeln!(text, "  rod {:?} r {} length {:?}", bar.ends, bar.radius, bar.length);

@@ -29,12 +29,18 @@ impl World {
         }
     }
 
-    /// Inverse mass of a side. Capsules and networks count as free spheres.
-    fn free_mass(&self, side: Side) -> f64 {
+    /// Inverse mass of a side along the normal. Capsules and networks count as free spheres.
+    pub(crate) fn free_mass(&self, side: Side, n: DVec3) -> f64 {
+        if let Some(mass) = self.clump_mass(side, n) {
+            return mass;
+        }
         self.shares(side).into_iter().map(|(ball, share)| share * share * self.balls[ball].w()).sum()
     }
 
-    fn free_inertia(&self, side: Side) -> f64 {
+    pub(crate) fn free_inertia(&self, side: Side) -> f64 {
+        if let Some(inertia) = self.clump_inertia(side) {
+            return inertia;
+        }
         self.shares(side).into_iter().map(|(ball, share)| share * share * self.balls[ball].i()).sum()
     }
 
@@ -65,11 +71,14 @@ impl World {
         let c = self.threshold(pair);
         let separating_fast = u < -c && !self.made(Mistake::Separating);
         let new_overlap = u > c && line.o < 2.0 * u * self.dt;
-        let mass = self.free_mass(a) + self.free_mass(b);
-        if mass == 0.0 || self.set.collisions && (separating_fast || new_overlap) {
+        let mass = self.free_mass(a, line.n) + self.free_mass(b, line.n);
+        let rigid = self.has_clump(pair);
+        let has_rules = self.set.collisions && (!rigid || self.made(Mistake::BodyRules));
+        if mass == 0.0 || has_rules && (separating_fast || new_overlap) {
             return None;
         }
-        let strength = self.set.stiffness * line.o + self.set.damping * u;
+        let damping = if rigid { self.clump_damping(pair, line) } else { self.set.damping };
+        let strength = self.set.stiffness * line.o + damping * u;
         Some((1.0 / mass, if pull { strength } else { strength.max(0.0) } / mass))
     }
 
@@ -80,12 +89,15 @@ impl World {
         let both = sides(pair, line);
         let speed = slip.t.length();
         let mut friction = DVec3::ZERO;
-        if self.set.coulomb == 0.0 && speed > 0.0 {
-            let inverse_mass: f64 =
-                both.iter().zip(slip.arms).map(|(&side, arm)| self.free_mass(side) + arm * arm * self.free_inertia(side)).sum();
+        if speed > 0.0 {
             let law = self.set.friction * mass * line.o * speed.sqrt();
-            let bound = speed / (2.0 * inverse_mass * self.dt);
-            let size = if self.made(Mistake::FrictionBound) { law } else { law.min(bound) };
+            let bound = speed / (2.0 * self.slip_mass(pair, line, slip.arms) * self.dt);
+            let size = match self.set.coulomb {
+                0.0 if self.made(Mistake::FrictionBound) => law,
+                0.0 => law.min(bound),
+                _ if self.has_clump(pair) => self.clump_friction(normal, bound),
+                _ => 0.0,
+            };
             friction = size * slip.t / speed;
         }
         for (side, arm) in both.into_iter().zip(slip.arms) {
@@ -168,8 +180,9 @@ impl World {
         for (pair, line) in self.touches() {
             self.contact(&pair, &line, &motion, &mut loads);
         }
+        self.load_clumps(&motion, &mut loads);
         for (ball, state) in self.balls.iter().enumerate() {
-            if state.fixed {
+            if state.fixed || self.clump_at(ball).is_some() {
                 (loads.v[ball], loads.l[ball]) = (DVec3::ZERO, DVec3::ZERO);
             } else {
                 loads.v[ball] = loads.v[ball] / state.mass + self.set.gravity - self.set.linear_damping * motion.v[ball];

@@ -354,6 +354,7 @@ impl World {
             (Thing::Bar(a), Thing::Bar(b)) => self.bars[a].ends.iter().any(|end| self.bars[b].ends.contains(end)),
             _ => false,
         };
+        let related = related || self.clump_of(a).is_some_and(|clump| self.clump_of(b) == Some(clump));
         !related && self.group(a) == self.group(b) && (self.can_move(a) || self.can_move(b))
     }
 

@@ -105,6 +105,7 @@ impl World {
     pub(crate) fn turn(&mut self, course: &Course) {
         for at in 0..self.balls.len() {
             match self.capsule_end(at) {
+                None if self.clump_at(at).is_some() => {}
                 None => self.balls[at].q = turn_by(course.spin[at] * self.dt) * self.balls[at].q,
                 Some((bar, 0)) => self.turn_capsule(bar, &course.old),
                 Some(_) => {}

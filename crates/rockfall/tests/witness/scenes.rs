@@ -7,6 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::glam::Vec3;
 use rockfall::{Integrator, MotionId, Scene, Settings, Sphere, SphereId};
 
+use crate::clumps::{Scale, copy_spheres};
 use crate::draw::{Draw, direction};
 
 /// Settings and time step of one step.
@@ -24,7 +25,7 @@ pub(crate) struct Plan {
 }
 
 /// Kinds of clusters.
-const RECIPES: [fn(&mut Draw); 22] = [
+const RECIPES: [fn(&mut Draw); 25] = [
     Draw::duel,
     Draw::crowd,
     Draw::corner,
@@ -47,6 +48,9 @@ const RECIPES: [fn(&mut Draw); 22] = [
     Draw::overlaid,
     Draw::groove,
     Draw::sunk,
+    Draw::clump_and_balls,
+    Draw::landing,
+    Draw::clumps,
 ];
 
 /// Number of kinds of clusters.
@@ -128,26 +132,26 @@ fn without_stretching(scene: &Scene) -> Scene {
 /// The same scene in another unit of length, and with another mass for every third sphere.
 fn sized(scene: &Scene, size: f32, heavy: f32) -> Scene {
     let mut new = Scene::new();
-    for (at, mut sphere) in scene.spheres().iter().copied().enumerate() {
-        let mass = if at % 3 == 0 { heavy } else { 1.0 };
+    let factor = |at: usize| if at.is_multiple_of(3) { heavy } else { 1.0 };
+    let change = |at: usize, mut sphere: Sphere| {
+        let mass = factor(at);
         sphere.position *= size;
         sphere.velocity *= size;
         sphere.angular_momentum *= mass * size * size;
         sphere.mass *= mass;
         sphere.radius *= size;
         sphere.force *= mass * size;
-        new.add_sphere(sphere).expect("a valid sphere");
-    }
+        sphere
+    };
+    copy_spheres(scene, &mut new, &Scale { size, groups: 0 }, change, factor);
     copy_rest(scene, &mut new, &Copy { size, ..PLAIN });
     new
 }
 
-/// A scene with changed spheres.
+/// A scene with changed spheres. Rigid bodies stay as they are.
 pub(crate) fn rebuilt(scene: &Scene, change: impl Fn(usize, Sphere) -> Sphere) -> Scene {
     let mut new = Scene::new();
-    for (at, sphere) in scene.spheres().iter().enumerate() {
-        new.add_sphere(change(at, *sphere)).expect("a valid sphere");
-    }
+    copy_spheres(scene, &mut new, &Scale { size: 1.0, groups: 0 }, change, |_| 1.0);
     copy_rest(scene, &mut new, &PLAIN);
     new
 }
@@ -168,12 +172,13 @@ struct Copy {
 /// A copy without changes.
 const PLAIN: Copy = Copy { offset: 0, size: 1.0, groups: 0 };
 
-/// Adds all objects of a scene except its spheres to another scene.
+/// Adds all objects of a scene except its spheres and rigid bodies to another scene.
 fn copy_rest(from: &Scene, to: &mut Scene, copy: &Copy) {
     let &Copy { offset, size, groups } = copy;
     let (old, new): (Vec<SphereId>, Vec<SphereId>) = (from.sphere_ids().collect(), to.sphere_ids().collect());
     let map = |id: SphereId| new[offset + old.iter().position(|&known| known == id).expect("a sphere of the scene")];
-    for mut rod in from.rods().iter().copied() {
+    let own = from.rod_ids().zip(from.rods()).filter(|(id, _)| from.body_of_rod(*id).is_none());
+    for mut rod in own.map(|(_, rod)| *rod) {
         (rod.end1, rod.end2) = (map(rod.end1), map(rod.end2));
         rod.radius *= size;
         rod.length = rod.length.map(|length| size * length);
@@ -233,9 +238,8 @@ pub(crate) fn together(plan: &Plan) -> Scene {
     for (number, cluster) in plan.clusters.iter().enumerate() {
         let offset = scene.spheres().len();
         let groups = GROUPS * number as u16;
-        for sphere in cluster.spheres() {
-            scene.add_sphere(sphere.group(groups + sphere.group)).expect("a valid sphere");
-        }
+        let grouped = |_: usize, sphere: Sphere| sphere.group(groups + sphere.group);
+        copy_spheres(cluster, &mut scene, &Scale { size: 1.0, groups }, grouped, |_| 1.0);
         copy_rest(cluster, &mut scene, &Copy { offset, size: 1.0, groups });
     }
     scene

@@ -5,26 +5,36 @@ use rockfall::glam::DVec3;
 use crate::geometry::{Line, Pair, Thing};
 use crate::world::{Body, Mistake, World};
 
-/// Velocities and angular momenta of all spheres, or changes of them.
+/// Velocities and angular momenta of all spheres and rigid bodies, or changes of them.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     pub(crate) v: Vec<DVec3>,
     pub(crate) l: Vec<DVec3>,
+    /// The same of rigid bodies.
+    pub(crate) clump_v: Vec<DVec3>,
+    pub(crate) clump_l: Vec<DVec3>,
 }
 
 impl Motion {
     pub(crate) fn none(world: &World) -> Self {
-        let zeros = vec![DVec3::ZERO; world.balls.len()];
-        Self { v: zeros.clone(), l: zeros }
+        let (zeros, clump_v) = (vec![DVec3::ZERO; world.balls.len()], vec![DVec3::ZERO; world.clumps.len()]);
+        Self { v: zeros.clone(), l: zeros, clump_l: clump_v.clone(), clump_v }
     }
 
     pub(crate) fn of(world: &World) -> Self {
-        Self { v: world.balls.iter().map(|ball| ball.v).collect(), l: world.balls.iter().map(|ball| ball.l).collect() }
+        let (balls, clumps) = (world.balls.iter(), world.clumps.iter());
+        Self {
+            v: balls.clone().map(|ball| ball.v).collect(),
+            l: balls.map(|ball| ball.l).collect(),
+            clump_v: clumps.clone().map(|clump| clump.v).collect(),
+            clump_l: clumps.map(|clump| clump.l).collect(),
+        }
     }
 
     pub(crate) fn add(&mut self, other: &Self, times: f64) {
-        for (one, other) in self.v.iter_mut().zip(&other.v).chain(self.l.iter_mut().zip(&other.l)) {
-            *one += times * *other;
+        let own = [&mut self.v, &mut self.l, &mut self.clump_v, &mut self.clump_l];
+        for (own, other) in own.into_iter().zip([&other.v, &other.l, &other.clump_v, &other.clump_l]) {
+            own.iter_mut().zip(other).for_each(|(one, other)| *one += times * *other);
         }
     }
 }

@@ -3,6 +3,7 @@
 use rockfall::glam::{DQuat, DVec3, Vec3};
 use rockfall::{Integrator, Scene, Settings, SphereState};
 
+use crate::bodies::Clump;
 use crate::walls::{Path, at_rest};
 
 /// A sphere.
@@ -107,6 +108,8 @@ pub(crate) enum Body {
     Capsule(usize),
     /// A network, by its index.
     Network(usize),
+    /// A rigid body of spheres, by its index. It gets no impulses.
+    Clump(usize),
 }
 
 /// The constants of docs/physics.md section 6.
@@ -148,7 +151,7 @@ impl Constants {
 }
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 18] = [
+pub(crate) const MISTAKES: [Mistake; 24] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -167,6 +170,12 @@ pub(crate) const MISTAKES: [Mistake; 18] = [
     Mistake::WallVelocity,
     Mistake::WallReturn,
     Mistake::Belts,
+    Mistake::BodyLever,
+    Mistake::WallFactor,
+    Mistake::BodyTurn,
+    Mistake::BodyRules,
+    Mistake::BodyDamping,
+    Mistake::BodyBound,
 ];
 
 /// A deliberate mistake of the witness. The comparison must detect each of them.
@@ -208,6 +217,18 @@ pub(crate) enum Mistake {
     WallReturn,
     /// Surface velocities of walls are ignored.
     Belts,
+    /// Rigid bodies have their mass alone at a contact.
+    BodyLever,
+    /// Several contacts of a rigid body with a wall damp as if each were alone.
+    WallFactor,
+    /// Rigid bodies turn about their angular velocity.
+    BodyTurn,
+    /// Contacts of rigid bodies have no force where those of spheres have none.
+    BodyRules,
+    /// Contacts of rigid bodies damp as those of spheres do.
+    BodyDamping,
+    /// The bound of friction ignores the distance of a contact from the centre of a rigid body.
+    BodyBound,
 }
 
 /// How the sweeps over rod lengths run.
@@ -225,6 +246,7 @@ pub(crate) enum Sweeps {
 pub(crate) struct World {
     pub(crate) balls: Vec<Ball>,
     pub(crate) bars: Vec<Bar>,
+    pub(crate) clumps: Vec<Clump>,
     pub(crate) pulls: Vec<Pull>,
     /// Walls where they are at `time`.
     pub(crate) blocks: Vec<Block>,
@@ -285,6 +307,7 @@ impl World {
         let mut world = Self {
             balls: balls.collect(),
             bars: bars.collect(),
+            clumps: Clump::all(scene, number),
             pulls: pulls(scene, number),
             blocks: blocks.clone(),
             faces: faces.clone(),
@@ -304,6 +327,8 @@ impl World {
             pulled: None,
         };
         world.find_bodies();
+        world.find_members();
+        world.place_members();
         world.place_walls(0.0);
         world
     }

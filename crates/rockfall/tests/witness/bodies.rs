@@ -1,0 +1,281 @@
+//! Rigid bodies of spheres and rods (docs/physics.md sections 1.5, 4.16 and 5.9).
+
+use rockfall::glam::{DQuat, DVec3};
+use rockfall::{RigidBody, Scene, Sphere, SphereId, SphereState};
+
+use crate::geometry::{Line, Pair, Thing};
+use crate::sides::{Motion, Side, sides};
+use crate::world::{Ball, Body, Mistake, World};
+
+/// A coefficient of restitution counts as at least this.
+const LEAST_RESTITUTION: f64 = 0.01;
+
+/// A rigid body.
+#[derive(Clone, Debug)]
+pub(crate) struct Clump {
+    /// Centre of mass, and its velocity.
+    pub(crate) x: DVec3,
+    pub(crate) v: DVec3,
+    /// Angular momentum about the centre of mass.
+    pub(crate) l: DVec3,
+    pub(crate) q: DQuat,
+    pub(crate) mass: f64,
+    /// Principal moments of inertia.
+    pub(crate) moments: DVec3,
+    /// Turns coordinates along the principal axes into those of the body.
+    axes: DQuat,
+    /// Spheres, and their centres from the centre of mass in coordinates of the body.
+    pub(crate) members: Vec<(usize, DVec3)>,
+}
+
+/// A point of a body at which a contact acts.
+struct Spot {
+    clump: usize,
+    /// From the centre of mass to the centre of a sphere, or to the point of the axis of a rod.
+    lever: DVec3,
+    /// Radius of the sphere or rod.
+    radius: f64,
+}
+
+impl Clump {
+    /// The bodies of a scene. `number` is that of a sphere in the scene.
+    pub(crate) fn all(scene: &Scene, number: impl Fn(SphereId) -> usize) -> Vec<Self> {
+        let of = |body: &RigidBody| {
+            let shape = scene.shape(body.shape).expect("the shape of a body");
+            let properties = shape.mass_properties_of().expect("a valid shape");
+            let (moments, axes) = properties.principal();
+            let centre = DVec3::from_array(properties.centre);
+            let arms = shape.spheres.iter().map(|sphere| sphere.centre.as_dvec3() - centre);
+            let members = body.spheres().iter().map(|&id| number(id)).zip(arms).collect();
+            let (x, v, l, q) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, DQuat::IDENTITY);
+            let mut clump = Self { x, v, l, q, mass: properties.mass, moments, axes, members };
+            clump.set(body);
+            clump
+        };
+        scene.bodies().iter().map(of).collect()
+    }
+
+    pub(crate) fn set(&mut self, body: &RigidBody) {
+        self.x = DVec3::from_array(body.centre());
+        self.v = body.velocity.as_dvec3();
+        self.l = body.angular_momentum.as_dvec3();
+        self.q = body.orientation.as_dquat().normalize();
+    }
+
+    /// A principal axis in coordinates of the scene.
+    fn axis(&self, k: usize) -> DVec3 {
+        self.q * (self.axes * DVec3::AXES[k])
+    }
+
+    /// Product of the inverse inertia with a vector.
+    fn inverse(&self, y: DVec3) -> DVec3 {
+        (0..3).map(|k| self.axis(k) * (self.axis(k).dot(y) / self.moments[k])).sum()
+    }
+
+    pub(crate) fn spin(&self) -> DVec3 {
+        self.inverse(self.l)
+    }
+
+    fn inverse_mass(&self, lever: DVec3, n: DVec3) -> f64 {
+        let arm = lever.cross(n);
+        1.0 / self.mass + arm.dot(self.inverse(arm))
+    }
+
+    /// The orientation after a free rotation for a time with the angular momentum `l`.
+    fn turned(&self, l: DVec3, time: f64) -> DQuat {
+        let mut sorted = self.moments.to_array();
+        sorted.sort_by(f64::total_cmp);
+        let middle = sorted[1];
+        let mut body = self.clone();
+        body.q = DQuat::from_scaled_axis(time / middle * l) * body.q;
+        for (k, part) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
+            let rate = 1.0 / self.moments[k] - 1.0 / middle;
+            if rate != 0.0 {
+                let axis = body.axis(k);
+                body.q = DQuat::from_axis_angle(axis.normalize(), part * time * rate * axis.dot(l)) * body.q;
+            }
+        }
+        body.q.normalize()
+    }
+
+    /// A ball with the state of the body, for comparisons.
+    fn as_ball(&self, balls: &[Ball]) -> Ball {
+        let reach = |&(ball, arm): &(usize, DVec3)| arm.length() + balls[ball].radius;
+        let radius = self.members.iter().map(reach).fold(0.0, f64::max);
+        let (x, v, l, q, mass) = (self.x, self.v, self.l, self.q, self.mass);
+        Ball { x, v, l, q, mass, radius, fixed: false, force: DVec3::ZERO, group: 0 }
+    }
+}
+
+/// The state of a body in the form of that of a sphere.
+pub(crate) fn state_of(body: &RigidBody) -> SphereState {
+    let sphere = Sphere::new(body.position, 1.0).velocity(body.velocity).angular_momentum(body.angular_momentum);
+    let mut state = SphereState::from(&sphere);
+    state.orientation = body.orientation;
+    state
+}
+
+/// The damping of an impact of two bodies, in units of the square root of stiffness and mass, for which it rebounds with
+/// `restitution`. The force is clipped at 0.
+fn damping_of(restitution: f64) -> f64 {
+    let wanted = restitution.clamp(LEAST_RESTITUTION, 1.0);
+    // The force of the damped oscillator is 0 again after the angle 2 acos(half).
+    let rebound = |half: f64| match half {
+        half if half < 1.0 => (-2.0 * half * half.acos() / (1.0 - half * half).sqrt()).exp(),
+        half if half > 1.0 => (-2.0 * half * half.acosh() / (half * half - 1.0).sqrt()).exp(),
+        _ => (-2.0_f64).exp(),
+    };
+    let (mut low, mut high) = (0.0, 10.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        *(if rebound(middle) > wanted { &mut low } else { &mut high }) = middle;
+    }
+    2.0 * low
+}
+
+impl World {
+    /// The rigid body that a sphere is a member of.
+    pub(crate) fn clump_at(&self, ball: usize) -> Option<usize> {
+        match self.body[ball] {
+            Some(Body::Clump(clump)) => Some(clump),
+            _ => None,
+        }
+    }
+
+    /// The rigid body of an object.
+    pub(crate) fn clump_of(&self, thing: Thing) -> Option<usize> {
+        match thing {
+            Thing::Ball(ball) => self.clump_at(ball),
+            Thing::Bar(bar) => {
+                let [one, two] = self.bars[bar].ends.map(|end| self.clump_at(end));
+                one.filter(|_| one == two)
+            }
+            Thing::Block(_) | Thing::Face(_) => None,
+        }
+    }
+
+    /// Whether a rigid body is on a side of a contact. Such contacts have forces alone.
+    pub(crate) fn has_clump(&self, pair: &Pair) -> bool {
+        [pair.a, pair.b].into_iter().any(|thing| self.clump_of(thing).is_some())
+    }
+
+    /// Marks the spheres of rigid bodies.
+    pub(crate) fn find_members(&mut self) {
+        for (number, clump) in self.clumps.iter().enumerate() {
+            for &(ball, _) in &clump.members {
+                self.body[ball] = Some(Body::Clump(number));
+            }
+        }
+    }
+
+    /// Places the spheres of rigid bodies.
+    pub(crate) fn place_members(&mut self) {
+        for clump in &self.clumps {
+            let spin = clump.spin();
+            for &(ball, arm) in &clump.members {
+                let (ball, arm) = (&mut self.balls[ball], clump.q * arm);
+                (ball.x, ball.v, ball.q) = (clump.x + arm, clump.v + spin.cross(arm), clump.q);
+                ball.l = spin * ball.inertia();
+            }
+        }
+    }
+
+    /// All spheres, and then all rigid bodies as balls.
+    pub(crate) fn compared(&self) -> Vec<Ball> {
+        let bodies = self.clumps.iter().map(|clump| clump.as_ball(&self.balls));
+        self.balls.iter().cloned().chain(bodies).collect()
+    }
+
+    fn spot(&self, side: Side) -> Option<Spot> {
+        let clump = self.clump_of(side.thing)?;
+        let radius = match side.thing {
+            Thing::Ball(ball) => self.balls[ball].radius,
+            Thing::Bar(bar) => self.bars[bar].radius,
+            Thing::Block(_) | Thing::Face(_) => return None,
+        };
+        let place: DVec3 = self.shares(side).into_iter().map(|(ball, share)| share * self.balls[ball].x).sum();
+        Some(Spot { clump, lever: place - self.clumps[clump].x, radius })
+    }
+
+    /// Inverse mass of a side on a rigid body.
+    pub(crate) fn clump_mass(&self, side: Side, n: DVec3) -> Option<f64> {
+        let Spot { clump, lever, .. } = self.spot(side)?;
+        let lever = if self.made(Mistake::BodyLever) { DVec3::ZERO } else { lever };
+        Some(self.clumps[clump].inverse_mass(lever, n))
+    }
+
+    /// The inverse inertia of a side on a rigid body that bounds friction.
+    pub(crate) fn clump_inertia(&self, side: Side) -> Option<f64> {
+        let Spot { clump, lever, radius } = self.spot(side)?;
+        let lever = if self.made(Mistake::BodyBound) { 0.0 } else { lever.length() };
+        Some((1.0 + lever / radius).powi(2) / self.clumps[clump].moments.min_element())
+    }
+
+    /// Force per approach velocity and reduced mass of a contact of a rigid body.
+    pub(crate) fn clump_damping(&self, pair: &Pair, line: &Line) -> f64 {
+        let impact = self.set.collisions && !self.made(Mistake::BodyDamping);
+        let one = if impact { damping_of(self.set.restitution) * self.set.stiffness.sqrt() } else { self.set.damping };
+        one * self.wall_factor(pair, line)
+    }
+
+    /// The factor of the damping of a contact with a wall that other spheres of the body touch too.
+    fn wall_factor(&self, pair: &Pair, line: &Line) -> f64 {
+        let (Thing::Ball(ball), Thing::Block(_) | Thing::Face(_)) = (pair.a, pair.b) else { return 1.0 };
+        let Some(clump) = self.clump_at(ball).filter(|_| !self.made(Mistake::WallFactor)) else { return 1.0 };
+        let (clump, this) = (&self.clumps[clump], &self.balls[ball]);
+        let (mut p, mut sum, mut moment) = (0.0, 0.0, DVec3::ZERO);
+        for &(other, _) in &clump.members {
+            let other = &self.balls[other];
+            let o = line.o + (other.x - this.x).dot(line.n) + other.radius - this.radius;
+            if o > 0.0 {
+                p += o * o;
+                sum += o;
+                moment += o * (other.x - clump.x);
+            }
+        }
+        let torque = moment.cross(line.n);
+        let q = sum * sum / clump.mass + torque.dot(clump.inverse(torque));
+        (clump.inverse_mass(this.x - clump.x, line.n) * p / q).sqrt()
+    }
+
+    /// Turns the loads of the spheres of rigid bodies into rates of change of the bodies.
+    pub(crate) fn load_clumps(&self, motion: &Motion, loads: &mut Motion) {
+        for (number, clump) in self.clumps.iter().enumerate() {
+            let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);
+            for &(ball, _) in &clump.members {
+                force += loads.v[ball];
+                torque += loads.l[ball] + (self.balls[ball].x - clump.x).cross(loads.v[ball]);
+            }
+            loads.clump_v[number] = force / clump.mass + self.set.gravity - self.set.linear_damping * motion.clump_v[number];
+            loads.clump_l[number] = torque - self.set.angular_damping * motion.clump_l[number];
+        }
+    }
+
+    /// Moves rigid bodies with the velocities and angular momenta of `motion`, which change at the given rates.
+    pub(crate) fn advance_clumps(&mut self, motion: &Motion, rates: &Motion, time: f64) {
+        let wrong = self.made(Mistake::BodyTurn);
+        for (number, clump) in self.clumps.iter_mut().enumerate() {
+            let l = motion.clump_l[number];
+            clump.q = if wrong {
+                DQuat::from_scaled_axis(time * clump.inverse(l)) * clump.q
+            } else {
+                clump.turned(l, time)
+            };
+            clump.x += time * motion.clump_v[number];
+            clump.v += time * rates.clump_v[number];
+            clump.l += time * rates.clump_l[number];
+        }
+        self.place_members();
+    }
+
+    /// The part of friction that the law of Coulomb gives as a force, at a contact of a rigid body.
+    pub(crate) fn clump_friction(&self, normal: f64, bound: f64) -> f64 {
+        (self.set.coulomb * normal.max(0.0)).min(bound)
+    }
+
+    /// Inverse mass of a contact against slip, for the bound of friction.
+    pub(crate) fn slip_mass(&self, pair: &Pair, line: &Line, arms: [f64; 2]) -> f64 {
+        let of = |(side, arm): (Side, f64)| self.free_mass(side, line.n) + arm * arm * self.free_inertia(side);
+        sides(pair, line).into_iter().zip(arms).map(of).sum()
+    }
+}
