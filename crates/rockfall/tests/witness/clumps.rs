@@ -81,7 +81,7 @@ impl Draw {
         self.scene.add_body(placed).expect("a valid body")
     }
 
-    /// A body of one to five spheres, most of which overlap, with a rod between the first two at times.
+    /// A body of one to five spheres, most of which overlap, with rods between the first ones at times.
     fn clump(&mut self, at: Vec3, velocity: Vec3) -> RigidBodyId {
         let mut shape = Shape::new();
         let mut place = Vec3::ZERO;
@@ -91,7 +91,11 @@ impl Draw {
             place += self.direction() * self.between(0.15, 0.45);
         }
         if count > 1 && self.chance(0.3) {
-            shape = shape.rod(0, 1, self.between(0.05, 0.2));
+            let radius = self.between(0.05, 0.2);
+            shape = shape.rod(0, 1, radius);
+            if count > 2 && self.chance(0.5) {
+                shape = shape.rod(1, 2, radius);
+            }
         }
         self.body(shape, at, velocity)
     }
@@ -169,7 +173,7 @@ impl Draw {
         self.scene.add_box(Cuboid::new(corner, i, j, k)).expect("a valid box");
     }
 
-    /// Two or three clumps that meet, and a ball.
+    /// Two or three clumps that meet, and a ball. A box may be between them.
     pub(crate) fn clumps(&mut self) {
         for _ in 0..self.rng.random_range(2..4) {
             let place = self.place(0.4);
@@ -179,5 +183,8 @@ impl Draw {
         let place = self.place(0.6);
         let ball = self.ball(place);
         self.add(ball);
+        if self.chance(0.3) {
+            self.cuboid();
+        }
     }
 }

@@ -7,7 +7,7 @@ use rockfall::{Cuboid, SphereId, Spring, Tether};
 use crate::draw::Draw;
 
 impl Draw {
-    fn cuboid(&mut self) -> Cuboid {
+    pub(crate) fn cuboid(&mut self) -> Cuboid {
         let (i, helper) = (self.direction(), self.direction());
         let j = i.cross(helper).normalize();
         let edges = [i, j, i.cross(j)].map(|edge| edge * self.between(0.6, 1.4));
