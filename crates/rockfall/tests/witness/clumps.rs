@@ -44,13 +44,9 @@ fn copy_body(from: &Scene, to: &mut Scene, body: &RigidBody, &Scale { size, grou
     for rod in &old.rods {
         shape = shape.group(groups + rod.group).rod(rod.end1, rod.end2, size * rod.radius);
     }
-    shape = match old.mass {
-        ShapeMass::Mass(mass) => shape.mass(factor * mass),
-        ShapeMass::Given { mass, centre, inertia } => {
-            shape.mass_properties(factor * mass, size * centre, inertia.map(|element| factor * size * size * element))
-        }
-        _ => panic!("a shape with a mass"),
-    };
+    let ShapeMass::Given { mass, centre, inertia } = old.mass else { panic!("the mass properties are given") };
+    let inertia = inertia.map(|element| factor * size * size * element);
+    let shape = shape.mass_properties(factor * mass, size * centre, inertia);
     let shape = to.add_shape(shape).expect("a valid shape");
     let centre = body.centre().map(|x| f64::from(size) * x);
     let placed = Placement::new(shape).centred_at(centre).turned(body.orientation).velocity(size * body.velocity);
@@ -62,8 +58,11 @@ impl Draw {
     /// Sets the mass properties of a shape: those of its parts, or any.
     fn weighed(&mut self, shape: Shape) -> Shape {
         let mass = self.between(0.5, 3.0);
-        if self.chance(0.5) {
-            return shape.mass(mass);
+        if self.chance(0.2) {
+            // Written as numbers, because overlaps take long to integrate and scenes are copied several times.
+            let own = shape.clone().mass(mass).mass_properties_of().expect("a valid shape");
+            let centre = Vec3::from_array(own.centre.map(|x| x as f32));
+            return shape.mass_properties(mass, centre, own.inertia.map(|element| element as f32));
         }
         let (centre, arms) = (self.vector(0.1), self.vector(0.25) + Vec3::splat(0.35));
         // Moments of masses at the distances `arms` along the axes.
