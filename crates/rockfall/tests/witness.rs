@@ -36,8 +36,12 @@ mod geometry;
 mod known;
 #[path = "witness/lengths.rs"]
 mod lengths;
+#[path = "witness/mistakes.rs"]
+mod mistakes;
 #[path = "witness/mixtures.rs"]
 mod mixtures;
+#[path = "witness/perturb.rs"]
+mod perturb;
 #[path = "witness/rims.rs"]
 mod rims;
 #[path = "witness/scenes.rs"]
@@ -56,8 +60,9 @@ mod world;
 use std::io::Write as _;
 
 use compare::{Tally, Trial};
+use mistakes::MISTAKES;
 use rockfall::{Backend, Integrator};
-use world::{MISTAKES, Mistake};
+use world::Mistake;
 
 /// Compares the engine with the witness on one plan per seed, each with a number of clusters and steps.
 fn compare(
@@ -211,26 +216,5 @@ fn the_cpu_agrees_with_the_witness_in_a_long_run() {
         println!("from {first}: {tally}");
         tally.failures.iter().filter_map(|text| text.lines().next()).for_each(|line| println!("  {line}"));
         assert!(tally.worst < 4.0, "{}", tally.failures.concat());
-    }
-}
-
-#[test]
-#[ignore = "dev"]
-fn dev_bodies() {
-    for integrator in [None, Some(Integrator::VelocityVerlet)] {
-        for kind in [22, 23, 24] {
-            let mut tally = Tally::default();
-            let mistake = None;
-            for seed in (0..150 * scenes::KINDS as u64).filter(|seed| *seed as usize % scenes::KINDS == kind) {
-                let mut plan = scenes::plan(seed, 1, 1);
-                plan.integrator = integrator.unwrap_or(plan.integrator);
-                let name = format!("seed {seed} kind {kind} {}", plan.integrator);
-                Trial { name, plan: &plan, backend: Backend::Cpu, steps: 6, mistake, phases: seed % 3 != 0 }.run(&mut tally);
-            }
-            println!("kind {kind} {integrator:?} {} failures {tally}", tally.failures.len());
-            for failure in tally.failures.iter().take(3) {
-                println!("{failure}");
-            }
-        }
     }
 }

@@ -259,11 +259,7 @@ impl World {
         let wrong = self.made(Mistake::BodyTurn);
         for (number, clump) in self.clumps.iter_mut().enumerate() {
             let l = motion.clump_l[number];
-            clump.q = if wrong {
-                DQuat::from_scaled_axis(time * clump.inverse(l)) * clump.q
-            } else {
-                clump.turned(l, time)
-            };
+            clump.q = if wrong { DQuat::from_scaled_axis(time * clump.inverse(l)) * clump.q } else { clump.turned(l, time) };
             clump.x += time * motion.clump_v[number];
             clump.v += time * rates.clump_v[number];
             clump.l += time * rates.clump_l[number];
