@@ -10,9 +10,6 @@ use crate::world::{Ball, Body, Mistake, World};
 /// A coefficient of restitution counts as at least this.
 const LEAST_RESTITUTION: f64 = 0.01;
 
-/// Whether the engine damps several contacts with a wall as one.
-const FACTOR: bool = false;
-
 /// A rigid body.
 #[derive(Clone, Debug)]
 pub(crate) struct Clump {
@@ -224,7 +221,7 @@ impl World {
     /// The factor of the damping of a contact with a wall that other spheres of the body touch too.
     fn wall_factor(&self, pair: &Pair, line: &Line) -> f64 {
         let (Thing::Ball(ball), Thing::Block(_) | Thing::Face(_)) = (pair.a, pair.b) else { return 1.0 };
-        let Some(clump) = self.clump_at(ball).filter(|_| FACTOR && !self.made(Mistake::WallFactor)) else { return 1.0 };
+        let Some(clump) = self.clump_at(ball).filter(|_| !self.made(Mistake::WallFactor)) else { return 1.0 };
         let (clump, this) = (&self.clumps[clump], &self.balls[ball]);
         let (mut p, mut sum, mut moment) = (0.0, 0.0, DVec3::ZERO);
         for &(other, _) in &clump.members {

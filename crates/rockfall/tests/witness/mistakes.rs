@@ -1,7 +1,7 @@
 //! Deliberate mistakes of the witness, by which the comparison itself is checked.
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 23] = [
+pub(crate) const MISTAKES: [Mistake; 24] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -21,6 +21,7 @@ pub(crate) const MISTAKES: [Mistake; 23] = [
     Mistake::WallReturn,
     Mistake::Belts,
     Mistake::BodyLever,
+    Mistake::WallFactor,
     Mistake::BodyTurn,
     Mistake::BodyRules,
     Mistake::BodyDamping,
