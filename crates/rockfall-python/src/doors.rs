@@ -123,7 +123,10 @@ pub(crate) fn with_states<R: Send>(
     call: impl FnOnce(&mut dyn Doors, &mut Ids) -> PyResult<R> + Send,
 ) -> PyResult<R> {
     if let Ok(simulation) = target.cast::<Simulation>() {
-        simulation.get().read(target.py(), |running| running.simulation.sync().map(drop).or_raise())?;
+        simulation.get().flushed(target.py(), |running| {
+            running.check_alone()?;
+            running.simulation.sync().map(drop).or_raise()
+        })?;
     }
     with(target, call)
 }
@@ -159,7 +162,10 @@ pub(crate) fn set_setting(target: &Bound<'_, PyAny>, name: &str, value: &str) ->
     };
     match target.cast::<Simulation>() {
         // Constants are not part of the memory that views show.
-        Ok(simulation) => simulation.get().read(target.py(), |running| put(&mut running.simulation)),
+        Ok(simulation) => simulation.get().flushed(target.py(), |running| {
+            running.check_alone()?;
+            put(&mut running.simulation)
+        }),
         Err(_) => with(target, |doors, _| put(doors)),
     }
 }

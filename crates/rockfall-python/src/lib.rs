@@ -25,6 +25,7 @@ mod observe;
 mod periodic;
 mod picture;
 mod portions;
+mod running;
 mod scene;
 #[cfg_attr(not(target_os = "linux"), path = "shared/elsewhere.rs")]
 mod shared;
@@ -32,6 +33,8 @@ mod simulation;
 mod smooth;
 mod states;
 mod tables;
+#[cfg_attr(not(feature = "mpi"), path = "team/alone.rs")]
+mod team;
 mod trajectory;
 mod worlds;
 

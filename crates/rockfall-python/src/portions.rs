@@ -15,12 +15,19 @@ pub(crate) fn in_portions(py: Python<'_>, steps: u64, mut run: impl FnMut(u64) -
         let start = Instant::now();
         run(count)?;
         left -= count;
-        match start.elapsed() {
-            taken if taken < PATIENCE / 2 => portion = portion.saturating_mul(2),
-            taken if taken > PATIENCE => portion = (portion / 2).max(1),
-            _ => {}
-        }
+        portion = next_portion(portion, start.elapsed());
         py.check_signals()?;
     }
     Ok(())
+}
+
+/// The number of steps after a portion that took a time.
+pub(crate) fn next_portion(portion: u64, taken: Duration) -> u64 {
+    if taken < PATIENCE / 2 {
+        portion.saturating_mul(2)
+    } else if taken > PATIENCE {
+        (portion / 2).max(1)
+    } else {
+        portion
+    }
 }

@@ -1,9 +1,8 @@
 //! The native simulation: steps, edits of states, checkpoints.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::Mutex;
+use std::sync::atomic::AtomicUsize;
 
 use numpy::{PyArray1, PyReadonlyArray1, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -15,37 +14,16 @@ use crate::arguments::{ContactLaw, Law, Numbers, Rows, contact_law, law};
 use crate::errors::{Raise, in_python, raise_in_step};
 use crate::fork::{Owned, check_graphics, detached, graphics_opened};
 use crate::ids::{Ids, handle};
-use crate::memory::{Lender, Views};
-use crate::portions::{PATIENCE, in_portions};
+use crate::memory::Views;
+use crate::portions::in_portions;
+use crate::running::Running;
 use crate::scene::Scene;
-use crate::shared::{Given, SharedArray, Sharing};
+use crate::shared::{Given, SharedArray};
 use crate::states::{Field, Table};
 use crate::tables::{BackendInfo, ProfileOf, Report};
+use crate::team::{self, Starting, Team};
 
-/// A simulation, the numbers of its objects, and the arrays that use its memory.
-#[derive(Debug)]
-pub(crate) struct Running {
-    pub(crate) simulation: rockfall::Simulation,
-    pub(crate) ids: Ids,
-    lender: Lender,
-    /// Memory shared with other libraries on the device, or the reason why there is none. Opened at the first use.
-    sharing: Option<Result<Sharing, String>>,
-    /// There may be edits that have not reached the memory yet.
-    edited: bool,
-}
-
-impl Running {
-    fn sharing(&mut self) -> Result<(&mut Sharing, &mut rockfall::Simulation), &str> {
-        let sharing = self.sharing.get_or_insert_with(|| Sharing::open(&self.simulation));
-        sharing.as_mut().map(|sharing| (sharing, &mut self.simulation)).map_err(|reason| reason.as_str())
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        self.lender.release(&mut self.simulation);
-    }
-}
+mod access;
 
 /// A simulation.
 #[pyclass(frozen, module = "rockfall._rockfall")]
@@ -54,84 +32,42 @@ pub(crate) struct Simulation {
     running: Mutex<Owned<Running>>,
     /// Number of threads that wait for the simulation.
     waiting: AtomicUsize,
+    /// The number of this process among those that share the simulation.
+    rank: Option<usize>,
 }
 
 impl Simulation {
     pub(crate) fn of(simulation: rockfall::Simulation, ids: Ids) -> Self {
+        Self::shared_by(None, simulation, ids)
+    }
+
+    fn shared_by(team: Option<Team>, simulation: rockfall::Simulation, ids: Ids) -> Self {
         if simulation.backend().kind == Backend::Gpu {
             graphics_opened();
         }
-        let running = Running { simulation, ids, lender: Lender::default(), sharing: None, edited: false };
-        Self { running: Mutex::new(Owned::new(running)), waiting: AtomicUsize::new(0) }
+        let rank = team.as_ref().map(Team::rank);
+        let running = Running::new(team, simulation, ids);
+        Self { running: Mutex::new(Owned::new(running)), waiting: AtomicUsize::new(0), rank }
     }
 
-    /// Continues from a checkpoint with these laws. Objects are numbered from 0.
-    fn go_on(mut checkpoint: Checkpoint, laws: Vec<Law>, contact: Option<ContactLaw>) -> PyResult<Self> {
+    /// A simulation, which the processes of a communicator share if there is one.
+    fn begin(starting: Option<Starting>, made: PyResult<rockfall::Simulation>, ids: Option<Ids>) -> PyResult<Self> {
+        let (simulation, team) = match starting {
+            Some(starting) => starting.share(made).map(|(simulation, team)| (simulation, Some(team)))?,
+            None => (made?, None),
+        };
+        let ids = ids.unwrap_or_else(|| Ids::of(simulation.scene()));
+        Ok(Self::shared_by(team, simulation, ids))
+    }
+
+    /// A checkpoint with these laws as a simulation.
+    fn resumed(mut checkpoint: Checkpoint, laws: Vec<Law>, contact: Option<ContactLaw>) -> PyResult<rockfall::Simulation> {
         if checkpoint.options.backend != Backend::Cpu {
             check_graphics()?;
         }
         laws.into_iter().map(law).try_for_each(|law| checkpoint.give_force_law(law)).or_raise()?;
         contact.map(contact_law).into_iter().try_for_each(|law| checkpoint.give_contact_force_law(law)).or_raise()?;
-        let simulation = rockfall::Simulation::resume(checkpoint).or_raise()?;
-        let ids = Ids::of(simulation.scene());
-        Ok(Self::of(simulation, ids))
-    }
-
-    /// Calls a function without the GIL, while no other thread uses the simulation. Threads that wait for it do not hold the GIL.
-    pub(crate) fn locked<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut Running) -> PyResult<R> + Send) -> PyResult<R> {
-        detached(py, || {
-            self.waiting.fetch_add(1, Ordering::Relaxed);
-            let mut running = self.running.lock().unwrap_or_else(PoisonError::into_inner);
-            self.waiting.fetch_sub(1, Ordering::Relaxed);
-            running.check(running.simulation.backend().kind == Backend::Gpu)?;
-            let running = &mut **running;
-            running.ids.add_incoming(running.simulation.scene());
-            call(running)
-        })
-    }
-
-    /// Lets other threads use the simulation if they wait for it: the lock itself prefers the thread that has just had it.
-    fn make_way(&self, py: Python<'_>) {
-        if self.waiting.load(Ordering::Relaxed) > 0 {
-            py.detach(|| {
-                let end = Instant::now() + PATIENCE;
-                while self.waiting.load(Ordering::Relaxed) > 0 && Instant::now() < end {
-                    std::thread::sleep(Duration::from_micros(50));
-                }
-            });
-        }
-    }
-
-    /// Calls a function that changes the memory of the state.
-    pub(crate) fn change<R: Send>(
-        &self,
-        py: Python<'_>,
-        call: impl FnOnce(&mut rockfall::Simulation) -> PyResult<R> + Send,
-    ) -> PyResult<R> {
-        self.locked(py, |running| {
-            running.lender.release(&mut running.simulation);
-            running.edited = false;
-            call(&mut running.simulation)
-        })
-    }
-
-    /// Calls a function that collects edits, which change memory with the next step or read.
-    pub(crate) fn edit<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut Running) -> PyResult<R> + Send) -> PyResult<R> {
-        self.locked(py, |running| {
-            running.edited = true;
-            call(running)
-        })
-    }
-
-    /// Calls a function that leaves the memory of the state as it is.
-    pub(crate) fn read<R: Send>(&self, py: Python<'_>, call: impl FnOnce(&mut Running) -> PyResult<R> + Send) -> PyResult<R> {
-        self.locked(py, |running| {
-            if std::mem::take(&mut running.edited) {
-                running.lender.release(&mut running.simulation);
-                running.simulation.flush().or_raise()?;
-            }
-            call(running)
-        })
+        rockfall::Simulation::resume(checkpoint).or_raise()
     }
 }
 
@@ -155,9 +91,17 @@ pub(crate) fn options((backend, device, integrator, broad_phase, keep_going): Me
 #[pymethods]
 impl Simulation {
     #[new]
-    fn new(scene: &Bound<'_, Scene>, methods: Methods, laws: Vec<Law>, contact: Option<ContactLaw>) -> PyResult<Self> {
+    fn new(
+        scene: &Bound<'_, Scene>,
+        methods: Methods,
+        laws: Vec<Law>,
+        contact: Option<ContactLaw>,
+        comm: Option<i32>,
+    ) -> PyResult<Self> {
         let own = scene.get();
         let options = options(methods)?;
+        let starting = comm.map(Starting::of).transpose()?;
+        let options = starting.iter().fold(options, |options, starting| starting.options(options));
         let options = laws.into_iter().map(law).fold(options, Options::force_law);
         let options = contact.map(contact_law).into_iter().fold(options, Options::contact_force_law);
         detached(scene.py(), || {
@@ -165,7 +109,7 @@ impl Simulation {
                 let built = own.lock();
                 (built.scene.clone(), built.ids.clone())
             };
-            Ok(Self::of(rockfall::Simulation::with_options(objects, options).or_raise()?, ids))
+            Self::begin(starting, rockfall::Simulation::with_options(objects, options).or_raise(), Some(ids))
         })
     }
 
@@ -176,36 +120,52 @@ impl Simulation {
         backend: Option<&str>,
         laws: Vec<Law>,
         contact: Option<ContactLaw>,
+        comm: Option<i32>,
     ) -> PyResult<Self> {
         let backend = backend.map(str::parse).transpose().or_raise()?;
+        let starting = comm.map(Starting::of).transpose()?;
         detached(py, || {
-            let mut checkpoint = Checkpoint::load(path).or_raise()?;
-            checkpoint.options.backend = backend.unwrap_or(checkpoint.options.backend);
-            Self::go_on(checkpoint, laws, contact)
+            let made = Checkpoint::load(path).or_raise().and_then(|mut checkpoint| {
+                checkpoint.options.backend = backend.unwrap_or(checkpoint.options.backend);
+                checkpoint.options = starting.iter().fold(checkpoint.options, |options, starting| starting.options(options));
+                Self::resumed(checkpoint, laws, contact)
+            });
+            Self::begin(starting, made, None)
         })
     }
 
     /// Continues from what [`Simulation::to_bytes`] returned.
     #[staticmethod]
     fn from_bytes(py: Python<'_>, bytes: &[u8], laws: Vec<Law>, contact: Option<ContactLaw>) -> PyResult<Self> {
-        detached(py, || Self::go_on(Checkpoint::from_bytes(bytes, "pickle").or_raise()?, laws, contact))
+        detached(py, || {
+            let checkpoint = Checkpoint::from_bytes(bytes, "pickle").or_raise()?;
+            Self::begin(None, Self::resumed(checkpoint, laws, contact), None)
+        })
     }
 
     /// The bytes of a checkpoint.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let checkpoint = self.read(py, |running| running.simulation.checkpoint().or_raise())?;
+        let checkpoint = self.flushed(py, |running| {
+            running.check_alone()?;
+            running.simulation.checkpoint().or_raise()
+        })?;
         Ok(PyBytes::new(py, &detached(py, || checkpoint.to_bytes())))
     }
 
     /// Another simulation in the same state, in which objects have the same numbers.
     fn copy(&self, py: Python<'_>) -> PyResult<Self> {
-        let (checkpoint, ids) =
-            self.read(py, |running| Ok((running.simulation.checkpoint().or_raise()?, running.ids.clone())))?;
+        let (checkpoint, ids) = self.flushed(py, |running| {
+            running.check_alone()?;
+            Ok((running.simulation.checkpoint().or_raise()?, running.ids.clone()))
+        })?;
         detached(py, || Ok(Self::of(rockfall::Simulation::resume(checkpoint).or_raise()?, ids)))
     }
 
     /// Runs steps in portions, and handles signals between them.
     fn run(&self, py: Python<'_>, steps: u64, dt: f32, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        if self.rank.is_some() {
+            return team::run(self, py, steps, dt, progress);
+        }
         in_portions(py, steps, |count| {
             self.change(py, |simulation| simulation.run(count, dt).map(drop).map_err(raise_in_step))?;
             self.make_way(py);
@@ -246,7 +206,33 @@ impl Simulation {
     }
 
     fn report(&self, py: Python<'_>) -> PyResult<Report> {
-        self.locked(py, |running| Ok(running.simulation.report().into()))
+        self.locked(py, |running| match &mut running.team {
+            Some(team) if !team.is_current() => team.report().map(Into::into),
+            _ => Ok(running.simulation.report().into()),
+        })
+    }
+
+    /// Number of steps done, and time in s.
+    fn elapsed(&self, py: Python<'_>) -> PyResult<(u64, f64)> {
+        self.locked(py, |running| match &running.team {
+            Some(team) => Ok(team.elapsed()),
+            None => Ok((running.simulation.report().steps, running.simulation.report().time)),
+        })
+    }
+
+    /// The number of this process among those that share the simulation; `None` if it is alone.
+    fn rank(&self) -> Option<usize> {
+        self.rank
+    }
+
+    /// Gives this process the state after the last step of all processes.
+    fn gather(&self, py: Python<'_>) -> PyResult<()> {
+        self.read(py, |_| Ok(()))
+    }
+
+    /// Ends a call that the first process alone made. If it failed, the others raise an error.
+    fn agree(&self, py: Python<'_>, has_failed: bool) -> PyResult<()> {
+        self.with_team(py, |team, _| team.agree(has_failed))
     }
 
     /// Warnings about a time step or constants that do not suit the scene.
@@ -342,12 +328,18 @@ impl Simulation {
 
     /// Why arrays on the device cannot be used by other libraries there; `None` where they can.
     fn not_shared(&self, py: Python<'_>) -> PyResult<Option<String>> {
-        self.locked(py, |running| Ok(running.sharing().err().map(str::to_owned)))
+        self.locked(py, |running| match running.team {
+            Some(_) => Ok(Some("processes share the simulation".to_owned())),
+            None => Ok(running.sharing().err().map(str::to_owned)),
+        })
     }
 
     /// A field of all spheres on the device, in order of addition; `None` where memory cannot be shared.
     fn shared(&self, py: Python<'_>, field: &str) -> PyResult<Option<SharedArray>> {
         let field: Field = field.parse()?;
+        if self.rank.is_some() {
+            return Ok(None);
+        }
         self.read(py, |running| match running.sharing() {
             Ok((sharing, simulation)) => sharing.read(simulation, field),
             Err(_) => Ok(None),
@@ -357,6 +349,9 @@ impl Simulation {
     /// A field of all rigid bodies on the device, in order of addition; `None` where memory cannot be shared.
     fn shared_bodies(&self, py: Python<'_>, field: &str) -> PyResult<Option<SharedArray>> {
         let field: Field = field.parse()?;
+        if self.rank.is_some() {
+            return Ok(None);
+        }
         self.read(py, |running| match running.sharing() {
             Ok((sharing, simulation)) => sharing.read_bodies(simulation, field),
             Err(_) => Ok(None),
@@ -366,7 +361,10 @@ impl Simulation {
     /// Sets a field of all spheres from an array on the device. Returns whether the array is there.
     fn put_shared(&self, py: Python<'_>, field: &str, array: &Bound<'_, PyAny>) -> PyResult<bool> {
         let field: Field = field.parse()?;
-        let device = self.locked(py, |running| Ok(running.sharing().ok().map(|(sharing, _)| sharing.device())))?;
+        let device = self.locked(py, |running| {
+            running.check_alone()?;
+            Ok(running.sharing().ok().map(|(sharing, _)| sharing.device()))
+        })?;
         let Some(given) = device.map(|device| Given::take(array, device)).transpose()?.flatten() else { return Ok(false) };
         self.read(py, |running| match running.sharing() {
             Ok((sharing, simulation)) => sharing.write(simulation, field, &given).map(|()| true),
@@ -377,7 +375,8 @@ impl Simulation {
     /// Sets the rows of a field that differ from the current state. Returns their number.
     fn put(&self, py: Python<'_>, field: &str, rows: Rows<'_>) -> PyResult<usize> {
         let (field, rows): (Field, _) = (field.parse()?, rows.as_slice()?);
-        self.read(py, |running| {
+        self.flushed(py, |running| {
+            running.check_alone()?;
             let now = Table::of(running.simulation.sync().or_raise()?, field);
             let changed = now.differences(rows)?;
             running.edited = !changed.is_empty();

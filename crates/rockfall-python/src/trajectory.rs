@@ -46,7 +46,7 @@ impl TrajectoryWriter {
     }
 
     fn finish(&self, simulation: &Bound<'_, Simulation>) -> PyResult<()> {
-        simulation.get().read(simulation.py(), |running| {
+        simulation.get().flushed(simulation.py(), |running| {
             let writer = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
             match writer.ok_or_else(finished)?.into_own() {
                 Some(writer) => writer.finish(running.simulation.scene()).or_raise(),

@@ -19,11 +19,16 @@ use crate::report::Clock;
 use crate::settings::Integrator;
 use crate::simulation::Simulation;
 
+#[cfg(feature = "mpi")]
+mod communicator;
+#[cfg(feature = "mpi")]
+mod devices;
 mod domain;
 mod part;
 #[cfg(feature = "mpi")]
 mod processes;
 mod ranks;
+mod report;
 mod state;
 mod supported;
 #[cfg(test)]
@@ -32,6 +37,8 @@ mod tests;
 mod threads;
 mod work;
 
+#[cfg(feature = "mpi")]
+pub use devices::with_device;
 use part::Part;
 #[cfg(feature = "mpi")]
 pub use processes::Processes;
@@ -39,8 +46,8 @@ pub use ranks::Ranks;
 pub use work::Work;
 use work::timed;
 
-/// What one process has of a simulation that several processes share. [`Cluster::run`], [`Cluster::gather`], [`Cluster::work`] and [`Cluster::max`]
-/// are collective: every process makes the same calls with the same arguments, in the same order.
+/// What one process has of a simulation that several processes share. [`Cluster::run`], [`Cluster::gather`], [`Cluster::report`],
+/// [`Cluster::work`] and [`Cluster::max`] are collective: every process makes the same calls with the same arguments, in the same order.
 pub struct Cluster<R: Ranks> {
     ranks: R,
     backend: Backend,

@@ -1,9 +1,7 @@
 //! The processes that share a run, if `mpirun` started them. All of them follow the same path; the first one prints and writes files.
 
 #[cfg(feature = "mpi")]
-use rockfall::cluster::{Cluster, Processes, Ranks as _};
-#[cfg(feature = "mpi")]
-use rockfall::{Backend, DeviceInfo};
+use rockfall::cluster::{Cluster, Processes, Ranks as _, with_device};
 use rockfall::{Options, Simulation};
 
 use super::outputs::Outputs;
@@ -45,20 +43,12 @@ impl Starting {
         self.processes.is_some()
     }
 
-    /// The options of a simulation that processes may share: if no GPU is given, process r takes number r modulo n of the n GPUs of its host
-    /// that are equal to the best one. Others would compute other bits.
+    /// The options of a simulation that processes may share, with the GPU of this process.
     pub(crate) fn options(&self, options: Options) -> Options {
-        let Some(processes) = &self.processes else { return options };
-        if options.backend == Backend::Cpu || options.device.is_some() {
-            return options;
+        match &self.processes {
+            Some(processes) => with_device(options, processes.rank()),
+            None => options,
         }
-        let devices = rockfall::devices();
-        let Some(best) = devices.first() else { return options };
-        let is_equal = |device: &DeviceInfo| device.name == best.name && device.backend == best.backend;
-        let numbers: Vec<usize> = (0..devices.len()).filter(|number| is_equal(&devices[*number])).collect();
-        // A device that a CPU emulates is used only on request.
-        let is_wanted = !best.software || options.backend == Backend::Gpu;
-        if is_wanted { options.device(numbers[processes.rank() % numbers.len()]) } else { options }
     }
 
     /// Waits until all processes have begun. If one of them has failed, all end, and the first that did reports it.

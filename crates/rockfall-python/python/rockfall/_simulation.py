@@ -22,6 +22,7 @@ from rockfall._progress import Progress
 from rockfall._reports import Backend, Profile, Report, StageTime
 from rockfall._scene import Scene
 from rockfall._stored import Stored
+from rockfall._team import Communicator, handle_of
 from rockfall._vtk import to_pyvista
 from rockfall.typing import BackendName, BroadPhaseName, ColourName, IntegratorName
 
@@ -63,13 +64,17 @@ class Simulation(Stored, LawTable, ContactLawOf):
     contact_law : ContactLaw, optional
         The contact law that the program defines. It takes the place of that of the scene, as ``contact_law = "user"`` in its
         settings, and so switches ``collisions`` off.
+    comm : mpi4py.MPI.Comm, optional
+        The processes that share the simulation, such as ``MPI.COMM_WORLD``: each computes a part of the scene, with the bits of a
+        simulation without ``comm``. See Notes.
 
     Raises
     ------
     ValueError
-        For a value that is not allowed.
+        For a value that is not allowed, and with ``comm`` for a scene that processes cannot share, such as one with rods.
     SimulationError
-        If there is no GPU for ``backend="gpu"``, or the scene is too large.
+        If there is no GPU for ``backend="gpu"``, or the scene is too large. With ``comm``, also if this package was built without
+        MPI, if MPI was not started with ``MPI_THREAD_MULTIPLE`` (the default of mpi4py) or has ended, or if another process failed.
 
     Notes
     -----
@@ -89,6 +94,17 @@ class Simulation(Stored, LawTable, ContactLawOf):
     >>> sim.external_forces = -positions.contiguous()   # doctest: +SKIP
 
     Several threads may use a simulation. They wait for each other, without the GIL.
+
+    With ``comm``, all processes of the communicator make the same calls in the same order, with the same arguments: they make the
+    simulation of the same scene, run the same steps, and read the state together, because the first read after a step gathers it.
+    Further reads until the next step need no other process. So read before ``if comm.rank == 0:``, and use the result in it. Different
+    calls raise :class:`SimulationError`, or wait for ever where a process makes no further call. :attr:`steps`, :attr:`time` and
+    :attr:`dt` may be read by any process. Every process then has the whole state. Files are written by the first
+    process. Arrays are read-only, and what changes, copies or films the simulation raises ValueError. Start the program with
+    ``mpirun -n 4 python -m mpi4py program.py``, which ends all processes when one of them raises an error that it does not catch.
+
+    The simulation uses a duplicate of the communicator. ``docs/cluster.md`` describes how to build with MPI, what scenes can be shared, and
+    which GPU a process has.
     """
 
     def __init__(
@@ -104,6 +120,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         check: bool = True,
         force_laws: Iterable[ForceLaw] = (),
         contact_law: ContactLaw | None = None,
+        comm: Communicator | None = None,
     ) -> None:
         if not isinstance(scene, Scene):
             raise TypeError(f"scene: expected a rockfall.Scene, got {type(scene).__name__}")
@@ -115,7 +132,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         contact = native_contact_law(contact_law)
         number = None if device is None else whole("device", device)
         methods = (backend, number, integrator, broad_phase, bool(keep_going))
-        native = _rockfall.Simulation(scene._native, methods, laws, contact)
+        native = _rockfall.Simulation(scene._native, methods, laws, contact, handle_of(comm))
         self._begin(native, step, checked=None if check else step)
 
     def _begin(self, native: Any, dt: float, checked: float | None) -> None:
@@ -142,6 +159,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         backend: BackendName | None = None,
         force_laws: Iterable[ForceLaw] = (),
         contact_law: ContactLaw | None = None,
+        comm: Communicator | None = None,
     ) -> Simulation:
         """Continue from a checkpoint, with results that are bitwise identical to those of a run that never stopped.
 
@@ -157,24 +175,31 @@ class Simulation(Stored, LawTable, ContactLawOf):
             All force laws that the simulation had. Their parameters get the values of the checkpoint.
         contact_law : ContactLaw, optional
             The contact law that the program had defined. Its parameters get the values of the checkpoint.
+        comm : mpi4py.MPI.Comm, optional
+            The processes that share the simulation from now on, in any number. All of them read the file.
 
         Raises
         ------
         OSError
             If the file cannot be read.
         ValueError
-            If it is not a usable checkpoint, or if a law is missing or another one.
+            If it is not a usable checkpoint, or if a law is missing or another one. With ``comm``, as for :class:`Simulation`.
+        SimulationError
+            As for :class:`Simulation`.
         """
-        native = _rockfall.Simulation.resume(os.fspath(path), backend, native_laws(force_laws), native_contact_law(contact_law))
+        laws, contact = native_laws(force_laws), native_contact_law(contact_law)
+        native = _rockfall.Simulation.resume(os.fspath(path), backend, laws, contact, handle_of(comm))
         # The decimal number that was written as f32.
         return cls._of(native, float(str(np.float32(native.time_step()))))
 
     # Steps
 
     def _check(self) -> None:
-        """Warns of what does not suit the time step, once."""
+        """Warns of what does not suit the time step, once; of processes that share the simulation, the first."""
         if self._checked != self._dt:
             self._checked = self._dt
+            if self._native.rank():
+                return
             for concern in self._native.concerns(self._dt):
                 warnings.warn(f"time step {self._dt} s: {concern}", SceneWarning, stacklevel=3)
 
@@ -286,7 +311,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         SimulationError
             When the state of a body stops being finite, or the device fails. The steps before are done.
         KeyboardInterrupt
-            After Ctrl-C. The simulation is between two steps and can go on.
+            After Ctrl-C. The simulation is between two steps and can go on. With ``comm``, all processes raise it.
 
         Notes
         -----
@@ -351,16 +376,21 @@ class Simulation(Stored, LawTable, ContactLawOf):
     @property
     def steps(self) -> int:
         """Number of steps done."""
-        return self.report.steps
+        steps: int = self._native.elapsed()[0]
+        return steps
 
     @property
     def time(self) -> float:
         """Time simulated, in s."""
-        return self.report.time
+        time: float = self._native.elapsed()[1]
+        return time
 
     @property
     def report(self) -> Report:
-        """Counts and times of all steps so far."""
+        """Counts and times of all steps so far.
+
+        With ``comm``, ``replays`` and ``list_builds`` are those before the processes shared the simulation.
+        """
         return Report(**self._native.report())
 
     @property
@@ -500,5 +530,4 @@ class Simulation(Stored, LawTable, ContactLawOf):
         return to_pyvista(self)
 
     def __repr__(self) -> str:
-        report = self.report
-        return f"<rockfall.Simulation: {self.counts.spheres} spheres, step {report.steps}, {report.time:g} s, {self.backend.kind}>"
+        return f"<rockfall.Simulation: {self.counts.spheres} spheres, step {self.steps}, {self.time:g} s, {self.backend.kind}>"

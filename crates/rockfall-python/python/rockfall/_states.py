@@ -25,6 +25,8 @@ class States(Objects):
     _live: dict[str, FloatArray]
 
     def _field(self, field: str) -> FloatArray:
+        if self._native.rank() is not None:
+            return self._constant(field)
         array = self._live.get(field)
         if array is None:
             shared = self._native.shared(field)
@@ -36,6 +38,8 @@ class States(Objects):
     def _set_field(self, field: str, value: Any) -> None:
         if is_on_cuda(value) and value is not self._live.get(field) and self._put_shared(field, value):
             return
+        if self._native.rank() is not None:
+            raise ValueError(f"{field}: processes share the simulation, and cannot change it (comm)")
         array = self._field(field)
         if value is not array:
             columns = _FIELDS[field]

@@ -9,6 +9,7 @@ from rockfall import _rockfall
 from rockfall._contact_law import ContactLaw, native_contact_law
 from rockfall._laws import ForceLaw, native_laws
 from rockfall._observe import Observed
+from rockfall._team import on_first
 from rockfall._trajectory import Recording
 
 if TYPE_CHECKING:
@@ -28,9 +29,18 @@ class Stored(Observed):
         raise NotImplementedError
 
     def save_checkpoint(self, path: str | os.PathLike[str]) -> None:
-        """Write everything that determines the following steps to a file, for :meth:`resume` and :meth:`restore`."""
+        """Write everything that determines the following steps to a file, for :meth:`resume` and :meth:`restore`.
+
+        Of processes that share the simulation, the first writes. All must call this.
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written. Other processes than the first raise SimulationError.
+        """
         self._commit()
-        self._native.save_checkpoint(os.fspath(path))
+        self._native.gather()
+        on_first(self._native, lambda: self._native.save_checkpoint(os.fspath(path)))
 
     def restore(self, path: str | os.PathLike[str]) -> None:
         """Replace the state by that of a checkpoint. The backend and the options stay. Objects are numbered from 0 again.

@@ -18,6 +18,7 @@ from rockfall._look import look, warn_of_letters
 from rockfall._picture import Picture
 from rockfall._scene import Scene
 from rockfall._tables import needed
+from rockfall._team import on_first
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -34,18 +35,26 @@ class Recording(Strict):
     """A trajectory that is being written; :meth:`Simulation.record` begins one. A context manager.
 
     The file appears under its name when the recording is finished: by :meth:`finish`, at the end of a ``with`` block, when nothing
-    refers to the recording and its simulation any more, or at the end of the program. A forked process writes nothing to it.
+    refers to the recording and its simulation any more, or at the end of the program. A forked process writes nothing to it. Of
+    processes that share the simulation, the first writes, and all call :meth:`frame` and :meth:`finish`; if it fails there, the others raise
+    SimulationError.
     """
+
+    _writer: _rockfall.TrajectoryWriter | None = None
 
     def __init__(self, simulation: Simulation, path: str | os.PathLike[str], every: int) -> None:
         self._every = whole("every", every, least=1)
         self._path = os.fspath(path)
-        self._writer = _rockfall.TrajectoryWriter(self._path)
         self._simulation: Simulation | None = simulation
+        on_first(simulation._native, self._open)
         self._start = simulation.steps
         self._frames = 0
         self.frame()
-        self._left = weakref.finalize(self, self._writer.finish, simulation._native)
+        if self._writer is not None:
+            self._left = weakref.finalize(self, self._writer.finish, simulation._native)
+
+    def _open(self) -> None:
+        self._writer = _rockfall.TrajectoryWriter(self._path)
 
     def frame(self) -> None:
         """Write the current state as a further frame.
@@ -60,7 +69,9 @@ class Recording(Strict):
         if self._simulation is None:
             raise ValueError("the recording is finished")
         self._simulation._commit()
-        self._writer.frame(self._simulation._native)
+        native, writer = self._simulation._native, self._writer
+        native.gather()
+        on_first(native, lambda: writer.frame(native) if writer is not None else None)
         self._frames += 1
 
     def _steps_until_frame(self, steps: int) -> int:
@@ -75,8 +86,10 @@ class Recording(Strict):
         simulation, self._simulation = self._simulation, None
         if simulation is not None:
             simulation._recordings.remove(self)
-            self._left.detach()
-            self._writer.finish(simulation._native)
+            native, writer = simulation._native, self._writer
+            if writer is not None:
+                self._left.detach()
+            on_first(native, lambda: writer.finish(native) if writer is not None else None)
 
     def __enter__(self) -> Recording:
         return self

@@ -7,6 +7,7 @@ use crate::cluster::state;
 use crate::error::{Error, Result};
 use crate::model::shared::Shared;
 use crate::options::{Optimization, Options};
+use crate::report::Report;
 use crate::scene::{Scene, SphereId};
 use crate::simulation::Simulation;
 use crate::simulation::share::Rows;
@@ -86,6 +87,11 @@ impl Part {
     pub(super) fn counts(&self) -> [usize; 2] {
         let Shared { own, received, .. } = self.rows.shared();
         [own.len(), received.iter().map(Vec::len).sum()]
+    }
+
+    /// The counts of the last step, of the contacts that this process counts.
+    pub(super) fn report(&self) -> Report {
+        self.local.report()
     }
 
     /// Whether all own spheres are close enough to where they were when spheres were divided, also at the next evaluation of forces.

@@ -1,16 +1,18 @@
 //! Processes that `mpirun` started.
 
 use std::fmt;
+use std::mem::ManuallyDrop;
 use std::rc::Rc;
 
 use mpi::Threading;
 use mpi::collective::SystemOperation;
 use mpi::datatype::PartitionMut;
-use mpi::environment::Universe;
+use mpi::environment::{Universe, is_finalized};
 use mpi::request::multiple_scope;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator as _, CommunicatorCollectives as _, Destination as _, Source as _};
 
+use crate::cluster::communicator;
 use crate::cluster::ranks::Ranks;
 use crate::error::{Error, Result};
 
@@ -24,9 +26,9 @@ pub struct Processes {
 }
 
 struct World {
-    all: SimpleCommunicator,
-    /// Ends MPI when it is dropped.
-    _universe: Universe,
+    all: ManuallyDrop<SimpleCommunicator>,
+    /// Ends MPI when it is dropped. `None` where the program has started MPI.
+    _universe: Option<Universe>,
 }
 
 impl Drop for World {
@@ -34,6 +36,10 @@ impl Drop for World {
         if std::thread::panicking() {
             // The others may wait for this process, which would wait for them at the end of MPI.
             self.all.abort(1);
+        }
+        // Nothing can be freed after the end of MPI.
+        if !is_finalized() {
+            communicator::free(&mut self.all);
         }
     }
 }
@@ -57,7 +63,19 @@ impl Processes {
     pub fn start() -> Result<Self> {
         let failed = || Error::Cluster("MPI has been started before".to_owned());
         let (universe, _) = mpi::initialize_with_threading(Threading::Funneled).ok_or_else(failed)?;
-        Ok(Self { world: Rc::new(World { all: universe.world(), _universe: universe }) })
+        Ok(Self { world: Rc::new(World { all: ManuallyDrop::new(universe.world()), _universe: Some(universe) }) })
+    }
+
+    /// The processes of a communicator of a program that has started MPI itself, by its Fortran handle (`MPI_Comm_c2f`, in mpi4py
+    /// `comm.py2f()`). All processes of the communicator must call this together. Messages go through a duplicate of it, which is freed
+    /// with the last copy; MPI does not end then. Calls may come from any thread.
+    ///
+    /// # Errors
+    /// [`Error::Cluster`] when MPI has not been started, has ended, or was started without `MPI_THREAD_MULTIPLE`, and for a null
+    /// communicator or one between two groups.
+    pub fn of_communicator(handle: i32) -> Result<Self> {
+        let all = ManuallyDrop::new(communicator::duplicate(handle)?);
+        Ok(Self { world: Rc::new(World { all, _universe: None }) })
     }
 }
 

@@ -77,7 +77,9 @@ fn shared(checkpoint: &Checkpoint, size: usize, steps: u64, dt: f32) -> Vec<(Che
         // Where a caller divides steps into calls does not matter.
         cluster.run(steps / 3, dt).unwrap();
         cluster.run(steps - steps / 3, dt).unwrap();
+        let report = cluster.report().unwrap();
         let state = cluster.gather().unwrap().clone();
+        assert_eq!(report, state.report);
         // The state fits into a simulation again, in the order that it would have there.
         simulation.restore(&state).unwrap();
         (simulation.checkpoint().unwrap(), cluster.divisions())
