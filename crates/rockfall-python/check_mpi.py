@@ -10,6 +10,7 @@ from __future__ import annotations
 import signal
 import sys
 import tempfile
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -50,10 +51,11 @@ def both(scene: rf.Scene) -> tuple[rf.Simulation, rf.Simulation]:
     return alone, rf.Simulation(scene, backend="cpu", check=False, comm=COMM)
 
 
-def check_steps(scene: rf.Scene) -> None:
+def check_steps(scene: rf.Scene) -> int:
+    """Runs steps in several ways. Returns the number of contacts at the end."""
     alone, shared = both(scene)
     same(alone, shared)
-    for steps in (0, 1, 150):
+    for steps in (0, 1, 400):
         reports = [simulation.run(steps) for simulation in (alone, shared)]
         assert [report.contacts for report in reports] == [reports[0].contacts] * 2
         assert reports[0].max_overlap == reports[1].max_overlap
@@ -68,17 +70,17 @@ def check_steps(scene: rf.Scene) -> None:
         simulation.dt *= 1.5
         simulation.run(70)
     same(alone, shared)
-    assert alone.contacts.size > 0
+    return int(alone.contacts.size)
 
 
 def check_files(scene: rf.Scene, folder: Path) -> None:
     alone, shared = both(scene)
-    for name, simulation in (("alone", alone), ("shared", shared)):
+    for name, simulation in ((f"alone-{COMM.rank}", alone), ("shared", shared)):
         with simulation.record(folder / f"{name}.npz", every=40) as recording:
             simulation.run(100)
             recording.frame()
     COMM.barrier()
-    assert (folder / "alone.npz").read_bytes() == (folder / "shared.npz").read_bytes()
+    assert (folder / f"alone-{COMM.rank}.npz").read_bytes() == (folder / "shared.npz").read_bytes()
     shared.save_checkpoint(folder / "shared.ckpt")
     COMM.barrier()
     again = rf.Simulation.resume(folder / "shared.ckpt", comm=COMM)
@@ -162,9 +164,11 @@ def check_different_calls(scene: rf.Scene) -> None:
 
 
 def main() -> None:
+    warnings.simplefilter("ignore", rf.SceneWarning)
     scenes = {name: rf.Scene.load(Path(sys.argv[1]) / f"{name}.txt") for name in ("column", "euler", "gas", "shaken")}
-    for scene in scenes.values():
-        check_steps(scene)
+    for name, scene in scenes.items():
+        contacts = check_steps(scene)
+        assert contacts > 0 or name == "gas", name
     folder = Path(COMM.bcast(tempfile.mkdtemp(dir=sys.argv[1]) if COMM.rank == 0 else None))
     check_files(scenes["column"], folder)
     check_refused(scenes["column"])
