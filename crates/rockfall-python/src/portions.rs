@@ -7,6 +7,14 @@ use pyo3::prelude::*;
 /// Time after which a run looks for signals such as Ctrl-C.
 pub(crate) const PATIENCE: Duration = Duration::from_millis(50);
 
+/// What stops a call on all processes. The greatest of all processes counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stop {
+    No,
+    Interrupt,
+    Failure,
+}
+
 /// Calls a function with numbers of steps that take about [`PATIENCE`], and handles signals in between.
 pub(crate) fn in_portions(py: Python<'_>, steps: u64, mut run: impl FnMut(u64) -> PyResult<()>) -> PyResult<()> {
     let (mut left, mut portion) = (steps, 16);

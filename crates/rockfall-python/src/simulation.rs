@@ -21,9 +21,10 @@ use crate::scene::Scene;
 use crate::shared::{Given, SharedArray};
 use crate::states::{Field, Table};
 use crate::tables::{BackendInfo, ProfileOf, Report};
-use crate::team::{self, Starting, Team};
+use crate::team::{Starting, Team};
 
 mod access;
+mod together;
 
 /// A simulation.
 #[pyclass(frozen, module = "rockfall._rockfall")]
@@ -164,7 +165,7 @@ impl Simulation {
     /// Runs steps in portions, and handles signals between them.
     fn run(&self, py: Python<'_>, steps: u64, dt: f32, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         if self.rank.is_some() {
-            return team::run(self, py, steps, dt, progress);
+            return together::run(self, py, steps, dt, progress);
         }
         in_portions(py, steps, |count| {
             self.change(py, |simulation| simulation.run(count, dt).map(drop).map_err(raise_in_step))?;

@@ -3,16 +3,13 @@
 //! All of them make the same calls. Each call that communicates begins with a meeting, in which every process learns whether the others make
 //! the same call, so that different calls end with an error on all.
 
-use std::time::Instant;
-
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use rockfall::cluster::{Cluster, Processes, Ranks, with_device};
 use rockfall::{Options, Report};
 
 use crate::errors::{Raise, SimulationError, in_python};
-use crate::portions::next_portion;
-use crate::simulation::Simulation;
+use crate::portions::Stop;
 
 /// The processes of a communicator, which any thread may use.
 #[derive(Debug)]
@@ -87,14 +84,6 @@ enum Call {
     Write,
 }
 
-/// What stops a call on all processes. The greatest of all processes counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stop {
-    No,
-    Interrupt,
-    Failure,
-}
-
 /// The processes that share a simulation.
 #[derive(Debug)]
 pub(crate) struct Team {
@@ -152,7 +141,7 @@ impl Team {
     }
 
     /// Runs as many of `left` steps as the first process wants; `Err` if a process stops all of them.
-    fn portion(&mut self, [left, wanted]: [u64; 2], dt: f32, stop: Stop) -> PyResult<u64> {
+    pub(crate) fn portion(&mut self, [left, wanted]: [u64; 2], dt: f32, stop: Stop) -> PyResult<u64> {
         let (stopped, count) = self.meet(Call::Run, [left, dt.to_bits().into()], stop, wanted.min(left))?;
         if stopped == Stop::Interrupt as u64 {
             return Err(PyKeyboardInterrupt::new_err("a process that shares the simulation was interrupted"));
@@ -192,40 +181,5 @@ impl Team {
     fn kept<T>(&mut self, result: rockfall::Result<T>) -> PyResult<T> {
         self.failure = result.as_ref().err().map(|error| in_python(&error.to_string()));
         result.or_raise()
-    }
-}
-
-/// Runs steps of a simulation that processes share, in portions. A signal or an error of `progress` on one process stops all.
-pub(crate) fn run(
-    simulation: &Simulation,
-    py: Python<'_>,
-    steps: u64,
-    dt: f32,
-    progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<()> {
-    let (mut left, mut wanted) = (steps, 16);
-    let mut stopped: Option<PyErr> = None;
-    loop {
-        let stop = match &stopped {
-            None => Stop::No,
-            Some(error) if error.is_instance_of::<PyKeyboardInterrupt>(py) => Stop::Interrupt,
-            Some(_) => Stop::Failure,
-        };
-        let start = Instant::now();
-        let done = simulation.with_team(py, |team, simulation| {
-            simulation.set_time_step(dt).or_raise()?;
-            team.portion([left, wanted], dt, stop)
-        });
-        if let Some(error) = stopped {
-            return Err(error);
-        }
-        let count = done?;
-        if left == 0 {
-            return Ok(());
-        }
-        left -= count;
-        wanted = next_portion(wanted, start.elapsed());
-        let shown = || progress.map_or(Ok(()), |progress| progress.call1((count,)).map(drop));
-        stopped = py.check_signals().and_then(|()| shown()).err();
     }
 }

@@ -190,3 +190,15 @@ def test_a_wrong_row_adds_nothing() -> None:
     with pytest.raises(ValueError, match="row 9"):
         scene.add_spheres(position, radius, 1e-30 * np.where(np.arange(10) == 9, 1, 1e30))
     assert scene.counts.spheres == 0
+
+
+def test_comm_needs_mpi(scene: rf.Scene) -> None:
+    # check_mpi.py tests the rest.
+    class Communicator:
+        def py2f(self) -> int:
+            return 0
+
+    with pytest.raises(rf.SimulationError, match="MPI"):
+        rf.Simulation(scene, comm=Communicator())
+    with pytest.raises(TypeError, match="comm: expected a communicator of mpi4py"):
+        rf.Simulation(scene, comm=0)  # type: ignore[arg-type]

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use rockfall::{Options, Report};
 
 use crate::errors::SimulationError;
-use crate::simulation::Simulation;
+use crate::portions::Stop;
 
 /// Processes that will share a simulation. There are none.
 pub(crate) enum Starting {}
@@ -54,15 +54,8 @@ impl Team {
     pub(crate) fn gather(&mut self, _simulation: &mut rockfall::Simulation) -> PyResult<()> {
         match *self {}
     }
-}
 
-/// Runs steps of a simulation that processes share. There is none.
-pub(crate) fn run(
-    _simulation: &Simulation,
-    _py: Python<'_>,
-    _steps: u64,
-    _dt: f32,
-    _progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<()> {
-    Ok(())
+    pub(crate) fn portion(&mut self, _steps: [u64; 2], _dt: f32, _stop: Stop) -> PyResult<u64> {
+        match *self {}
+    }
 }
