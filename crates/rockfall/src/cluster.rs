@@ -24,6 +24,7 @@ mod communicator;
 #[cfg(feature = "mpi")]
 mod devices;
 mod domain;
+mod line;
 mod part;
 #[cfg(feature = "mpi")]
 mod processes;

@@ -39,7 +39,7 @@ impl Part {
     /// is used again. Spheres reach further than their radius by the factor `reach`; steps have `dt` seconds.
     pub(super) fn new(before: Option<Self>, whole: &Checkpoint, [rank, size]: [usize; 2], reach: f64, dt: f32) -> Result<Self> {
         let spheres = whole.scene.spheres();
-        let domain = Domain::of(spheres, size);
+        let domain = Domain::of(&whole.scene, size);
         let (room, depth) = room_and_depth(whole, &domain, reach, dt);
         let is_here = |index: usize| {
             let sphere = &spheres[index];
@@ -55,7 +55,7 @@ impl Part {
             }
             None => Simulation::resume(checkpoint)?,
         };
-        let mut shared = Shared { axis: domain.axis, room, ..Shared::default() };
+        let mut shared = Shared { axis: domain.axis(), room, ..Shared::default() };
         (shared.sent, shared.received) = (vec![Vec::new(); size], vec![Vec::new(); size]);
         for (place, index) in (0..).zip(&present) {
             let (sphere, owner) = (&spheres[*index as usize], domain.owners[*index as usize] as usize);
@@ -64,7 +64,7 @@ impl Part {
                 continue;
             }
             shared.own.push(place);
-            shared.starts.push(sphere.position.to_array()[domain.axis]);
+            shared.starts.push(sphere.position.to_array()[domain.axis()]);
             let others = (0..size).filter(|other| *other != rank && domain.needs_copy(*other, sphere, depth));
             others.for_each(|other| shared.sent[other].push(place));
         }
@@ -157,8 +157,8 @@ fn room_and_depth(whole: &Checkpoint, domain: &Domain, reach: f64, dt: f32) -> (
     let moving = || whole.scene.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed);
     let radius = moving().map(|(_, sphere)| f64::from(sphere.radius)).fold(0.0, f64::max);
     let speed = moving().map(|(index, sphere)| {
-        let rate = whole.rates.get(index).map_or(0.0, |rates| rates[domain.axis]);
-        f64::from(sphere.velocity.to_array()[domain.axis].abs() + 0.5 * dt * rate.abs())
+        let rate = whole.rates.get(index).map_or(0.0, |rates| rates[domain.axis()]);
+        f64::from(sphere.velocity.to_array()[domain.axis()].abs() + 0.5 * dt * rate.abs())
     });
     let fastest = speed.fold(0.0, f64::max);
     let least = (LEAST_ROOM * radius).max(SHARE_OF_SLAB * domain.thickness());

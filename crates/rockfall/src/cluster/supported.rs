@@ -20,8 +20,6 @@ pub(super) fn check(simulation: &Simulation, state: &Checkpoint) -> Result<()> {
         (!scene.gauges().is_empty(), "a scene with gauges"),
         (!scene.inlets().is_empty(), "a scene with inlets"),
         (!scene.outlets().is_empty(), "a scene with outlets"),
-        (scene.shear().is_some(), "a scene with a sheared box"),
-        (scene.is_periodic(), "a scene with periodic boundaries"),
         (scene.settings.collisions, "a scene with impulses of collisions (without: set collisions off)"),
         (simulation.has_friction_impulses(), "a scene with impulses of friction (without: set coulomb_friction 0)"),
         (simulation.integrator() == Integrator::Rk4, "the integrator rk4"),
@@ -34,8 +32,8 @@ pub(super) fn check(simulation: &Simulation, state: &Checkpoint) -> Result<()> {
         Some((_, what)) => Err(Error::Invalid {
             field: "MPI",
             value: what.to_owned(),
-            expected: "free spheres among boxes, polygons, smooth walls, meshes and fixed spheres, a law without \
-                       impulses, and the integrator symplectic-euler or velocity-verlet on the backend cpu (docs/cluster.md)",
+            expected: "free spheres among boxes, polygons, smooth walls, meshes and fixed spheres, also in a periodic or sheared box, a law \
+                       without impulses, and the integrator symplectic-euler or velocity-verlet on the backend cpu (docs/cluster.md)",
         }),
     }
 }

@@ -1,5 +1,7 @@
 //! The same bits for any number of processes.
 
+mod periodic;
+
 use std::thread;
 
 use super::Cluster;
@@ -8,8 +10,8 @@ use super::threads::Threads;
 use crate::checkpoint::Checkpoint;
 use crate::generate::Benchmark;
 use crate::{
-    Backend, ContactLaw, Cuboid, Error, Integrator, Material, Motion, MotionTerm, Options, Pair, Polygon, Scene, Simulation,
-    Sphere,
+    Backend, ContactLaw, Cuboid, Error, Gauge, Integrator, Material, Motion, MotionTerm, Options, Pair, Polygon, Scene,
+    Simulation, Sphere,
 };
 
 /// Pseudo-random numbers from 0 to 1.
@@ -107,6 +109,7 @@ fn assert_same(one: &Checkpoint, other: &Checkpoint, what: &str) {
     assert!(differing.is_empty(), "{what}: {} spheres differ, the first is {:?}", differing.len(), differing.first());
     assert!(one.springs == other.springs, "{what}: springs");
     assert_eq!(one.rates, other.rates, "{what}: rates");
+    assert_eq!(one.scene.shear(), other.scene.shear(), "{what}");
     let counts = |state: &Checkpoint| {
         let report = state.report;
         (report.steps, report.time.to_bits(), report.contacts, report.max_overlap.to_bits())
@@ -282,8 +285,8 @@ fn what_cannot_be_shared_is_refused_by_name() {
     assert!(refused(scene.clone(), euler()).starts_with("a scene with impulses of collisions"));
     scene.settings.collisions = false;
     assert_eq!(refused(scene.clone(), options(Integrator::Rk4)), "the integrator rk4");
-    scene.set_periodic(0, Some([0.0, 9.0])).unwrap();
-    assert_eq!(refused(scene, euler()), "a scene with periodic boundaries");
+    scene.add_gauge(Gauge::plane("flow", [0.0; 3], [1.0, 0.0, 0.0])).unwrap();
+    assert_eq!(refused(scene, euler()), "a scene with gauges");
 }
 
 /// All processes learn of the failure of one of them.

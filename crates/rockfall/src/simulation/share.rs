@@ -191,6 +191,8 @@ impl Simulation {
     pub(crate) fn put_history(&self, checkpoint: &mut Checkpoint) {
         checkpoint.history.lengths_due = self.status.lengths_due != 0;
         checkpoint.history.clock = self.muscle_clock;
+        // The images of a sheared scene have slid.
+        checkpoint.scene.shear = self.scene.shear;
         checkpoint.time_step = self.time_step;
     }
 
