@@ -174,6 +174,8 @@ fn local_checkpoint(whole: &Checkpoint, present: &[u32]) -> Result<Checkpoint> {
     let absent: Vec<bool> = (0..whole.scene.spheres().len()).map(is_absent).collect();
     let ids: Vec<SphereId> = whole.scene.sphere_ids().zip(&absent).filter_map(|(id, absent)| absent.then_some(id)).collect();
     local.scene.remove_spheres(&ids)?;
+    // They measure the whole scene, in the gathered state.
+    local.scene.gauges.clear();
     if !whole.rates.is_empty() {
         local.rates = present.iter().map(|index| whole.rates[*index as usize]).collect();
     }

@@ -17,7 +17,6 @@ pub(super) fn check(simulation: &Simulation, state: &Checkpoint) -> Result<()> {
         (counts.springs > 0, "a scene with springs"),
         (counts.tethers > 0, "a scene with tethers"),
         (scene.motions().iter().any(|motion| motion.servo.is_some()), "a scene with servos"),
-        (!scene.gauges().is_empty(), "a scene with gauges"),
         (!scene.inlets().is_empty(), "a scene with inlets"),
         (!scene.outlets().is_empty(), "a scene with outlets"),
         (scene.settings.collisions, "a scene with impulses of collisions (without: set collisions off)"),

@@ -11,7 +11,7 @@ use crate::checkpoint::Checkpoint;
 use crate::generate::Benchmark;
 use crate::{
     Backend, ContactLaw, Cuboid, Error, Gauge, Integrator, Material, Motion, MotionTerm, Options, Pair, Polygon, Scene,
-    Simulation, Sphere,
+    Simulation, Sphere, Spring,
 };
 
 /// Pseudo-random numbers from 0 to 1.
@@ -258,6 +258,21 @@ fn a_checkpoint_goes_on_with_another_number_of_processes() {
     }
 }
 
+/// Loads on walls and flows through planes follow from the state and from what was in front of the planes at the start.
+#[test]
+fn gauges_measure_the_same() {
+    for (mut scene, wall) in [(machine(), Some("shake")), (periodic::chute(2.0), None)] {
+        scene.add_gauge(Gauge::plane("flow", [1.0, 0.0, 0.0], [1.0, -0.1, 0.0])).unwrap();
+        wall.into_iter().for_each(|wall| scene.add_gauge(Gauge::wall("load", wall)).unwrap());
+        let measured = |state: &Checkpoint| Simulation::resume(state.clone()).unwrap().gauges().unwrap();
+        let start = Simulation::with_options(scene, options(Integrator::VelocityVerlet)).unwrap().checkpoint().unwrap();
+        let expected = measured(&alone(&start, 300, 0.0005));
+        assert_ne!(expected, measured(&start));
+        let middle = shared(&start, 2, 100, 0.0005).remove(1).0;
+        assert_eq!(measured(&shared(&middle, 3, 200, 0.0005).remove(0).0), expected);
+    }
+}
+
 fn spring_bits(state: &Checkpoint) -> Vec<([Option<u32>; 2], [u32; 7])> {
     let number = |id| state.scene.number_of(id);
     let springs = state.springs.iter().map(|spring| {
@@ -285,8 +300,9 @@ fn what_cannot_be_shared_is_refused_by_name() {
     assert!(refused(scene.clone(), euler()).starts_with("a scene with impulses of collisions"));
     scene.settings.collisions = false;
     assert_eq!(refused(scene.clone(), options(Integrator::Rk4)), "the integrator rk4");
-    scene.add_gauge(Gauge::plane("flow", [0.0; 3], [1.0, 0.0, 0.0])).unwrap();
-    assert_eq!(refused(scene, euler()), "a scene with gauges");
+    let ends = [1.0, 2.0].map(|x| scene.add_sphere(Sphere::new([x, 0.0, 0.0], 0.1)).unwrap());
+    scene.add_spring(Spring::new(ends[0], ends[1], 1.0, 1.0)).unwrap();
+    assert_eq!(refused(scene, euler()), "a scene with springs");
 }
 
 /// All processes learn of the failure of one of them.

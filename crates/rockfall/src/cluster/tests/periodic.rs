@@ -47,7 +47,7 @@ fn a_gas_passes_faces_and_corners_to_the_same_bits() {
 }
 
 /// Grains of sizes 1:`ratio` that stream along a chute without end, over a fixed sphere. Its ends meet in the middle of the grains.
-fn chute(ratio: f32) -> Scene {
+pub(super) fn chute(ratio: f32) -> Scene {
     let (mut scene, sand) = sandbox(ContactLaw::HertzMindlin);
     scene.settings.gravity_direction = [0.9, -0.4, 0.0].into();
     for (low, high) in
