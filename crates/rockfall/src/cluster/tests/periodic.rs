@@ -27,22 +27,22 @@ fn cube() -> Scene {
     scene.settings.collisions = false;
     scene.settings.gravity = 0.0;
     let mut numbers = Numbers(5);
-    for k in 0..343_u32 {
-        let k = (k * 100) % 343;
-        let place = [k % 7, k / 7 % 7, k / 49].map(|n| 0.5 * n as f32);
-        let velocity = [0; 3].map(|_| 8.0 * (numbers.next() - 0.5));
+    for k in 0..216_u32 {
+        let k = (k * 77) % 216;
+        let place = [k % 6, k / 6 % 6, k / 36].map(|n| 0.5 * n as f32);
+        let velocity = [3.0, 2.5, 3.5].map(|mean| mean + 6.0 * (numbers.next() - 0.5));
         scene.add_sphere(Sphere::new(place, 0.12 + 0.12 * numbers.next()).velocity(velocity)).unwrap();
     }
-    periodic(scene, [Some(3.5); 3])
+    periodic(scene, [Some(3.0); 3])
 }
 
 #[test]
 fn a_gas_passes_faces_and_corners_to_the_same_bits() {
     for integrator in [Integrator::SymplecticEuler, Integrator::VelocityVerlet] {
-        let (state, divisions) = check(cube(), integrator, 400, 0.002);
-        assert!(divisions > 5 && state.report.contacts > 50, "{divisions}, {:?}", state.report);
+        let (state, divisions) = check(cube(), integrator, 250, 0.002);
+        assert!(divisions > 5 && state.report.contacts > 10, "{divisions}, {:?}", state.report);
         let outside = outside(&state);
-        assert!(outside[0] > 100 && outside[2] > 5, "{outside:?}");
+        assert!(outside[0] > 50 && outside[2] > 5, "{outside:?}");
     }
 }
 
@@ -123,7 +123,7 @@ fn a_periodic_checkpoint_goes_on_with_another_number_of_processes() {
 /// Grains in a box whose images slide along `flow`. Slabs are along the gradient or the third axis.
 fn sheared(gradient: usize, flow: usize) -> Scene {
     let mut scene = cube();
-    let lengths = [4.5, 4.0, 3.5];
+    let lengths = [3.6, 3.3, 3.0];
     let speed = 1.5;
     for sphere in scene.spheres.objects_mut() {
         sphere.velocity[flow] += speed * sphere.position[gradient];
@@ -141,8 +141,8 @@ fn a_sheared_box_moves_to_the_same_bits() {
         (2, 0, Integrator::SymplecticEuler),
         (1, 2, Integrator::VelocityVerlet),
     ] {
-        let (state, divisions) = check(sheared(gradient, flow), integrator, 400, 0.002);
-        assert!(divisions > 3 && state.report.contacts > 20, "{divisions}, {:?}", state.report);
+        let (state, divisions) = check(sheared(gradient, flow), integrator, 250, 0.002);
+        assert!(divisions > 3 && state.report.contacts > 5, "{divisions}, {:?}", state.report);
         let turns = state.scene.shear().unwrap().turns();
         assert!((turns - 0.3).abs() > 0.01, "{turns}");
         assert!(outside(&state)[1] > 10, "{:?}", outside(&state));
@@ -157,5 +157,5 @@ fn processes_on_a_gpu_have_the_same_bits_in_periodic_boxes() {
     let (state, divisions) = check_on(Backend::Gpu, &[1, 3], chute(2.0), Integrator::VelocityVerlet, 90, 0.001);
     assert!(divisions > 1 && state.springs.len() > 30, "{divisions}, {}", state.springs.len());
     let (state, divisions) = check_on(Backend::Gpu, &[2], sheared(1, 0), Integrator::SymplecticEuler, 60, 0.002);
-    assert!(divisions > 1 && state.report.contacts > 10, "{divisions}, {:?}", state.report);
+    assert!(divisions > 1 && state.report.contacts > 3, "{divisions}, {:?}", state.report);
 }
