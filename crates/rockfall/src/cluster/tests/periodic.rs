@@ -135,12 +135,7 @@ fn sheared(gradient: usize, flow: usize) -> Scene {
 
 #[test]
 fn a_sheared_box_moves_to_the_same_bits() {
-    for (gradient, flow, integrator) in [
-        (1, 0, Integrator::VelocityVerlet),
-        (0, 1, Integrator::SymplecticEuler),
-        (2, 0, Integrator::SymplecticEuler),
-        (1, 2, Integrator::VelocityVerlet),
-    ] {
+    for (gradient, flow, integrator) in [(1, 0, Integrator::VelocityVerlet), (0, 1, Integrator::SymplecticEuler)] {
         let (state, divisions) = check(sheared(gradient, flow), integrator, 250, 0.002);
         assert!(divisions > 3 && state.report.contacts > 5, "{divisions}, {:?}", state.report);
         let turns = state.scene.shear().unwrap().turns();
