@@ -65,7 +65,7 @@ fn networks_that_can_change_their_shape_are_none() {
 }
 
 #[test]
-fn a_frame_that_is_held_or_has_collisions_stays_a_network() {
+fn a_frame_that_is_held_or_has_continuous_collisions_stays_a_network() {
     let mut held = scene();
     let balls = add_frame(&mut held, &TETRAHEDRON, &pairs(4));
     let mut wall = Sphere::new([3.0, 0.0, 0.0], 0.1);
@@ -78,10 +78,12 @@ fn a_frame_that_is_held_or_has_collisions_stays_a_network() {
     add_frame(&mut scene, &TETRAHEDRON, &pairs(4));
     scene.imply_bodies();
     assert_eq!(scene.implied.len(), 1);
-    scene.settings.collisions = true;
-    scene.imply_bodies();
-    assert_eq!(scene.implied.len(), 0);
     scene.settings = Settings::default();
+    add_frame(&mut scene, &[[5.0, 0.0, 0.0], [6.0, 0.0, 0.0]], &[[0, 1]]);
+    scene.imply_bodies();
+    assert!(scene.settings.collisions);
+    assert_eq!(scene.implied.len(), 1, "the frame, without the capsule");
+    scene.settings.continuous_collisions = true;
     scene.imply_bodies();
     assert_eq!(scene.implied.len(), 0);
 }

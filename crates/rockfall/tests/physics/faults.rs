@@ -6,7 +6,7 @@
 
 use rockfall::{Backend, Cuboid, Integrator, Scene, Simulation, Sphere, SphereState};
 
-use crate::common::{spheres, weightless, with};
+use crate::common::{on, spheres, weightless, with};
 use scenes::{Random, after, angular, in_gravity, kinetic, open, opened, scene, within};
 
 mod chains;

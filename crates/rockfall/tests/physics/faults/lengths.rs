@@ -22,7 +22,7 @@ fn all_frames_fall(backend: Backend) {
     for integrator in [Integrator::Rk4, Integrator::SymplecticEuler] {
         for dt in time_steps {
             let mut simulation = opened(scene(text), backend, integrator);
-            let spheres = after(&mut simulation, (22.0 / dt) as u64, *dt);
+            let spheres = after(&mut simulation, (28.0 / dt) as u64, *dt);
             let tops: Vec<f32> = (0..12).map(|domino| spheres[8 * domino + 3].position.y).collect();
             assert!(tops.iter().all(|top| *top < 1.2), "{integrator}, dt {dt}: tops {tops:?}");
         }
