@@ -28,6 +28,8 @@ mod disagree;
 mod draw;
 #[path = "witness/forces.rs"]
 mod forces;
+#[path = "witness/frames.rs"]
+mod frames;
 #[path = "witness/friction_impulses.rs"]
 mod friction_impulses;
 #[path = "witness/geometry.rs"]

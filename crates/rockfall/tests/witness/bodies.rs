@@ -23,9 +23,11 @@ pub(crate) struct Clump {
     /// Principal moments of inertia.
     pub(crate) moments: DVec3,
     /// Turns coordinates along the principal axes into those of the body.
-    axes: DQuat,
+    pub(crate) axes: DQuat,
     /// Spheres, and their centres from the centre of mass in coordinates of the body.
     pub(crate) members: Vec<(usize, DVec3)>,
+    /// Whether it is a frame of rods, which the scene does not list as a body.
+    pub(crate) implied: bool,
 }
 
 /// A point of a body at which a contact acts.
@@ -48,7 +50,7 @@ impl Clump {
             let arms = shape.spheres.iter().map(|sphere| sphere.centre.as_dvec3() - centre);
             let members = body.spheres().iter().map(|&id| number(id)).zip(arms).collect();
             let (x, v, l, q) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, DQuat::IDENTITY);
-            let mut clump = Self { x, v, l, q, mass: properties.mass, moments, axes, members };
+            let mut clump = Self { x, v, l, q, mass: properties.mass, moments, axes, members, implied: false };
             clump.set(body);
             clump
         };
@@ -180,9 +182,19 @@ impl World {
         }
     }
 
-    /// All spheres, and then all rigid bodies as balls.
+    /// The rigid bodies that the scene lists. They come before frames.
+    pub(crate) fn listed(&self) -> usize {
+        self.clumps.iter().filter(|clump| !clump.implied).count()
+    }
+
+    /// All rigid bodies as balls.
+    pub(crate) fn clumps_as_balls(&self) -> impl Iterator<Item = Ball> + '_ {
+        self.clumps.iter().map(|clump| clump.as_ball(&self.balls))
+    }
+
+    /// All spheres, and then the rigid bodies that the scene lists, as balls.
     pub(crate) fn compared(&self) -> Vec<Ball> {
-        let bodies = self.clumps.iter().map(|clump| clump.as_ball(&self.balls));
+        let bodies = self.clumps_as_balls().take(self.listed());
         self.balls.iter().cloned().chain(bodies).collect()
     }
 
@@ -223,19 +235,21 @@ impl World {
         let (Thing::Ball(ball), Thing::Block(_) | Thing::Face(_)) = (pair.a, pair.b) else { return 1.0 };
         let Some(clump) = self.clump_at(ball).filter(|_| !self.made(Mistake::WallFactor)) else { return 1.0 };
         let (clump, this) = (&self.clumps[clump], &self.balls[ball]);
+        let w = |ball: &Ball| clump.inverse_mass(ball.x - clump.x, line.n);
         let (mut p, mut sum, mut moment) = (0.0, 0.0, DVec3::ZERO);
         for &(other, _) in &clump.members {
             let other = &self.balls[other];
             let o = line.o + (other.x - this.x).dot(line.n) + other.radius - this.radius;
             if o > 0.0 {
-                p += o * o;
-                sum += o;
-                moment += o * (other.x - clump.x);
+                let weight = w(this) / w(other);
+                p += weight * o * o;
+                sum += weight * o;
+                moment += weight * o * (other.x - clump.x);
             }
         }
         let torque = moment.cross(line.n);
         let q = sum * sum / clump.mass + torque.dot(clump.inverse(torque));
-        (clump.inverse_mass(this.x - clump.x, line.n) * p / q).sqrt()
+        (w(this) * p / q).sqrt()
     }
 
     /// Turns the loads of the spheres of rigid bodies into rates of change of the bodies.
@@ -266,7 +280,7 @@ impl World {
 
     /// The part of friction that the law of Coulomb gives as a force, at a contact of a rigid body.
     pub(crate) fn clump_friction(&self, normal: f64, bound: f64) -> f64 {
-        (self.set.coulomb * normal).min(bound)
+        (self.set.coulomb * normal.max(0.0)).min(bound)
     }
 
     /// Inverse mass of a contact against slip, for the bound of friction.

@@ -127,7 +127,8 @@ fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, r
     // SHAKE divides the rounding error of positions by the time step. In a network, a part of the length tolerance is
     // divided by it too.
     let off = |at: usize| {
-        let mut rods = world.bars.iter().filter(|bar| positions && bar.length.is_some() && bar.ends.contains(&at));
+        let swept = positions && at < world.balls.len() && world.clump_at(at).is_none();
+        let mut rods = world.bars.iter().filter(|bar| swept && bar.length.is_some() && bar.ends.contains(&at));
         let network = in_network(at);
         let length =
             rods.next().map(|bar| 3.0 * EPS * before.place + if network { NETWORK * bar.length.unwrap_or(0.0) } else { 0.0 });
@@ -202,7 +203,7 @@ impl Trial<'_> {
             let by_phases = self.phases && settings.collisions;
             let parts: &[Part] = if by_phases { &[Part::Collisions, Part::Positions] } else { &[Part::Step] };
             for &part in parts {
-                load(&mut worlds, &mut simulation);
+                load(&mut worlds, &mut simulation, step == 0);
                 if part != Part::Positions {
                     for world in &mut worlds {
                         world.note_pulled();
@@ -226,7 +227,7 @@ impl Trial<'_> {
         let (mut collisions, mut known) = (0, true);
         for (cluster, world) in worlds.iter().enumerate() {
             let outcome = run(world.clone(), part, lengths_due);
-            let (next, next_body) = (first + world.balls.len(), first_body + world.clumps.len());
+            let (next, next_body) = (first + world.balls.len(), first_body + world.listed());
             let own = [&states[first..next], &bodies[first_body..next_body]].concat();
             (first, first_body) = (next, next_body);
             collisions += outcome.collisions();
@@ -271,7 +272,8 @@ fn evaluate_again(simulation: &mut Simulation) {
     }
 }
 
-fn load(worlds: &mut [World], simulation: &mut Simulation) {
+/// Takes the state of the engine. `first` is set before the first step.
+fn load(worlds: &mut [World], simulation: &mut Simulation, first: bool) {
     let states = simulation.spheres().expect("spheres are read back");
     let time = simulation.report().time;
     worlds.iter_mut().for_each(|world| world.place_walls(time));
@@ -279,13 +281,17 @@ fn load(worlds: &mut [World], simulation: &mut Simulation) {
         ball.set(state);
     }
     let bodies = bodies(worlds, simulation);
-    worlds.iter_mut().flat_map(|world| &mut world.clumps).zip(&bodies).for_each(|(clump, body)| clump.set(body));
-    worlds.iter_mut().for_each(World::place_members);
+    let listed = worlds.iter_mut().flat_map(|world| world.clumps.iter_mut().filter(|clump| !clump.implied));
+    listed.zip(&bodies).for_each(|(clump, body)| clump.set(body));
+    for world in worlds {
+        world.form_frames(first);
+        world.place_members();
+    }
 }
 
 /// The rigid bodies of the engine.
 fn bodies(worlds: &[World], simulation: &mut Simulation) -> Vec<RigidBody> {
-    if worlds.iter().all(|world| world.clumps.is_empty()) {
+    if worlds.iter().all(|world| world.listed() == 0) {
         return Vec::new();
     }
     simulation.sync().expect("the state").bodies().to_vec()

@@ -298,7 +298,8 @@ impl Draw {
         }
     }
 
-    /// A triangle or a tetrahedron of rods of fixed length that hits something.
+    /// A triangle or a tetrahedron of rods of fixed length that hits something. Some hang on a fixed ball, or have a further ball that
+    /// is hinged to them. These are networks, the others are rigid bodies.
     pub(crate) fn frame(&mut self) {
         let corners = [Vec3::ONE, Vec3::new(1.0, -1.0, -1.0), Vec3::new(-1.0, 1.0, -1.0), Vec3::new(-1.0, -1.0, 1.0)];
         let count = if self.chance(0.5) { 3 } else { 4 };
@@ -315,6 +316,9 @@ impl Draw {
             }
             ends.push(added);
         }
+        if self.chance(0.5) {
+            self.loosen(&ends);
+        }
         let at = self.place_of(ends[0]);
         let radius = self.scene.sphere(ends[0]).expect("a corner").radius;
         if self.chance(0.5) {
@@ -326,6 +330,21 @@ impl Draw {
         }
         if self.chance(0.3) {
             self.shoot(self.middle, velocity, 0.2);
+        }
+    }
+
+    /// Joins a frame to a fixed ball, or adds a ball that hinges on its last side.
+    fn loosen(&mut self, frame: &[SphereId]) {
+        let sides = if self.chance(0.5) { 1 } else { 2 };
+        let near = self.place_of(frame[frame.len() - 1]);
+        let aside = self.vector(0.3);
+        let place = near + 0.6 * (near - self.middle).normalize() + aside;
+        let mut ball = self.ball(place);
+        ball.radius *= 0.5;
+        ball.fixed = sides == 1;
+        let added = self.add(ball);
+        for &end in &frame[frame.len() - sides..] {
+            self.join(end, added, 0.1, Some(1.0));
         }
     }
 

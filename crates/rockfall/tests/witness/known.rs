@@ -102,6 +102,20 @@ P -50 0 -50 0 0 100 100 0 0
 set gravity 1
 set coulomb_friction 0.5";
 
+/// Two triangles with a common side that slide on all of their corners.
+pub(crate) const HINGE: &str = "S 1 0.866025 0.099 0 1 0 0 0 0 0 1 0.1
+S 2 0 0.099 0.5 1 0 0 0 0 0 1 0.1
+S 3 0 0.099 -0.5 1 0 0 0 0 0 1 0.1
+S 4 -0.866025 0.099 0 1 0 0 0 0 0 1 0.1
+R 1 2 0.02 1
+R 1 3 0.02 1
+R 2 3 0.02 1
+R 2 4 0.02 1
+R 3 4 0.02 1
+P -50 0 -50 0 0 100 100 0 0
+set gravity 1
+set coulomb_friction 0.5";
+
 /// Two overlapping balls with spin on a floor with strong friction. One of them is fast.
 pub(crate) const RUNAWAY: &str = "S 1 0.0712115 0.201047 -0.244593 0 0 0 0.00809541 1.35278 2.60024 1 0.274467
 S 2 0.490189 0.190404 -0.118877 -16.951 -8.38368 2.69628 0.344511 4.80783 5.80697 1 0.351178
@@ -129,6 +143,7 @@ pub(crate) fn scenes() -> Vec<(&'static str, Scene)> {
         ("roller", ROLLER),
         ("slider", SLIDER),
         ("frame", FRAME),
+        ("hinge", HINGE),
         ("runaway", RUNAWAY),
     ];
     let elastic = elastic.into_iter().map(|(name, text)| (name, parse(&format!("{text}\n{SMOOTH}"))));

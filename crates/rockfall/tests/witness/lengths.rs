@@ -8,6 +8,7 @@ use rand::seq::SliceRandom;
 use rand_pcg::Pcg64Mcg;
 
 use crate::advance::Course;
+use crate::geometry::Thing;
 use crate::world::{Mistake, Sweeps, World};
 
 /// Relative error at which an implementation may end its sweeps (docs/physics.md section 5.4).
@@ -20,11 +21,11 @@ const SWEEPS: usize = 400;
 const MANY: usize = 20_000;
 
 impl World {
-    /// Rods of fixed length with at least one end that can move.
+    /// Rods of fixed length with at least one end that can move, except those of rigid bodies.
     fn held(&self) -> Vec<(usize, [usize; 2], f64)> {
         let movable = |ends: [usize; 2]| ends.into_iter().any(|end| !self.balls[end].fixed);
         let held = self.bars.iter().enumerate().filter_map(|(number, bar)| bar.length.map(|length| (number, bar.ends, length)));
-        held.filter(|&(_, ends, _)| movable(ends)).collect()
+        held.filter(|&(bar, ends, _)| movable(ends) && self.clump_of(Thing::Bar(bar)).is_none()).collect()
     }
 
     /// Repeats sweeps over all rods until the errors are within the tolerance. `correct` corrects one rod and returns

@@ -29,7 +29,7 @@ pub(crate) fn perturbed(world: &World, seed: u64) -> World {
     let scale = scale(world);
     let mut near = |size: f64| 3.0 * EPS * size * rng.random_range(-1.0..1.0);
     let mut world = World { sweeps: Sweeps::WithinTolerance(seed), slack: near(10.0), ..world.clone() };
-    let reaches: Vec<Ball> = world.compared().split_off(world.balls.len());
+    let reaches: Vec<Ball> = world.clumps_as_balls().collect();
     for ball in &mut world.balls {
         for axis in 0..3 {
             ball.x[axis] += near(scale.place);
@@ -49,6 +49,10 @@ pub(crate) fn perturbed(world: &World, seed: u64) -> World {
             clump.members.iter_mut().for_each(|(_, arm)| arm[axis] += near(scale.place));
         }
         clump.mass += near(clump.mass);
+        if clump.implied {
+            // Axes of nearly equal moments depend on rounding.
+            clump.weigh(&world.balls);
+        }
         clump.q = (clump.q * DQuat::from_xyzw(near(1.0), near(1.0), near(1.0), 1.0)).normalize();
     }
     world.place_members();

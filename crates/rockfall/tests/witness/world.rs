@@ -247,7 +247,9 @@ impl World {
             pulled: None,
         };
         world.find_bodies();
+        world.find_frames();
         world.find_members();
+        world.form_frames(false);
         world.place_members();
         world.place_walls(0.0);
         world
