@@ -335,15 +335,14 @@ impl Draw {
 
     /// Joins a frame to a fixed ball, or adds a ball that hinges on its last side.
     fn loosen(&mut self, frame: &[SphereId]) {
-        let sides = if self.chance(0.5) { 1 } else { 2 };
-        let near = self.place_of(frame[frame.len() - 1]);
-        let aside = self.vector(0.3);
-        let place = near + 0.6 * (near - self.middle).normalize() + aside;
+        let ends = &frame[frame.len() - if self.chance(0.5) { 1 } else { 2 }..];
+        let near = ends.iter().map(|&end| self.place_of(end)).sum::<Vec3>() / ends.len() as f32;
+        let place = near + self.between(0.6, 0.8) * (near - self.middle).normalize() + self.vector(0.1);
         let mut ball = self.ball(place);
         ball.radius *= 0.5;
-        ball.fixed = sides == 1;
+        ball.fixed = ends.len() == 1;
         let added = self.add(ball);
-        for &end in &frame[frame.len() - sides..] {
+        for &end in ends {
             self.join(end, added, 0.1, Some(1.0));
         }
     }
