@@ -241,7 +241,7 @@ impl World {
             let other = &self.balls[other];
             let o = line.o + (other.x - this.x).dot(line.n) + other.radius - this.radius;
             if o > 0.0 {
-                let weight = w(this) / w(other);
+                let weight = if self.made(Mistake::WallWeights) { 1.0 } else { w(this) / w(other) };
                 p += weight * o * o;
                 sum += weight * o;
                 moment += weight * o * (other.x - clump.x);

@@ -5,7 +5,7 @@ use rockfall::glam::{DQuat, DVec3};
 
 use crate::bodies::Clump;
 use crate::geometry::Thing;
-use crate::world::{Ball, Body, World};
+use crate::world::{Ball, Body, Mistake, World};
 
 /// Most spheres of a frame.
 const MOST: usize = 100;
@@ -25,7 +25,7 @@ impl Clump {
     }
 
     /// Takes the state of its spheres.
-    fn form(&mut self, balls: &[Ball]) {
+    fn form(&mut self, balls: &[Ball], points: bool) {
         let own: Vec<&Ball> = self.members.iter().map(|&(ball, _)| &balls[ball]).collect();
         self.mass = own.iter().map(|ball| ball.mass).sum();
         self.x = own.iter().map(|ball| ball.mass * ball.x).sum::<DVec3>() / self.mass;
@@ -34,15 +34,16 @@ impl Clump {
         self.q = own[0].q;
         let inverse = self.q.inverse();
         self.members.iter_mut().for_each(|(ball, arm)| *arm = inverse * (balls[*ball].x - self.x));
-        self.weigh(balls);
+        self.weigh(balls, points);
     }
 
-    /// Computes the principal moments and axes from the places of the spheres.
-    pub(crate) fn weigh(&mut self, balls: &[Ball]) {
+    /// Computes the principal moments and axes from the places of the spheres. `points` leaves out their own moments.
+    pub(crate) fn weigh(&mut self, balls: &[Ball], points: bool) {
         let mut inertia = [0.0; 6];
         for &(ball, arm) in &self.members {
             let ball = &balls[ball];
-            let round = ball.mass * arm.length_squared() + ball.inertia();
+            let own = if points { 0.0 } else { ball.inertia() };
+            let round = ball.mass * arm.length_squared() + own;
             for k in 0..3 {
                 inertia[k] += round - ball.mass * arm[k] * arm[k];
             }
@@ -101,8 +102,9 @@ impl World {
         if restored {
             self.restore_frames();
         }
+        let points = self.made(Mistake::FrameInertia);
         for clump in self.clumps.iter_mut().filter(|clump| clump.implied) {
-            clump.form(&self.balls);
+            clump.form(&self.balls, points);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Deliberate mistakes of the witness, by which the comparison itself is checked.
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 24] = [
+pub(crate) const MISTAKES: [Mistake; 26] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -26,6 +26,8 @@ pub(crate) const MISTAKES: [Mistake; 24] = [
     Mistake::BodyRules,
     Mistake::BodyDamping,
     Mistake::BodyBound,
+    Mistake::WallWeights,
+    Mistake::FrameInertia,
 ];
 
 /// A deliberate mistake of the witness. The comparison must detect each of them.
@@ -79,4 +81,8 @@ pub(crate) enum Mistake {
     BodyDamping,
     /// The bound of friction ignores the distance of a contact from the centre of a rigid body.
     BodyBound,
+    /// Contacts of a rigid body with a wall count as equally stiff.
+    WallWeights,
+    /// The moments of inertia of the balls of a frame are ignored.
+    FrameInertia,
 }

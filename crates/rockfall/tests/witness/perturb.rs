@@ -4,7 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::glam::{DQuat, DVec3};
 
-use crate::world::{Ball, Sweeps, World};
+use crate::world::{Ball, Mistake, Sweeps, World};
 
 /// Half a unit in the last place of an f32, relative.
 pub(crate) const EPS: f64 = 6e-8;
@@ -39,6 +39,7 @@ pub(crate) fn perturbed(world: &World, seed: u64) -> World {
         ball.radius += near(ball.radius);
         ball.mass += near(ball.mass);
     }
+    let points = world.made(Mistake::FrameInertia);
     for (clump, size) in world.clumps.iter_mut().zip(reaches) {
         for axis in 0..3 {
             clump.x[axis] += near(scale.place);
@@ -51,7 +52,7 @@ pub(crate) fn perturbed(world: &World, seed: u64) -> World {
         clump.mass += near(clump.mass);
         if clump.implied {
             // Axes of nearly equal moments depend on rounding.
-            clump.weigh(&world.balls);
+            clump.weigh(&world.balls, points);
         }
         clump.q = (clump.q * DQuat::from_xyzw(near(1.0), near(1.0), near(1.0), 1.0)).normalize();
     }
