@@ -304,19 +304,23 @@ impl Draw {
         let corners = [Vec3::ONE, Vec3::new(1.0, -1.0, -1.0), Vec3::new(-1.0, 1.0, -1.0), Vec3::new(-1.0, -1.0, 1.0)];
         let count = if self.chance(0.5) { 3 } else { 4 };
         let (velocity, turn) = (self.vector(2.0), self.vector(2.0));
+        let body = self.chance(0.5);
+        // The engine forms a body of any lengths and velocities.
+        let loose = if body && self.chance(0.3) { 1.0 } else { 0.0 };
         let mut ends: Vec<SphereId> = Vec::new();
         for corner in &corners[..count] {
             let arm = 0.35 * *corner + self.vector(0.1);
             let mut ball = self.ball(self.middle + arm);
             ball.radius *= 0.6;
-            ball.velocity = velocity + turn.cross(arm);
+            ball.velocity = velocity + turn.cross(arm) + loose * self.vector(0.5);
             let added = self.add(ball);
             for &end in &ends {
-                self.join(end, added, 0.1, Some(1.0));
+                let strain = 1.0 + loose * self.between(-0.02, 0.02);
+                self.join(end, added, 0.1, Some(strain));
             }
             ends.push(added);
         }
-        if self.chance(0.5) {
+        if !body {
             self.loosen(&ends);
         }
         let at = self.place_of(ends[0]);
