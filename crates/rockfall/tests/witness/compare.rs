@@ -203,7 +203,7 @@ impl Trial<'_> {
             let by_phases = self.phases && settings.collisions;
             let parts: &[Part] = if by_phases { &[Part::Collisions, Part::Positions] } else { &[Part::Step] };
             for &part in parts {
-                load(&mut worlds, &mut simulation, step == 0);
+                load(&mut worlds, &mut simulation);
                 if part != Part::Positions {
                     for world in &mut worlds {
                         world.note_pulled();
@@ -272,8 +272,7 @@ fn evaluate_again(simulation: &mut Simulation) {
     }
 }
 
-/// Takes the state of the engine. `first` is set before the first step.
-fn load(worlds: &mut [World], simulation: &mut Simulation, first: bool) {
+fn load(worlds: &mut [World], simulation: &mut Simulation) {
     let states = simulation.spheres().expect("spheres are read back");
     let time = simulation.report().time;
     worlds.iter_mut().for_each(|world| world.place_walls(time));
@@ -284,7 +283,7 @@ fn load(worlds: &mut [World], simulation: &mut Simulation, first: bool) {
     let listed = worlds.iter_mut().flat_map(|world| world.clumps.iter_mut().filter(|clump| !clump.implied));
     listed.zip(&bodies).for_each(|(clump, body)| clump.set(body));
     for world in worlds {
-        world.form_frames(first);
+        world.form_frames();
         world.place_members();
     }
 }

@@ -1,10 +1,12 @@
 //! Frames of rods of fixed length, which are rigid bodies (docs/physics.md section 1.6).
 
-use rockfall::MassProperties;
 use rockfall::glam::{DQuat, DVec3};
+use rockfall::{Backend, MassProperties, Options, Simulation};
 
 use crate::bodies::Clump;
 use crate::geometry::Thing;
+use crate::perturb::scale;
+use crate::scenes::{self, together};
 use crate::world::{Ball, Body, Mistake, World};
 
 /// Most spheres of a frame.
@@ -97,18 +99,16 @@ impl World {
         basis.len()
     }
 
-    /// Gives frames the state of their spheres. `restored` restores the lengths of their rods first.
-    pub(crate) fn form_frames(&mut self, restored: bool) {
-        if restored {
-            self.restore_frames();
-        }
+    /// Gives frames the state of their spheres.
+    pub(crate) fn form_frames(&mut self) {
         let points = self.made(Mistake::FrameInertia);
         for clump in self.clumps.iter_mut().filter(|clump| clump.implied) {
             clump.form(&self.balls, points);
         }
     }
 
-    fn restore_frames(&mut self) {
+    /// Restores the lengths of the rods of frames.
+    pub(crate) fn restore_frames(&mut self) {
         for _ in 0..SWEEPS {
             let mut worst = 0.0_f64;
             for number in 0..self.bars.len() {
@@ -133,4 +133,32 @@ impl World {
 
 fn product(one: &[DVec3], two: &[DVec3]) -> f64 {
     one.iter().zip(two).map(|(a, b)| a.dot(*b)).sum()
+}
+
+/// Bodies are formed from spheres at any places and with any velocities, before the first step.
+#[test]
+fn frames_are_formed_as_specified() {
+    let (mut formed, mut moved) = (0, 0.0_f64);
+    for seed in (7..4_000).step_by(scenes::KINDS) {
+        let plan = scenes::plan(seed, 1, 1);
+        let world = World::of(&plan.clusters[0], plan.integrator, 0.0);
+        if world.clumps.is_empty() {
+            continue;
+        }
+        let scale = scale(&world);
+        moved = moved.max(world.balls[0].x.distance(plan.clusters[0].spheres()[0].position.as_dvec3()) / scale.place);
+        let options = Options::new().backend(Backend::Cpu).integrator(plan.integrator);
+        let mut simulation = Simulation::with_options(together(&plan), options).expect("the simulation opens");
+        let states = simulation.spheres().expect("spheres are read back");
+        for (ball, state) in world.balls.iter().zip(&states) {
+            let mut seen = ball.clone();
+            seen.set(state);
+            // Lengths hold within 1e-6.
+            let [x, v, l] = [seen.x - ball.x, seen.v - ball.v, seen.l - ball.l].map(DVec3::length);
+            let spin = scale.speed * ball.inertia() / ball.radius;
+            assert!(x < 5e-6 * scale.place && v < 5e-5 * scale.speed && l < 5e-5 * spin, "seed {seed}: {x} {v} {l}");
+        }
+        formed += 1;
+    }
+    assert!(formed > 60 && moved > 1e-3, "{formed} {moved}");
 }

@@ -249,7 +249,8 @@ impl World {
         world.find_bodies();
         world.find_frames();
         world.find_members();
-        world.form_frames(false);
+        world.restore_frames();
+        world.form_frames();
         world.place_members();
         world.place_walls(0.0);
         world
