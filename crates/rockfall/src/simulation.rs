@@ -273,8 +273,11 @@ impl Simulation {
             self.scene.settings = self.scene.with_grains().resolved_settings();
         }
         let now = self.scene.settings;
-        let has_table = now.contact_law.has_history() || !self.scene.bodies().is_empty();
-        let table_changes = has_table && before.collisions != now.collisions;
+        let has_table = now.contact_law.has_history() || self.scene.whole_bodies().next().is_some();
+        let rules = |settings: &Settings| (settings.collisions, settings.continuous_collisions);
+        // Networks become bodies, or bodies networks.
+        let may_change = has_table || self.scene.rods().iter().any(|rod| rod.length.is_some());
+        let table_changes = may_change && rules(&before) != rules(&now);
         if before.contact_law != now.contact_law || before.precision != now.precision || table_changes {
             self.dirty = Dirty::Everything;
         } else if has_table && !only_gravity_differs(&before, &now) {

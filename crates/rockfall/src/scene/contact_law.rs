@@ -222,7 +222,7 @@ impl Scene {
     /// Whether contacts of rigid bodies rebound by a damping that follows from the restitution.
     pub(crate) fn has_damped_bodies(&self) -> bool {
         let Settings { contact_law, collisions, .. } = self.settings;
-        contact_law == ContactLaw::Thesis && collisions && !self.bodies().is_empty()
+        contact_law == ContactLaw::Thesis && collisions && self.whole_bodies().next().is_some()
     }
 
     /// Names of the materials.

@@ -1,5 +1,6 @@
 //! Implied bodies: capsules and frames of rods that move as rigid bodies (docs/physics.md section 1.6).
 
+use std::borrow::Cow;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -102,6 +103,16 @@ impl Scene {
             let id = self.keep_implied(body);
             self.place_implied(id);
         }
+    }
+
+    /// The scene with the implied bodies that a simulation of it has.
+    pub(crate) fn with_implied_bodies(&self) -> Cow<'_, Self> {
+        if self.rods().iter().all(|rod| rod.length.is_none()) {
+            return Cow::Borrowed(self);
+        }
+        let mut scene = self.clone();
+        scene.imply_bodies();
+        Cow::Owned(scene)
     }
 
     /// Whether the settings let a network be a body: capsules have the impulses of the thesis, and bodies have none.

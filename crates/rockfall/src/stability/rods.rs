@@ -85,8 +85,7 @@ impl Scene {
             (!one.fixed && !two.fixed).then_some((along, ends))
         };
         // Rods of frames are parts of rigid bodies, which keep it.
-        let mut frames = self.clone();
-        frames.imply_bodies();
+        let frames = self.with_implied_bodies();
         let loose = self.rod_ids().zip(self.rods()).filter(|(id, _)| frames.implied_of_rod(*id).is_none());
         let strains = loose.filter_map(|(_, rod)| strain([rod.end1, rod.end2], rod.length?));
         let (strain, ends) = strains.reduce(|most, next| if next.0 > most.0 { next } else { most })?;

@@ -117,7 +117,7 @@ fn network() -> impl Strategy<Value = (Vec<Sphere>, bool)> {
     })
 }
 
-/// The same with networks that loose bodies hit. Friction impulses treat the spheres of a network as single spheres.
+/// The same with chains and frames that loose bodies hit. Friction impulses treat the spheres of a network as single spheres.
 #[test]
 fn crowds_with_frames_gain_no_energy() {
     let collisions = Cell::new(0);
@@ -135,7 +135,8 @@ fn crowds_with_frames_gain_no_energy() {
         collisions.set(collisions.get() + assert_conserved(scene, Backend::Cpu)?);
         Ok(())
     });
-    assert!(collisions.get() > 300, "only {} collisions", collisions.get());
+    // Frames are rigid bodies, whose contacts are forces and no collisions.
+    assert!(collisions.get() > 200, "only {} collisions", collisions.get());
 }
 
 /// With e > 1 a single collision adds energy.
