@@ -283,9 +283,11 @@ impl Scene {
         if self.settings.contact_law.has_history() {
             return None;
         }
-        let side = self.stiffness_of_sides();
-        let (force, damping) = (side * force, side.sqrt() * damping);
-        match self.crowd() {
+        let crowd = self.crowd();
+        // The bounds of a pile are those of twelve neighbours, which are as stiff as two sides with a factor of 2.
+        let side = self.stiffness_of_sides() * if crowd == Crowd::Many { 0.5 } else { 1.0 };
+        let (force, damping) = (side.max(1.0) * force, side.max(1.0).sqrt() * damping);
+        match crowd {
             Crowd::None => None,
             Crowd::Pair => Some(few_steps(1.0, force, damping, integrator)),
             Crowd::Few => Some(few_steps(2.0, force, damping, integrator)),

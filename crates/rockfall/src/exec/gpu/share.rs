@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice, cast_slice_mut};
-use rayon::prelude::*;
 use wgpu::BufferSize;
 use wgpu::util::StagingBelt;
 
@@ -17,8 +16,6 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
 use crate::model::shared::{SENT_WORDS, Shared};
 
-/// Bytes that a thread copies at a time.
-const PIECE: usize = 1 << 18;
 /// Threads per workgroup in `share.wgsl`.
 const THREADS: u32 = 256;
 
@@ -113,8 +110,7 @@ impl Link {
         let mut at = 0;
         for message in to {
             let bytes: &mut [u8] = cast_slice_mut(message);
-            let rows = &view[at..at + bytes.len()];
-            bytes.par_chunks_mut(PIECE).zip(rows.par_chunks(PIECE)).for_each(|(bytes, rows)| bytes.copy_from_slice(rows));
+            bytes.copy_from_slice(&view[at..at + bytes.len()]);
             at += bytes.len();
         }
         let is_far = view[size as usize] != 0;
@@ -132,14 +128,13 @@ impl Link {
         let mut encoder = world.encoder();
         catch(device, || {
             let mut at = 0;
-            let mut pieces = Vec::new();
-            for rows in from.iter().flat_map(|words| cast_slice::<u32, u8>(words).chunks(PIECE)) {
-                if let Some(size) = BufferSize::new(rows.len() as u64) {
-                    pieces.push((self.belt.write_buffer(&mut encoder, &self.received.words, at, size), rows));
+            for bytes in from.iter().map(|words| cast_slice::<u32, u8>(words)) {
+                if let Some(size) = BufferSize::new(bytes.len() as u64) {
+                    let mut view = self.belt.write_buffer(&mut encoder, &self.received.words, at, size);
+                    view.copy_from_slice(bytes);
                     at += size.get();
                 }
             }
-            pieces.into_par_iter().for_each(|(mut view, rows)| view.copy_from_slice(rows));
             self.belt.finish();
         })?;
         self.encode(world, &mut encoder, &self.received, "put", 0.0)?;
