@@ -11,6 +11,7 @@ class Communicator(Protocol):
 
     def py2f(self) -> int:
         """The Fortran handle."""
+        ...
 
 
 def handle_of(comm: Communicator | None) -> int | None:
