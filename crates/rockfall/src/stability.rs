@@ -194,8 +194,7 @@ impl Scene {
         });
         let mut warnings: Vec<Warning> = springs.chain(tethers).collect();
         let settings = self.resolved_settings();
-        let of_bodies = self.with_implied_bodies().greatest_damping_of_bodies();
-        let contact = [settings.contact_force, settings.contact_damping.max(of_bodies)].map(f64::from);
+        let contact = [settings.contact_force, settings.contact_damping.max(self.greatest_damping_of_bodies())].map(f64::from);
         let steps = self.contact_steps(contact, integrator);
         warnings.extend(steps.and_then(|steps| warn(Stiff::Contact, contact, steps)));
         let dampings = [(Stiff::LinearDamping, settings.linear_damping), (Stiff::AngularDamping, settings.angular_damping)];

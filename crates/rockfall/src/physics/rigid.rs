@@ -3,7 +3,6 @@
 use glam::Vec3;
 
 use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_THESIS};
-use crate::model::rigid::times;
 use crate::model::view::{Object, PartOfBox, View};
 use crate::physics::motions::Touch;
 use crate::physics::rigid_box::core_point;
@@ -32,7 +31,7 @@ pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, other: O
     let across = lever.cross(touch.normal);
     let reach = 1.0 + lever.length() / radius;
     Side {
-        inverse_mass: body.inverse_mass + across.dot(times(body.inverse_inertia, across)),
+        inverse_mass: body.inverse_mass + body.by_inverse_inertia(across),
         inverse_inertia: reach * reach * body.greatest,
         // It exerts a force at any approach velocity.
         free_acceleration: f32::INFINITY,
@@ -48,10 +47,7 @@ pub(crate) fn wall_damping(view: &View, [a, b]: [u32; 2], touch: &Touch, inverse
     let Some(body) = view.body_of_sphere(own).filter(|_| touch.overlap > 0.0 && !is_solid(own)) else { return 1.0 };
     let body = view.rigid_body(body);
     let pressed = touch.overlap * view.radius(own);
-    let turning = |moment: Vec3| {
-        let turn = moment.cross(touch.normal);
-        turn.dot(times(body.inverse_inertia, turn))
-    };
+    let turning = |moment: Vec3| body.by_inverse_inertia(moment.cross(touch.normal));
     let (mut force, mut moment, mut energy) = (0.0, Vec3::ZERO, 0.0);
     for (index, _) in view.members(body) {
         let sphere = view.slot_of(index);

@@ -208,7 +208,7 @@ impl Scene {
 
     /// The greatest damping of contacts of rigid bodies that follows from a restitution, in 1/s; 0 where none does.
     pub(crate) fn greatest_damping_of_bodies(&self) -> f32 {
-        if !self.has_damped_bodies() {
+        if !self.damps_bodies() || self.bodies().is_empty() && self.bodies_to_imply().is_empty() {
             return 0.0;
         }
         let numbers = 0..=self.materials().len() as u16;
@@ -221,8 +221,12 @@ impl Scene {
 
     /// Whether contacts of rigid bodies rebound by a damping that follows from the restitution.
     pub(crate) fn has_damped_bodies(&self) -> bool {
-        let Settings { contact_law, collisions, .. } = self.settings;
-        contact_law == ContactLaw::Thesis && collisions && self.whole_bodies().next().is_some()
+        self.damps_bodies() && self.whole_bodies().next().is_some()
+    }
+
+    /// Whether the settings give contacts of rigid bodies such a damping.
+    fn damps_bodies(&self) -> bool {
+        self.settings.contact_law == ContactLaw::Thesis && self.settings.collisions
     }
 
     /// Names of the materials.

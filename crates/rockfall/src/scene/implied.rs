@@ -1,6 +1,5 @@
 //! Implied bodies: capsules and frames of rods that move as rigid bodies (docs/physics.md section 1.6).
 
-use std::borrow::Cow;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -84,7 +83,7 @@ type PairKey = [u32; 7];
 impl Scene {
     /// Finds the implied bodies. Those that are known stay as they are, and so does their state.
     pub(crate) fn imply_bodies(&mut self) {
-        let networks: Vec<Network> = self.networks().into_iter().filter(|network| self.may_be_body(network)).collect();
+        let networks = self.candidates();
         let id_of = |network: &Network| self.implied_of(self.spheres.handle_at(network.spheres[0]));
         let is_known = |network: &&Network| {
             id_of(network).and_then(|id| self.implied.get(id).ok()).is_some_and(|body| {
@@ -94,8 +93,7 @@ impl Scene {
         };
         let (known, new): (Vec<_>, Vec<_>) = networks.iter().partition(is_known);
         let kept: HashSet<_> = known.into_iter().filter_map(id_of).collect();
-        let mut forms = HashMap::new();
-        let bodies: Vec<ImpliedBody> = new.into_iter().filter_map(|network| self.implied_body(network, &mut forms)).collect();
+        let bodies = self.formed(new);
         let gone: Vec<_> = self.implied.handles().filter(|id| !kept.contains(id)).collect();
         // All of them are there.
         let _ = self.implied.remove(&gone);
@@ -105,14 +103,20 @@ impl Scene {
         }
     }
 
-    /// The scene with the implied bodies that a simulation of it has.
-    pub(crate) fn with_implied_bodies(&self) -> Cow<'_, Self> {
-        if self.rods().iter().all(|rod| rod.length.is_none()) {
-            return Cow::Borrowed(self);
-        }
-        let mut scene = self.clone();
-        scene.imply_bodies();
-        Cow::Owned(scene)
+    /// The implied bodies that a simulation of this scene begins with, if it has none yet.
+    pub(crate) fn bodies_to_imply(&self) -> Vec<ImpliedBody> {
+        self.formed(&self.candidates())
+    }
+
+    /// The networks that the settings let be bodies.
+    fn candidates(&self) -> Vec<Network> {
+        self.networks().into_iter().filter(|network| self.may_be_body(network)).collect()
+    }
+
+    /// The bodies that networks are.
+    fn formed<'a>(&self, networks: impl IntoIterator<Item = &'a Network>) -> Vec<ImpliedBody> {
+        let mut forms = HashMap::new();
+        networks.into_iter().filter_map(|network| self.implied_body(network, &mut forms)).collect()
     }
 
     /// Whether the settings let a network be a body: capsules have the impulses of the thesis, and bodies have none.

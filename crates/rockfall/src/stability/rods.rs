@@ -1,6 +1,8 @@
 //! Finds rods that do not do what their author wants: rods that jump to another length, rods that hold nothing, and rods along
 //! which springs pull too hard for RK4.
 
+use std::collections::HashSet;
+
 use glam::DVec3;
 
 use crate::scene::Body;
@@ -85,8 +87,8 @@ impl Scene {
             (!one.fixed && !two.fixed).then_some((along, ends))
         };
         // Rods of frames are parts of rigid bodies, which keep it.
-        let frames = self.with_implied_bodies();
-        let loose = self.rod_ids().zip(self.rods()).filter(|(id, _)| frames.implied_of_rod(*id).is_none());
+        let frames: HashSet<RodId> = self.bodies_to_imply().into_iter().flat_map(|body| body.rods).collect();
+        let loose = self.rod_ids().zip(self.rods()).filter(|(id, _)| !frames.contains(id));
         let strains = loose.filter_map(|(_, rod)| strain([rod.end1, rod.end2], rod.length?));
         let (strain, ends) = strains.reduce(|most, next| if next.0 > most.0 { next } else { most })?;
         let lost = |dt: f64| strain.powi(2) * dt.powi(3) / 6.0;

@@ -50,6 +50,20 @@ fn dimer(material: MaterialId) -> Shape {
     Shape::new().material(material).sphere([-0.075, 0.0, 0.0], 0.1).sphere([0.075, 0.0, 0.0], 0.1).density(1000.0)
 }
 
+/// Runs at most `times` times 25 steps, until a contact has begun and ended. Returns whether one has begun.
+fn run_through_contact(simulation: &mut Simulation, times: u32, dt: f32) -> bool {
+    let mut has_met = false;
+    for _ in 0..times {
+        simulation.run(25, dt).unwrap();
+        let touches = simulation.energy().unwrap().contact > 0.0;
+        if has_met && !touches {
+            break;
+        }
+        has_met |= touches;
+    }
+    has_met
+}
+
 /// Runs a test on both backends. The second argument is how much shorter it should be.
 fn on_both(test: impl Fn(Backend, u8)) {
     test(Backend::Cpu, 1);
@@ -110,15 +124,7 @@ fn one_contact_has_the_restitution_of_its_pair() {
                 let lower = scene.body(body).unwrap().spheres()[0];
                 let mut simulation = open(scene, backend, Integrator::VelocityVerlet);
                 // The body turns, so the speed is that at the end of the contact.
-                let mut has_met = false;
-                for _ in 0..100 {
-                    simulation.run(25, 2e-5).unwrap();
-                    let touches = simulation.energy().unwrap().contact > 0.0;
-                    if has_met && !touches {
-                        break;
-                    }
-                    has_met |= touches;
-                }
+                run_through_contact(&mut simulation, 100, 2e-5);
                 let after = simulation.sync().unwrap().sphere(lower).unwrap().velocity;
                 assert!((after.y - 0.5).abs() < 0.02, "{backend} {law}, tilt {tilt}: {after}");
                 let energy = simulation.energy().unwrap();
@@ -158,15 +164,7 @@ fn several_contacts_have_the_restitution_of_one() {
         let lower = scene.body(body).unwrap().spheres()[0];
         let mut simulation =
             open(scene, backend, if law == ContactLaw::Thesis { Integrator::Rk4 } else { Integrator::VelocityVerlet });
-        let mut has_met = false;
-        for _ in 0..200 {
-            simulation.run(25, 1e-5).unwrap();
-            let touches = simulation.energy().unwrap().contact > 0.0;
-            if has_met && !touches {
-                break;
-            }
-            has_met |= touches;
-        }
+        let has_met = run_through_contact(&mut simulation, 200, 1e-5);
         assert!(has_met && simulation.energy().unwrap().contact == 0.0);
         simulation.sync().unwrap().sphere(lower).unwrap().velocity.y
     };

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{Quat, Vec3, Vec4};
 
 use crate::model::layout::{BOX_RIM, NO_RIGID, RIGID_WORDS, SHAPE_WORDS};
-use crate::model::rigid::{Moments, Pose};
+use crate::model::rigid::{Moments, Pose, times};
 use crate::model::rotate::{product, rotated};
 use crate::model::step::Layout;
 use crate::model::view::{Object, View};
@@ -27,6 +27,13 @@ pub(crate) struct RigidRecord {
     /// Words of the insertion indices of the member spheres.
     members: usize,
     count: usize,
+}
+
+impl RigidRecord {
+    /// A vector times the tensor of the inverse inertia times itself.
+    pub(crate) fn by_inverse_inertia(&self, v: Vec3) -> f32 {
+        v.dot(times(self.inverse_inertia, v))
+    }
 }
 
 /// A box of a rigid body in the state that forces are evaluated in.
