@@ -45,7 +45,6 @@ use part::Part;
 pub use processes::Processes;
 pub use ranks::Ranks;
 pub use work::Work;
-use work::timed;
 
 /// What one process has of a simulation that several processes share. [`Cluster::run`], [`Cluster::gather`], [`Cluster::report`],
 /// [`Cluster::work`] and [`Cluster::max`] are collective: every process makes the same calls with the same arguments, in the same order.
@@ -143,17 +142,11 @@ impl<R: Ranks> Cluster<R> {
             }
             self.divide_if_due(dt)?;
             let Some(part) = &mut self.part else { continue };
-            let work = &mut self.work;
-            let done = timed(&mut work.steps, || part.step(dt));
-            let taken = timed(&mut work.rows, || part.take(dt));
-            timed(&mut work.exchange, || part.exchange(&mut self.ranks))?;
-            let put = timed(&mut work.rows, || part.put());
-            if let Err(error) = done.and(taken).and(put) {
-                self.failure = Some(error.describe(&self.whole.scene));
-            }
+            let done = part.step(dt, &mut self.ranks, &mut self.work)?;
+            self.note(done);
             self.clock.add(1, dt, &mut self.whole.report);
         }
-        self.agree(false).map(drop)
+        self.settle(dt).map(drop)
     }
 
     /// The state of all spheres after the last step, on every process. Its counters `replays` and `list_builds` are those of the start.
@@ -186,9 +179,8 @@ impl<R: Ranks> Cluster<R> {
 
     /// Divides the spheres if one of them may move so far before the next evaluation of forces that a copy could be missing.
     fn divide_if_due(&mut self, dt: f32) -> Result<()> {
-        let is_due = self.part.as_ref().is_none_or(|part| !part.has_room(dt));
         let start = Instant::now();
-        let is_due = self.agree(is_due)?;
+        let is_due = self.settle(dt)?;
         self.work.waiting += start.elapsed().as_secs_f64();
         if !is_due {
             return Ok(());
@@ -211,7 +203,7 @@ impl<R: Ranks> Cluster<R> {
             Err(error) => self.failure = Some(error.to_string()),
         }
         // Another process may lack memory.
-        self.agree(false).map(drop)
+        self.agree([]).map(drop)
     }
 
     /// Checks that all processes have the same backend and the same scene, by its checksum.
@@ -237,12 +229,32 @@ impl<R: Ranks> Cluster<R> {
         Err(Error::Cluster(message.to_owned()))
     }
 
-    /// Whether `is_so` holds on any process.
-    fn agree(&mut self, is_so: bool) -> Result<bool> {
-        let mut values = [u64::from(self.failure.is_some()), u64::from(is_so)];
+    /// Notes what failed in this process, for the others.
+    fn note(&mut self, done: Result<()>) {
+        if let Err(error) = done {
+            self.failure = Some(error.describe(&self.whole.scene));
+        }
+    }
+
+    /// Exchanges the states of spheres again where the copies of some process may be wrong. Returns whether spheres must be divided before
+    /// the next step.
+    fn settle(&mut self, dt: f32) -> Result<bool> {
+        loop {
+            let is_wrong = self.part.as_ref().is_some_and(Part::has_wrong_copies);
+            let is_due = self.part.as_ref().is_none_or(|part| !part.has_room(dt));
+            let [is_wrong, is_due] = self.agree([is_wrong, is_due])?;
+            let Some(part) = self.part.as_mut().filter(|_| is_wrong) else { return Ok(is_due) };
+            let done = part.exchange(dt, &mut self.ranks, &mut self.work)?;
+            self.note(done);
+        }
+    }
+
+    /// Whether each of some facts holds on any process.
+    fn agree<const FACTS: usize>(&mut self, facts: [bool; FACTS]) -> Result<[bool; FACTS]> {
+        let mut values: Vec<u64> = [self.failure.is_some()].iter().chain(&facts).map(|fact| u64::from(*fact)).collect();
         self.ranks.max(&mut values)?;
         if values[0] == 0 {
-            return Ok(values[1] != 0);
+            return Ok(std::array::from_fn(|fact| values[fact + 1] != 0));
         }
         let mine: Vec<u32> = self.failure.take().unwrap_or_default().chars().map(u32::from).collect();
         let all = self.ranks.gather(&mine)?;

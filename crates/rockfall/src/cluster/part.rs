@@ -1,9 +1,12 @@
 //! The spheres of one process, and their copies on others.
 
+use std::time::Instant;
+
 use crate::checkpoint::Checkpoint;
 use crate::cluster::domain::Domain;
 use crate::cluster::ranks::Ranks;
 use crate::cluster::state;
+use crate::cluster::work::{Work, timed};
 use crate::error::{Error, Result};
 use crate::model::shared::Shared;
 use crate::options::{Optimization, Options};
@@ -29,6 +32,7 @@ pub(super) struct Part {
     rank: u32,
     /// Whether no sphere can touch one of which there is no copy, in a step of `dt` seconds.
     has_room: bool,
+    has_wrong_copies: bool,
     dt: f32,
     /// Messages to and from every process.
     messages: [Vec<Vec<u32>>; 2],
@@ -70,7 +74,7 @@ impl Part {
         }
         let rows = Rows::new(&mut local, shared)?;
         let messages = rows.messages();
-        Ok(Self { local, rows, domain, rank: rank as u32, has_room: true, dt, messages })
+        Ok(Self { local, rows, domain, rank: rank as u32, has_room: true, has_wrong_copies: false, dt, messages })
     }
 
     /// How the spheres are divided.
@@ -99,32 +103,55 @@ impl Part {
         self.has_room && dt <= self.dt
     }
 
-    /// Takes a step. The copies have wrong states after it, until [`Part::put`].
-    pub(super) fn step(&mut self, dt: f32) -> Result<()> {
-        match self.local.run(1, dt) {
-            Err(Error::NonFinite { sphere, step, stage }) => {
-                Err(Error::NonFinite { sphere: self.index_in_whole(sphere), step, stage })
-            }
-            result => result.map(drop),
+    /// Whether the copies that others have of the own spheres may be wrong: a step was repeated after its rows had been sent.
+    pub(super) fn has_wrong_copies(&self) -> bool {
+        self.has_wrong_copies
+    }
+
+    /// Takes a step of `dt` seconds, and exchanges the states of spheres with the processes that have copies of them: on a GPU during the
+    /// step, if it can. Returns what failed in this process.
+    ///
+    /// # Errors
+    /// As for [`Ranks::exchange`].
+    pub(super) fn step(&mut self, dt: f32, ranks: &mut impl Ranks, work: &mut Work) -> Result<Result<()>> {
+        let start = Instant::now();
+        let mut sent = Ok(());
+        let mut during = 0.0;
+        let exchange = |to: &[Vec<u32>], from: &mut [Vec<u32>]| sent = timed(&mut during, || ranks.exchange(to, from));
+        let (done, is_exchanged) = self.rows.step(&mut self.local, dt, &mut self.messages, exchange);
+        sent?;
+        work.steps += start.elapsed().as_secs_f64() - during;
+        work.exchange += during;
+        let done = done.map_err(|error| match error {
+            Error::NonFinite { sphere, step, stage } => Error::NonFinite { sphere: self.index_in_whole(sphere), step, stage },
+            other => other,
+        });
+        if !is_exchanged {
+            return Ok(done.and(self.exchange(dt, ranks, work)?));
         }
+        self.has_wrong_copies = self.rows.was_repeated();
+        Ok(done.and(self.look(dt)))
     }
 
-    /// Reads the states that are sent after a step of `dt` seconds.
-    pub(super) fn take(&mut self, dt: f32) -> Result<()> {
+    /// Sends the states of spheres to the processes that have copies of them, and gives the own copies the states that others send. The next
+    /// step has `dt` seconds. Returns what failed in this process.
+    ///
+    /// # Errors
+    /// As for [`Ranks::exchange`].
+    pub(super) fn exchange(&mut self, dt: f32, ranks: &mut impl Ranks, work: &mut Work) -> Result<Result<()>> {
+        self.has_wrong_copies = false;
+        let Self { local, rows, messages: [to, from], .. } = self;
+        let taken = timed(&mut work.rows, || rows.take(local, to));
+        timed(&mut work.exchange, || ranks.exchange(to, from))?;
+        let put = timed(&mut work.rows, || rows.put(local, from, dt));
+        Ok(taken.and(put).and(self.look(dt)))
+    }
+
+    /// Notes whether spheres have room for a step of `dt` seconds.
+    fn look(&mut self, dt: f32) -> Result<()> {
         self.dt = dt;
-        self.has_room = self.rows.take(&self.local, dt, &mut self.messages[0])?;
+        self.has_room = self.rows.has_room(&self.local, dt)?;
         Ok(())
-    }
-
-    /// Sends the states of spheres to the processes that have copies of them.
-    pub(super) fn exchange(&mut self, ranks: &mut impl Ranks) -> Result<()> {
-        let [to, from] = &mut self.messages;
-        ranks.exchange(to, from)
-    }
-
-    /// Gives all copies the states that their owners have sent.
-    pub(super) fn put(&mut self) -> Result<()> {
-        self.rows.put(&mut self.local, &self.messages[1])
     }
 
     /// The state of the own spheres, for all processes.

@@ -50,6 +50,8 @@ pub enum Threads {
     DigitBlocks,
     /// Workgroups that loop over the long movers. Only the device knows how many long movers there are.
     LongMovers,
+    /// A thread per sphere of which other processes have copies.
+    Sent,
     /// One workgroup.
     One,
 }
@@ -76,6 +78,7 @@ impl Threads {
             Self::Blocks => step.layout.cells / CELL_BLOCK,
             Self::DigitBlocks => step.layout.spheres.div_ceil(DIGIT_BLOCK),
             Self::LongMovers => movers.div_ceil(MOVERS_PER_WORKGROUP).min(MAX_LONG_MOVER_WORKGROUPS),
+            Self::Sent => step.layout.sent.div_ceil(WORKGROUP),
             Self::One => 1,
         }
     }

@@ -181,6 +181,8 @@ constants! {
     pub const FEW_COLLISIONS: u32 = 2048;
     /// Pass of `constrain` before the integration.
     pub const RESTORING: u32 = 4;
+    /// Added to the number of a pass that computes only the spheres of which other processes have copies (docs/cluster.md).
+    pub const EARLY: u32 = 64;
     /// Number of sweeps over the impulses of collisions that share bodies.
     pub const SWEEPS: u32 = 8;
     /// Factors omega of the sweeps (docs/physics.md section 3.7). Each applies to two sweeps.

@@ -22,5 +22,5 @@ fn low_row(sphere: u32) -> vec3f {
 
 // Index of the force evaluation within the step.
 fn evaluation() -> u32 {
-    return pass_.index;
+    return pass_.index % EARLY;
 }

@@ -165,6 +165,11 @@ block! {
         pub slots_at: u32,
         /// First word of the bits that say which spheres belong to this process, by insertion index, 32 per word; 0 where all do.
         pub own_at: u32,
+        /// Number of spheres that passes with [`EARLY`](crate::model::layout::EARLY) compute; 0 where the scene is not shared, and on the
+        /// CPU.
+        pub sent: u32,
+        /// First word of their insertion indices.
+        pub sent_at: u32,
         /// First word of the long movers in `cells`; 0 when radii differ so little that one thread builds each list.
         pub long_at: u32,
         /// First word of the table of ends, one word per sphere: [`NO_ROD`](crate::model::layout::NO_ROD),

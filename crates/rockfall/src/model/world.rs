@@ -74,6 +74,8 @@ pub struct World {
     /// Which spheres belong to this process, by insertion index, where several processes share a scene; empty if all do. The contacts
     /// of the others are not counted. [`World::set_own`] writes it.
     pub(crate) own: Vec<bool>,
+    /// The spheres that are computed early, by insertion index.
+    pub(crate) sent: Vec<u32>,
     /// The laws that the program gave.
     pub(crate) user_laws: UserLaws,
     /// The topology buffer has an external force for each sphere, in insertion order. Otherwise only for those with a force.

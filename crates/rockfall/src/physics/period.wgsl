@@ -14,7 +14,7 @@ fn along(axis: u32) -> vec3f {
 
 // Displacement of the box above in a sheared scene at the time of the pass, in units of 2^-64 periods: the low and the high word.
 fn shear_phase() -> vec2u {
-    let halves = 2u * (status.steps - step.pose_step) + min(2u, (pass_.index + 1u) / 2u);
+    let halves = 2u * (status.steps - step.pose_step) + min(2u, (pass_.index % EARLY + 1u) / 2u);
     let change = step.shear_change_low * halves;
     let low = step.shear_low + change;
     let high = step.shear_high + step.shear_change_high * halves + upper_product(step.shear_change_low, halves);

@@ -402,11 +402,11 @@ impl Simulation {
     pub(super) fn rebuild(&mut self, springs: &[KeptSpring], rates: &[[f32; 6]]) -> Result<()> {
         let old = &self.world.step;
         let (flags, dt, rows) = (old.constants.flags, old.constants.dt, old.layout.pair_rows);
-        let own = std::mem::take(&mut self.world.own);
+        let (own, sent) = (std::mem::take(&mut self.world.own), std::mem::take(&mut self.world.sent));
         self.scene.imply_bodies();
         self.world = pack(&self.scene, &self.options)?;
         if own.len() == self.world.step.layout.spheres as usize {
-            self.world.set_own(own);
+            self.world.set_own(own, sent);
         }
         self.world.set_flags(FLAG_CONTINUE, flags);
         self.world.set_time_step(dt);

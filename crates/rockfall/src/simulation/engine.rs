@@ -2,6 +2,8 @@
 
 use std::future::Future;
 use std::ops::Range;
+#[cfg(all(feature = "gpu", any(test, feature = "mpi")))]
+use std::sync::Arc;
 
 use crate::error::Result;
 use crate::exec::cpu;
@@ -13,6 +15,8 @@ use crate::step::fused::small_positions::{stages_before, update_positions};
 use crate::step::schedule::Run;
 use crate::user_laws::set::UserLaws;
 
+#[cfg(all(feature = "gpu", any(test, feature = "mpi")))]
+use crate::exec::gpu::share::Link;
 #[cfg(feature = "gpu")]
 use crate::exec::gpu::{Gpu, GpuWorld, Mapped};
 #[cfg(feature = "gpu")]
@@ -125,6 +129,14 @@ impl Engine {
     /// Whether a stage costs a dispatch even when it has no work.
     pub(super) fn dispatches(&self) -> bool {
         !matches!(self, Self::Cpu)
+    }
+
+    /// Gives the world on the device the rows that other processes need.
+    #[cfg(all(feature = "gpu", any(test, feature = "mpi")))]
+    pub(super) fn set_link(&mut self, link: Arc<Link>) {
+        if let Self::Gpu(gpu) = self {
+            gpu.set_link(link);
+        }
     }
 
     /// The world on the device.

@@ -1,5 +1,14 @@
 //! The spheres of one process of a cluster: their states as rows of words, without an edit, on both backends.
 
+#[cfg(feature = "gpu")]
+use std::future::poll_fn;
+#[cfg(feature = "gpu")]
+use std::pin::pin;
+#[cfg(feature = "gpu")]
+use std::sync::Arc;
+#[cfg(feature = "gpu")]
+use std::task::Poll;
+
 use bytemuck::cast_slice;
 use glam::{Quat, Vec3};
 
@@ -51,7 +60,7 @@ pub(crate) struct Rows {
     /// The version of these places.
     packings: u64,
     #[cfg(feature = "gpu")]
-    link: Option<Link>,
+    link: Option<Arc<Link>>,
 }
 
 impl Rows {
@@ -59,11 +68,15 @@ impl Rows {
     pub(crate) fn new(simulation: &mut Simulation, shared: Shared) -> Result<Self> {
         let mut own = vec![false; simulation.world.step.layout.spheres as usize];
         shared.own.iter().for_each(|index| own[*index as usize] = true);
-        simulation.world.set_own(own);
-        simulation.engine.upload_topology(&simulation.world)?;
         let is_verlet = !simulation.world.rates.is_empty();
         #[cfg(feature = "gpu")]
-        let link = simulation.engine.gpu_world().map(|world| Link::new(world, &shared, is_verlet)).transpose()?;
+        let link = simulation.engine.gpu_world().map(|world| Link::new(world, &shared, is_verlet).map(Arc::new)).transpose()?;
+        #[cfg(feature = "gpu")]
+        link.iter().for_each(|link| simulation.engine.set_link(Arc::clone(link)));
+        // All cores compute forces on the CPU, so nothing is gained there by what is computed early.
+        let sent = if simulation.engine.dispatches() { shared.sent.concat() } else { Vec::new() };
+        simulation.world.set_own(own, sent);
+        simulation.engine.upload_topology(&simulation.world)?;
         let (slots, packings) = (Vec::new(), 0);
         Ok(Self {
             shared,
@@ -86,28 +99,62 @@ impl Rows {
         [empty(&self.shared.sent), empty(&self.shared.received)]
     }
 
-    /// Reads the rows that are sent. Returns whether all own spheres are close enough to where they were when spheres were divided, also
-    /// at the next evaluation of forces, in a step of `dt` seconds.
-    pub(crate) fn take(&mut self, simulation: &Simulation, dt: f32, to: &mut [Vec<u32>]) -> Result<bool> {
+    /// Takes a step of `dt` seconds. On a GPU, the rows that are sent are computed first. While the device computes the others, `exchange`
+    /// replaces the rows of a first message by those of a second one, which are then put. Returns whether it was called, if the step was
+    /// taken.
+    pub(crate) fn step(
+        &self,
+        simulation: &mut Simulation,
+        dt: f32,
+        [to, from]: &mut [Vec<Vec<u32>>; 2],
+        mut exchange: impl FnMut(&[Vec<u32>], &mut [Vec<u32>]),
+    ) -> (Result<()>, bool) {
+        let mut is_exchanged = false;
+        #[cfg(feature = "gpu")]
+        if let Some(link) = &self.link {
+            link.begin();
+            let sharing = async {
+                link.take_early(to).await?;
+                is_exchanged = true;
+                exchange(to, from);
+                link.put_early(from, dt)
+            };
+            let waiter = simulation.engine.waiter();
+            let done = engine::block_on(waiter, during(simulation.run_async(1, dt), sharing));
+            return (done, is_exchanged);
+        }
+        (simulation.run(1, dt).map(drop), is_exchanged)
+    }
+
+    /// Whether the last step was repeated, so that the rows that were exchanged during it may be wrong.
+    pub(crate) fn was_repeated(&self) -> bool {
+        #[cfg(feature = "gpu")]
+        return self.link.as_ref().is_some_and(|link| link.submissions() > 1);
+        #[cfg(not(feature = "gpu"))]
+        false
+    }
+
+    /// Reads the rows that are sent after a step.
+    pub(crate) fn take(&mut self, simulation: &Simulation, to: &mut [Vec<u32>]) -> Result<()> {
         #[cfg(feature = "gpu")]
         if let (Some(link), Some(world)) = (&self.link, simulation.engine.gpu_world()) {
-            return engine::block_on(simulation.engine.waiter(), link.take(world, dt, to)).map(|is_far| !is_far);
+            return engine::block_on(simulation.engine.waiter(), link.take(world, to));
         }
         self.find(simulation);
         for (words, sent) in to.iter_mut().zip(&self.shared.sent) {
             let rows = words.chunks_exact_mut(SENT_WORDS).zip(sent);
             rows.for_each(|(row, index)| row.copy_from_slice(&self.row(simulation, *index)[self.sent_from..][..SENT_WORDS]));
         }
-        Ok(self.has_room(simulation, dt))
+        Ok(())
     }
 
     /// Replaces the motion of the copies by rows that were received. This is no edit: forces are not evaluated again. A sphere that has
-    /// left its AABB makes the next step build its lists again, as after a step.
-    pub(crate) fn put(&mut self, simulation: &mut Simulation, from: &[Vec<u32>]) -> Result<()> {
+    /// left its AABB makes the next step build its lists again, as after a step. The next step has `dt` seconds.
+    pub(crate) fn put(&mut self, simulation: &mut Simulation, from: &[Vec<u32>], dt: f32) -> Result<()> {
         simulation.synced = false;
         #[cfg(feature = "gpu")]
-        if let (Some(link), Some(world)) = (&mut self.link, simulation.engine.gpu_world()) {
-            return link.put(world, from);
+        if let (Some(link), Some(world)) = (&self.link, simulation.engine.gpu_world()) {
+            return link.put(world, from, dt);
         }
         for (words, received) in from.iter().zip(&self.shared.received) {
             let rows = words.chunks_exact(SENT_WORDS).zip(received);
@@ -166,18 +213,41 @@ impl Rows {
         rates.chunks_exact_mut(3).zip(words).for_each(|(rates, vector)| rates.copy_from_slice(&vector.to_array()));
     }
 
-    /// Whether all own spheres have room: with velocity Verlet after the drift of the next step, otherwise at once.
-    fn has_room(&self, simulation: &Simulation, dt: f32) -> bool {
+    /// Whether all own spheres are close enough to where they were when spheres were divided, also at the next evaluation of forces, in a
+    /// step of `dt` seconds. With velocity Verlet that is after the drift.
+    pub(crate) fn has_room(&self, simulation: &Simulation, dt: f32) -> Result<bool> {
+        #[cfg(feature = "gpu")]
+        if let Some(link) = &self.link {
+            return engine::block_on(simulation.engine.waiter(), link.is_far()).map(|is_far| !is_far);
+        }
         let (world, axis) = (&simulation.world, self.shared.axis);
-        self.shared.own.iter().zip(&self.shared.starts).all(|(index, start)| {
+        Ok(self.shared.own.iter().zip(&self.shared.starts).all(|(index, start)| {
             let slot = self.slots[*index as usize] as usize;
             let at = |region: usize| f64::from(world.states[0][region * self.slots.len() + slot].to_array()[axis]);
             let rate = world.rates.get(*index as usize * KEPT_WORDS + axis);
             let dt = f64::from(dt);
             let drift = rate.map_or(0.0, |rate| ((at(1) + 0.5 * dt * f64::from(*rate)) * dt).abs());
             (at(0) - f64::from(*start)).abs() + drift <= self.shared.room
-        })
+        }))
     }
+}
+
+/// Polls `other` while `first` goes on, and once after it.
+#[cfg(feature = "gpu")]
+async fn during<T>(first: impl Future<Output = Result<T>>, other: impl Future<Output = Result<()>>) -> Result<()> {
+    let (mut first, mut other) = (pin!(first), pin!(other));
+    let mut done = Poll::Pending;
+    poll_fn(|context| {
+        let result = first.as_mut().poll(context);
+        if done.is_pending() {
+            done = other.as_mut().poll(context);
+        }
+        result.map(|result| match std::mem::replace(&mut done, Poll::Pending) {
+            Poll::Ready(other) => result.and(other),
+            Poll::Pending => result.map(drop),
+        })
+    })
+    .await
 }
 
 impl Simulation {

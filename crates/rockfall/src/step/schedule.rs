@@ -1,8 +1,9 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
 use crate::model::layout::{
-    AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, RESTORING, SERVO_END, SWEEPS, SWEEPS_FEW, SWEEPS_ON,
+    AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, EARLY, RESTORING, SERVO_END, SWEEPS, SWEEPS_FEW, SWEEPS_ON,
 };
+use crate::model::dispatch::Threads;
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
@@ -53,6 +54,8 @@ pub enum When {
     Servos,
     /// Scenes with rigid bodies.
     Rigid,
+    /// Scenes that several processes share, on a GPU.
+    Shared,
     /// Scenes in which orientations are updated after the integration: those with rods or rigid bodies.
     Turned,
 }
@@ -63,7 +66,8 @@ pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
     /// The pass: 0..4 for the force evaluations of RK4, and for `move_walls` before them, 0 and 3 for those of velocity Verlet, 0 and 1 for `sort_axis` and `drive_servos`, 0..8 for the digits of a sort, 0..8 for
-    /// `sweep_collisions`, 1..=8 for `project_networks` and `gather_impulses`, else 0.
+    /// `sweep_collisions`, 1..=8 for `project_networks` and `gather_impulses`, else 0. [`EARLY`] is added in passes that compute only the
+    /// spheres of which other processes have copies.
     pub pass: u32,
     /// The scenes in which the stage is run.
     pub when: When,
@@ -89,13 +93,15 @@ impl Run {
             When::Walls => traits.walls,
             When::Servos => traits.servos,
             When::Rigid => traits.rigid,
+            When::Shared => step.layout.sent > 0,
             When::Turned => traits.turns_late(),
         }
     }
 
     /// Returns the number of workgroups in a step with these parameters, or 0 if there is nothing to do.
     pub fn workgroups(&self, step: &Step) -> u32 {
-        if self.applies(step) { self.stage.threads.workgroups(step) } else { 0 }
+        let threads = if self.pass < EARLY { self.stage.threads } else { Threads::Sent };
+        if self.applies(step) { threads.workgroups(step) } else { 0 }
     }
 
     /// Returns whether the run is part of the step with this number. Numbers begin at 0 where steps are first
@@ -137,6 +143,11 @@ const fn servo_loads(pass: u32) -> Run {
 /// Moves servos: pass 0 at the start of a step, [`SERVO_END`] at its end.
 const fn servos(pass: u32) -> Run {
     self::pass(&drive_servos::STAGE, pass).when(When::Servos)
+}
+
+/// Computes only the spheres of which other processes have copies, so that their new state can be sent while the others are computed.
+const fn early(stage: &'static Stage, pass: u32) -> Run {
+    self::pass(stage, EARLY + pass).when(When::Shared)
 }
 
 /// Moves rigid bodies in pass `pass`.
@@ -237,6 +248,8 @@ impl Phase {
                     &[
                         pass(&constrain::STAGE, RESTORING),
                         run(&rod_loads::STAGE),
+                        early(&loads::STAGE, 0),
+                        early(&symplectic_euler::STAGE, 0),
                         run(&loads::STAGE),
                         servo_loads(0),
                         walls(3),
@@ -260,6 +273,8 @@ impl Phase {
                         bodies(AFTER_DRIFT),
                         walls(3),
                         pass(&rod_loads::STAGE, 3),
+                        early(&loads::STAGE, 3),
+                        early(&kick::STAGE, 3),
                         pass(&loads::STAGE, 3),
                         servo_loads(3),
                         pass(&kick::STAGE, 3),

@@ -2,7 +2,7 @@
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
-use crate::model::layout::AFTER_DRIFT;
+use crate::model::layout::{AFTER_DRIFT, EARLY};
 use crate::model::part::Part;
 use crate::model::world::World;
 use crate::step::moves::Moves;
@@ -18,6 +18,10 @@ pub enum Slot {
     State,
     /// The stage state that pass p of RK4 writes: `Y2`, `Y3`, `Y4` for p = 0, 1, 2.
     Next,
+    /// The state that a step ends with: `Start`, `Y3` in a pass with [`EARLY`].
+    Ended,
+    /// The rates that a step ends with: `Rates`, `Y2` in a pass with [`EARLY`].
+    EndedRates,
     /// The state in which pass p of `move_bodies` puts the spheres of rigid bodies: `Y2`, `Y3`, `Y4` for p = 0, 1, 2, `Y4` for
     /// [`AFTER_DRIFT`](crate::model::layout::AFTER_DRIFT), else `Start`.
     Placed,
@@ -33,7 +37,11 @@ impl Slot {
         const STATES: [Buffer; 5] = [Buffer::Start, Buffer::Y2, Buffer::Y3, Buffer::Y4, Buffer::Start];
         match self {
             Self::Fixed(buffer) => buffer,
-            Self::State => STATES[pass as usize],
+            Self::State => STATES[(pass % EARLY) as usize],
+            Self::Ended if pass < EARLY => Buffer::Start,
+            Self::Ended => Buffer::Y3,
+            Self::EndedRates if pass < EARLY => Buffer::Rates,
+            Self::EndedRates => Buffer::Y2,
             Self::Next => STATES[pass as usize + 1],
             Self::Placed if pass == AFTER_DRIFT => Buffer::Y4,
             Self::Placed => {

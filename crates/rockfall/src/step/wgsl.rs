@@ -54,6 +54,7 @@ pub const HOOKS: &[(&str, &str)] = &[
 const SHARED: &[Part] = &[
     part!("model/collision_state.wgsl"),
     part!("model/counters.wgsl"),
+    part!("model/early.wgsl"),
     part!("model/entries.wgsl"),
     part!("model/lists.wgsl"),
     part!("model/load_rows.wgsl"),

@@ -278,7 +278,7 @@ impl Gpu {
     /// The kernels for the rows of spheres that several processes share, compiled at their first use.
     #[cfg(any(test, feature = "mpi"))]
     pub(super) fn sharers(&self) -> Result<Arc<Copiers>> {
-        self.copiers(wgpu::include_wgsl!("share.wgsl"), 7, ["take", "put", "look"])
+        self.copiers(wgpu::include_wgsl!("share.wgsl"), 8, ["take", "put", "look"])
     }
 
     fn copiers(

@@ -17,6 +17,8 @@ struct Share {
     room: f32,
     // Time step in s.
     dt: f32,
+    // The word of `status` that counts the steps of the present call.
+    steps_at: u32,
 }
 
 @group(0) @binding(0) var<uniform> share: Share;
@@ -29,6 +31,7 @@ struct Share {
 @group(0) @binding(5) var<storage, read_write> words: array<u32>;
 // 1 if a sphere may leave its room.
 @group(0) @binding(6) var<storage, read_write> is_far: atomic<u32>;
+@group(0) @binding(7) var<storage, read_write> status: array<u32>;
 
 const ROW_WORDS: u32 = 12u;
 const RATE_WORDS: u32 = 6u;
@@ -80,10 +83,11 @@ fn take(thread: Thread) {
     }
 }
 
+// Nothing is put where the step was rejected: it is repeated, and begins with the copies as they are.
 @compute @workgroup_size(256)
 fn put(thread: Thread) {
     let row = row_of(thread);
-    if row >= share.count {
+    if (row >= share.count) | (status[share.steps_at] == 0u) {
         return;
     }
     var at = row * ROW_WORDS;

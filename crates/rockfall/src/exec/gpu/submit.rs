@@ -17,6 +17,8 @@ use crate::exec::gpu::wait::Mapped;
 use crate::exec::gpu::world::{GpuWorld, UNIFORM};
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
+#[cfg(any(test, feature = "mpi"))]
+use crate::model::layout::EARLY;
 use crate::model::layout::{SWEEPS_FEW, SWEEPS_ON};
 use crate::model::status::Status;
 use crate::model::step::{Constants, Pass, Step};
@@ -170,6 +172,35 @@ impl GpuWorld {
         Ok(timer)
     }
 
+    /// Number of runs up to the last one that computes what other processes need; 0 where nothing is sent after them.
+    #[cfg(any(test, feature = "mpi"))]
+    fn early_runs(&self, runs: &[Run], steps: &Range<u32>) -> usize {
+        let is_last = |run: &Run| run.pass >= EARLY && run.applies(self.step());
+        let count = runs.iter().rposition(is_last).map_or(0, |last| last + 1);
+        let is_taken = self.link.as_ref().is_some_and(|link| link.note_submission()) && steps.len() == 1;
+        if is_taken { count } else { 0 }
+    }
+
+    #[cfg(not(any(test, feature = "mpi")))]
+    fn early_runs(&self, _runs: &[Run], _steps: &Range<u32>) -> usize {
+        0
+    }
+
+    #[cfg(any(test, feature = "mpi"))]
+    fn submit_early(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
+        self.link.as_ref().map_or(Ok(()), |link| link.submit_early(self, encoder))
+    }
+
+    #[cfg(not(any(test, feature = "mpi")))]
+    fn submit_early(&self, _encoder: wgpu::CommandEncoder) -> Result<()> {
+        Ok(())
+    }
+
+    fn encode_pass(&self, encoder: &mut wgpu::CommandEncoder, runs: &[Run], steps: Range<u32>) -> Result<()> {
+        let of_steps = wgpu::ComputePassDescriptor { label: Some("steps"), timestamp_writes: None };
+        self.encode(&mut encoder.begin_compute_pass(&of_steps), runs, steps)
+    }
+
     fn submit(
         &mut self,
         runs: &[Run],
@@ -186,13 +217,18 @@ impl GpuWorld {
         self.dispatches += dispatches;
         let gpu = self.gpu().clone();
         let submission = catch(gpu.device(), || {
-            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
+            let new_encoder =
+                || gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
+            let mut encoder = new_encoder();
             if let Some(timer) = timer {
                 timer.encode(&mut encoder, self, runs)?;
             } else {
-                let mut pass =
-                    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("steps"), timestamp_writes: None });
-                self.encode(&mut pass, runs, steps)?;
+                let (early, others) = runs.split_at(self.early_runs(runs, &steps));
+                if !early.is_empty() {
+                    self.encode_pass(&mut encoder, early, steps.clone())?;
+                    self.submit_early(std::mem::replace(&mut encoder, new_encoder()))?;
+                }
+                self.encode_pass(&mut encoder, others, steps)?;
             }
             if let Some(staging) = staging {
                 let status = &self.chunks(Buffer::Status)[0];

@@ -11,6 +11,8 @@ use crate::exec::gpu::check::check_buffer;
 use crate::exec::gpu::device::Gpu;
 use crate::exec::gpu::fault::catch;
 use crate::exec::gpu::kernel::Kernel;
+#[cfg(any(test, feature = "mpi"))]
+use crate::exec::gpu::share::Link;
 use crate::exec::gpu::memory::{bytes_needed, check_sizes, chunk_bytes, make_buffer};
 use crate::model::buffer::Buffer;
 use crate::model::status::Status;
@@ -53,6 +55,9 @@ pub struct GpuWorld {
     pub(super) ready: HashMap<(&'static str, u32), (Arc<Kernel>, wgpu::BindGroup)>,
     /// Those that were submitted so far.
     pub(super) dispatches: u64,
+    /// Takes the rows that other processes need from the early part of a step.
+    #[cfg(any(test, feature = "mpi"))]
+    pub(super) link: Option<Arc<Link>>,
 }
 
 impl GpuWorld {
@@ -82,9 +87,17 @@ impl GpuWorld {
             laws: world.user_laws.kernel_text()?,
             ready: HashMap::new(),
             dispatches: 0,
+            #[cfg(any(test, feature = "mpi"))]
+            link: None,
         };
         made.upload(world)?;
         Ok(made)
+    }
+
+    /// Says where the rows go that other processes need.
+    #[cfg(any(test, feature = "mpi"))]
+    pub(crate) fn set_link(&mut self, link: Arc<Link>) {
+        self.link = Some(link);
     }
 
     /// The device it lives on.

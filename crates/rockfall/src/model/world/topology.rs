@@ -105,17 +105,19 @@ fn pack_order(order: &[u32], slots: &[u32], layout: &mut Layout, topology: &mut 
 }
 
 impl World {
-    /// Says which spheres belong to this process, by insertion index; none for all of them.
-    pub(crate) fn set_own(&mut self, own: Vec<bool>) {
-        self.own = own;
+    /// Says which spheres belong to this process, by insertion index, none for all of them, and which ones are computed early.
+    pub(crate) fn set_own(&mut self, own: Vec<bool>, sent: Vec<u32>) {
+        (self.own, self.sent) = (own, sent);
         self.pack_own();
     }
 
-    /// Appends a bit per sphere for [`World::set_own`].
+    /// Appends a bit per sphere for [`World::set_own`], and the spheres that are computed early.
     fn pack_own(&mut self) {
         self.step.layout.own_at = if self.own.is_empty() { 0 } else { self.topology.len() as u32 };
         let word = |own: &[bool]| (0..).zip(own).fold(0, |word, (bit, is_own)| word | u32::from(*is_own) << bit);
         self.topology.extend(self.own.chunks(u32::BITS as usize).map(word));
+        (self.step.layout.sent, self.step.layout.sent_at) = (self.sent.len() as u32, self.topology.len() as u32);
+        self.topology.extend(&self.sent);
     }
 }
 

@@ -1,4 +1,4 @@
-// requires physics/forces/sphere_push.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
+// requires physics/forces/sphere_push.wgsl model/early.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/forces/attached.wgsl physics/forces/net_force.wgsl physics/geometry.wgsl physics/surfaces_of_list.wgsl physics/laws/history.wgsl physics/laws/mover_contact.wgsl
 
 // The load of a sphere, computed by one thread.
@@ -39,7 +39,7 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
     }
 }
 
-// Contacts by a law with history.
+// Contacts by a law with history. An early pass leaves their springs to the pass that computes all spheres.
 fn add_law_contacts(i: u32, net: ptr<function, Net>) {
     var chain = new_chain(i);
     let own = state[position_at(i)];
@@ -60,12 +60,12 @@ fn add_law_contacts(i: u32, net: ptr<function, Net>) {
             }
             add_push(met.push, net);
             count_if(met.is_a, i, entry, met.push, net);
-            if met.owns {
+            if met.owns & !is_early() {
                 put_spring(entry_key(entry_id(entry), entry_feature(entry)), met.spring, &chain);
             }
         }
     }
-    if advances_springs() {
+    if advances_springs() & !is_early() {
         end_chain(chain);
     }
 }

@@ -1,4 +1,4 @@
-// requires model/counters.wgsl model/load_rows.wgsl model/one_state.wgsl model/step.wgsl physics/collision/hidden_crossing.wgsl physics/escape.wgsl physics/forces/due.wgsl
+// requires model/counters.wgsl model/early.wgsl model/load_rows.wgsl model/one_state.wgsl model/step.wgsl physics/collision/hidden_crossing.wgsl physics/escape.wgsl physics/forces/due.wgsl
 // requires physics/forces/load.wgsl physics/forces/net_force.wgsl physics/forces/rates.wgsl physics/forces/user.wgsl physics/rigid.wgsl step/large_spheres/large_sphere_load.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
@@ -49,11 +49,15 @@ fn loads(
     @builtin(local_invocation_index) local: u32,
 ) {
     let workgroup = linear_group(group, groups);
-    let i = mover_of(workgroup, local);
+    let is_early = is_early();
+    var i = mover_of(workgroup, local);
+    if is_early {
+        i = sent_sphere(linear_thread(group, groups, local));
+    }
     let are_wanted = are_loads_wanted();
     let are_due = are_loads_due();
-    let net = net_of(workgroup, local, are_wanted & are_due);
-    if (i < step.spheres) & is_writer(workgroup, local) & are_wanted {
+    let net = net_of(workgroup, local, i, are_wanted & are_due);
+    if (i < step.spheres) & (is_early | is_writer(workgroup, local)) & are_wanted {
         let velocity = state[velocity_at(i)];
         if velocity.w > 0.0 {
             if are_due {
@@ -61,12 +65,12 @@ fn loads(
             }
             check_place(i, velocity);
         }
-        if (i == 0u) & (evaluation() == 0u) {
+        if (i == 0u) & (evaluation() == 0u) & !is_early {
             count_rebuild();
             status.lengths_due = 0u;
         }
     }
-    if evaluation() == COUNTED {
+    if (evaluation() == COUNTED) & !is_early {
         count_contacts_of_workgroup(workgroup, local, net.contacts, net.deepest);
     }
 }

@@ -18,7 +18,7 @@ use crate::physics::forces::rates::Rates;
 use crate::physics::forces::sphere_rates;
 use crate::step::integrate::turn::turn_for;
 use crate::step::moves::{Moves, NONE};
-use crate::step::stage::{Stage, read, write};
+use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
 use crate::step::wgsl::Wgsl;
 
 /// The stage.
@@ -27,10 +27,10 @@ pub(crate) const STAGE: Stage = Stage {
     wgsl: Wgsl::File(part!("step/integrate/kick.wgsl")),
     bindings: &[
         read("state", Buffer::Y4),
-        write("start", Buffer::Start),
+        Binding { name: "start", slot: Slot::Ended, access: Access::Write },
         read("topology", Buffer::Topology),
         read("wrenches", Buffer::Wrenches),
-        write("kept_rates", Buffer::Rates),
+        Binding { name: "kept_rates", slot: Slot::EndedRates, access: Access::Write },
         write("orientations", Buffer::Orientations),
         write("status", Buffer::Status),
     ],

@@ -1,4 +1,4 @@
-// requires model/load_rows.wgsl model/one_state.wgsl model/put_rates.wgsl model/step.wgsl physics/forces/load.wgsl
+// requires model/early.wgsl model/load_rows.wgsl model/one_state.wgsl model/put_rates.wgsl model/step.wgsl physics/forces/load.wgsl
 // requires physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/rotation.wgsl physics/rigid.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
@@ -45,11 +45,17 @@ fn kick(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let i = wide_thread(group, groups, local);
+    var i = wide_thread(group, groups, local);
+    if is_early() {
+        i = sent_sphere(i);
+    }
     if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) {
         return;
     }
     let spin = kick_sphere(i, load_of(i));
+    if is_early() {
+        return;
+    }
     if !LATE_TURN {
         turn_by(i, rotation(spin));
     }

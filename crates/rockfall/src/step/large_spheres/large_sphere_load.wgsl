@@ -1,4 +1,4 @@
-// requires physics/forces/sphere_push.wgsl physics/surfaces_of_list.wgsl model/entries.wgsl model/lists.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
+// requires physics/forces/sphere_push.wgsl physics/surfaces_of_list.wgsl model/early.wgsl model/entries.wgsl model/lists.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/forces/net_force.wgsl physics/forces/sphere_load.wgsl physics/geometry.wgsl physics/laws/history.wgsl
 // requires physics/laws/mover_contact.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
@@ -78,16 +78,16 @@ fn load_by_workgroup(i: u32, local: u32) -> Net {
     return net;
 }
 
-// Returns the load of the sphere of a thread, or of the large sphere of its workgroup. All threads of the workgroup must call it.
-// `is_wanted` may differ between the threads of a workgroup, because another workgroup may reject the step at any time.
-fn net_of(workgroup: u32, local: u32, is_wanted: bool) -> Net {
-    if serves_large_sphere(workgroup) {
+// Returns the load of the sphere i of a thread, or of the large sphere of its workgroup. All threads of the workgroup must call it.
+// `is_wanted` may differ between the threads of a workgroup, because another workgroup may reject the step at any time. In an early pass
+// every sphere has one thread.
+fn net_of(workgroup: u32, local: u32, i: u32, is_wanted: bool) -> Net {
+    if serves_large_sphere(workgroup) & !is_early() {
         if broadcast_to_workgroup(local, u32(is_wanted)) == 0u {
             return no_force();
         }
         return load_by_workgroup(large_sphere_of(workgroup), local);
     }
-    let i = mover_of(workgroup, local);
     if (i < step.spheres) & is_wanted {
         return sphere_load(i);
     }
