@@ -282,3 +282,63 @@ impl Simulation {
         self.world.step.traits().friction_impulses
     }
 }
+
+#[cfg(all(test, feature = "gpu", not(target_family = "wasm")))]
+mod tests {
+    use super::*;
+    use crate::simulation::lists::{ListPolicy, MIN_MARGIN};
+    use crate::{Backend, ContactLaw, Cuboid, Integrator, Material, Options, Pair, Scene};
+
+    /// A pile with the springs of contacts, and every third sphere of it for another process.
+    fn shared_pile(integrator: Integrator) -> (Simulation, Rows) {
+        let mut scene = Scene::new();
+        (scene.settings.contact_law, scene.settings.collisions, scene.settings.gravity) = (ContactLaw::Linear, false, 60.0);
+        let soft = scene.add_material(Material::new("soft").density(1.0).young(1e5).poisson(0.25)).unwrap();
+        scene.set_pair(soft, soft, Pair::default().restitution(0.5).friction(0.5).stiffness(900.0)).unwrap();
+        for k in 0..600_u16 {
+            let [x, y, z] = [k % 10, k / 100, k / 10 % 10].map(f32::from);
+            let velocity = [y - 2.5, -f32::from(k % 7), 0.7 * (x - z)];
+            scene.add_sphere(Sphere::new([x, 0.6 + 1.05 * y, z], 0.5).material(soft).velocity(velocity)).unwrap();
+        }
+        scene.add_box(Cuboid::between([-9.0, -9.0, -9.0], [20.0, 0.0, 20.0]).material(soft)).unwrap();
+        let options = Options::new().backend(Backend::Gpu).integrator(integrator);
+        let mut simulation = Simulation::with_options(scene, options).unwrap();
+        simulation.run(1, 0.02).unwrap();
+        let count = simulation.scene.spheres().len() as u32;
+        let own: Vec<u32> = (0..count).collect();
+        let starts = vec![0.0; own.len()];
+        let sent = vec![Vec::new(), own.iter().copied().filter(|index| index % 3 == 1).collect()];
+        let shared = Shared { own, starts, sent, received: vec![Vec::new(); 2], axis: 0, room: 1e9 };
+        let rows = Rows::new(&mut simulation, shared).unwrap();
+        (simulation, rows)
+    }
+
+    /// What is sent during a step is what a read after it gives. Where spheres leave their AABBs, the step is repeated, which is noted.
+    #[test]
+    fn rows_are_sent_during_a_step_on_the_gpu() {
+        for integrator in [Integrator::VelocityVerlet, Integrator::SymplecticEuler] {
+            let (mut simulation, mut rows) = shared_pile(integrator);
+            let mut repeated = 0;
+            for step in 0..40 {
+                if step % 8 == 4 {
+                    // Lists for more steps than they last.
+                    simulation.lists = ListPolicy::new(4.0, MIN_MARGIN);
+                }
+                let (mut messages, mut early) = (rows.messages(), Vec::new());
+                let before = messages[0].clone();
+                let (done, is_exchanged) = rows.step(&mut simulation, 0.02, &mut messages, |to, _| early = to.to_vec());
+                done.unwrap();
+                assert!(is_exchanged && rows.has_room(&simulation, 0.02).unwrap(), "{integrator:?}, step {step}");
+                let mut after = before.clone();
+                rows.take(&simulation, &mut after).unwrap();
+                assert!(after != before, "{integrator:?}, step {step}");
+                if rows.was_repeated() {
+                    repeated += 1;
+                } else {
+                    assert!(early == after, "{integrator:?}, step {step}");
+                }
+            }
+            assert!((1..20).contains(&repeated), "{integrator:?}: {repeated} repeated steps");
+        }
+    }
+}
