@@ -5,7 +5,8 @@
 //! the same order as in one process. A ghost takes a step like any sphere, but some of its neighbours are missing; the process that owns
 //! it then sends the true state. Positions, velocities and spins of ghosts are exact whenever forces are evaluated: at the start of a step
 //! of symplectic Euler, and after the drift of velocity Verlet, which depends on the state and on the rates of the sphere alone. So one
-//! exchange per step is enough. The spring of a contact depends on its two bodies, so both sides compute the same one.
+//! exchange per step is enough. The spring of a contact depends on its two bodies, so both sides compute the same one. A GPU computes the
+//! spheres that are sent first, so that the exchange runs while it computes the others.
 //!
 //! Spheres are divided again before one of them has moved so far that copies could be missing. Each process then learns the whole state.
 
@@ -58,8 +59,12 @@ pub struct Cluster<R: Ranks> {
     reach: f64,
     /// Velocity Verlet needs an evaluation of forces before its first step.
     has_rates: bool,
-    /// `None` until spheres are divided for the first time.
+    /// The time step, and the number of the step before which inlets and outlets act next. `None` before the first step.
+    next_flow: Option<(f32, u64)>,
+    /// `None` until spheres are divided for the first time, and after a step of the whole scene.
     part: Option<Part>,
+    /// The simulation of the last step of the whole scene.
+    spare: Option<Simulation>,
     work: Work,
     /// What failed in this process since the processes last agreed.
     failure: Option<String>,
@@ -91,7 +96,9 @@ impl<R: Ranks> Cluster<R> {
             reach: simulation.reach().into(),
             has_rates: !is_verlet || !whole.rates.is_empty(),
             whole,
+            next_flow: None,
             part: None,
+            spare: None,
             work: Work::default(),
             failure: None,
         })
@@ -136,8 +143,13 @@ impl<R: Ranks> Cluster<R> {
     /// [`Error::Cluster`] with the message of the process that failed, on all processes.
     pub fn run(&mut self, steps: u64, dt: f32) -> Result<()> {
         for _ in 0..steps {
-            if !self.has_rates {
-                self.first_step(dt)?;
+            if self.is_whole(dt) {
+                self.gather()?;
+                self.spare = self.part.take().map(Part::into_simulation).or(self.spare.take());
+                let done = self.whole_step(dt);
+                self.note(done);
+                self.agree([])?;
+                self.clock.add(1, dt, &mut self.whole.report);
                 continue;
             }
             self.divide_if_due(dt)?;
@@ -163,16 +175,33 @@ impl<R: Ranks> Cluster<R> {
         Ok(&self.whole)
     }
 
-    /// Takes a step of the whole scene on every process. Velocity Verlet has no rates before its first step, so it evaluates forces twice
-    /// in it, and ghosts would have wrong places in the second evaluation.
-    fn first_step(&mut self, dt: f32) -> Result<()> {
-        let mut simulation = Simulation::resume(self.whole.clone())?;
+    /// Whether the next step is one of the whole scene on every process. Velocity Verlet has no rates before its first step, so it evaluates
+    /// forces twice in it, and ghosts would have wrong places in the second evaluation. The same is so after spheres came in or left.
+    fn is_whole(&self, dt: f32) -> bool {
+        let scene = &self.whole.scene;
+        let has_flow = !(scene.inlets().is_empty() && scene.outlets().is_empty());
+        !self.has_rates || has_flow && self.next_flow.is_none_or(|(of, step)| of != dt || self.whole.report.steps >= step)
+    }
+
+    /// Takes a step of the whole scene, before which inlets and outlets act.
+    fn whole_step(&mut self, dt: f32) -> Result<()> {
+        let spare = self.spare.take();
+        let mut simulation = match spare {
+            Some(mut simulation) => {
+                simulation.restore(&self.whole)?;
+                simulation
+            }
+            None => Simulation::resume(self.whole.clone())?,
+        };
+        let until = simulation.act(dt)?;
+        self.next_flow = Some((dt, self.whole.report.steps.saturating_add(until)));
         simulation.run(1, dt)?;
-        let Checkpoint { scene, springs, rates, history, time_step, report, .. } = simulation.checkpoint()?;
+        let Checkpoint { scene, flow, fronts, springs, rates, history, time_step, report, .. } = simulation.checkpoint()?;
+        self.spare = Some(simulation);
         let whole = &mut self.whole;
-        (whole.scene, whole.springs, whole.rates, whole.history, whole.time_step) = (scene, springs, rates, history, time_step);
+        (whole.scene, whole.flow, whole.fronts, whole.springs) = (scene, flow, fronts, springs);
+        (whole.rates, whole.history, whole.time_step) = (rates, history, time_step);
         (whole.report.contacts, whole.report.max_overlap) = (report.contacts, report.max_overlap);
-        self.clock.add(1, dt, &mut whole.report);
         self.has_rates = true;
         Ok(())
     }
@@ -197,8 +226,8 @@ impl<R: Ranks> Cluster<R> {
         }
         self.gather()?;
         self.work.divisions += 1;
-        let before = self.part.take();
-        match Part::new(before, &self.whole, [self.ranks.rank(), self.ranks.size()], self.reach, dt) {
+        let spare = self.part.take().map(Part::into_simulation).or(self.spare.take());
+        match Part::new(spare, &self.whole, [self.ranks.rank(), self.ranks.size()], self.reach, dt) {
             Ok(part) => self.part = Some(part),
             Err(error) => self.failure = Some(error.to_string()),
         }
@@ -236,14 +265,21 @@ impl<R: Ranks> Cluster<R> {
         }
     }
 
-    /// Exchanges the states of spheres again where the copies of some process may be wrong. Returns whether spheres must be divided before
-    /// the next step.
+    /// Exchanges the states of spheres again where the copies of some process may be wrong. Lets all processes build lists in the same step,
+    /// since they wait for each other in every step. Returns whether spheres must be divided before the next step.
     fn settle(&mut self, dt: f32) -> Result<bool> {
         loop {
             let is_wrong = self.part.as_ref().is_some_and(Part::has_wrong_copies);
             let is_due = self.part.as_ref().is_none_or(|part| !part.has_room(dt));
-            let [is_wrong, is_due] = self.agree([is_wrong, is_due])?;
-            let Some(part) = self.part.as_mut().filter(|_| is_wrong) else { return Ok(is_due) };
+            let wants_lists = self.part.as_ref().is_some_and(Part::wants_lists);
+            let [is_wrong, is_due, wants_lists] = self.agree([is_wrong, is_due, wants_lists])?;
+            let Some(part) = &mut self.part else { return Ok(is_due) };
+            if !is_wrong {
+                if wants_lists {
+                    part.request_lists();
+                }
+                return Ok(is_due);
+            }
             let done = part.exchange(dt, &mut self.ranks, &mut self.work)?;
             self.note(done);
         }

@@ -21,7 +21,7 @@ const PROFILED: u64 = 200;
 /// Measure grains in a rotating drum, with the contact law hertz-mindlin and rolling resistance
 ///
 /// The drum and the grains are those of the benchmark of PhasicFlow: glass, an effective modulus of 1 MPa, e = 0.97,
-/// mu = 0.65, mu_r = 0.1 (model C), a drum four times as long as its radius (0.2 m for 1,000,000 grains). The direction of
+/// mu = 0.65, mu_r = 0.1 (model C), a drum four times as long as its radius (0.2 m for 1,000,000 grains; see --length). The direction of
 /// gravity turns in the frame of the drum. The grains start as a loose lattice and fall for about 0.2 s, which are 20,000
 /// steps of 1e-5 s. At 12 revolutions per minute the bed begins to flow after about 45,000 steps: --warmup 60000 measures the
 /// flow. Under mpirun, processes share the drum (docs/cluster.md), with --triangles or --rpm 0. The warm-up steps, and the same timed steps for comparison,
@@ -35,6 +35,9 @@ pub(crate) struct Arguments {
     /// Radius of the grains in m; the drum grows with it
     #[arg(long, value_name = "M", default_value = "0.002", value_parser = positive, allow_negative_numbers = true)]
     radius: f32,
+    /// Length of the drum over its radius, from 0.01 to 100. Twice the length and twice the grains give a bed of the same depth
+    #[arg(long, value_name = "N", default_value = "4", value_parser = positive, allow_negative_numbers = true)]
+    length: f32,
     /// Number of polygons of the drum
     #[arg(long, value_name = "N", default_value_t = 48, value_parser = whole(6_u32, 10_000), allow_negative_numbers = true)]
     facets: u32,
@@ -125,7 +128,7 @@ impl Arguments {
 
     fn drum(&self, grains: u32) -> Drum {
         let mut drum = Drum::new(grains);
-        (drum.radius, drum.facets, drum.clumps) = (self.radius, self.facets, self.clumps);
+        (drum.radius, drum.length, drum.facets, drum.clumps) = (self.radius, self.length, self.facets, self.clumps);
         if self.triangles { drum.triangles().spin(TAU * self.rpm / 60.0) } else { drum }
     }
 

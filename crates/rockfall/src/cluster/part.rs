@@ -39,9 +39,9 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Divides the spheres of a state and takes the part of process `rank` of `size`. `before` is the part until now, whose simulation
-    /// is used again. Spheres reach further than their radius by the factor `reach`; steps have `dt` seconds.
-    pub(super) fn new(before: Option<Self>, whole: &Checkpoint, [rank, size]: [usize; 2], reach: f64, dt: f32) -> Result<Self> {
+    /// Divides the spheres of a state and takes the part of process `rank` of `size`. `spare` is a simulation that is used again. Spheres
+    /// reach further than their radius by the factor `reach`; steps have `dt` seconds.
+    pub(super) fn new(spare: Option<Simulation>, whole: &Checkpoint, [rank, size]: [usize; 2], reach: f64, dt: f32) -> Result<Self> {
         let spheres = whole.scene.spheres();
         let domain = Domain::of(&whole.scene, size);
         let (room, depth) = room_and_depth(whole, &domain, reach, dt);
@@ -51,8 +51,8 @@ impl Part {
         };
         let present: Vec<u32> = (0..spheres.len()).filter(|index| is_here(*index)).map(|index| index as u32).collect();
         let mut checkpoint = local_checkpoint(whole, &present)?;
-        let mut local = match before {
-            Some(Self { mut local, .. }) => {
+        let mut local = match spare {
+            Some(mut local) => {
                 local.put_list_plan(&mut checkpoint);
                 local.restore(&checkpoint)?;
                 local
@@ -75,6 +75,12 @@ impl Part {
         let rows = Rows::new(&mut local, shared)?;
         let messages = rows.messages();
         Ok(Self { local, rows, domain, rank: rank as u32, has_room: true, has_wrong_copies: false, dt, messages })
+    }
+
+    /// The simulation of the part, for another state.
+    pub(super) fn into_simulation(mut self) -> Simulation {
+        self.local.unshare();
+        self.local
     }
 
     /// How the spheres are divided.
@@ -106,6 +112,16 @@ impl Part {
     /// Whether the copies that others have of the own spheres may be wrong: a step was repeated after its rows had been sent.
     pub(super) fn has_wrong_copies(&self) -> bool {
         self.has_wrong_copies
+    }
+
+    /// Whether the next step builds lists.
+    pub(super) fn wants_lists(&self) -> bool {
+        self.local.wants_lists()
+    }
+
+    /// Lets the next step build lists.
+    pub(super) fn request_lists(&mut self) {
+        self.local.request_lists();
     }
 
     /// Takes a step of `dt` seconds, and exchanges the states of spheres with the processes that have copies of them: on a GPU during the
@@ -201,11 +217,13 @@ fn local_checkpoint(whole: &Checkpoint, present: &[u32]) -> Result<Checkpoint> {
     let absent: Vec<bool> = (0..whole.scene.spheres().len()).map(is_absent).collect();
     let ids: Vec<SphereId> = whole.scene.sphere_ids().zip(&absent).filter_map(|(id, absent)| absent.then_some(id)).collect();
     local.scene.remove_spheres(&ids)?;
-    // They measure the whole scene, in the gathered state.
+    // They measure the whole scene, in the gathered state, or act on it between two steps.
     local.scene.gauges.clear();
+    local.scene.inlets.clear();
+    local.scene.outlets.clear();
     if !whole.rates.is_empty() {
         local.rates = present.iter().map(|index| whole.rates[*index as usize]).collect();
     }
-    local.options = Options { pair_capacity: None, ..whole.options.clone() }.without(Optimization::JoinedSteps);
+    local.options = Options { pair_capacity: None, ..whole.options.clone() }.without(Optimization::JoinedSteps).without(Optimization::ListInterval);
     Ok(local)
 }

@@ -1,5 +1,6 @@
 //! The same bits for any number of processes.
 
+mod flow;
 mod periodic;
 
 use std::thread;

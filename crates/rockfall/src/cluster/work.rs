@@ -12,11 +12,11 @@ pub struct Work {
     pub ghosts: u64,
     /// Number of times that the spheres were divided.
     pub divisions: u64,
-    /// Steps of the own spheres and the copies.
+    /// Steps of the own spheres and the copies, apart from the messages that are exchanged during them.
     pub steps: f64,
-    /// Copies of rows between the arrays of the simulation and messages.
+    /// Copies of rows between the arrays of the simulation and messages, apart from those during a step.
     pub rows: f64,
-    /// Messages between processes.
+    /// Messages between processes, also those that are exchanged during a step.
     pub exchange: f64,
     /// Waiting for the other processes before a step.
     pub waiting: f64,

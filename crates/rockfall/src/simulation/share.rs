@@ -18,6 +18,7 @@ use crate::error::Result;
 use crate::exec::gpu::share::Link;
 use crate::model::layout::RATE_WORDS;
 use crate::model::shared::{SENT_WORDS, Shared};
+use crate::model::status::REBUILD_REQUESTED;
 use crate::scene::Sphere;
 use crate::simulation::{Simulation, engine};
 
@@ -270,6 +271,29 @@ impl Simulation {
     pub(crate) fn put_list_plan(&self, checkpoint: &mut Checkpoint) {
         let plan = self.lists.settings();
         (checkpoint.history.margin_scale, checkpoint.history.lookahead) = (plan.margin, plan.lookahead.max(1.0));
+    }
+
+    /// Whether the next step builds lists.
+    pub(crate) fn wants_lists(&self) -> bool {
+        self.status.rebuild & REBUILD_REQUESTED != 0
+    }
+
+    /// Lets the next step build lists. No result depends on it.
+    pub(crate) fn request_lists(&mut self) {
+        self.status.rebuild |= REBUILD_REQUESTED;
+    }
+
+    /// Ends what [`Rows::new`] has begun, before [`Simulation::restore`].
+    pub(crate) fn unshare(&mut self) {
+        self.world.own.clear();
+        self.world.sent.clear();
+    }
+
+    /// Lets inlets and outlets act, if they do so before the next step, of `dt` seconds. Returns the number of steps up to the next such time.
+    pub(crate) fn act(&mut self, dt: f32) -> Result<u64> {
+        self.set_time_step(dt)?;
+        let waiter = self.engine.waiter();
+        engine::block_on(waiter, self.pass())
     }
 
     /// Factor by which a sphere reaches further than its radius, because of necks of cohesion.
