@@ -41,7 +41,13 @@ pub(super) struct Part {
 impl Part {
     /// Divides the spheres of a state and takes the part of process `rank` of `size`. `spare` is a simulation that is used again. Spheres
     /// reach further than their radius by the factor `reach`; steps have `dt` seconds.
-    pub(super) fn new(spare: Option<Simulation>, whole: &Checkpoint, [rank, size]: [usize; 2], reach: f64, dt: f32) -> Result<Self> {
+    pub(super) fn new(
+        spare: Option<Simulation>,
+        whole: &Checkpoint,
+        [rank, size]: [usize; 2],
+        reach: f64,
+        dt: f32,
+    ) -> Result<Self> {
         let spheres = whole.scene.spheres();
         let domain = Domain::of(&whole.scene, size);
         let (room, depth) = room_and_depth(whole, &domain, reach, dt);
@@ -224,6 +230,8 @@ fn local_checkpoint(whole: &Checkpoint, present: &[u32]) -> Result<Checkpoint> {
     if !whole.rates.is_empty() {
         local.rates = present.iter().map(|index| whole.rates[*index as usize]).collect();
     }
-    local.options = Options { pair_capacity: None, ..whole.options.clone() }.without(Optimization::JoinedSteps).without(Optimization::ListInterval);
+    local.options = Options { pair_capacity: None, ..whole.options.clone() }
+        .without(Optimization::JoinedSteps)
+        .without(Optimization::ListInterval);
     Ok(local)
 }

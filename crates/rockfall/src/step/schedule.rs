@@ -1,9 +1,9 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
+use crate::model::dispatch::Threads;
 use crate::model::layout::{
     AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, EARLY, RESTORING, SERVO_END, SWEEPS, SWEEPS_FEW, SWEEPS_ON,
 };
-use crate::model::dispatch::Threads;
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};

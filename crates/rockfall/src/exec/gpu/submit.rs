@@ -217,8 +217,7 @@ impl GpuWorld {
         self.dispatches += dispatches;
         let gpu = self.gpu().clone();
         let submission = catch(gpu.device(), || {
-            let new_encoder =
-                || gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
+            let new_encoder = || gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("steps") });
             let mut encoder = new_encoder();
             if let Some(timer) = timer {
                 timer.encode(&mut encoder, self, runs)?;

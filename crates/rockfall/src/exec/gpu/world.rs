@@ -11,9 +11,9 @@ use crate::exec::gpu::check::check_buffer;
 use crate::exec::gpu::device::Gpu;
 use crate::exec::gpu::fault::catch;
 use crate::exec::gpu::kernel::Kernel;
+use crate::exec::gpu::memory::{bytes_needed, check_sizes, chunk_bytes, make_buffer};
 #[cfg(any(test, feature = "mpi"))]
 use crate::exec::gpu::share::Link;
-use crate::exec::gpu::memory::{bytes_needed, check_sizes, chunk_bytes, make_buffer};
 use crate::model::buffer::Buffer;
 use crate::model::status::Status;
 use crate::model::step::{Layout, Step};
