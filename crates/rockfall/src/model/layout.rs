@@ -33,7 +33,8 @@ constants! {
     pub const POSE_FLOATS: u32 = 32;
     /// Words of a rigid body: centre x, y, z of the state that forces are evaluated in; inverse mass; tensor of the inverse inertia in that
     /// state, xx, yy, zz, xy, xz, yz; greatest inverse moment of inertia; first word of its shape; first word of its members, which are
-    /// insertion indices of spheres; their number; orientation in that state x, y, z, w; padding.
+    /// insertion indices of spheres; their number; orientation in that state x, y, z, w; greatest distance of a point of a sphere from the
+    /// centre; padding.
     pub const RIGID_WORDS: u32 = 20;
     /// Words of a box of a shape: centre x, y, z from the centre of mass, rounding radius, half the edges of the core x, y, z, the rotation
     /// from its edges to the coordinates of the shape x, y, z, w.

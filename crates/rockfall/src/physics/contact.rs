@@ -11,7 +11,7 @@ use crate::model::view::{TINY, View};
 use crate::physics::first_contact::time_of_visible_beginning;
 use crate::physics::geometry::ROUNDED;
 use crate::physics::pairs::{Surface, Surfaces};
-use crate::physics::rigid::wall_damping;
+use crate::physics::rigid::shared_damping;
 use crate::physics::side::Side;
 use crate::physics::sides::sides;
 use crate::physics::touch::Touch;
@@ -89,7 +89,7 @@ pub(crate) fn contact_force(view: &View, lists: &Lists, [id_a, id_b]: [u32; 2], 
     }
     let [a, b] = sides.each_ref().map(Sides::splat);
     let mut surface = Surface::of(view, id_a, id_b);
-    surface.damping *= wall_damping(view, [id_a, id_b], touch, sides[0].inverse_mass);
+    surface.damping *= shared_damping(view, [id_a, id_b], touch, sides.each_ref().map(|side| side.inverse_mass));
     let surfaces = Surfaces::splat(&surface);
     let of_four = contact_forces(view.step, &a, &b, &Touches::splat(touch), &surfaces);
     let [mut force, mut torque_a, mut torque_b] = [of_four.force, of_four.torque_a, of_four.torque_b].map(|v| v.to_rows()[0]);

@@ -379,7 +379,7 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
     if !has_force(overlap, approach, radius, a, b) {
         return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
     }
-    let damping = damping_of(a, b) * wall_damping(a, b, overlap, n, a_side.inverse_mass);
+    let damping = damping_of(a, b) * shared_damping(a, b, overlap, n, vec2f(a_side.inverse_mass, b_side.inverse_mass));
     let press = pressure_of(overlap, approach, damping);
     let arms = arms_of(a_side, b_side, overlap, b_moves);
     var friction = vec3f(0.0);

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_THESIS};
-use crate::model::view::{Object, PartOfBox, View};
+use crate::model::view::{Object, PartOfBox, RigidRecord, View};
 use crate::physics::motions::Touch;
 use crate::physics::rigid_box::core_point;
 use crate::physics::side::{Side, side};
@@ -39,12 +39,26 @@ pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, other: O
     }
 }
 
-/// Factor of the damping of a contact of objects A and B. If A is a sphere of a rigid body and B a wall, all spheres of the body that touch
-/// the wall, taken as a plane, damp as one contact. `inverse_mass` is that of A.
-pub(crate) fn wall_damping(view: &View, [a, b]: [u32; 2], touch: &Touch, inverse_mass: f32) -> f32 {
-    let (Object::Sphere(own), Object::Cuboid(_) | Object::Polygon(_)) = (view.object(a), view.object(b)) else { return 1.0 };
+/// Factor of the damping of a contact of objects A and B, which damps as one with the other contacts of the same two bodies.
+/// `inverse_masses` are those of A and B at the contact.
+pub(crate) fn shared_damping(view: &View, [a, b]: [u32; 2], touch: &Touch, inverse_masses: [f32; 2]) -> f32 {
+    if view.step.layout.rigid_bodies == 0 || touch.overlap <= 0.0 {
+        return 1.0;
+    }
+    let (a, b) = (view.object(a), view.object(b));
+    match (a, b) {
+        (Object::Sphere(own), Object::Cuboid(_) | Object::Polygon(_)) => wall_damping(view, own, touch, inverse_masses[0]),
+        (Object::Sphere(one), Object::Sphere(other)) if [a, b].iter().all(|object| view.part_of_box(*object).is_none()) => {
+            pair_damping(view, [one, other], touch, inverse_masses.iter().sum())
+        }
+        _ => 1.0,
+    }
+}
+
+/// The same for a sphere and a wall, which is taken as a plane.
+fn wall_damping(view: &View, own: u32, touch: &Touch, inverse_mass: f32) -> f32 {
     let is_solid = |sphere: u32| view.part_of_box(Object::Sphere(sphere)) == Some(PartOfBox::Solid);
-    let Some(body) = view.body_of_sphere(own).filter(|_| touch.overlap > 0.0 && !is_solid(own)) else { return 1.0 };
+    let Some(body) = view.body_of_sphere(own).filter(|_| !is_solid(own)) else { return 1.0 };
     let body = view.rigid_body(body);
     let pressed = touch.overlap * view.radius(own);
     let turning = |moment: Vec3| body.by_inverse_inertia(moment.cross(touch.normal));
@@ -69,4 +83,79 @@ pub(crate) fn wall_damping(view: &View, [a, b]: [u32; 2], touch: &Touch, inverse
     }
     let response = body.inverse_mass * force * force + turning(moment);
     (inverse_mass * energy / response).sqrt()
+}
+
+/// A rigid body, or a sphere of its own.
+struct Party {
+    body: Option<RigidRecord>,
+    centre: Vec3,
+    inverse_mass: f32,
+    reach: f32,
+    /// The sphere of its own.
+    alone: Option<u32>,
+}
+
+impl Party {
+    fn of(view: &View, sphere: u32) -> Self {
+        let Some(body) = view.body_of_sphere(sphere).map(|body| view.rigid_body(body)) else {
+            let (centre, reach) = (view.position(sphere), view.radius(sphere));
+            return Self { body: None, centre, inverse_mass: view.inverse_mass(sphere), reach, alone: Some(sphere) };
+        };
+        Self { body: Some(body), centre: body.centre, inverse_mass: body.inverse_mass, reach: body.reach, alone: None }
+    }
+
+    /// The spheres that are no parts of boxes.
+    fn spheres(&self, view: &View) -> impl Iterator<Item = u32> {
+        let members = self.body.into_iter().flat_map(|body| view.members(body)).map(|(index, _)| view.slot_of(index));
+        members.filter(|slot| view.part_of_box(Object::Sphere(*slot)).is_none()).chain(self.alone)
+    }
+
+    /// What a torque contributes to the response.
+    fn turning(&self, torque: Vec3) -> f32 {
+        self.body.map_or(0.0, |body| body.by_inverse_inertia(torque))
+    }
+}
+
+/// Least part of the response that forces without resistance to each other would have.
+const LEAST_RESPONSE: f32 = 0.25;
+
+/// Factor of the damping of a contact of two spheres, at least one of which belongs to a rigid body. `inverse_mass` is that of the contact.
+fn pair_damping(view: &View, own: [u32; 2], touch: &Touch, inverse_mass: f32) -> f32 {
+    let parties = own.map(|sphere| Party::of(view, sphere));
+    let [one, other] = &parties;
+    if one.body.is_none() && other.body.is_none() {
+        return 1.0;
+    }
+    let reduced = |k: u32, l: u32| view.radius(k) * view.radius(l) / (view.radius(k) + view.radius(l));
+    let (mut push, mut energy, mut force, mut torques) = (0.0, 0.0, Vec3::ZERO, [Vec3::ZERO; 2]);
+    let pairs = one.spheres(view).filter(|k| {
+        let away = view.image(other.centre - view.position(*k));
+        away.length_squared() <= (other.reach + view.radius(*k)).powi(2)
+    });
+    for (k, l) in pairs.flat_map(|k| other.spheres(view).map(move |l| (k, l))) {
+        let apart = view.between(k, l);
+        let (mut overlap, mut normal) = (view.radius(k) + view.radius(l) - apart.length(), apart.normalize_or_zero());
+        if [k, l] == own {
+            (overlap, normal) = (touch.overlap, touch.normal);
+        }
+        if overlap <= 0.0 {
+            continue;
+        }
+        let turns = [(k, one), (l, other)].map(|(sphere, party)| (view.position(sphere) - party.centre).cross(normal));
+        let stiffness = match view.step.layout.law {
+            LAW_THESIS => {
+                inverse_mass / (one.inverse_mass + one.turning(turns[0]) + (other.inverse_mass + other.turning(turns[1])))
+            }
+            LAW_HERTZ_MINDLIN => (reduced(k, l) / reduced(own[0], own[1]) * overlap / touch.overlap).sqrt(),
+            _ => 1.0,
+        };
+        let pressed = stiffness * overlap;
+        push += pressed;
+        energy += pressed * overlap;
+        force += pressed * normal;
+        torques = [0, 1].map(|side| torques[side] + pressed * turns[side]);
+    }
+    let mass = one.inverse_mass + other.inverse_mass;
+    let response = mass * force.length_squared() + (one.turning(torques[0]) + other.turning(torques[1]));
+    (inverse_mass * energy / response.max(LEAST_RESPONSE * mass * push * push)).sqrt()
 }

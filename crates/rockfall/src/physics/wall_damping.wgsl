@@ -1,19 +1,33 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl
+// requires physics/pair_damping.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl
 
 // A vector times the inverse inertia times itself.
 fn spun(record: u32, v: vec3f) -> f32 {
     return dot(v, by_inverse_inertia(record, v));
 }
 
-// Factor of the damping of a contact of a and b (docs/physics.md section 4.16). If a is a sphere of a rigid body and b a wall, all spheres
-// of the body that touch the wall, taken as a plane, damp as one contact. `w` is the inverse mass of a.
-fn wall_damping(a: u32, b: u32, o: f32, n: vec3f, w: f32) -> f32 {
+// Factor of the damping of a contact of a and b (docs/physics.md section 4.16), which damps as one with the other contacts of the same two
+// bodies. `w` holds the inverse masses of a and b.
+fn shared_damping(a: u32, b: u32, o: f32, n: vec3f, w: vec2f) -> f32 {
     if !RIGID_BODIES {
         return 1.0;
     }
-    if (a >= step.spheres) | (b < step.spheres + step.rods) | !(o > 0.0) {
+    if (a >= step.spheres) | !(o > 0.0) {
         return 1.0;
     }
+    if b >= step.spheres + step.rods {
+        return wall_damping(a, o, n, w.x);
+    }
+    if (b >= step.spheres) | ((box_word(a) | box_word(b)) != 0u) {
+        return 1.0;
+    }
+    if (body_of_sphere(a) == NO_RIGID) & (body_of_sphere(b) == NO_RIGID) {
+        return 1.0;
+    }
+    return pair_damping(a, b, o, n, w.x + w.y);
+}
+
+// The same for a sphere and a wall, which is taken as a plane. `w` is the inverse mass of the sphere.
+fn wall_damping(a: u32, o: f32, n: vec3f, w: f32) -> f32 {
     let body = body_of_sphere(a);
     if (body == NO_RIGID) || is_solid(box_word(a)) {
         return 1.0;

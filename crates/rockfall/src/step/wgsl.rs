@@ -112,6 +112,7 @@ const SHARED: &[Part] = &[
     part!("physics/laws/user.wgsl"),
     part!("physics/lengths.wgsl"),
     part!("physics/motion.wgsl"),
+    part!("physics/pair_damping.wgsl"),
     part!("physics/pairs.wgsl"),
     part!("physics/period.wgsl"),
     part!("physics/product.wgsl"),

@@ -181,6 +181,51 @@ fn several_contacts_have_the_restitution_of_one() {
     });
 }
 
+/// Two plates of any number of balls that meet flat rebound with the restitution of the pair. So does a plate that meets a ball which lies in
+/// the middle of four of its balls.
+#[test]
+fn several_contacts_of_two_bodies_have_the_restitution_of_one() {
+    let rebound = |backend: Backend, law: ContactLaw, side: u8, with_ball: bool| {
+        let (mut scene, material) = with_law(law, 0.0, Pair::default().restitution(0.5).friction(0.0));
+        let shape = scene.add_shape(plate(side, material)).unwrap();
+        let turn = Quat::from_rotation_z(0.7) * Quat::from_rotation_x(-0.4);
+        // Four balls touch the one between them at a place below the tops of the balls.
+        let gap = if with_ball { (0.2_f32.powi(2) - 2.0 * 0.075_f32.powi(2)).sqrt() } else { 0.2 };
+        let up = turn * Vec3::Y;
+        let place = |sign: f32| (sign * (0.5 * gap + 0.0001) * up).as_dvec3();
+        scene.add_body(Placement::new(shape).at(place(-1.0)).turned(turn).velocity(0.5 * up)).unwrap();
+        if with_ball {
+            let ball = Sphere::new(place(1.0).as_vec3(), 0.1).density(1000.0).material(material);
+            scene.add_sphere(ball.velocity(-0.5 * up)).unwrap();
+        } else {
+            scene.add_body(Placement::new(shape).at(place(1.0)).turned(turn).velocity(-0.5 * up)).unwrap();
+        }
+        let mut simulation = open(scene, backend, Integrator::VelocityVerlet);
+        let before = simulation.energy().unwrap();
+        let has_met = run_through_contact(&mut simulation, 200, 1e-5);
+        let after = simulation.energy().unwrap();
+        assert!(has_met && after.contact == 0.0);
+        let size = before.momentum.length().max(1.0);
+        assert!((after.momentum - before.momentum).length() < 1e-5 * size, "{before:?} {after:?}");
+        let scene = simulation.sync().unwrap();
+        let other = if with_ball {
+            scene.spheres()[usize::from(side) * usize::from(side)].velocity
+        } else {
+            scene.bodies()[1].velocity
+        };
+        (other - scene.bodies()[0].velocity).dot(up)
+    };
+    on_both(|backend, shorter| {
+        for law in [ContactLaw::Linear, ContactLaw::HertzMindlin] {
+            let cases = [(3, false), (2, true), (1, false), (2, false)];
+            for (side, with_ball) in cases.into_iter().take(4 / usize::from(shorter)) {
+                let found = rebound(backend, law, side, with_ball);
+                assert!((found - 0.5).abs() < 0.01, "{backend} {law}, {side} x {side}, ball {with_ball}: {found}");
+            }
+        }
+    });
+}
+
 /// Elastic bodies that meet off centre keep their energy, momentum and angular momentum.
 #[test]
 fn impacts_of_bodies_keep_what_they_must() {

@@ -22,6 +22,8 @@ pub(crate) struct RigidRecord {
     /// The inverse of the least principal moment.
     pub(crate) greatest: f32,
     pub(crate) orientation: Quat,
+    /// The greatest distance of a point of a sphere from the centre.
+    pub(crate) reach: f32,
     /// First word of the shape.
     shape: usize,
     /// Words of the insertion indices of the member spheres.
@@ -135,6 +137,7 @@ impl View<'_> {
             greatest: float(10),
             orientation: Quat::from_xyzw(float(14), float(15), float(16), float(17)),
             shape: words[11] as usize,
+            reach: float(18),
             members: words[12] as usize,
             count: words[13] as usize,
         }

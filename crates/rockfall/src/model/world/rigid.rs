@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{DQuat, DVec3, Quat, Vec4};
+use glam::{DQuat, DVec3, Quat, Vec3, Vec4};
 
 use crate::error::Result;
 use crate::model::layout::{BOX_RIM, NO_RIGID, RIGID_ROWS, RIGID_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS};
@@ -109,10 +109,21 @@ pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec
         // `set_bodies` writes the centre, the tensor and the orientation.
         put(3, &[(1.0 / body.kinetics.mass) as f32]);
         put(10, &[(1.0 / body.kinetics.moments.min_element()) as f32]);
+        put(18, &[reach(scene, &body, &topology[form as usize + SHAPE_WORDS as usize..])?]);
         record[11..14].copy_from_slice(&[form, members, body.spheres.len() as u32]);
         topology[layout.rigid_at as usize + number * RIGID_WORDS as usize..][..record.len()].copy_from_slice(&record);
     }
     Ok(())
+}
+
+/// The greatest distance of a point of a sphere of a body from the centre of mass. `places` are those in its form.
+fn reach(scene: &Scene, body: &WholeBody, places: &[u32]) -> Result<f32> {
+    let mut reach = 0.0_f32;
+    for (sphere, place) in body.spheres.iter().zip(places.chunks_exact(3)) {
+        let place = Vec3::from_array([0, 1, 2].map(|axis| f32::from_bits(place[axis])));
+        reach = reach.max(place.length() + scene.sphere(*sphere)?.radius);
+    }
+    Ok(reach)
 }
 
 /// Writes which spheres and rods of a body are parts of boxes. `at` is the first word of its form.

@@ -8,7 +8,7 @@ use crate::physics::contact::{ContactForce, collision_velocity};
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
 use crate::physics::laws::{Constants, answer, energy};
-use crate::physics::rigid::wall_damping;
+use crate::physics::rigid::shared_damping;
 use crate::physics::side::Side;
 use crate::physics::sides::sides;
 use crate::physics::touch::Touch;
@@ -78,7 +78,7 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
         }
     }
     let mut constants = Constants::of(view, id_a, id_b);
-    constants.damping *= wall_damping(view, [id_a, id_b], touch, a.inverse_mass);
+    constants.damping *= shared_damping(view, [id_a, id_b], touch, [a.inverse_mass, b.inverse_mass]);
     let bodies = Bodies::of(&a, &b);
     let bond = Bond::of(&constants, bodies.radius, overlap);
     let depth = bond.depth;

@@ -77,7 +77,7 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, kept_befo
     let mass = 1.0 / (a_side.inverse_mass + b_side.inverse_mass);
     let radius = select(a_side.radius, a_side.radius * b_side.radius / (a_side.radius + b_side.radius), b_moves);
     var constants = law_constants_of(a, b);
-    constants.z *= wall_damping(a, b, overlap, n, a_side.inverse_mass);
+    constants.z *= shared_damping(a, b, overlap, n, vec2f(a_side.inverse_mass, b_side.inverse_mass));
     var cohesion = 0.0;
     if COHESION {
         cohesion = cohesion_of(a, b);
