@@ -68,13 +68,17 @@ fn pair_damping(a: u32, b: u32, o: f32, n: vec3f, w: f32) -> f32 {
             let j = member_of(other, l);
             let far = state[position_at(j)];
             let d = between(i, j);
-            var overlap = place.w + far.w - length(d);
+            let touching = place.w + far.w;
+            if ((dot(d, d) > touching * touching) & ((i != a) | (j != b))) | (box_word(j) != 0u) {
+                continue;
+            }
+            var overlap = touching - length(d);
             var normal = d / max(length(d), TINY);
             if (i == a) & (j == b) {
                 overlap = o;
                 normal = n;
             }
-            if !(overlap > 0.0) | (box_word(j) != 0u) {
+            if !(overlap > 0.0) {
                 continue;
             }
             let lever_a = place.xyz - one.centre;

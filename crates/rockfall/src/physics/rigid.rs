@@ -133,11 +133,15 @@ fn pair_damping(view: &View, own: [u32; 2], touch: &Touch, inverse_mass: f32) ->
         away.length_squared() <= (other.reach + view.radius(*k)).powi(2)
     });
     for (k, l) in pairs.flat_map(|k| other.spheres(view).map(move |l| (k, l))) {
-        let apart = view.between(k, l);
-        let (mut overlap, mut normal) = (view.radius(k) + view.radius(l) - apart.length(), apart.normalize_or_zero());
-        if [k, l] == own {
-            (overlap, normal) = (touch.overlap, touch.normal);
-        }
+        let (overlap, normal) = if [k, l] == own {
+            (touch.overlap, touch.normal)
+        } else {
+            let (apart, touching) = (view.between(k, l), view.radius(k) + view.radius(l));
+            if apart.length_squared() > touching * touching {
+                continue;
+            }
+            (touching - apart.length(), apart.normalize_or_zero())
+        };
         if overlap <= 0.0 {
             continue;
         }

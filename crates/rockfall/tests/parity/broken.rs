@@ -109,6 +109,8 @@ static MISTAKES: &[Mistake] = &[
     Mistake("loads", 0, "wall_damping.wgsl", "+ (place.w - own.w)", "", Buffer::Wrenches),
     Mistake("loads", 0, "wall_damping.wgsl", "+ spun(record, cross(moment, n))", "", Buffer::Wrenches),
     Mistake("loads", 0, "wall_damping.wgsl", "sqrt(place.w * oj / (own.w * o))", "1.0", Buffer::Wrenches),
+    Mistake("loads", 0, "pair_damping.wgsl", "+ (turning(one, total.torque_a) + turning(other, total.torque_b))", "", Buffer::Wrenches),
+    Mistake("loads", 0, "pair_damping.wgsl", "sqrt(ratio * overlap / o)", "1.0", Buffer::Wrenches),
     Mistake("move_bodies", 6, "move_bodies.wgsl", "put_vector(record + 14u, pose.orientation.xyz);", "", Buffer::Topology),
     Mistake("fill_pairs", 0, "rigid_parts.wgsl", "(body == rigid_body_of(b))", "(body != rigid_body_of(b))", Buffer::Lists),
     Mistake("fill_pairs", 0, "rigid_parts.wgsl", "return (one | other) != 0u;", "return false;", Buffer::Lists),
