@@ -1,4 +1,4 @@
-//! The impulse that the collision phase of the CPU backend applies at a contact.
+//! The impulses that the collision phase of the CPU backend applies at contacts, and what they do to rigid bodies.
 
 use glam::Vec3;
 
@@ -13,4 +13,12 @@ pub struct Impulse {
     pub(crate) size: f32,
     /// Unit vector.
     pub(crate) direction: Vec3,
+}
+
+/// The changes of a rigid body by the impulses of the collision phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyPush {
+    pub(crate) body: u32,
+    pub(crate) velocity: Vec3,
+    pub(crate) angular_momentum: Vec3,
 }

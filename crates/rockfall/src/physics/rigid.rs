@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_THESIS};
-use crate::model::view::{Object, PartOfBox, View};
+use crate::model::view::{Object, PartOfBox, RigidRecord, View};
 use crate::physics::motions::Touch;
 use crate::physics::rigid_box::core_point;
 use crate::physics::side::{Side, side};
@@ -14,29 +14,33 @@ pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, other: O
     let mut side = side(view, object, parameter);
     let Some((body, mut radius)) = view.body_of(object).zip(side.radius) else { return side };
     let body = view.rigid_body(body);
-    let mut point = match object {
-        Object::Rod(rod) => {
-            let [one, two] = view.rod(rod).ends;
-            view.position(one).lerp(view.position(two), parameter)
-        }
-        Object::Sphere(sphere) => view.position(sphere),
-        Object::Cuboid(_) | Object::Polygon(_) => return side,
-    };
+    let mut lever = lever(view, &body, object, parameter);
     if let Some((from_centre, rounding)) = core_point(view, object, other, touch) {
-        point += from_centre;
+        lever += from_centre;
         side.velocity += side.spin.cross(from_centre);
         (radius, side.radius) = (rounding, Some(rounding));
     }
-    let lever = point - body.centre;
     let across = lever.cross(touch.normal);
     let reach = 1.0 + lever.length() / radius;
     Side {
         inverse_mass: body.inverse_mass + body.by_inverse_inertia(across),
         inverse_inertia: reach * reach * body.greatest,
-        // It exerts a force at any approach velocity.
-        free_acceleration: f32::INFINITY,
         ..side
     }
+}
+
+/// The lever of a contact on a rigid body: from the centre of the body to that of the sphere, or to the point of the axis of the rod at a
+/// parameter.
+pub(crate) fn lever(view: &View, body: &RigidRecord, object: Object, parameter: f32) -> Vec3 {
+    let point = match object {
+        Object::Rod(rod) => {
+            let [one, two] = view.rod(rod).ends;
+            view.position(one).lerp(view.position(two), parameter)
+        }
+        Object::Sphere(sphere) => view.position(sphere),
+        Object::Cuboid(_) | Object::Polygon(_) => body.centre,
+    };
+    point - body.centre
 }
 
 /// Factor of the damping of a contact of objects A and B. If A is a sphere of a rigid body and B a wall, all spheres of the body that touch

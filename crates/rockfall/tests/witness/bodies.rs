@@ -156,7 +156,45 @@ impl World {
         }
     }
 
-    /// Whether a rigid body is on a side of a contact. Such contacts have forces alone.
+    /// Whether a contact exerts forces and gets no impulses: that of a rod that ends in a rigid body without being a part of it.
+    pub(crate) fn has_forces_alone(&self, pair: &Pair) -> bool {
+        [pair.a, pair.b].into_iter().any(|thing| match thing {
+            Thing::Bar(bar) => {
+                self.clump_of(thing).is_none() && self.bars[bar].ends.iter().any(|&end| self.clump_at(end).is_some())
+            }
+            _ => false,
+        })
+    }
+
+    /// Changes of a rigid body and its spheres by an impulse `p` on a side.
+    pub(crate) fn push_clump(&self, side: Side, p: DVec3, change: &mut Motion) -> bool {
+        let Some(Spot { clump, lever, .. }) = self.spot(side) else { return false };
+        let lever = if self.made(Mistake::BodyLever) { DVec3::ZERO } else { lever };
+        let body = &self.clumps[clump];
+        let (v, l) = (p / body.mass, lever.cross(p));
+        change.clump_v[clump] += v;
+        change.clump_l[clump] += l;
+        let turning = body.inverse(l);
+        for &(ball, arm) in &body.members {
+            change.v[ball] += v + turning.cross(body.q * arm);
+            change.l[ball] += turning * self.balls[ball].inertia();
+        }
+        true
+    }
+
+    /// Acceleration of the spheres of rigid bodies by forces on all of them, `forces` without gravity.
+    pub(crate) fn pull_clumps(&self, forces: &[DVec3], accelerations: &mut [DVec3]) {
+        for clump in &self.clumps {
+            let force: DVec3 = clump.members.iter().map(|&(ball, _)| forces[ball]).sum();
+            let torque: DVec3 = clump.members.iter().map(|&(ball, _)| (self.balls[ball].x - clump.x).cross(forces[ball])).sum();
+            for &(ball, _) in &clump.members {
+                let lever = self.balls[ball].x - clump.x;
+                accelerations[ball] = self.set.gravity + force / clump.mass + clump.inverse(torque).cross(lever);
+            }
+        }
+    }
+
+    /// Whether a rigid body is on a side of a contact.
     pub(crate) fn has_clump(&self, pair: &Pair) -> bool {
         [pair.a, pair.b].into_iter().any(|thing| self.clump_of(thing).is_some())
     }
@@ -223,9 +261,9 @@ impl World {
         Some((1.0 + lever / radius).powi(2) / self.clumps[clump].moments.min_element())
     }
 
-    /// Force per approach velocity and reduced mass of a contact of a rigid body.
+    /// Force per approach velocity and reduced mass of a contact of a rigid body, or of one with forces alone.
     pub(crate) fn clump_damping(&self, pair: &Pair, line: &Line) -> f64 {
-        let impact = self.set.collisions && !self.made(Mistake::BodyDamping);
+        let impact = self.set.collisions && (self.has_forces_alone(pair) || self.made(Mistake::BodyDamping));
         let one = if impact { damping_of(self.set.restitution) * self.set.stiffness.sqrt() } else { self.set.damping };
         one * self.wall_factor(pair, line)
     }

@@ -58,7 +58,7 @@ impl World {
     /// Finds the pressed contacts, and which of them collide (docs/physics.md section 3.1) and are lone (section 3.5).
     pub(crate) fn find(&self) -> Vec<Pressed> {
         let mut pressed = Vec::new();
-        for (pair, line) in self.touches().into_iter().filter(|(pair, _)| !self.has_clump(pair)) {
+        for (pair, line) in self.touches().into_iter().filter(|(pair, _)| self.may_collide(pair)) {
             let mass: f64 = sides(&pair, &line).into_iter().map(|side| self.unprojected(side, line.n)).sum();
             if line.o > PRESSED * self.least_radius(&pair) && mass > 0.0 {
                 let collides = self.closing(&pair, &line) > self.threshold(&pair);
@@ -72,6 +72,11 @@ impl World {
         pressed
     }
 
+    /// Whether a contact gets impulses.
+    pub(crate) fn may_collide(&self, pair: &Pair) -> bool {
+        !(self.has_forces_alone(pair) || self.made(Mistake::BodyForces) && self.has_clump(pair))
+    }
+
     fn is_lone(&self, pressed: &[Pressed], k: usize) -> bool {
         let this = &pressed[k];
         self.touched(&this.pair, &this.line).into_iter().all(|body| {
@@ -82,7 +87,7 @@ impl World {
                 self.touched(&other.pair, &other.line).contains(&body) && !(of_sphere && of_static && across)
             };
             let others = pressed.iter().enumerate().filter(|&(l, _)| l != k);
-            !matches!(body, Body::Network(_)) && !others.into_iter().any(|(_, other)| influences(other))
+            !matches!(body, Body::Network(_) | Body::Clump(_)) && !others.into_iter().any(|(_, other)| influences(other))
         })
     }
 
@@ -99,6 +104,10 @@ impl World {
             ball.x += moved[at];
             ball.v += change.v[at];
             ball.l += change.l[at];
+        }
+        for (number, clump) in self.clumps.iter_mut().enumerate() {
+            clump.v += change.clump_v[number];
+            clump.l += change.clump_l[number];
         }
         pressed
     }
@@ -285,7 +294,7 @@ impl World {
             free += self.unprojected(side, line.n);
             for (body, mass) in self.bodies(side, line.n) {
                 scale += match body {
-                    Body::Network(_) => self.couplings(body, side, line, colliding),
+                    Body::Network(_) | Body::Clump(_) => self.couplings(body, side, line, colliding),
                     _ => mass * self.count(body, line, colliding),
                 };
             }
@@ -294,7 +303,7 @@ impl World {
         if gives < RIGID * free { 0.0 } else { scale }
     }
 
-    /// The sum of the absolute couplings of a side on a network with all sides on it.
+    /// The sum of the absolute couplings of a side on a network or a rigid body with all sides on it.
     fn couplings(&self, body: Body, side: Side, line: &Line, colliding: &[(Pair, Line)]) -> f64 {
         let change = self.pushed(body, side, line.n);
         let all = colliding.iter().flat_map(|(pair, other)| sides(pair, other).map(|side| (side, other.n)));

@@ -7,7 +7,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::disjoint::DisjointSets;
-use crate::model::impulse::{Impulse, Key};
+use crate::model::impulse::{BodyPush, Impulse, Key};
 use crate::model::layout::GRAIN;
 use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
 use crate::model::lists::Lists;
@@ -30,6 +30,7 @@ pub(crate) struct Outcome {
     pub(crate) impulses: Vec<Impulse>,
     /// Sorted by sphere. Changes of one sphere are in the order in which they are summed.
     changes: Vec<Change>,
+    pub(crate) pushes: Vec<BodyPush>,
     /// Whether the rods of a network could not be solved.
     pub(crate) is_unsolved: bool,
 }
@@ -62,6 +63,7 @@ pub(crate) fn solve(view: &View, lists: &Lists) -> Outcome {
     let mut outcome = Outcome {
         impulses: lone.iter().map(|lone| lone.impulse).collect(),
         changes: lone.iter().flat_map(|lone| lone.changes()).copied().collect(),
+        pushes: Vec::new(),
         is_unsolved: false,
     };
     if lone.len() < collisions.len() {
@@ -72,6 +74,7 @@ pub(crate) fn solve(view: &View, lists: &Lists) -> Outcome {
         for cluster in solved {
             outcome.impulses.extend(cluster.impulses);
             outcome.changes.extend(cluster.changes);
+            outcome.pushes.extend(cluster.pushes);
             outcome.is_unsolved |= cluster.is_unsolved;
         }
     }
@@ -95,11 +98,12 @@ fn collisions(view: &View, lists: &Lists) -> Vec<Collision> {
     collisions
 }
 
-/// Whether a collision is lone: no other pressed contact touches its bodies, and none of them is a network. A single sphere
+/// Whether a collision is lone: no other pressed contact touches its bodies, and none of them is a network or a rigid body. A single sphere
 /// may also have pressed contacts with boxes and polygons at right angles to the collision, because collisions in a
 /// right-angled corner do not influence each other.
 fn is_lone(view: &View, lists: &Lists, k: &Collision) -> bool {
-    k.parts().iter().all(|part| !matches!(part.body, Body::Network(_)) && is_alone_on(view, lists, k, part.body))
+    let may_be = |body: Body| !matches!(body, Body::Network(_) | Body::Rigid(_)) && is_alone_on(view, lists, k, body);
+    k.parts().iter().all(|part| may_be(part.body))
 }
 
 fn is_alone_on(view: &View, lists: &Lists, k: &Collision, body: Body) -> bool {

@@ -1,6 +1,6 @@
-// requires model/load_rows.wgsl model/objects.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
+// requires model/load_rows.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
 // requires physics/fine.wgsl physics/forces/rates.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl
-// requires physics/rigid_parts.wgsl
+// requires physics/rigid_parts.wgsl step/bodies/body_rows.wgsl
 
 // The state in which the spheres of bodies are placed.
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
@@ -23,68 +23,34 @@ struct Pose {
     orientation: vec4f,
 }
 
-// What a body is made of.
-struct Form {
-    moments: Moments,
-    inverse_mass: f32,
-    // First word of its shape, first word of its members, and their number.
-    shape: u32,
-    members: u32,
-    count: u32,
-}
-
-fn form_of(body: u32) -> Form {
-    let record = rigid_record(body);
-    let shape = topology[record + 11u];
-    return Form(
-        Moments(vector_at(shape + 1u), float_at(shape), vec4f(vector_at(shape + 4u), float_at(shape + 7u))),
-        float_at(record + 3u),
-        shape,
-        topology[record + 12u],
-        topology[record + 13u],
-    );
-}
-
-fn body_row(body: u32, place: u32) -> vec4f {
-    return bodies[RIGID_ROWS * body + place];
-}
-
-fn put_row(body: u32, place: u32, row: vec4f) {
-    bodies[RIGID_ROWS * body + place] = row;
-}
-
 // The state at the start of the step.
 fn start_of(body: u32) -> Pose {
-    let place = Fine(body_row(body, 0u).xyz, body_row(body, 1u).xyz);
-    return Pose(place, body_row(body, 2u).xyz, body_row(body, 3u).xyz, body_row(body, 4u));
+    let place = Fine(pose_row(body, 0u).xyz, pose_row(body, 1u).xyz);
+    return Pose(place, pose_row(body, 2u).xyz, pose_row(body, 3u).xyz, pose_row(body, 4u));
 }
 
 // The state that forces are evaluated in. The position is that of `start`.
 fn stage_of(body: u32, start: Pose) -> Pose {
-    return Pose(start.position, body_row(body, 9u).xyz, body_row(body, 10u).xyz, body_row(body, 11u));
+    return Pose(start.position, pose_row(body, 9u).xyz, pose_row(body, 10u).xyz, pose_row(body, 11u));
 }
 
 fn put_stage(body: u32, pose: Pose) {
-    put_row(body, 9u, vec4f(pose.velocity, 0.0));
-    put_row(body, 10u, vec4f(pose.momentum, 0.0));
-    put_row(body, 11u, pose.orientation);
-    put_row(body, 12u, vec4f(pose.position.high, 0.0));
-    put_row(body, 13u, vec4f(pose.position.low, 0.0));
+    put_pose_row(body, 9u, vec4f(pose.velocity, 0.0));
+    put_pose_row(body, 10u, vec4f(pose.momentum, 0.0));
+    put_pose_row(body, 11u, pose.orientation);
+    put_pose_row(body, 12u, vec4f(pose.position.high, 0.0));
+    put_pose_row(body, 13u, vec4f(pose.position.low, 0.0));
 }
 
 // Adds a rate to one of the sums over the evaluations.
 fn add_to_sum(body: u32, place: u32, rate: vec3f) -> vec3f {
     var before = vec3f(0.0);
     if body_pass != 0u {
-        before = body_row(body, place).xyz;
+        before = pose_row(body, place).xyz;
     }
     let sum = before + rate;
-    put_row(body, place, vec4f(sum, 0.0));
+    put_pose_row(body, place, vec4f(sum, 0.0));
     return sum;
-}
-
-fn place_of_member(form: Form, member: u32) -> vec3f {
-    return vector_at(form.shape + SHAPE_WORDS + 3u * member);
 }
 
 // The rates of change from the loads of the members, which were evaluated in the state `pose` (docs/physics.md section 4.16).
@@ -130,10 +96,10 @@ fn finished(body: u32, form: Form) -> Pose {
     let rates = rates_of(form, stage_of(body, start));
     let sixth = step.dt / 6.0;
     return Pose(
-        fine_moved(start.position, step.dt * (start.velocity + sixth * body_row(body, 6u).xyz)),
-        start.velocity + sixth * (body_row(body, 5u).xyz + rates.acceleration),
-        start.momentum + sixth * (body_row(body, 7u).xyz + rates.torque),
-        freely_turned(start.orientation, form.moments, start.momentum + sixth * body_row(body, 8u).xyz, step.dt),
+        fine_moved(start.position, step.dt * (start.velocity + sixth * pose_row(body, 6u).xyz)),
+        start.velocity + sixth * (pose_row(body, 5u).xyz + rates.acceleration),
+        start.momentum + sixth * (pose_row(body, 7u).xyz + rates.torque),
+        freely_turned(start.orientation, form.moments, start.momentum + sixth * pose_row(body, 8u).xyz, step.dt),
     );
 }
 
@@ -188,7 +154,7 @@ fn stopped_body(body: u32, form: Form) -> Pose {
 // Velocity Verlet: the second half of the kick.
 fn after_kick(body: u32, form: Form) -> Pose {
     var pose = stage_of(body, start_of(body));
-    pose.position = Fine(body_row(body, 12u).xyz, body_row(body, 13u).xyz);
+    pose.position = Fine(pose_row(body, 12u).xyz, pose_row(body, 13u).xyz);
     let rates = rates_of(form, pose);
     pose.velocity += 0.5 * step.dt * rates.acceleration;
     pose.momentum += 0.5 * step.dt * rates.torque;
@@ -264,7 +230,7 @@ fn put_record(body: u32, form: Form, pose: Pose) {
     var diagonal = vec3f(form.moments.middle);
     var mixed = vec3f(0.0);
     for (var k = 0u; k < 3u; k++) {
-        let axis = axis_of(pose.orientation, form.moments, k);
+        let axis = principal_axis(pose.orientation, form.moments, k);
         diagonal += form.moments.excess[k] * axis * axis;
         mixed += form.moments.excess[k] * axis.xxy * axis.yzz;
     }
@@ -304,11 +270,11 @@ fn move_bodies(
     let pose = moved_body(body, form);
     let is_new = (body_pass == 3u) | (body_pass >= AFTER_KICK);
     if is_new {
-        put_row(body, 0u, vec4f(pose.position.high, 0.0));
-        put_row(body, 1u, vec4f(pose.position.low, 0.0));
-        put_row(body, 2u, vec4f(pose.velocity, 0.0));
-        put_row(body, 3u, vec4f(pose.momentum, 0.0));
-        put_row(body, 4u, pose.orientation);
+        put_pose_row(body, 0u, vec4f(pose.position.high, 0.0));
+        put_pose_row(body, 1u, vec4f(pose.position.low, 0.0));
+        put_pose_row(body, 2u, vec4f(pose.velocity, 0.0));
+        put_pose_row(body, 3u, vec4f(pose.momentum, 0.0));
+        put_pose_row(body, 4u, pose.orientation);
     } else {
         put_stage(body, pose);
     }
