@@ -10,6 +10,7 @@ mod cluster;
 pub(crate) mod crossing;
 mod lone;
 mod networks;
+mod turning;
 
 use glam::Vec3;
 
@@ -17,7 +18,7 @@ use crate::model::impulse::Key;
 use crate::model::view::{Object, View};
 use crate::physics::chain::touch;
 use crate::physics::contact::{collision_velocity, smaller_radius};
-use crate::physics::rigid::lever;
+use crate::physics::rigid::{lever, velocity_of};
 use crate::physics::side::Side;
 use crate::physics::sides::{sides, wall_of};
 use crate::physics::touch::ROUNDING;
@@ -63,17 +64,10 @@ impl Collision {
     fn add_side(&mut self, view: &View, at: &impl Motions, object: Object, parameter: f32, sign: f32) {
         let n = self.touch.normal;
         if let Some(body) = view.body_of(object) {
-            let record = view.rigid_body(body);
-            let velocity = match object {
-                Object::Rod(rod) => {
-                    let [one, two] = view.rod(rod).ends.map(|end| at.velocity(end));
-                    one.lerp(two, parameter)
-                }
-                Object::Sphere(sphere) => at.velocity(sphere),
-                Object::Cuboid(_) | Object::Polygon(_) => Vec3::ZERO,
-            };
-            self.approach -= sign * n.dot(velocity);
-            return self.add(Part::of_rigid(body, &record, lever(view, &record, object, parameter).cross(n), sign));
+            let record = at.rigid_body(view, body);
+            self.approach -= sign * n.dot(velocity_of(view, at, object, parameter));
+            let torque = lever(view, at, &record, object, parameter).cross(n);
+            return self.add(Part::of_rigid(body, &record, torque, sign));
         }
         let capsule = match object {
             Object::Sphere(sphere) => view.capsule_of(sphere),

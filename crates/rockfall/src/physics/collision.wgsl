@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/scale.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/quaternion.wgsl physics/round_pair.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/scale.wgsl
 // requires physics/walls.wgsl step/collisions/rows.wgsl
 
 // The two sides of a contact in the collision phase: their kind, velocity along the normal and inverse mass
@@ -41,7 +41,12 @@ struct SideMotion {
     x2: vec3f,
     v1: vec3f,
     v2: vec3f,
+    // Of a rigid body: the centre of mass, and the rotation from the present orientation to this one.
+    centre: vec3f,
+    turn: vec4f,
 }
+
+const NO_TURN: vec4f = vec4f(0.0, 0.0, 0.0, 1.0);
 
 fn contact_side(id: u32, at: f32) -> ContactSide {
     if RIGID_BODIES {
@@ -83,13 +88,18 @@ fn origin_of(a: ContactSide) -> u32 {
 // The motion of a side, with positions as seen from a sphere (`place_from`). The velocity of a fixed end of a rod counts as 0, because
 // the motion of its surface does not move the rod.
 fn side_motion_from(half: ContactSide, origin: u32) -> SideMotion {
-    var poise = SideMotion(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    var poise = SideMotion(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0), NO_TURN);
     if half.kind == STATIC {
         return poise;
     }
     let v1 = state[velocity_at(half.spheres.x)];
     poise.x1 = place_from(origin, half.spheres.x);
     poise.v1 = v1.xyz;
+    if RIGID_BODIES {
+        if half.kind == BODY {
+            poise.centre = poise.x1 - lever_on_body(rigid_record(rigid_body_of(half.id)), half.spheres.x, 0.0);
+        }
+    }
     if !RODS | (half.kind == SPHERE) {
         return poise;
     }
@@ -153,10 +163,13 @@ struct Hold {
     inverse_mass: f32,
 }
 
-fn hold_of(half: ContactSide, n: vec3f) -> Hold {
+// `poise` is the motion of the side, now or at an earlier time.
+fn hold_of(half: ContactSide, poise: SideMotion, n: vec3f) -> Hold {
     let record = rigid_record(rigid_body_of(half.id));
-    let torque = cross(lever_on_body(record, half.id, half.at), n);
-    let turning = by_inverse_inertia(record, torque);
+    let torque = cross(mix(poise.x1, poise.x2, half.at) - poise.centre, n);
+    // The record has the present inertia.
+    let now = turned_vector(vec4f(-poise.turn.xyz, poise.turn.w), torque);
+    let turning = turned_vector(poise.turn, by_inverse_inertia(record, now));
     return Hold(record, torque, turning, float_at(record + 3u) + dot(torque, turning));
 }
 
@@ -168,7 +181,7 @@ fn response(half: ContactSide, poise: SideMotion, n: vec3f) -> vec2f {
     }
     if RIGID_BODIES {
         if half.kind == BODY {
-            let hold = hold_of(half, n);
+            let hold = hold_of(half, poise, n);
             return vec2f(dot(mix(poise.v1, poise.v2, half.at), n), hold.inverse_mass);
         }
     }

@@ -1,7 +1,7 @@
 //! The order of the stages. [`Phase::stages`] lists the stages of each phase of a step.
 
 use crate::model::layout::{
-    AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, RESTORING, SERVO_END, SWEEPS, SWEEPS_FEW, SWEEPS_ON,
+    AFTER_COLLISIONS, AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, RESTORING, SERVO_END, SWEEPS, SWEEPS_FEW, SWEEPS_ON,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -281,7 +281,7 @@ impl Phase {
 const HANDLE_COLLISIONS: &[Run] = &{
     const FIRST: usize = 6;
     const LAST: usize = FIRST + 3 * SWEEPS as usize;
-    let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 5];
+    let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 6];
     runs[1] = run(&find_crossings::STAGE).when(When::Continuous);
     runs[2] = run(&find_collisions::STAGE);
     runs[3] = run(&weigh_networks::STAGE).when(When::Networks);
@@ -298,8 +298,9 @@ const HANDLE_COLLISIONS: &[Run] = &{
     runs[LAST] = run(&apply_collisions::STAGE);
     runs[LAST + 1] = run(&commit_collisions::STAGE);
     runs[LAST + 2] = run(&push_bodies::STAGE).when(When::Rigid);
-    runs[LAST + 3] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
-    runs[LAST + 4] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
+    runs[LAST + 3] = bodies(AFTER_COLLISIONS);
+    runs[LAST + 4] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
+    runs[LAST + 5] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
     runs
 };
 

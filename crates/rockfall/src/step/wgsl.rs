@@ -118,6 +118,7 @@ const SHARED: &[Part] = &[
     part!("physics/quaternion.wgsl"),
     part!("physics/rigid.wgsl"),
     part!("physics/rigid_box.wgsl"),
+    part!("physics/rigid_form.wgsl"),
     part!("physics/rigid_lever.wgsl"),
     part!("physics/rigid_parts.wgsl"),
     part!("physics/rigid_side.wgsl"),

@@ -111,7 +111,7 @@ impl World {
     }
 
     /// External forces, springs and tethers on every sphere.
-    fn pull_forces(&self) -> Vec<DVec3> {
+    pub(crate) fn pull_forces(&self) -> Vec<DVec3> {
         let mut forces: Vec<DVec3> = self.balls.iter().map(|ball| ball.force).collect();
         for pull in &self.pulls {
             let near = &self.balls[pull.ball];

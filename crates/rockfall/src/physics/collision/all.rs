@@ -63,7 +63,7 @@ pub(crate) fn solve(view: &View, lists: &Lists) -> Outcome {
     let mut outcome = Outcome {
         impulses: lone.iter().map(|lone| lone.impulse).collect(),
         changes: lone.iter().flat_map(|lone| lone.changes()).copied().collect(),
-        pushes: Vec::new(),
+        pushes: lone.iter().flat_map(|lone| lone.pushes()).collect(),
         is_unsolved: false,
     };
     if lone.len() < collisions.len() {
@@ -98,12 +98,11 @@ fn collisions(view: &View, lists: &Lists) -> Vec<Collision> {
     collisions
 }
 
-/// Whether a collision is lone: no other pressed contact touches its bodies, and none of them is a network or a rigid body. A single sphere
+/// Whether a collision is lone: no other pressed contact touches its bodies, and none of them is a network. A single sphere
 /// may also have pressed contacts with boxes and polygons at right angles to the collision, because collisions in a
 /// right-angled corner do not influence each other.
 fn is_lone(view: &View, lists: &Lists, k: &Collision) -> bool {
-    let may_be = |body: Body| !matches!(body, Body::Network(_) | Body::Rigid(_)) && is_alone_on(view, lists, k, body);
-    k.parts().iter().all(|part| may_be(part.body))
+    k.parts().iter().all(|part| !matches!(part.body, Body::Network(_)) && is_alone_on(view, lists, k, part.body))
 }
 
 fn is_alone_on(view: &View, lists: &Lists, k: &Collision, body: Body) -> bool {

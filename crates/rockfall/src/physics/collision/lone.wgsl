@@ -1,4 +1,5 @@
-// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/contact.wgsl
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/contact.wgsl
+// requires physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_form.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl
 // requires physics/forces/attached.wgsl physics/forces/free.wgsl physics/round_pair.wgsl physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl physics/walls.wgsl
 
 // Solves lone collisions at their time of contact (docs/physics.md section 3.6). The pair is moved back to the time at
@@ -28,6 +29,11 @@ fn pull_on(half: ContactSide) -> SideAcceleration {
     if half.kind == STATIC {
         return pull;
     }
+    if RIGID_BODIES {
+        if half.kind == BODY {
+            return pull_on_body(rigid_record(rigid_body_of(half.id)));
+        }
+    }
     let w1 = inverse_mass(half.spheres.x);
     if w1 > 0.0 {
         pull.a1 = free_acceleration(half.spheres.x);
@@ -45,6 +51,19 @@ fn pull_on(half: ContactSide) -> SideAcceleration {
         return SideAcceleration(mean, mean);
     }
     return pull;
+}
+
+// The acceleration of the centre of mass of a rigid body.
+fn pull_on_body(record: u32) -> SideAcceleration {
+    var force = vec3f(0.0);
+    if FREE_TABLE {
+        for (var member = 0u; member < topology[record + 13u]; member++) {
+            let sphere = id_of(topology[topology[record + 12u] + member]);
+            force += (free_acceleration(sphere) - step.gravity) / inverse_mass(sphere);
+        }
+    }
+    let mean = step.gravity + float_at(record + 3u) * force;
+    return SideAcceleration(mean, mean);
 }
 
 // The vector d from end 1 to end 2 of a capsule, and the velocity q of end 2 relative to end 1.
@@ -73,6 +92,11 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
         return back;
     }
     let square = select(0.0, 0.5 * tau * tau, with_acceleration);
+    if RIGID_BODIES {
+        if half.kind == BODY {
+            return body_before(half, poise, pull.a1, tau, square);
+        }
+    }
     let w1 = inverse_mass(half.spheres.x);
     if RODS & (half.kind == CAPSULE) {
         let centre = w1 / (w1 + inverse_mass(half.spheres.y));
@@ -86,6 +110,8 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
             moved + (1.0 - centre) * before.d,
             slowed - centre * before.q,
             slowed + (1.0 - centre) * before.q,
+            vec3f(0.0),
+            NO_TURN,
         );
     }
     if w1 > 0.0 {
@@ -97,6 +123,30 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
             back.x2 = poise.x2 - tau * poise.v2 + square * pull.a2;
             back.v2 = poise.v2 - tau * pull.a2;
         }
+    }
+    return back;
+}
+
+// The motion of a side on a rigid body at an earlier time (docs/physics.md section 3.11).
+fn body_before(half: ContactSide, poise: SideMotion, pull: vec3f, tau: f32, square: f32) -> SideMotion {
+    let record = rigid_record(rigid_body_of(half.id));
+    let orientation = orientation_in(record);
+    let moments = moments_in(record);
+    let spin_now = state[momentum_at(half.spheres.x)].xyz * state[momentum_at(half.spheres.x)].w;
+    let momentum = momentum_of_body(orientation, moments, spin_now);
+    let before = freely_turned(orientation, moments, momentum, -tau);
+    let turn = multiply(before, vec4f(-orientation.xyz, orientation.w));
+    let spin = spin_of_body(before, moments, momentum);
+    let touched = mix(poise.x1, poise.x2, half.at) - poise.centre;
+    let velocity = mix(poise.v1, poise.v2, half.at) - cross(spin_now, touched);
+    let centre = poise.centre - tau * velocity + square * pull;
+    let one = turned_vector(turn, poise.x1 - poise.centre);
+    let slowed = velocity - tau * pull;
+    var back = SideMotion(centre + one, centre + one, slowed + cross(spin, one), slowed + cross(spin, one), centre, turn);
+    if RODS & (half.id >= step.spheres) {
+        let two = turned_vector(turn, poise.x2 - poise.centre);
+        back.x2 = centre + two;
+        back.v2 = slowed + cross(spin, two);
     }
     return back;
 }
@@ -158,7 +208,9 @@ fn solve_from(a_id: u32, b_id: u32, feature: u32, found: Touch, start: f32, is_c
         tau = 0.0;
         at_contact = Placed(found, approach_at(a_id, b_id, found));
     }
-    var pushed = Pushed(vec4u(NONE), array<vec3f, 4>(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0)));
+    let no_body = PushedBody(NONE, vec3f(0.0), vec3f(0.0));
+    let none = array<vec3f, 4>(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    var pushed = Pushed(vec4u(NONE), none, array<PushedBody, 2>(no_body, no_body));
     push_side(a, moved_back(a, a_now, a_pull, tau, false), -at_contact.touch.n, 0u, &pushed);
     push_side(b, moved_back(b, b_now, b_pull, tau, false), at_contact.touch.n, 2u, &pushed);
     let inverse_mass = at_contact.closing.inverse_mass;
@@ -176,11 +228,27 @@ fn solve_from(a_id: u32, b_id: u32, feature: u32, found: Touch, start: f32, is_c
 struct Pushed {
     spheres: vec4u,
     velocities: array<vec3f, 4>,
+    // Of each side.
+    bodies: array<PushedBody, 2>,
+}
+
+// A rigid body that a unit impulse moves, by its record, and the changes of its velocity and its angular velocity.
+struct PushedBody {
+    record: u32,
+    velocity: vec3f,
+    spin: vec3f,
 }
 
 fn push_side(half: ContactSide, poise: SideMotion, n: vec3f, place: u32, pushed: ptr<function, Pushed>) {
     if half.kind == STATIC {
         return;
+    }
+    if RIGID_BODIES {
+        if half.kind == BODY {
+            let hold = hold_of(half, poise, n);
+            (*pushed).bodies[place / 2u] = PushedBody(hold.record, float_at(hold.record + 3u) * n, hold.turning);
+            return;
+        }
     }
     (*pushed).spheres[place] = half.spheres.x;
     (*pushed).velocities[place] = inverse_mass(half.spheres.x) * n;
@@ -205,12 +273,12 @@ fn push_side(half: ContactSide, poise: SideMotion, n: vec3f, place: u32, pushed:
 // so that the collision adds no energy.
 fn curvature_along(pushed: Pushed) -> f32 {
     var sum = 0.0;
-    for (var place = 0u; place < 4u; place++) {
-        let sphere = pushed.spheres[place];
+    for (var place = 0u; place < 4u + members_of_side(pushed, 0u) + members_of_side(pushed, 1u); place++) {
+        let sphere = pushed_sphere(pushed, place);
         if sphere == NONE {
             continue;
         }
-        let own = pushed.velocities[place];
+        let own = pushed_velocity(pushed, sphere).velocity;
         let range = adjacency(sphere);
         for (var at = range.x; at < range.y; at++) {
             let kind = kind_of(topology[at]);
@@ -218,14 +286,9 @@ fn curvature_along(pushed: Pushed) -> f32 {
             if kind == KIND_SPRING {
                 let spring = step.springs_at + index * SPRING_WORDS;
                 let other = select(topology[spring], topology[spring + 1u], topology[spring] == sphere);
-                var stretch = -own;
-                var part = 1.0;
-                for (var their = 0u; their < 4u; their++) {
-                    if pushed.spheres[their] == other {
-                        stretch += pushed.velocities[their];
-                        part = 0.5;
-                    }
-                }
+                let theirs = pushed_velocity(pushed, other);
+                let stretch = theirs.velocity - own;
+                let part = select(1.0, 0.5, theirs.is_pushed);
                 let distance = state[position_at(other)].xyz - state[position_at(sphere)].xyz;
                 let length = rest_length(index, float_at(spring + 3u));
                 sum += part * spring_curvature(distance, stretch, float_at(spring + 2u), length);
@@ -237,6 +300,54 @@ fn curvature_along(pushed: Pushed) -> f32 {
         }
     }
     return sum;
+}
+
+// Number of spheres of the rigid body of a side.
+fn members_of_side(pushed: Pushed, side: u32) -> u32 {
+    if RIGID_BODIES & FREE_TABLE {
+        let record = pushed.bodies[side].record;
+        if record != NONE {
+            return topology[record + 13u];
+        }
+    }
+    return 0u;
+}
+
+// The sphere at a place: first the four of the sides, then those of the rigid bodies. NONE if there is none.
+fn pushed_sphere(pushed: Pushed, place: u32) -> u32 {
+    if place < 4u {
+        return pushed.spheres[place];
+    }
+    let of_a = members_of_side(pushed, 0u);
+    let is_b = place - 4u >= of_a;
+    let member = place - 4u - select(0u, of_a, is_b);
+    let record = pushed.bodies[u32(is_b)].record;
+    return id_of(topology[topology[record + 12u] + member]);
+}
+
+// The change of the velocity of a sphere by the unit impulse, and whether it has one.
+struct PushedVelocity {
+    velocity: vec3f,
+    is_pushed: bool,
+}
+
+fn pushed_velocity(pushed: Pushed, sphere: u32) -> PushedVelocity {
+    var found = PushedVelocity(vec3f(0.0), false);
+    for (var place = 0u; place < 4u; place++) {
+        if pushed.spheres[place] == sphere {
+            found = PushedVelocity(found.velocity + pushed.velocities[place], true);
+        }
+    }
+    if RIGID_BODIES {
+        let body = body_of_sphere(sphere);
+        for (var side = 0u; side < 2u; side++) {
+            let push = pushed.bodies[side];
+            if (body != NO_RIGID) && (rigid_record(body) == push.record) {
+                found = PushedVelocity(push.velocity + cross(push.spin, lever_on_body(push.record, sphere, 0.0)), true);
+            }
+        }
+    }
+    return found;
 }
 
 // A pair at an earlier time.

@@ -16,19 +16,6 @@
 // uniform block alone.
 var<private> body_pass: u32;
 
-struct Pose {
-    position: Fine,
-    velocity: vec3f,
-    momentum: vec3f,
-    orientation: vec4f,
-}
-
-// The state at the start of the step.
-fn start_of(body: u32) -> Pose {
-    let place = Fine(pose_row(body, 0u).xyz, pose_row(body, 1u).xyz);
-    return Pose(place, pose_row(body, 2u).xyz, pose_row(body, 3u).xyz, pose_row(body, 4u));
-}
-
 // The state that forces are evaluated in. The position is that of `start`.
 fn stage_of(body: u32, start: Pose) -> Pose {
     return Pose(start.position, pose_row(body, 9u).xyz, pose_row(body, 10u).xyz, pose_row(body, 11u));
@@ -131,10 +118,6 @@ fn keep_rates(body: u32, rates: Rates) {
     }
 }
 
-fn pose_is_finite(pose: Pose) -> bool {
-    return finite(pose.position.high) & finite(pose.velocity) & finite(pose.momentum) & finite(pose.orientation.xyz) & finite(pose.orientation.www);
-}
-
 // The number of the pass in a report of a state that is not finite.
 fn reported_stage() -> u32 {
     if body_pass < 4u {
@@ -191,6 +174,17 @@ fn moved_body(body: u32, form: Form) -> Pose {
     return pose;
 }
 
+// The velocity of a sphere at the time of the positions, after an impulse has changed the one that integrators read.
+fn present_after(i: u32, before: vec4f, after: vec4f) -> vec4f {
+    if HALF_STEP {
+        let at = 4u * step.spheres + i;
+        let present = vec4f(state[at].xyz + (after.xyz - before.xyz), after.w);
+        state[at] = present;
+        return present;
+    }
+    return after;
+}
+
 // Places the member spheres, and their orientations at the end of the step.
 fn place_members(form: Form, pose: Pose, is_new: bool) {
     let spin = spin_of_body(pose.orientation, form.moments, pose.momentum);
@@ -199,7 +193,8 @@ fn place_members(form: Form, pose: Pose, is_new: bool) {
         let lever = turned_vector(pose.orientation, place_of_member(form, member));
         let place = fine_moved(pose.position, lever);
         let radius = state[position_at(i)].w;
-        let velocity = vec4f(pose.velocity + cross(spin, lever), state[velocity_at(i)].w);
+        let before = state[velocity_at(i)];
+        let velocity = vec4f(pose.velocity + cross(spin, lever), before.w);
         let inverse_inertia = state[momentum_at(i)].w;
         state[position_at(i)] = vec4f(place.high, radius);
         state[velocity_at(i)] = velocity;
@@ -212,6 +207,8 @@ fn place_members(form: Form, pose: Pose, is_new: bool) {
         }
         if body_pass == AFTER_EULER {
             request_rebuild(i, vec4f(place.high, radius), velocity);
+        } else if body_pass == AFTER_COLLISIONS {
+            request_rebuild(i, vec4f(place.high, radius), present_after(i, before, velocity));
         }
     }
 }
@@ -238,6 +235,17 @@ fn put_record(body: u32, form: Form, pose: Pose) {
     put_vector(record + 7u, mixed);
     put_vector(record + 14u, pose.orientation.xyz);
     topology[record + 17u] = bitcast<u32>(pose.orientation.w);
+}
+
+// Places the spheres of a body that impulses have changed.
+fn place_pushed(body: u32, form: Form) {
+    if (pose_row(body, PUSHED_ROW).w == 0.0) | (atomicLoad(&status.collided) != 2u) {
+        return;
+    }
+    put_pose_row(body, PUSHED_ROW, vec4f(0.0));
+    let pose = start_of(body);
+    place_members(form, pose, true);
+    put_record(body, form, pose);
 }
 
 @compute @workgroup_size(64)
@@ -267,14 +275,14 @@ fn move_bodies(
     if atomicLoad(&status.rejected) != 0u {
         return;
     }
+    if body_pass == AFTER_COLLISIONS {
+        place_pushed(body, form);
+        return;
+    }
     let pose = moved_body(body, form);
     let is_new = (body_pass == 3u) | (body_pass >= AFTER_KICK);
     if is_new {
-        put_pose_row(body, 0u, vec4f(pose.position.high, 0.0));
-        put_pose_row(body, 1u, vec4f(pose.position.low, 0.0));
-        put_pose_row(body, 2u, vec4f(pose.velocity, 0.0));
-        put_pose_row(body, 3u, vec4f(pose.momentum, 0.0));
-        put_pose_row(body, 4u, pose.orientation);
+        put_pose(body, pose);
     } else {
         put_stage(body, pose);
     }

@@ -1,28 +1,48 @@
-// requires model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/collision/body_impulses.wgsl physics/escape.wgsl
-// requires physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid_parts.wgsl step/bodies/body_rows.wgsl
+// requires model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/collision/body_impulses.wgsl
+// requires physics/fine.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl
+// requires physics/rigid_lever.wgsl physics/rigid_parts.wgsl step/bodies/body_rows.wgsl step/collisions/records.wgsl
 
-@group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
+@group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> bodies: array<vec4f>;
 @group(0) @binding(4) var<storage, read> topology: array<u32>;
 @group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> collision_indices: array<array<u32, SLICE>>;
 @group(0) @binding(7) var<storage, read> collisions: array<vec4u>;
-@group(0) @binding(8) var<storage, read> aabbs: array<Aabb>;
-@group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
+@group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
-// Gives a member sphere the velocity and the spin that follow from those of its body.
-fn set_member(i: u32, velocity: vec3f, spin: vec3f) {
-    let own_at = step.spheres + i;
-    let before = state[own_at];
-    state[own_at] = vec4f(velocity, before.w);
-    let inverse_inertia = state[momentum_at(i)].w;
-    state[momentum_at(i)] = vec4f(spin / inverse_inertia, inverse_inertia);
-    var present = vec4f(velocity, before.w);
-    if HALF_STEP {
-        present = state[velocity_at(i)] + vec4f(velocity - before.xyz, 0.0);
-        state[velocity_at(i)] = present;
+// The pose after a lone collision, which acts at its time of contact.
+fn hit_at_contact(form: Form, body: u32, pose: Pose, row: u32, r: u32) -> Pose {
+    let k = record_at(r);
+    let impulse = impulse_at(r);
+    let before = freely_turned(pose.orientation, form.moments, pose.momentum, -impulse.tau);
+    let turn = multiply(before, vec4f(-pose.orientation.xyz, pose.orientation.w));
+    let lever = turned_vector(turn, lever_on_body(rigid_record(body), row, at_on_row(k, row)));
+    let push = select(1.0, -1.0, k.a_id == row) * impulse.even * impulse_normal(r);
+    let velocity = form.inverse_mass * push;
+    let momentum = pose.momentum + cross(lever, push);
+    return Pose(
+        fine_moved(pose.position, impulse.tau * velocity),
+        pose.velocity + velocity,
+        momentum,
+        freely_turned(before, form.moments, momentum, impulse.tau),
+    );
+}
+
+fn pushed_pose(form: Form, body: u32, kick: BodyKick) -> Pose {
+    let before = start_of(body);
+    var pose = before;
+    if impulse_at(kick.number).tau >= 0.0 {
+        pose = hit_at_contact(form, body, before, kick.row, kick.number);
+    } else {
+        pose.velocity += form.inverse_mass * kick.impulse;
+        pose.momentum += kick.torque;
     }
-    request_rebuild(i, state[position_at(i)], present);
+    if !pose_is_finite(pose) {
+        atomicAdd(&status.bad_count, 1u);
+        atomicMin(&status.bad_body, topology[form.members]);
+        return Pose(before.position, vec3f(0.0), vec3f(0.0), before.orientation);
+    }
+    return pose;
 }
 
 @compute @workgroup_size(64)
@@ -44,23 +64,9 @@ fn push_bodies(
         return;
     }
     let kick = body_kick(body, SWEEPS);
-    if !kick.is_hit {
+    if kick.number == NONE {
         return;
     }
-    var velocity = pose_row(body, 2u).xyz + form.inverse_mass * kick.impulse;
-    var momentum = pose_row(body, 3u).xyz + kick.torque;
-    if !(finite(velocity) & finite(momentum)) {
-        atomicAdd(&status.bad_count, 1u);
-        atomicMin(&status.bad_body, topology[form.members]);
-        velocity = vec3f(0.0);
-        momentum = vec3f(0.0);
-    }
-    put_pose_row(body, 2u, vec4f(velocity, 0.0));
-    put_pose_row(body, 3u, vec4f(momentum, 0.0));
-    let orientation = pose_row(body, 4u);
-    let spin = spin_of_body(orientation, form.moments, momentum);
-    for (var member = 0u; member < form.count; member++) {
-        let lever = turned_vector(orientation, place_of_member(form, member));
-        set_member(id_of(topology[form.members + member]), velocity + cross(spin, lever), spin);
-    }
+    put_pose(body, pushed_pose(form, body, kick));
+    put_pose_row(body, PUSHED_ROW, vec4f(0.0, 0.0, 0.0, 1.0));
 }

@@ -126,11 +126,12 @@ fn weight_of_end(k: Record, number: u32, half: ContactSide, end: u32, of_network
     return Weight(weight, inverse_mass, company.is_undisturbed, company.others, false);
 }
 
-// What a rigid body adds: the sum of the absolute couplings with all collisions on it.
+// What a rigid body adds: the sum of the absolute couplings with all collisions on it. It is undisturbed when no other pressed contact
+// touches it.
 fn weight_of_body(k: Record, number: u32, half: ContactSide) -> Weight {
     let body = rigid_body_of(half.id);
-    let hold = hold_of(half, k.n);
-    var sum = Weight(0.0, hold.inverse_mass, false, 0u, false);
+    let hold = hold_of(half, side_motion(half), k.n);
+    var sum = Weight(0.0, hold.inverse_mass, true, 0u, false);
     for (var member = 0u; member < topology[hold.record + 13u]; member++) {
         let sphere = id_of(topology[topology[hold.record + 12u] + member]);
         let rods = rods_of(sphere);
@@ -145,14 +146,17 @@ fn weight_of_body(k: Record, number: u32, half: ContactSide) -> Weight {
 }
 
 fn add_couplings_of_row(k: Record, number: u32, hold: Hold, row: u32, sum: ptr<function, Weight>) {
-    if !has_collisions(row) {
-        return;
-    }
     let count = count_of(row);
     let first = first_of(row);
     for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
-        for (var rest = entries_with(ENTRY_COLLIDES, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            let r = record_of(slot_at(first, begin + firstTrailingBit(rest)));
+        for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
+            let slot = slot_at(first, begin + firstTrailingBit(rest));
+            let entry = entry_at(slot);
+            (*sum).is_undisturbed &= is_same(k, row, entry);
+            if (entry & ENTRY_COLLIDES) == 0u {
+                continue;
+            }
+            let r = record_of(slot);
             let l = record_at(r);
             let torque = cross(lever_on_body(hold.record, row, at_on_row(l, row)), l.n);
             (*sum).weight += abs(float_at(hold.record + 3u) * dot(k.n, l.n) + dot(hold.turning, torque));
