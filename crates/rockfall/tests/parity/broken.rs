@@ -102,6 +102,42 @@ static MISTAKES: &[Mistake] = &[
     ),
     Mistake("move_bodies", 4, "move_bodies.wgsl", "select(1.0, 0.5, body_pass == AFTER_DRIFT)", "1.0", Buffer::RigidBodies),
     Mistake("move_bodies", 5, "move_bodies.wgsl", "keep_rates(body, rates);", "", Buffer::Rates),
+    Mistake(
+        "push_bodies",
+        0,
+        "push_bodies.wgsl",
+        "fine_moved(pose.position, impulse.tau * velocity)",
+        "pose.position",
+        Buffer::RigidBodies,
+    ),
+    Mistake(
+        "push_bodies",
+        0,
+        "push_bodies.wgsl",
+        "freely_turned(before, form.moments, momentum,",
+        "freely_turned(before, form.moments, pose.momentum,",
+        Buffer::RigidBodies,
+    ),
+    Mistake(
+        "push_bodies",
+        0,
+        "body_impulses.wgsl",
+        "fma(cross(lever_on_body(record, row, at_on_row(k, row)), k.n),",
+        "fma(lever_on_body(record, row, at_on_row(k, row)),",
+        Buffer::RigidBodies,
+    ),
+    Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "+ dot(hold.turning, torque)", "", Buffer::RigidBodies),
+    Mistake("weigh_collisions", 0, "lone.wgsl", "- cross(spin_now, touched)", "", Buffer::RigidBodies),
+    Mistake(
+        "sweep_collisions",
+        1,
+        "sweep_collisions.wgsl",
+        "+ cross(turning, lever_on_body",
+        "- cross(turning, lever_on_body",
+        Buffer::RigidBodies,
+    ),
+    Mistake("synchronise", 0, "synchronise.wgsl", "+ cross(turning, lever_on_body(record, i, 0.0))", "", Buffer::Start),
+    Mistake("move_bodies", 8, "move_bodies.wgsl", "place_members(form, pose, true);", "", Buffer::Start),
     Mistake("move_bodies", 7, "move_bodies.wgsl", "axis.xxy * axis.yzz", "axis.xyx * axis.yzz", Buffer::Topology),
     Mistake("loads", 0, "rigid_side.wgsl", "let across = cross(lever, found.n);", "let across = lever;", Buffer::Wrenches),
     Mistake("loads", 0, "rigid_side.wgsl", "reach * reach * float_at", "reach * float_at", Buffer::Wrenches),
@@ -786,6 +822,8 @@ fn every_kernel_with_a_mistake_is_rejected() {
     traces.push(rigid::trace(1, Integrator::Rk4, ContactLaw::Thesis, rigid::Parts::Balls));
     traces.push(rigid::trace(3, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, rigid::Parts::Rods));
     traces.push(rigid::trace(4, Integrator::SymplecticEuler, ContactLaw::Thesis, rigid::Parts::Boxes));
+    traces.push(rigid::trace_of_collisions(6, Integrator::Rk4, rigid::Parts::Balls));
+    traces.push(rigid::trace_of_collisions(7, Integrator::SymplecticEuler, rigid::Parts::Rods));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();
     let verdicts = Verdicts::of("parity");

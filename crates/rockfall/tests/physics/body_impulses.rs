@@ -15,6 +15,11 @@ fn on_both(test: impl Fn(Backend, u64)) {
     }
 }
 
+/// The integrators of a case: all of them, or one in a shorter test.
+fn integrators(case: usize, shorter: u64) -> impl Iterator<Item = Integrator> {
+    INTEGRATORS.into_iter().enumerate().filter(move |(number, _)| shorter == 1 || *number == case % 3).map(|(_, kind)| kind)
+}
+
 /// A smooth scene with collisions.
 fn scene(gravity: f32, restitution: f32) -> Scene {
     with(|settings| {
@@ -63,7 +68,7 @@ fn changes(first: &Energy, last: &Energy) -> [f64; 3] {
 fn elastic_bodies_that_meet_keep_energy_and_momentum() {
     on_both(|backend, shorter| {
         for seed in 0..16 / shorter {
-            for integrator in INTEGRATORS {
+            for integrator in integrators(seed as usize, shorter) {
                 let turn = 0.4 * seed as f32;
                 let mut scene = scene(0.0, 1.0);
                 add_clump(&mut scene, [-1.0, 0.03 * seed as f64, 0.0], [2.0, 0.1, 0.2], [1.0, 2.0, 3.0], turn);
@@ -77,9 +82,12 @@ fn elastic_bodies_that_meet_keep_energy_and_momentum() {
                 let report = simulation.run(300, 4e-3).unwrap();
                 let last = simulation.energy().unwrap();
                 let [energy, momentum, angular] = changes(&first, &last);
-                println!("{backend} {integrator} {seed}: {} collisions, {energy:.1e} {momentum:.1e} {angular:.1e}", report.total_collisions);
+                println!(
+                    "{backend} {integrator} {seed}: {} collisions, {energy:.1e} {momentum:.1e} {angular:.1e}",
+                    report.total_collisions
+                );
                 assert!(report.total_collisions > 0, "{backend} {integrator} {seed}: they meet");
-                assert!(energy < 1e-3 && momentum < 1e-5 && angular < 1e-5, "{backend} {integrator} {seed}");
+                assert!(energy < 1e-5 && momentum < 1e-6 && angular < 1e-6, "{backend} {integrator} {seed}");
             }
         }
     });
@@ -89,7 +97,8 @@ fn elastic_bodies_that_meet_keep_energy_and_momentum() {
 #[test]
 fn elastic_bodies_keep_bouncing() {
     on_both(|backend, shorter| {
-        for (is_frame, integrator) in [false, true].into_iter().flat_map(|frame| INTEGRATORS.map(|kind| (frame, kind))) {
+        let of = |frame: bool| integrators(usize::from(frame), shorter).map(move |kind| (frame, kind));
+        for (is_frame, integrator) in [false, true].into_iter().flat_map(of) {
             let mut scene = scene(5.0, 1.0);
             scene.add_box(Cuboid::between([-50.0, -1.0, -50.0], [50.0, 0.0, 50.0])).unwrap();
             if is_frame {
@@ -103,8 +112,13 @@ fn elastic_bodies_keep_bouncing() {
             let last = simulation.energy().unwrap();
             let kept = last.total() / first.total();
             println!("{backend} {integrator} {is_frame}: {} collisions, keeps {kept}", report.total_collisions);
-            assert!((kept - 1.0).abs() < 0.01, "{backend} {integrator} {is_frame}: {first:?} {last:?}");
-            assert!(report.total_collisions > 20 / shorter.pow(2), "{backend} {integrator} {is_frame}: {}", report.total_collisions);
+            let allowed = if integrator == Integrator::SymplecticEuler { 0.01 } else { 1e-3 };
+            assert!((kept - 1.0).abs() < allowed, "{backend} {integrator} {is_frame}: {first:?} {last:?}");
+            assert!(
+                report.total_collisions > 10 / shorter.pow(2),
+                "{backend} {integrator} {is_frame}: {}",
+                report.total_collisions
+            );
         }
     });
 }
@@ -168,7 +182,7 @@ fn an_elastic_clump_on_springs_keeps_its_energy() {
         let report = simulation.run(3000 / shorter.pow(2), 2e-3).unwrap();
         let last = simulation.energy().unwrap().total();
         println!("{backend}: {} collisions, {first} -> {last}", report.total_collisions);
-        assert!(report.total_collisions > 10 / shorter, "{backend}: {}", report.total_collisions);
+        assert!(report.total_collisions > 10 / shorter.pow(2), "{backend}: {}", report.total_collisions);
         assert!((last / first - 1.0).abs() < 0.05, "{backend}: {first} -> {last}");
     });
 }
