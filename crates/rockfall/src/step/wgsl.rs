@@ -81,6 +81,7 @@ const SHARED: &[Part] = &[
     part!("physics/collision/networks.wgsl"),
     part!("physics/collision/other_collisions.wgsl"),
     part!("physics/collision/plain.wgsl"),
+    part!("physics/collision/pushed.wgsl"),
     part!("physics/contact.wgsl"),
     part!("physics/corners_of_list.wgsl"),
     part!("physics/escape.wgsl"),
