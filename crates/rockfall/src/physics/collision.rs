@@ -10,6 +10,7 @@ mod cluster;
 pub(crate) mod crossing;
 mod lone;
 mod networks;
+mod turning;
 
 use glam::Vec3;
 
@@ -17,6 +18,7 @@ use crate::model::impulse::Key;
 use crate::model::view::{Object, View};
 use crate::physics::chain::touch;
 use crate::physics::contact::{collision_velocity, smaller_radius};
+use crate::physics::rigid::{lever, velocity_of};
 use crate::physics::side::Side;
 use crate::physics::sides::{sides, wall_of};
 use crate::physics::touch::ROUNDING;
@@ -61,6 +63,12 @@ impl Collision {
     /// Adds the bodies of one side, and the velocity of that side.
     fn add_side(&mut self, view: &View, at: &impl Motions, object: Object, parameter: f32, sign: f32) {
         let n = self.touch.normal;
+        if let Some(body) = view.body_of(object) {
+            let record = at.rigid_body(view, body);
+            self.approach -= sign * n.dot(velocity_of(view, at, object, parameter));
+            let torque = lever(view, at, &record, object, parameter).cross(n);
+            return self.add(Part::of_rigid(body, &record, torque, sign));
+        }
         let capsule = match object {
             Object::Sphere(sphere) => view.capsule_of(sphere),
             Object::Rod(rod) => view.is_capsule(rod).then_some(rod),

@@ -335,14 +335,14 @@ fn slip_of(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32) -> 
 fn has_force(overlap: f32, approach: f32, radius: f32, a: u32, b: u32) -> bool {
     let threshold = collision_velocity(radius, a, b);
     let fresh = (approach > threshold) & (overlap < 2.0 * approach * step.dt);
-    return ((step.flags & FLAG_COLLISIONS) == 0u) | !(fresh | (approach < -threshold)) | touches_body(a, b);
+    return ((step.flags & FLAG_COLLISIONS) == 0u) | !(fresh | (approach < -threshold)) | has_forces_alone(a, b);
 }
 
-// The damping of the contact of two objects: that for the restitution, if it is one of a rigid body and collisions are switched on
+// The damping of the contact of two objects: that for the restitution, if it has forces alone and collisions are switched on
 // (docs/physics.md section 4.16).
 fn damping_of(a: u32, b: u32) -> f32 {
     if RIGID_BODIES {
-        if touches_body(a, b) {
+        if has_forces_alone(a, b) {
             return pair_property(a, b, 6u, step.contact_damping);
         }
     }

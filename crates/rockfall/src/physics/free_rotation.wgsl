@@ -12,7 +12,7 @@ struct Moments {
 }
 
 // A principal axis of a body with this orientation.
-fn axis_of(orientation: vec4f, moments: Moments, k: u32) -> vec3f {
+fn principal_axis(orientation: vec4f, moments: Moments, k: u32) -> vec3f {
     return turned_vector(orientation, turned_vector(moments.axes, vec3f(f32(k == 0u), f32(k == 1u), f32(k == 2u))));
 }
 
@@ -30,10 +30,20 @@ fn turn_about(turn: vec3f) -> vec4f {
 fn spin_of_body(orientation: vec4f, moments: Moments, momentum: vec3f) -> vec3f {
     var spin = moments.middle * momentum;
     for (var k = 0u; k < 3u; k++) {
-        let axis = axis_of(orientation, moments, k);
+        let axis = principal_axis(orientation, moments, k);
         spin += moments.excess[k] * dot(axis, momentum) * axis;
     }
     return spin;
+}
+
+// The angular momentum of a body with this orientation and this angular velocity.
+fn momentum_of_body(orientation: vec4f, moments: Moments, spin: vec3f) -> vec3f {
+    var momentum = vec3f(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        let axis = principal_axis(orientation, moments, k);
+        momentum += dot(axis, spin) / (moments.middle + moments.excess[k]) * axis;
+    }
+    return momentum;
 }
 
 // Phi: the orientation after a free rotation for a time.
@@ -43,7 +53,7 @@ fn freely_turned(before: vec4f, moments: Moments, momentum: vec3f, time: f32) ->
         // The axes 0, 1, 2, 1, 0.
         let k = min(turn, 4u - turn);
         if moments.excess[k] != 0.0 {
-            let axis = axis_of(q, moments, k);
+            let axis = principal_axis(q, moments, k);
             let share = select(0.5, 1.0, k == 2u);
             q = multiply(turn_about(share * time * moments.excess[k] * dot(axis, momentum) * axis), q);
         }

@@ -60,7 +60,7 @@ impl<'a> FrictionImpulses<'a> {
     pub(crate) fn rubbed(&self, sphere: u32) -> Motion {
         let before = Motion::of(self.view, sphere);
         match Body::of(self.view, sphere) {
-            None => before,
+            None | Some(Body::Rigid(_)) => before,
             Some(Body::Capsule(rod)) => self.end_after_friction(before, sphere, rod),
             Some(_) => self.sphere_after_friction(before, sphere),
         }
@@ -112,6 +112,10 @@ impl<'a> FrictionImpulses<'a> {
     fn friction_impulse(&self, row: u32, entry: Entry) -> Option<FrictionImpulse> {
         let view = self.view;
         let (a, b) = view.ordered(row, entry.id());
+        if view.touches_body([a, b]) {
+            // Its friction is a force (docs/physics.md section 4.16).
+            return None;
+        }
         let (object_a, object_b) = (view.object(a), view.object(b));
         let feature = Feature::of(view, object_a, object_b, entry.feature());
         // The objects may be apart after their collision.

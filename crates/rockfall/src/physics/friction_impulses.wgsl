@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/contact.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
+// requires physics/contact.wgsl physics/rigid.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl
 
 // Friction impulses of pressed contacts (docs/physics.md section 3.9). The impulse of a contact counts every body as if it were
@@ -129,6 +129,12 @@ fn limit_of(slot: vec2u, pair: vec2u, a: Side, b: Side, overlap: f32, approach: 
 fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
     let entry = entry_at(slot);
     let pair = ordered(row, entry_id(entry));
+    if RIGID_BODIES {
+        if touches_body(pair.x, pair.y) {
+            // Its friction is a force (docs/physics.md section 4.16).
+            return FrictionImpulse(vec3f(0.0), vec3f(0.0), vec2f(0.0), vec2f(0.0), pair.x);
+        }
+    }
     var a = contact_side(pair.x, 0.0);
     var b = contact_side(pair.y, 0.0);
     let a_poise = side_motion_from(a, origin_of(a));

@@ -40,8 +40,12 @@ impl Surface {
             friction: or(given[1], of_scene.friction),
             coulomb_friction: or(given[2], of_scene.coulomb_friction),
             collision_friction: or(given[3], of_scene.collision_friction),
-            // Contacts of rigid bodies rebound by their damping (docs/physics.md section 4.16).
-            damping: if view.touches_body([a, b]) { or(given[6], of_scene.damping) } else { of_scene.damping },
+            // Contacts with forces alone rebound by their damping (docs/physics.md section 4.16).
+            damping: if view.has_forces_alone([a, b].map(|id| view.object(id))) {
+                or(given[6], of_scene.damping)
+            } else {
+                of_scene.damping
+            },
         }
     }
 }

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_THESIS};
 use crate::model::view::{Object, PartOfBox, RigidRecord, View};
-use crate::physics::motions::Touch;
+use crate::physics::motions::{Motions, Touch};
 use crate::physics::rigid_box::core_point;
 use crate::physics::side::{Side, side};
 
@@ -14,28 +14,41 @@ pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, other: O
     let mut side = side(view, object, parameter);
     let Some((body, mut radius)) = view.body_of(object).zip(side.radius) else { return side };
     let body = view.rigid_body(body);
-    let mut point = match object {
-        Object::Rod(rod) => {
-            let [one, two] = view.rod(rod).ends;
-            view.position(one).lerp(view.position(two), parameter)
-        }
-        Object::Sphere(sphere) => view.position(sphere),
-        Object::Cuboid(_) | Object::Polygon(_) => return side,
-    };
+    let mut lever = lever(view, view, &body, object, parameter);
     if let Some((from_centre, rounding)) = core_point(view, object, other, touch) {
-        point += from_centre;
+        lever += from_centre;
         side.velocity += side.spin.cross(from_centre);
         (radius, side.radius) = (rounding, Some(rounding));
     }
-    let lever = point - body.centre;
     let across = lever.cross(touch.normal);
     let reach = 1.0 + lever.length() / radius;
     Side {
         inverse_mass: body.inverse_mass + body.by_inverse_inertia(across),
         inverse_inertia: reach * reach * body.greatest,
-        // It exerts a force at any approach velocity.
-        free_acceleration: f32::INFINITY,
         ..side
+    }
+}
+
+/// The lever of a contact on a rigid body in the state `at`: from the centre of the body to that of the sphere, or to the point of the axis
+/// of the rod at a parameter.
+pub(crate) fn lever(view: &View, at: &impl Motions, body: &RigidRecord, object: Object, parameter: f32) -> Vec3 {
+    mixed(view, object, parameter, |sphere| at.position(sphere)).map_or(Vec3::ZERO, |point| point - body.centre)
+}
+
+/// Velocity of the centre of a sphere, or of the point of the axis of a rod at a parameter, in the state `at`.
+pub(crate) fn velocity_of(view: &View, at: &impl Motions, object: Object, parameter: f32) -> Vec3 {
+    mixed(view, object, parameter, |sphere| at.velocity(sphere)).unwrap_or_default()
+}
+
+/// A vector of a sphere, or that of a point of the axis of a rod, from those of its ends.
+fn mixed(view: &View, object: Object, parameter: f32, of: impl Fn(u32) -> Vec3) -> Option<Vec3> {
+    match object {
+        Object::Rod(rod) => {
+            let [one, two] = view.rod(rod).ends.map(of);
+            Some(one.lerp(two, parameter))
+        }
+        Object::Sphere(sphere) => Some(of(sphere)),
+        Object::Cuboid(_) | Object::Polygon(_) => None,
     }
 }
 

@@ -11,7 +11,7 @@ fn is_free(sphere: u32) -> bool {
     return body_of_sphere(sphere) == NO_RIGID;
 }
 
-// Whether one of two objects is a part of a rigid body. Such a contact exerts forces alone.
+// Whether one of two objects is a part of a rigid body.
 fn touches_body(a: u32, b: u32) -> bool {
     if !RIGID_BODIES {
         return false;

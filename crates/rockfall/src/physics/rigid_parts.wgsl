@@ -43,6 +43,31 @@ fn is_solid(word: u32) -> bool {
     return (word != 0u) & ((word & BOX_RIM) == 0u);
 }
 
+// Whether all contacts of an object exert forces alone: it is a part of a box of a rigid body, or a rod that ends in a body and does not
+// belong to it.
+fn is_forced(id: u32) -> bool {
+    if box_word(id) != 0u {
+        return true;
+    }
+    if RODS & (id - step.spheres < step.rods) {
+        let at = step.rods_at + (id - step.spheres) * ROD_WORDS;
+        let ends_in_body = (body_of_sphere(topology[at]) != NO_RIGID) | (body_of_sphere(topology[at + 1u]) != NO_RIGID);
+        return ends_in_body & (rigid_body_of(id) == NO_RIGID);
+    }
+    return false;
+}
+
+// Whether the contact of two objects exerts forces and gets no impulses (docs/physics.md section 4.16).
+fn has_forces_alone(a: u32, b: u32) -> bool {
+    if !RIGID_BODIES {
+        return false;
+    }
+    if is_forced(a) {
+        return true;
+    }
+    return is_forced(b);
+}
+
 // Whether other parts of its boxes stand for a pair.
 fn is_left_to_others(a: u32, b: u32) -> bool {
     let one = box_word(a);

@@ -1,5 +1,5 @@
 // requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/forces/net_force.wgsl physics/round_pair.wgsl physics/rigid.wgsl
-// requires physics/rigid_box.wgsl physics/rigid_parts.wgsl
+// requires physics/rigid_box.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl
 
 // The side of an object in a contact with another one, with the mass and inertia of the rigid body that it belongs to, if any. `at` is the
 // parameter on a rod.
@@ -11,23 +11,16 @@ fn in_body(half: Side, id: u32, at: f32, other: u32, found: Touch) -> Side {
     if body == NO_RIGID {
         return half;
     }
-    var place = vec3f(0.0);
-    if id < step.spheres {
-        place = state[position_at(id)].xyz;
-    } else {
-        let ends = rod_ends(id - step.spheres);
-        place = mix(state[position_at(ends.x)].xyz, state[position_at(ends.y)].xyz, at);
-    }
+    let record = rigid_record(body);
+    var lever = lever_on_body(record, id, at);
     var whole = half;
     let word = box_word(id);
     if is_solid(word) {
         let from_centre = core_point(id, other, word, found);
-        place += from_centre;
+        lever += from_centre;
         whole.velocity += cross(half.spin, from_centre);
         whole.radius = float_at(word + 3u);
     }
-    let record = rigid_record(body);
-    let lever = place - vector_at(record);
     let across = cross(lever, found.n);
     let reach = 1.0 + length(lever) / whole.radius;
     whole.inverse_mass = float_at(record + 3u) + dot(across, by_inverse_inertia(record, across));

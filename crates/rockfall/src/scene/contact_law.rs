@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result, quoted};
 use crate::scene::restitution::damping_for;
-use crate::scene::{Body, CohesionModel, Material, Pair, RollingModel, Scene};
+use crate::scene::{Body, CohesionModel, Material, Pair, Rod, RollingModel, Scene};
 use crate::settings::{ContactLaw, Integrator, Settings};
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
@@ -208,7 +208,7 @@ impl Scene {
 
     /// The greatest damping of contacts of rigid bodies that follows from a restitution, in 1/s; 0 where none does.
     pub(crate) fn greatest_damping_of_bodies(&self) -> f32 {
-        if !self.damps_bodies() || self.bodies().is_empty() && self.bodies_to_imply().is_empty() {
+        if !self.damps_bodies() || !self.may_have_forces_alone() {
             return 0.0;
         }
         let numbers = 0..=self.materials().len() as u16;
@@ -217,6 +217,16 @@ impl Scene {
         let restitutions = pairs.map(|pair| pair.restitution.unwrap_or(self.settings.restitution));
         let least = restitutions.fold(f32::INFINITY, f32::min);
         damping_for(ContactLaw::Linear, least) * self.resolved_settings().contact_force.max(0.0).sqrt()
+    }
+
+    /// Whether contacts of the scene may have forces alone (docs/physics.md section 4.16): a body has a box, or a rod of free length may end in
+    /// a body.
+    fn may_have_forces_alone(&self) -> bool {
+        let has_boxes = self.bodies().iter().any(|body| self.shape(body.shape).is_ok_and(|shape| !shape.boxes.is_empty()));
+        let is_loose = |rod: &Rod| rod.length.is_none() && self.body_of_sphere(rod.end1) != self.body_of_sphere(rod.end2);
+        let has_loose = || self.rods().iter().any(is_loose);
+        let has_rods_of_free_length = || self.rods().iter().any(|rod| rod.length.is_none());
+        has_boxes || has_loose() || has_rods_of_free_length() && !self.bodies_to_imply().is_empty()
     }
 
     /// Whether contacts of rigid bodies rebound by a damping that follows from the restitution.

@@ -119,7 +119,7 @@ impl Scene {
         networks.into_iter().filter_map(|network| self.implied_body(network, &mut forms)).collect()
     }
 
-    /// Whether the settings let a network be a body: capsules have the impulses of the thesis, and bodies have none.
+    /// Whether the settings let a network be a body: with collisions, capsules stay those of the thesis.
     fn may_be_body(&self, network: &Network) -> bool {
         let Settings { contact_law, collisions, continuous_collisions, .. } = self.settings;
         match network.spheres.len() {

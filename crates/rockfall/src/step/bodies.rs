@@ -1,3 +1,4 @@
 //! Rigid bodies.
 
 pub(crate) mod move_bodies;
+pub(crate) mod push_bodies;

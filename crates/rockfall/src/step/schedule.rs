@@ -2,13 +2,14 @@
 
 use crate::model::dispatch::Threads;
 use crate::model::layout::{
-    AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, EARLY, RESTORING, SERVO_END, SWEEPS, SWEEPS_FEW, SWEEPS_ON,
+    AFTER_COLLISIONS, AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, EARLY, RESTORING, SERVO_END, SWEEPS, SWEEPS_FEW,
+    SWEEPS_ON,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
 use crate::step::aabbs::update_aabbs;
-use crate::step::bodies::move_bodies;
+use crate::step::bodies::{move_bodies, push_bodies};
 use crate::step::broad_phase::brute_force::{count_pairs, fill_pairs};
 use crate::step::broad_phase::grid::{
     clear_cells, count_cells, count_long, fill_long, find_neighbours, scan_cells, sort_cells,
@@ -296,7 +297,7 @@ impl Phase {
 const HANDLE_COLLISIONS: &[Run] = &{
     const FIRST: usize = 6;
     const LAST: usize = FIRST + 3 * SWEEPS as usize;
-    let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 4];
+    let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 6];
     runs[1] = run(&find_crossings::STAGE).when(When::Continuous);
     runs[2] = run(&find_collisions::STAGE);
     runs[3] = run(&weigh_networks::STAGE).when(When::Networks);
@@ -312,8 +313,10 @@ const HANDLE_COLLISIONS: &[Run] = &{
     }
     runs[LAST] = run(&apply_collisions::STAGE);
     runs[LAST + 1] = run(&commit_collisions::STAGE);
-    runs[LAST + 2] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
-    runs[LAST + 3] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
+    runs[LAST + 2] = run(&push_bodies::STAGE).when(When::Rigid);
+    runs[LAST + 3] = bodies(AFTER_COLLISIONS);
+    runs[LAST + 4] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
+    runs[LAST + 5] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
     runs
 };
 

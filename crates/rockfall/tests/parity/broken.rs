@@ -102,6 +102,42 @@ static MISTAKES: &[Mistake] = &[
     ),
     Mistake("move_bodies", 4, "move_bodies.wgsl", "select(1.0, 0.5, body_pass == AFTER_DRIFT)", "1.0", Buffer::RigidBodies),
     Mistake("move_bodies", 5, "move_bodies.wgsl", "keep_rates(body, rates);", "", Buffer::Rates),
+    Mistake(
+        "push_bodies",
+        0,
+        "push_bodies.wgsl",
+        "fine_moved(pose.position, impulse.tau * velocity)",
+        "pose.position",
+        Buffer::RigidBodies,
+    ),
+    Mistake(
+        "push_bodies",
+        0,
+        "push_bodies.wgsl",
+        "freely_turned(before, form.moments, momentum,",
+        "freely_turned(before, form.moments, pose.momentum,",
+        Buffer::RigidBodies,
+    ),
+    Mistake(
+        "push_bodies",
+        0,
+        "body_impulses.wgsl",
+        "fma(cross(lever_on_body(record, row, at_on_row(k, row)), k.n),",
+        "fma(lever_on_body(record, row, at_on_row(k, row)),",
+        Buffer::RigidBodies,
+    ),
+    Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "+ dot(hold.turning, torque)", "", Buffer::RigidBodies),
+    Mistake("weigh_collisions", 0, "lone.wgsl", "- cross(spin_now, touched)", "", Buffer::RigidBodies),
+    Mistake(
+        "sweep_collisions",
+        1,
+        "sweep_collisions.wgsl",
+        "+ cross(turning, lever_on_body",
+        "- cross(turning, lever_on_body",
+        Buffer::RigidBodies,
+    ),
+    Mistake("synchronise", 0, "synchronise.wgsl", "+ cross(turning, lever_on_body(record, i, 0.0))", "", Buffer::Start),
+    Mistake("move_bodies", 8, "move_bodies.wgsl", "place_members(form, pose, true);", "", Buffer::Start),
     Mistake("move_bodies", 7, "move_bodies.wgsl", "axis.xxy * axis.yzz", "axis.xyx * axis.yzz", Buffer::Topology),
     Mistake("loads", 0, "rigid_side.wgsl", "let across = cross(lever, found.n);", "let across = lever;", Buffer::Wrenches),
     Mistake("loads", 0, "rigid_side.wgsl", "reach * reach * float_at", "reach * float_at", Buffer::Wrenches),
@@ -109,7 +145,14 @@ static MISTAKES: &[Mistake] = &[
     Mistake("loads", 0, "wall_damping.wgsl", "+ (place.w - own.w)", "", Buffer::Wrenches),
     Mistake("loads", 0, "wall_damping.wgsl", "+ spun(record, cross(moment, n))", "", Buffer::Wrenches),
     Mistake("loads", 0, "wall_damping.wgsl", "sqrt(place.w * oj / (own.w * o))", "1.0", Buffer::Wrenches),
-    Mistake("loads", 0, "pair_damping.wgsl", "+ (turning(one, total.torque_a) + turning(other, total.torque_b))", "", Buffer::Wrenches),
+    Mistake(
+        "loads",
+        0,
+        "pair_damping.wgsl",
+        "+ (turning(one, total.torque_a) + turning(other, total.torque_b))",
+        "",
+        Buffer::Wrenches,
+    ),
     Mistake("loads", 0, "pair_damping.wgsl", "sqrt(ratio * overlap / o)", "1.0", Buffer::Wrenches),
     Mistake("move_bodies", 6, "move_bodies.wgsl", "put_vector(record + 14u, pose.orientation.xyz);", "", Buffer::Topology),
     Mistake("fill_pairs", 0, "rigid_parts.wgsl", "(body == rigid_body_of(b))", "(body != rigid_body_of(b))", Buffer::Lists),
@@ -376,7 +419,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("measure_order", 0, "measure_order.wgsl", "32u - count", "31u - count", Buffer::Status),
     Mistake("end_step", 0, "close_step.wgsl", "atomicLoad(&max_overlap)", "atomicLoad(&contacts)", Buffer::Status),
     Mistake("synchronise", 0, "synchronise.wgsl", "0.5 * step.dt", "step.dt", Buffer::Start),
-    Mistake("synchronise", 0, "synchronise.wgsl", "length(rates.acceleration)", "rates.acceleration.x", Buffer::Topology),
+    Mistake("synchronise", 0, "synchronise.wgsl", "length(acceleration)", "acceleration.x", Buffer::Topology),
     Mistake("find_collisions", 0, "contact.wgsl", "select(2.0, 4.0, HALF_STEP) * free", "0.0 * free", Buffer::Lists),
     Mistake("find_collisions", 0, "collision.wgsl", "(at - capsule.centre) * cross", "at * cross", Buffer::Lists),
     Mistake("find_collisions", 0, "list_collisions.wgsl", "low = middle + 1u", "high = middle", Buffer::Start),
@@ -788,6 +831,8 @@ fn every_kernel_with_a_mistake_is_rejected() {
     traces.push(rigid::trace(1, Integrator::Rk4, ContactLaw::Thesis, rigid::Parts::Balls));
     traces.push(rigid::trace(3, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, rigid::Parts::Rods));
     traces.push(rigid::trace(4, Integrator::SymplecticEuler, ContactLaw::Thesis, rigid::Parts::Boxes));
+    traces.push(rigid::trace_of_collisions(6, Integrator::Rk4, rigid::Parts::Balls));
+    traces.push(rigid::trace_of_collisions(13, Integrator::SymplecticEuler, rigid::Parts::Rods));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();
     let verdicts = Verdicts::of("parity");

@@ -33,6 +33,8 @@ impl World {
         kick(self, late);
         let pressed = self.change_velocities(impulses);
         kick(self, -late);
+        // A collision may have turned bodies.
+        self.place_members();
         self.apply_friction_impulses(&pressed);
         pressed
     }

@@ -156,7 +156,82 @@ impl World {
         }
     }
 
-    /// Whether a rigid body is on a side of a contact. Such contacts have forces alone.
+    /// Whether a contact exerts forces and gets no impulses: that of a rod that ends in a rigid body without being a part of it.
+    pub(crate) fn has_forces_alone(&self, pair: &Pair) -> bool {
+        [pair.a, pair.b].into_iter().any(|thing| match thing {
+            Thing::Bar(bar) => {
+                self.clump_of(thing).is_none() && self.bars[bar].ends.iter().any(|&end| self.clump_at(end).is_some())
+            }
+            _ => false,
+        })
+    }
+
+    /// Changes of a rigid body and its spheres by an impulse `p` on a side.
+    pub(crate) fn push_clump(&self, side: Side, p: DVec3, change: &mut Motion) -> bool {
+        let Some(Spot { clump, lever, .. }) = self.spot(side) else { return false };
+        let lever = if self.made(Mistake::BodyLever) { DVec3::ZERO } else { lever };
+        let body = &self.clumps[clump];
+        let (v, l) = (p / body.mass, lever.cross(p));
+        change.clump_v[clump] += v;
+        change.clump_l[clump] += l;
+        let turning = body.inverse(l);
+        for &(ball, arm) in &body.members {
+            change.v[ball] += v + turning.cross(body.q * arm);
+            change.l[ball] += turning * self.balls[ball].inertia();
+        }
+        true
+    }
+
+    /// Displacements of the spheres of a rigid body per unit of time by an impulse at the time of contact, which turns their present levers.
+    pub(crate) fn displace_clump(&self, then: &Self, side: Side, p: DVec3, way: &mut Motion) {
+        let mut change = Motion::none(self);
+        then.push_clump(side, p, &mut change);
+        let Some(number) = self.clump_of(side.thing) else { return };
+        let turning = then.clumps[number].inverse(change.clump_l[number]);
+        for &(ball, arm) in &self.clumps[number].members {
+            way.v[ball] += change.clump_v[number] + turning.cross(self.clumps[number].q * arm);
+        }
+    }
+
+    /// A rigid body that is touched on a side, moved back in time with the acceleration `a` of its centre, and its spheres.
+    pub(crate) fn clump_back(&mut self, side: Side, a: DVec3, tau: f64, curved: bool) {
+        let Some(Spot { clump, lever, .. }) = self.spot(side) else { return };
+        let spin = self.clumps[clump].spin();
+        let v = self.velocity(side, &Motion::of(self)) - spin.cross(lever);
+        let body = &mut self.clumps[clump];
+        body.x += if curved { 0.5 * tau * tau * a } else { DVec3::ZERO } - tau * v;
+        body.v = v - tau * a;
+        body.q = body.turned(body.l, -tau);
+        self.place_clump(clump);
+    }
+
+    /// Moves a rigid body forward in time from `then`, when the impulse acted on it.
+    pub(crate) fn clump_forth(&mut self, then: &Self, number: usize, tau: f64, impulse: &Motion) {
+        let (body, before) = (&mut self.clumps[number], &then.clumps[number]);
+        body.x += tau * impulse.clump_v[number];
+        body.q = before.turned(before.l + impulse.clump_l[number], tau);
+    }
+
+    /// Acceleration of the centre of a rigid body by forces on its spheres, gravity included.
+    pub(crate) fn clump_acceleration(&self, clump: usize) -> DVec3 {
+        let forces = self.pull_forces();
+        let clump = &self.clumps[clump];
+        self.set.gravity + clump.members.iter().map(|&(ball, _)| forces[ball]).sum::<DVec3>() / clump.mass
+    }
+
+    /// Acceleration of the spheres of rigid bodies by forces on all of them, `forces` without gravity.
+    pub(crate) fn pull_clumps(&self, forces: &[DVec3], accelerations: &mut [DVec3]) {
+        for clump in &self.clumps {
+            let force: DVec3 = clump.members.iter().map(|&(ball, _)| forces[ball]).sum();
+            let torque: DVec3 = clump.members.iter().map(|&(ball, _)| (self.balls[ball].x - clump.x).cross(forces[ball])).sum();
+            for &(ball, _) in &clump.members {
+                let lever = self.balls[ball].x - clump.x;
+                accelerations[ball] = self.set.gravity + force / clump.mass + clump.inverse(torque).cross(lever);
+            }
+        }
+    }
+
+    /// Whether a rigid body is on a side of a contact.
     pub(crate) fn has_clump(&self, pair: &Pair) -> bool {
         [pair.a, pair.b].into_iter().any(|thing| self.clump_of(thing).is_some())
     }
@@ -172,13 +247,16 @@ impl World {
 
     /// Places the spheres of rigid bodies.
     pub(crate) fn place_members(&mut self) {
-        for clump in &self.clumps {
-            let spin = clump.spin();
-            for &(ball, arm) in &clump.members {
-                let (ball, arm) = (&mut self.balls[ball], clump.q * arm);
-                (ball.x, ball.v, ball.q) = (clump.x + arm, clump.v + spin.cross(arm), clump.q);
-                ball.l = spin * ball.inertia();
-            }
+        (0..self.clumps.len()).for_each(|number| self.place_clump(number));
+    }
+
+    fn place_clump(&mut self, number: usize) {
+        let clump = &self.clumps[number];
+        let spin = clump.spin();
+        for &(ball, arm) in &clump.members {
+            let (ball, arm) = (&mut self.balls[ball], clump.q * arm);
+            (ball.x, ball.v, ball.q) = (clump.x + arm, clump.v + spin.cross(arm), clump.q);
+            ball.l = spin * ball.inertia();
         }
     }
 
@@ -223,9 +301,9 @@ impl World {
         Some((1.0 + lever / radius).powi(2) / self.clumps[clump].moments.min_element())
     }
 
-    /// Force per approach velocity and reduced mass of a contact of a rigid body.
+    /// Force per approach velocity and reduced mass of a contact of a rigid body, or of one with forces alone.
     pub(crate) fn clump_damping(&self, pair: &Pair, line: &Line) -> f64 {
-        let impact = self.set.collisions && !self.made(Mistake::BodyDamping);
+        let impact = self.set.collisions && (self.has_forces_alone(pair) || self.made(Mistake::BodyDamping));
         let one = if impact { damping_of(self.set.restitution) * self.set.stiffness.sqrt() } else { self.set.damping };
         one * self.wall_factor(pair, line)
     }

@@ -72,8 +72,8 @@ impl World {
         let separating_fast = u < -c && !self.made(Mistake::Separating);
         let new_overlap = u > c && line.o < 2.0 * u * self.dt;
         let mass = self.free_mass(a, line.n) + self.free_mass(b, line.n);
-        let rigid = self.has_clump(pair);
-        let has_rules = self.set.collisions && (!rigid || self.made(Mistake::BodyRules));
+        let rigid = self.has_clump(pair) || self.has_forces_alone(pair);
+        let has_rules = self.set.collisions && self.may_collide(pair);
         if mass == 0.0 || has_rules && (separating_fast || new_overlap) {
             return None;
         }
@@ -111,7 +111,7 @@ impl World {
     }
 
     /// External forces, springs and tethers on every sphere.
-    fn pull_forces(&self) -> Vec<DVec3> {
+    pub(crate) fn pull_forces(&self) -> Vec<DVec3> {
         let mut forces: Vec<DVec3> = self.balls.iter().map(|ball| ball.force).collect();
         for pull in &self.pulls {
             let near = &self.balls[pull.ball];
@@ -153,7 +153,9 @@ impl World {
     pub(crate) fn pulled_accelerations(&self) -> Vec<DVec3> {
         let forces = self.pull_forces();
         let of = |(ball, force): (&Ball, DVec3)| if ball.fixed { DVec3::ZERO } else { self.set.gravity + force / ball.mass };
-        self.balls.iter().zip(forces).map(of).collect()
+        let mut accelerations = self.balls.iter().zip(forces.iter().copied()).map(of).collect::<Vec<_>>();
+        self.pull_clumps(&forces, &mut accelerations);
+        accelerations
     }
 
     /// Accelerations by everything except contacts. Both ends of a capsule have that of its centre (docs/physics.md

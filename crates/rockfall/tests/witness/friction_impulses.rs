@@ -22,7 +22,8 @@ impl World {
         }
         let motion = Motion::of(self);
         let mut change = Motion::none(self);
-        for contact in pressed {
+        // The friction of rigid bodies is a force (docs/physics.md section 4.16).
+        for contact in pressed.iter().filter(|contact| !self.has_clump(&contact.pair)) {
             self.apply_friction_to_one(contact, pressed, &motion, &mut change);
         }
         for (at, ball) in self.balls.iter_mut().enumerate().filter(|(_, ball)| !ball.fixed) {

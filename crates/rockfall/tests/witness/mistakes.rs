@@ -23,7 +23,7 @@ pub(crate) const MISTAKES: [Mistake; 26] = [
     Mistake::BodyLever,
     Mistake::WallFactor,
     Mistake::BodyTurn,
-    Mistake::BodyRules,
+    Mistake::BodyForces,
     Mistake::BodyDamping,
     Mistake::BodyBound,
     Mistake::WallWeights,
@@ -75,9 +75,9 @@ pub(crate) enum Mistake {
     WallFactor,
     /// Rigid bodies turn about their angular velocity.
     BodyTurn,
-    /// Contacts of rigid bodies have no force where those of spheres have none.
-    BodyRules,
-    /// Contacts of rigid bodies damp as those of spheres do.
+    /// Contacts of rigid bodies get no impulses, and forces at every overlap.
+    BodyForces,
+    /// Contacts of rigid bodies damp as those with forces alone.
     BodyDamping,
     /// The bound of friction ignores the distance of a contact from the centre of a rigid body.
     BodyBound,

@@ -162,6 +162,9 @@ impl World {
 
     /// Changes by an impulse `p` on a side, before the projection of networks.
     pub(crate) fn give(&self, side: Side, p: DVec3, change: &mut Motion) {
+        if self.push_clump(side, p, change) {
+            return;
+        }
         match self.capsule_of(side) {
             Some((rigid, at)) => {
                 let turns = if self.made(Mistake::CapsuleTorque) { 0.0 } else { 1.0 };
@@ -187,6 +190,9 @@ impl World {
 
     /// Inverse mass of a side along a unit vector, before the projection of networks.
     pub(crate) fn unprojected(&self, side: Side, n: DVec3) -> f64 {
+        if let Some(mass) = self.clump_mass(side, n) {
+            return mass;
+        }
         match self.capsule_of(side) {
             Some((rigid, at)) => 1.0 / rigid.mass + rigid.torque(at, n).length_squared() / rigid.it,
             None => self.shares(side).into_iter().map(|(ball, share)| share * share * self.balls[ball].w()).sum(),
@@ -208,6 +214,9 @@ impl World {
     /// Changes of a body that is not a capsule by a unit impulse along n on a side.
     pub(crate) fn pushed(&self, body: Body, side: Side, n: DVec3) -> Motion {
         let mut change = Motion::none(self);
+        if self.push_clump(side, n, &mut change) {
+            return change;
+        }
         for (ball, share) in self.shares(side).into_iter().filter(|&(ball, _)| self.body[ball] == Some(body)) {
             change.v[ball] += share * self.balls[ball].w() * n;
         }

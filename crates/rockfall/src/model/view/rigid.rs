@@ -34,7 +34,12 @@ pub(crate) struct RigidRecord {
 impl RigidRecord {
     /// A vector times the tensor of the inverse inertia times itself.
     pub(crate) fn by_inverse_inertia(&self, v: Vec3) -> f32 {
-        v.dot(times(self.inverse_inertia, v))
+        v.dot(self.spin_of(v))
+    }
+
+    /// The angular velocity of an angular momentum.
+    pub(crate) fn spin_of(&self, momentum: Vec3) -> Vec3 {
+        times(self.inverse_inertia, momentum)
     }
 }
 
@@ -122,7 +127,24 @@ impl View<'_> {
         }
     }
 
-    /// Whether one of two objects is a part of a rigid body. Such a contact exerts forces alone.
+    /// Whether the contact of two objects exerts forces and gets no impulses (docs/physics.md section 4.16).
+    pub(crate) fn has_forces_alone(&self, objects: [Object; 2]) -> bool {
+        self.step.layout.rigid_bodies > 0 && objects.into_iter().any(|object| self.is_forced(object))
+    }
+
+    /// Whether all contacts of an object exert forces alone: it is a part of a box of a rigid body, or a rod that ends in a body and
+    /// does not belong to it.
+    fn is_forced(&self, object: Object) -> bool {
+        let is_loose = || match object {
+            Object::Rod(rod) => {
+                self.body_of(object).is_none() && self.rod(rod).ends.into_iter().any(|end| self.body_of_sphere(end).is_some())
+            }
+            _ => false,
+        };
+        self.part_of_box(object).is_some() || is_loose()
+    }
+
+    /// Whether one of two objects is a part of a rigid body.
     pub(crate) fn touches_body(&self, objects: [u32; 2]) -> bool {
         self.step.layout.rigid_bodies > 0 && objects.into_iter().any(|id| self.body_of(self.object(id)).is_some())
     }

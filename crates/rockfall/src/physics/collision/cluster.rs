@@ -9,9 +9,9 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::model::impulse::Impulse;
+use crate::model::impulse::{BodyPush, Impulse};
 use crate::model::layout::{SWEEP_SIZES, SWEEPS};
-use crate::model::view::View;
+use crate::model::view::{RigidRecord, View};
 use crate::physics::collision::body::{Body, Capsule, Part};
 use crate::physics::collision::networks::Network;
 use crate::physics::collision::{Change, Collision};
@@ -33,6 +33,7 @@ pub(super) struct Touching {
 pub(super) struct Outcome {
     pub(super) impulses: Vec<Impulse>,
     pub(super) changes: Vec<Change>,
+    pub(super) pushes: Vec<BodyPush>,
     /// Whether the rods of a network could not be solved.
     pub(super) is_unsolved: bool,
 }
@@ -42,6 +43,7 @@ enum Moved {
     Sphere { sphere: u32, inverse_mass: f32, velocity: Vec3 },
     Capsule { capsule: Capsule, velocity: Vec3, spin: Vec3 },
     Network { network: Network, impulses: Vec<DVec3>, velocities: Vec<DVec3> },
+    Rigid { record: RigidRecord, push: BodyPush },
 }
 
 impl Moved {
@@ -56,6 +58,7 @@ impl Moved {
                 let none = vec![DVec3::ZERO; network.spheres.len()];
                 Self::Network { network, impulses: none.clone(), velocities: none }
             }
+            Body::Rigid(body) => Self::Rigid { record: view.rigid_body(body), push: BodyPush { body, ..BodyPush::default() } },
         }
     }
 
@@ -65,6 +68,7 @@ impl Moved {
             Self::Sphere { velocity, .. } => *velocity = Vec3::ZERO,
             Self::Capsule { velocity, spin, .. } => (*velocity, *spin) = (Vec3::ZERO, Vec3::ZERO),
             Self::Network { impulses, .. } => impulses.fill(DVec3::ZERO),
+            Self::Rigid { push, .. } => *push = BodyPush { body: push.body, ..BodyPush::default() },
         }
     }
 
@@ -78,6 +82,10 @@ impl Moved {
             }
             Self::Network { network, impulses, .. } => {
                 each_place(network, part, |place, share| impulses[place] += f64::from(size * share) * n.as_dvec3());
+            }
+            Self::Rigid { record, push } => {
+                push.velocity += size * record.inverse_mass * n;
+                push.angular_momentum += size * part.torque;
             }
         }
     }
@@ -99,12 +107,13 @@ impl Moved {
                 each_place(network, part, |place, share| along += f64::from(share) * n.as_dvec3().dot(velocities[place]));
                 along as f32
             }
+            Self::Rigid { record, push } => n.dot(push.velocity) + part.torque.dot(record.spin_of(push.angular_momentum)),
         }
     }
 
-    /// The change of the velocity along n by a unit impulse. On a network, the call discards all impulses added so far.
+    /// The change of the velocity along n by a unit impulse. On a network or a rigid body, the call discards all impulses added so far.
     fn inverse_mass(&mut self, part: &Part, n: Vec3) -> f32 {
-        if !matches!(self, Self::Network { .. }) {
+        if !matches!(self, Self::Network { .. } | Self::Rigid { .. }) {
             return part.inverse_mass;
         }
         self.clear();
@@ -120,7 +129,7 @@ impl Moved {
         match self {
             Self::Sphere { .. } => inverse_mass * here.map(|other| n.dot(all[other.collision].touch.normal).abs()).sum::<f32>(),
             Self::Capsule { .. } => inverse_mass * here.count() as f32,
-            Self::Network { .. } => {
+            Self::Network { .. } | Self::Rigid { .. } => {
                 let mut others: Vec<usize> = here.map(|other| other.collision).collect();
                 others.dedup();
                 let sides =
@@ -130,8 +139,10 @@ impl Moved {
         }
     }
 
-    fn changes(&self, changes: &mut Vec<Change>) {
+    fn put_changes(&self, outcome: &mut Outcome) {
+        let changes = &mut outcome.changes;
         match self {
+            Self::Rigid { push, .. } => outcome.pushes.push(*push),
             Self::Sphere { sphere, velocity, .. } => {
                 changes.push(Change { sphere: *sphere, velocity: *velocity, ..Change::default() });
             }
@@ -216,9 +227,9 @@ pub(super) fn solve(view: &View, all: &[Collision], touching: &[Touching], membe
         update_bodies(&rows, &mut moved);
     }
     let of = |row: &Row| Impulse { key: row.collision.key(view), size: row.impulse, direction: row.collision.touch.normal };
-    let mut outcome = Outcome { impulses: rows.iter().map(of).collect(), changes: Vec::new(), is_unsolved: false };
+    let mut outcome = Outcome { impulses: rows.iter().map(of).collect(), ..Outcome::default() };
     for body in &moved {
-        body.changes(&mut outcome.changes);
+        body.put_changes(&mut outcome);
         outcome.is_unsolved |= matches!(body, Moved::Network { network, .. } if network.is_unsolved);
     }
     outcome

@@ -105,7 +105,7 @@ fn couple_body(k: Record, number: u32, body: Coupled) {
 }
 
 // Whether the change of velocity of a sphere is gathered even if there is room for all neighbours. This is so for spheres
-// of networks only. It must not depend on whether a sphere is large: the brute-force broad phase does not know large
+// of networks only, and for the sides of rigid bodies. It must not depend on whether a sphere is large: the brute-force broad phase does not know large
 // spheres, and the results must be bitwise identical.
 fn is_gathered(sphere: u32) -> bool {
     if !RODS | (inverse_mass(sphere) <= 0.0) {
@@ -120,6 +120,12 @@ fn couple_side(k: Record, number: u32, half: ContactSide, side: f32) {
         return;
     }
     let is_rod = RODS & (half.kind == ROD);
+    if RIGID_BODIES {
+        if half.kind == BODY {
+            gathered |= select(GATHERED_B, GATHERED_A, side > 0.0);
+            return;
+        }
+    }
     if is_gathered(half.spheres.x) | (is_rod && is_gathered(half.spheres.y)) {
         gathered |= select(GATHERED_B, GATHERED_A, side > 0.0);
         return;

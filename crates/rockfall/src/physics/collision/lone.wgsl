@@ -1,5 +1,6 @@
-// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/contact.wgsl
-// requires physics/forces/attached.wgsl physics/forces/free.wgsl physics/round_pair.wgsl physics/forces/muscle.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl physics/walls.wgsl
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/collision/pushed.wgsl
+// requires physics/contact.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_form.wgsl physics/rigid_parts.wgsl
+// requires physics/forces/free.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl physics/walls.wgsl
 
 // Solves lone collisions at their time of contact (docs/physics.md section 3.6). The pair is moved back to the time at
 // which it first touched.
@@ -28,6 +29,11 @@ fn pull_on(half: ContactSide) -> SideAcceleration {
     if half.kind == STATIC {
         return pull;
     }
+    if RIGID_BODIES {
+        if half.kind == BODY {
+            return pull_on_body(rigid_record(rigid_body_of(half.id)));
+        }
+    }
     let w1 = inverse_mass(half.spheres.x);
     if w1 > 0.0 {
         pull.a1 = free_acceleration(half.spheres.x);
@@ -45,6 +51,19 @@ fn pull_on(half: ContactSide) -> SideAcceleration {
         return SideAcceleration(mean, mean);
     }
     return pull;
+}
+
+// The acceleration of the centre of mass of a rigid body.
+fn pull_on_body(record: u32) -> SideAcceleration {
+    var force = vec3f(0.0);
+    if FREE_TABLE {
+        for (var member = 0u; member < topology[record + 13u]; member++) {
+            let sphere = id_of(topology[topology[record + 12u] + member]);
+            force += (free_acceleration(sphere) - step.gravity) / inverse_mass(sphere);
+        }
+    }
+    let mean = step.gravity + float_at(record + 3u) * force;
+    return SideAcceleration(mean, mean);
 }
 
 // The vector d from end 1 to end 2 of a capsule, and the velocity q of end 2 relative to end 1.
@@ -73,6 +92,11 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
         return back;
     }
     let square = select(0.0, 0.5 * tau * tau, with_acceleration);
+    if RIGID_BODIES {
+        if half.kind == BODY {
+            return body_before(half, poise, pull.a1, tau, square);
+        }
+    }
     let w1 = inverse_mass(half.spheres.x);
     if RODS & (half.kind == CAPSULE) {
         let centre = w1 / (w1 + inverse_mass(half.spheres.y));
@@ -86,6 +110,8 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
             moved + (1.0 - centre) * before.d,
             slowed - centre * before.q,
             slowed + (1.0 - centre) * before.q,
+            vec3f(0.0),
+            NO_TURN,
         );
     }
     if w1 > 0.0 {
@@ -97,6 +123,30 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
             back.x2 = poise.x2 - tau * poise.v2 + square * pull.a2;
             back.v2 = poise.v2 - tau * pull.a2;
         }
+    }
+    return back;
+}
+
+// The motion of a side on a rigid body at an earlier time (docs/physics.md section 3.11).
+fn body_before(half: ContactSide, poise: SideMotion, pull: vec3f, tau: f32, square: f32) -> SideMotion {
+    let record = rigid_record(rigid_body_of(half.id));
+    let orientation = orientation_in(record);
+    let moments = moments_in(record);
+    let spin_now = state[momentum_at(half.spheres.x)].xyz * state[momentum_at(half.spheres.x)].w;
+    let momentum = momentum_of_body(orientation, moments, spin_now);
+    let before = freely_turned(orientation, moments, momentum, -tau);
+    let turn = multiply(before, vec4f(-orientation.xyz, orientation.w));
+    let spin = spin_of_body(before, moments, momentum);
+    let touched = mix(poise.x1, poise.x2, half.at) - poise.centre;
+    let velocity = mix(poise.v1, poise.v2, half.at) - cross(spin_now, touched);
+    let centre = poise.centre - tau * velocity + square * pull;
+    let one = turned_vector(turn, poise.x1 - poise.centre);
+    let slowed = velocity - tau * pull;
+    var back = SideMotion(centre + one, centre + one, slowed + cross(spin, one), slowed + cross(spin, one), centre, turn);
+    if RODS & (half.id >= step.spheres) {
+        let two = turned_vector(turn, poise.x2 - poise.centre);
+        back.x2 = centre + two;
+        back.v2 = slowed + cross(spin, two);
     }
     return back;
 }
@@ -158,7 +208,9 @@ fn solve_from(a_id: u32, b_id: u32, feature: u32, found: Touch, start: f32, is_c
         tau = 0.0;
         at_contact = Placed(found, approach_at(a_id, b_id, found));
     }
-    var pushed = Pushed(vec4u(NONE), array<vec3f, 4>(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0)));
+    let no_body = PushedBody(NONE, vec3f(0.0), vec3f(0.0));
+    let none = array<vec3f, 4>(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
+    var pushed = Pushed(vec4u(NONE), none, array<PushedBody, 2>(no_body, no_body));
     push_side(a, moved_back(a, a_now, a_pull, tau, false), -at_contact.touch.n, 0u, &pushed);
     push_side(b, moved_back(b, b_now, b_pull, tau, false), at_contact.touch.n, 2u, &pushed);
     let inverse_mass = at_contact.closing.inverse_mass;
@@ -170,73 +222,6 @@ fn solve_from(a_id: u32, b_id: u32, feature: u32, found: Touch, start: f32, is_c
     }
     let impulse = (1.0 + restitution_of(a_id, b_id)) * at_contact.closing.approach / effective_inverse_mass;
     return Solved(at_contact.touch.n, at_contact.touch.a, at_contact.touch.b, impulse, tau);
-}
-
-// The spheres that a unit impulse of a collision moves, and their changes of velocity. Each side has two places.
-struct Pushed {
-    spheres: vec4u,
-    velocities: array<vec3f, 4>,
-}
-
-fn push_side(half: ContactSide, poise: SideMotion, n: vec3f, place: u32, pushed: ptr<function, Pushed>) {
-    if half.kind == STATIC {
-        return;
-    }
-    (*pushed).spheres[place] = half.spheres.x;
-    (*pushed).velocities[place] = inverse_mass(half.spheres.x) * n;
-    if !RODS | (half.kind == SPHERE) {
-        return;
-    }
-    (*pushed).spheres[place + 1u] = half.spheres.y;
-    if half.kind == ROD {
-        (*pushed).velocities[place] = (1.0 - half.at) * inverse_mass(half.spheres.x) * n;
-        (*pushed).velocities[place + 1u] = half.at * inverse_mass(half.spheres.y) * n;
-        return;
-    }
-    let capsule = capsule_of(half.spheres, poise);
-    let spin = capsule.inverse_inertia * torque_at(capsule, half.at, n);
-    (*pushed).velocities[place] = capsule.inverse_mass * n - cross(spin, capsule.centre * capsule.d);
-    (*pushed).velocities[place + 1u] = capsule.inverse_mass * n + cross(spin, (1.0 - capsule.centre) * capsule.d);
-}
-
-// K of docs/physics.md section 3.6: the second derivative of the energy of springs and tethers, when every sphere is
-// displaced along its change of velocity by a unit impulse. A spring between two of these spheres is visited from both, so
-// each visit counts half. The term with K takes the energy that the displacements add to the springs from the rebound,
-// so that the collision adds no energy.
-fn curvature_along(pushed: Pushed) -> f32 {
-    var sum = 0.0;
-    for (var place = 0u; place < 4u; place++) {
-        let sphere = pushed.spheres[place];
-        if sphere == NONE {
-            continue;
-        }
-        let own = pushed.velocities[place];
-        let range = adjacency(sphere);
-        for (var at = range.x; at < range.y; at++) {
-            let kind = kind_of(topology[at]);
-            let index = index_of(topology[at]);
-            if kind == KIND_SPRING {
-                let spring = step.springs_at + index * SPRING_WORDS;
-                let other = select(topology[spring], topology[spring + 1u], topology[spring] == sphere);
-                var stretch = -own;
-                var part = 1.0;
-                for (var their = 0u; their < 4u; their++) {
-                    if pushed.spheres[their] == other {
-                        stretch += pushed.velocities[their];
-                        part = 0.5;
-                    }
-                }
-                let distance = state[position_at(other)].xyz - state[position_at(sphere)].xyz;
-                let length = rest_length(index, float_at(spring + 3u));
-                sum += part * spring_curvature(distance, stretch, float_at(spring + 2u), length);
-            } else if kind == KIND_TETHER {
-                let tether = step.tethers_at + index * TETHER_WORDS;
-                let distance = vector_at(tether + 1u) - state[position_at(sphere)].xyz;
-                sum += spring_curvature(distance, own, float_at(tether + 4u), float_at(tether + 5u));
-            }
-        }
-    }
-    return sum;
 }
 
 // A pair at an earlier time.

@@ -1,6 +1,6 @@
-// requires model/load_rows.wgsl model/objects.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
+// requires model/load_rows.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
 // requires physics/fine.wgsl physics/forces/rates.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl
-// requires physics/rigid_parts.wgsl
+// requires physics/rigid_parts.wgsl step/bodies/body_rows.wgsl
 
 // The state in which the spheres of bodies are placed.
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
@@ -16,75 +16,28 @@
 // uniform block alone.
 var<private> body_pass: u32;
 
-struct Pose {
-    position: Fine,
-    velocity: vec3f,
-    momentum: vec3f,
-    orientation: vec4f,
-}
-
-// What a body is made of.
-struct Form {
-    moments: Moments,
-    inverse_mass: f32,
-    // First word of its shape, first word of its members, and their number.
-    shape: u32,
-    members: u32,
-    count: u32,
-}
-
-fn form_of(body: u32) -> Form {
-    let record = rigid_record(body);
-    let shape = topology[record + 11u];
-    return Form(
-        Moments(vector_at(shape + 1u), float_at(shape), vec4f(vector_at(shape + 4u), float_at(shape + 7u))),
-        float_at(record + 3u),
-        shape,
-        topology[record + 12u],
-        topology[record + 13u],
-    );
-}
-
-fn body_row(body: u32, place: u32) -> vec4f {
-    return bodies[RIGID_ROWS * body + place];
-}
-
-fn put_row(body: u32, place: u32, row: vec4f) {
-    bodies[RIGID_ROWS * body + place] = row;
-}
-
-// The state at the start of the step.
-fn start_of(body: u32) -> Pose {
-    let place = Fine(body_row(body, 0u).xyz, body_row(body, 1u).xyz);
-    return Pose(place, body_row(body, 2u).xyz, body_row(body, 3u).xyz, body_row(body, 4u));
-}
-
 // The state that forces are evaluated in. The position is that of `start`.
 fn stage_of(body: u32, start: Pose) -> Pose {
-    return Pose(start.position, body_row(body, 9u).xyz, body_row(body, 10u).xyz, body_row(body, 11u));
+    return Pose(start.position, pose_row(body, 9u).xyz, pose_row(body, 10u).xyz, pose_row(body, 11u));
 }
 
 fn put_stage(body: u32, pose: Pose) {
-    put_row(body, 9u, vec4f(pose.velocity, 0.0));
-    put_row(body, 10u, vec4f(pose.momentum, 0.0));
-    put_row(body, 11u, pose.orientation);
-    put_row(body, 12u, vec4f(pose.position.high, 0.0));
-    put_row(body, 13u, vec4f(pose.position.low, 0.0));
+    put_pose_row(body, 9u, vec4f(pose.velocity, 0.0));
+    put_pose_row(body, 10u, vec4f(pose.momentum, 0.0));
+    put_pose_row(body, 11u, pose.orientation);
+    put_pose_row(body, 12u, vec4f(pose.position.high, 0.0));
+    put_pose_row(body, 13u, vec4f(pose.position.low, 0.0));
 }
 
 // Adds a rate to one of the sums over the evaluations.
 fn add_to_sum(body: u32, place: u32, rate: vec3f) -> vec3f {
     var before = vec3f(0.0);
     if body_pass != 0u {
-        before = body_row(body, place).xyz;
+        before = pose_row(body, place).xyz;
     }
     let sum = before + rate;
-    put_row(body, place, vec4f(sum, 0.0));
+    put_pose_row(body, place, vec4f(sum, 0.0));
     return sum;
-}
-
-fn place_of_member(form: Form, member: u32) -> vec3f {
-    return vector_at(form.shape + SHAPE_WORDS + 3u * member);
 }
 
 // The rates of change from the loads of the members, which were evaluated in the state `pose` (docs/physics.md section 4.16).
@@ -130,10 +83,10 @@ fn finished(body: u32, form: Form) -> Pose {
     let rates = rates_of(form, stage_of(body, start));
     let sixth = step.dt / 6.0;
     return Pose(
-        fine_moved(start.position, step.dt * (start.velocity + sixth * body_row(body, 6u).xyz)),
-        start.velocity + sixth * (body_row(body, 5u).xyz + rates.acceleration),
-        start.momentum + sixth * (body_row(body, 7u).xyz + rates.torque),
-        freely_turned(start.orientation, form.moments, start.momentum + sixth * body_row(body, 8u).xyz, step.dt),
+        fine_moved(start.position, step.dt * (start.velocity + sixth * pose_row(body, 6u).xyz)),
+        start.velocity + sixth * (pose_row(body, 5u).xyz + rates.acceleration),
+        start.momentum + sixth * (pose_row(body, 7u).xyz + rates.torque),
+        freely_turned(start.orientation, form.moments, start.momentum + sixth * pose_row(body, 8u).xyz, step.dt),
     );
 }
 
@@ -165,10 +118,6 @@ fn keep_rates(body: u32, rates: Rates) {
     }
 }
 
-fn pose_is_finite(pose: Pose) -> bool {
-    return finite(pose.position.high) & finite(pose.velocity) & finite(pose.momentum) & finite(pose.orientation.xyz) & finite(pose.orientation.www);
-}
-
 // The number of the pass in a report of a state that is not finite.
 fn reported_stage() -> u32 {
     if body_pass < 4u {
@@ -188,7 +137,7 @@ fn stopped_body(body: u32, form: Form) -> Pose {
 // Velocity Verlet: the second half of the kick.
 fn after_kick(body: u32, form: Form) -> Pose {
     var pose = stage_of(body, start_of(body));
-    pose.position = Fine(body_row(body, 12u).xyz, body_row(body, 13u).xyz);
+    pose.position = Fine(pose_row(body, 12u).xyz, pose_row(body, 13u).xyz);
     let rates = rates_of(form, pose);
     pose.velocity += 0.5 * step.dt * rates.acceleration;
     pose.momentum += 0.5 * step.dt * rates.torque;
@@ -225,6 +174,17 @@ fn moved_body(body: u32, form: Form) -> Pose {
     return pose;
 }
 
+// The velocity of a sphere at the time of the positions, after an impulse has changed the one that integrators read.
+fn present_after(i: u32, before: vec4f, after: vec4f) -> vec4f {
+    if HALF_STEP {
+        let at = 4u * step.spheres + i;
+        let present = vec4f(state[at].xyz + (after.xyz - before.xyz), after.w);
+        state[at] = present;
+        return present;
+    }
+    return after;
+}
+
 // Places the member spheres, and their orientations at the end of the step.
 fn place_members(form: Form, pose: Pose, is_new: bool) {
     let spin = spin_of_body(pose.orientation, form.moments, pose.momentum);
@@ -233,7 +193,8 @@ fn place_members(form: Form, pose: Pose, is_new: bool) {
         let lever = turned_vector(pose.orientation, place_of_member(form, member));
         let place = fine_moved(pose.position, lever);
         let radius = state[position_at(i)].w;
-        let velocity = vec4f(pose.velocity + cross(spin, lever), state[velocity_at(i)].w);
+        let before = state[velocity_at(i)];
+        let velocity = vec4f(pose.velocity + cross(spin, lever), before.w);
         let inverse_inertia = state[momentum_at(i)].w;
         state[position_at(i)] = vec4f(place.high, radius);
         state[velocity_at(i)] = velocity;
@@ -246,6 +207,8 @@ fn place_members(form: Form, pose: Pose, is_new: bool) {
         }
         if body_pass == AFTER_EULER {
             request_rebuild(i, vec4f(place.high, radius), velocity);
+        } else if body_pass == AFTER_COLLISIONS {
+            request_rebuild(i, vec4f(place.high, radius), present_after(i, before, velocity));
         }
     }
 }
@@ -264,7 +227,7 @@ fn put_record(body: u32, form: Form, pose: Pose) {
     var diagonal = vec3f(form.moments.middle);
     var mixed = vec3f(0.0);
     for (var k = 0u; k < 3u; k++) {
-        let axis = axis_of(pose.orientation, form.moments, k);
+        let axis = principal_axis(pose.orientation, form.moments, k);
         diagonal += form.moments.excess[k] * axis * axis;
         mixed += form.moments.excess[k] * axis.xxy * axis.yzz;
     }
@@ -272,6 +235,17 @@ fn put_record(body: u32, form: Form, pose: Pose) {
     put_vector(record + 7u, mixed);
     put_vector(record + 14u, pose.orientation.xyz);
     topology[record + 17u] = bitcast<u32>(pose.orientation.w);
+}
+
+// Places the spheres of a body that impulses have changed.
+fn place_pushed(body: u32, form: Form) {
+    if (pose_row(body, PUSHED_ROW).w == 0.0) | (atomicLoad(&status.collided) != 2u) {
+        return;
+    }
+    put_pose_row(body, PUSHED_ROW, vec4f(0.0));
+    let pose = start_of(body);
+    place_members(form, pose, true);
+    put_record(body, form, pose);
 }
 
 @compute @workgroup_size(64)
@@ -301,14 +275,14 @@ fn move_bodies(
     if atomicLoad(&status.rejected) != 0u {
         return;
     }
+    if body_pass == AFTER_COLLISIONS {
+        place_pushed(body, form);
+        return;
+    }
     let pose = moved_body(body, form);
     let is_new = (body_pass == 3u) | (body_pass >= AFTER_KICK);
     if is_new {
-        put_row(body, 0u, vec4f(pose.position.high, 0.0));
-        put_row(body, 1u, vec4f(pose.position.low, 0.0));
-        put_row(body, 2u, vec4f(pose.velocity, 0.0));
-        put_row(body, 3u, vec4f(pose.momentum, 0.0));
-        put_row(body, 4u, pose.orientation);
+        put_pose(body, pose);
     } else {
         put_stage(body, pose);
     }

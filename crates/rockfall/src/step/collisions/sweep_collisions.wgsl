@@ -1,4 +1,5 @@
-// requires model/objects.wgsl model/collision_state.wgsl model/step.wgsl physics/collision.wgsl physics/collision/impulses.wgsl
+// requires model/objects.wgsl model/collision_state.wgsl model/step.wgsl physics/collision.wgsl physics/collision/body_impulses.wgsl
+// requires physics/collision/impulses.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl
 // requires physics/collision/cluster.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
@@ -27,10 +28,24 @@ fn change_of(sphere: u32, sweeps: u32) -> vec3f {
     return w * impulses_on(sphere, sweeps);
 }
 
+// The change of the velocity of the side of a rigid body, at the contact, after this number of sweeps.
+fn change_on_body(half: ContactSide, sweeps: u32) -> vec3f {
+    let body = rigid_body_of(half.id);
+    let record = rigid_record(body);
+    let kick = body_kick(body, sweeps);
+    let turning = by_inverse_inertia(record, kick.torque);
+    return float_at(record + 3u) * kick.impulse + cross(turning, lever_on_body(record, half.id, half.at));
+}
+
 // The change of velocity of one side of a contact, at the contact, after this number of sweeps.
 fn change_at(half: ContactSide, sweeps: u32) -> vec3f {
     if half.kind == STATIC {
         return vec3f(0.0);
+    }
+    if RIGID_BODIES {
+        if half.kind == BODY {
+            return change_on_body(half, sweeps);
+        }
     }
     if !RODS | (half.kind == SPHERE) {
         return change_of(half.spheres.x, sweeps);
