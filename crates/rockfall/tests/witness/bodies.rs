@@ -305,7 +305,7 @@ impl World {
     pub(crate) fn clump_damping(&self, pair: &Pair, line: &Line) -> f64 {
         let impact = self.set.collisions && (self.has_forces_alone(pair) || self.made(Mistake::BodyDamping));
         let one = if impact { damping_of(self.set.restitution) * self.set.stiffness.sqrt() } else { self.set.damping };
-        one * self.wall_factor(pair, line)
+        one * self.wall_factor(pair, line) * self.pair_factor(pair, line)
     }
 
     /// The factor of the damping of a contact with a wall that other spheres of the body touch too.
@@ -328,6 +328,47 @@ impl World {
         let torque = moment.cross(line.n);
         let q = sum * sum / clump.mass + torque.dot(clump.inverse(torque));
         (w(this) * p / q).sqrt()
+    }
+
+    /// What contacts of a sphere act on: its rigid body or itself. The inverse mass of its centre, and of a lever under a torque.
+    fn responses(&self, ball: usize) -> (f64, DVec3, impl Fn(DVec3) -> f64 + '_) {
+        let clump = self.clump_at(ball).map(|clump| &self.clumps[clump]);
+        let inverse_mass = clump.map_or_else(|| self.balls[ball].w(), |clump| 1.0 / clump.mass);
+        let centre = clump.map_or(self.balls[ball].x, |clump| clump.x);
+        (inverse_mass, centre, move |torque: DVec3| clump.map_or(0.0, |clump| torque.dot(clump.inverse(torque))))
+    }
+
+    /// The factor of the damping of a contact of two spheres whose bodies have other contacts with each other.
+    fn pair_factor(&self, pair: &Pair, line: &Line) -> f64 {
+        let (Thing::Ball(one), Thing::Ball(two)) = (pair.a, pair.b) else { return 1.0 };
+        if self.made(Mistake::PairFactor) {
+            return 1.0;
+        }
+        let balls = |ball: usize| match self.clump_at(ball) {
+            Some(clump) => self.clumps[clump].members.iter().map(|member| member.0).collect(),
+            None => vec![ball],
+        };
+        let ((mass_a, centre_a, turn_a), (mass_b, centre_b, turn_b)) = (self.responses(one), self.responses(two));
+        let inverse_mass = |x: DVec3, y: DVec3, n: DVec3| {
+            mass_a + turn_a((x - centre_a).cross(n)) + mass_b + turn_b((y - centre_b).cross(n))
+        };
+        let own = inverse_mass(self.balls[one].x, self.balls[two].x, line.n);
+        let (mut p, mut sum, mut force, mut on_a, mut on_b) = (0.0, 0.0, DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
+        for (a, b) in balls(one).into_iter().flat_map(|a| balls(two).into_iter().map(move |b| (a, b))) {
+            let [x, y] = [a, b].map(|ball| self.balls[ball].x);
+            let (o, n) = if (a, b) == (one, two) {
+                (line.o, line.n)
+            } else {
+                (self.balls[a].radius + self.balls[b].radius - x.distance(y), (y - x).normalize_or_zero())
+            };
+            if o > 0.0 {
+                let push = own / inverse_mass(x, y, n) * o;
+                (p, sum, force) = (p + push * o, sum + push, force + push * n);
+                (on_a, on_b) = (on_a + push * (x - centre_a).cross(n), on_b + push * (y - centre_b).cross(n));
+            }
+        }
+        let response = (mass_a + mass_b) * force.length_squared() + turn_a(on_a) + turn_b(on_b);
+        (own * p / response.max(0.25 * (mass_a + mass_b) * sum * sum)).sqrt()
     }
 
     /// Turns the loads of the spheres of rigid bodies into rates of change of the bodies.

@@ -1,7 +1,7 @@
 //! Deliberate mistakes of the witness, by which the comparison itself is checked.
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 26] = [
+pub(crate) const MISTAKES: [Mistake; 27] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -22,6 +22,7 @@ pub(crate) const MISTAKES: [Mistake; 26] = [
     Mistake::Belts,
     Mistake::BodyLever,
     Mistake::WallFactor,
+    Mistake::PairFactor,
     Mistake::BodyTurn,
     Mistake::BodyForces,
     Mistake::BodyDamping,
@@ -73,6 +74,8 @@ pub(crate) enum Mistake {
     BodyLever,
     /// Several contacts of a rigid body with a wall damp as if each were alone.
     WallFactor,
+    /// Several contacts of two bodies damp as if each were alone.
+    PairFactor,
     /// Rigid bodies turn about their angular velocity.
     BodyTurn,
     /// Contacts of rigid bodies get no impulses, and forces at every overlap.
