@@ -156,16 +156,8 @@ impl World {
             then = self.clone();
             (contact.line, self.closing(&pair, &contact.line))
         });
-        let mass: f64 = sides(&pair, &line).into_iter().map(|side| then.unprojected(side, line.n)).sum();
-        let mut unit = Motion::none(self);
-        for side in sides(&pair, &line) {
-            then.give(side, side.sign * line.n, &mut unit);
-        }
-        // The displacements change the energy of springs to second order in tau. Without this term every collision
-        // would add energy.
-        let work = tau * tau * self.curvature(&self.displacements(&then, &pair, &line));
-        let springs = if self.made(Mistake::SpringWork) { 0.0 } else { work };
-        contact.j = (1.0 + self.elasticity()) * u / (mass + springs).max(0.5 * mass);
+        let (unit, j) = self.lone_impulse(&then, &pair, &line, u, tau);
+        contact.j = j;
         contact.tau = tau;
         let mut impulse = Motion::none(self);
         impulse.add(&unit, contact.j);
@@ -185,6 +177,20 @@ impl World {
                 Body::Network(_) => {}
             }
         }
+    }
+
+    /// The changes by a unit impulse at the time of contact, and the impulse of a lone collision with the approach velocity `u`.
+    fn lone_impulse(&self, then: &Self, pair: &Pair, line: &Line, u: f64, tau: f64) -> (Motion, f64) {
+        let mass: f64 = sides(pair, line).into_iter().map(|side| then.unprojected(side, line.n)).sum();
+        let mut unit = Motion::none(self);
+        for side in sides(pair, line) {
+            then.give(side, side.sign * line.n, &mut unit);
+        }
+        // The displacements change the energy of springs to second order in tau. Without this term every collision
+        // would add energy.
+        let work = tau * tau * self.curvature(&self.displacements(then, pair, line));
+        let springs = if self.made(Mistake::SpringWork) { 0.0 } else { work };
+        (unit, (1.0 + self.elasticity()) * u / (mass + springs).max(0.5 * mass))
     }
 
     /// Displacement of every sphere per unit of time since the contact, caused by a unit impulse at the time of
