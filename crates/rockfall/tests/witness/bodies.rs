@@ -349,9 +349,8 @@ impl World {
             None => vec![ball],
         };
         let ((mass_a, centre_a, turn_a), (mass_b, centre_b, turn_b)) = (self.responses(one), self.responses(two));
-        let inverse_mass = |x: DVec3, y: DVec3, n: DVec3| {
-            mass_a + turn_a((x - centre_a).cross(n)) + mass_b + turn_b((y - centre_b).cross(n))
-        };
+        let inverse_mass =
+            |x: DVec3, y: DVec3, n: DVec3| mass_a + turn_a((x - centre_a).cross(n)) + mass_b + turn_b((y - centre_b).cross(n));
         let own = inverse_mass(self.balls[one].x, self.balls[two].x, line.n);
         let (mut p, mut sum, mut force, mut on_a, mut on_b) = (0.0, 0.0, DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
         for (a, b) in balls(one).into_iter().flat_map(|a| balls(two).into_iter().map(move |b| (a, b))) {
