@@ -327,7 +327,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("loads", 0, "chain.wgsl", "towards > 0.5 + AT_END", "towards > 0.3", Buffer::Wrenches),
     Mistake("rod_loads", 0, "chain.wgsl", "if radius * radius > part", "if 4.0 * radius * radius > part", Buffer::Wrenches),
     Mistake("find_collisions", 0, "chain.wgsl", "> INSIDE_ROD *", "> -INSIDE_ROD *", Buffer::Lists),
-    Mistake("move_walls", 1, "move_walls.wgsl", "(pass_.index % EARLY + 1u) / 2u", "pass_.index / 2u", Buffer::Topology),
+    Mistake("move_walls", 1, "move_walls.wgsl", "(pass_.index + 1u) / 2u", "pass_.index / 2u", Buffer::Topology),
     Mistake(
         "move_walls",
         1,
