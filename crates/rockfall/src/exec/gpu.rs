@@ -10,6 +10,7 @@ mod array;
 mod check;
 mod copiers;
 mod device;
+mod early;
 mod exchange;
 mod fault;
 mod kernel;

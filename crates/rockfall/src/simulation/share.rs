@@ -71,7 +71,8 @@ impl Rows {
         shared.own.iter().for_each(|index| own[*index as usize] = true);
         let is_verlet = !simulation.world.rates.is_empty();
         #[cfg(feature = "gpu")]
-        let link = simulation.engine.gpu_world().map(|world| Link::new(world, &shared, is_verlet).map(Arc::new)).transpose()?;
+        let link =
+            simulation.engine.gpu_world().map(|world| Link::new(world.gpu(), &shared, is_verlet).map(Arc::new)).transpose()?;
         #[cfg(feature = "gpu")]
         link.iter().for_each(|link| simulation.engine.set_link(Arc::clone(link)));
         // All cores compute forces on the CPU, so nothing is gained there by what is computed early.
@@ -139,7 +140,7 @@ impl Rows {
     pub(crate) fn take(&mut self, simulation: &Simulation, to: &mut [Vec<u32>]) -> Result<()> {
         #[cfg(feature = "gpu")]
         if let (Some(link), Some(world)) = (&self.link, simulation.engine.gpu_world()) {
-            return engine::block_on(simulation.engine.waiter(), link.take(world, to));
+            return engine::block_on(simulation.engine.waiter(), link.take(&world.shared_arrays(false)?, to));
         }
         self.find(simulation);
         for (words, sent) in to.iter_mut().zip(&self.shared.sent) {
@@ -155,7 +156,7 @@ impl Rows {
         simulation.synced = false;
         #[cfg(feature = "gpu")]
         if let (Some(link), Some(world)) = (&self.link, simulation.engine.gpu_world()) {
-            return link.put(world, from, dt);
+            return link.put(&world.shared_arrays(false)?, from, dt);
         }
         for (words, received) in from.iter().zip(&self.shared.received) {
             let rows = words.chunks_exact(SENT_WORDS).zip(received);

@@ -5,9 +5,9 @@ use bytemuck::{Pod, Zeroable, bytes_of};
 
 use crate::error::{Error, Result};
 use crate::exec::gpu::fault::catch;
-use crate::exec::gpu::memory::{READ_BACK, make_buffer};
+use crate::exec::gpu::memory::{READ_BACK, UNIFORM, make_buffer};
 use crate::exec::gpu::wait::Mapped;
-use crate::exec::gpu::world::{GpuWorld, UNIFORM};
+use crate::exec::gpu::world::GpuWorld;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
 use crate::model::layout::RIGID_ROWS;

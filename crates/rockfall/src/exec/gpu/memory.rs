@@ -77,6 +77,8 @@ fn stage_buffers(stage: &Stage) -> impl Iterator<Item = Buffer> {
     stage.bindings.iter().map(|binding| binding.slot.buffer(0))
 }
 
+/// Usage of a uniform block.
+pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 /// Usage of a buffer that the host reads.
 pub(crate) const READ_BACK: wgpu::BufferUsages = wgpu::BufferUsages::MAP_READ.union(wgpu::BufferUsages::COPY_DST);
 

@@ -13,15 +13,11 @@ use crate::error::Result;
 use crate::exec::gpu::copiers::Copiers;
 use crate::exec::gpu::device::Gpu;
 use crate::exec::gpu::fault::catch;
-use crate::exec::gpu::memory::{READ_BACK, make_buffer};
+use crate::exec::gpu::memory::{READ_BACK, UNIFORM, make_buffer};
 use crate::exec::gpu::wait::Mapped;
-use crate::exec::gpu::world::{GpuWorld, UNIFORM};
-use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
-use crate::model::layout::EARLY;
 use crate::model::shared::{SENT_WORDS, Shared};
 use crate::model::status::Status;
-use crate::step::stage::Slot;
 
 /// Threads per workgroup in `share.wgsl`.
 const THREADS: u32 = 256;
@@ -51,30 +47,13 @@ struct Table {
 
 /// The arrays of a world that have the rows.
 #[derive(Debug)]
-struct Arrays {
-    spheres: u32,
-    slots_at: u32,
-    state: wgpu::Buffer,
-    topology: wgpu::Buffer,
-    rates: wgpu::Buffer,
-    status: wgpu::Buffer,
-}
-
-impl Arrays {
-    /// Those with the rows after a step, or after the early part of a step.
-    fn of(world: &GpuWorld, is_early: bool) -> Result<Self> {
-        let pass = if is_early { EARLY } else { 0 };
-        let layout = world.step().layout;
-        let whole = |buffer: Buffer| world.buffer(buffer).cloned();
-        Ok(Self {
-            spheres: layout.spheres,
-            slots_at: layout.slots_at,
-            state: whole(Slot::Ended.buffer(pass))?,
-            topology: whole(Buffer::Topology)?,
-            rates: whole(Slot::EndedRates.buffer(pass))?,
-            status: whole(Buffer::Status)?,
-        })
-    }
+pub(crate) struct Arrays {
+    pub(super) spheres: u32,
+    pub(super) slots_at: u32,
+    pub(super) state: wgpu::Buffer,
+    pub(super) topology: wgpu::Buffer,
+    pub(super) rates: wgpu::Buffer,
+    pub(super) status: wgpu::Buffer,
 }
 
 /// What was submitted since a step began.
@@ -116,9 +95,8 @@ impl Link {
     ///
     /// # Errors
     /// [`Error::Device`](crate::Error::Device) when memory runs out, or an array of the world is larger than one binding may be.
-    pub(crate) fn new(world: &GpuWorld, shared: &Shared, is_verlet: bool) -> Result<Self> {
+    pub(crate) fn new(gpu: &Gpu, shared: &Shared, is_verlet: bool) -> Result<Self> {
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-        let gpu = world.gpu().clone();
         let device = gpu.device();
         let made = |name: &str, words: usize| make_buffer(device, name, 4 * words.max(1) as u64, storage);
         let table = |indices: &[u32], width: usize| -> Result<Table> {
@@ -148,7 +126,7 @@ impl Link {
             room: shared.room as f32,
             is_verlet,
             submitted: Mutex::default(),
-            gpu,
+            gpu: gpu.clone(),
         })
     }
 
@@ -169,14 +147,15 @@ impl Link {
         submitted.count == 1
     }
 
-    /// Submits the early part of a step, which an encoder has, and the copies of the rows that are sent.
+    /// Submits the early part of a step, which an encoder has, and the copies of the rows that are sent. `early` has them, and `ended` has
+    /// those after the step.
     ///
     /// # Errors
     /// [`Error::Device`](crate::Error::Device) when the device is lost.
-    pub(super) fn submit_early(&self, world: &GpuWorld, encoder: wgpu::CommandEncoder) -> Result<()> {
-        let taken = self.submit_take(&Arrays::of(world, true)?, encoder)?;
+    pub(super) fn submit_early(&self, early: &Arrays, ended: Arrays, encoder: wgpu::CommandEncoder) -> Result<()> {
+        let taken = self.submit_take(early, encoder)?;
         let mut submitted = lock(&self.submitted);
-        (submitted.taken, submitted.ended) = (Some(taken), Some(Arrays::of(world, false)?));
+        (submitted.taken, submitted.ended) = (Some(taken), Some(ended));
         Ok(())
     }
 
@@ -197,24 +176,46 @@ impl Link {
     /// [`Error::Device`](crate::Error::Device) when the device is lost.
     pub(crate) fn put_early(&self, from: &[Vec<u32>], dt: f32) -> Result<()> {
         let ended = lock(&self.submitted).ended.take();
-        ended.map_or(Ok(()), |arrays| self.put_in(&arrays, from, dt))
+        ended.map_or(Ok(()), |arrays| self.put(&arrays, from, dt))
     }
 
     /// Reads the rows that are sent to each process after a step.
     ///
     /// # Errors
     /// [`Error::Device`](crate::Error::Device) when the device is lost.
-    pub(crate) async fn take(&self, world: &GpuWorld, to: &mut [Vec<u32>]) -> Result<()> {
-        let taken = self.submit_take(&Arrays::of(world, false)?, world.encoder())?;
+    pub(crate) async fn take(&self, arrays: &Arrays, to: &mut [Vec<u32>]) -> Result<()> {
+        let taken = self.submit_take(arrays, self.encoder())?;
         self.read(taken, to).await
     }
 
-    /// Writes the rows that were received after a step. Submits this without waiting for it.
+    /// Writes the rows that were received after a step, and then looks whether a sphere is far. Submits this without waiting for it.
     ///
     /// # Errors
     /// [`Error::Device`](crate::Error::Device) when the device is lost.
-    pub(crate) fn put(&self, world: &GpuWorld, from: &[Vec<u32>], dt: f32) -> Result<()> {
-        self.put_in(&Arrays::of(world, false)?, from, dt)
+    pub(crate) fn put(&self, arrays: &Arrays, from: &[Vec<u32>], dt: f32) -> Result<()> {
+        let (device, queue, mut belt) = (self.gpu.device(), self.gpu.queue(), lock(&self.belt));
+        let mut encoder = self.encoder();
+        catch(device, || {
+            let mut at = 0;
+            for bytes in from.iter().map(|words| cast_slice::<u32, u8>(words)) {
+                if let Some(size) = BufferSize::new(bytes.len() as u64) {
+                    let mut view = belt.write_buffer(&mut encoder, &self.received.words, at, size);
+                    view.copy_from_slice(bytes);
+                    at += size.get();
+                }
+            }
+            belt.finish();
+        })?;
+        self.encode(arrays, &mut encoder, &self.received, "put", 0.0)?;
+        catch(device, || queue.write_buffer(&self.is_far, 0, &[0; 4]))?;
+        self.encode(arrays, &mut encoder, &self.own, "look", dt)?;
+        let submission = catch(device, || {
+            encoder.copy_buffer_to_buffer(&self.is_far, 0, &self.far_staging, 0, 4);
+            queue.submit([encoder.finish()])
+        })?;
+        belt.recall();
+        lock(&self.submitted).far = Some(Mapped::read(&self.far_staging, self.gpu.faults()).after(submission));
+        Ok(())
     }
 
     /// Whether some own sphere may leave its room in a step of `dt` seconds after the one whose rows were put last.
@@ -229,6 +230,10 @@ impl Link {
         drop(view);
         self.far_staging.unmap();
         Ok(is_far)
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
     /// Copies the rows that are sent, after what the encoder has.
@@ -251,33 +256,6 @@ impl Link {
         }
         drop(view);
         self.staging.unmap();
-        Ok(())
-    }
-
-    /// Writes the rows that were received, and then looks whether a sphere is far.
-    fn put_in(&self, arrays: &Arrays, from: &[Vec<u32>], dt: f32) -> Result<()> {
-        let (device, queue, mut belt) = (self.gpu.device(), self.gpu.queue(), lock(&self.belt));
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        catch(device, || {
-            let mut at = 0;
-            for bytes in from.iter().map(|words| cast_slice::<u32, u8>(words)) {
-                if let Some(size) = BufferSize::new(bytes.len() as u64) {
-                    let mut view = belt.write_buffer(&mut encoder, &self.received.words, at, size);
-                    view.copy_from_slice(bytes);
-                    at += size.get();
-                }
-            }
-            belt.finish();
-        })?;
-        self.encode(arrays, &mut encoder, &self.received, "put", 0.0)?;
-        catch(device, || queue.write_buffer(&self.is_far, 0, &[0; 4]))?;
-        self.encode(arrays, &mut encoder, &self.own, "look", dt)?;
-        let submission = catch(device, || {
-            encoder.copy_buffer_to_buffer(&self.is_far, 0, &self.far_staging, 0, 4);
-            queue.submit([encoder.finish()])
-        })?;
-        belt.recall();
-        lock(&self.submitted).far = Some(Mapped::read(&self.far_staging, self.gpu.faults()).after(submission));
         Ok(())
     }
 

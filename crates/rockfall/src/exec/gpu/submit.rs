@@ -10,15 +10,13 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::exec::gpu::fault::catch;
 use crate::exec::gpu::kernel::Kernel;
-use crate::exec::gpu::memory::{READ_BACK, make_buffer};
+use crate::exec::gpu::memory::{READ_BACK, UNIFORM, make_buffer};
 use crate::exec::gpu::split::binding_numbers;
 use crate::exec::gpu::timer::Timer;
 use crate::exec::gpu::wait::Mapped;
-use crate::exec::gpu::world::{GpuWorld, UNIFORM};
+use crate::exec::gpu::world::GpuWorld;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::rows;
-#[cfg(any(test, feature = "mpi"))]
-use crate::model::layout::EARLY;
 use crate::model::layout::{SWEEPS_FEW, SWEEPS_ON};
 use crate::model::status::Status;
 use crate::model::step::{Constants, Pass, Step};
@@ -170,30 +168,6 @@ impl GpuWorld {
         let timer = Timer::new(self, runs, steps.clone())?;
         self.submit(runs, step, steps, None, Some(&timer))?;
         Ok(timer)
-    }
-
-    /// Number of runs up to the last one that computes what other processes need; 0 where nothing is sent after them.
-    #[cfg(any(test, feature = "mpi"))]
-    fn early_runs(&self, runs: &[Run], steps: &Range<u32>) -> usize {
-        let is_last = |run: &Run| run.pass >= EARLY && run.applies(self.step());
-        let count = runs.iter().rposition(is_last).map_or(0, |last| last + 1);
-        let is_taken = self.link.as_ref().is_some_and(|link| link.note_submission()) && steps.len() == 1;
-        if is_taken { count } else { 0 }
-    }
-
-    #[cfg(not(any(test, feature = "mpi")))]
-    fn early_runs(&self, _runs: &[Run], _steps: &Range<u32>) -> usize {
-        0
-    }
-
-    #[cfg(any(test, feature = "mpi"))]
-    fn submit_early(&self, encoder: wgpu::CommandEncoder) -> Result<()> {
-        self.link.as_ref().map_or(Ok(()), |link| link.submit_early(self, encoder))
-    }
-
-    #[cfg(not(any(test, feature = "mpi")))]
-    fn submit_early(&self, _encoder: wgpu::CommandEncoder) -> Result<()> {
-        Ok(())
     }
 
     fn encode_pass(&self, encoder: &mut wgpu::CommandEncoder, runs: &[Run], steps: Range<u32>) -> Result<()> {

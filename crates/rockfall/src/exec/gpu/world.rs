@@ -11,7 +11,7 @@ use crate::exec::gpu::check::check_buffer;
 use crate::exec::gpu::device::Gpu;
 use crate::exec::gpu::fault::catch;
 use crate::exec::gpu::kernel::Kernel;
-use crate::exec::gpu::memory::{bytes_needed, check_sizes, chunk_bytes, make_buffer};
+use crate::exec::gpu::memory::{UNIFORM, bytes_needed, check_sizes, chunk_bytes, make_buffer};
 #[cfg(any(test, feature = "mpi"))]
 use crate::exec::gpu::share::Link;
 use crate::model::buffer::Buffer;
@@ -22,8 +22,6 @@ use crate::profile::BufferSize;
 use crate::step::schedule::Run;
 use crate::step::wgsl::Variant;
 use crate::user_laws::set::KernelLaws;
-
-pub(super) const UNIFORM: wgpu::BufferUsages = wgpu::BufferUsages::UNIFORM.union(wgpu::BufferUsages::COPY_DST);
 
 /// What a world's buffers hold when a step begins; everything else is written before it is read.
 const KEPT: [Buffer; 11] = [
@@ -92,12 +90,6 @@ impl GpuWorld {
         };
         made.upload(world)?;
         Ok(made)
-    }
-
-    /// Says where the rows go that other processes need.
-    #[cfg(any(test, feature = "mpi"))]
-    pub(crate) fn set_link(&mut self, link: Arc<Link>) {
-        self.link = Some(link);
     }
 
     /// The device it lives on.
