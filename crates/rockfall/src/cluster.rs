@@ -145,7 +145,6 @@ impl<R: Ranks> Cluster<R> {
         for _ in 0..steps {
             if self.is_whole(dt) {
                 self.gather()?;
-                self.spare = self.part.take().map(Part::into_simulation).or(self.spare.take());
                 let done = self.whole_step(dt);
                 self.note(done);
                 self.agree([])?;
@@ -185,8 +184,7 @@ impl<R: Ranks> Cluster<R> {
 
     /// Takes a step of the whole scene, before which inlets and outlets act.
     fn whole_step(&mut self, dt: f32) -> Result<()> {
-        let spare = self.spare.take();
-        let mut simulation = match spare {
+        let mut simulation = match self.free_simulation() {
             Some(mut simulation) => {
                 simulation.restore(&self.whole)?;
                 simulation
@@ -204,6 +202,11 @@ impl<R: Ranks> Cluster<R> {
         (whole.report.contacts, whole.report.max_overlap) = (report.contacts, report.max_overlap);
         self.has_rates = true;
         Ok(())
+    }
+
+    /// The simulation of the part or of the last step of the whole scene, to be used again. The part ends.
+    fn free_simulation(&mut self) -> Option<Simulation> {
+        self.part.take().map(Part::into_simulation).or_else(|| self.spare.take())
     }
 
     /// Divides the spheres if one of them may move so far before the next evaluation of forces that a copy could be missing.
@@ -226,8 +229,7 @@ impl<R: Ranks> Cluster<R> {
         }
         self.gather()?;
         self.work.divisions += 1;
-        let spare = self.part.take().map(Part::into_simulation).or(self.spare.take());
-        match Part::new(spare, &self.whole, [self.ranks.rank(), self.ranks.size()], self.reach, dt) {
+        match Part::new(self.free_simulation(), &self.whole, [self.ranks.rank(), self.ranks.size()], self.reach, dt) {
             Ok(part) => self.part = Some(part),
             Err(error) => self.failure = Some(error.to_string()),
         }

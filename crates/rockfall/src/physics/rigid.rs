@@ -54,14 +54,14 @@ fn mixed(view: &View, object: Object, parameter: f32, of: impl Fn(u32) -> Vec3) 
 
 /// Factor of the damping of a contact of objects A and B, which damps as one with the other contacts of the same two bodies.
 /// `inverse_masses` are those of A and B at the contact.
-pub(crate) fn shared_damping(view: &View, [a, b]: [u32; 2], touch: &Touch, inverse_masses: [f32; 2]) -> f32 {
+pub(crate) fn shared_damping(view: &View, ids: [u32; 2], touch: &Touch, inverse_masses: [f32; 2]) -> f32 {
     if view.step.layout.rigid_bodies == 0 || touch.overlap <= 0.0 {
         return 1.0;
     }
-    let (a, b) = (view.object(a), view.object(b));
+    let [a, b] = ids.map(|id| view.object(id));
     match (a, b) {
         (Object::Sphere(own), Object::Cuboid(_) | Object::Polygon(_)) => wall_damping(view, own, touch, inverse_masses[0]),
-        (Object::Sphere(one), Object::Sphere(other)) if [a, b].iter().all(|object| view.part_of_box(*object).is_none()) => {
+        (Object::Sphere(one), Object::Sphere(other)) if view.touches_body(ids) && !view.has_forces_alone([a, b]) => {
             pair_damping(view, [one, other], touch, inverse_masses.iter().sum())
         }
         _ => 1.0,
@@ -136,9 +136,6 @@ const LEAST_RESPONSE: f32 = 0.25;
 fn pair_damping(view: &View, own: [u32; 2], touch: &Touch, inverse_mass: f32) -> f32 {
     let parties = own.map(|sphere| Party::of(view, sphere));
     let [one, other] = &parties;
-    if one.body.is_none() && other.body.is_none() {
-        return 1.0;
-    }
     let reduced = |k: u32, l: u32| view.radius(k) * view.radius(l) / (view.radius(k) + view.radius(l));
     let (mut push, mut energy, mut force, mut torques) = (0.0, 0.0, Vec3::ZERO, [Vec3::ZERO; 2]);
     let pairs = one.spheres(view).filter(|k| {

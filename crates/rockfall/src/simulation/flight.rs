@@ -209,7 +209,7 @@ fn resumed(status: Status) -> Status {
 }
 
 #[cfg(all(test, feature = "gpu", not(target_family = "wasm")))]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::generate::Benchmark;
     use crate::settings::{BroadPhase, Integrator};
@@ -267,8 +267,8 @@ mod tests {
         assert_same_without_escapes(&pile, Integrator::Rk4, BroadPhase::BruteForce, 12);
     }
 
-    #[test]
-    fn steps_are_repeated_with_springs_of_contacts_on_the_gpu() {
+    /// Grains that fly into each other, with the springs of contacts.
+    pub(in crate::simulation) fn soft_pile() -> Scene {
         let mut scene = Scene::new();
         scene.settings.contact_law = ContactLaw::Linear;
         scene.settings.gravity = 60.0;
@@ -281,6 +281,12 @@ mod tests {
             scene.add_sphere(Sphere::new([x, 0.6 + 1.05 * y, z], 0.5).material(soft).velocity(velocity)).unwrap();
         }
         scene.add_box(Cuboid::between([-9.0, -9.0, -9.0], [20.0, 0.0, 20.0]).material(soft)).unwrap();
+        scene
+    }
+
+    #[test]
+    fn steps_are_repeated_with_springs_of_contacts_on_the_gpu() {
+        let scene = soft_pile();
         assert_same_without_escapes(&scene, Integrator::VelocityVerlet, BroadPhase::BruteForce, 12);
         assert_same_without_escapes(&scene, Integrator::SymplecticEuler, BroadPhase::Grid, 12);
     }

@@ -311,23 +311,14 @@ impl Simulation {
 #[cfg(all(test, feature = "gpu", not(target_family = "wasm")))]
 mod tests {
     use super::*;
+    use crate::simulation::flight::tests::soft_pile;
     use crate::simulation::lists::{ListPolicy, MIN_MARGIN};
-    use crate::{Backend, ContactLaw, Cuboid, Integrator, Material, Options, Pair, Scene};
+    use crate::{Backend, Integrator, Options};
 
     /// A pile with the springs of contacts, and every third sphere of it for another process.
     fn shared_pile(integrator: Integrator) -> (Simulation, Rows) {
-        let mut scene = Scene::new();
-        (scene.settings.contact_law, scene.settings.collisions, scene.settings.gravity) = (ContactLaw::Linear, false, 60.0);
-        let soft = scene.add_material(Material::new("soft").density(1.0).young(1e5).poisson(0.25)).unwrap();
-        scene.set_pair(soft, soft, Pair::default().restitution(0.5).friction(0.5).stiffness(900.0)).unwrap();
-        for k in 0..600_u16 {
-            let [x, y, z] = [k % 10, k / 100, k / 10 % 10].map(f32::from);
-            let velocity = [y - 2.5, -f32::from(k % 7), 0.7 * (x - z)];
-            scene.add_sphere(Sphere::new([x, 0.6 + 1.05 * y, z], 0.5).material(soft).velocity(velocity)).unwrap();
-        }
-        scene.add_box(Cuboid::between([-9.0, -9.0, -9.0], [20.0, 0.0, 20.0]).material(soft)).unwrap();
         let options = Options::new().backend(Backend::Gpu).integrator(integrator);
-        let mut simulation = Simulation::with_options(scene, options).unwrap();
+        let mut simulation = Simulation::with_options(soft_pile(), options).unwrap();
         simulation.run(1, 0.02).unwrap();
         let count = simulation.scene.spheres().len() as u32;
         let own: Vec<u32> = (0..count).collect();
