@@ -122,8 +122,8 @@ static MISTAKES: &[Mistake] = &[
         "push_bodies",
         0,
         "body_impulses.wgsl",
-        "fma(cross(lever_on_body(record, row, at_on_row(k, row)), k.n),",
-        "fma(lever_on_body(record, row, at_on_row(k, row)),",
+        "fma(cross(lever_of_record(record, row, k), k.n),",
+        "fma(lever_of_record(record, row, k),",
         Buffer::RigidBodies,
     ),
     Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "+ dot(hold.turning, torque)", "", Buffer::RigidBodies),
@@ -153,13 +153,17 @@ static MISTAKES: &[Mistake] = &[
         "",
         Buffer::Wrenches,
     ),
-    Mistake("loads", 0, "pair_damping.wgsl", "sqrt(ratio * overlap / o)", "1.0", Buffer::Wrenches),
+    Mistake("loads", 0, "pair_damping.wgsl", "sqrt(ratio * met.overlap / o)", "1.0", Buffer::Wrenches),
     Mistake("move_bodies", 6, "move_bodies.wgsl", "put_vector(record + 14u, pose.orientation.xyz);", "", Buffer::Topology),
     Mistake("fill_pairs", 0, "rigid_parts.wgsl", "(body == rigid_body_of(b))", "(body != rigid_body_of(b))", Buffer::Lists),
     Mistake("fill_pairs", 0, "rigid_parts.wgsl", "return (one | other) != 0u;", "return false;", Buffer::Lists),
     Mistake("fill_pairs", 0, "rigid_parts.wgsl", "| (b_sphere & (one != 0u))", "", Buffer::Lists),
     Mistake("loads", 0, "rigid_box.wgsl", "clamp(seen, -box.half,", "clamp(seen, -0.9 * box.half,", Buffer::Wrenches),
-    Mistake("loads", 0, "rigid_box.wgsl", "place = between(solid, other);", "place = between(other, solid);", Buffer::Wrenches),
+    Mistake("loads", 0, "pair_damping.wgsl", "met.lever_a += between(i, j);", "", Buffer::Wrenches),
+    Mistake("find_collisions", 0, "collision.wgsl", "+ cross(momentum.w * momentum.xyz, half.reach)", "", Buffer::Collisions),
+    Mistake("find_collisions", 0, "classify_contacts.wgsl", "return float_at(word + 3u);", "return 0.0;", Buffer::Lists),
+    Mistake("push_bodies", 0, "body_impulses.wgsl", "at_on_row(k, row)) + reach;", "at_on_row(k, row));", Buffer::RigidBodies),
+    Mistake("loads", 0, "rigid_box.wgsl", "return between(solid, other);", "return between(other, solid);", Buffer::Wrenches),
     Mistake("loads", 0, "rigid_box.wgsl", "box.corner - place + far.x * box.i", "box.corner - place", Buffer::Wrenches),
     Mistake("loads", 0, "corners_of_list.wgsl", "(overlap > slack) |", "", Buffer::Wrenches),
     Mistake("loads", 0, "corners_of_list.wgsl", "is_before & (overlap >= -slack)", "false", Buffer::Wrenches),
@@ -833,6 +837,7 @@ fn every_kernel_with_a_mistake_is_rejected() {
     traces.push(rigid::trace(4, Integrator::SymplecticEuler, ContactLaw::Thesis, rigid::Parts::Boxes));
     traces.push(rigid::trace_of_collisions(6, Integrator::Rk4, rigid::Parts::Balls));
     traces.push(rigid::trace_of_collisions(13, Integrator::SymplecticEuler, rigid::Parts::Rods));
+    traces.push(rigid::trace_of_collisions(7, Integrator::Rk4, rigid::Parts::Boxes));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();
     let verdicts = Verdicts::of("parity");
