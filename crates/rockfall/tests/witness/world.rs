@@ -4,6 +4,7 @@ use rockfall::glam::{DQuat, DVec3, Vec3};
 use rockfall::{Integrator, Scene, Settings, SphereState};
 
 use crate::bodies::Clump;
+use crate::boxes::{Core, Part, cores};
 pub(crate) use crate::mistakes::Mistake;
 use crate::walls::{Path, at_rest};
 
@@ -167,6 +168,9 @@ pub(crate) struct World {
     pub(crate) balls: Vec<Ball>,
     pub(crate) bars: Vec<Bar>,
     pub(crate) clumps: Vec<Clump>,
+    /// Boxes of rigid bodies, and what every sphere is of them.
+    pub(crate) cores: Vec<Core>,
+    pub(crate) parts: Vec<Part>,
     pub(crate) pulls: Vec<Pull>,
     /// Walls where they are at `time`.
     pub(crate) blocks: Vec<Block>,
@@ -224,10 +228,13 @@ impl World {
             group: rod.group,
         });
         let (blocks, faces) = at_rest(scene);
+        let (cores, parts) = cores(scene, number);
         let mut world = Self {
             balls: balls.collect(),
             bars: bars.collect(),
             clumps: Clump::all(scene, number),
+            cores,
+            parts,
             pulls: pulls(scene, number),
             blocks: blocks.clone(),
             faces: faces.clone(),
