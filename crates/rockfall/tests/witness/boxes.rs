@@ -185,7 +185,8 @@ impl World {
         let depths = core.half - d.abs();
         let face = (1..3).fold(0, |least, k| if depths[k] < depths[least] { k } else { least });
         let side = if d[face] < 0.0 { -1.0 } else { 1.0 };
-        (turn * (side * DVec3::AXES[face]), -depths[face], turn * c)
+        let n = side * DVec3::AXES[face];
+        (turn * n, -depths[face], turn * (c + depths[face] * n))
     }
 
     /// Contact line of a solid, which is A, with a point or a sphere.
