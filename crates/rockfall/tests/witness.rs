@@ -18,6 +18,8 @@ mod bricks;
 mod chains;
 #[path = "witness/closed.rs"]
 mod closed;
+#[path = "witness/closed_boxes.rs"]
+mod closed_boxes;
 #[path = "witness/closed_surfaces.rs"]
 mod closed_surfaces;
 #[path = "witness/clumps.rs"]

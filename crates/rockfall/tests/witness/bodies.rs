@@ -3,7 +3,7 @@
 use rockfall::glam::{DQuat, DVec3};
 use rockfall::{RigidBody, Scene, Sphere, SphereId, SphereState};
 
-use crate::boxes::{BOX_IMPULSES, places};
+use crate::boxes::places;
 use crate::geometry::{Line, Pair, Thing};
 use crate::sides::{Motion, Side, sides};
 use crate::world::{Ball, Body, Mistake, World};
@@ -160,7 +160,7 @@ impl World {
     /// Whether a contact exerts forces and gets no impulses: that of a rod that ends in a rigid body without being a part of
     /// it.
     pub(crate) fn has_forces_alone(&self, pair: &Pair) -> bool {
-        let of_box = !BOX_IMPULSES && self.has_box(pair);
+        let of_box = !self.rules.box_impulses && self.has_box(pair);
         of_box || [pair.a, pair.b].into_iter().any(|thing| match thing {
             Thing::Bar(bar) => {
                 self.clump_of(thing).is_none() && self.bars[bar].ends.iter().any(|&end| self.clump_at(end).is_some())
@@ -171,10 +171,15 @@ impl World {
 
     /// Changes of a rigid body and its spheres by an impulse `p` on a side.
     pub(crate) fn push_clump(&self, side: Side, p: DVec3, change: &mut Motion) -> bool {
+        self.push_and_turn_clump(side, p, DVec3::ZERO, change)
+    }
+
+    /// The same with a torque in addition.
+    pub(crate) fn push_and_turn_clump(&self, side: Side, p: DVec3, torque: DVec3, change: &mut Motion) -> bool {
         let Some(Spot { clump, lever, .. }) = self.spot(side) else { return false };
         let lever = if self.made(Mistake::BodyLever) { DVec3::ZERO } else { lever };
         let body = &self.clumps[clump];
-        let (v, l) = (p / body.mass, lever.cross(p));
+        let (v, l) = (p / body.mass, lever.cross(p) + torque);
         change.clump_v[clump] += v;
         change.clump_l[clump] += l;
         let turning = body.inverse(l);
@@ -286,6 +291,13 @@ impl World {
         Some(Spot { clump, lever: place + side.core - self.clumps[clump].x, radius })
     }
 
+    /// The rigid body of a side, and its inverse mass for a unit impulse with a torque.
+    pub(crate) fn clump_tangential_mass(&self, side: Side, p: DVec3, torque: DVec3) -> Option<(usize, f64)> {
+        let Spot { clump, lever, .. } = self.spot(side)?;
+        let (body, turning) = (&self.clumps[clump], lever.cross(p) + torque);
+        Some((clump, 1.0 / body.mass + turning.dot(body.inverse(turning))))
+    }
+
     /// Inverse mass of a side on a rigid body.
     pub(crate) fn clump_mass(&self, side: Side, n: DVec3) -> Option<f64> {
         let Spot { clump, lever, .. } = self.spot(side)?;
@@ -331,6 +343,11 @@ impl World {
             clump.l += time * rates.clump_l[number];
         }
         self.place_members();
+    }
+
+    /// Whether the law of Coulomb gives a force of friction at a contact, and no impulse.
+    pub(crate) fn has_friction_force(&self, pair: &Pair) -> bool {
+        if self.rules.body_friction_impulses { self.has_forces_alone(pair) } else { self.has_clump(pair) }
     }
 
     /// The part of friction that the law of Coulomb gives as a force, at a contact of a rigid body.

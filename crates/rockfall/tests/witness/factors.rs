@@ -2,7 +2,6 @@
 
 use rockfall::glam::DVec3;
 
-use crate::boxes::BOX_PAIR_DAMPING;
 use crate::geometry::{Feature, Line, Pair, Thing};
 use crate::world::{Ball, Mistake, World};
 
@@ -41,13 +40,13 @@ impl World {
     /// Whether two spheres count among the contacts of their bodies that damp as one.
     fn damp_as_one(&self, a: usize, b: usize) -> bool {
         let pair = Pair { a: Thing::Ball(a), b: Thing::Ball(b), feature: Feature::None };
-        self.parts_may_touch(pair.a, pair.b) && (BOX_PAIR_DAMPING || !self.has_box(&pair))
+        self.parts_may_touch(pair.a, pair.b) && (self.rules.box_pair_damping || !self.has_box(&pair))
     }
 
     /// The factor of the damping of a contact of two spheres whose bodies have other contacts with each other.
     pub(crate) fn pair_factor(&self, pair: &Pair, line: &Line) -> f64 {
         let (Thing::Ball(one), Thing::Ball(two)) = (pair.a, pair.b) else { return 1.0 };
-        if self.made(Mistake::PairFactor) || self.has_box(pair) && !BOX_PAIR_DAMPING {
+        if self.made(Mistake::PairFactor) || self.has_box(pair) && !self.rules.box_pair_damping {
             return 1.0;
         }
         let balls = |ball: usize| match self.clump_at(ball) {

@@ -319,8 +319,9 @@ impl World {
     /// Contact line of a pair after a collision. For a rod that has moved away from a box it is that of the edge or the
     /// vertex with this number, whichever is nearer (docs/physics.md section 2.10).
     pub(crate) fn nearer_line(&self, pair: &Pair) -> Option<Line> {
+        let has_both = |pair: &Pair| matches!((pair.a, pair.b), (Thing::Bar(bar), Thing::Block(_)) if !self.is_edge(bar));
         let number = match pair.feature {
-            Feature::Edge(number) | Feature::Vertex(number) if number < 8 && matches!(pair.b, Thing::Block(_)) => number,
+            Feature::Edge(number) | Feature::Vertex(number) if number < 8 && has_both(pair) => number,
             _ => return self.line(pair),
         };
         let of = |feature| self.line(&Pair { feature, ..*pair });
