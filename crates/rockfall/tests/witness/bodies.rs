@@ -161,12 +161,13 @@ impl World {
     /// it.
     pub(crate) fn has_forces_alone(&self, pair: &Pair) -> bool {
         let of_box = !self.rules.box_impulses && self.has_box(pair);
-        of_box || [pair.a, pair.b].into_iter().any(|thing| match thing {
-            Thing::Bar(bar) => {
-                self.clump_of(thing).is_none() && self.bars[bar].ends.iter().any(|&end| self.clump_at(end).is_some())
-            }
-            _ => false,
-        })
+        of_box
+            || [pair.a, pair.b].into_iter().any(|thing| match thing {
+                Thing::Bar(bar) => {
+                    self.clump_of(thing).is_none() && self.bars[bar].ends.iter().any(|&end| self.clump_at(end).is_some())
+                }
+                _ => false,
+            })
     }
 
     /// Changes of a rigid body and its spheres by an impulse `p` on a side.

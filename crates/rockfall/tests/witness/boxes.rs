@@ -33,11 +33,8 @@ pub(crate) struct Rules {
 
 impl Rules {
     /// Those that the engine has.
-    pub(crate) const ENGINE: Self = Self {
-        box_impulses: BOX_IMPULSES,
-        box_pair_damping: BOX_PAIR_DAMPING,
-        body_friction_impulses: BODY_FRICTION_IMPULSES,
-    };
+    pub(crate) const ENGINE: Self =
+        Self { box_impulses: BOX_IMPULSES, box_pair_damping: BOX_PAIR_DAMPING, body_friction_impulses: BODY_FRICTION_IMPULSES };
     /// All of them.
     pub(crate) const ALL: Self = Self { box_impulses: true, box_pair_damping: true, body_friction_impulses: true };
 }
@@ -182,6 +179,14 @@ impl World {
         match self.parts[ball] {
             Part::Solid(core) => self.cores[core].radius,
             _ => self.balls[ball].radius,
+        }
+    }
+
+    /// The radius of the sphere around the whole box of a part. A vertex may be small, but it moves as its box does.
+    pub(crate) fn size(&self, ball: usize) -> Option<f64> {
+        match self.parts.get(ball) {
+            Some(&Part::Solid(core) | &Part::Vertex(core)) => Some(self.balls[self.cores[core].solid].radius),
+            _ => None,
         }
     }
 

@@ -117,7 +117,15 @@ fn boxes_meet_in_all_ways() {
         }
     }
     println!("{seen:?}");
-    let all = ["solid, sphere", "solid, vertex", "edge, edge", "edge, rod", "rod, vertex", "vertex, wall box", "vertex, wall polygon"];
+    let all = [
+        "solid, sphere",
+        "solid, vertex",
+        "edge, edge",
+        "edge, rod",
+        "rod, vertex",
+        "vertex, wall box",
+        "vertex, wall polygon",
+    ];
     let walls = ["edge, wall box", "edge, wall polygon", "solid, wall corner"];
     for kind in all.iter().chain(&walls) {
         assert!(seen.get(*kind).is_some_and(|count| *count >= 5), "{kind}: {seen:?}");

@@ -83,7 +83,9 @@ impl World {
                 self.touched(&other.pair, &other.line).contains(&body) && !(of_sphere && of_static && across)
             };
             let others = pressed.iter().enumerate().filter(|&(l, _)| l != k);
-            !self.has_box(&this.pair) && !matches!(body, Body::Network(_)) && !others.into_iter().any(|(_, other)| influences(other))
+            !self.has_box(&this.pair)
+                && !matches!(body, Body::Network(_))
+                && !others.into_iter().any(|(_, other)| influences(other))
         })
     }
 
