@@ -228,20 +228,3 @@ fn the_cpu_agrees_with_the_witness_in_a_long_run() {
         assert!(tally.worst < 4.0, "{}", tally.failures.concat());
     }
 }
-
-#[test]
-fn temporary_bricks() {
-    let (from, to): (u64, u64) =
-        (std::env::var("FROM").map_or(0, |x| x.parse().unwrap()), std::env::var("TO").map_or(2000, |x| x.parse().unwrap()));
-    let kinds: Vec<u64> = std::env::var("KIND").map_or(vec![25, 26, 27], |x| vec![x.parse().unwrap()]);
-    let steps = std::env::var("STEPS").map_or(6, |x| x.parse().unwrap());
-    let seeds = (from..to).filter(|seed| kinds.contains(&(seed % scenes::KINDS as u64)));
-    let tally = compare(Backend::Cpu, seeds, 1, steps, None);
-    println!("{tally}; {} failures", tally.failures.len());
-    for text in &tally.failures {
-        println!("{}", text.lines().next().unwrap_or_default());
-    }
-    for text in tally.failures.iter().take(3) {
-        println!("{text}");
-    }
-}

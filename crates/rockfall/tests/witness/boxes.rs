@@ -199,8 +199,8 @@ impl World {
         }
     }
 
-    /// The normal from a box to a point, the distance of the point from its core, and the way from the centre of the box to the nearest point
-    /// of the core.
+    /// The normal from a box to a point, the distance of the point from its core, and the way from the centre of the box to the point of the
+    /// core. Inside the core that is the nearest point of its surface: only there both arms of friction end in one point (section 4.5).
     fn core_line(&self, core: &Core, point: DVec3) -> (DVec3, f64, DVec3) {
         let solid = &self.balls[core.solid];
         let turn = solid.q * core.turn;
