@@ -44,20 +44,6 @@ fn four_spheres(entries: vec4u, are_needed: vec4<bool>) -> Four {
     return Four(state[position_at(at.x)], state[position_at(at.y)], state[position_at(at.z)], state[position_at(at.w)]);
 }
 
-// Slack of the test for close spheres, as a factor on a squared distance. It makes this test accept every pair that the exact
-// test accepts. Otherwise the result for a pair would depend on whether its entry has a bit, and bits are lost when lists are
-// rebuilt.
-const SLACK: f32 = 1.00001;
-
-// Bound for what the low parts of positions, which `close` leaves out, and the rounding of differences and whole periods add to a
-// distance, as a part of the largest coordinate.
-const LOW_PARTS: f32 = 1e-6;
-
-fn largest_coordinate(place: vec4f) -> f32 {
-    let size = abs(place.xyz);
-    return max(max(size.x, size.y), size.z);
-}
-
 // Which of four spheres are close enough to a sphere to touch it.
 fn close(own: vec4f, four: Four) -> vec4<bool> {
     let a = nearest_image(four.a.xyz - own.xyz);

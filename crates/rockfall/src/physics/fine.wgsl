@@ -130,3 +130,17 @@ fn length_beyond(v: Fine, length: f32) -> f32 {
     let errors = squares.low.x + squares.low.y + squares.low.z - square.low.x + one.low.x + two.low.x + rest.low.x;
     return 0.5 * (rest.high.x + (errors + 2.0 * dot(v.high, v.low))) / length;
 }
+
+// Slack of tests for close spheres, as a factor on a squared distance. It makes these tests accept every pair that the exact
+// test accepts. Otherwise the result for a pair would depend on whether its entry has a bit, and bits are lost when lists are
+// rebuilt.
+const SLACK: f32 = 1.00001;
+
+// Bound for what the low parts of positions, which these tests leave out, and the rounding of differences and whole periods add to a
+// distance, as a part of the largest coordinate.
+const LOW_PARTS: f32 = 1e-6;
+
+fn largest_coordinate(place: vec4f) -> f32 {
+    let size = abs(place.xyz);
+    return max(max(size.x, size.y), size.z);
+}

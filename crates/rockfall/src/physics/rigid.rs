@@ -3,10 +3,11 @@
 use glam::Vec3;
 
 use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_THESIS};
-use crate::model::view::{Object, PartOfBox, RigidRecord, View};
+use crate::model::view::{Object, RigidRecord, View};
 use crate::physics::motions::{Motions, Touch};
-use crate::physics::rigid_box::core_point;
+use crate::physics::rigid_box::{core_point, is_left_to_others, is_solid, toucher};
 use crate::physics::side::{Side, side};
+use crate::physics::touch::line;
 
 /// The side of an object in a contact with another one, with the mass and inertia of the rigid body that it belongs to, if any. `parameter`
 /// is that of the contact on a rod.
@@ -61,7 +62,7 @@ pub(crate) fn shared_damping(view: &View, ids: [u32; 2], touch: &Touch, inverse_
     let [a, b] = ids.map(|id| view.object(id));
     match (a, b) {
         (Object::Sphere(own), Object::Cuboid(_) | Object::Polygon(_)) => wall_damping(view, own, touch, inverse_masses[0]),
-        (Object::Sphere(one), Object::Sphere(other)) if view.touches_body(ids) && !view.has_forces_alone([a, b]) => {
+        (Object::Sphere(one), Object::Sphere(other)) if view.touches_body(ids) => {
             pair_damping(view, [one, other], touch, inverse_masses.iter().sum())
         }
         _ => 1.0,
@@ -70,7 +71,7 @@ pub(crate) fn shared_damping(view: &View, ids: [u32; 2], touch: &Touch, inverse_
 
 /// The same for a sphere and a wall, which is taken as a plane.
 fn wall_damping(view: &View, own: u32, touch: &Touch, inverse_mass: f32) -> f32 {
-    let is_solid = |sphere: u32| view.part_of_box(Object::Sphere(sphere)) == Some(PartOfBox::Solid);
+    let is_solid = |sphere: u32| is_solid(view, Object::Sphere(sphere));
     let Some(body) = view.body_of_sphere(own).filter(|_| !is_solid(own)) else { return 1.0 };
     let body = view.rigid_body(body);
     let pressed = touch.overlap * view.radius(own);
@@ -117,10 +118,9 @@ impl Party {
         Self { body: Some(body), centre: body.centre, inverse_mass: body.inverse_mass, reach: body.reach, alone: None }
     }
 
-    /// The spheres that are no parts of boxes.
     fn spheres(&self, view: &View) -> impl Iterator<Item = u32> {
         let members = self.body.into_iter().flat_map(|body| view.members(body)).map(|(index, _)| view.slot_of(index));
-        members.filter(|slot| view.part_of_box(Object::Sphere(*slot)).is_none()).chain(self.alone)
+        members.chain(self.alone)
     }
 
     /// What a torque contributes to the response.
@@ -132,41 +132,70 @@ impl Party {
 /// Least part of the response that forces without resistance to each other would have.
 const LEAST_RESPONSE: f32 = 0.25;
 
+/// A contact of two spheres of two parties. The levers are those of a point of the line along the normal.
+struct Meeting {
+    overlap: f32,
+    normal: Vec3,
+    levers: [Vec3; 2],
+}
+
+impl Meeting {
+    /// The contact of two spheres, or `None` where they do not touch.
+    fn of(view: &View, [k, l]: [u32; 2], [one, other]: &[Party; 2]) -> Option<Self> {
+        let reach = view.radius(k) + view.radius(l);
+        if view.between(k, l).length_squared() > reach * reach || is_left_to_others(view, Object::Sphere(k), Object::Sphere(l)) {
+            return None;
+        }
+        let touch = line(view, view, Object::Sphere(k), Object::Sphere(l), None)?;
+        let toucher = |object: u32, other: u32| toucher(view, Object::Sphere(object), Object::Sphere(other), &touch);
+        let of = |sphere: u32, party: &Party, toucher: Option<Vec3>| {
+            view.position(sphere) - party.centre + toucher.unwrap_or_default()
+        };
+        let levers = [of(k, one, toucher(k, l)), of(l, other, toucher(l, k))];
+        Some(Self { overlap: touch.overlap, normal: touch.normal, levers })
+    }
+}
+
+/// The radius of a sphere; of the solid of a box, its rounding radius.
+fn round_radius(view: &View, sphere: u32) -> f32 {
+    let object = Object::Sphere(sphere);
+    let of_box = view.box_of(object).filter(|_| is_solid(view, object));
+    of_box.map_or_else(|| view.radius(sphere), |body_box| body_box.radius)
+}
+
 /// Factor of the damping of a contact of two spheres, at least one of which belongs to a rigid body. `inverse_mass` is that of the contact.
 fn pair_damping(view: &View, own: [u32; 2], touch: &Touch, inverse_mass: f32) -> f32 {
     let parties = own.map(|sphere| Party::of(view, sphere));
     let [one, other] = &parties;
-    let reduced = |k: u32, l: u32| view.radius(k) * view.radius(l) / (view.radius(k) + view.radius(l));
+    let reduced = |pair: [u32; 2]| {
+        let [r, s] = pair.map(|sphere| round_radius(view, sphere));
+        r * s / (r + s)
+    };
     let (mut push, mut energy, mut force, mut torques) = (0.0, 0.0, Vec3::ZERO, [Vec3::ZERO; 2]);
     let pairs = one.spheres(view).filter(|k| {
         let away = view.image(other.centre - view.position(*k));
         away.length_squared() <= (other.reach + view.radius(*k)).powi(2)
     });
-    for (k, l) in pairs.flat_map(|k| other.spheres(view).map(move |l| (k, l))) {
-        let (overlap, normal) = if [k, l] == own {
-            (touch.overlap, touch.normal)
-        } else {
-            let (apart, touching) = (view.between(k, l), view.radius(k) + view.radius(l));
-            if apart.length_squared() > touching * touching {
-                continue;
-            }
-            (touching - apart.length(), apart.normalize_or_zero())
-        };
-        if overlap <= 0.0 {
+    for pair in pairs.flat_map(|k| other.spheres(view).map(move |l| [k, l])) {
+        let Some(mut met) = Meeting::of(view, pair, &parties) else { continue };
+        if pair == own {
+            (met.overlap, met.normal) = (touch.overlap, touch.normal);
+        }
+        if met.overlap <= 0.0 {
             continue;
         }
-        let turns = [(k, one), (l, other)].map(|(sphere, party)| (view.position(sphere) - party.centre).cross(normal));
+        let turns = met.levers.map(|lever| lever.cross(met.normal));
         let stiffness = match view.step.layout.law {
             LAW_THESIS => {
                 inverse_mass / (one.inverse_mass + one.turning(turns[0]) + (other.inverse_mass + other.turning(turns[1])))
             }
-            LAW_HERTZ_MINDLIN => (reduced(k, l) / reduced(own[0], own[1]) * overlap / touch.overlap).sqrt(),
+            LAW_HERTZ_MINDLIN => (reduced(pair) / reduced(own) * met.overlap / touch.overlap).sqrt(),
             _ => 1.0,
         };
-        let pressed = stiffness * overlap;
+        let pressed = stiffness * met.overlap;
         push += pressed;
-        energy += pressed * overlap;
-        force += pressed * normal;
+        energy += pressed * met.overlap;
+        force += pressed * met.normal;
         torques = [0, 1].map(|side| torques[side] + pressed * turns[side]);
     }
     let mass = one.inverse_mass + other.inverse_mass;

@@ -25,7 +25,7 @@ pub(crate) fn never_meet(view: &View, a: u32, b: u32) -> bool {
 
 /// Whether a pair does not interact because other parts of its boxes do: solids touch spheres that are not solids; vertices also rods that
 /// are not edges; edges all rods. Vertices and edges touch walls.
-fn is_left_to_others(view: &View, a: Object, b: Object) -> bool {
+pub(crate) fn is_left_to_others(view: &View, a: Object, b: Object) -> bool {
     if view.step.layout.rigid_parts_at == 0 {
         return false;
     }
@@ -94,17 +94,22 @@ fn from_core(body_box: &BodyBox, place: Vec3) -> (Vec3, f32) {
     (rotated(body_box.turn, outward), -depth[axis])
 }
 
+/// The vector from the centre of a solid to that of the sphere, or to the corner of the wall, that touches it: a point of the line on which
+/// the normal force acts. `None` for other objects.
+pub(crate) fn toucher(view: &View, object: Object, other: Object, touch: &Touch) -> Option<Vec3> {
+    let Object::Sphere(hub) = object else { return None };
+    match other {
+        _ if !is_solid(view, object) => None,
+        Object::Sphere(ball) => Some(view.between(hub, ball)),
+        wall => corners::seen(view, hub, wall, touch.b as u32),
+    }
+}
+
 /// Where a solid is touched: the point of its core from its centre, and the rounding radius. `None` for other objects.
 pub(crate) fn core_point(view: &View, object: Object, other: Object, touch: &Touch) -> Option<(Vec3, f32)> {
-    let Object::Sphere(hub) = object else { return None };
-    if !is_solid(view, object) {
-        return None;
-    }
+    let place = toucher(view, object, other, touch)?;
     let radius = view.box_of(object)?.radius;
-    let (place, of_other) = match other {
-        Object::Sphere(ball) => (view.between(hub, ball), view.radius(ball)),
-        wall => (corners::seen(view, hub, wall, touch.b as u32)?, 0.0),
-    };
+    let of_other = if let Object::Sphere(ball) = other { view.radius(ball) } else { 0.0 };
     let outward = if touch.normal.dot(place) < 0.0 { -touch.normal } else { touch.normal };
     Some((place - (of_other + radius - touch.overlap) * outward, radius))
 }

@@ -88,16 +88,22 @@ fn touch_corner(solid: u32, wall: u32, word: u32, corner: u32) -> Touch {
     return Touch(nearest.xyz, box.radius - nearest.w, 0.0, f32(corner));
 }
 
+// The vector from the centre of a solid to that of the sphere, or to the corner `at` of the wall, that touches it: a point of the line on
+// which the normal force acts.
+fn toucher(solid: u32, other: u32, at: f32) -> vec3f {
+    if other < step.spheres {
+        return between(solid, other);
+    }
+    return corner_seen(solid, other, u32(at));
+}
+
 // Where a solid is touched: the vector from its centre to the point of its core. `other` is a sphere or a wall.
 fn core_point(solid: u32, other: u32, word: u32, found: Touch) -> vec3f {
     var reach = float_at(word + 3u) - found.overlap;
-    var place = vec3f(0.0);
     if other < step.spheres {
-        place = between(solid, other);
         reach += state[position_at(other)].w;
-    } else {
-        place = corner_seen(solid, other, u32(found.b));
     }
+    let place = toucher(solid, other, found.b);
     let outward = select(found.n, -found.n, dot(found.n, place) < 0.0);
     return place - reach * outward;
 }

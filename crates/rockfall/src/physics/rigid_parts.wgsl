@@ -43,18 +43,19 @@ fn is_solid(word: u32) -> bool {
     return (word != 0u) & ((word & BOX_RIM) == 0u);
 }
 
-// Whether all contacts of an object exert forces alone: it is a part of a box of a rigid body, or a rod that ends in a body and does not
-// belong to it.
+// Whether all contacts of an object exert forces alone: it is a rod that ends in a rigid body and does not belong to it.
 fn is_forced(id: u32) -> bool {
-    if box_word(id) != 0u {
-        return true;
-    }
     if RODS & (id - step.spheres < step.rods) {
         let at = step.rods_at + (id - step.spheres) * ROD_WORDS;
         let ends_in_body = (body_of_sphere(topology[at]) != NO_RIGID) | (body_of_sphere(topology[at + 1u]) != NO_RIGID);
         return ends_in_body & (rigid_body_of(id) == NO_RIGID);
     }
     return false;
+}
+
+// Whether one of two objects is a part of a box.
+fn has_box(a: u32, b: u32) -> bool {
+    return (box_word(a) | box_word(b)) != 0u;
 }
 
 // Whether the contact of two objects exerts forces and gets no impulses (docs/physics.md section 4.16).

@@ -17,13 +17,15 @@ fn shared_damping(a: u32, b: u32, o: f32, n: vec3f, w: vec2f) -> f32 {
     if b >= step.spheres + step.rods {
         return wall_damping(a, o, n, w.x);
     }
-    if (b >= step.spheres) | ((box_word(a) | box_word(b)) != 0u) {
+    if b >= step.spheres {
         return 1.0;
     }
     if (body_of_sphere(a) == NO_RIGID) & (body_of_sphere(b) == NO_RIGID) {
         return 1.0;
     }
-    return pair_damping(a, b, o, n, w.x + w.y);
+    // Both threads of the pair add in the same order.
+    let is_first = ordered(a, b).x == a;
+    return pair_damping(select(b, a, is_first), select(a, b, is_first), o, select(-n, n, is_first), w.x + w.y);
 }
 
 // The same for a sphere and a wall, which is taken as a plane. `w` is the inverse mass of the sphere.

@@ -186,3 +186,62 @@ fn an_elastic_clump_on_springs_keeps_its_energy() {
         assert!((last / first - 1.0).abs() < 0.05, "{backend}: {first} -> {last}");
     });
 }
+
+/// A rigid capsule (docs/physics.md section 3.3) responds to collisions as the rigid body with its mass and inertia: its end falls on a
+/// floor, and a ball hits its rod.
+#[test]
+fn a_rigid_capsule_is_a_case_of_a_rigid_body() {
+    let (places, masses, radius) = ([Vec3::new(-0.5, 0.6, 0.0), Vec3::new(0.3, 1.0, 0.1)], [1.0, 2.5], 0.2);
+    let (velocity, spin) = (Vec3::new(0.2, -1.0, 0.1), Vec3::new(0.3, 1.0, 2.0));
+    let mass: f32 = masses.iter().sum();
+    let centre = (masses[0] * places[0] + masses[1] * places[1]) / mass;
+    let axis = places[1] - places[0];
+    let spin = spin - spin.dot(axis) / axis.length_squared() * axis;
+    let states = |as_body: bool, backend: Backend, integrator: Integrator| {
+        let mut scene = scene(3.0, 0.8);
+        scene.add_box(Cuboid::between([-9.0, -1.0, -9.0], [9.0, 0.0, 9.0])).unwrap();
+        let ends = if as_body {
+            let arms = places.map(|place| place - centre);
+            let mut inertia = [0.0; 6];
+            for (arm, mass) in arms.into_iter().zip(masses) {
+                let ball = 0.4 * mass * radius * radius + mass * arm.length_squared();
+                let [x, y, z] = arm.to_array();
+                let own = [ball - mass * x * x, ball - mass * y * y, ball - mass * z * z, x * y, x * z, y * z];
+                let sign = [1.0, 1.0, 1.0, -mass, -mass, -mass];
+                (0..6).for_each(|k| inertia[k] += sign[k] * own[k]);
+            }
+            let shape = Shape::new().sphere(arms[0], radius).sphere(arms[1], radius).rod(0, 1, radius);
+            let shape = scene.add_shape(shape.mass_properties(mass, [0.0; 3], inertia)).unwrap();
+            let placed = Placement::new(shape).at(centre.as_dvec3()).velocity(velocity).spin(spin);
+            let body = scene.add_body(placed).unwrap();
+            scene.body(body).unwrap().spheres().to_vec()
+        } else {
+            let ends: Vec<_> = (0..2)
+                .map(|end| {
+                    let velocity = velocity + spin.cross(places[end] - centre);
+                    let inertia = 0.4 * masses[end] * radius * radius;
+                    let ball = Sphere::new(places[end], radius).mass(masses[end]).velocity(velocity);
+                    scene.add_sphere(ball.angular_momentum(inertia * spin)).unwrap()
+                })
+                .collect();
+            scene.add_rod(Rod::new(ends[0], ends[1], radius).length(axis.length())).unwrap();
+            ends
+        };
+        scene.add_sphere(Sphere::new([0.1, 1.6, 0.05], 0.2).mass(0.5).velocity([0.0, -3.0, 0.0])).unwrap();
+        let mut simulation = open(scene, backend, integrator);
+        let report = simulation.run(250, 1e-3).unwrap();
+        assert!(report.total_collisions > 1, "{backend} {integrator}: {}", report.total_collisions);
+        let scene = simulation.sync().unwrap();
+        ends.into_iter().map(|end| *scene.sphere(end).unwrap()).collect::<Vec<_>>()
+    };
+    on_both(|backend, shorter| {
+        for integrator in integrators(0, shorter) {
+            let (capsule, body) = (states(false, backend, integrator), states(true, backend, integrator));
+            for (one, other) in capsule.iter().zip(&body) {
+                let (moved, sped) = (one.position.distance(other.position), one.velocity.distance(other.velocity));
+                println!("{backend} {integrator}: {moved:.1e} {sped:.1e}, {} {}", one.velocity, other.velocity);
+                assert!(moved < 1e-4 && sped < 1e-3, "{backend} {integrator}: {one:?} {other:?}");
+            }
+        }
+    });
+}

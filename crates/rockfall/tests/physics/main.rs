@@ -6,6 +6,7 @@ mod common;
 
 mod bodies;
 mod body_impulses;
+mod box_impulses;
 mod boxes;
 mod closed_form;
 mod contact_laws;

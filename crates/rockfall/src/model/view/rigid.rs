@@ -132,16 +132,10 @@ impl View<'_> {
         self.step.layout.rigid_bodies > 0 && objects.into_iter().any(|object| self.is_forced(object))
     }
 
-    /// Whether all contacts of an object exert forces alone: it is a part of a box of a rigid body, or a rod that ends in a body and
-    /// does not belong to it.
+    /// Whether all contacts of an object exert forces alone: it is a rod that ends in a rigid body and does not belong to it.
     fn is_forced(&self, object: Object) -> bool {
-        let is_loose = || match object {
-            Object::Rod(rod) => {
-                self.body_of(object).is_none() && self.rod(rod).ends.into_iter().any(|end| self.body_of_sphere(end).is_some())
-            }
-            _ => false,
-        };
-        self.part_of_box(object).is_some() || is_loose()
+        let Object::Rod(rod) = object else { return false };
+        self.body_of(object).is_none() && self.rod(rod).ends.into_iter().any(|end| self.body_of_sphere(end).is_some())
     }
 
     /// Whether one of two objects is a part of a rigid body.

@@ -1,4 +1,4 @@
-// requires model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl
+// requires model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl physics/contact.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl
 // requires step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
 // The impulses on rigid bodies by the collisions in the records (docs/physics.md section 3.11). Those of lone collisions act at another place.
@@ -17,6 +17,13 @@ fn at_on_row(k: Record, row: u32) -> f32 {
     return select(k.b, k.a, k.a_id == row);
 }
 
+// The lever of record k on a body, at a row of it.
+fn lever_of_record(record: u32, row: u32, k: Record) -> vec3f {
+    let is_a = k.a_id == row;
+    let reach = reach_of_solid(row, select(k.a_id, k.b_id, is_a), select(k.a, k.b, is_a));
+    return lever_on_body(record, row, at_on_row(k, row)) + reach;
+}
+
 fn add_to_body(record: u32, row: u32, sweeps: u32, kick: ptr<function, BodyKick>) {
     if !has_collisions(row) {
         return;
@@ -31,7 +38,7 @@ fn add_to_body(record: u32, row: u32, sweeps: u32, kick: ptr<function, BodyKick>
             (*kick).number = r;
             let impulse = select(1.0, -1.0, k.a_id == row) * impulse_after(r, sweeps);
             (*kick).impulse = fma(k.n, vec3f(impulse), (*kick).impulse);
-            (*kick).torque = fma(cross(lever_on_body(record, row, at_on_row(k, row)), k.n), vec3f(impulse), (*kick).torque);
+            (*kick).torque = fma(cross(lever_of_record(record, row, k), k.n), vec3f(impulse), (*kick).torque);
         }
     }
 }

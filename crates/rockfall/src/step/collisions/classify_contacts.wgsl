@@ -9,6 +9,13 @@ const ROUNDING: f32 = 1e-5;
 
 fn radius_of(id: u32) -> f32 {
     if id < step.spheres {
+        if RIGID_BODIES {
+            let word = box_word(id);
+            if is_solid(word) {
+                // The rounding radius.
+                return float_at(word + 3u);
+            }
+        }
         return state[position_at(id)].w;
     }
     if RODS {

@@ -75,7 +75,8 @@ struct Weight {
 }
 
 fn weigh_bodies(k: Record, r: u32) -> Weight {
-    var sum = Weight(0.0, 0.0, true, 0u, false);
+    // Parts of boxes are left to the sweeps (docs/physics.md section 3.11).
+    var sum = Weight(0.0, 0.0, !has_box(k.a_id, k.b_id), 0u, false);
     for (var side = 0u; side < 2u; side++) {
         let half = side_of_record(k, side);
         // A sphere has one end, and both ends of a capsule have the same rows.
@@ -158,7 +159,7 @@ fn add_couplings_of_row(k: Record, number: u32, hold: Hold, row: u32, sum: ptr<f
             }
             let r = record_of(slot);
             let l = record_at(r);
-            let torque = cross(lever_on_body(hold.record, row, at_on_row(l, row)), l.n);
+            let torque = cross(lever_of_record(hold.record, row, l), l.n);
             (*sum).weight += abs(float_at(hold.record + 3u) * dot(k.n, l.n) + dot(hold.turning, torque));
             (*sum).others += u32(r != number);
         }
