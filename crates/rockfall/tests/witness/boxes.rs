@@ -7,10 +7,10 @@ use crate::geometry::{Feature, Line, Pair, Thing, face_corners, segment_segment,
 use crate::world::{Ball, Mistake, World};
 
 /// Whether the engine has impulses of boxes of bodies (section 3.11). Without them, contacts of boxes have forces alone (section 4.16).
-const BOX_IMPULSES: bool = false;
+const BOX_IMPULSES: bool = true;
 /// Whether in the engine several contacts of two bodies damp as one also through solids (section 4.16). Without it, each damps as if it
 /// were alone.
-const BOX_PAIR_DAMPING: bool = false;
+const BOX_PAIR_DAMPING: bool = true;
 /// Whether the engine has friction impulses of rigid bodies (section 3.9). Without them, Coulomb friction of bodies is a force.
 const BODY_FRICTION_IMPULSES: bool = false;
 

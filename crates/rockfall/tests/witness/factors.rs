@@ -37,16 +37,20 @@ impl World {
         (inverse_mass, centre, move |torque: DVec3| clump.map_or(0.0, |clump| torque.dot(clump.inverse(torque))))
     }
 
+    fn boxes_damp_as_one(&self) -> bool {
+        self.rules.box_pair_damping && !self.made(Mistake::SolidFactor)
+    }
+
     /// Whether two spheres count among the contacts of their bodies that damp as one.
     fn damp_as_one(&self, a: usize, b: usize) -> bool {
         let pair = Pair { a: Thing::Ball(a), b: Thing::Ball(b), feature: Feature::None };
-        self.parts_may_touch(pair.a, pair.b) && (self.rules.box_pair_damping || !self.has_box(&pair))
+        self.parts_may_touch(pair.a, pair.b) && (self.boxes_damp_as_one() || !self.has_box(&pair))
     }
 
     /// The factor of the damping of a contact of two spheres whose bodies have other contacts with each other.
     pub(crate) fn pair_factor(&self, pair: &Pair, line: &Line) -> f64 {
         let (Thing::Ball(one), Thing::Ball(two)) = (pair.a, pair.b) else { return 1.0 };
-        if self.made(Mistake::PairFactor) || self.has_box(pair) && !self.rules.box_pair_damping {
+        if self.made(Mistake::PairFactor) || self.has_box(pair) && !self.boxes_damp_as_one() {
             return 1.0;
         }
         let balls = |ball: usize| match self.clump_at(ball) {

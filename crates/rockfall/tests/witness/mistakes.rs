@@ -1,7 +1,7 @@
 //! Deliberate mistakes of the witness, by which the comparison itself is checked.
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 30] = [
+pub(crate) const MISTAKES: [Mistake; 31] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -32,6 +32,7 @@ pub(crate) const MISTAKES: [Mistake; 30] = [
     Mistake::CoreLever,
     Mistake::EdgeTaper,
     Mistake::WallCorners,
+    Mistake::SolidFactor,
 ];
 
 /// A deliberate mistake of the witness. The comparison must detect each of them.
@@ -97,4 +98,6 @@ pub(crate) enum Mistake {
     EdgeTaper,
     /// Corners of walls do not touch boxes of bodies.
     WallCorners,
+    /// Several contacts of two bodies through solids damp as if each were alone.
+    SolidFactor,
 }
