@@ -10,10 +10,16 @@ mod common;
 mod advance;
 #[path = "witness/bodies.rs"]
 mod bodies;
+#[path = "witness/boxes.rs"]
+mod boxes;
+#[path = "witness/bricks.rs"]
+mod bricks;
 #[path = "witness/chains.rs"]
 mod chains;
 #[path = "witness/closed.rs"]
 mod closed;
+#[path = "witness/closed_boxes.rs"]
+mod closed_boxes;
 #[path = "witness/closed_surfaces.rs"]
 mod closed_surfaces;
 #[path = "witness/clumps.rs"]
@@ -26,6 +32,8 @@ mod compare;
 mod disagree;
 #[path = "witness/draw.rs"]
 mod draw;
+#[path = "witness/factors.rs"]
+mod factors;
 #[path = "witness/forces.rs"]
 mod forces;
 #[path = "witness/frames.rs"]
@@ -187,14 +195,14 @@ fn the_cpu_agrees_with_the_witness_in_known_scenes() {
 #[cfg(feature = "gpu")]
 #[test]
 fn the_gpu_agrees_with_the_witness_in_whole_steps() {
-    assert_agreement(&compare(Backend::Gpu, [6_003], 51, 4, None), 30);
+    assert_agreement(&compare(Backend::Gpu, [6_003], 57, 4, None), 30);
 }
 
 /// This seed has symplectic Euler, and phases 3 and 4 are called separately.
 #[cfg(feature = "gpu")]
 #[test]
 fn the_gpu_agrees_with_the_witness_by_phases() {
-    assert_agreement(&compare(Backend::Gpu, [6_001], 51, 4, None), 30);
+    assert_agreement(&compare(Backend::Gpu, [6_001], 57, 4, None), 30);
 }
 
 /// Checks the comparison itself: it must detect each deliberate mistake of the witness.

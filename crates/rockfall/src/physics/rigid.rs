@@ -143,7 +143,8 @@ impl Meeting {
     /// The contact of two spheres, or `None` where they do not touch.
     fn of(view: &View, [k, l]: [u32; 2], [one, other]: &[Party; 2]) -> Option<Self> {
         let reach = view.radius(k) + view.radius(l);
-        if view.between(k, l).length_squared() > reach * reach || is_left_to_others(view, Object::Sphere(k), Object::Sphere(l)) {
+        if view.between(k, l).length_squared() > reach * reach || is_left_to_others(view, Object::Sphere(k), Object::Sphere(l))
+        {
             return None;
         }
         let touch = line(view, view, Object::Sphere(k), Object::Sphere(l), None)?;

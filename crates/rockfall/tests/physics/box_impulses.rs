@@ -100,7 +100,11 @@ fn an_elastic_box_keeps_bouncing() {
             let kept = simulation.energy().unwrap().total() / first;
             println!("{backend} {integrator}: {} collisions, keeps {kept}", report.total_collisions);
             assert!((kept - 1.0).abs() < 2e-3, "{backend} {integrator}: {kept}");
-            assert!(report.total_collisions > 10 / shorter.pow(2) as u64, "{backend} {integrator}: {}", report.total_collisions);
+            assert!(
+                report.total_collisions > 10 / shorter.pow(2) as u64,
+                "{backend} {integrator}: {}",
+                report.total_collisions
+            );
         }
     });
 }

@@ -3,6 +3,7 @@
 use rockfall::glam::{DQuat, DVec3};
 use rockfall::{RigidBody, Scene, Sphere, SphereId, SphereState};
 
+use crate::boxes::places;
 use crate::geometry::{Line, Pair, Thing};
 use crate::sides::{Motion, Side, sides};
 use crate::world::{Ball, Body, Mistake, World};
@@ -33,7 +34,7 @@ pub(crate) struct Clump {
 /// A point of a body at which a contact acts.
 struct Spot {
     clump: usize,
-    /// From the centre of mass to the centre of a sphere, or to the point of the axis of a rod.
+    /// From the centre of mass to the centre of a sphere, the point of the axis of a rod, or the point of the core of a box.
     lever: DVec3,
     /// Radius of the sphere or rod.
     radius: f64,
@@ -47,7 +48,7 @@ impl Clump {
             let properties = shape.mass_properties_of().expect("a valid shape");
             let (moments, axes) = properties.principal();
             let centre = DVec3::from_array(properties.centre);
-            let arms = shape.spheres.iter().map(|sphere| sphere.centre.as_dvec3() - centre);
+            let arms = places(scene, body, shape, centre).into_iter().map(|place| place - centre);
             let members = body.spheres().iter().map(|&id| number(id)).zip(arms).collect();
             let (x, v, l, q) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, DQuat::IDENTITY);
             let mut clump = Self { x, v, l, q, mass: properties.mass, moments, axes, members, implied: false };
@@ -70,7 +71,7 @@ impl Clump {
     }
 
     /// Product of the inverse inertia with a vector.
-    fn inverse(&self, y: DVec3) -> DVec3 {
+    pub(crate) fn inverse(&self, y: DVec3) -> DVec3 {
         (0..3).map(|k| self.axis(k) * (self.axis(k).dot(y) / self.moments[k])).sum()
     }
 
@@ -78,7 +79,7 @@ impl Clump {
         self.inverse(self.l)
     }
 
-    fn inverse_mass(&self, lever: DVec3, n: DVec3) -> f64 {
+    pub(crate) fn inverse_mass(&self, lever: DVec3, n: DVec3) -> f64 {
         let arm = lever.cross(n);
         1.0 / self.mass + arm.dot(self.inverse(arm))
     }
@@ -156,22 +157,30 @@ impl World {
         }
     }
 
-    /// Whether a contact exerts forces and gets no impulses: that of a rod that ends in a rigid body without being a part of it.
+    /// Whether a contact exerts forces and gets no impulses: that of a rod that ends in a rigid body without being a part of
+    /// it.
     pub(crate) fn has_forces_alone(&self, pair: &Pair) -> bool {
-        [pair.a, pair.b].into_iter().any(|thing| match thing {
-            Thing::Bar(bar) => {
-                self.clump_of(thing).is_none() && self.bars[bar].ends.iter().any(|&end| self.clump_at(end).is_some())
-            }
-            _ => false,
-        })
+        let of_box = !self.rules.box_impulses && self.has_box(pair);
+        of_box
+            || [pair.a, pair.b].into_iter().any(|thing| match thing {
+                Thing::Bar(bar) => {
+                    self.clump_of(thing).is_none() && self.bars[bar].ends.iter().any(|&end| self.clump_at(end).is_some())
+                }
+                _ => false,
+            })
     }
 
     /// Changes of a rigid body and its spheres by an impulse `p` on a side.
     pub(crate) fn push_clump(&self, side: Side, p: DVec3, change: &mut Motion) -> bool {
+        self.push_and_turn_clump(side, p, DVec3::ZERO, change)
+    }
+
+    /// The same with a torque in addition.
+    pub(crate) fn push_and_turn_clump(&self, side: Side, p: DVec3, torque: DVec3, change: &mut Motion) -> bool {
         let Some(Spot { clump, lever, .. }) = self.spot(side) else { return false };
         let lever = if self.made(Mistake::BodyLever) { DVec3::ZERO } else { lever };
         let body = &self.clumps[clump];
-        let (v, l) = (p / body.mass, lever.cross(p));
+        let (v, l) = (p / body.mass, lever.cross(p) + torque);
         change.clump_v[clump] += v;
         change.clump_l[clump] += l;
         let turning = body.inverse(l);
@@ -278,13 +287,16 @@ impl World {
 
     fn spot(&self, side: Side) -> Option<Spot> {
         let clump = self.clump_of(side.thing)?;
-        let radius = match side.thing {
-            Thing::Ball(ball) => self.balls[ball].radius,
-            Thing::Bar(bar) => self.bars[bar].radius,
-            Thing::Block(_) | Thing::Face(_) => return None,
-        };
+        let radius = self.radius(side.thing)?;
         let place: DVec3 = self.shares(side).into_iter().map(|(ball, share)| share * self.balls[ball].x).sum();
-        Some(Spot { clump, lever: place - self.clumps[clump].x, radius })
+        Some(Spot { clump, lever: place + side.core - self.clumps[clump].x, radius })
+    }
+
+    /// The rigid body of a side, and its inverse mass for a unit impulse with a torque.
+    pub(crate) fn clump_tangential_mass(&self, side: Side, p: DVec3, torque: DVec3) -> Option<(usize, f64)> {
+        let Spot { clump, lever, .. } = self.spot(side)?;
+        let (body, turning) = (&self.clumps[clump], lever.cross(p) + torque);
+        Some((clump, 1.0 / body.mass + turning.dot(body.inverse(turning))))
     }
 
     /// Inverse mass of a side on a rigid body.
@@ -306,68 +318,6 @@ impl World {
         let impact = self.set.collisions && (self.has_forces_alone(pair) || self.made(Mistake::BodyDamping));
         let one = if impact { damping_of(self.set.restitution) * self.set.stiffness.sqrt() } else { self.set.damping };
         one * self.wall_factor(pair, line) * self.pair_factor(pair, line)
-    }
-
-    /// The factor of the damping of a contact with a wall that other spheres of the body touch too.
-    fn wall_factor(&self, pair: &Pair, line: &Line) -> f64 {
-        let (Thing::Ball(ball), Thing::Block(_) | Thing::Face(_)) = (pair.a, pair.b) else { return 1.0 };
-        let Some(clump) = self.clump_at(ball).filter(|_| !self.made(Mistake::WallFactor)) else { return 1.0 };
-        let (clump, this) = (&self.clumps[clump], &self.balls[ball]);
-        let w = |ball: &Ball| clump.inverse_mass(ball.x - clump.x, line.n);
-        let (mut p, mut sum, mut moment) = (0.0, 0.0, DVec3::ZERO);
-        for &(other, _) in &clump.members {
-            let other = &self.balls[other];
-            let o = line.o + (other.x - this.x).dot(line.n) + other.radius - this.radius;
-            if o > 0.0 {
-                let weight = if self.made(Mistake::WallWeights) { 1.0 } else { w(this) / w(other) };
-                p += weight * o * o;
-                sum += weight * o;
-                moment += weight * o * (other.x - clump.x);
-            }
-        }
-        let torque = moment.cross(line.n);
-        let q = sum * sum / clump.mass + torque.dot(clump.inverse(torque));
-        (w(this) * p / q).sqrt()
-    }
-
-    /// What contacts of a sphere act on: its rigid body or itself. The inverse mass of its centre, and of a lever under a torque.
-    fn responses(&self, ball: usize) -> (f64, DVec3, impl Fn(DVec3) -> f64 + '_) {
-        let clump = self.clump_at(ball).map(|clump| &self.clumps[clump]);
-        let inverse_mass = clump.map_or_else(|| self.balls[ball].w(), |clump| 1.0 / clump.mass);
-        let centre = clump.map_or(self.balls[ball].x, |clump| clump.x);
-        (inverse_mass, centre, move |torque: DVec3| clump.map_or(0.0, |clump| torque.dot(clump.inverse(torque))))
-    }
-
-    /// The factor of the damping of a contact of two spheres whose bodies have other contacts with each other.
-    fn pair_factor(&self, pair: &Pair, line: &Line) -> f64 {
-        let (Thing::Ball(one), Thing::Ball(two)) = (pair.a, pair.b) else { return 1.0 };
-        if self.made(Mistake::PairFactor) {
-            return 1.0;
-        }
-        let balls = |ball: usize| match self.clump_at(ball) {
-            Some(clump) => self.clumps[clump].members.iter().map(|member| member.0).collect(),
-            None => vec![ball],
-        };
-        let ((mass_a, centre_a, turn_a), (mass_b, centre_b, turn_b)) = (self.responses(one), self.responses(two));
-        let inverse_mass =
-            |x: DVec3, y: DVec3, n: DVec3| mass_a + turn_a((x - centre_a).cross(n)) + mass_b + turn_b((y - centre_b).cross(n));
-        let own = inverse_mass(self.balls[one].x, self.balls[two].x, line.n);
-        let (mut p, mut sum, mut force, mut on_a, mut on_b) = (0.0, 0.0, DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
-        for (a, b) in balls(one).into_iter().flat_map(|a| balls(two).into_iter().map(move |b| (a, b))) {
-            let [x, y] = [a, b].map(|ball| self.balls[ball].x);
-            let (o, n) = if (a, b) == (one, two) {
-                (line.o, line.n)
-            } else {
-                (self.balls[a].radius + self.balls[b].radius - x.distance(y), (y - x).normalize_or_zero())
-            };
-            if o > 0.0 {
-                let push = own / inverse_mass(x, y, n) * o;
-                (p, sum, force) = (p + push * o, sum + push, force + push * n);
-                (on_a, on_b) = (on_a + push * (x - centre_a).cross(n), on_b + push * (y - centre_b).cross(n));
-            }
-        }
-        let response = (mass_a + mass_b) * force.length_squared() + turn_a(on_a) + turn_b(on_b);
-        (own * p / response.max(0.25 * (mass_a + mass_b) * sum * sum)).sqrt()
     }
 
     /// Turns the loads of the spheres of rigid bodies into rates of change of the bodies.
@@ -394,6 +344,11 @@ impl World {
             clump.l += time * rates.clump_l[number];
         }
         self.place_members();
+    }
+
+    /// Whether the law of Coulomb gives a force of friction at a contact, and no impulse.
+    pub(crate) fn has_friction_force(&self, pair: &Pair) -> bool {
+        if self.rules.body_friction_impulses { self.has_forces_alone(pair) } else { self.has_clump(pair) }
     }
 
     /// The part of friction that the law of Coulomb gives as a force, at a contact of a rigid body.

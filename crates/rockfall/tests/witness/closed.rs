@@ -40,7 +40,7 @@ pub(crate) fn kinetic(world: &World) -> f64 {
         + world.clumps.iter().map(of_clump).sum::<f64>()
 }
 
-fn momentum(world: &World) -> DVec3 {
+pub(crate) fn momentum(world: &World) -> DVec3 {
     let of_clumps: DVec3 = world.clumps.iter().map(|clump| clump.mass * clump.v).sum();
     sum(world, |ball| ball.mass * ball.v) + of_clumps
 }

@@ -44,6 +44,11 @@ fn copy_body(from: &Scene, to: &mut Scene, body: &RigidBody, &Scale { size, grou
     for rod in &old.rods {
         shape = shape.group(groups + rod.group).rod(rod.end1, rod.end2, size * rod.radius);
     }
+    for part in &old.boxes {
+        let Cuboid { corner, edges: [i, j, k], group, .. } = part.cuboid;
+        shape = shape.group(groups + group).cuboid(Cuboid::new(size * corner, size * i, size * j, size * k));
+    }
+    shape = shape.rounding(size * old.rounding);
     let ShapeMass::Given { mass, centre, inertia } = old.mass else { panic!("the mass properties are given") };
     let inertia = inertia.map(|element| factor * size * size * element);
     let shape = shape.mass_properties(factor * mass, size * centre, inertia);
@@ -56,7 +61,7 @@ fn copy_body(from: &Scene, to: &mut Scene, body: &RigidBody, &Scale { size, grou
 
 impl Draw {
     /// Sets the mass properties of a shape: those of its parts, or any.
-    fn weighed(&mut self, shape: Shape) -> Shape {
+    pub(crate) fn weighed(&mut self, shape: Shape) -> Shape {
         let mass = self.between(0.5, 3.0);
         if self.chance(0.2) {
             // Written as numbers, because overlaps take long to integrate and scenes are copied several times.
@@ -165,7 +170,7 @@ impl Draw {
     }
 
     /// A box whose upper face contains the middle.
-    fn plate(&mut self, normal: Vec3) {
+    pub(crate) fn plate(&mut self, normal: Vec3) {
         let one = normal.any_orthonormal_vector();
         let [i, j, k] = [3.0 * one, 3.0 * normal.cross(one), self.between(0.5, 1.0) * normal];
         let corner = self.middle - 0.5 * (i + j) - k;

@@ -33,11 +33,7 @@ pub(crate) struct Pressed {
 impl World {
     /// The smaller radius of a pair.
     pub(crate) fn least_radius(&self, pair: &Pair) -> f64 {
-        let radius = |thing: Thing| match thing {
-            Thing::Ball(ball) => self.balls[ball].radius,
-            Thing::Bar(bar) => self.bars[bar].radius,
-            Thing::Block(_) | Thing::Face(_) => f64::INFINITY,
-        };
+        let radius = |thing: Thing| self.radius(thing).unwrap_or(f64::INFINITY);
         radius(pair.a).min(radius(pair.b))
     }
 
@@ -87,7 +83,9 @@ impl World {
                 self.touched(&other.pair, &other.line).contains(&body) && !(of_sphere && of_static && across)
             };
             let others = pressed.iter().enumerate().filter(|&(l, _)| l != k);
-            !matches!(body, Body::Network(_)) && !others.into_iter().any(|(_, other)| influences(other))
+            !self.has_box(&this.pair)
+                && !matches!(body, Body::Network(_))
+                && !others.into_iter().any(|(_, other)| influences(other))
         })
     }
 

@@ -150,12 +150,13 @@ fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, r
             std::array::from_fn(|field| floors[field] + factor * spread[at][field])
         })
         .collect();
-    let wide = |(tolerance, ball): (&[f64; 4], &Ball)| {
-        let least = speed.max(0.3 * ball.radius);
-        let limits = [0.1 * ball.radius, least, least * ball.inertia() / ball.radius, 1.0];
+    let wide = |(at, (tolerance, ball)): (usize, (&[f64; 4], &Ball))| {
+        let size = world.size(at).unwrap_or(ball.radius);
+        let least = speed.max(0.3 * size);
+        let limits = [0.1 * size, least, least * ball.inertia() / ball.radius, 1.0];
         tolerance.iter().zip(limits).any(|(tolerance, limit)| *tolerance > UNDECIDED * limit)
     };
-    lost |= tolerances.iter().zip(&balls).any(wide);
+    lost |= tolerances.iter().zip(&balls).enumerate().any(wide);
     (!lost).then_some(tolerances)
 }
 
@@ -265,10 +266,12 @@ impl Trial<'_> {
 /// Makes the next step evaluate the forces at its start: the witness does not know those of the step before.
 fn evaluate_again(simulation: &mut Simulation) {
     let scene = simulation.scene();
-    let id = scene.sphere_ids().find(|id| scene.body_of_sphere(*id).is_none());
+    let (id, body) = (scene.sphere_ids().find(|id| scene.body_of_sphere(*id).is_none()), scene.body_ids().next());
     if let Some(id) = id {
         let velocity = simulation.sync().expect("the state").sphere(id).expect("the sphere").velocity;
         simulation.set_velocity(id, velocity).expect("the same velocity");
+    } else if let Some(body) = body {
+        simulation.update_body(body, |_| ()).expect("the same state");
     }
 }
 

@@ -2,7 +2,7 @@
 
 use rockfall::glam::DVec3;
 
-use crate::geometry::{Line, Pair, Thing};
+use crate::geometry::{Line, Pair};
 use crate::sides::{Motion, Side, sides};
 use crate::world::{Anchor, Ball, Body, Mistake, Pull, World};
 
@@ -21,14 +21,6 @@ pub(crate) struct Slip {
 }
 
 impl World {
-    fn radius(&self, thing: Thing) -> Option<f64> {
-        match thing {
-            Thing::Ball(ball) => Some(self.balls[ball].radius),
-            Thing::Bar(bar) => Some(self.bars[bar].radius),
-            Thing::Block(_) | Thing::Face(_) => None,
-        }
-    }
-
     /// Inverse mass of a side along the normal. Capsules and networks count as free spheres.
     pub(crate) fn free_mass(&self, side: Side, n: DVec3) -> f64 {
         if let Some(mass) = self.clump_mass(side, n) {
@@ -95,7 +87,7 @@ impl World {
             let size = match self.set.coulomb {
                 0.0 if self.made(Mistake::FrictionBound) => law,
                 0.0 => law.min(bound),
-                _ if self.has_clump(pair) => self.clump_friction(normal, bound),
+                _ if self.has_friction_force(pair) => self.clump_friction(normal, bound),
                 _ => 0.0,
             };
             friction = size * slip.t / speed;
@@ -105,7 +97,7 @@ impl World {
             let torque = arm * line.n.cross(friction);
             for (ball, share) in self.shares(side) {
                 loads.v[ball] += share * force;
-                loads.l[ball] += share * torque;
+                loads.l[ball] += share * (torque + side.core.cross(force));
             }
         }
     }

@@ -22,12 +22,14 @@ pub(crate) enum Thing {
     Face(usize),
 }
 
-/// Feature of a box or polygon that a rod touches.
+/// Feature of a box or polygon that a rod or a solid touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Feature {
     None,
     Edge(usize),
     Vertex(usize),
+    /// Corner of a wall that the solid of a box of a body touches.
+    Corner(usize),
 }
 
 /// Two objects that may touch.
@@ -47,6 +49,14 @@ pub(crate) struct Line {
     pub(crate) o: f64,
     /// Parameters on A and on B, for rods.
     pub(crate) at: [f64; 2],
+    /// From the centre of A and of B to the point where its arm begins: 0 but for the solid of a box of a body.
+    pub(crate) core: [DVec3; 2],
+}
+
+impl Line {
+    pub(crate) fn new(n: DVec3, o: f64, at: [f64; 2]) -> Self {
+        Self { n, o, at, core: [DVec3::ZERO; 2] }
+    }
 }
 
 pub(crate) fn on_segment(parameter: f64) -> bool {
@@ -69,15 +79,15 @@ fn point_segment(point: DVec3, from: DVec3, to: DVec3, reach: f64) -> Option<(f6
 }
 
 /// Closest points of two segments.
-struct Closest {
-    a: f64,
-    b: f64,
-    d: DVec3,
+pub(crate) struct Closest {
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+    pub(crate) d: DVec3,
     /// Common normal of segments that are not parallel.
-    common: Option<DVec3>,
+    pub(crate) common: Option<DVec3>,
 }
 
-fn segment_segment(a: [DVec3; 2], b: [DVec3; 2], reach: f64) -> Option<Closest> {
+pub(crate) fn segment_segment(a: [DVec3; 2], b: [DVec3; 2], reach: f64) -> Option<Closest> {
     let (along_a, along_b, c) = (a[1] - a[0], b[1] - b[0], b[0] - a[0]);
     let (aa, bb) = (along_a.length_squared(), along_b.length_squared());
     if aa == 0.0 || bb == 0.0 {
@@ -105,7 +115,7 @@ fn segment_segment(a: [DVec3; 2], b: [DVec3; 2], reach: f64) -> Option<Closest> 
 
 /// Contact of two round objects with the distance vector `d`.
 fn round(d: DVec3, reach: f64, default_n: DVec3, at: [f64; 2]) -> Line {
-    Line { n: if d == DVec3::ZERO { default_n } else { d.normalize() }, o: reach - d.length(), at }
+    Line::new(if d == DVec3::ZERO { default_n } else { d.normalize() }, reach - d.length(), at)
 }
 
 fn sphere_sphere(one: &Ball, two: &Ball) -> Line {
@@ -131,7 +141,7 @@ pub(crate) fn in_box(block: &Block, point: DVec3) -> [f64; 3] {
     block.edges.map(|edge| (point - block.corner).dot(edge) / edge.length_squared())
 }
 
-fn sphere_box(ball: &Ball, block: &Block) -> Line {
+pub(crate) fn sphere_box(ball: &Ball, block: &Block) -> Line {
     let t = in_box(block, ball.x);
     let closest: DVec3 = block.corner + (0..3).map(|k| t[k].clamp(0.0, 1.0) * block.edges[k]).sum::<DVec3>();
     let squared = (ball.x - block.corner).length_squared() + block.edges.iter().map(|e| e.length_squared()).sum::<f64>();
@@ -140,7 +150,7 @@ fn sphere_box(ball: &Ball, block: &Block) -> Line {
     // edges.
     let inside = t.into_iter().all(|t| (0.0..=1.0).contains(&t));
     if d != DVec3::ZERO && !inside {
-        return Line { n: d.normalize(), o: ball.radius - d.length(), at: [0.0; 2] };
+        return Line::new(d.normalize(), ball.radius - d.length(), [0.0; 2]);
     }
     let mut way = (f64::INFINITY, DVec3::Y);
     for (t, edge) in t.into_iter().zip(block.edges) {
@@ -150,7 +160,7 @@ fn sphere_box(ball: &Ball, block: &Block) -> Line {
             }
         }
     }
-    Line { n: way.1, o: ball.radius + way.0, at: [0.0; 2] }
+    Line::new(way.1, ball.radius + way.0, [0.0; 2])
 }
 
 /// Parameters of a point in the plane of a polygon, along L and R, and the unit normal.
@@ -177,8 +187,17 @@ pub(crate) fn is_on_face(world: &World, ball: &Ball, thing: Thing) -> bool {
     }
 }
 
+pub(crate) fn face_corners(face: &Face) -> Vec<DVec3> {
+    let &Face { corner, left, right, is_triangle, .. } = face;
+    let mut corners = vec![corner, corner + left, corner + right];
+    if !is_triangle {
+        corners.push(corner + left + right);
+    }
+    corners
+}
+
 /// Contact with the nearest point of a polygon. There is none behind the plane of a parallelogram.
-fn sphere_face(ball: &Ball, face: &Face) -> Option<Line> {
+pub(crate) fn sphere_face(ball: &Ball, face: &Face) -> Option<Line> {
     let (place, mut up) = place_over(ball.x, face);
     let mut height = (ball.x - face.corner).dot(up);
     if height < 0.0 {
@@ -189,7 +208,7 @@ fn sphere_face(ball: &Ball, face: &Face) -> Option<Line> {
     }
     let on_triangle = !face.is_triangle || on_segment(place[0] + place[1]);
     if place.into_iter().all(on_segment) && on_triangle {
-        return Some(Line { n: -up, o: ball.radius - height, at: [0.0; 2] });
+        return Some(Line::new(-up, ball.radius - height, [0.0; 2]));
     }
     let beyond = |at: f64, side: DVec3| face.corner + if at > 1.0 { side } else { DVec3::ZERO };
     let edges = if face.is_triangle {
@@ -212,7 +231,7 @@ fn sphere_face(ball: &Ball, face: &Face) -> Option<Line> {
     }
     let d = without_rounding(nearest?, face.left.length_squared().max(face.right.length_squared()), ball.radius);
     let n = if d == DVec3::ZERO { -up } else { d.normalize() };
-    Some(Line { n, o: ball.radius - d.length(), at: [0.0; 2] })
+    Some(Line::new(n, ball.radius - d.length(), [0.0; 2]))
 }
 
 /// Ends of an edge of a box, and the outward direction there. There are four edges along each of I, J and K.
@@ -225,7 +244,7 @@ fn edge_of(block: &Block, edge: usize) -> ([DVec3; 2], DVec3) {
     ([from, from + block.edges[along]], out.normalize())
 }
 
-fn vertex_of(block: &Block, vertex: usize) -> (DVec3, DVec3) {
+pub(crate) fn vertex_of(block: &Block, vertex: usize) -> (DVec3, DVec3) {
     let bits = [0, 1, 2].map(|k| ((vertex >> k) & 1) as f64);
     let place = block.corner + (0..3).map(|k| bits[k] * block.edges[k]).sum::<DVec3>();
     let out: DVec3 = (0..3).map(|k| (2.0 * bits[k] - 1.0) * block.edges[k].normalize()).sum();
@@ -245,7 +264,7 @@ fn rod_box(bar: &Bar, ends: [DVec3; 2], block: &Block, feature: Feature, slack: 
             let (a, d) = point_segment(place, ends[0], ends[1], bar.radius)?;
             (a, -d, out)
         }
-        Feature::None => return None,
+        Feature::None | Feature::Corner(_) => return None,
     };
     let axis_point = ends[0].lerp(ends[1], a);
     let inside = in_box(block, axis_point).into_iter().all(|t| (-slack..=1.0 + slack).contains(&t));
@@ -255,7 +274,7 @@ fn rod_box(bar: &Bar, ends: [DVec3; 2], block: &Block, feature: Feature, slack: 
         (false, true) => (-d.normalize(), r + far),
         (false, false) => (d.normalize(), r - far),
     };
-    Some((Line { n, o, at: [a, 0.0] }, far))
+    Some((Line::new(n, o, [a, 0.0]), far))
 }
 
 impl World {
@@ -267,10 +286,17 @@ impl World {
     /// 2.10).
     pub(crate) fn line(&self, pair: &Pair) -> Option<Line> {
         match (pair.a, pair.b) {
-            (Thing::Ball(a), Thing::Ball(b)) => Some(sphere_sphere(&self.balls[a], &self.balls[b])),
+            (Thing::Ball(a), Thing::Ball(b)) => {
+                Some(self.line_of_solid(a, b).unwrap_or_else(|| sphere_sphere(&self.balls[a], &self.balls[b])))
+            }
+            (Thing::Ball(a), Thing::Block(_) | Thing::Face(_)) if self.is_solid(a) => match pair.feature {
+                Feature::Corner(corner) => self.line_of_corner(a, pair.b, corner),
+                _ => None,
+            },
             (Thing::Ball(a), Thing::Bar(b)) => sphere_rod(&self.balls[a], &self.bars[b], self.ends(b)),
             (Thing::Ball(a), Thing::Block(b)) => Some(sphere_box(&self.balls[a], &self.blocks[b])),
             (Thing::Ball(a), Thing::Face(b)) => sphere_face(&self.balls[a], &self.faces[b]),
+            (Thing::Bar(a), Thing::Bar(b)) if self.is_edge(a) || self.is_edge(b) => self.line_of_edges(a, b),
             (Thing::Bar(a), Thing::Bar(b)) => rod_rod(&self.bars[a], self.ends(a), &self.bars[b], self.ends(b)),
             (Thing::Bar(a), Thing::Block(b)) => {
                 rod_box(&self.bars[a], self.ends(a), &self.blocks[b], pair.feature, self.slack).map(|found| found.0)
@@ -293,8 +319,9 @@ impl World {
     /// Contact line of a pair after a collision. For a rod that has moved away from a box it is that of the edge or the
     /// vertex with this number, whichever is nearer (docs/physics.md section 2.10).
     pub(crate) fn nearer_line(&self, pair: &Pair) -> Option<Line> {
+        let has_both = |pair: &Pair| matches!((pair.a, pair.b), (Thing::Bar(bar), Thing::Block(_)) if !self.is_edge(bar));
         let number = match pair.feature {
-            Feature::Edge(number) | Feature::Vertex(number) if number < 8 && matches!(pair.b, Thing::Block(_)) => number,
+            Feature::Edge(number) | Feature::Vertex(number) if number < 8 && has_both(pair) => number,
             _ => return self.line(pair),
         };
         let of = |feature| self.line(&Pair { feature, ..*pair });
@@ -355,12 +382,13 @@ impl World {
             _ => false,
         };
         let related = related || self.clump_of(a).is_some_and(|clump| self.clump_of(b) == Some(clump));
-        !related && self.group(a) == self.group(b) && (self.can_move(a) || self.can_move(b))
+        !related && self.parts_may_touch(a, b) && self.group(a) == self.group(b) && (self.can_move(a) || self.can_move(b))
     }
 
     fn touch(&self, a: Thing, b: Thing, found: &mut Vec<(Pair, Line)>) {
         let plain = Pair { a, b, feature: Feature::None };
         match (a, b) {
+            (Thing::Ball(ball), Thing::Block(_) | Thing::Face(_)) if self.is_solid(ball) => self.touch_corners(ball, b, found),
             (Thing::Bar(bar), Thing::Block(block)) => {
                 let (rod, ends) = (&self.bars[bar], self.ends(bar));
                 let hit = |feature: Feature| {
@@ -369,7 +397,7 @@ impl World {
                 };
                 let before = found.len();
                 found.extend((0..12).filter_map(|edge| hit(Feature::Edge(edge))));
-                if found.len() == before {
+                if found.len() == before && !self.is_edge(bar) {
                     found.extend((0..8).filter_map(|vertex| hit(Feature::Vertex(vertex))));
                 }
             }

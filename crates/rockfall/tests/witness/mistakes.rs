@@ -1,7 +1,7 @@
 //! Deliberate mistakes of the witness, by which the comparison itself is checked.
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 27] = [
+pub(crate) const MISTAKES: [Mistake; 31] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -29,6 +29,10 @@ pub(crate) const MISTAKES: [Mistake; 27] = [
     Mistake::BodyBound,
     Mistake::WallWeights,
     Mistake::FrameInertia,
+    Mistake::CoreLever,
+    Mistake::EdgeTaper,
+    Mistake::WallCorners,
+    Mistake::SolidFactor,
 ];
 
 /// A deliberate mistake of the witness. The comparison must detect each of them.
@@ -88,4 +92,12 @@ pub(crate) enum Mistake {
     WallWeights,
     /// The moments of inertia of the balls of a frame are ignored.
     FrameInertia,
+    /// The solid of a box of a body is touched at its centre.
+    CoreLever,
+    /// Edges of boxes of bodies touch with their whole overlap near their ends.
+    EdgeTaper,
+    /// Corners of walls do not touch boxes of bodies.
+    WallCorners,
+    /// Several contacts of two bodies through solids damp as if each were alone.
+    SolidFactor,
 }

@@ -57,6 +57,11 @@ pub(crate) fn perturbed(world: &World, seed: u64) -> World {
         clump.q = (clump.q * DQuat::from_xyzw(near(1.0), near(1.0), near(1.0), 1.0)).normalize();
     }
     world.place_members();
+    for core in &mut world.cores {
+        core.half += DVec3::from_array([0; 3].map(|_| near(scale.place)));
+        core.radius += near(core.radius);
+        core.turn = (core.turn * DQuat::from_xyzw(near(1.0), near(1.0), near(1.0), 1.0)).normalize();
+    }
     for bar in &mut world.bars {
         bar.radius += near(bar.radius);
         bar.length = bar.length.map(|length| length + near(length));

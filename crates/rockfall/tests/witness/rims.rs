@@ -76,7 +76,7 @@ fn axis_rim(ends: [DVec3; 2], radius: f64, face: &Face, rim: Rim) -> Option<Rimm
         return None;
     }
     let n = if d == DVec3::ZERO { -front.normalize() } else { d.normalize() };
-    Some(Rimmed { line: Line { n, o: radius - d.length(), at: [a, 0.0] }, place, is_vertex })
+    Some(Rimmed { line: Line::new(n, radius - d.length(), [a, 0.0]), place, is_vertex })
 }
 
 impl World {
@@ -94,9 +94,11 @@ impl World {
         self.rimmed(bar, face, feature).filter(|found| found.line.o > 0.0 && !lies_along)
     }
 
-    /// The features of a polygon that a rod touches, without those that are no edges of the surface.
+    /// The features of a polygon that a rod touches, without those that are no edges of the surface. An edge of a box of a body touches no
+    /// vertices.
     pub(crate) fn rims(&self, bar: usize, face: usize) -> Vec<(usize, Line)> {
-        let of = |feature| self.carried(bar, face, feature).map(|found| (feature, found));
+        let counts = |found: &Rimmed| !(found.is_vertex && self.is_edge(bar));
+        let of = |feature| self.carried(bar, face, feature).filter(counts).map(|found| (feature, found));
         let seen = (0..4).filter_map(of).filter(|(feature, found)| !self.is_rim_hidden(bar, (face, *feature), found));
         seen.map(|(feature, found)| (feature, found.line)).collect()
     }

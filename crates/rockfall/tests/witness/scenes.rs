@@ -25,7 +25,7 @@ pub(crate) struct Plan {
 }
 
 /// Kinds of clusters.
-const RECIPES: [fn(&mut Draw); 25] = [
+const RECIPES: [fn(&mut Draw); 28] = [
     Draw::duel,
     Draw::crowd,
     Draw::corner,
@@ -51,6 +51,9 @@ const RECIPES: [fn(&mut Draw); 25] = [
     Draw::clump_and_balls,
     Draw::landing,
     Draw::clumps,
+    Draw::brick_and_balls,
+    Draw::bricks,
+    Draw::brick_landing,
 ];
 
 /// Number of kinds of clusters.

@@ -99,12 +99,15 @@ pub(crate) struct Side {
     pub(crate) thing: Thing,
     /// Parameter of the contact on a rod.
     pub(crate) at: f64,
+    /// From the centre of the sphere to the point where the arm begins: 0 but for the solid of a box of a body.
+    pub(crate) core: DVec3,
     /// -1 on A, 1 on B: the impulse on this side is along `sign` n.
     pub(crate) sign: f64,
 }
 
 pub(crate) fn sides(pair: &Pair, line: &Line) -> [Side; 2] {
-    [Side { thing: pair.a, at: line.at[0], sign: -1.0 }, Side { thing: pair.b, at: line.at[1], sign: 1.0 }]
+    let side = |k: usize, thing, sign| Side { thing, at: line.at[k], core: line.core[k], sign };
+    [side(0, pair.a, -1.0), side(1, pair.b, 1.0)]
 }
 
 impl World {
@@ -139,7 +142,8 @@ impl World {
     /// Velocity of the contact point of a side, from the velocities of its spheres (2.7).
     pub(crate) fn velocity(&self, side: Side, motion: &Motion) -> DVec3 {
         let counting = self.shares(side).into_iter().filter(|&(ball, _)| self.counts(side, ball));
-        counting.map(|(ball, share)| share * motion.v[ball]).sum()
+        let at_centre: DVec3 = counting.map(|(ball, share)| share * motion.v[ball]).sum();
+        at_centre + self.spin(side, motion).cross(side.core)
     }
 
     /// Spin of a side, from the spins of its spheres (2.7).
@@ -227,7 +231,8 @@ impl World {
     /// The velocity along n that a side gets through a body that is not a capsule.
     pub(crate) fn along(&self, body: Body, side: Side, n: DVec3, change: &Motion) -> f64 {
         let own = self.shares(side).into_iter().filter(|&(ball, _)| self.body[ball] == Some(body));
-        own.map(|(ball, share)| share * change.v[ball].dot(n)).sum()
+        let at_centre: f64 = own.map(|(ball, share)| share * change.v[ball].dot(n)).sum();
+        at_centre + self.spin(side, change).cross(side.core).dot(n)
     }
 
     /// The bodies of both sides. A body on both sides appears twice.

@@ -116,7 +116,8 @@ impl World {
             }
             Thing::Ball(_) | Thing::Bar(_) => None,
         };
-        let own = found.iter().enumerate().filter(|(_, (pair, _))| pair.a == Thing::Ball(ball));
+        let own =
+            found.iter().enumerate().filter(|(_, (pair, _))| pair.a == Thing::Ball(ball) && pair.feature == Feature::None);
         own.filter_map(|(place, (pair, line))| {
             let (is_face, vectors) = geometry(pair.b)?;
             Some(Candidate {

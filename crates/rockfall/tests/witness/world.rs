@@ -4,6 +4,7 @@ use rockfall::glam::{DQuat, DVec3, Vec3};
 use rockfall::{Integrator, Scene, Settings, SphereState};
 
 use crate::bodies::Clump;
+use crate::boxes::{Core, Part, Rules, cores};
 pub(crate) use crate::mistakes::Mistake;
 use crate::walls::{Path, at_rest};
 
@@ -167,6 +168,9 @@ pub(crate) struct World {
     pub(crate) balls: Vec<Ball>,
     pub(crate) bars: Vec<Bar>,
     pub(crate) clumps: Vec<Clump>,
+    /// Boxes of rigid bodies, and what every sphere is of them.
+    pub(crate) cores: Vec<Core>,
+    pub(crate) parts: Vec<Part>,
     pub(crate) pulls: Vec<Pull>,
     /// Walls where they are at `time`.
     pub(crate) blocks: Vec<Block>,
@@ -184,6 +188,7 @@ pub(crate) struct World {
     /// Rods of every network.
     pub(crate) networks: Vec<Vec<usize>>,
     pub(crate) sweeps: Sweeps,
+    pub(crate) rules: Rules,
     pub(crate) mistake: Option<Mistake>,
     /// A point outside a box by less than this fraction of its edges counts as inside. It is 0 except to find what
     /// rounding may decide.
@@ -224,10 +229,13 @@ impl World {
             group: rod.group,
         });
         let (blocks, faces) = at_rest(scene);
+        let (cores, parts) = cores(scene, number);
         let mut world = Self {
             balls: balls.collect(),
             bars: bars.collect(),
             clumps: Clump::all(scene, number),
+            cores,
+            parts,
             pulls: pulls(scene, number),
             blocks: blocks.clone(),
             faces: faces.clone(),
@@ -241,6 +249,7 @@ impl World {
             body: Vec::new(),
             networks: Vec::new(),
             sweeps: Sweeps::Exact,
+            rules: Rules::ENGINE,
             mistake: None,
             slack: 0.0,
             lost: false,
