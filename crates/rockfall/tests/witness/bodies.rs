@@ -182,6 +182,26 @@ impl World {
         true
     }
 
+    /// The rigid body on a side, and the torque about its centre of mass of a friction impulse `p` that has the torque `own` at its arm.
+    fn friction_torque(&self, side: Side, p: DVec3, own: DVec3) -> Option<(usize, DVec3)> {
+        let Spot { clump, lever, .. } = self.spot(side)?;
+        let lever = if self.made(Mistake::BodyFriction) { DVec3::ZERO } else { lever };
+        Some((clump, lever.cross(p) + own))
+    }
+
+    /// Tangential inverse mass of a rigid body, for a unit friction impulse.
+    pub(crate) fn clump_slip_mass(&self, side: Side, p: DVec3, own: DVec3) -> f64 {
+        let Some((clump, torque)) = self.friction_torque(side, p, own) else { return 0.0 };
+        1.0 / self.clumps[clump].mass + torque.dot(self.clumps[clump].inverse(torque))
+    }
+
+    /// Changes of a rigid body by a friction impulse.
+    pub(crate) fn rub_clump(&self, side: Side, p: DVec3, own: DVec3, change: &mut Motion) {
+        let Some((clump, torque)) = self.friction_torque(side, p, own) else { return };
+        change.clump_v[clump] += p / self.clumps[clump].mass;
+        change.clump_l[clump] += torque;
+    }
+
     /// Displacements of the spheres of a rigid body per unit of time by an impulse at the time of contact, which turns their present levers.
     pub(crate) fn displace_clump(&self, then: &Self, side: Side, p: DVec3, way: &mut Motion) {
         let mut change = Motion::none(self);
@@ -396,7 +416,7 @@ impl World {
         self.place_members();
     }
 
-    /// The part of friction that the law of Coulomb gives as a force, at a contact of a rigid body.
+    /// The part of friction that the law of Coulomb gives as a force, at a contact with forces alone.
     pub(crate) fn clump_friction(&self, normal: f64, bound: f64) -> f64 {
         (self.set.coulomb * normal.max(0.0)).min(bound)
     }

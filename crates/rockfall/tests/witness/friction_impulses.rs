@@ -22,14 +22,18 @@ impl World {
         }
         let motion = Motion::of(self);
         let mut change = Motion::none(self);
-        // The friction of rigid bodies is a force (docs/physics.md section 4.16).
-        for contact in pressed.iter().filter(|contact| !self.has_clump(&contact.pair)) {
+        for contact in pressed {
             self.apply_friction_to_one(contact, pressed, &motion, &mut change);
         }
         for (at, ball) in self.balls.iter_mut().enumerate().filter(|(_, ball)| !ball.fixed) {
             ball.v += change.v[at];
             ball.l += change.l[at];
         }
+        for (at, clump) in self.clumps.iter_mut().enumerate() {
+            clump.v += change.clump_v[at];
+            clump.l += change.clump_l[at];
+        }
+        self.place_members();
     }
 
     fn apply_friction_to_one(&self, contact: &Pressed, pressed: &[Pressed], motion: &Motion, change: &mut Motion) {
@@ -61,6 +65,10 @@ impl World {
 
     /// Sum of N_b times the tangential inverse mass over the bodies of one side.
     fn friction_scale(&self, side_impulse: &SideImpulse, pressed: &[Pressed]) -> f64 {
+        if let Some(clump) = self.clump_of(side_impulse.side.thing) {
+            return self.clump_slip_mass(side_impulse.side, side_impulse.p, side_impulse.torque)
+                * self.pressed_count(self.clumps[clump].members[0].0, pressed);
+        }
         if let Some((rigid, at)) = self.capsule_of(side_impulse.side) {
             let torque = rigid.torque(at, side_impulse.p) + side_impulse.torque;
             let across = rigid.across(torque);
@@ -80,7 +88,7 @@ impl World {
     /// Number of pressed contacts that touch the body of a sphere, or the sphere itself if it belongs to a network.
     fn pressed_count(&self, ball: usize, pressed: &[Pressed]) -> f64 {
         let touches = |side: Side| match self.body[ball] {
-            Some(body @ Body::Capsule(_)) => self.bodies_of(side).contains(&body),
+            Some(body @ (Body::Capsule(_) | Body::Clump(_))) => self.bodies_of(side).contains(&body),
             _ => self.shares(side).into_iter().any(|(other, _)| other == ball),
         };
         let all = pressed.iter().flat_map(|contact| sides(&contact.pair, &contact.line));
@@ -88,6 +96,10 @@ impl World {
     }
 
     fn apply_to_side(&self, side_impulse: &SideImpulse, j: f64, change: &mut Motion) {
+        if self.clump_of(side_impulse.side.thing).is_some() {
+            self.rub_clump(side_impulse.side, j * side_impulse.p, j * side_impulse.torque, change);
+            return;
+        }
         if let Some((rigid, at)) = self.capsule_of(side_impulse.side) {
             let torque = rigid.torque(at, side_impulse.p) + side_impulse.torque;
             let across = rigid.across(torque);

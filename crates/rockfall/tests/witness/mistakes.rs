@@ -1,7 +1,7 @@
 //! Deliberate mistakes of the witness, by which the comparison itself is checked.
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 27] = [
+pub(crate) const MISTAKES: [Mistake; 28] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -29,6 +29,7 @@ pub(crate) const MISTAKES: [Mistake; 27] = [
     Mistake::BodyBound,
     Mistake::WallWeights,
     Mistake::FrameInertia,
+    Mistake::BodyFriction,
 ];
 
 /// A deliberate mistake of the witness. The comparison must detect each of them.
@@ -88,4 +89,6 @@ pub(crate) enum Mistake {
     WallWeights,
     /// The moments of inertia of the balls of a frame are ignored.
     FrameInertia,
+    /// Friction impulses act on rigid bodies at the centre of mass.
+    BodyFriction,
 }
