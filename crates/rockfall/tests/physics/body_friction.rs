@@ -75,7 +75,7 @@ fn bodies_stay_on_a_slope() {
             simulation.run(u64::from(steps), dt).unwrap();
             let creep = (mean_place(&mut simulation).x - before.x) / (steps as f32 * dt);
             println!("{backend} {integrator} {is_frame}: creeps at {creep:e}");
-            assert!(creep.abs() < 0.004, "{backend} {integrator} {is_frame}: creeps at {creep}");
+            assert!(creep.abs() < 0.006, "{backend} {integrator} {is_frame}: creeps at {creep}");
         }
     });
 }
@@ -106,6 +106,8 @@ fn scene(restitution: f32, mu: f32) -> Scene {
     with(|settings| {
         (settings.gravity, settings.restitution, settings.friction) = (0.0, restitution, 0.0);
         (settings.contact_damping, settings.activation_threshold, settings.collision_friction) = (0.0, 0.0, mu);
+        // Friction may turn a contact that overlaps back to the other body. Its force would add potential energy then.
+        settings.contact_force = 1e-3;
     })
 }
 
@@ -143,7 +145,7 @@ fn oblique_hit(backend: Backend, mu: f32) -> (Simulation, RigidBody, RigidBody, 
 #[test]
 fn an_oblique_hit_has_the_friction_of_coulomb() {
     on_both(|backend, _| {
-        let mu = 0.3;
+        let mu = 0.1;
         let (_, before, after, lever) = oblique_hit(backend, mu);
         let impulse = 2.0 * (after.velocity - before.velocity).as_dvec3();
         let along = impulse.reject_from(DVec3::Y);
@@ -162,7 +164,7 @@ fn an_oblique_hit_with_strong_friction_stops_the_slip() {
     on_both(|backend, _| {
         let (mut simulation, before, after, lever) = oblique_hit(backend, 5.0);
         let states = simulation.spheres().unwrap();
-        let inertia = simulation.sync().unwrap().spheres().next().unwrap().inertia();
+        let inertia = simulation.sync().unwrap().spheres()[0].inertia();
         let spin = (states[0].angular_momentum / inertia).as_dvec3();
         let impulse = 2.0 * (after.velocity - before.velocity).as_dvec3();
         let along = impulse.reject_from(DVec3::Y).normalize();

@@ -1,4 +1,4 @@
-// requires model/order.wgsl model/step.wgsl model/two_states.wgsl physics/escape.wgsl physics/rigid.wgsl step/commit_next_state.wgsl
+// requires model/step.wgsl model/two_states.wgsl physics/escape.wgsl physics/rigid_parts.wgsl step/commit_next_state.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> next: array<vec4f>;
@@ -16,7 +16,8 @@ fn commit_friction_impulses(
     if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) != 2u) {
         return;
     }
-    if !is_free(i) {
+    if body_of_sphere(i) != NO_RIGID {
+        // `push_bodies` changes it.
         return;
     }
     commit_next_state(i, STATE_REGIONS);
