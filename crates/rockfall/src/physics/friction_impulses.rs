@@ -173,7 +173,8 @@ impl<'a> FrictionImpulses<'a> {
             if let Some(body) = view.body_of(view.object(id)) {
                 let record = view.rigid_body(body);
                 let torque = unit.torque_on_body(view, id, &record);
-                return self.pressed_on_bodies[body as usize] as f32 * (record.inverse_mass + record.by_inverse_inertia(torque));
+                return self.pressed_on_bodies[body as usize] as f32
+                    * (record.inverse_mass + record.by_inverse_inertia(torque));
             }
             let load = unit.load(view, id, unit.impulse);
             let single = |sphere: u32, share: f32| {
