@@ -60,6 +60,8 @@ constants! {
     pub const BEFORE_STEP: u32 = 7;
     /// Pass of `move_bodies` after the phase of collisions, in which `push_bodies` may have changed bodies.
     pub const AFTER_COLLISIONS: u32 = 8;
+    /// Pass of `push_bodies` that applies friction impulses.
+    pub const RUBBED: u32 = 1;
     /// Row of a rigid body whose last word is 1 between `push_bodies`, which has changed the body, and [`AFTER_COLLISIONS`].
     pub const PUSHED_ROW: u32 = 5;
     /// An adjacency word is `kind << KIND_SHIFT | index`. The words of a sphere are sorted, so its rods come first.

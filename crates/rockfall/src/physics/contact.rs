@@ -94,7 +94,7 @@ pub(crate) fn contact_force(view: &View, lists: &Lists, [id_a, id_b]: [u32; 2], 
     let of_four = contact_forces(view.step, &a, &b, &Touches::splat(touch), &surfaces);
     let [mut force, mut torque_a, mut torque_b] = [of_four.force, of_four.torque_a, of_four.torque_b].map(|v| v.to_rows()[0]);
     let mu = surfaces.coulomb_friction.x;
-    if mu > 0.0 && view.touches_body([id_a, id_b]) {
+    if mu > 0.0 && view.has_forces_alone([id_a, id_b].map(|id| view.object(id))) {
         let press = (-force.dot(touch.normal)).max(0.0);
         let friction = body_friction(view.step, &sides, touch, mu, press);
         let [arm_a, arm_b] = arms(&a, &b, Vec4::splat(touch.overlap)).map(|arm| arm.x);
@@ -104,7 +104,7 @@ pub(crate) fn contact_force(view: &View, lists: &Lists, [id_a, id_b]: [u32; 2], 
     ContactForce { force, torque_a, torque_b }
 }
 
-/// The friction force on A of a contact of a rigid body with the coefficient `mu` of Coulomb friction, where the normal force is `press`.
+/// The friction force on A of a contact with forces alone and the coefficient `mu` of Coulomb friction, where the normal force is `press`.
 fn body_friction(step: &Step, [a, b]: &[Side; 2], touch: &Touch, mu: f32, press: f32) -> Vec3 {
     let [one, other] = [a, b].map(Sides::splat);
     let arms = arms(&one, &other, Vec4::splat(touch.overlap));
@@ -144,15 +144,14 @@ impl Approach {
     }
 }
 
-/// Returns the normal forces of four contacts, (Cc o + Cd u) m*. Positive forces push the objects apart. Forces are not
+/// Returns the normal forces of four contacts, (Cc o + Cd u) m*, with this damping Cd. Positive forces push the objects apart. Forces are not
 /// negative, unless the settings allow contact damping to pull.
 ///
 /// While collisions are switched on, the force is 0 in two cases (docs/physics.md section 4.4):
 /// - The pair separates fast. An impulse has already made it rebound, and a force would add energy (E22).
 /// - The overlap began within this step. The collision phase has not seen it yet. The impulse follows in the next step.
 #[inline]
-pub(crate) fn normal_forces(step: &Step, a: &Sides, b: &Sides, overlap: Vec4, approach: &Approach) -> Vec4 {
-    let damping = Vec4::splat(step.constants.contact_damping);
+pub(crate) fn normal_forces(step: &Step, a: &Sides, b: &Sides, overlap: Vec4, approach: &Approach, damping: Vec4) -> Vec4 {
     pressures(step, overlap, approach.velocity, damping) * acting_masses(step, a, b, overlap, approach)
 }
 

@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/period.wgsl
-// requires physics/wall_damping.wgsl physics/walls.wgsl physics/rigid.wgsl physics/rigid_box.wgsl physics/rigid_parts.wgsl
+// requires physics/wall_damping.wgsl physics/walls.wgsl physics/rigid_box.wgsl physics/rigid_parts.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
 
@@ -341,7 +341,7 @@ fn pressure_of(overlap: f32, approach: f32, damping: f32) -> f32 {
     return select(max(press, 0.0), press, (step.flags & FLAG_PULL) != 0u);
 }
 
-// Coulomb friction of a contact of a rigid body, which is at most `most` (docs/physics.md section 4.16).
+// Coulomb friction of a contact with forces alone, which is at most `most` (docs/physics.md section 4.16).
 fn body_friction(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32, most: f32) -> vec3f {
     let t = slip_of(a_side, b_side, arms, n, approach);
     let size = length(t);
@@ -383,7 +383,7 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
     }
     if RIGID_BODIES {
         let mu = coulomb_friction_of(a, b);
-        if (mu > 0.0) & touches_body(a, b) {
+        if (mu > 0.0) & has_forces_alone(a, b) {
             friction = body_friction(a_side, b_side, arms, n, approach, mu * max(press, 0.0) * reduced_mass);
         }
     }

@@ -12,13 +12,15 @@ use crate::model::layout::ENTRY_OVERLAPS;
 use crate::model::layout::GRAIN;
 use crate::model::lists::{Entry, Lists};
 use crate::model::state::Motion;
-use crate::model::view::{Object, View};
+use crate::model::view::{Object, RigidRecord, View};
 use crate::physics::collision::all::impulse_in;
-use crate::physics::collision::body::{Body, Capsule, sphere_rows};
+use crate::physics::collision::body::{Body, Capsule, member_rows, sphere_rows};
 use crate::physics::contact::{Approach, Sides, Slip, Touches, arms, normal_forces};
 use crate::physics::pairs::Surface;
+use crate::physics::rigid::{lever, shared_damping};
+use crate::physics::rigid_box::core_point;
 use crate::physics::sides::sides;
-use crate::physics::touch::{Feature, Touch, line};
+use crate::physics::touch::{Touch, present_line};
 
 /// Computes the friction impulses of a step from the state after its normal impulses.
 pub(crate) struct FrictionImpulses<'a> {
@@ -27,6 +29,8 @@ pub(crate) struct FrictionImpulses<'a> {
     impulses: &'a [Impulse],
     /// Number of pressed contacts in the list of each mover.
     pressed: Vec<u32>,
+    /// Number of pressed contacts of each rigid body.
+    pressed_on_bodies: Vec<u32>,
 }
 
 /// The friction impulse of a contact.
@@ -52,15 +56,23 @@ struct Load {
 impl<'a> FrictionImpulses<'a> {
     pub(crate) fn new(view: &'a View<'a>, lists: &'a Lists<'a>, impulses: &'a [Impulse]) -> Self {
         let movers = (0..view.step.movers()).into_par_iter().with_min_len(GRAIN);
-        let pressed = movers.map(|mover| pressed(lists, mover).count() as u32).collect();
-        Self { view, lists, impulses, pressed }
+        let pressed: Vec<u32> = movers.map(|mover| pressed(lists, mover).count() as u32).collect();
+        let on_body = |body: u32| {
+            let mut count = 0;
+            Body::Rigid(body).each_row(view, |row| count += pressed[row as usize]);
+            count
+        };
+        let pressed_on_bodies = (0..view.step.layout.rigid_bodies).map(on_body).collect();
+        Self { view, lists, impulses, pressed, pressed_on_bodies }
     }
 
-    /// Returns the state of a sphere after the friction impulses of all its contacts.
+    /// Returns the state of a sphere after the friction impulses of all its contacts. For a sphere of a rigid body, the velocity and the
+    /// angular momentum are instead the sums of the impulses and of their torques on the body, by the contacts in the rows of the sphere.
     pub(crate) fn rubbed(&self, sphere: u32) -> Motion {
         let before = Motion::of(self.view, sphere);
         match Body::of(self.view, sphere) {
-            None | Some(Body::Rigid(_)) => before,
+            None => before,
+            Some(Body::Rigid(body)) => self.push_on_body(before, sphere, body),
             Some(Body::Capsule(rod)) => self.end_after_friction(before, sphere, rod),
             Some(_) => self.sphere_after_friction(before, sphere),
         }
@@ -108,18 +120,26 @@ impl<'a> FrictionImpulses<'a> {
         }
     }
 
+    /// Sums the impulses in the rows of a sphere of a rigid body, and their torques about the centre of the body.
+    fn push_on_body(&self, before: Motion, sphere: u32, body: u32) -> Motion {
+        let view = self.view;
+        let record = view.rigid_body(body);
+        let mut sums = Motion { velocity: Vec3::ZERO, angular_momentum: Vec3::ZERO, ..before };
+        for row in member_rows(view, body, sphere) {
+            for friction in pressed(self.lists, row).filter_map(|entry| self.friction_impulse(row, entry)) {
+                sums.velocity += friction.load(view, row, friction.impulse).impulse;
+                sums.angular_momentum += friction.torque_on_body(view, row, &record);
+            }
+        }
+        sums
+    }
+
     /// Returns the friction impulse of a pressed contact, or `None` when it has none.
     fn friction_impulse(&self, row: u32, entry: Entry) -> Option<FrictionImpulse> {
         let view = self.view;
         let (a, b) = view.ordered(row, entry.id());
-        if view.touches_body([a, b]) {
-            // Its friction is a force (docs/physics.md section 4.16).
-            return None;
-        }
-        let (object_a, object_b) = (view.object(a), view.object(b));
-        let feature = Feature::of(view, object_a, object_b, entry.feature());
         // The objects may be apart after their collision.
-        let touch = line(view, view, object_a, object_b, feature)?;
+        let touch = present_line(view, a, b, entry.feature())?;
         let sides = sides(view, [a, b], &touch).map(|side| Sides::splat(&side));
         let [of_a, of_b] = &sides;
         let Touches { normal, overlap } = Touches::splat(&touch);
@@ -136,7 +156,9 @@ impl<'a> FrictionImpulses<'a> {
         let surface = Surface::of(view, a, b);
         let mut limit = surface.collision_friction * normal_impulse;
         if surface.coulomb_friction > 0.0 && touch.overlap > 0.0 {
-            let force = normal_forces(view.step, of_a, of_b, overlap, &approach).max(Vec4::ZERO).x;
+            let factor = shared_damping(view, [a, b], &touch, [of_a.inverse_mass.x, of_b.inverse_mass.x]);
+            let damping = Vec4::splat(factor * view.step.constants.contact_damping);
+            let force = normal_forces(view.step, of_a, of_b, overlap, &approach, damping).max(Vec4::ZERO).x;
             limit += surface.coulomb_friction * view.step.constants.dt * force;
         }
         let unit = FrictionImpulse { a, b, touch, impulse: t / speed, arms: arms.map(|arm| arm.x) };
@@ -148,6 +170,12 @@ impl<'a> FrictionImpulses<'a> {
     fn slip_inverse_mass(&self, unit: &FrictionImpulse) -> f32 {
         let view = self.view;
         let of_side = |id: u32| {
+            if let Some(body) = view.body_of(view.object(id)) {
+                let record = view.rigid_body(body);
+                let torque = unit.torque_on_body(view, id, &record);
+                return self.pressed_on_bodies[body as usize] as f32
+                    * (record.inverse_mass + record.by_inverse_inertia(torque));
+            }
             let load = unit.load(view, id, unit.impulse);
             let single = |sphere: u32, share: f32| {
                 let arm = if id == unit.a { unit.arms[0] } else { unit.arms[1] };
@@ -201,6 +229,15 @@ impl FrictionImpulse {
             _ => parameter,
         };
         Load { at, impulse, torque }
+    }
+
+    /// Returns the torque that the impulse exerts on the rigid body of object `id`, which is A or B, about the centre of the body.
+    fn torque_on_body(&self, view: &View, id: u32, body: &RigidRecord) -> Vec3 {
+        let Load { at, impulse, torque } = self.load(view, id, self.impulse);
+        let other = if id == self.a { self.b } else { self.a };
+        let (object, other) = (view.object(id), view.object(other));
+        let from_centre = core_point(view, object, other, &self.touch).map_or(Vec3::ZERO, |(place, _)| place);
+        (lever(view, view, body, object, at) + from_centre).cross(impulse) + torque
     }
 }
 

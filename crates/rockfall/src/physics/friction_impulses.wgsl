@@ -1,6 +1,7 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/contact.wgsl physics/rigid.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
-// requires step/collisions/records.wgsl
+// requires physics/contact.wgsl physics/rigid.wgsl physics/rigid_box.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/rigid_side.wgsl
+// requires physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl physics/wall_damping.wgsl step/collisions/record_of.wgsl
+// requires step/collisions/records.wgsl step/collisions/rows.wgsl
 
 // Friction impulses of pressed contacts (docs/physics.md section 3.9). The impulse of a contact counts every body as if it were
 // split evenly among the pressed contacts that touch it. Joining the parts again never adds energy.
@@ -14,6 +15,9 @@ struct FrictionImpulse {
     // Parameters of the contact on A and B.
     at: vec2f,
     a_id: u32,
+    // Levers of the contact on the rigid bodies of A and B.
+    lever_a: vec3f,
+    lever_b: vec3f,
 }
 
 // Number of pressed contacts in the list of a mover.
@@ -43,6 +47,39 @@ fn pressed_on(sphere: u32) -> f32 {
 fn pressed_on_capsule(rod: u32) -> f32 {
     let ends = rod_ends(rod);
     return f32(pressed_in(ends.x) + pressed_in(ends.y) + pressed_in(step.spheres + rod));
+}
+
+// Number of pressed contacts that touch a rigid body.
+fn pressed_on_body(body: u32) -> f32 {
+    let record = rigid_record(body);
+    var found = 0u;
+    for (var member = 0u; member < topology[record + 13u]; member++) {
+        let sphere = id_of(topology[topology[record + 12u] + member]);
+        let rods = rods_of(sphere);
+        for (var r = 0u; r <= rods.y; r++) {
+            let row = row_of_member(body, sphere, rods, r);
+            if row != NONE {
+                found += pressed_in(row);
+            }
+        }
+    }
+    return f32(found);
+}
+
+// The lever of a contact on the rigid body that an object is a part of: of a solid, that of the point of its core.
+fn friction_lever(half: ContactSide, other: u32, found: Touch) -> vec3f {
+    if !RIGID_BODIES {
+        return vec3f(0.0);
+    }
+    if half.kind != BODY {
+        return vec3f(0.0);
+    }
+    let lever = lever_on_body(rigid_record(rigid_body_of(half.id)), half.id, half.at);
+    let word = box_word(half.id);
+    if is_solid(word) {
+        return lever + core_point(half.id, other, word, found);
+    }
+    return lever;
 }
 
 fn friction_side(half: ContactSide) -> Side {
@@ -85,11 +122,23 @@ fn slip_inverse_mass_of_sphere(sphere: u32, part: f32, arm: f32) -> f32 {
     return pressed_on(sphere) * part * part * (w + arm * arm * state[momentum_at(sphere)].w);
 }
 
+// Tangential inverse mass through a rigid body. The contact has this lever on it. The impulse is p, its torque at its arm is `own_torque`.
+fn slip_inverse_mass_of_body(body: u32, lever: vec3f, p: vec3f, own_torque: vec3f) -> f32 {
+    let record = rigid_record(body);
+    let torque = cross(lever, p) + own_torque;
+    return pressed_on_body(body) * (float_at(record + 3u) + dot(torque, by_inverse_inertia(record, torque)));
+}
+
 // Tangential inverse mass through one side. The unit impulse on A is p, the one on B is -p. The torque per arm is the same on
 // both.
-fn slip_inverse_mass_of(half: ContactSide, n: vec3f, p: vec3f, arm: f32, is_a: bool) -> f32 {
+fn slip_inverse_mass_of(half: ContactSide, lever: vec3f, n: vec3f, p: vec3f, arm: f32, is_a: bool) -> f32 {
     if half.kind == STATIC {
         return 0.0;
+    }
+    if RIGID_BODIES {
+        if half.kind == BODY {
+            return slip_inverse_mass_of_body(rigid_body_of(half.id), lever, select(-p, p, is_a), arm * cross(n, p));
+        }
     }
     if !RODS | (half.kind == SPHERE) {
         return slip_inverse_mass_of_sphere(half.spheres.x, 1.0, arm);
@@ -106,7 +155,8 @@ fn slip_inverse_mass_of(half: ContactSide, n: vec3f, p: vec3f, arm: f32, is_a: b
 }
 
 // Upper bound of the friction impulse, from the normal impulse of the collision and from the contact force.
-fn limit_of(slot: vec2u, pair: vec2u, a: Side, b: Side, overlap: f32, approach: f32, b_moves: bool) -> f32 {
+fn limit_of(slot: vec2u, pair: vec2u, a: Side, b: Side, found: Touch, approach: f32, b_moves: bool) -> f32 {
+    let overlap = found.overlap;
     var limit = 0.0;
     let in_collisions = collision_friction_of(pair.x, pair.y);
     let in_contacts = coulomb_friction_of(pair.x, pair.y);
@@ -118,30 +168,38 @@ fn limit_of(slot: vec2u, pair: vec2u, a: Side, b: Side, overlap: f32, approach: 
     }
     if (overlap > 0.0) & (in_contacts > 0.0) {
         if has_force(overlap, approach, smaller_radius(a.radius, b.radius, b_moves), pair.x, pair.y) {
-            let force = max(pressure_of(overlap, approach, step.contact_damping), 0.0) / (a.inverse_mass + b.inverse_mass);
+            let factor = shared_damping(pair.x, pair.y, overlap, found.n, vec2f(a.inverse_mass, b.inverse_mass));
+            let pressure = pressure_of(overlap, approach, factor * step.contact_damping);
+            let force = max(pressure, 0.0) / (a.inverse_mass + b.inverse_mass);
             limit += in_contacts * step.dt * force;
         }
     }
     return limit;
 }
 
+// The signed geometry of two objects, with that of boxes of bodies. `found` is that of the spheres and rods that stand for them.
+fn signed_part(a: ContactSide, b: ContactSide, found: Touch, feature: u32) -> Touch {
+    if RIGID_BODIES {
+        let one = box_word(a.id);
+        let other = box_word(b.id);
+        if (one | other) != 0u {
+            return touch_parts(a.id, b.id, one, other, found, feature);
+        }
+    }
+    return found;
+}
+
 // The friction impulse of a list entry. `row` is the mover of the list. The impulse is 0 where there is none.
 fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
     let entry = entry_at(slot);
     let pair = ordered(row, entry_id(entry));
-    if RIGID_BODIES {
-        if touches_body(pair.x, pair.y) {
-            // Its friction is a force (docs/physics.md section 4.16).
-            return FrictionImpulse(vec3f(0.0), vec3f(0.0), vec2f(0.0), vec2f(0.0), pair.x);
-        }
-    }
     var a = contact_side(pair.x, 0.0);
     var b = contact_side(pair.y, 0.0);
     let a_poise = side_motion_from(a, origin_of(a));
     let b_poise = side_motion_from(b, origin_of(a));
     let by_vertex = meets_by_vertex(a, b, a_poise, entry_feature(entry));
-    let found = signed_touch(a, b, a_poise, b_poise, entry_feature(entry), by_vertex);
-    var friction = FrictionImpulse(vec3f(0.0), found.n, vec2f(0.0), vec2f(found.a, found.b), pair.x);
+    let found = signed_part(a, b, signed_touch(a, b, a_poise, b_poise, entry_feature(entry), by_vertex), entry_feature(entry));
+    var friction = FrictionImpulse(vec3f(0.0), found.n, vec2f(0.0), vec2f(found.a, found.b), pair.x, vec3f(0.0), vec3f(0.0));
     if found.overlap == NO_CONTACT_LINE {
         return friction;
     }
@@ -150,20 +208,22 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
         b.at = select(b.at, found.b, (b.id >= step.spheres) & (b.kind != STATIC));
     }
     let b_moves = pair.y < step.spheres + step.rods;
-    let a_side = friction_side(a);
-    let b_side = moving_side(friction_side(b), pair.x, pair.y, found);
+    let a_side = in_body(friction_side(a), pair.x, a.at, pair.y, found);
+    let b_side = in_body(moving_side(friction_side(b), pair.x, pair.y, found), pair.y, b.at, pair.x, found);
     let approach = dot(a_side.velocity - b_side.velocity, found.n);
     friction.arms = arms_of(a_side, b_side, found.overlap, b_moves);
     let t = slip_of(a_side, b_side, friction.arms, found.n, approach);
     let speed = length(t);
-    let limit = limit_of(slot, pair, a_side, b_side, found.overlap, approach, b_moves);
+    let limit = limit_of(slot, pair, a_side, b_side, found, approach, b_moves);
     if (speed <= 0.0) | (limit <= 0.0) {
         return friction;
     }
     let p = t / speed;
+    friction.lever_a = friction_lever(a, pair.y, found);
+    friction.lever_b = friction_lever(b, pair.x, found);
     // Gt of docs/physics.md section 3.9.
-    let gt = slip_inverse_mass_of(a, found.n, p, friction.arms.x, true)
-        + slip_inverse_mass_of(b, found.n, p, friction.arms.y, false);
+    let gt = slip_inverse_mass_of(a, friction.lever_a, found.n, p, friction.arms.x, true)
+        + slip_inverse_mass_of(b, friction.lever_b, found.n, p, friction.arms.y, false);
     friction.impulse = min(limit, speed / gt) * p;
     return friction;
 }

@@ -178,6 +178,15 @@ pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature
     }
 }
 
+/// Returns the signed geometry of objects A and B in the present state, in which a list entry gives the feature.
+pub(crate) fn present_line(view: &View, a: u32, b: u32, feature: u32) -> Option<Touch> {
+    let (a, b) = (view.object(a), view.object(b));
+    match b {
+        Object::Cuboid(_) | Object::Polygon(_) if is_solid(view, a) => touch_corner(view, a, b, feature),
+        _ => line(view, view, a, b, Feature::of(view, a, b, feature)),
+    }
+}
+
 fn sphere_rod(view: &View, at: &impl Motions, sphere: u32, rod: RodRecord) -> Option<Touch> {
     let reach = view.radius(sphere) + rod.radius;
     let origin = origin_of(at, rod);

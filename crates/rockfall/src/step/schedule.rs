@@ -2,8 +2,8 @@
 
 use crate::model::dispatch::Threads;
 use crate::model::layout::{
-    AFTER_COLLISIONS, AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, EARLY, RESTORING, SERVO_END, SWEEPS, SWEEPS_FEW,
-    SWEEPS_ON,
+    AFTER_COLLISIONS, AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, EARLY, RESTORING, RUBBED, SERVO_END, SWEEPS,
+    SWEEPS_FEW, SWEEPS_ON,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
@@ -43,6 +43,8 @@ pub enum When {
     LargeSwept,
     /// Scenes whose contacts get friction impulses.
     FrictionImpulses,
+    /// Scenes with rigid bodies whose contacts get friction impulses.
+    RubbedBodies,
     /// Scenes in which contacts that begin and end within a step are handled.
     Continuous,
     /// Scenes whose phase of collisions needs the accelerations by everything but contacts.
@@ -66,7 +68,7 @@ pub enum When {
 pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
-    /// The pass: 0..4 for the force evaluations of RK4, and for `move_walls` before them, 0 and 3 for those of velocity Verlet, 0 and 1 for `sort_axis` and `drive_servos`, 0..8 for the digits of a sort, 0..8 for
+    /// The pass: 0..4 for the force evaluations of RK4, and for `move_walls` before them, 0 and 3 for those of velocity Verlet, 0 and 1 for `sort_axis` and `drive_servos`, 0 and [`RUBBED`] for `push_bodies`, 0..8 for the digits of a sort, 0..8 for
     /// `sweep_collisions`, 1..=8 for `project_networks` and `gather_impulses`, else 0. [`EARLY`] is added in passes that compute only the
     /// spheres of which other processes have copies.
     pub pass: u32,
@@ -88,6 +90,7 @@ impl Run {
             When::SweptAtOnce => sweeps == SWEEPS_FEW,
             When::LargeSwept => traits.large && sweeps == SWEEPS_ON,
             When::FrictionImpulses => traits.friction_impulses,
+            When::RubbedBodies => traits.friction_impulses && traits.rigid,
             When::Continuous => traits.continuous,
             When::Accelerated => synchronise::is_needed(&traits),
             When::LongMovers => traits.long_movers,
@@ -297,7 +300,7 @@ impl Phase {
 const HANDLE_COLLISIONS: &[Run] = &{
     const FIRST: usize = 6;
     const LAST: usize = FIRST + 3 * SWEEPS as usize;
-    let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 6];
+    let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 8];
     runs[1] = run(&find_crossings::STAGE).when(When::Continuous);
     runs[2] = run(&find_collisions::STAGE);
     runs[3] = run(&weigh_networks::STAGE).when(When::Networks);
@@ -317,6 +320,8 @@ const HANDLE_COLLISIONS: &[Run] = &{
     runs[LAST + 3] = bodies(AFTER_COLLISIONS);
     runs[LAST + 4] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
     runs[LAST + 5] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
+    runs[LAST + 6] = pass(&push_bodies::STAGE, RUBBED).when(When::RubbedBodies);
+    runs[LAST + 7] = bodies(AFTER_COLLISIONS).when(When::RubbedBodies);
     runs
 };
 

@@ -105,6 +105,9 @@ pub(crate) fn trace(seed: u64, integrator: Integrator, law: ContactLaw, parts: P
     let concerned = [
         "count_pairs",
         "fill_pairs",
+        "apply_friction_impulses",
+        "commit_friction_impulses",
+        "push_bodies",
         "move_bodies",
         "rod_loads",
         "loads",
@@ -132,7 +135,7 @@ pub(crate) fn trace(seed: u64, integrator: Integrator, law: ContactLaw, parts: P
 fn falling(seed: u64, parts: Parts) -> Scene {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut scene = Scene::new();
-    (scene.settings.gravity, scene.settings.activation_threshold) = (3.0, 0.1);
+    (scene.settings.gravity, scene.settings.activation_threshold, scene.settings.collision_friction) = (3.0, 0.1, 0.3);
     let material = scene.add_material(Material::new("stuff").density(1000.0)).unwrap();
     for group in 0..40_u16 {
         let shape = scene.add_shape(shape(&mut random, material, group, parts)).unwrap();

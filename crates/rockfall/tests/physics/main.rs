@@ -5,6 +5,7 @@
 mod common;
 
 mod bodies;
+mod body_friction;
 mod body_impulses;
 mod box_impulses;
 mod boxes;

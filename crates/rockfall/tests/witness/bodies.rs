@@ -160,14 +160,12 @@ impl World {
     /// Whether a contact exerts forces and gets no impulses: that of a rod that ends in a rigid body without being a part of
     /// it.
     pub(crate) fn has_forces_alone(&self, pair: &Pair) -> bool {
-        let of_box = !self.rules.box_impulses && self.has_box(pair);
-        of_box
-            || [pair.a, pair.b].into_iter().any(|thing| match thing {
-                Thing::Bar(bar) => {
-                    self.clump_of(thing).is_none() && self.bars[bar].ends.iter().any(|&end| self.clump_at(end).is_some())
-                }
-                _ => false,
-            })
+        [pair.a, pair.b].into_iter().any(|thing| match thing {
+            Thing::Bar(bar) => {
+                self.clump_of(thing).is_none() && self.bars[bar].ends.iter().any(|&end| self.clump_at(end).is_some())
+            }
+            _ => false,
+        })
     }
 
     /// Changes of a rigid body and its spheres by an impulse `p` on a side.
@@ -295,6 +293,7 @@ impl World {
     /// The rigid body of a side, and its inverse mass for a unit impulse with a torque.
     pub(crate) fn clump_tangential_mass(&self, side: Side, p: DVec3, torque: DVec3) -> Option<(usize, f64)> {
         let Spot { clump, lever, .. } = self.spot(side)?;
+        let lever = if self.made(Mistake::BodyFriction) { DVec3::ZERO } else { lever };
         let (body, turning) = (&self.clumps[clump], lever.cross(p) + torque);
         Some((clump, 1.0 / body.mass + turning.dot(body.inverse(turning))))
     }
@@ -346,12 +345,7 @@ impl World {
         self.place_members();
     }
 
-    /// Whether the law of Coulomb gives a force of friction at a contact, and no impulse.
-    pub(crate) fn has_friction_force(&self, pair: &Pair) -> bool {
-        if self.rules.body_friction_impulses { self.has_forces_alone(pair) } else { self.has_clump(pair) }
-    }
-
-    /// The part of friction that the law of Coulomb gives as a force, at a contact of a rigid body.
+    /// The part of friction that the law of Coulomb gives as a force, at a contact with forces alone.
     pub(crate) fn clump_friction(&self, normal: f64, bound: f64) -> f64 {
         (self.set.coulomb * normal.max(0.0)).min(bound)
     }

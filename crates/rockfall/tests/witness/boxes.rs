@@ -6,14 +6,6 @@ use rockfall::{BoxPart, RigidBody, Scene, Shape, SphereId};
 use crate::geometry::{Feature, Line, Pair, Thing, face_corners, segment_segment, sphere_box, sphere_face, vertex_of};
 use crate::world::{Ball, Mistake, World};
 
-/// Whether the engine has impulses of boxes of bodies (section 3.11). Without them, contacts of boxes have forces alone (section 4.16).
-const BOX_IMPULSES: bool = true;
-/// Whether in the engine several contacts of two bodies damp as one also through solids (section 4.16). Without it, each damps as if it
-/// were alone.
-const BOX_PAIR_DAMPING: bool = true;
-/// Whether the engine has friction impulses of rigid bodies (section 3.9). Without them, Coulomb friction of bodies is a force.
-const BODY_FRICTION_IMPULSES: bool = false;
-
 /// Rounding radius of a box as a share of its shortest edge.
 const ROUNDING: f64 = 0.02;
 /// Overlaps of at most this share of the rounding radius count as touching at a corner of a wall.
@@ -22,22 +14,6 @@ const AT_CORNER: f64 = 1e-3;
 const NEARLY_PARALLEL: f64 = 0.1;
 /// Distance from an end of an edge below which its overlap becomes less, in radii.
 const NEAR_END: f64 = 4.0;
-
-/// Rules of the specification that the engine may not have yet.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rules {
-    pub(crate) box_impulses: bool,
-    pub(crate) box_pair_damping: bool,
-    pub(crate) body_friction_impulses: bool,
-}
-
-impl Rules {
-    /// Those that the engine has.
-    pub(crate) const ENGINE: Self =
-        Self { box_impulses: BOX_IMPULSES, box_pair_damping: BOX_PAIR_DAMPING, body_friction_impulses: BODY_FRICTION_IMPULSES };
-    /// All of them.
-    pub(crate) const ALL: Self = Self { box_impulses: true, box_pair_damping: true, body_friction_impulses: true };
-}
 
 /// The core of a box of a rigid body.
 #[derive(Clone, Debug)]

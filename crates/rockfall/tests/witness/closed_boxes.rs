@@ -5,7 +5,7 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{Cuboid, Integrator, Placement, Scene, Settings, Shape, Sphere};
 
-use crate::boxes::{Part, Rules};
+use crate::boxes::Part;
 use crate::closed::{close, kinetic, momentum};
 use crate::draw::Draw;
 use crate::geometry::{Feature, Thing};
@@ -17,7 +17,7 @@ fn bricks(seed: u64, settings: Settings) -> World {
     let mut draw = Draw { rng: Pcg64Mcg::seed_from_u64(seed), scene: Scene::new(), middle: Vec3::ZERO };
     draw.bricks();
     draw.scene.settings = settings;
-    World { rules: Rules::ALL, ..World::of(&draw.scene, Integrator::Rk4, 0.005) }
+    World::of(&draw.scene, Integrator::Rk4, 0.005)
 }
 
 fn smooth() -> Settings {
@@ -83,7 +83,7 @@ fn a_single_elastic_hit_of_a_box_keeps_the_energy() {
         scene.add_body(Placement::new(shape).spin([0.3, 0.2, -0.1])).expect("a valid body");
         let shift = if place.y > 0.6 { 0.02 } else { 0.0 };
         scene.add_sphere(Sphere::new(place - shift * n, 0.3).velocity(-2.0 * n)).expect("a valid sphere");
-        let mut world = World { rules: Rules::ALL, ..World::of(&scene, Integrator::Rk4, 0.005) };
+        let mut world = World::of(&scene, Integrator::Rk4, 0.005);
         let before = kinetic(&world);
         let pressed = world.handle_collisions(true);
         assert!(pressed.len() == 1 && pressed[0].collides && !pressed[0].lone && pressed[0].j > 0.1, "{pressed:?}");

@@ -38,7 +38,7 @@ impl World {
     }
 
     fn boxes_damp_as_one(&self) -> bool {
-        self.rules.box_pair_damping && !self.made(Mistake::SolidFactor)
+        !self.made(Mistake::SolidFactor)
     }
 
     /// Whether two spheres count among the contacts of their bodies that damp as one.

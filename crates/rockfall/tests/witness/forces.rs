@@ -87,7 +87,7 @@ impl World {
             let size = match self.set.coulomb {
                 0.0 if self.made(Mistake::FrictionBound) => law,
                 0.0 => law.min(bound),
-                _ if self.has_friction_force(pair) => self.clump_friction(normal, bound),
+                _ if self.has_forces_alone(pair) => self.clump_friction(normal, bound),
                 _ => 0.0,
             };
             friction = size * slip.t / speed;

@@ -22,7 +22,7 @@ impl World {
         }
         let motion = Motion::of(self);
         let mut change = Motion::none(self);
-        for contact in pressed.iter().filter(|contact| !self.has_friction_force(&contact.pair)) {
+        for contact in pressed {
             self.apply_friction_to_one(contact, pressed, &motion, &mut change);
         }
         for (at, ball) in self.balls.iter_mut().enumerate().filter(|(_, ball)| !ball.fixed) {

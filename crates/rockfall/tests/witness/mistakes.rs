@@ -1,7 +1,7 @@
 //! Deliberate mistakes of the witness, by which the comparison itself is checked.
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 31] = [
+pub(crate) const MISTAKES: [Mistake; 32] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -33,6 +33,7 @@ pub(crate) const MISTAKES: [Mistake; 31] = [
     Mistake::EdgeTaper,
     Mistake::WallCorners,
     Mistake::SolidFactor,
+    Mistake::BodyFriction,
 ];
 
 /// A deliberate mistake of the witness. The comparison must detect each of them.
@@ -100,4 +101,6 @@ pub(crate) enum Mistake {
     WallCorners,
     /// Several contacts of two bodies through solids damp as if each were alone.
     SolidFactor,
+    /// The tangential inverse mass of a rigid body ignores the lever of the contact.
+    BodyFriction,
 }

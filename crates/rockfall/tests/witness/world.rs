@@ -4,7 +4,7 @@ use rockfall::glam::{DQuat, DVec3, Vec3};
 use rockfall::{Integrator, Scene, Settings, SphereState};
 
 use crate::bodies::Clump;
-use crate::boxes::{Core, Part, Rules, cores};
+use crate::boxes::{Core, Part, cores};
 pub(crate) use crate::mistakes::Mistake;
 use crate::walls::{Path, at_rest};
 
@@ -188,7 +188,6 @@ pub(crate) struct World {
     /// Rods of every network.
     pub(crate) networks: Vec<Vec<usize>>,
     pub(crate) sweeps: Sweeps,
-    pub(crate) rules: Rules,
     pub(crate) mistake: Option<Mistake>,
     /// A point outside a box by less than this fraction of its edges counts as inside. It is 0 except to find what
     /// rounding may decide.
@@ -249,7 +248,6 @@ impl World {
             body: Vec::new(),
             networks: Vec::new(),
             sweeps: Sweeps::Exact,
-            rules: Rules::ENGINE,
             mistake: None,
             slack: 0.0,
             lost: false,

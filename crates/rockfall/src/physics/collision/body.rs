@@ -47,11 +47,7 @@ impl Body {
             }
             Self::Rigid(body) => {
                 for (index, _) in view.members(view.rigid_body(body)) {
-                    let sphere = view.slot_of(index);
-                    take(sphere);
-                    let own = view.rods_of(sphere).filter(|rod| view.rod(*rod).ends[0] == sphere);
-                    let own = own.filter(|rod| view.body_of(Object::Rod(*rod)) == Some(body));
-                    own.for_each(|rod| take(view.step.layout.spheres + rod));
+                    member_rows(view, body, view.slot_of(index)).for_each(&mut take);
                 }
             }
             Self::Network(network) => {
@@ -71,6 +67,13 @@ impl Body {
 pub(crate) fn sphere_rows(view: &View, sphere: u32) -> impl Iterator<Item = u32> {
     let spheres = view.step.layout.spheres;
     std::iter::once(sphere).chain(view.rods_of(sphere).map(move |rod| spheres + rod))
+}
+
+/// The movers that a sphere of a rigid body stands for: itself and the rods of the body that begin in it.
+pub(crate) fn member_rows(view: &View, body: u32, sphere: u32) -> impl Iterator<Item = u32> {
+    let own = view.rods_of(sphere).filter(move |rod| view.rod(*rod).ends[0] == sphere);
+    let own = own.filter(move |rod| view.body_of(Object::Rod(*rod)) == Some(body));
+    std::iter::once(sphere).chain(own.map(move |rod| view.step.layout.spheres + rod))
 }
 
 /// The effect of a contact's impulse, along its normal n, on one of its bodies.

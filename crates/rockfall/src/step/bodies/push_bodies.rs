@@ -1,8 +1,9 @@
-//! Applies the impulses of collisions to rigid bodies (docs/physics.md section 3.11). They change the velocity and the angular momentum of a
-//! body. A lone collision also displaces and turns it, as it has moved since its time of contact.
+//! Applies impulses to rigid bodies (docs/physics.md sections 3.9 and 3.11). They change the velocity and the angular momentum of a body. A lone
+//! collision also displaces and turns it, as it has moved since its time of contact.
 //!
-//! The stage follows `commit_collisions`. The thread of the first sphere of a body reads the records of its collisions, and of the state only
-//! the positions of its own spheres. It marks the body in [`PUSHED_ROW`], so that [`AFTER_COLLISIONS`] places its spheres. A body whose new
+//! Pass 0 follows `commit_collisions`. The thread of the first sphere of a body reads the records of its collisions, and of the state only
+//! the positions of its own spheres. Pass [`RUBBED`] follows `apply_friction_impulses`, which has summed the friction impulses on each sphere
+//! of the body. The thread marks the body in [`PUSHED_ROW`], so that [`AFTER_COLLISIONS`] places its spheres. A body whose new
 //! state is not finite stops, and its first sphere is reported.
 //!
 //! [`AFTER_COLLISIONS`]: crate::model::layout::AFTER_COLLISIONS
@@ -14,7 +15,7 @@ use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
 use crate::model::impulse::BodyPush;
-use crate::model::layout::{PUSHED_ROW, RIGID_ROWS};
+use crate::model::layout::{PUSHED_ROW, RIGID_ROWS, RUBBED};
 use crate::model::part::part;
 use crate::model::rigid::Pose;
 use crate::model::view::View;
@@ -34,6 +35,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("lists", Buffer::Lists),
         read("collision_indices", Buffer::CollisionIndices),
         read("collisions", Buffer::Collisions),
+        read("next", Buffer::Y2),
         write("status", Buffer::Status),
     ],
     threads: Threads::Spheres,
@@ -42,13 +44,33 @@ pub(crate) const STAGE: Stage = Stage {
     cpu: push_bodies,
 };
 
-fn push_bodies(world: &mut World, _pass: u32) {
+fn push_bodies(world: &mut World, pass: u32) {
     if world.status.rejected != 0 || world.status.collided != 2 {
         return;
+    }
+    if pass == RUBBED {
+        world.pushes = friction_pushes(world);
     }
     for push in std::mem::take(&mut world.pushes) {
         apply(world, &push);
     }
+}
+
+/// The pushes by the friction impulses on the spheres of each body, in the order of its members.
+fn friction_pushes(world: &World) -> Vec<BodyPush> {
+    let view = View::new(&world.step, &world.topology, &world.states[1]);
+    let of_body = |body: u32| {
+        let record = view.rigid_body(body);
+        let (mut impulse, mut torque) = (Vec3::ZERO, Vec3::ZERO);
+        for (index, _) in view.members(record) {
+            let sphere = view.slot_of(index);
+            impulse += view.velocity(sphere);
+            torque += view.angular_momentum(sphere);
+        }
+        let push = BodyPush { body, velocity: record.inverse_mass * impulse, angular_momentum: torque, moved: None };
+        (impulse != Vec3::ZERO || torque != Vec3::ZERO).then_some(push)
+    };
+    (0..world.step.layout.rigid_bodies).filter_map(of_body).collect()
 }
 
 fn apply(world: &mut World, push: &BodyPush) {

@@ -8,7 +8,8 @@
 @group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> collision_indices: array<array<u32, SLICE>>;
 @group(0) @binding(7) var<storage, read> collisions: array<vec4u>;
-@group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
+@group(0) @binding(8) var<storage, read> next: array<vec4f>;
+@group(0) @binding(9) var<storage, read_write> status: StatusAtomic;
 
 // The pose after a lone collision, which acts at its time of contact.
 fn hit_at_contact(form: Form, body: u32, pose: Pose, row: u32, r: u32) -> Pose {
@@ -28,10 +29,22 @@ fn hit_at_contact(form: Form, body: u32, pose: Pose, row: u32, r: u32) -> Pose {
     );
 }
 
-fn pushed_pose(form: Form, body: u32, kick: BodyKick) -> Pose {
+// The sums of the friction impulses on the spheres of a body. `number` is NONE without one, and 0 otherwise.
+fn friction_kick(form: Form) -> BodyKick {
+    var kick = BodyKick(vec3f(0.0), vec3f(0.0), NONE, NONE);
+    for (var member = 0u; member < form.count; member++) {
+        let sphere = id_of(topology[form.members + member]);
+        kick.impulse += next[step.spheres + sphere].xyz;
+        kick.torque += next[2u * step.spheres + sphere].xyz;
+    }
+    kick.number = select(NONE, 0u, any(kick.impulse != vec3f(0.0)) | any(kick.torque != vec3f(0.0)));
+    return kick;
+}
+
+fn pushed_pose(form: Form, body: u32, kick: BodyKick, is_lone: bool) -> Pose {
     let before = start_of(body);
     var pose = before;
-    if impulse_at(kick.number).tau >= 0.0 {
+    if is_lone {
         pose = hit_at_contact(form, body, before, kick.row, kick.number);
     } else {
         pose.velocity += form.inverse_mass * kick.impulse;
@@ -56,17 +69,28 @@ fn push_bodies(
         return;
     }
     let body = body_of_sphere(i);
-    if (body == NO_RIGID) | (atomicLoad(&status.collides) == 0u) {
+    // It does not depend on the uniform block alone, for which software Vulkan would compile the kernel again in every dispatch.
+    let kick_pass = select(pass_.index, NONE, body == NO_RIGID);
+    if (kick_pass == NONE) | ((kick_pass != RUBBED) & (atomicLoad(&status.collides) == 0u)) {
         return;
     }
     let form = form_of(body);
     if id_of(topology[form.members]) != i {
         return;
     }
-    let kick = body_kick(body, SWEEPS);
+    var kick = BodyKick(vec3f(0.0), vec3f(0.0), NONE, NONE);
+    if kick_pass == RUBBED {
+        kick = friction_kick(form);
+    } else {
+        kick = body_kick(body, SWEEPS);
+    }
     if kick.number == NONE {
         return;
     }
-    put_pose(body, pushed_pose(form, body, kick));
+    var is_lone = false;
+    if kick_pass != RUBBED {
+        is_lone = impulse_at(kick.number).tau >= 0.0;
+    }
+    put_pose(body, pushed_pose(form, body, kick, is_lone));
     put_pose_row(body, PUSHED_ROW, vec4f(0.0, 0.0, 0.0, 1.0));
 }

@@ -1,6 +1,6 @@
-//! Copies `Y2` to the state of all spheres after the friction impulses, in scenes that have them. Does nothing in a
-//! rejected step, or when an earlier attempt at the step has done its collisions. Requests new lists (`rebuild`) if a
-//! sphere may leave its AABB within the next step.
+//! Copies `Y2` to the state of all spheres after the friction impulses, in scenes that have them, but for those of rigid bodies, which
+//! `push_bodies` changes. Does nothing in a rejected step, or when an earlier attempt at the step has done its collisions. Requests new
+//! lists (`rebuild`) if a sphere may leave its AABB within the next step.
 
 use rayon::prelude::*;
 
@@ -23,6 +23,7 @@ pub(crate) const STAGE: Stage = Stage {
     bindings: &[
         write("state", Buffer::Start),
         read("next", Buffer::Y2),
+        read("topology", Buffer::Topology),
         read("aabbs", Buffer::Aabbs),
         write("status", Buffer::Status),
     ],
@@ -40,11 +41,16 @@ fn commit_friction_impulses(world: &mut World, _pass: u32) {
 /// Copies `Y2` to the current state, and requests a rebuild of the lists if a sphere may soon leave its AABB.
 fn commit(world: &mut World) {
     let [start, y2, ..] = &mut world.states;
+    let n = world.step.layout.spheres as usize;
+    let next = View::new(&world.step, &world.topology, y2);
     // The velocities at the time of the positions are computed anew in the next phase of collisions.
-    let regions = 4 * world.step.layout.spheres as usize;
-    start[..regions].copy_from_slice(&y2[..regions]);
+    for (to, from) in start.chunks_mut(n).zip(y2.chunks(n)).take(4) {
+        let rows = to.par_iter_mut().zip(from).enumerate().with_min_len(GRAIN);
+        rows.filter(|(sphere, _)| next.body_of_sphere(*sphere as u32).is_none()).for_each(|(_, (to, from))| *to = *from);
+    }
     let view = View::new(&world.step, &world.topology, start);
     let spheres = (0..world.step.layout.spheres).into_par_iter().with_min_len(GRAIN);
+    let spheres = spheres.filter(|sphere| view.body_of_sphere(*sphere).is_none());
     if spheres.any(|sphere| needs_rebuild(&view, &world.aabbs, sphere, view.position(sphere), view.velocity(sphere))) {
         world.status.rebuild |= REBUILD_REQUESTED;
     }
