@@ -75,7 +75,7 @@ fn bodies_stay_on_a_slope() {
             let mut scene = slope(10.0, 0.5);
             add_tetrahedron(&mut scene, is_frame);
             let mut simulation = open(scene, backend, integrator);
-            let (steps, dt) = (2000 / shorter.pow(2), 1e-3);
+            let (steps, dt) = (2000 / shorter, 1e-3);
             simulation.run(u64::from(steps), dt).unwrap();
             let before = mean_place(&mut simulation);
             simulation.run(u64::from(steps), dt).unwrap();
@@ -95,7 +95,7 @@ fn bodies_slide_down_a_steep_slope() {
             let mut scene = slope(angle, mu);
             add_tetrahedron(&mut scene, is_frame);
             let mut simulation = open(scene, backend, integrator);
-            let (steps, dt) = (800 / shorter.pow(2), 1e-3);
+            let (steps, dt) = (800 / shorter, 1e-3);
             simulation.run(u64::from(steps), dt).unwrap();
             let before = mean_velocity(&mut simulation);
             simulation.run(u64::from(steps), dt).unwrap();
@@ -200,7 +200,8 @@ fn changes(first: &Energy, last: &Energy) -> [f64; 2] {
 fn bodies_that_rub_keep_momentum_and_gain_no_energy() {
     on_both(|backend, shorter| {
         let mut lost = 0;
-        for seed in 0..24 / shorter.pow(2) {
+        let (seeds, times) = if shorter == 1 { (24, 10) } else { (3, 5) };
+        for seed in 0..seeds {
             let turn = 0.3 * seed as f32;
             let mut scene = scene(1.0, [0.2, 0.5, 3.0][seed as usize % 3]);
             add_clump(&mut scene, [-1.0, 0.03 * f64::from(seed), 0.0], [2.0, 0.1, 0.2], [1.0, 2.0, 3.0], turn);
@@ -212,7 +213,7 @@ fn bodies_that_rub_keep_momentum_and_gain_no_energy() {
             let mut simulation = open(scene, backend, Integrator::Rk4);
             let first = simulation.energy().unwrap();
             let mut before = first;
-            for _ in 0..10 / shorter {
+            for _ in 0..times {
                 simulation.run(30, 4e-3).unwrap();
                 let after = simulation.energy().unwrap();
                 let gain = (after.total() - before.total()) / first.total();
@@ -224,6 +225,6 @@ fn bodies_that_rub_keep_momentum_and_gain_no_energy() {
             }
         }
         println!("{backend}: {lost} losses");
-        assert!(lost > 12 / shorter.pow(2), "{backend}: {lost} losses");
+        assert!(2 * lost > seeds, "{backend}: {lost} losses");
     });
 }
