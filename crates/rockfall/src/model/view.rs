@@ -273,11 +273,6 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The nearest image of a vector.
-    pub(crate) fn image(&self, d: Vec3) -> Vec3 {
-        Periods::of(self.step).map_or(d, |periods| periods.nearest(d.as_dvec3()).as_vec3())
-    }
-
     pub(crate) fn radius(&self, sphere: u32) -> f32 {
         self.row(0, sphere).w
     }

@@ -1,36 +1,81 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/period.wgsl physics/rigid.wgsl physics/rigid_box.wgsl
-// requires physics/rigid_parts.wgsl physics/round_pair.wgsl
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_box.wgsl
+// requires physics/rigid_form.wgsl physics/rigid_parts.wgsl physics/round_pair.wgsl
 
 // Damping of the contacts of the spheres of two bodies, at least one of which is a rigid body (docs/physics.md section 4.16).
+//
+// The places of the other spheres follow from those of the two that touch, the orientations and the forms of the bodies: forms are few, so
+// reading them is much faster than reading the spheres.
 
 // A rigid body, or a sphere of its own.
 struct Party {
     // First word of the record of a rigid body, or NONE.
     record: u32,
-    // The sphere of its own.
-    sphere: u32,
     count: u32,
     inverse_mass: f32,
-    centre: vec3f,
     // Greatest distance of a point of a sphere from the centre.
     reach: f32,
+    orientation: vec4f,
+    // First word of the places in the form, and of the members.
+    places: u32,
+    members: u32,
+    // The sphere that touches: its radius, its number among the members, and its place from the centre.
+    radius: f32,
+    own: u32,
+    own_place: vec3f,
 }
 
 fn party_of(sphere: u32) -> Party {
     let body = body_of_sphere(sphere);
     if body == NO_RIGID {
         let place = state[position_at(sphere)];
-        return Party(NONE, sphere, 1u, inverse_mass(sphere), place.xyz, place.w);
+        return Party(NONE, 1u, inverse_mass(sphere), place.w, vec4f(0.0), 0u, 0u, place.w, 0u, vec3f(0.0));
     }
     let record = rigid_record(body);
-    return Party(record, sphere, topology[record + 13u], float_at(record + 3u), vector_at(record), float_at(record + 18u));
+    let places = topology[record + 11u] + SHAPE_WORDS;
+    let count = topology[record + 13u];
+    let members = topology[record + 12u];
+    var party = Party(
+        record, count, float_at(record + 3u), float_at(record + 18u), orientation_in(record), places, members, 0.0, 0u, vec3f(0.0)
+    );
+    let index = insertion_index(sphere);
+    while (party.own + 1u < count) && (topology[members + party.own] != index) {
+        party.own++;
+    }
+    party.radius = radius_of_member(party, party.own);
+    party.own_place = place_in(party, party.own);
+    return party;
 }
 
-fn member_of(party: Party, k: u32) -> u32 {
+// The place of a member from the centre of the body.
+fn place_in(party: Party, k: u32) -> vec3f {
     if party.record == NONE {
-        return party.sphere;
+        return vec3f(0.0);
     }
-    return id_of(topology[topology[party.record + 12u] + k]);
+    return turned_vector(party.orientation, vector_at(party.places + 3u * k));
+}
+
+// The radius of a member; of the solid of a box, that of the sphere around it.
+fn radius_of_member(party: Party, k: u32) -> f32 {
+    if party.record == NONE {
+        return party.radius;
+    }
+    return float_at(party.members + party.count + k);
+}
+
+// `box_word` of a member.
+fn word_of_member(party: Party, k: u32) -> u32 {
+    if (party.record == NONE) | (step.rigid_parts_at == 0u) {
+        return 0u;
+    }
+    return topology[party.members + 2u * party.count + k];
+}
+
+// The radius of a sphere with a word; of the solid of a box, its rounding radius.
+fn round_radius(radius: f32, word: u32) -> f32 {
+    if is_solid(word) {
+        return float_at(word + 3u);
+    }
+    return radius;
 }
 
 // A torque times the inverse inertia times itself.
@@ -50,100 +95,78 @@ struct Sums {
     torque_b: vec3f,
 }
 
-// A contact of two spheres of two parties.
-struct Meeting {
-    overlap: f32,
-    // From the first party to the second one.
-    normal: vec3f,
-    // From the centre of each party to a point of the line along the normal.
-    lever_a: vec3f,
-    lever_b: vec3f,
-}
-
-// The radius of a sphere; of the solid of a box, its rounding radius.
-fn round_radius(sphere: u32, place: vec4f) -> f32 {
-    let word = box_word(sphere);
-    if is_solid(word) {
-        return float_at(word + 3u);
-    }
-    return place.w;
-}
-
-// Whether spheres at these places are too far apart to touch. With double precision the places are rounded.
-fn are_apart(place: vec4f, far: vec4f) -> bool {
-    let d = nearest_image(far.xyz - place.xyz);
-    var touching = place.w + far.w;
-    if DOUBLE {
-        touching += LOW_PARTS * max(largest_coordinate(place), largest_coordinate(far));
-    }
-    return dot(d, d) > SLACK * touching * touching;
-}
-
-// The contact of spheres i and j, which are at `place` and `far`. The overlap is 0 or less without one.
-fn meeting_of(one: Party, other: Party, i: u32, j: u32, place: vec4f, far: vec4f) -> Meeting {
-    let levers = Meeting(0.0, vec3f(0.0), place.xyz - one.centre, far.xyz - other.centre);
-    if step.rigid_parts_at != 0u {
-        let words = vec2u(box_word(i), box_word(j));
-        if (words.x | words.y) != 0u {
-            if is_left_to_others(i, j) {
-                return levers;
-            }
-            let found = touch_solid(i, j, words.x, words.y);
-            var met = Meeting(found.overlap, found.n, levers.lever_a, levers.lever_b);
-            if is_solid(words.x) {
-                met.lever_a += between(i, j);
-            } else {
-                met.lever_b += between(j, i);
-            }
-            return met;
+// Overlap and normal of two members with these words, which are `d` apart. The overlap is 0 where they never touch.
+fn member_contact(one: Party, other: Party, words: vec2u, radii: vec2f, d: vec3f) -> vec4f {
+    if (words.x | words.y) != 0u {
+        if is_solid(words.x) == is_solid(words.y) {
+            return vec4f(0.0);
         }
+        if is_solid(words.x) {
+            let box = box_in(one.record, words.x);
+            let nearest = from_core(box, d);
+            return vec4f(nearest.xyz, radii.y + box.radius - nearest.w);
+        }
+        let box = box_in(other.record, words.y);
+        let nearest = from_core(box, -d);
+        return vec4f(-nearest.xyz, radii.x + box.radius - nearest.w);
     }
-    let d = between(i, j);
     let distance = length(d);
-    return Meeting(place.w + far.w - distance, d / max(distance, TINY), levers.lever_a, levers.lever_b);
+    return vec4f(d / max(distance, TINY), radii.x + radii.y - distance);
 }
 
 // Factor of the damping of the contact of spheres a and b with the overlap o, the normal n and the inverse mass w.
 fn pair_damping(a: u32, b: u32, o: f32, n: vec3f, w: f32) -> f32 {
     let one = party_of(a);
     let other = party_of(b);
-    let radii = vec2f(round_radius(a, state[position_at(a)]), round_radius(b, state[position_at(b)]));
+    let own_words = vec2u(word_of_member(one, one.own), word_of_member(other, other.own));
+    var apart = (one.radius + other.radius - o) * n;
+    if (own_words.x | own_words.y) != 0u {
+        apart = between(a, b);
+    }
+    let own_radii = vec2f(round_radius(one.radius, own_words.x), round_radius(other.radius, own_words.y));
+    let reduced = own_radii.x * own_radii.y / (own_radii.x + own_radii.y);
     var total = Sums(vec2f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
     for (var k = 0u; k < one.count; k++) {
-        let i = member_of(one, k);
-        let place = state[position_at(i)];
-        if are_apart(place, vec4f(other.centre, other.reach)) {
+        let lever = place_in(one, k);
+        let radius = radius_of_member(one, k);
+        let seen = apart - (lever - one.own_place);
+        let to_centre = seen - other.own_place;
+        if dot(to_centre, to_centre) > (other.reach + radius) * (other.reach + radius) {
             continue;
         }
         for (var l = 0u; l < other.count; l++) {
-            let j = member_of(other, l);
-            let far = state[position_at(j)];
-            let is_own = (i == a) & (j == b);
-            if are_apart(place, far) & !is_own {
+            var lever_a = lever;
+            var lever_b = place_in(other, l);
+            let radii = vec2f(radius, radius_of_member(other, l));
+            let is_own = (k == one.own) & (l == other.own);
+            let d = seen + (lever_b - other.own_place);
+            if (dot(d, d) > (radii.x + radii.y) * (radii.x + radii.y)) & !is_own {
                 continue;
             }
-            var met = meeting_of(one, other, i, j, place, far);
-            if is_own {
-                met.overlap = o;
-                met.normal = n;
+            let words = vec2u(word_of_member(one, k), word_of_member(other, l));
+            var met = vec4f(n, o);
+            if !is_own {
+                met = member_contact(one, other, words, radii, d);
             }
-            if !(met.overlap > 0.0) {
+            if !(met.w > 0.0) {
                 continue;
             }
-            let torque_a = cross(met.lever_a, met.normal);
-            let torque_b = cross(met.lever_b, met.normal);
+            // A solid is touched on the line through the centre of the other sphere.
+            lever_a += select(vec3f(0.0), d, is_solid(words.x));
+            lever_b -= select(vec3f(0.0), d, is_solid(words.y));
+            let torque_a = cross(lever_a, met.xyz);
+            let torque_b = cross(lever_b, met.xyz);
             var kappa = 1.0;
             if LAW == LAW_THESIS {
                 let mass = one.inverse_mass + turning(one, torque_a) + (other.inverse_mass + turning(other, torque_b));
                 kappa = w / mass;
             } else if LAW == LAW_HERTZ_MINDLIN {
-                let round = vec2f(round_radius(i, place), round_radius(j, far));
-                let ratio = (round.x * round.y / (round.x + round.y)) / (radii.x * radii.y / (radii.x + radii.y));
-                kappa = sqrt(ratio * met.overlap / o);
+                let round = vec2f(round_radius(radii.x, words.x), round_radius(radii.y, words.y));
+                kappa = sqrt(round.x * round.y / (round.x + round.y) / reduced * met.w / o);
             }
-            let push = kappa * met.overlap;
-            total.sums += push * vec2f(1.0, met.overlap);
-            total.force += push * met.normal;
+            let push = kappa * met.w;
+            total.sums += push * vec2f(1.0, met.w);
+            total.force += push * met.xyz;
             total.torque_a += push * torque_a;
             total.torque_b += push * torque_b;
         }

@@ -3,11 +3,11 @@
 use glam::Vec3;
 
 use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_THESIS};
+use crate::model::rotate::rotated;
 use crate::model::view::{Object, RigidRecord, View};
 use crate::physics::motions::{Motions, Touch};
-use crate::physics::rigid_box::{core_point, is_left_to_others, is_solid, toucher};
+use crate::physics::rigid_box::{core_point, has_box, is_solid, solid_and_ball};
 use crate::physics::side::{Side, side};
-use crate::physics::touch::line;
 
 /// The side of an object in a contact with another one, with the mass and inertia of the rigid body that it belongs to, if any. `parameter`
 /// is that of the contact on a rod.
@@ -69,58 +69,49 @@ pub(crate) fn shared_damping(view: &View, ids: [u32; 2], touch: &Touch, inverse_
     }
 }
 
-/// The same for a sphere and a wall, which is taken as a plane.
-fn wall_damping(view: &View, own: u32, touch: &Touch, inverse_mass: f32) -> f32 {
-    let is_solid = |sphere: u32| is_solid(view, Object::Sphere(sphere));
-    let Some(body) = view.body_of_sphere(own).filter(|_| !is_solid(own)) else { return 1.0 };
-    let body = view.rigid_body(body);
-    let pressed = touch.overlap * view.radius(own);
-    let turning = |moment: Vec3| body.by_inverse_inertia(moment.cross(touch.normal));
-    let (mut force, mut moment, mut energy) = (0.0, Vec3::ZERO, 0.0);
-    for (index, _) in view.members(body) {
-        let sphere = view.slot_of(index);
-        let place = view.position(sphere);
-        let further = view.radius(sphere) - view.radius(own);
-        let overlap = touch.overlap + ((place - view.position(own)).dot(touch.normal) + further);
-        if overlap <= 0.0 || is_solid(sphere) {
-            continue;
-        }
-        let stiffness = match view.step.layout.law {
-            LAW_THESIS => inverse_mass / (body.inverse_mass + turning(place - body.centre)),
-            LAW_HERTZ_MINDLIN => (view.radius(sphere) * overlap / pressed).sqrt(),
-            _ => 1.0,
-        };
-        let push = stiffness * overlap;
-        force += push;
-        moment += push * (place - body.centre);
-        energy += push * overlap;
-    }
-    let response = body.inverse_mass * force * force + turning(moment);
-    (inverse_mass * energy / response).sqrt()
-}
-
 /// A rigid body, or a sphere of its own.
 struct Party {
     body: Option<RigidRecord>,
-    centre: Vec3,
     inverse_mass: f32,
+    /// The greatest distance of a point of a sphere from the centre.
     reach: f32,
-    /// The sphere of its own.
-    alone: Option<u32>,
+    /// The sphere that touches, its place from the centre, and its radius.
+    sphere: u32,
+    place: Vec3,
+    radius: f32,
+}
+
+/// A sphere of a party.
+#[derive(Clone, Copy)]
+struct Member {
+    sphere: u32,
+    /// Its place from the centre of the party.
+    place: Vec3,
+    /// Of the solid of a box, that of the sphere around it.
+    radius: f32,
 }
 
 impl Party {
     fn of(view: &View, sphere: u32) -> Self {
-        let Some(body) = view.body_of_sphere(sphere).map(|body| view.rigid_body(body)) else {
-            let (centre, reach) = (view.position(sphere), view.radius(sphere));
-            return Self { body: None, centre, inverse_mass: view.inverse_mass(sphere), reach, alone: Some(sphere) };
-        };
-        Self { body: Some(body), centre: body.centre, inverse_mass: body.inverse_mass, reach: body.reach, alone: None }
+        let body = view.body_of_sphere(sphere).map(|body| view.rigid_body(body));
+        let radius = view.radius(sphere);
+        let (inverse_mass, reach) =
+            body.map_or_else(|| (view.inverse_mass(sphere), radius), |body| (body.inverse_mass, body.reach));
+        let mut party = Self { body, inverse_mass, reach, sphere, place: Vec3::ZERO, radius };
+        let own = party.members(view).find(|member| member.sphere == sphere);
+        party.place = own.map_or(Vec3::ZERO, |own| own.place);
+        party
     }
 
-    fn spheres(&self, view: &View) -> impl Iterator<Item = u32> {
-        let members = self.body.into_iter().flat_map(|body| view.members(body)).map(|(index, _)| view.slot_of(index));
-        members.chain(self.alone)
+    fn members<'a>(&self, view: &'a View) -> impl Iterator<Item = Member> + use<'a> {
+        let of_body = self.body.into_iter().flat_map(move |body| {
+            view.members(body).map(move |(index, place)| {
+                let sphere = view.slot_of(index);
+                Member { sphere, place: rotated(body.orientation, place), radius: view.radius(sphere) }
+            })
+        });
+        let alone = Member { sphere: self.sphere, place: Vec3::ZERO, radius: self.radius };
+        of_body.chain(self.body.is_none().then_some(alone))
     }
 
     /// What a torque contributes to the response.
@@ -129,77 +120,116 @@ impl Party {
     }
 }
 
+/// The same for a sphere and a wall, which is taken as a plane.
+fn wall_damping(view: &View, own: u32, touch: &Touch, inverse_mass: f32) -> f32 {
+    let is_solid = |sphere: u32| is_solid(view, Object::Sphere(sphere));
+    if view.body_of_sphere(own).is_none() || is_solid(own) {
+        return 1.0;
+    }
+    let body = Party::of(view, own);
+    let (mut force, mut moment, mut energy) = (0.0, Vec3::ZERO, 0.0);
+    for Member { sphere, place, radius } in body.members(view) {
+        let overlap = touch.overlap + ((place - body.place).dot(touch.normal) + (radius - body.radius));
+        if overlap <= 0.0 || is_solid(sphere) {
+            continue;
+        }
+        let stiffness = match view.step.layout.law {
+            LAW_THESIS => inverse_mass / (body.inverse_mass + body.turning(place.cross(touch.normal))),
+            LAW_HERTZ_MINDLIN => (radius * overlap / (body.radius * touch.overlap)).sqrt(),
+            _ => 1.0,
+        };
+        let push = stiffness * overlap;
+        force += push;
+        moment += push * place;
+        energy += push * overlap;
+    }
+    let response = body.inverse_mass * force * force + body.turning(moment.cross(touch.normal));
+    (inverse_mass * energy / response).sqrt()
+}
+
 /// Least part of the response that forces without resistance to each other would have.
 const LEAST_RESPONSE: f32 = 0.25;
 
-/// A contact of two spheres of two parties. The levers are those of a point of the line along the normal.
-struct Meeting {
-    overlap: f32,
-    normal: Vec3,
-    levers: [Vec3; 2],
-}
-
-impl Meeting {
-    /// The contact of two spheres, or `None` where they do not touch.
-    fn of(view: &View, [k, l]: [u32; 2], [one, other]: &[Party; 2]) -> Option<Self> {
-        let reach = view.radius(k) + view.radius(l);
-        if view.between(k, l).length_squared() > reach * reach || is_left_to_others(view, Object::Sphere(k), Object::Sphere(l))
-        {
-            return None;
+/// Overlap and normal of two members of parties, which are `apart`. `None` where they never touch.
+fn member_contact(view: &View, [k, l]: [Member; 2], apart: Vec3) -> Option<(f32, Vec3)> {
+    let objects = [k, l].map(|member| Object::Sphere(member.sphere));
+    if !has_box(view, objects[0], objects[1]) {
+        return Some((k.radius + l.radius - apart.length(), apart.normalize_or_zero()));
+    }
+    match objects.map(|object| is_solid(view, object)) {
+        [true, false] => {
+            let (outward, overlap) = solid_and_ball(&view.box_of(objects[0])?, apart, l.radius);
+            Some((overlap, outward))
         }
-        let touch = line(view, view, Object::Sphere(k), Object::Sphere(l), None)?;
-        let toucher = |object: u32, other: u32| toucher(view, Object::Sphere(object), Object::Sphere(other), &touch);
-        let of = |sphere: u32, party: &Party, toucher: Option<Vec3>| {
-            view.position(sphere) - party.centre + toucher.unwrap_or_default()
-        };
-        let levers = [of(k, one, toucher(k, l)), of(l, other, toucher(l, k))];
-        Some(Self { overlap: touch.overlap, normal: touch.normal, levers })
+        [false, true] => {
+            let (outward, overlap) = solid_and_ball(&view.box_of(objects[1])?, -apart, k.radius);
+            Some((overlap, -outward))
+        }
+        _ => None,
     }
 }
 
 /// The radius of a sphere; of the solid of a box, its rounding radius.
-fn round_radius(view: &View, sphere: u32) -> f32 {
-    let object = Object::Sphere(sphere);
+fn round_radius(view: &View, member: Member) -> f32 {
+    let object = Object::Sphere(member.sphere);
     let of_box = view.box_of(object).filter(|_| is_solid(view, object));
-    of_box.map_or_else(|| view.radius(sphere), |body_box| body_box.radius)
+    of_box.map_or(member.radius, |body_box| body_box.radius)
 }
 
 /// Factor of the damping of a contact of two spheres, at least one of which belongs to a rigid body. `inverse_mass` is that of the contact.
+///
+/// The places of the other spheres follow from those of the two that touch, the orientations and the forms of the bodies.
 fn pair_damping(view: &View, own: [u32; 2], touch: &Touch, inverse_mass: f32) -> f32 {
-    let parties = own.map(|sphere| Party::of(view, sphere));
-    let [one, other] = &parties;
-    let reduced = |pair: [u32; 2]| {
-        let [r, s] = pair.map(|sphere| round_radius(view, sphere));
+    let [one, other] = own.map(|sphere| Party::of(view, sphere));
+    let reduced = |pair: [Member; 2]| {
+        let [r, s] = pair.map(|member| round_radius(view, member));
         r * s / (r + s)
     };
+    let of = |party: &Party| Member { sphere: party.sphere, place: party.place, radius: party.radius };
+    let own_reduced = reduced([of(&one), of(&other)]);
+    let between = own_distance(view, own, touch, one.radius + other.radius);
     let (mut push, mut energy, mut force, mut torques) = (0.0, 0.0, Vec3::ZERO, [Vec3::ZERO; 2]);
-    let pairs = one.spheres(view).filter(|k| {
-        let away = view.image(other.centre - view.position(*k));
-        away.length_squared() <= (other.reach + view.radius(*k)).powi(2)
-    });
-    for pair in pairs.flat_map(|k| other.spheres(view).map(move |l| [k, l])) {
-        let Some(mut met) = Meeting::of(view, pair, &parties) else { continue };
-        if pair == own {
-            (met.overlap, met.normal) = (touch.overlap, touch.normal);
-        }
-        if met.overlap <= 0.0 {
+    for k in one.members(view) {
+        let seen = between - (k.place - one.place);
+        if (seen - other.place).length_squared() > (other.reach + k.radius).powi(2) {
             continue;
         }
-        let turns = met.levers.map(|lever| lever.cross(met.normal));
-        let stiffness = match view.step.layout.law {
-            LAW_THESIS => {
-                inverse_mass / (one.inverse_mass + one.turning(turns[0]) + (other.inverse_mass + other.turning(turns[1])))
+        for l in other.members(view) {
+            let apart = seen + (l.place - other.place);
+            let is_own = [k.sphere, l.sphere] == own;
+            if apart.length_squared() > (k.radius + l.radius).powi(2) && !is_own {
+                continue;
             }
-            LAW_HERTZ_MINDLIN => (reduced(pair) / reduced(own) * met.overlap / touch.overlap).sqrt(),
-            _ => 1.0,
-        };
-        let pressed = stiffness * met.overlap;
-        push += pressed;
-        energy += pressed * met.overlap;
-        force += pressed * met.normal;
-        torques = [0, 1].map(|side| torques[side] + pressed * turns[side]);
+            let met = if is_own { Some((touch.overlap, touch.normal)) } else { member_contact(view, [k, l], apart) };
+            let Some((overlap, normal)) = met.filter(|met| met.0 > 0.0) else { continue };
+            // A solid is touched on the line through the centre of the other sphere.
+            let lever = |member: Member, way: Vec3| {
+                member.place + if is_solid(view, Object::Sphere(member.sphere)) { way } else { Vec3::ZERO }
+            };
+            let turns = [lever(k, apart), lever(l, -apart)].map(|lever| lever.cross(normal));
+            let stiffness = match view.step.layout.law {
+                LAW_THESIS => {
+                    inverse_mass / (one.inverse_mass + one.turning(turns[0]) + (other.inverse_mass + other.turning(turns[1])))
+                }
+                LAW_HERTZ_MINDLIN => (reduced([k, l]) / own_reduced * overlap / touch.overlap).sqrt(),
+                _ => 1.0,
+            };
+            let pressed = stiffness * overlap;
+            push += pressed;
+            energy += pressed * overlap;
+            force += pressed * normal;
+            torques = [0, 1].map(|side| torques[side] + pressed * turns[side]);
+        }
     }
     let mass = one.inverse_mass + other.inverse_mass;
     let response = mass * force.length_squared() + (one.turning(torques[0]) + other.turning(torques[1]));
     (inverse_mass * energy / response.max(LEAST_RESPONSE * mass * push * push)).sqrt()
+}
+
+/// The vector between the centres of two spheres that touch. `reach` is the sum of their radii.
+fn own_distance(view: &View, [a, b]: [u32; 2], touch: &Touch, reach: f32) -> Vec3 {
+    if has_box(view, Object::Sphere(a), Object::Sphere(b)) {
+        return view.between(a, b);
+    }
+    (reach - touch.overlap) * touch.normal
 }

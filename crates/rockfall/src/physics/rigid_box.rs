@@ -25,7 +25,7 @@ pub(crate) fn never_meet(view: &View, a: u32, b: u32) -> bool {
 
 /// Whether a pair does not interact because other parts of its boxes do: solids touch spheres that are not solids; vertices also rods that
 /// are not edges; edges all rods. Vertices and edges touch walls.
-pub(crate) fn is_left_to_others(view: &View, a: Object, b: Object) -> bool {
+fn is_left_to_others(view: &View, a: Object, b: Object) -> bool {
     if view.step.layout.rigid_parts_at == 0 {
         return false;
     }
@@ -62,9 +62,14 @@ pub(crate) fn touch_solid(view: &View, at: &impl Motions, [a, b]: [u32; 2]) -> O
         _ => return None,
     };
     let body_box = view.box_of(Object::Sphere(hub))?;
-    let (outward, distance) = from_core(&body_box, at.between(hub, ball));
-    let overlap = view.radius(ball) + body_box.radius - distance;
+    let (outward, overlap) = solid_and_ball(&body_box, at.between(hub, ball), view.radius(ball));
     Some(Touch { normal: if is_a { outward } else { -outward }, overlap, a: 0.0, b: 0.0 })
+}
+
+/// The normal from the solid of a box to a ball, and the overlap. `place` is the centre of the ball from that of the box.
+pub(crate) fn solid_and_ball(body_box: &BodyBox, place: Vec3, radius: f32) -> (Vec3, f32) {
+    let (outward, distance) = from_core(body_box, place);
+    (outward, radius + body_box.radius - distance)
 }
 
 /// The contact of the solid of a box with a corner of a wall, also where they are apart; `None` for other objects. The parameter on the

@@ -20,7 +20,11 @@ struct BodyBox {
 
 // The box that an object is a part of.
 fn box_of_part(id: u32, word: u32) -> BodyBox {
-    let record = rigid_record(rigid_body_of(id));
+    return box_in(rigid_record(rigid_body_of(id)), word);
+}
+
+// The box with this word of the body with this record.
+fn box_in(record: u32, word: u32) -> BodyBox {
     let orientation = vec4f(vector_at(record + 14u), float_at(record + 17u));
     let at = word & ~BOX_RIM;
     return BodyBox(

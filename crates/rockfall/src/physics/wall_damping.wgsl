@@ -1,10 +1,5 @@
 // requires physics/pair_damping.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl
 
-// A vector times the inverse inertia times itself.
-fn spun(record: u32, v: vec3f) -> f32 {
-    return dot(v, by_inverse_inertia(record, v));
-}
-
 // Factor of the damping of a contact of a and b (docs/physics.md section 4.16), which damps as one with the other contacts of the same two
 // bodies. `w` holds the inverse masses of a and b.
 fn shared_damping(a: u32, b: u32, o: f32, n: vec3f, w: vec2f) -> f32 {
@@ -30,33 +25,28 @@ fn shared_damping(a: u32, b: u32, o: f32, n: vec3f, w: vec2f) -> f32 {
 
 // The same for a sphere and a wall, which is taken as a plane. `w` is the inverse mass of the sphere.
 fn wall_damping(a: u32, o: f32, n: vec3f, w: f32) -> f32 {
-    let body = body_of_sphere(a);
-    if (body == NO_RIGID) || is_solid(box_word(a)) {
+    if (body_of_sphere(a) == NO_RIGID) || is_solid(box_word(a)) {
         return 1.0;
     }
-    let record = rigid_record(body);
-    let centre = vector_at(record);
-    let members = topology[record + 12u];
-    let own = state[position_at(a)];
+    let body = party_of(a);
     var sums = vec2f(0.0);
     var moment = vec3f(0.0);
-    for (var k = 0u; k < topology[record + 13u]; k++) {
-        let j = id_of(topology[members + k]);
-        let place = state[position_at(j)];
-        let oj = o + (dot(place.xyz - own.xyz, n) + (place.w - own.w));
-        if !(oj > 0.0) || is_solid(box_word(j)) {
+    for (var k = 0u; k < body.count; k++) {
+        let lever = place_in(body, k);
+        let radius = radius_of_member(body, k);
+        let oj = o + (dot(lever - body.own_place, n) + (radius - body.radius));
+        if !(oj > 0.0) || is_solid(word_of_member(body, k)) {
             continue;
         }
-        let lever = place.xyz - centre;
         var kappa = 1.0;
         if LAW == LAW_THESIS {
-            kappa = w / (float_at(record + 3u) + spun(record, cross(lever, n)));
+            kappa = w / (body.inverse_mass + turning(body, cross(lever, n)));
         } else if LAW == LAW_HERTZ_MINDLIN {
-            kappa = sqrt(place.w * oj / (own.w * o));
+            kappa = sqrt(radius * oj / (body.radius * o));
         }
         sums += kappa * oj * vec2f(1.0, oj);
         moment += kappa * oj * lever;
     }
-    let q = float_at(record + 3u) * sums.x * sums.x + spun(record, cross(moment, n));
+    let q = body.inverse_mass * sums.x * sums.x + turning(body, cross(moment, n));
     return sqrt(w * sums.y / q);
 }

@@ -112,8 +112,12 @@ fn check_bodies(world: &World) -> Result<()> {
     {
         let [shape, members, count] = [record[11], record[12], record[13]];
         slice(world, shape, u64::from(SHAPE_WORDS) + 3 * u64::from(count), "the shape of a body")?;
-        let members = slice(world, members, count.into(), "the spheres of a body")?;
+        let members = slice(world, members, 3 * u64::from(count), "the spheres of a body")?;
+        let (members, of_members) = members.split_at(count as usize);
         ensure(count > 0 && members.iter().all(|sphere| *sphere < spheres), "a sphere of a body")?;
+        for part in of_members[count as usize..].iter().filter(|part| **part != 0) {
+            slice(world, part & !BOX_RIM, SHAPE_BOX_WORDS.into(), "a box of a member of a body")?;
+        }
     }
     Ok(())
 }

@@ -70,7 +70,8 @@ impl FormKey {
     }
 }
 
-/// Appends the rigid bodies of a scene: records, bodies of spheres, forms, members.
+/// Appends the rigid bodies of a scene: records, bodies of spheres, forms, members. Of its members, each body has the insertion indices, then
+/// the radii, then the words of [`Layout::rigid_parts_at`].
 pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) -> Result<()> {
     let count = scene.whole_bodies().count();
     (layout.rigid_bodies, layout.rigid_at, layout.rigid_of_at) = (count as u32, 0, 0);
@@ -99,8 +100,15 @@ pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec
             topology[layout.rigid_of_at as usize + index] = number as u32;
             topology.push(index as u32);
         }
+        for sphere in body.spheres {
+            topology.push(scene.sphere(*sphere)?.radius.to_bits());
+        }
         if let AnyForm::Shape(_, shape) = body.form {
             put_parts(scene, &body, shape, form, layout, topology)?;
+        }
+        for sphere in body.spheres {
+            let table = layout.rigid_parts_at as usize;
+            topology.push(if table == 0 { 0 } else { topology[table + scene.spheres.index(*sphere)?] });
         }
         let mut record = [0; RIGID_WORDS as usize];
         let mut put = |at: usize, numbers: &[f32]| {
