@@ -13,6 +13,7 @@ const LARGE: bool = true;
 const MUSCLES: bool = true;
 const WALLS: bool = true;
 const RIGID_BODIES: bool = true;
+const BODY_BOXES: bool = true;
 const TRIANGLES: bool = true;
 const SMOOTH: bool = true;
 // Whether the scene has rods and polygons.

@@ -37,6 +37,8 @@ pub struct Traits {
     pub servos: bool,
     /// There are rigid bodies.
     pub rigid: bool,
+    /// Some rigid bodies have boxes.
+    pub body_boxes: bool,
     /// Some polygons are triangles.
     pub triangles: bool,
     /// Some polygons are smooth walls.
@@ -88,6 +90,7 @@ impl Step {
             walls: layout.walls_at != 0,
             servos: has(FLAG_SERVOS),
             rigid: layout.rigid_bodies > 0,
+            body_boxes: layout.rigid_parts_at > 0,
             triangles: has(FLAG_TRIANGLES),
             smooth: has(FLAG_SMOOTH),
             rod_polygons: layout.rods > 0 && layout.polygons > 0,

@@ -64,7 +64,7 @@ fn radius_of_member(party: Party, k: u32) -> f32 {
 
 // `box_word` of a member.
 fn word_of_member(party: Party, k: u32) -> u32 {
-    if (party.record == NONE) | (step.rigid_parts_at == 0u) {
+    if !BODY_BOXES | (party.record == NONE) {
         return 0u;
     }
     return topology[party.members + 2u * party.count + k];

@@ -26,7 +26,7 @@ fn rigid_body_of(id: u32) -> u32 {
 
 // What an object is of a box of a rigid body: 0 for nothing, otherwise the first word of the box, with BOX_RIM for a vertex or an edge.
 fn box_word(id: u32) -> u32 {
-    if step.rigid_parts_at == 0u {
+    if !BODY_BOXES {
         return 0u;
     }
     if id < step.spheres {
@@ -96,5 +96,5 @@ fn never_meet(a: u32, b: u32) -> bool {
     if (body != NO_RIGID) & (body == rigid_body_of(b)) {
         return true;
     }
-    return (step.rigid_parts_at != 0u) && is_left_to_others(a, b);
+    return BODY_BOXES && is_left_to_others(a, b);
 }

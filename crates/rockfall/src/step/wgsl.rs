@@ -240,6 +240,8 @@ pub struct Variant {
     pub walls: bool,
     /// There may be rigid bodies.
     pub rigid: bool,
+    /// Rigid bodies may have boxes.
+    pub body_boxes: bool,
     /// There may be triangles.
     pub triangles: bool,
     /// There may be smooth walls.
@@ -283,6 +285,7 @@ impl Variant {
             muscles: traits.muscles,
             walls: traits.walls,
             rigid: traits.rigid,
+            body_boxes: traits.body_boxes,
             triangles: traits.triangles,
             smooth: traits.smooth,
             rod_polygons: traits.rod_polygons,
@@ -310,6 +313,7 @@ impl Variant {
             ("MUSCLES", self.muscles),
             ("WALLS", self.walls),
             ("RIGID_BODIES", self.rigid),
+            ("BODY_BOXES", self.body_boxes),
             ("TRIANGLES", self.triangles),
             ("SMOOTH", self.smooth),
             ("ROD_POLYGONS", self.rod_polygons),

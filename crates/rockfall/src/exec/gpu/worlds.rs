@@ -185,6 +185,7 @@ impl DeviceWorlds {
             muscles: false,
             walls: false,
             rigid: false,
+            body_boxes: false,
             triangles: false,
             smooth: false,
             sheared: false,
