@@ -1,5 +1,5 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_box.wgsl
-// requires physics/rigid_form.wgsl physics/rigid_parts.wgsl physics/round_pair.wgsl
+// requires physics/rigid_form.wgsl physics/rigid_parts.wgsl
 
 // Damping of the contacts of the spheres of two bodies, at least one of which is a rigid body (docs/physics.md section 4.16).
 //
@@ -131,7 +131,7 @@ fn pair_damping(a: u32, b: u32, o: f32, n: vec3f, w: f32) -> f32 {
         let radius = radius_of_member(one, k);
         let seen = apart - (lever - one.own_place);
         let to_centre = seen - other.own_place;
-        if dot(to_centre, to_centre) > (other.reach + radius) * (other.reach + radius) {
+        if (dot(to_centre, to_centre) > (other.reach + radius) * (other.reach + radius)) & (k != one.own) {
             continue;
         }
         for (var l = 0u; l < other.count; l++) {

@@ -191,7 +191,7 @@ fn pair_damping(view: &View, own: [u32; 2], touch: &Touch, inverse_mass: f32) ->
     let (mut push, mut energy, mut force, mut torques) = (0.0, 0.0, Vec3::ZERO, [Vec3::ZERO; 2]);
     for k in one.members(view) {
         let seen = between - (k.place - one.place);
-        if (seen - other.place).length_squared() > (other.reach + k.radius).powi(2) {
+        if (seen - other.place).length_squared() > (other.reach + k.radius).powi(2) && k.sphere != one.sphere {
             continue;
         }
         for l in other.members(view) {

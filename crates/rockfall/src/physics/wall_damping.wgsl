@@ -1,4 +1,4 @@
-// requires physics/pair_damping.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl
+// requires physics/pair_damping.wgsl model/order.wgsl model/step.wgsl physics/rigid_parts.wgsl
 
 // Factor of the damping of a contact of a and b (docs/physics.md section 4.16), which damps as one with the other contacts of the same two
 // bodies. `w` holds the inverse masses of a and b.
