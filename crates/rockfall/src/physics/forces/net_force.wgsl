@@ -66,25 +66,24 @@ fn no_force() -> Net {
 
 var<workgroup> group_deepest: atomic<u32>;
 
-// Adds the contacts of a workgroup to the counters. All its threads must call it. Positive floats are ordered as their bits
-// are.
-fn count_contacts_of_workgroup(workgroup: u32, local: u32, contacts: u32, deepest: f32) {
+// Begins the count of a workgroup, before any loop.
+fn begin_contacts(local: u32) {
     if local == 0u {
-        atomicStore(&group_count, 0u);
         atomicStore(&group_deepest, 0u);
     }
-    workgroupBarrier();
+    begin_count(local);
+}
+
+// Adds the contacts of a workgroup to the counters. All its threads must call it. Positive floats are ordered as their bits
+// are.
+fn count_contacts_of_workgroup(workgroup: u32, contacts: u32, deepest: f32) {
     if contacts > 0u {
-        atomicAdd(&group_count, contacts);
         atomicMax(&group_deepest, bitcast<u32>(deepest));
     }
-    workgroupBarrier();
-    if local == 0u {
-        let sum = atomicLoad(&group_count);
-        if sum > 0u {
-            let counter_block = workgroup % COUNTER_BLOCKS;
-            atomicAdd(&status.counters[counter_block].contacts, sum);
-            atomicMax(&status.counters[counter_block].max_overlap, atomicLoad(&group_deepest));
-        }
+    let sum = add_to_count(contacts);
+    if (sum != NOT_LAST) & (sum > 0u) {
+        let counter_block = workgroup % COUNTER_BLOCKS;
+        atomicAdd(&status.counters[counter_block].contacts, sum);
+        atomicMax(&status.counters[counter_block].max_overlap, atomicLoad(&group_deepest));
     }
 }

@@ -160,23 +160,13 @@ fn check_escape(sphere: u32) {
 }
 
 // Adds the collisions of the workgroup of this number to the counters. All its threads must call this function.
-fn count_collisions_of_workgroup(workgroup: u32, local: u32, found: u32) {
-    if local == 0u {
-        atomicStore(&group_count, 0u);
-    }
-    workgroupBarrier();
-    if found > 0u {
-        atomicAdd(&group_count, found);
-    }
-    workgroupBarrier();
-    if local == 0u {
-        let sum = atomicLoad(&group_count);
-        if sum > 0u {
-            atomicAdd(&status.counters[workgroup % COUNTER_BLOCKS].collisions, sum);
-            // Reading the word takes less time than writing it.
-            if atomicLoad(&status.collides) == 0u {
-                atomicStore(&status.collides, 1u);
-            }
+fn count_collisions_of_workgroup(workgroup: u32, found: u32) {
+    let sum = add_to_count(found);
+    if (sum != NOT_LAST) & (sum > 0u) {
+        atomicAdd(&status.counters[workgroup % COUNTER_BLOCKS].collisions, sum);
+        // Reading the word takes less time than writing it.
+        if atomicLoad(&status.collides) == 0u {
+            atomicStore(&status.collides, 1u);
         }
     }
 }

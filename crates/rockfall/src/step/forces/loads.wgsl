@@ -48,6 +48,7 @@ fn loads(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
+    begin_contacts(local);
     let workgroup = linear_group(group, groups);
     let is_early = is_early();
     var i = mover_of(workgroup, local);
@@ -71,6 +72,6 @@ fn loads(
         }
     }
     if (evaluation() == COUNTED) & !is_early {
-        count_contacts_of_workgroup(workgroup, local, net.contacts, net.deepest);
+        count_contacts_of_workgroup(workgroup, net.contacts, net.deepest);
     }
 }

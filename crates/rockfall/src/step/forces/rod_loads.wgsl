@@ -84,6 +84,7 @@ fn rod_loads(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
+    begin_contacts(local);
     let rod = linear_thread(group, groups, local);
     var load = no_rod_load();
     if (rod < step.rods) & are_loads_wanted() & are_loads_due() {
@@ -95,6 +96,6 @@ fn rod_loads(
         put_load(rod, load);
     }
     if evaluation() == COUNTED {
-        count_contacts_of_workgroup(linear_group(group, groups), local, load.contacts, load.deepest);
+        count_contacts_of_workgroup(linear_group(group, groups), load.contacts, load.deepest);
     }
 }
