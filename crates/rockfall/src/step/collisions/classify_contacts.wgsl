@@ -159,11 +159,10 @@ fn check_escape(sphere: u32) {
     }
 }
 
-// Adds the collisions of the workgroup of this number to the counters. All its threads must call this function.
-fn count_collisions_of_workgroup(workgroup: u32, found: u32) {
-    let sum = add_to_count(found);
-    if (sum != NOT_LAST) & (sum > 0u) {
-        atomicAdd(&status.counters[workgroup % COUNTER_BLOCKS].collisions, sum);
+// Adds the collisions of a thread in the workgroup of this number to the counters. Few threads have some.
+fn count_collisions(workgroup: u32, found: u32) {
+    if found > 0u {
+        atomicAdd(&status.counters[workgroup % COUNTER_BLOCKS].collisions, found);
         // Reading the word takes less time than writing it.
         if atomicLoad(&status.collides) == 0u {
             atomicStore(&status.collides, 1u);

@@ -1,4 +1,4 @@
-// requires model/entries.wgsl model/lists.wgsl model/collision_state.wgsl model/counters.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
+// requires model/entries.wgsl model/lists.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/geometry.wgsl physics/surfaces_of_list.wgsl step/collisions/classify_contacts.wgsl step/collisions/crossing_rows.wgsl step/collisions/list_collisions.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
@@ -60,7 +60,6 @@ fn find_collisions(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    begin_count(local);
     let workgroup = linear_group(group, groups);
     let mover = mover_of(workgroup, local);
     let is_first_attempt = (atomicLoad(&status.rejected) == 0u) & (atomicLoad(&status.collided) == 0u);
@@ -81,5 +80,5 @@ fn find_collisions(
             list_all(mover);
         }
     }
-    count_collisions_of_workgroup(workgroup, found);
+    count_collisions(workgroup, found);
 }
