@@ -30,7 +30,7 @@ pub(super) const STEP: f32 = 0.001;
 fn settle(scene: &mut Scene) -> Result<()> {
     let settings = &mut scene.settings;
     settings.set("resting_overlap", "0.02")?;
-    (settings.gravity, settings.coulomb_friction) = (10.0, 0.4);
+    (settings.gravity, settings.coulomb_friction, settings.collision_friction) = (10.0, 0.4, 0.4);
     scene.run.integrator = Some(Integrator::SymplecticEuler.into());
     Ok(())
 }
