@@ -56,7 +56,8 @@ fn add_partner(scene: &mut Scene, kind: usize, shape: ShapeId, turn: Quat) {
 #[test]
 fn elastic_boxes_that_meet_keep_energy_and_momentum() {
     on_both(|backend, shorter| {
-        for seed in 0..18 / shorter {
+        // On the GPU, kernels of one integrator: software Vulkan takes minutes to compile them.
+        for seed in (0..18 / shorter.pow(2).min(2)).step_by(if shorter == 1 { 1 } else { 3 }) {
             let (integrator, turn) = (INTEGRATORS[seed % 3], 0.4 * seed as f32);
             let turn = Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), turn);
             let mut scene = scene(0.0, 1.0);
@@ -83,7 +84,7 @@ fn elastic_boxes_that_meet_keep_energy_and_momentum() {
 #[test]
 fn an_elastic_box_keeps_bouncing() {
     on_both(|backend, shorter| {
-        for (case, integrator) in INTEGRATORS.into_iter().enumerate().take(4 - shorter.min(2)) {
+        for (case, integrator) in INTEGRATORS.into_iter().enumerate().take(if shorter == 1 { 3 } else { 1 }) {
             let mut scene = scene(5.0, 1.0);
             if case == 1 {
                 scene.add_polygon(Polygon::new([-9.0, 0.0, -9.0], [0.0, 0.0, 18.0], [18.0, 0.0, 0.0])).unwrap();
@@ -148,7 +149,10 @@ fn a_box_rebounds_with_the_restitution() {
 fn faces_that_meet_rebound_with_the_restitution() {
     let laws = [ContactLaw::Thesis, ContactLaw::Linear, ContactLaw::HertzMindlin];
     on_both(|backend, shorter| {
-        for (law, turn) in [(laws[0], 0.4f32), (laws[0], 0.0), (laws[1], 0.0), (laws[2], 0.0)].into_iter().skip(shorter / 4) {
+        for (law, turn) in [(laws[0], 0.4f32), (laws[0], 0.0), (laws[1], 0.0), (laws[2], 0.0)]
+            .into_iter()
+            .skip(if shorter == 1 { 0 } else { 3 })
+        {
             let is_thesis = law == ContactLaw::Thesis;
             let mut scene = with(|settings: &mut Settings| {
                 settings.set("contact_law", &law.to_string()).expect("a law");
