@@ -127,8 +127,9 @@ impl<'a> FrictionImpulses<'a> {
         let mut sums = Motion { velocity: Vec3::ZERO, angular_momentum: Vec3::ZERO, ..before };
         for row in member_rows(view, body, sphere) {
             for friction in pressed(self.lists, row).filter_map(|entry| self.friction_impulse(row, entry)) {
-                sums.velocity += friction.load(view, row, friction.impulse).impulse;
-                sums.angular_momentum += friction.torque_on_body(view, row, &record);
+                let [impulse, torque] = friction.push_on_body(view, row, &record);
+                sums.velocity += impulse;
+                sums.angular_momentum += torque;
             }
         }
         sums
@@ -172,7 +173,7 @@ impl<'a> FrictionImpulses<'a> {
         let of_side = |id: u32| {
             if let Some(body) = view.body_of(view.object(id)) {
                 let record = view.rigid_body(body);
-                let torque = unit.torque_on_body(view, id, &record);
+                let [_, torque] = unit.push_on_body(view, id, &record);
                 return self.pressed_on_bodies[body as usize] as f32
                     * (record.inverse_mass + record.by_inverse_inertia(torque));
             }
@@ -231,13 +232,13 @@ impl FrictionImpulse {
         Load { at, impulse, torque }
     }
 
-    /// Returns the torque that the impulse exerts on the rigid body of object `id`, which is A or B, about the centre of the body.
-    fn torque_on_body(&self, view: &View, id: u32, body: &RigidRecord) -> Vec3 {
+    /// Returns the impulse on the rigid body of object `id`, which is A or B, and its torque about the centre of the body.
+    fn push_on_body(&self, view: &View, id: u32, body: &RigidRecord) -> [Vec3; 2] {
         let Load { at, impulse, torque } = self.load(view, id, self.impulse);
         let other = if id == self.a { self.b } else { self.a };
         let (object, other) = (view.object(id), view.object(other));
         let from_centre = core_point(view, object, other, &self.touch).map_or(Vec3::ZERO, |(place, _)| place);
-        (lever(view, view, body, object, at) + from_centre).cross(impulse) + torque
+        [impulse, (lever(view, view, body, object, at) + from_centre).cross(impulse) + torque]
     }
 }
 

@@ -80,8 +80,8 @@ pub(crate) fn touch_corner(view: &View, solid: Object, wall: Object, corner: u32
         return None;
     }
     let body_box = view.box_of(solid)?;
-    let (normal, distance) = from_core(&body_box, corners::seen(view, hub, wall, corner)?);
-    Some(Touch { normal, overlap: body_box.radius - distance, a: 0.0, b: corner as f32 })
+    let (normal, overlap) = solid_and_ball(&body_box, corners::seen(view, hub, wall, corner)?, 0.0);
+    Some(Touch { normal, overlap, a: 0.0, b: corner as f32 })
 }
 
 /// The unit vector from the core of a box to a place, which is relative to its centre, and the distance: negative inside.
