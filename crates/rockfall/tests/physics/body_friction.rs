@@ -3,7 +3,15 @@
 use rockfall::glam::{DVec3, Quat, Vec3};
 use rockfall::{Backend, Cuboid, Energy, Integrator, Placement, RigidBody, Rod, Scene, Shape, Simulation, Sphere};
 
-use crate::common::{open, with};
+use crate::common::{on, open, with};
+
+both! {
+    bodies_stay_on_a_slope,
+    bodies_slide_down_a_steep_slope,
+    an_oblique_hit_has_the_friction_of_coulomb,
+    an_oblique_hit_with_strong_friction_stops_the_slip,
+    bodies_that_rub_keep_momentum_and_gain_no_energy,
+}
 
 const GRAVITY: f32 = 10.0;
 /// A regular tetrahedron with edges of length 1, on a face, with its centre at the origin.
@@ -14,14 +22,6 @@ const TETRAHEDRON: [[f32; 3]; 4] = [
     [0.0, 0.612_372_4, 0.0],
 ];
 const RADIUS: f32 = 0.5;
-
-/// Runs a test on both backends. The second argument is how much shorter it should be.
-fn on_both(test: impl Fn(Backend, u32)) {
-    test(Backend::Cpu, 1);
-    if cfg!(feature = "gpu") {
-        test(Backend::Gpu, 4);
-    }
-}
 
 /// A clump, and on the CPU a frame: kernels with rods take minutes on software Vulkan.
 fn cases(shorter: u32) -> impl Iterator<Item = (bool, Integrator)> {
@@ -68,43 +68,39 @@ fn mean_place(simulation: &mut Simulation) -> Vec3 {
 
 /// Below the angle of friction a body stays, but for a creep. The force that the friction of bodies was before let the clump creep at 0.0062
 /// units/s.
-#[test]
-fn bodies_stay_on_a_slope() {
-    on_both(|backend, shorter| {
-        for (is_frame, integrator) in cases(shorter) {
-            let mut scene = slope(10.0, 0.5);
-            add_tetrahedron(&mut scene, is_frame);
-            let mut simulation = open(scene, backend, integrator);
-            let (steps, dt) = (2000 / shorter, 1e-3);
-            simulation.run(u64::from(steps), dt).unwrap();
-            let before = mean_place(&mut simulation);
-            simulation.run(u64::from(steps), dt).unwrap();
-            let creep = (mean_place(&mut simulation).x - before.x) / (steps as f32 * dt);
-            println!("{backend} {integrator} {is_frame}: creeps at {creep:e}");
-            assert!(creep.abs() < 0.006, "{backend} {integrator} {is_frame}: creeps at {creep}");
-        }
-    });
+fn bodies_stay_on_a_slope(backend: Backend) {
+    let shorter = on(backend, 1_u32, 4);
+    for (is_frame, integrator) in cases(shorter) {
+        let mut scene = slope(10.0, 0.5);
+        add_tetrahedron(&mut scene, is_frame);
+        let mut simulation = open(scene, backend, integrator);
+        let (steps, dt) = (2000 / shorter, 1e-3);
+        simulation.run(u64::from(steps), dt).unwrap();
+        let before = mean_place(&mut simulation);
+        simulation.run(u64::from(steps), dt).unwrap();
+        let creep = (mean_place(&mut simulation).x - before.x) / (steps as f32 * dt);
+        println!("{backend} {integrator} {is_frame}: creeps at {creep:e}");
+        assert!(creep.abs() < 0.006, "{backend} {integrator} {is_frame}: creeps at {creep}");
+    }
 }
 
 /// Above the angle of friction it slides with the acceleration g (sin a - mu cos a).
-#[test]
-fn bodies_slide_down_a_steep_slope() {
-    on_both(|backend, shorter| {
-        for (is_frame, integrator) in cases(shorter) {
-            let (angle, mu) = (30.0_f32, 0.2);
-            let mut scene = slope(angle, mu);
-            add_tetrahedron(&mut scene, is_frame);
-            let mut simulation = open(scene, backend, integrator);
-            let (steps, dt) = (800 / shorter, 1e-3);
-            simulation.run(u64::from(steps), dt).unwrap();
-            let before = mean_velocity(&mut simulation);
-            simulation.run(u64::from(steps), dt).unwrap();
-            let found = (mean_velocity(&mut simulation) - before).x / (steps as f32 * dt);
-            let expected = GRAVITY * (angle.to_radians().sin() - mu * angle.to_radians().cos());
-            println!("{backend} {integrator} {is_frame}: {found} instead of {expected}");
-            assert!((found / expected - 1.0).abs() < 0.03, "{backend} {integrator} {is_frame}: {found} instead of {expected}");
-        }
-    });
+fn bodies_slide_down_a_steep_slope(backend: Backend) {
+    let shorter = on(backend, 1_u32, 4);
+    for (is_frame, integrator) in cases(shorter) {
+        let (angle, mu) = (30.0_f32, 0.2);
+        let mut scene = slope(angle, mu);
+        add_tetrahedron(&mut scene, is_frame);
+        let mut simulation = open(scene, backend, integrator);
+        let (steps, dt) = (800 / shorter, 1e-3);
+        simulation.run(u64::from(steps), dt).unwrap();
+        let before = mean_velocity(&mut simulation);
+        simulation.run(u64::from(steps), dt).unwrap();
+        let found = (mean_velocity(&mut simulation) - before).x / (steps as f32 * dt);
+        let expected = GRAVITY * (angle.to_radians().sin() - mu * angle.to_radians().cos());
+        println!("{backend} {integrator} {is_frame}: {found} instead of {expected}");
+        assert!((found / expected - 1.0).abs() < 0.03, "{backend} {integrator} {is_frame}: {found} instead of {expected}");
+    }
 }
 
 /// A smooth scene with collisions, which have the friction `mu`.
@@ -148,36 +144,30 @@ fn oblique_hit(backend: Backend, mu: f32) -> (Simulation, RigidBody, RigidBody, 
 }
 
 /// While a contact slips, the impulse along the floor is mu times that of the collision, against the slip, and acts at the contact point.
-#[test]
-fn an_oblique_hit_has_the_friction_of_coulomb() {
-    on_both(|backend, _| {
-        let mu = 0.1;
-        let (_, before, after, lever) = oblique_hit(backend, mu);
-        let impulse = 2.0 * (after.velocity - before.velocity).as_dvec3();
-        let along = impulse.reject_from(DVec3::Y);
-        println!("{backend}: {impulse}");
-        assert!(impulse.y > 1.0, "{backend}: {impulse}");
-        assert!((along.length() / impulse.y - f64::from(mu)).abs() < 1e-3, "{backend}: {impulse}");
-        let turning = (after.angular_momentum - before.angular_momentum).as_dvec3();
-        let expected = lever.cross(impulse);
-        assert!(turning.distance(expected) < 2e-3 * expected.length(), "{backend}: {turning} instead of {expected}");
-    });
+fn an_oblique_hit_has_the_friction_of_coulomb(backend: Backend) {
+    let mu = 0.1;
+    let (_, before, after, lever) = oblique_hit(backend, mu);
+    let impulse = 2.0 * (after.velocity - before.velocity).as_dvec3();
+    let along = impulse.reject_from(DVec3::Y);
+    println!("{backend}: {impulse}");
+    assert!(impulse.y > 1.0, "{backend}: {impulse}");
+    assert!((along.length() / impulse.y - f64::from(mu)).abs() < 1e-3, "{backend}: {impulse}");
+    let turning = (after.angular_momentum - before.angular_momentum).as_dvec3();
+    let expected = lever.cross(impulse);
+    assert!(turning.distance(expected) < 2e-3 * expected.length(), "{backend}: {turning} instead of {expected}");
 }
 
 /// Where friction is strong enough it stops the slip along its direction.
-#[test]
-fn an_oblique_hit_with_strong_friction_stops_the_slip() {
-    on_both(|backend, _| {
-        let (mut simulation, before, after, lever) = oblique_hit(backend, 5.0);
-        let states = simulation.spheres().unwrap();
-        let inertia = simulation.sync().unwrap().spheres()[0].inertia();
-        let spin = (states[0].angular_momentum / inertia).as_dvec3();
-        let impulse = 2.0 * (after.velocity - before.velocity).as_dvec3();
-        let along = impulse.reject_from(DVec3::Y).normalize();
-        let slip = velocity_at(&after, lever, spin).dot(along);
-        println!("{backend}: {impulse}, slip {slip}");
-        assert!(slip.abs() < 2e-3, "{backend}: {slip}");
-    });
+fn an_oblique_hit_with_strong_friction_stops_the_slip(backend: Backend) {
+    let (mut simulation, before, after, lever) = oblique_hit(backend, 5.0);
+    let states = simulation.spheres().unwrap();
+    let inertia = simulation.sync().unwrap().spheres()[0].inertia();
+    let spin = (states[0].angular_momentum / inertia).as_dvec3();
+    let impulse = 2.0 * (after.velocity - before.velocity).as_dvec3();
+    let along = impulse.reject_from(DVec3::Y).normalize();
+    let slip = velocity_at(&after, lever, spin).dot(along);
+    println!("{backend}: {impulse}, slip {slip}");
+    assert!(slip.abs() < 2e-3, "{backend}: {slip}");
 }
 
 fn add_clump(scene: &mut Scene, at: [f64; 3], velocity: [f32; 3], spin: [f32; 3], turn: f32) {
@@ -196,35 +186,33 @@ fn changes(first: &Energy, last: &Energy) -> [f64; 2] {
 }
 
 /// Elastic bodies that meet lose energy by friction, in each of several meetings, and keep both momenta.
-#[test]
-fn bodies_that_rub_keep_momentum_and_gain_no_energy() {
-    on_both(|backend, shorter| {
-        let mut lost = 0;
-        let (seeds, times) = if shorter == 1 { (24, 10) } else { (3, 5) };
-        for seed in 0..seeds {
-            let turn = 0.3 * seed as f32;
-            let mut scene = scene(1.0, [0.2, 0.5, 3.0][seed as usize % 3]);
-            add_clump(&mut scene, [-1.0, 0.03 * f64::from(seed), 0.0], [2.0, 0.1, 0.2], [1.0, 2.0, 3.0], turn);
-            if seed % 2 == 0 {
-                add_clump(&mut scene, [0.3, 0.0, 0.1], [-1.0, 0.0, 0.0], [0.0, -2.0, 1.0], 1.0 - turn);
-            } else {
-                scene.add_sphere(Sphere::new([0.4, 0.05, 0.1], 0.25).mass(1.5)).unwrap();
-            }
-            let mut simulation = open(scene, backend, Integrator::Rk4);
-            let first = simulation.energy().unwrap();
-            let mut before = first;
-            for _ in 0..times {
-                simulation.run(30, 4e-3).unwrap();
-                let after = simulation.energy().unwrap();
-                let gain = (after.total() - before.total()) / first.total();
-                let [momentum, angular] = changes(&first, &after);
-                assert!(gain < 1e-5, "{backend} {seed}: gains {gain}");
-                assert!(momentum < 1e-6 && angular < 1e-6, "{backend} {seed}: {momentum:e} {angular:e}");
-                lost += u32::from(gain < -1e-3);
-                before = after;
-            }
+fn bodies_that_rub_keep_momentum_and_gain_no_energy(backend: Backend) {
+    let shorter = on(backend, 1_u32, 4);
+    let mut lost = 0;
+    let (seeds, times) = if shorter == 1 { (24, 10) } else { (3, 5) };
+    for seed in 0..seeds {
+        let turn = 0.3 * seed as f32;
+        let mut scene = scene(1.0, [0.2, 0.5, 3.0][seed as usize % 3]);
+        add_clump(&mut scene, [-1.0, 0.03 * f64::from(seed), 0.0], [2.0, 0.1, 0.2], [1.0, 2.0, 3.0], turn);
+        if seed % 2 == 0 {
+            add_clump(&mut scene, [0.3, 0.0, 0.1], [-1.0, 0.0, 0.0], [0.0, -2.0, 1.0], 1.0 - turn);
+        } else {
+            scene.add_sphere(Sphere::new([0.4, 0.05, 0.1], 0.25).mass(1.5)).unwrap();
         }
-        println!("{backend}: {lost} losses");
-        assert!(2 * lost > seeds, "{backend}: {lost} losses");
-    });
+        let mut simulation = open(scene, backend, Integrator::Rk4);
+        let first = simulation.energy().unwrap();
+        let mut before = first;
+        for _ in 0..times {
+            simulation.run(30, 4e-3).unwrap();
+            let after = simulation.energy().unwrap();
+            let gain = (after.total() - before.total()) / first.total();
+            let [momentum, angular] = changes(&first, &after);
+            assert!(gain < 1e-5, "{backend} {seed}: gains {gain}");
+            assert!(momentum < 1e-6 && angular < 1e-6, "{backend} {seed}: {momentum:e} {angular:e}");
+            lost += u32::from(gain < -1e-3);
+            before = after;
+        }
+    }
+    println!("{backend}: {lost} losses");
+    assert!(2 * lost > seeds, "{backend}: {lost} losses");
 }

@@ -3,17 +3,18 @@
 use rockfall::glam::{DVec3, Quat, Vec3};
 use rockfall::{Backend, Cuboid, Energy, Integrator, Placement, Rod, Scene, Shape, Simulation, Sphere};
 
-use crate::common::{open, with};
+use crate::common::{on, open, with};
+
+both! {
+    a_rigid_capsule_is_a_case_of_a_rigid_body,
+    elastic_bodies_that_meet_keep_energy_and_momentum,
+    elastic_bodies_keep_bouncing,
+    the_touched_point_rebounds_with_the_restitution,
+    a_flat_landing_rebounds_with_the_restitution,
+    an_elastic_clump_on_springs_keeps_its_energy,
+}
 
 const INTEGRATORS: [Integrator; 3] = [Integrator::Rk4, Integrator::SymplecticEuler, Integrator::VelocityVerlet];
-
-/// Runs a test on both backends. The second argument is how much shorter it should be.
-fn on_both(test: impl Fn(Backend, u64)) {
-    test(Backend::Cpu, 1);
-    if cfg!(feature = "gpu") {
-        test(Backend::Gpu, 4);
-    }
-}
 
 /// The integrators of a case: all of them, or one in a shorter test.
 fn integrators(case: usize, shorter: u64) -> impl Iterator<Item = Integrator> {
@@ -64,133 +65,121 @@ fn changes(first: &Energy, last: &Energy) -> [f64; 3] {
 }
 
 /// Two clumps, a ball and a frame meet. The energy, the momentum and the angular momentum of free bodies stay.
-#[test]
-fn elastic_bodies_that_meet_keep_energy_and_momentum() {
-    on_both(|backend, shorter| {
-        for seed in 0..16 / shorter {
-            for integrator in integrators(seed as usize, shorter) {
-                let turn = 0.4 * seed as f32;
-                let mut scene = scene(0.0, 1.0);
-                add_clump(&mut scene, [-1.0, 0.03 * seed as f64, 0.0], [2.0, 0.1, 0.2], [1.0, 2.0, 3.0], turn);
-                match seed % 3 {
-                    0 => add_clump(&mut scene, [0.3, 0.0, 0.1], [-1.0, 0.0, 0.0], [0.0, -2.0, 1.0], 1.0 - turn),
-                    1 => add_frame(&mut scene, Vec3::new(0.2, -0.3, -0.2), Vec3::new(-1.0, 0.0, 0.1)),
-                    _ => drop(scene.add_sphere(Sphere::new([0.4, 0.05, 0.1], 0.25).mass(1.5)).unwrap()),
-                }
-                let mut simulation = open(scene, backend, integrator);
-                let first = simulation.energy().unwrap();
-                let report = simulation.run(300, 4e-3).unwrap();
-                let last = simulation.energy().unwrap();
-                let [energy, momentum, angular] = changes(&first, &last);
-                println!(
-                    "{backend} {integrator} {seed}: {} collisions, {energy:.1e} {momentum:.1e} {angular:.1e}",
-                    report.total_collisions
-                );
-                assert!(report.total_collisions > 0, "{backend} {integrator} {seed}: they meet");
-                assert!(energy < 1e-5 && momentum < 1e-6 && angular < 1e-6, "{backend} {integrator} {seed}");
-            }
-        }
-    });
-}
-
-/// A clump and a frame bounce on a floor for a long time.
-#[test]
-fn elastic_bodies_keep_bouncing() {
-    on_both(|backend, shorter| {
-        let of = |frame: bool| integrators(usize::from(frame), shorter).map(move |kind| (frame, kind));
-        for (is_frame, integrator) in [false, true].into_iter().flat_map(of) {
-            let mut scene = scene(5.0, 1.0);
-            scene.add_box(Cuboid::between([-50.0, -1.0, -50.0], [50.0, 0.0, 50.0])).unwrap();
-            if is_frame {
-                add_frame(&mut scene, Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.3, 0.0, 0.0));
-            } else {
-                add_clump(&mut scene, [0.0, 1.5, 0.0], [0.3, 0.0, 0.0], [3.0, 1.0, -2.0], 0.7);
+fn elastic_bodies_that_meet_keep_energy_and_momentum(backend: Backend) {
+    let shorter = on(backend, 1_u64, 4);
+    for seed in 0..16 / shorter {
+        for integrator in integrators(seed as usize, shorter) {
+            let turn = 0.4 * seed as f32;
+            let mut scene = scene(0.0, 1.0);
+            add_clump(&mut scene, [-1.0, 0.03 * seed as f64, 0.0], [2.0, 0.1, 0.2], [1.0, 2.0, 3.0], turn);
+            match seed % 3 {
+                0 => add_clump(&mut scene, [0.3, 0.0, 0.1], [-1.0, 0.0, 0.0], [0.0, -2.0, 1.0], 1.0 - turn),
+                1 => add_frame(&mut scene, Vec3::new(0.2, -0.3, -0.2), Vec3::new(-1.0, 0.0, 0.1)),
+                _ => drop(scene.add_sphere(Sphere::new([0.4, 0.05, 0.1], 0.25).mass(1.5)).unwrap()),
             }
             let mut simulation = open(scene, backend, integrator);
             let first = simulation.energy().unwrap();
-            let report = simulation.run(4000 / shorter.pow(2), 4e-3).unwrap();
+            let report = simulation.run(300, 4e-3).unwrap();
             let last = simulation.energy().unwrap();
-            let kept = last.total() / first.total();
-            println!("{backend} {integrator} {is_frame}: {} collisions, keeps {kept}", report.total_collisions);
-            let allowed = if integrator == Integrator::SymplecticEuler { 0.01 } else { 1e-3 };
-            assert!((kept - 1.0).abs() < allowed, "{backend} {integrator} {is_frame}: {first:?} {last:?}");
-            assert!(
-                report.total_collisions > 10 / shorter.pow(2),
-                "{backend} {integrator} {is_frame}: {}",
+            let [energy, momentum, angular] = changes(&first, &last);
+            println!(
+                "{backend} {integrator} {seed}: {} collisions, {energy:.1e} {momentum:.1e} {angular:.1e}",
                 report.total_collisions
             );
+            assert!(report.total_collisions > 0, "{backend} {integrator} {seed}: they meet");
+            assert!(energy < 1e-5 && momentum < 1e-6 && angular < 1e-6, "{backend} {integrator} {seed}");
         }
-    });
+    }
+}
+
+/// A clump and a frame bounce on a floor for a long time.
+fn elastic_bodies_keep_bouncing(backend: Backend) {
+    let shorter = on(backend, 1_u64, 4);
+    let of = |frame: bool| integrators(usize::from(frame), shorter).map(move |kind| (frame, kind));
+    for (is_frame, integrator) in [false, true].into_iter().flat_map(of) {
+        let mut scene = scene(5.0, 1.0);
+        scene.add_box(Cuboid::between([-50.0, -1.0, -50.0], [50.0, 0.0, 50.0])).unwrap();
+        if is_frame {
+            add_frame(&mut scene, Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.3, 0.0, 0.0));
+        } else {
+            add_clump(&mut scene, [0.0, 1.5, 0.0], [0.3, 0.0, 0.0], [3.0, 1.0, -2.0], 0.7);
+        }
+        let mut simulation = open(scene, backend, integrator);
+        let first = simulation.energy().unwrap();
+        let report = simulation.run(4000 / shorter.pow(2), 4e-3).unwrap();
+        let last = simulation.energy().unwrap();
+        let kept = last.total() / first.total();
+        println!("{backend} {integrator} {is_frame}: {} collisions, keeps {kept}", report.total_collisions);
+        let allowed = if integrator == Integrator::SymplecticEuler { 0.01 } else { 1e-3 };
+        assert!((kept - 1.0).abs() < allowed, "{backend} {integrator} {is_frame}: {first:?} {last:?}");
+        assert!(
+            report.total_collisions > 10 / shorter.pow(2),
+            "{backend} {integrator} {is_frame}: {}",
+            report.total_collisions
+        );
+    }
 }
 
 /// The touched point of a clump that falls on a floor rebounds with e. It lands on one sphere, off its centre of mass.
-#[test]
-fn the_touched_point_rebounds_with_the_restitution() {
-    on_both(|backend, shorter| {
-        for restitution in [0.0, 0.5, 1.0].into_iter().take(4 - shorter.min(2) as usize) {
-            let mut scene = scene(0.0, restitution);
-            scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])).unwrap();
-            let shape = Shape::new().sphere([0.0; 3], 0.2).sphere([0.5, 0.3, 0.0], 0.2);
-            let shape = scene.add_shape(shape.mass_properties(2.0, [0.25, 0.2, 0.1], [0.1, 0.2, 0.3, 0.01, 0.0, 0.0])).unwrap();
-            let body = scene.add_body(Placement::new(shape).at([0.0, 0.203, 0.0]).velocity([0.0, -1.0, 0.0])).unwrap();
-            let lower = scene.body(body).unwrap().spheres()[0];
-            let mut simulation = open(scene, backend, Integrator::Rk4);
-            // The first step that finds the overlap.
-            let report = simulation.run(5, 1e-3).unwrap();
-            let after = simulation.sync().unwrap().sphere(lower).unwrap().velocity.y;
-            assert!(report.total_collisions == 1, "{backend} {restitution}: {}", report.total_collisions);
-            assert!((after - restitution).abs() < 0.01, "{backend} {restitution}: {after}");
-        }
-    });
+fn the_touched_point_rebounds_with_the_restitution(backend: Backend) {
+    let shorter = on(backend, 1_u64, 4);
+    for restitution in [0.0, 0.5, 1.0].into_iter().take(4 - shorter.min(2) as usize) {
+        let mut scene = scene(0.0, restitution);
+        scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])).unwrap();
+        let shape = Shape::new().sphere([0.0; 3], 0.2).sphere([0.5, 0.3, 0.0], 0.2);
+        let shape = scene.add_shape(shape.mass_properties(2.0, [0.25, 0.2, 0.1], [0.1, 0.2, 0.3, 0.01, 0.0, 0.0])).unwrap();
+        let body = scene.add_body(Placement::new(shape).at([0.0, 0.203, 0.0]).velocity([0.0, -1.0, 0.0])).unwrap();
+        let lower = scene.body(body).unwrap().spheres()[0];
+        let mut simulation = open(scene, backend, Integrator::Rk4);
+        // The first step that finds the overlap.
+        let report = simulation.run(5, 1e-3).unwrap();
+        let after = simulation.sync().unwrap().sphere(lower).unwrap().velocity.y;
+        assert!(report.total_collisions == 1, "{backend} {restitution}: {}", report.total_collisions);
+        assert!((after - restitution).abs() < 0.01, "{backend} {restitution}: {after}");
+    }
 }
 
 /// A plate of 25 spheres that lands flat is one cluster, and rebounds with e as a whole.
-#[test]
-fn a_flat_landing_rebounds_with_the_restitution() {
-    on_both(|backend, _| {
-        for restitution in [0.5, 1.0] {
-            let mut scene = scene(0.0, restitution);
-            scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])).unwrap();
-            let place = |k: u8| 0.15 * (f32::from(k) - 2.0);
-            let cells = (0..5).flat_map(|i| (0..5).map(move |j| [place(i), 0.0, place(j)]));
-            let shape = cells.fold(Shape::new().density(1000.0), |shape, at| shape.sphere(at, 0.1));
-            let shape = scene.add_shape(shape).unwrap();
-            scene.add_body(Placement::new(shape).at([0.1, 0.103, 0.05]).velocity([0.0, -1.0, 0.0])).unwrap();
-            let mut simulation = open(scene, backend, Integrator::Rk4);
-            simulation.run(10, 1e-3).unwrap();
-            let scene = simulation.sync().unwrap();
-            let (velocity, momentum) = (scene.bodies()[0].velocity, scene.bodies()[0].angular_momentum);
-            assert!((velocity.y - restitution).abs() < 0.01, "{backend} {restitution}: {velocity}");
-            assert!(momentum.length() < 1e-2, "{backend} {restitution}: {momentum}");
-        }
-    });
+fn a_flat_landing_rebounds_with_the_restitution(backend: Backend) {
+    for restitution in [0.5, 1.0] {
+        let mut scene = scene(0.0, restitution);
+        scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])).unwrap();
+        let place = |k: u8| 0.15 * (f32::from(k) - 2.0);
+        let cells = (0..5).flat_map(|i| (0..5).map(move |j| [place(i), 0.0, place(j)]));
+        let shape = cells.fold(Shape::new().density(1000.0), |shape, at| shape.sphere(at, 0.1));
+        let shape = scene.add_shape(shape).unwrap();
+        scene.add_body(Placement::new(shape).at([0.1, 0.103, 0.05]).velocity([0.0, -1.0, 0.0])).unwrap();
+        let mut simulation = open(scene, backend, Integrator::Rk4);
+        simulation.run(10, 1e-3).unwrap();
+        let scene = simulation.sync().unwrap();
+        let (velocity, momentum) = (scene.bodies()[0].velocity, scene.bodies()[0].angular_momentum);
+        assert!((velocity.y - restitution).abs() < 0.01, "{backend} {restitution}: {velocity}");
+        assert!(momentum.length() < 1e-2, "{backend} {restitution}: {momentum}");
+    }
 }
 
 /// A clump that springs and a tether pull bounces between walls. The work of its displacements on the springs is taken from the rebound.
-#[test]
-fn an_elastic_clump_on_springs_keeps_its_energy() {
-    on_both(|backend, shorter| {
-        let mut scene = scene(3.0, 1.0);
-        scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])).unwrap();
-        add_clump(&mut scene, [0.0, 0.8, 0.0], [0.5, 0.0, 0.0], [3.0, 1.0, -2.0], 0.7);
-        let spheres = scene.bodies()[0].spheres().to_vec();
-        for (sphere, at) in [(spheres[0], [0.3, 0.4, 0.0]), (spheres[2], [-0.2, 0.5, 0.3])] {
-            scene.add_tether(rockfall::Tether::new(sphere, at, 40.0).length(0.1)).unwrap();
-        }
-        let mut simulation: Simulation = open(scene, backend, Integrator::Rk4);
-        let first = simulation.energy().unwrap().total();
-        let report = simulation.run(3000 / shorter.pow(2), 2e-3).unwrap();
-        let last = simulation.energy().unwrap().total();
-        println!("{backend}: {} collisions, {first} -> {last}", report.total_collisions);
-        assert!(report.total_collisions > 10 / shorter.pow(2), "{backend}: {}", report.total_collisions);
-        assert!((last / first - 1.0).abs() < 0.05, "{backend}: {first} -> {last}");
-    });
+fn an_elastic_clump_on_springs_keeps_its_energy(backend: Backend) {
+    let shorter = on(backend, 1_u64, 4);
+    let mut scene = scene(3.0, 1.0);
+    scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])).unwrap();
+    add_clump(&mut scene, [0.0, 0.8, 0.0], [0.5, 0.0, 0.0], [3.0, 1.0, -2.0], 0.7);
+    let spheres = scene.bodies()[0].spheres().to_vec();
+    for (sphere, at) in [(spheres[0], [0.3, 0.4, 0.0]), (spheres[2], [-0.2, 0.5, 0.3])] {
+        scene.add_tether(rockfall::Tether::new(sphere, at, 40.0).length(0.1)).unwrap();
+    }
+    let mut simulation: Simulation = open(scene, backend, Integrator::Rk4);
+    let first = simulation.energy().unwrap().total();
+    let report = simulation.run(3000 / shorter.pow(2), 2e-3).unwrap();
+    let last = simulation.energy().unwrap().total();
+    println!("{backend}: {} collisions, {first} -> {last}", report.total_collisions);
+    assert!(report.total_collisions > 10 / shorter.pow(2), "{backend}: {}", report.total_collisions);
+    assert!((last / first - 1.0).abs() < 0.05, "{backend}: {first} -> {last}");
 }
 
 /// A rigid capsule (docs/physics.md section 3.3) responds to collisions as the rigid body with its mass and inertia: its end falls on a
 /// floor, and a ball hits its rod.
-#[test]
-fn a_rigid_capsule_is_a_case_of_a_rigid_body() {
+fn a_rigid_capsule_is_a_case_of_a_rigid_body(backend: Backend) {
     let (places, masses, radius) = ([Vec3::new(-0.5, 0.6, 0.0), Vec3::new(0.3, 1.0, 0.1)], [1.0, 2.5], 0.2);
     let (velocity, spin) = (Vec3::new(0.2, -1.0, 0.1), Vec3::new(0.3, 1.0, 2.0));
     let mass: f32 = masses.iter().sum();
@@ -234,14 +223,13 @@ fn a_rigid_capsule_is_a_case_of_a_rigid_body() {
         let scene = simulation.sync().unwrap();
         ends.into_iter().map(|end| *scene.sphere(end).unwrap()).collect::<Vec<_>>()
     };
-    on_both(|backend, shorter| {
-        for integrator in integrators(0, shorter) {
-            let (capsule, body) = (states(false, backend, integrator), states(true, backend, integrator));
-            for (one, other) in capsule.iter().zip(&body) {
-                let (moved, sped) = (one.position.distance(other.position), one.velocity.distance(other.velocity));
-                println!("{backend} {integrator}: {moved:.1e} {sped:.1e}, {} {}", one.velocity, other.velocity);
-                assert!(moved < 1e-4 && sped < 1e-3, "{backend} {integrator}: {one:?} {other:?}");
-            }
+    let shorter = on(backend, 1_u64, 4);
+    for integrator in integrators(0, shorter) {
+        let (capsule, body) = (states(false, backend, integrator), states(true, backend, integrator));
+        for (one, other) in capsule.iter().zip(&body) {
+            let (moved, sped) = (one.position.distance(other.position), one.velocity.distance(other.velocity));
+            println!("{backend} {integrator}: {moved:.1e} {sped:.1e}, {} {}", one.velocity, other.velocity);
+            assert!(moved < 1e-4 && sped < 1e-3, "{backend} {integrator}: {one:?} {other:?}");
         }
-    });
+    }
 }

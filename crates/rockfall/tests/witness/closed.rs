@@ -272,6 +272,7 @@ fn impulses_obey_the_conservation_laws() {
             of_bodies += usize::from(!all_lone);
         }
         clusters += usize::from(!all_lone);
+        world.place_members();
         world.apply_friction_impulses(&pressed);
         with_friction += usize::from(kinetic(&world) != k);
         assert!(kinetic(&world) <= k * (1.0 + 1e-9), "{what}: friction {k} -> {}", kinetic(&world));
