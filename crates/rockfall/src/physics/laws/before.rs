@@ -1,5 +1,7 @@
 //! What a contact of a law with history begins with in a step (docs/physics.md section 4.11).
 
+use glam::Vec3;
+
 use crate::model::view::{Object, View};
 use crate::physics::geometry::point_over_polygon;
 use crate::physics::laws::contact::Spring;
@@ -9,8 +11,11 @@ use crate::physics::sides::sides;
 use crate::physics::surface::hides;
 use crate::physics::touch::Touch;
 
-/// The spring of a contact before the step: its own one, or that of a box or polygon which the new contact of a sphere hides, or
-/// [`Spring::PASSAGE`].
+/// Two spheres of a rigid body are neighbours if their centres are nearer than this part of the sum of their radii.
+const NEIGHBOURS_WITHIN: f32 = 0.99;
+
+/// The spring of a contact before the step: its own one, or for a new contact that of a neighbour in a rigid body, or that of a box or
+/// polygon which the new contact of a sphere hides, or [`Spring::PASSAGE`].
 pub(crate) fn spring_before(
     view: &View,
     histories: &Histories,
@@ -19,10 +24,16 @@ pub(crate) fn spring_before(
     touch: &Touch,
 ) -> Option<Spring> {
     let own = histories.spring(view, a, b, feature);
+    if own.as_ref().is_some_and(|spring| spring.overlap != 0.0) {
+        return own;
+    }
+    if let Some(shift) = taken_shift(view, histories, [a, b], feature) {
+        return Some(Spring { shift, ..own.unwrap_or_default() });
+    }
     // A corner that a solid touches keeps its place on the wall.
     let is_ball = a < view.step.layout.spheres && !is_solid(view, view.object(a));
     let is_on_surface = is_ball && b >= view.step.movers() && touch.overlap > 0.0;
-    if own.as_ref().is_some_and(|spring| spring.overlap != 0.0) || !is_on_surface {
+    if !is_on_surface {
         return own;
     }
     let (bits, movers, objects) = (feature_bits(view.step), view.step.movers(), view.step.objects());
@@ -30,6 +41,33 @@ pub(crate) fn spring_before(
     let mut hidden = springs.filter(|(other, spring)| (movers..objects).contains(other) && *other != b && spring.overlap > 0.0);
     let goes_along = hidden.find(|(other, _)| hides(view, a, (b, touch), *other));
     goes_along.map(|(_, spring)| spring).or_else(|| comes_from_behind(view, [a, b], touch).then_some(Spring::PASSAGE)).or(own)
+}
+
+/// The longest displacement of the contacts of neighbours in rigid bodies, each with the same other object.
+fn taken_shift(view: &View, histories: &Histories, [a, b]: [u32; 2], feature: u32) -> Option<Vec3> {
+    let of_a = neighbours(view, a).map(|sphere| ([sphere, b], 1.0));
+    let of_b = neighbours(view, b).map(|sphere| ([sphere, a], -1.0));
+    let shifts = of_a.chain(of_b).filter_map(|([sphere, other], sign)| {
+        let (first, second) = view.ordered(sphere, other);
+        let spring = histories.spring(view, first, second, feature).filter(|spring| spring.overlap > 0.0)?;
+        Some(if first == sphere { sign * spring.shift } else { -sign * spring.shift })
+    });
+    let longer = |one: Vec3, other: Vec3| if other.length_squared() > one.length_squared() { other } else { one };
+    shifts.reduce(longer).filter(|shift| *shift != Vec3::ZERO)
+}
+
+/// The spheres of the same rigid body that overlap a sphere. Spheres of boxes have none.
+fn neighbours<'a>(view: &'a View, id: u32) -> impl Iterator<Item = u32> + use<'a> {
+    let is_round = move |id: u32| id < view.step.layout.spheres && view.box_word(view.object(id)) == 0;
+    let body = is_round(id).then(|| view.body_of_sphere(id)).flatten().map(|body| view.rigid_body(body));
+    body.into_iter().flat_map(move |body| {
+        let members = move || view.members(body).map(|(index, place)| (view.slot_of(index), place));
+        let own = members().find(|(sphere, _)| *sphere == id).map_or(Vec3::ZERO, |(_, place)| place);
+        members().map(move |(sphere, place)| (sphere, place - own)).filter_map(move |(sphere, apart)| {
+            let most = NEIGHBOURS_WITHIN * (view.radius(sphere) + view.radius(id));
+            (sphere != id && apart.length_squared() < most * most && is_round(sphere)).then_some(sphere)
+        })
+    })
 }
 
 /// Whether the centre of a sphere was behind the plane of a polygon one step ago, unless it is a triangle, which has two sides.
