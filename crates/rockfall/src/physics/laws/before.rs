@@ -14,8 +14,8 @@ use crate::physics::touch::Touch;
 /// Two spheres of a rigid body are neighbours if their centres are nearer than this part of the sum of their radii.
 const NEIGHBOURS_WITHIN: f32 = 0.99;
 
-/// The spring of a contact before the step: its own one, or for a new contact that of a neighbour in a rigid body, or that of a box or
-/// polygon which the new contact of a sphere hides, or [`Spring::PASSAGE`].
+/// The spring of a contact before the step: its own one, or that of a box or polygon which the new contact of a sphere hides, or
+/// [`Spring::PASSAGE`], or the displacement of a neighbour in a rigid body.
 pub(crate) fn spring_before(
     view: &View,
     histories: &Histories,
@@ -27,20 +27,22 @@ pub(crate) fn spring_before(
     if own.as_ref().is_some_and(|spring| spring.overlap != 0.0) {
         return own;
     }
-    if let Some(shift) = taken_shift(view, histories, [a, b], feature) {
-        return Some(Spring { shift, ..own.unwrap_or_default() });
-    }
+    let taken = || taken_shift(view, histories, [a, b], feature).map(|shift| Spring { shift, ..own.unwrap_or_default() });
+    on_surface(view, histories, [a, b], touch).or_else(taken).or(own)
+}
+
+/// The spring of a box or polygon that the new contact of a sphere hides, or [`Spring::PASSAGE`].
+fn on_surface(view: &View, histories: &Histories, [a, b]: [u32; 2], touch: &Touch) -> Option<Spring> {
     // A corner that a solid touches keeps its place on the wall.
     let is_ball = a < view.step.layout.spheres && !is_solid(view, view.object(a));
-    let is_on_surface = is_ball && b >= view.step.movers() && touch.overlap > 0.0;
-    if !is_on_surface {
-        return own;
+    if !is_ball || b < view.step.movers() || touch.overlap <= 0.0 {
+        return None;
     }
     let (bits, movers, objects) = (feature_bits(view.step), view.step.movers(), view.step.objects());
     let springs = histories.springs(view.insertion_index(a)).map(|(key, spring)| (key >> bits, spring));
     let mut hidden = springs.filter(|(other, spring)| (movers..objects).contains(other) && *other != b && spring.overlap > 0.0);
     let goes_along = hidden.find(|(other, _)| hides(view, a, (b, touch), *other));
-    goes_along.map(|(_, spring)| spring).or_else(|| comes_from_behind(view, [a, b], touch).then_some(Spring::PASSAGE)).or(own)
+    goes_along.map(|(_, spring)| spring).or_else(|| comes_from_behind(view, [a, b], touch).then_some(Spring::PASSAGE))
 }
 
 /// The longest displacement of the contacts of neighbours in rigid bodies, each with the same other object.

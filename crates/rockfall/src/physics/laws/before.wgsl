@@ -90,21 +90,17 @@ fn spring_before(a: u32, b: u32, feature: u32, found: Touch) -> Spring {
     if spring.overlap != 0.0 {
         return spring;
     }
-    if RIGID_BODIES {
-        let taken = taken_shift(a, b, feature);
-        if any(taken != vec3f(0.0)) {
-            spring.shift = taken;
-            return spring;
+    if (a < step.spheres) & is_static(b) & (found.overlap > 0.0) {
+        // A corner that a solid touches keeps its place on the wall.
+        if !RIGID_BODIES || !is_solid(box_word(a)) {
+            spring = spring_on_surface(a, b, found, spring);
         }
     }
-    if (a >= step.spheres) | !is_static(b) | !(found.overlap > 0.0) {
-        return spring;
-    }
     if RIGID_BODIES {
-        // A corner keeps its place on the wall.
-        if is_solid(box_word(a)) {
-            return spring;
+        if spring.overlap == 0.0 {
+            let taken = taken_shift(a, b, feature);
+            spring.shift = select(spring.shift, taken, any(taken != vec3f(0.0)));
         }
     }
-    return spring_on_surface(a, b, found, spring);
+    return spring;
 }
