@@ -60,7 +60,7 @@ fn a_rocker_on_a_slope_does_not_creep(backend: Backend) {
             simulation.run(500, 2e-4).unwrap();
             let body = simulation.sync().unwrap().body(body).unwrap().clone();
             let turn = 2.0 * body.orientation.z.atan2(body.orientation.w);
-            let centre = body.position.x as f32 - DEPTH * turn.sin();
+            let centre = body.position.x - DEPTH * turn.sin();
             let about = BALL + ARC + RADIUS;
             slips.push(if on_ball { about * (centre / about).asin() } else { centre } + (ARC + RADIUS) * turn);
             swing = swing.min(turn.to_degrees());
