@@ -21,8 +21,8 @@ fn comes_from_behind(own: vec4f, velocity: vec3f, id: u32, found: Touch) -> bool
     return dot(near_shape(id, own.xyz) - face.corner - step.dt * velocity, normalize(cross(face.left, face.right))) < 0.0;
 }
 
-// The spring of a contact of a sphere with a box or polygon that has none of its own yet, but `before`: that of a box or polygon which
-// it hides.
+// The spring of a new contact of a sphere with a box or polygon: that of a box or polygon which it hides, or that of a passage, or
+// otherwise `before`.
 fn spring_on_surface(sphere: u32, id: u32, found: Touch, before: Spring) -> Spring {
     let own = state[position_at(sphere)];
     var chosen: Surfaces;
@@ -62,11 +62,7 @@ fn taken_shift(a: u32, b: u32, feature: u32) -> vec3f {
         let places = topology[record + 11u] + SHAPE_WORDS;
         let members = topology[record + 12u];
         let count = topology[record + 13u];
-        let index = insertion_index(sphere);
-        var own = 0u;
-        while (own + 1u < count) && (topology[members + own] != index) {
-            own++;
-        }
+        let own = member_number(record, sphere);
         for (var k = 0u; k < count; k++) {
             let apart = vector_at(places + 3u * k) - vector_at(places + 3u * own);
             let most = NEIGHBOURS_WITHIN * (float_at(members + count + k) + float_at(members + count + own));
