@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/fine.wgsl physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_box.wgsl
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_box.wgsl
 // requires physics/rigid_form.wgsl physics/rigid_parts.wgsl
 
 // Damping of the contacts of the spheres of two bodies, at least one of which is a rigid body (docs/physics.md section 4.16).
@@ -37,7 +37,10 @@ fn party_of(sphere: u32) -> Party {
     var party = Party(
         record, count, float_at(record + 3u), float_at(record + 18u), orientation_in(record), places, members, 0.0, 0u, vec3f(0.0)
     );
-    party.own = member_number(record, sphere);
+    let index = insertion_index(sphere);
+    while (party.own + 1u < count) && (topology[members + party.own] != index) {
+        party.own++;
+    }
     party.radius = radius_of_member(party, party.own);
     party.own_place = place_in(party, party.own);
     return party;

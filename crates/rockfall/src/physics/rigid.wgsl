@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/rigid_parts.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/rigid_parts.wgsl
 
 // Rigid bodies and their sides of contacts (docs/physics.md sections 1.5 and 4.16).
 
@@ -28,16 +28,4 @@ fn by_inverse_inertia(record: u32, v: vec3f) -> vec3f {
         dot(vec3f(mixed.x, diagonal.y, mixed.z), v),
         dot(vec3f(mixed.y, mixed.z, diagonal.z), v),
     );
-}
-
-// The number of a sphere among the members of its rigid body.
-fn member_number(record: u32, sphere: u32) -> u32 {
-    let members = topology[record + 12u];
-    let count = topology[record + 13u];
-    let index = insertion_index(sphere);
-    var number = 0u;
-    while (number + 1u < count) && (topology[members + number] != index) {
-        number++;
-    }
-    return number;
 }

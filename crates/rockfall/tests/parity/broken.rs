@@ -666,7 +666,7 @@ static MISTAKES: &[Mistake] = &[
     Mistake("loads", 0, "laws/contact.wgsl", "push - radius", "push + radius", Buffer::Wrenches),
     Mistake("loads", 0, "laws/contact.wgsl", "bond.pull * elastic;", "0.5 * bond.pull * elastic;", Buffer::Wrenches),
     Mistake("loads", 0, "laws/contact.wgsl", "(1.0 - 0.5 * bond.pull)", "(1.0 - bond.pull)", Buffer::Histories),
-    Mistake("loads", 0, "laws/contact.wgsl", "select(bond.depth, 0.0", "select(overlap, 0.0", Buffer::Histories),
+    Mistake("loads", 0, "laws/contact.wgsl", "overlap = bond.depth", "overlap = overlap", Buffer::Histories),
     Mistake("loads", 0, "jkr.wgsl", "k < 3;", "k < 0;", Buffer::Histories),
     Mistake("loads", 0, "jkr.wgsl", "2.0 * root + radius", "root + radius", Buffer::Histories),
     Mistake("loads", 0, "jkr.wgsl", "<= -reach", "<= 0.0", Buffer::Histories),

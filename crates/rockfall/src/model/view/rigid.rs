@@ -67,7 +67,7 @@ pub(crate) enum PartOfBox {
 
 impl View<'_> {
     /// The word of an object in the table of parts of boxes.
-    pub(crate) fn box_word(&self, object: Object) -> u32 {
+    fn box_word(&self, object: Object) -> u32 {
         let Layout { rigid_parts_at: at, spheres, .. } = self.step.layout;
         match object {
             _ if at == 0 => 0,

@@ -34,11 +34,6 @@ impl Spring {
         self.overlap < 0.0
     }
 
-    /// Whether a new contact has taken the displacement of a neighbour in a rigid body.
-    fn is_taken(&self) -> bool {
-        self.overlap == 0.0 && self.shift != Vec3::ZERO
-    }
-
     /// The spring after a turn of the wall, at its old length.
     fn turned(self, angle: Vec3) -> Self {
         let turned = |v: Vec3| {
@@ -129,10 +124,7 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
         loads.torque_b -= found.torque;
         moment = found.kept;
     }
-    // A displacement that was taken from a neighbour and is shortened is not kept: the contact has no spring yet.
-    let is_open = slips && constants.cohesion == 0.0 && before.as_ref().is_some_and(Spring::is_taken);
-    let overlap = if is_open { 0.0 } else { depth };
-    LawForce { loads, spring: Spring { shift, overlap, moment }.in_range(), slips }
+    LawForce { loads, spring: Spring { shift, overlap: depth, moment }.in_range(), slips }
 }
 
 /// The displacement of the last step in the present tangent plane. It keeps its length, but it shrinks with

@@ -93,9 +93,7 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, kept_befo
     let moving = relative + cross(arms.x * a_side.spin + arms.y * b_side.spin, n);
     let slip = moving - dot(moving, n) * n;
     var shift = spring_time() * slip;
-    // A new contact may have taken the displacement of a neighbour in a rigid body.
-    let is_taken = RIGID_BODIES & (before.overlap == 0.0) & any(before.shift != vec3f(0.0));
-    if is_taken | (before.overlap > 0.0) {
+    if before.overlap > 0.0 {
         shift += carried(before, n, stiff.unloading);
     }
     let dashpot = answer.dashpot * slip;
@@ -111,8 +109,7 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, kept_befo
     let normal = push - radius * max(0.0, cohesion) - bond.pull * elastic;
     result.contact = ContactForce(rub - normal * n, cross(n, rub), arms.x, arms.y);
     result.spring.shift = shift;
-    // A taken displacement that is shortened is not kept: the contact has no spring yet.
-    result.spring.overlap = select(bond.depth, 0.0, is_taken & (size > limit) & (cohesion == 0.0));
+    result.spring.overlap = bond.depth;
     if RESISTANCE {
         let turning = Turning(n, bond.depth, radius, press, answer.dashpot);
         let found = resistance(a_side, b_side, turning, stiff, resistance_of(a, b), before.moment, before.overlap);
