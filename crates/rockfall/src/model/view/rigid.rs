@@ -86,6 +86,17 @@ impl View<'_> {
         }
     }
 
+    /// The length that the margin of the AABB of a sphere is measured in: the radius, or half the shortest edge of the box that the sphere
+    /// is a part of, because a vertex moves as its box does.
+    pub(crate) fn margin_length(&self, sphere: u32) -> f32 {
+        let at = (self.box_word(Object::Sphere(sphere)) & !BOX_RIM) as usize;
+        if at == 0 {
+            return self.radius(sphere);
+        }
+        let [rounding, half @ ..] = [3, 4, 5, 6].map(|place| f32::from_bits(self.topology[at + place]));
+        Vec3::from_array(half).min_element() + rounding
+    }
+
     /// The box that an object is a part of.
     pub(crate) fn box_of(&self, object: Object) -> Option<BodyBox> {
         let at = (self.box_word(object) & !BOX_RIM) as usize;

@@ -8,6 +8,7 @@ use crate::model::layout::{CELL_BLOCK, CELLS_AT, FEW_MOVERS, LEVEL_BIAS, LINE, S
 use crate::model::step::{ListSettings, Step};
 use crate::model::world::World;
 use crate::model::world::order::{size_class, spatial_order};
+use crate::model::world::rigid::vertices_of_boxes;
 use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::BroadPhase;
 use crate::user_laws::set::UserLaws;
@@ -233,9 +234,14 @@ impl World {
 
 /// Returns the cell size, which is a little more than the AABBs of most spheres at rest, and the lowest level of the grid.
 ///
-/// Every mover searches every level. So when radii differ little, all spheres but the largest 2 % are put on one level.
+/// Every mover searches every level. So when radii differ little, all spheres but the largest 2 % are put on one level. The vertices of
+/// boxes do not count, because the solids and edges around them are far larger.
 fn typical_cell(scene: &Scene) -> (f32, u32) {
+    let vertices = vertices_of_boxes(scene);
     let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
+    if !vertices.is_empty() {
+        radii = radii.into_iter().zip(&vertices).filter(|(_, is_vertex)| !**is_vertex).map(|(radius, _)| radius).collect();
+    }
     let count = radii.len();
     let mut quantile = |place: usize| match count {
         0 => 1.0,

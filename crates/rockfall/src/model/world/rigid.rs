@@ -124,6 +124,24 @@ pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec
     Ok(())
 }
 
+/// Which spheres are vertices of boxes of bodies, in insertion order. Empty if there are no boxes of bodies.
+pub(super) fn vertices_of_boxes(scene: &Scene) -> Vec<bool> {
+    let mut are_vertices = Vec::new();
+    for body in scene.whole_bodies() {
+        let shape = match body.form {
+            AnyForm::Shape(_, shape) if !shape.boxes.is_empty() => shape,
+            _ => continue,
+        };
+        are_vertices.resize(scene.spheres().len(), false);
+        for (number, sphere) in body.spheres.iter().enumerate() {
+            if let (Some(BoxPart::Rim(_)), Ok(index)) = (shape.box_of_sphere(number), scene.spheres.index(*sphere)) {
+                are_vertices[index] = true;
+            }
+        }
+    }
+    are_vertices
+}
+
 /// The greatest distance of a point of a sphere of a body from the centre of mass. `places` are those in its form.
 fn reach(scene: &Scene, body: &WholeBody, places: &[u32]) -> Result<f32> {
     let mut reach = 0.0_f32;

@@ -153,7 +153,7 @@ fn mark_head(mover: u32, collides: bool) {
 
 fn check_escape(sphere: u32) {
     let own = state[position_at(sphere)];
-    let ratio = escape_ratio(own.xyz, own.w, aabbs[sphere]);
+    let ratio = escape_ratio(sphere, own.xyz, own.w, aabbs[sphere]);
     if (ratio > 0.0) & (inverse_mass(sphere) > 0.0) {
         report_escape(ratio);
     }

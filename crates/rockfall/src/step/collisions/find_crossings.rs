@@ -60,7 +60,7 @@ fn find_crossings(world: &mut World, _pass: u32) {
             [*position, *velocity] = Crossing::rows(crossing);
             let before = view.position(sphere) - step.constants.dt * view.own_velocity(sphere);
             let of_path = if has_moved && !view.is_fixed(sphere) {
-                outside(step, &aabbs[place], before, view.radius(sphere))
+                outside(&view, aabbs, sphere, before)
             } else {
                 0.0
             };
