@@ -46,8 +46,8 @@ fn margin_length(sphere: u32, radius: f32) -> f32 {
         return radius;
     }
     let at = word & ~BOX_RIM;
-    let half = vector_at(at + 4u);
-    return min(min(half.x, half.y), half.z) + float_at(at + 3u);
+    let half = bitcast<vec3f>(vec3u(topology[at + 4u], topology[at + 5u], topology[at + 6u]));
+    return min(min(half.x, half.y), half.z) + bitcast<f32>(topology[at + 3u]);
 }
 
 // Whether an object with this word stands for the solid of a box.
