@@ -1,5 +1,5 @@
 // requires model/lists.wgsl model/objects.wgsl model/collision_state.wgsl model/step.wgsl physics/collision/impulses.wgsl
-// requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
+// requires physics/collision/body_impulses.wgsl physics/rigid.wgsl step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
@@ -32,12 +32,31 @@ fn impulses_on_large_sphere(sphere: u32, local: u32) -> vec3f {
     return first_sum();
 }
 
+// Writes the sums of the impulses on a rigid body and of their torques to the rows of its first sphere.
+fn gather_body(body: u32) {
+    if body >= step.rigid_bodies {
+        return;
+    }
+    if !has_changes() | (atomicLoad(&status.clustered) == 0u) {
+        return;
+    }
+    let kick = body_kick(body, pass_.index);
+    let first = first_member(body);
+    next[velocity_at(first)] = vec4f(kick.impulse, 0.0);
+    next[momentum_at(first)] = vec4f(kick.torque, 0.0);
+}
+
 @compute @workgroup_size(64)
 fn gather_impulses(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
+    // Scenes with rigid bodies have no large spheres.
+    if RIGID_BODIES {
+        gather_body(linear_thread(group, groups, local));
+        return;
+    }
     let number = linear_group(group, groups);
     if number >= step.large {
         return;

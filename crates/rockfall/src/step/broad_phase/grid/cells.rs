@@ -53,21 +53,23 @@ fn key(step: &Step, x: i32, y: i32, z: i32, level: u32) -> u32 {
     row.wrapping_add(x as u32) & (step.layout.cells - 1)
 }
 
-/// The layer of the grid that an object is in: 1 for the vertices of boxes of bodies, 2 for their edges, 0 for all other objects.
+/// The layer of the grid that an object is in: of boxes of bodies 1 for the solids, 2 for the vertices, 3 for the edges; 0 for all other
+/// objects.
 fn layer_of(view: &View, object: u32) -> u32 {
     match view.part_of_box(view.object(object)) {
-        Some(PartOfBox::Rim) => 1 + u32::from(object >= view.step.layout.spheres),
-        _ => 0,
+        Some(PartOfBox::Solid) => 1,
+        Some(PartOfBox::Rim) => 2 + u32::from(object >= view.step.layout.spheres),
+        None => 0,
     }
 }
 
 /// Mask of the layers that a mover searches: those of objects that it may touch (docs/physics.md section 2.16).
 fn layers_around(view: &View, mover: u32) -> u32 {
     match (view.part_of_box(view.object(mover)), mover < view.step.layout.spheres) {
-        (Some(PartOfBox::Solid), _) => 0b011,
-        (Some(PartOfBox::Rim), false) => 0b101,
-        (None, false) => 0b111,
-        (_, true) => 0b001,
+        (Some(PartOfBox::Solid), _) => 0b0101,
+        (Some(PartOfBox::Rim), false) => 0b1001,
+        (None, false) => 0b1101,
+        (_, true) => 0b0011,
     }
 }
 

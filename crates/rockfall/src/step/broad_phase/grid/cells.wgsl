@@ -2,8 +2,8 @@
 
 // The grid: which cell an object is in.
 //
-// The grid has layers: vertices of boxes of bodies, their edges, and all other objects. Movers search the layers of objects that they may
-// touch. A layer has levels of cells. The cells of a level are twice as large as those of the level below. Cells are half as wide
+// The grid has layers: of boxes of bodies the solids, the vertices and the edges, and all other objects. Movers search the layers of objects
+// that they may touch. A layer has levels of cells. The cells of a level are twice as large as those of the level below. Cells are half as wide
 // along x as along y and z. A row of cells along x is one span of memory, and narrower cells make the ends of the span fit
 // more closely.
 //
@@ -27,15 +27,17 @@ const CELL_SHAPE: vec3f = vec3f(0.5, 1.0, 1.0);
 const EXACT_CELL: f32 = 0.75;
 
 const LAYER_OF_ALL: u32 = 0u;
-const LAYER_OF_VERTICES: u32 = 1u;
-const LAYER_OF_EDGES: u32 = 2u;
+const LAYER_OF_SOLIDS: u32 = 1u;
+const LAYER_OF_VERTICES: u32 = 2u;
+const LAYER_OF_EDGES: u32 = 3u;
 // Number of layers that a scene has.
 const LAYERS_IN_USE: u32 = select(1u, LAYERS, BODY_BOXES);
 const LEVELS_IN_USE: u32 = LAYERS_IN_USE * LEVELS;
 
 fn layer_of(object: u32) -> u32 {
-    if (box_word(object) & BOX_RIM) == 0u {
-        return LAYER_OF_ALL;
+    let word = box_word(object);
+    if (word & BOX_RIM) == 0u {
+        return select(LAYER_OF_SOLIDS, LAYER_OF_ALL, word == 0u);
     }
     return select(LAYER_OF_EDGES, LAYER_OF_VERTICES, object < step.spheres);
 }
@@ -47,7 +49,17 @@ fn searches_layer(mover: u32, layer: u32) -> bool {
     }
     let is_rod = mover >= step.spheres;
     let word = box_word(mover);
-    return select(is_solid(word) | (is_rod & (word == 0u)), is_rod, layer == LAYER_OF_EDGES);
+    switch layer {
+        case LAYER_OF_SOLIDS: {
+            return !(is_rod | is_solid(word));
+        }
+        case LAYER_OF_VERTICES: {
+            return is_solid(word) | (is_rod & (word == 0u));
+        }
+        default: {
+            return is_rod;
+        }
+    }
 }
 
 // The size of cells on the level with this number.

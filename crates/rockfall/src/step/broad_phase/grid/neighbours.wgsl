@@ -187,10 +187,10 @@ fn close_in(probe: Probe, first: u32, count: u32) -> u32 {
     return close & (0xffffffffu >> (32u - count));
 }
 
-// Whether a sorted box or polygon does not meet the mover, although its ball may. The ball of a plate is far larger than the plate:
-// every mover in a drum is in the balls of all its walls.
-fn is_static_apart(mover: u32, place: u32) -> bool {
-    if are_statics_tested_apart() {
+// Whether a sorted rod, box or polygon does not meet the mover, although its cube may. The cube of a plate is far larger than the plate:
+// every mover in a drum is in the cubes of all its walls.
+fn is_long_apart(mover: u32, place: u32) -> bool {
+    if !RODS & are_statics_tested_apart() {
         return false;
     }
     if extents[place].w >= 0.0 {
@@ -209,7 +209,7 @@ fn test_span(mover: u32, probe: Probe, span: Span) {
         let count = min(min(left, 32u), objects() - first);
         for (var rest = close_in(probe, first, count); rest != 0u; rest &= rest - 1u) {
             let place = first + firstTrailingBit(rest);
-            if !is_static_apart(mover, place) {
+            if !is_long_apart(mover, place) {
                 emit(mover, place);
             }
         }
