@@ -42,7 +42,7 @@ pub enum Threads {
     Networks,
     /// A thread per rigid body.
     Bodies,
-    /// A workgroup per large sphere, or a thread per rigid body: scenes with rigid bodies have no large spheres.
+    /// A workgroup per large sphere, or a thread per sphere in scenes with rigid bodies, which have no large spheres.
     Gathered,
     /// Workgroups that loop over the listed collisions. Only the device knows how many collisions there are.
     Collisions,
@@ -76,7 +76,8 @@ impl Threads {
             Self::Batches => step.layout.batches,
             Self::Networks => step.layout.networks,
             Self::Bodies => step.layout.rigid_bodies.div_ceil(WORKGROUP),
-            Self::Gathered => step.layout.large + step.layout.rigid_bodies.div_ceil(WORKGROUP),
+            Self::Gathered if step.layout.rigid_bodies > 0 => step.layout.spheres.div_ceil(WORKGROUP),
+            Self::Gathered => step.layout.large,
             Self::Collisions => step.layout.collision_room.div_ceil(WORKGROUP).min(MAX_COLLISION_WORKGROUPS),
             Self::Blocks => step.layout.cells / CELL_BLOCK,
             Self::DigitBlocks => step.layout.spheres.div_ceil(DIGIT_BLOCK),

@@ -1,14 +1,9 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/rigid_parts.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/rigid_parts.wgsl
 
 // Rigid bodies and their sides of contacts (docs/physics.md sections 1.5 and 4.16).
 
 fn rigid_record(body: u32) -> u32 {
     return step.rigid_at + RIGID_WORDS * body;
-}
-
-// The first sphere of a rigid body.
-fn first_member(body: u32) -> u32 {
-    return id_of(topology[topology[rigid_record(body) + 12u]]);
 }
 
 // Whether a sphere belongs to no rigid body, so that integrators move it.

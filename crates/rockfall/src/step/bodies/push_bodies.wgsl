@@ -52,7 +52,7 @@ fn count_pressed(body: u32, form: Form) {
 
 // The sums of the friction impulses on the spheres of a body. `number` is NONE without one, and 0 otherwise.
 fn friction_kick(form: Form) -> BodyKick {
-    var kick = BodyKick(vec3f(0.0), vec3f(0.0), NONE, NONE);
+    var kick = no_kick();
     for (var member = 0u; member < form.count; member++) {
         let sphere = id_of(topology[form.members + member]);
         kick.impulse += next[step.spheres + sphere].xyz;
@@ -98,7 +98,7 @@ fn push_bodies(
     if (kick_pass != RUBBED) & (atomicLoad(&status.collides) == 0u) {
         return;
     }
-    var kick = BodyKick(vec3f(0.0), vec3f(0.0), NONE, NONE);
+    var kick = no_kick();
     if kick_pass == RUBBED {
         kick = friction_kick(form);
     } else {

@@ -1,6 +1,6 @@
 //! Sums the impulses on bodies that many collisions share (docs/physics.md section 3.7): computes the changes of velocity of large spheres,
-//! and the sums of the impulses on rigid bodies and of their torques. Pass m takes the impulses after m sweeps. There is one workgroup per
-//! large sphere, because hundreds of collisions may share one, or a thread per rigid body.
+//! and for each sphere of a rigid body the sums of the impulses in its rows and of their torques. Pass m takes the impulses after m sweeps.
+//! There is one workgroup per large sphere, because hundreds of collisions may share one, or a thread per sphere.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;

@@ -32,18 +32,19 @@ fn impulses_on_large_sphere(sphere: u32, local: u32) -> vec3f {
     return first_sum();
 }
 
-// Writes the sums of the impulses on a rigid body and of their torques to the rows of its first sphere.
-fn gather_body(body: u32) {
-    if body >= step.rigid_bodies {
+// Sums the impulses in the rows of a sphere of a rigid body, and their torques about the centre of the body.
+fn gather_member(sphere: u32) {
+    if (sphere >= step.spheres) | !has_changes() | (atomicLoad(&status.clustered) == 0u) {
         return;
     }
-    if !has_changes() | (atomicLoad(&status.clustered) == 0u) {
+    let body = body_of_sphere(sphere);
+    if body == NO_RIGID {
         return;
     }
-    let kick = body_kick(body, pass_.index);
-    let first = first_member(body);
-    next[velocity_at(first)] = vec4f(kick.impulse, 0.0);
-    next[momentum_at(first)] = vec4f(kick.torque, 0.0);
+    var kick = no_kick();
+    add_rows_of_member(body, rigid_record(body), sphere, pass_.index, &kick);
+    next[velocity_at(sphere)] = vec4f(kick.impulse, 0.0);
+    next[momentum_at(sphere)] = vec4f(kick.torque, 0.0);
 }
 
 @compute @workgroup_size(64)
@@ -54,7 +55,7 @@ fn gather_impulses(
 ) {
     // Scenes with rigid bodies have no large spheres.
     if RIGID_BODIES {
-        gather_body(linear_thread(group, groups, local));
+        gather_member(linear_thread(group, groups, local));
         return;
     }
     let number = linear_group(group, groups);

@@ -32,10 +32,15 @@ fn change_of(sphere: u32, sweeps: u32) -> vec3f {
 fn change_on_body(half: ContactSide) -> vec3f {
     let body = rigid_body_of(half.id);
     let record = rigid_record(body);
-    let first = first_member(body);
-    let turning = by_inverse_inertia(record, next[momentum_at(first)].xyz);
-    let velocity = float_at(record + 3u) * next[velocity_at(first)].xyz;
-    return velocity + cross(turning, lever_on_body(record, half.id, half.at) + half.reach);
+    var impulse = vec3f(0.0);
+    var torque = vec3f(0.0);
+    for (var member = 0u; member < topology[record + 13u]; member++) {
+        let sphere = id_of(topology[topology[record + 12u] + member]);
+        impulse += next[velocity_at(sphere)].xyz;
+        torque += next[momentum_at(sphere)].xyz;
+    }
+    let turning = by_inverse_inertia(record, torque);
+    return float_at(record + 3u) * impulse + cross(turning, lever_on_body(record, half.id, half.at) + half.reach);
 }
 
 // The change of velocity of one side of a contact, at the contact, after this number of sweeps.
