@@ -1,5 +1,5 @@
 // requires model/lists.wgsl model/objects.wgsl model/collision_state.wgsl model/step.wgsl physics/collision/impulses.wgsl
-// requires physics/collision/body_impulses.wgsl physics/rigid.wgsl step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
+// requires physics/collision/body_impulses.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;

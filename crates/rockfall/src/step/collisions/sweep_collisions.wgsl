@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/collision_state.wgsl model/step.wgsl physics/collision.wgsl
+// requires model/objects.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
 // requires physics/collision/impulses.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl
 // requires physics/collision/cluster.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/workgroup_per_sphere.wgsl
