@@ -82,7 +82,8 @@ fn entries_to_classify(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
     }
     if own.id < step.spheres {
         let near = entries_near(own.place, bits, first, begin, count);
-        return without_distant_rods(own.id, own.place, bits, first, begin, count, near);
+        let met = without_distant_rods(own.id, own.place, bits, first, begin, count, near);
+        return without_distant_boxes(own.id, bits, first, begin, count, met);
     }
     return touching_rod(own.id, own.bar, bits, first, begin, count);
 }
