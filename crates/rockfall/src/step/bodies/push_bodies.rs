@@ -1,7 +1,7 @@
 //! Applies impulses to rigid bodies (docs/physics.md sections 3.9 and 3.11). They change the velocity and the angular momentum of a body. A lone
 //! collision also displaces and turns it, as it has moved since its time of contact.
 //!
-//! Pass 0 follows `commit_collisions`. The thread of a body reads the records of its collisions, and of the state only
+//! Pass 0 follows `commit_collisions`. The thread of the first sphere of a body reads the records of its collisions, and of the state only
 //! the positions of its own spheres. It also counts the pressed contacts that touch the body, for the friction impulses. Pass [`RUBBED`] follows `apply_friction_impulses`, which has summed the friction impulses on each sphere
 //! of the body. The thread marks the body in [`PUSHED_ROW`], so that [`AFTER_COLLISIONS`] places its spheres. A body whose new
 //! state is not finite stops, and its first sphere is reported.
@@ -42,7 +42,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("next", Buffer::Y2),
         write("status", Buffer::Status),
     ],
-    threads: Threads::Bodies,
+    threads: Threads::Spheres,
     // Only collisions need work, and they are few.
     moves: |_| NONE,
     cpu: push_bodies,

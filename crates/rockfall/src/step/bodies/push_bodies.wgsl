@@ -1,6 +1,6 @@
 // requires model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/collision/body_impulses.wgsl
 // requires physics/fine.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl
-// requires model/objects.wgsl physics/collision/pressed.wgsl physics/rigid_lever.wgsl step/bodies/body_rows.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
+// requires model/objects.wgsl physics/collision/pressed.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl step/bodies/body_rows.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> bodies: array<vec4f>;
@@ -85,13 +85,20 @@ fn push_bodies(
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    let body = linear_thread(group, groups, local);
-    if (body >= step.rigid_bodies) | (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) != 2u) {
+    let i = linear_thread(group, groups, local);
+    if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) != 2u) {
+        return;
+    }
+    let body = body_of_sphere(i);
+    // It does not depend on the uniform block alone, for which software Vulkan would compile the kernel again in every dispatch.
+    let kick_pass = select(pass_.index, NONE, body == NO_RIGID);
+    if kick_pass == NONE {
         return;
     }
     let form = form_of(body);
-    // It does not depend on the uniform block alone, for which software Vulkan would compile the kernel again in every dispatch.
-    let kick_pass = select(pass_.index, NONE, form.count == 0u);
+    if id_of(topology[form.members]) != i {
+        return;
+    }
     if (kick_pass != RUBBED) & has_friction_impulses() {
         count_pressed(body, form);
     }
