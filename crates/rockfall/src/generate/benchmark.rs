@@ -44,16 +44,8 @@ pub const LAYERS: u32 = 32;
 
 impl Benchmark {
     /// All benchmark scenes.
-    pub const ALL: [Self; 8] = [
-        Self::Thesis,
-        Self::Lattice,
-        Self::Pile,
-        Self::Settled,
-        Self::Shuffled,
-        Self::Mixed,
-        Self::Radii,
-        Self::Boxes,
-    ];
+    pub const ALL: [Self; 8] =
+        [Self::Thesis, Self::Lattice, Self::Pile, Self::Settled, Self::Shuffled, Self::Mixed, Self::Radii, Self::Boxes];
 
     /// Name of the scene on the command line.
     pub fn name(self) -> &'static str {

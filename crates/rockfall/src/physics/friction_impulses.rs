@@ -166,8 +166,7 @@ impl<'a> FrictionImpulses<'a> {
             if let Some(body) = view.body_of(view.object(id)) {
                 let record = view.rigid_body(body);
                 let [_, torque] = unit.push_on_body(view, id, &record);
-                return record.pressed as f32
-                    * (record.inverse_mass + record.by_inverse_inertia(torque));
+                return record.pressed as f32 * (record.inverse_mass + record.by_inverse_inertia(torque));
             }
             let load = unit.load(view, id, unit.impulse);
             let single = |sphere: u32, share: f32| {

@@ -48,11 +48,7 @@ pub(crate) fn trail(step: &Step, velocity: Vec3, unit: f32) -> f32 {
 /// Returns how far a moving sphere is outside the ball that its AABB encloses, in units of 0.02 of its margin length; 0 when it is
 /// inside.
 pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
-    if view.is_fixed(sphere) {
-        0.0
-    } else {
-        outside(view, aabbs, sphere, view.position(sphere))
-    }
+    if view.is_fixed(sphere) { 0.0 } else { outside(view, aabbs, sphere, view.position(sphere)) }
 }
 
 /// Like [`escape_ratio`], for any sphere, with its centre at this place.
