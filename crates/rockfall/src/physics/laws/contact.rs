@@ -7,6 +7,7 @@ use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity};
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
+use crate::physics::laws::shared::Share;
 use crate::physics::laws::{Constants, answer, energy};
 use crate::physics::rigid::shared_damping;
 use crate::physics::side::Side;
@@ -62,8 +63,13 @@ pub(crate) struct LawForce {
 }
 
 /// Evaluates the contact of objects a and b, of which a was added first, and advances its spring by `View::spring_time`.
-/// `before` is its spring in the last step, or `None` for a new contact.
-pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, before: Option<Spring>) -> LawForce {
+/// `before` is its spring in the last step, or `None` for a new contact, and its share in the spring of neighbours.
+pub(crate) fn law_force(
+    view: &View,
+    [id_a, id_b]: [u32; 2],
+    touch: &Touch,
+    (before, share): (Option<Spring>, Option<Share>),
+) -> LawForce {
     let (step, n, overlap) = (view.step, touch.normal, touch.overlap);
     let [a, b] = sides(view, [id_a, id_b], touch);
     let approach = (a.velocity - b.velocity).dot(n);
@@ -97,10 +103,16 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     let slip = surface - n * surface.dot(n);
     // The spring of a contact with a wall turns with the wall.
     let before = before.map(|before| if b.radius.is_none() { before.turned(view.spring_time() * b.spin) } else { before });
-    let carried = before.map_or(Vec3::ZERO, |before| carried(before, n, stiff.unloading));
-    let shift = carried + view.spring_time() * slip;
-    let (tangential, shift, slips) =
-        limited(&Tangential { shift, slip, stiffness: stiff.tangential, damping }, constants.friction * press);
+    let unloading = share.map_or(stiff.unloading, |share| share.unloading);
+    let carried = before.map_or(Vec3::ZERO, |before| carried(before, n, unloading));
+    let own_part = share.map_or(1.0, |share| share.stiffness);
+    let tangential = Tangential {
+        shift: carried + view.spring_time() * slip,
+        slip,
+        stiffness: own_part * stiff.tangential,
+        damping: own_part.sqrt() * damping,
+    };
+    let (tangential, shift, slips) = limited(&tangential, constants.friction * press);
 
     let torque = n.cross(tangential);
     let pushed = normal - attraction;
