@@ -4,10 +4,11 @@ use glam::Vec3;
 
 use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_USER};
 use crate::model::view::View;
+use crate::physics::chain;
 use crate::physics::laws::Constants;
 use crate::physics::laws::contact::Spring;
 use crate::physics::laws::history::Histories;
-use crate::physics::touch::{Touch, overlapping};
+use crate::physics::touch::Touch;
 
 /// Two spheres of a rigid body are neighbours if their centres are nearer than this part of the sum of their radii.
 const NEIGHBOURS_WITHIN: f32 = 0.99;
@@ -15,8 +16,6 @@ const NEIGHBOURS_WITHIN: f32 = 0.99;
 /// What a contact has of the tangential spring that it shares with contacts of neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Share {
-    /// Its share of the normal forces of the group.
-    pub(crate) part: f32,
     /// Tangential stiffness per that of a contact alone.
     pub(crate) stiffness: f32,
     /// The tangential stiffness of the group per that in the last step, while the group unloads; otherwise 1.
@@ -55,16 +54,13 @@ pub(crate) fn shared(
     let now = own.now + others.iter().map(|other| other.now).sum::<f32>();
     let part = own.now / now;
     let gain = part - own.before / before;
-    let shift = if gain > 0.0 {
-        let lost = |other: &Neighbour| (other.before / before - other.now / now).max(0.0);
-        let brought: Vec3 = others.iter().map(|other| lost(other) * other.shift).sum();
-        let all: f32 = others.iter().map(lost).sum();
-        if all > 0.0 { ((part - gain) * own.shift + gain / all * brought) / part } else { own.shift }
-    } else {
-        own.shift
-    };
+    let lost = |other: &Neighbour| (other.before / before - other.now / now).max(0.0);
+    let brought: Vec3 = others.iter().map(|other| lost(other) * other.shift).sum();
+    let all: f32 = others.iter().map(lost).sum();
+    let is_fed = gain > 0.0 && all > 0.0;
+    let shift = if is_fed { ((part - gain) * own.shift + gain / all * brought) / part } else { own.shift };
     let root = |x: f32| if is_hertz { x.cbrt() } else { 1.0 };
-    let share = Share { part, stiffness: part / root(part), unloading: root((now / before).min(1.0)) };
+    let share = Share { stiffness: part / root(part), unloading: root((now / before).min(1.0)) };
     Some((shift, share))
 }
 
@@ -81,7 +77,7 @@ fn neighbours(
     pairs.filter(move |pair| *pair != [a, b]).filter_map(move |[k, l]| {
         let (first, second) = view.ordered(k, l);
         let spring = histories.spring(view, first, second, feature).filter(|spring| spring.overlap > 0.0)?;
-        let now = overlapping(view, first, second, feature).map_or(0.0, |touch| touch.overlap);
+        let now = chain::touch(view, first, second, feature).map_or(0.0, |touch| touch.overlap);
         let shift = if first == k { spring.shift } else { -spring.shift };
         Some(Neighbour { shift, before: force(spring.overlap), now: force(now) })
     })
