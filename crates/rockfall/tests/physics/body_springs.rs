@@ -95,12 +95,15 @@ fn a_clump_that_bounces_gains_no_energy(backend: Backend) {
     for law in [ContactLaw::Linear, ContactLaw::HertzMindlin] {
         for seed in 0..on(backend, 8, 1) {
             let (mut scene, stuff) = floor(law, Pair::default().restitution(0.99).friction(0.5).stiffness(5e3));
-            let shape = CLUMP.into_iter().fold(Shape::new().material(stuff), |shape, (place, radius)| shape.sphere(place, radius));
+            let shape =
+                CLUMP.into_iter().fold(Shape::new().material(stuff), |shape, (place, radius)| shape.sphere(place, radius));
             let shape = scene.add_shape(shape).unwrap();
-            let random = |number: u16| f32::from((seed * 7 + number) * 3571 % 1009) / 504.5 - 1.0;
+            let random = |number: u32| ((seed * 7 + number) * 3571 % 1009) as f32 / 504.5 - 1.0;
             let placement = Placement::new(shape).at([0.0, 0.35, 0.0]);
             let spin = Vec3::new(random(1), random(2), random(3));
-            let placement = placement.turned(Quat::from_axis_angle(Vec3::new(random(4), 1.0, random(5)).normalize(), 3.0 * random(6))).spin(8.0 * spin);
+            let placement = placement
+                .turned(Quat::from_axis_angle(Vec3::new(random(4), 1.0, random(5)).normalize(), 3.0 * random(6)))
+                .spin(8.0 * spin);
             scene.add_body(placement.velocity([random(7), -1.0, random(8)])).unwrap();
             let mut simulation = open(scene, backend, Integrator::VelocityVerlet);
             let (mut least, mut flights) = (f64::INFINITY, 0);

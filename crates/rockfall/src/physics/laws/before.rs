@@ -10,25 +10,31 @@ use crate::physics::sides::sides;
 use crate::physics::surface::hides;
 use crate::physics::touch::Touch;
 
-/// The spring of a contact before the step, and what it has of a spring that it shares with neighbours in a rigid body.
-pub(crate) fn spring_before(
-    view: &View,
-    histories: &Histories,
-    [a, b]: [u32; 2],
-    feature: u32,
-    touch: &Touch,
-) -> (Option<Spring>, Option<Share>) {
-    let own = histories.spring(view, a, b, feature);
+/// What a contact begins a step with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start {
+    /// The spring in the last step, or `None` for a new contact.
+    pub(crate) spring: Option<Spring>,
+    /// What it has of a spring that it shares with neighbours in a rigid body.
+    pub(crate) share: Option<Share>,
+}
+
+/// What a contact begins with: its own spring, or that of a box or polygon which the new contact of a sphere hides, or
+/// [`Spring::PASSAGE`]; and its share.
+pub(crate) fn spring_before(view: &View, histories: &Histories, ids: [u32; 2], feature: u32, touch: &Touch) -> Start {
+    let own = histories.spring(view, ids[0], ids[1], feature);
     let is_new = own.as_ref().is_none_or(|spring| spring.overlap == 0.0);
-    let taken = if is_new { on_surface(view, histories, [a, b], touch) } else { None };
+    let taken = if is_new { on_surface(view, histories, ids, touch) } else { None };
     let spring = taken.or(own);
     if spring.as_ref().is_some_and(Spring::is_passage) {
-        return (spring, None);
+        return Start { spring, share: None };
     }
-    match shared(view, histories, [a, b], feature, touch, spring) {
-        Some((_, share)) if taken.is_some() => (taken, Some(share)),
-        Some((shift, share)) => (Some(Spring { shift, ..spring.unwrap_or_default() }), Some(share)),
-        None => (spring, None),
+    match shared(view, histories, ids, feature, touch, spring) {
+        Some((shift, share)) => {
+            let fed = Spring { shift, ..spring.unwrap_or_default() };
+            Start { spring: taken.or(Some(fed)), share: Some(share) }
+        }
+        None => Start { spring, share: None },
     }
 }
 

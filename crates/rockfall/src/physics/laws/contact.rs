@@ -5,9 +5,9 @@ use glam::Vec3;
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE, LAW_USER};
 use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity};
+use crate::physics::laws::before::Start;
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
-use crate::physics::laws::shared::Share;
 use crate::physics::laws::{Constants, answer, energy};
 use crate::physics::rigid::shared_damping;
 use crate::physics::side::Side;
@@ -63,12 +63,12 @@ pub(crate) struct LawForce {
 }
 
 /// Evaluates the contact of objects a and b, of which a was added first, and advances its spring by `View::spring_time`.
-/// `before` is its spring in the last step, or `None` for a new contact, and its share in the spring of neighbours.
+/// The last argument is what it begins with.
 pub(crate) fn law_force(
     view: &View,
     [id_a, id_b]: [u32; 2],
     touch: &Touch,
-    (before, share): (Option<Spring>, Option<Share>),
+    Start { spring: before, share }: Start,
 ) -> LawForce {
     let (step, n, overlap) = (view.step, touch.normal, touch.overlap);
     let [a, b] = sides(view, [id_a, id_b], touch);
@@ -103,15 +103,10 @@ pub(crate) fn law_force(
     let slip = surface - n * surface.dot(n);
     // The spring of a contact with a wall turns with the wall.
     let before = before.map(|before| if b.radius.is_none() { before.turned(view.spring_time() * b.spin) } else { before });
-    let unloading = share.map_or(stiff.unloading, |share| share.unloading);
-    let carried = before.map_or(Vec3::ZERO, |before| carried(before, n, unloading));
-    let own_part = share.map_or(1.0, |share| share.stiffness);
-    let tangential = Tangential {
-        shift: carried + view.spring_time() * slip,
-        slip,
-        stiffness: own_part * stiff.tangential,
-        damping: own_part.sqrt() * damping,
-    };
+    let rub = share.map_or(answer, |share| share.of(answer));
+    let carried = before.map_or(Vec3::ZERO, |before| carried(before, n, rub.stiffness.unloading));
+    let shift = carried + view.spring_time() * slip;
+    let tangential = Tangential { shift, slip, stiffness: rub.stiffness.tangential, damping: rub.dashpot };
     let (tangential, shift, slips) = limited(&tangential, constants.friction * press);
 
     let torque = n.cross(tangential);
