@@ -127,6 +127,7 @@ fn a_rod_of_spheres_holds_a_torque(backend: Backend) {
     for law in [ContactLaw::Linear, ContactLaw::HertzMindlin] {
         let (mut scene, stuff) = floor(law, Pair::default().restitution(0.5).friction(0.5).stiffness(5e4));
         let shape = (-4..=4).fold(Shape::new().material(stuff), |shape, k| shape.sphere([0.06 * k as f32, 0.0, 0.0], 0.1));
+        let shape = shape.mass_properties(38.0, [0.0; 3], [0.2, 1.2, 1.2, 0.0, 0.0, 0.0]);
         let shape = scene.add_shape(shape).unwrap();
         let body = scene.add_body(Placement::new(shape).at([0.0, 0.1, 0.0])).unwrap();
         let mut simulation = open(scene, backend, Integrator::VelocityVerlet);

@@ -62,10 +62,11 @@ fn spring_before(a: u32, b: u32, feature: u32, found: Touch) -> Before {
     }
     if RIGID_BODIES {
         if before.spring.overlap >= 0.0 {
-            let taken = is_new & (before.spring.overlap > 0.0);
-            let shift = before.spring.shift;
-            before.share = shared(a, b, feature, found.overlap, &before.spring);
-            before.spring.shift = select(before.spring.shift, shift, taken);
+            var fed = before.spring;
+            before.share = share_of(a, b, feature, found.overlap, &fed);
+            if !(is_new & (before.spring.overlap > 0.0)) {
+                before.spring = fed;
+            }
         }
     }
     return before;

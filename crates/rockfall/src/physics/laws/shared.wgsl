@@ -1,5 +1,5 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/chain.wgsl physics/laws/history.wgsl physics/pairs.wgsl physics/rigid.wgsl
-// requires physics/rigid_parts.wgsl physics/round_pair.wgsl
+// requires physics/rigid_parts.wgsl
 
 // Tangential springs that overlapping spheres of a rigid body share (docs/physics.md section 4.11).
 
@@ -95,7 +95,7 @@ fn neighbours(of_a: Members, of_b: Members, feature: u32, totals: vec2f) -> Neig
 }
 
 // The share of a contact with this overlap. `spring` is its own one before the step; it gets what the share brings along.
-fn shared(a: u32, b: u32, feature: u32, overlap: f32, spring: ptr<function, Spring>) -> Share {
+fn share_of(a: u32, b: u32, feature: u32, overlap: f32, spring: ptr<function, Spring>) -> Share {
     if LAW == LAW_USER {
         return Share(1.0, 1.0, false);
     }
