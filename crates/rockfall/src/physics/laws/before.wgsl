@@ -45,12 +45,12 @@ fn spring_on_surface(sphere: u32, id: u32, found: Touch) -> Spring {
 // What a contact begins a step with.
 struct Before {
     spring: Spring,
-    share: Share,
+    share: SpringShare,
 }
 
 // The spring before the step of the contact of a and b, of which a was added first, and its share in that of neighbours.
 fn spring_before(a: u32, b: u32, feature: u32, found: Touch) -> Before {
-    var before = Before(spring_of(a, b, feature), Share(1.0, 1.0, false));
+    var before = Before(spring_of(a, b, feature), SpringShare(1.0, 1.0, false));
     var is_ball = (a < step.spheres) & is_static(b) & (found.overlap > 0.0);
     if RIGID_BODIES {
         // A corner keeps its place on the wall.
@@ -63,7 +63,7 @@ fn spring_before(a: u32, b: u32, feature: u32, found: Touch) -> Before {
     if RIGID_BODIES {
         if before.spring.overlap >= 0.0 {
             var fed = before.spring;
-            before.share = share_of(a, b, feature, found.overlap, &fed);
+            before.share = share_in_group(a, b, feature, found.overlap, &fed);
             if !(is_new & (before.spring.overlap > 0.0)) {
                 before.spring = fed;
             }

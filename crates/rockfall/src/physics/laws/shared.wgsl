@@ -7,7 +7,7 @@
 const NEIGHBOURS_WITHIN: f32 = 0.99;
 
 // What a contact has of the tangential spring that it shares with contacts of neighbours.
-struct Share {
+struct SpringShare {
     // Tangential stiffness per that of a contact alone.
     stiffness: f32,
     // The tangential stiffness of the group per that in the last step, while the group unloads; otherwise 1.
@@ -95,19 +95,19 @@ fn neighbours(of_a: Members, of_b: Members, feature: u32, totals: vec2f) -> Neig
 }
 
 // The share of a contact with this overlap. `spring` is its own one before the step; it gets what the share brings along.
-fn share_of(a: u32, b: u32, feature: u32, overlap: f32, spring: ptr<function, Spring>) -> Share {
+fn share_in_group(a: u32, b: u32, feature: u32, overlap: f32, spring: ptr<function, Spring>) -> SpringShare {
     if LAW == LAW_USER {
-        return Share(1.0, 1.0, false);
+        return SpringShare(1.0, 1.0, false);
     }
     let of_a = members_of(a);
     let of_b = members_of(b);
     if (of_a.count * of_b.count == 1u) || (cohesion_of(a, b) != 0.0) {
-        return Share(1.0, 1.0, false);
+        return SpringShare(1.0, 1.0, false);
     }
     let force = vec2f(relative_force((*spring).overlap), relative_force(overlap));
     let others = neighbours(of_a, of_b, feature, vec2f(1.0)).force;
     if others.x == 0.0 {
-        return Share(1.0, 1.0, false);
+        return SpringShare(1.0, 1.0, false);
     }
     let totals = force + others;
     let sums = neighbours(of_a, of_b, feature, totals);
@@ -117,5 +117,5 @@ fn share_of(a: u32, b: u32, feature: u32, overlap: f32, spring: ptr<function, Sp
         (*spring).shift = (before * (*spring).shift + (part - before) / sums.lost * sums.brought) / part;
     }
     let exponent = select(0.0, 1.0 / 3.0, LAW == LAW_HERTZ_MINDLIN);
-    return Share(part / pow(part, exponent), pow(min(1.0, totals.y / totals.x), exponent), true);
+    return SpringShare(part / pow(part, exponent), pow(min(1.0, totals.y / totals.x), exponent), true);
 }
