@@ -38,10 +38,10 @@ enum Other {
 pub(crate) struct Arguments {
     #[command(subcommand)]
     other: Option<Other>,
-    /// Scene to measure: thesis, lattice, pile, settled, shuffled, mixed or radii
+    /// Scene to measure: thesis, lattice, pile, settled, shuffled, mixed, radii or boxes
     #[arg(default_value_t = Benchmark::Thesis)]
     scene: Benchmark,
-    /// Numbers of spheres, separated by commas; each is measured separately (for the scene mixed: numbers of bodies)
+    /// Numbers of spheres, separated by commas; each is measured separately (for the scenes mixed and boxes: numbers of bodies)
     #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1024,2048,4096,8192,16384",
         value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]
     spheres: Vec<u32>,

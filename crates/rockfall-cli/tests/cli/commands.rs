@@ -218,7 +218,7 @@ fn wrong_arguments_exit_with_code_2() {
     let rockfall = Rockfall::with(SCENE);
     let cases = [
         ("", "Usage"),
-        ("bench heap", "thesis, lattice, pile, settled, shuffled, mixed or radii"),
+        ("bench heap", "thesis, lattice, pile, settled, shuffled, mixed, radii or boxes"),
         ("look", "look"),
         ("render scene.txt", "render"),
         ("run scene.txt more.txt", "more.txt"),

@@ -8,6 +8,7 @@ use glam::{IVec3, Vec3};
 use rand::SeedableRng as _;
 use rand_pcg::Pcg64Mcg;
 
+use super::boxes::{SPHERES, boxes};
 use super::{Random, ball_within, check_count, walled_box};
 use crate::error::{Error, Result, quoted};
 use crate::scene::{Capsule, Cuboid, Rod, Scene, Sphere, Spring};
@@ -32,6 +33,9 @@ pub enum Benchmark {
     Mixed,
     /// Spheres that fall into a walled box, whose radii differ by a factor of up to 50: few large ones among many small ones.
     Radii,
+    /// Boxes that fall into a walled box, as `rockfall generate boxes` places them. The number of bodies counts boxes, which have
+    /// nine spheres each.
+    Boxes,
 }
 
 /// Maximum depth of piles, in spheres. With the default contact force, the lowest spheres of such a pile overlap by a tenth of
@@ -40,8 +44,8 @@ pub const LAYERS: u32 = 32;
 
 impl Benchmark {
     /// All benchmark scenes.
-    pub const ALL: [Self; 7] =
-        [Self::Thesis, Self::Lattice, Self::Pile, Self::Settled, Self::Shuffled, Self::Mixed, Self::Radii];
+    pub const ALL: [Self; 8] =
+        [Self::Thesis, Self::Lattice, Self::Pile, Self::Settled, Self::Shuffled, Self::Mixed, Self::Radii, Self::Boxes];
 
     /// Name of the scene on the command line.
     pub fn name(self) -> &'static str {
@@ -53,6 +57,7 @@ impl Benchmark {
             Self::Shuffled => "shuffled",
             Self::Mixed => "mixed",
             Self::Radii => "radii",
+            Self::Boxes => "boxes",
         }
     }
 
@@ -70,6 +75,7 @@ impl Benchmark {
             Self::Shuffled => pile(bodies, seed, shuffled(bodies, seed).into_iter()),
             Self::Mixed => mixed(bodies, seed),
             Self::Radii => radii(bodies, seed),
+            Self::Boxes => boxes(bodies.saturating_mul(SPHERES), &mut Random::new(seed)),
         }
     }
 }
@@ -88,7 +94,7 @@ impl FromStr for Benchmark {
         known.ok_or_else(|| Error::Invalid {
             field: "scene",
             value: quoted(text),
-            expected: "thesis, lattice, pile, settled, shuffled, mixed or radii",
+            expected: "thesis, lattice, pile, settled, shuffled, mixed, radii or boxes",
         })
     }
 }
@@ -304,9 +310,12 @@ mod tests {
         for benchmark in Benchmark::ALL {
             for bodies in SIZES {
                 let counts = benchmark.generate(bodies, 7).unwrap().counts();
-                let two_spheres = if benchmark == Benchmark::Mixed { bodies / 2 } else { 0 };
-                assert_eq!(counts.spheres as u32, bodies + two_spheres, "{benchmark}");
-                assert_eq!(counts.rods as u32, two_spheres, "{benchmark}");
+                let (spheres, rods) = match benchmark {
+                    Benchmark::Mixed => (bodies + bodies / 2, bodies / 2),
+                    Benchmark::Boxes => (9 * bodies, 12 * bodies),
+                    _ => (bodies, 0),
+                };
+                assert_eq!((counts.spheres as u32, counts.rods as u32), (spheres, rods), "{benchmark}");
             }
             let spheres = |seed| benchmark.generate(100, seed).unwrap().spheres().to_vec();
             assert_eq!(spheres(1), spheres(1), "{benchmark}");
@@ -339,7 +348,8 @@ mod tests {
 
     #[test]
     fn only_resting_spheres_touch_at_first() {
-        for benchmark in Benchmark::ALL {
+        // The spheres of a box overlap each other.
+        for benchmark in Benchmark::ALL.into_iter().filter(|benchmark| *benchmark != Benchmark::Boxes) {
             for bodies in SIZES {
                 let deepest = overlap(&benchmark.generate(bodies, 11).unwrap());
                 let least = match benchmark {

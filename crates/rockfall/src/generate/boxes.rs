@@ -9,7 +9,7 @@ use crate::scene::{Cuboid, Placement, Scene, Shape, ShapeId, Sphere};
 use crate::settings::Integrator;
 
 /// Spheres of a box: the solid and its vertices.
-const SPHERES: u32 = 9;
+pub(super) const SPHERES: u32 = 9;
 /// Edges of a brick.
 const BRICK: Vec3 = Vec3::new(0.5, 0.3, 0.4);
 /// Side of the cell of a brick. A brick that is turned at random stays inside.

@@ -34,8 +34,10 @@ constants! {
     /// Words of a rigid body: centre x, y, z of the state that forces are evaluated in; inverse mass; tensor of the inverse inertia in that
     /// state, xx, yy, zz, xy, xz, yz; greatest inverse moment of inertia; first word of its shape; first word of its members, which are
     /// insertion indices of spheres; their number; orientation in that state x, y, z, w; greatest distance of a point of a sphere from the
-    /// centre; padding.
+    /// centre; number of pressed contacts that touch the body, which `push_bodies` counts for the friction impulses.
     pub const RIGID_WORDS: u32 = 20;
+    /// Place of that number.
+    pub const RIGID_PRESSED: u32 = 19;
     /// Words of a box of a shape: centre x, y, z from the centre of mass, rounding radius, half the edges of the core x, y, z, the rotation
     /// from its edges to the coordinates of the shape x, y, z, w.
     pub const SHAPE_BOX_WORDS: u32 = 11;
@@ -207,11 +209,12 @@ constants! {
     pub const EDGES_AT: u32 = LINE;
     /// First word, in the buffer `cells`, of the greatest absolute coordinate of the AABB centres on each level of the grid, stored
     /// as the bits of a float.
-    pub const FARTHEST_AT: u32 = EDGES_AT + LINE;
-    /// First word of the cells in the buffer `cells`. Word 0 of the buffer is a mask of the levels that have objects. Word 1 is not
-    /// 0 when lists are to be rebuilt. Word 2 is the number of objects that sort-and-skip has put in order. Word 3 is the number of
-    /// long movers.
-    pub const CELLS_AT: u32 = FARTHEST_AT + LINE;
+    pub const FARTHEST_AT: u32 = EDGES_AT + LAYERS * LINE;
+    /// First word of the cells in the buffer `cells`. Word 1 of the buffer is not 0 when lists are to be rebuilt. Word 2 is the number of
+    /// objects that sort-and-skip has put in order. Word 3 is the number of long movers.
+    pub const CELLS_AT: u32 = FARTHEST_AT + LAYERS * LINE;
+    /// First word, in the buffer `cells`, of the masks of the levels that have objects, one mask for each layer.
+    pub const MASKS_AT: u32 = 4;
     /// Number of cells that one workgroup sums.
     pub const CELL_BLOCK: u32 = 4096;
     /// Words of the sum of a block. The first word holds the sum; the others pad it to a row of four words, which the kernels read
@@ -233,8 +236,11 @@ constants! {
     /// Movers on this level of the grid and above are long: their AABB is more than four cells of size `cell_size` wide. They test
     /// hundreds of objects, so a workgroup builds the list of each.
     pub const LONG_LEVEL: u32 = LEVEL_BIAS + 3;
-    /// Number of levels of the grid.
+    /// Number of levels of a layer of the grid. Level l of layer k has the number `k LEVELS + l`.
     pub const LEVELS: u32 = 32;
+    /// Number of layers of the grid: of boxes of bodies the solids, the vertices and the edges, and before them all other objects. Movers
+    /// search the layers of objects that they may touch.
+    pub const LAYERS: u32 = 4;
     /// Level of objects that are too large for all other levels. All of them are in one cell.
     pub const TOP_LEVEL: u32 = LEVELS - 1;
     /// A row of cells starts at `y ROW_Y + z ROW_Z + level ROW_LEVEL + x` of the table, modulo the table size. The factors are odd

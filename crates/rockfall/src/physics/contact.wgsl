@@ -90,6 +90,27 @@ fn without_distant_rods(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin:
     return kept;
 }
 
+// Removes spheres from `given`, a mask of ENTRIES_PER_MASK entries of a sphere from `begin` on: those that have none of `bits`, of which one is
+// the solid of a box, and that do not touch the sphere.
+fn without_distant_boxes(sphere: u32, bits: u32, first: vec2u, begin: u32, count: u32, given: u32) -> u32 {
+    if !BODY_BOXES {
+        return given;
+    }
+    let word = box_word(sphere);
+    var kept = given;
+    for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e++) {
+        let entry = entry_at(slot_at(first, e));
+        let id = entry_id(entry);
+        if (((given >> (e - begin)) & 1u) != 0u) & ((entry & bits) == 0u) & (id < step.spheres) {
+            let other = box_word(id);
+            if is_solid(word) | is_solid(other) {
+                kept &= ~select(0u, 1u << (e - begin), touch_solid(sphere, id, word, other).overlap <= 0.0);
+            }
+        }
+    }
+    return kept;
+}
+
 // Which of ENTRIES_PER_MASK entries of a rod from `begin` on have one of `bits` or touch the rod.
 fn touching_rod(rod: u32, own: Bar, bits: u32, first: vec2u, begin: u32, count: u32) -> u32 {
     var found = 0u;

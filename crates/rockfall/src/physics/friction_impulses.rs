@@ -29,8 +29,6 @@ pub(crate) struct FrictionImpulses<'a> {
     impulses: &'a [Impulse],
     /// Number of pressed contacts in the list of each mover.
     pressed: Vec<u32>,
-    /// Number of pressed contacts of each rigid body.
-    pressed_on_bodies: Vec<u32>,
 }
 
 /// The friction impulse of a contact.
@@ -57,13 +55,7 @@ impl<'a> FrictionImpulses<'a> {
     pub(crate) fn new(view: &'a View<'a>, lists: &'a Lists<'a>, impulses: &'a [Impulse]) -> Self {
         let movers = (0..view.step.movers()).into_par_iter().with_min_len(GRAIN);
         let pressed: Vec<u32> = movers.map(|mover| pressed(lists, mover).count() as u32).collect();
-        let on_body = |body: u32| {
-            let mut count = 0;
-            Body::Rigid(body).each_row(view, |row| count += pressed[row as usize]);
-            count
-        };
-        let pressed_on_bodies = (0..view.step.layout.rigid_bodies).map(on_body).collect();
-        Self { view, lists, impulses, pressed, pressed_on_bodies }
+        Self { view, lists, impulses, pressed }
     }
 
     /// Returns the state of a sphere after the friction impulses of all its contacts. For a sphere of a rigid body, the velocity and the
@@ -174,8 +166,7 @@ impl<'a> FrictionImpulses<'a> {
             if let Some(body) = view.body_of(view.object(id)) {
                 let record = view.rigid_body(body);
                 let [_, torque] = unit.push_on_body(view, id, &record);
-                return self.pressed_on_bodies[body as usize] as f32
-                    * (record.inverse_mass + record.by_inverse_inertia(torque));
+                return record.pressed as f32 * (record.inverse_mass + record.by_inverse_inertia(torque));
             }
             let load = unit.load(view, id, unit.impulse);
             let single = |sphere: u32, share: f32| {
@@ -250,6 +241,6 @@ fn capsule_torques(capsule: &Capsule, load: &Load) -> (Vec3, Vec3) {
 }
 
 /// The pressed contacts in the list of a mover.
-fn pressed<'a>(lists: &Lists<'a>, mover: u32) -> impl Iterator<Item = Entry> + use<'a> {
+pub(crate) fn pressed<'a>(lists: &Lists<'a>, mover: u32) -> impl Iterator<Item = Entry> + use<'a> {
     lists.row(mover).filter(|entry| entry.word & ENTRY_OVERLAPS != 0)
 }

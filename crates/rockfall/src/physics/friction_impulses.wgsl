@@ -1,7 +1,7 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/contact.wgsl physics/rigid.wgsl physics/rigid_box.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/rigid_side.wgsl
+// requires physics/contact.wgsl physics/collision/pressed.wgsl physics/rigid.wgsl physics/rigid_box.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/rigid_side.wgsl
 // requires physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl physics/wall_damping.wgsl step/collisions/record_of.wgsl
-// requires step/collisions/records.wgsl step/collisions/rows.wgsl
+// requires step/collisions/records.wgsl
 
 // Friction impulses of pressed contacts (docs/physics.md section 3.9). The impulse of a contact counts every body as if it were
 // split evenly among the pressed contacts that touch it. Joining the parts again never adds energy.
@@ -20,17 +20,6 @@ struct FrictionImpulse {
     lever_b: vec3f,
 }
 
-// Number of pressed contacts in the list of a mover.
-fn pressed_in(row: u32) -> u32 {
-    let count = count_of(row);
-    let first = first_of(row);
-    var found = 0u;
-    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
-        found += countOneBits(entries_with(ENTRY_OVERLAPS, first, begin, count));
-    }
-    return found;
-}
-
 // Number of pressed contacts that touch a sphere or a rod that ends in it.
 fn pressed_on(sphere: u32) -> f32 {
     var found = pressed_in(sphere);
@@ -47,23 +36,6 @@ fn pressed_on(sphere: u32) -> f32 {
 fn pressed_on_capsule(rod: u32) -> f32 {
     let ends = rod_ends(rod);
     return f32(pressed_in(ends.x) + pressed_in(ends.y) + pressed_in(step.spheres + rod));
-}
-
-// Number of pressed contacts that touch a rigid body.
-fn pressed_on_body(body: u32) -> f32 {
-    let record = rigid_record(body);
-    var found = 0u;
-    for (var member = 0u; member < topology[record + 13u]; member++) {
-        let sphere = id_of(topology[topology[record + 12u] + member]);
-        let rods = rods_of(sphere);
-        for (var r = 0u; r <= rods.y; r++) {
-            let row = row_of_member(body, sphere, rods, r);
-            if row != NONE {
-                found += pressed_in(row);
-            }
-        }
-    }
-    return f32(found);
 }
 
 // The lever of a contact on the rigid body that an object is a part of: of a solid, that of the point of its core.
@@ -126,7 +98,7 @@ fn slip_inverse_mass_of_sphere(sphere: u32, part: f32, arm: f32) -> f32 {
 fn slip_inverse_mass_of_body(body: u32, lever: vec3f, p: vec3f, own_torque: vec3f) -> f32 {
     let record = rigid_record(body);
     let torque = cross(lever, p) + own_torque;
-    return pressed_on_body(body) * (float_at(record + 3u) + dot(torque, by_inverse_inertia(record, torque)));
+    return f32(topology[record + RIGID_PRESSED]) * (float_at(record + 3u) + dot(torque, by_inverse_inertia(record, torque)));
 }
 
 // Tangential inverse mass through one side. The unit impulse on A is p, the one on B is -p. The torque per arm is the same on

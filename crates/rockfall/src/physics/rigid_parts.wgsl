@@ -38,6 +38,18 @@ fn box_word(id: u32) -> u32 {
     return 0u;
 }
 
+// The length that the margin of the AABB of a sphere is measured in: the radius, or half the shortest edge of the box that the sphere is a
+// part of, because a vertex moves as its box does.
+fn margin_length(sphere: u32, radius: f32) -> f32 {
+    let word = box_word(sphere);
+    if word == 0u {
+        return radius;
+    }
+    let at = word & ~BOX_RIM;
+    let half = bitcast<vec3f>(vec3u(topology[at + 4u], topology[at + 5u], topology[at + 6u]));
+    return min(min(half.x, half.y), half.z) + bitcast<f32>(topology[at + 3u]);
+}
+
 // Whether an object with this word stands for the solid of a box.
 fn is_solid(word: u32) -> bool {
     return (word != 0u) & ((word & BOX_RIM) == 0u);

@@ -10,12 +10,12 @@ use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
 use crate::model::view::View;
 
-/// Margin of AABBs for exact lists, in radii of a sphere. It covers rounding, and spheres that hardly move keep their lists.
+/// Margin of AABBs for exact lists, in units of [`View::margin_length`], as in the functions below. It covers rounding, and spheres that hardly move keep their lists.
 pub(crate) const EXACT_MARGIN: f32 = 0.02;
-/// Most that the device adds to the margin of AABBs where it repeats a step, in units of 0.02 r.
+/// Most that the device adds to the margin of AABBs where it repeats a step, in units of 0.02 of that length.
 pub(crate) const MOST_OF_REPEAT: f32 = 10.0;
 
-/// What is first added to the margin of AABBs when a body left its AABB by `escape`, both in units of 0.02 r. It is small, because it
+/// What is first added to the margin of AABBs when a body left its AABB by `escape`, both in units of 0.02 of that length. It is small, because it
 /// enlarges all AABBs.
 pub(crate) fn margin_for_escape(escape: f32) -> f32 {
     1.25 * escape + 1.0
@@ -32,32 +32,30 @@ pub(crate) fn position_ahead(step: &Step, position: Vec3, motion: Vec4) -> Vec3 
 /// Returns a bound for the distance of a sphere, within `steps` steps, from the point that [`position_ahead`] returns. It
 /// includes some room for acceleration, which grows with the number of steps. It is 0 for exact lists, which are rebuilt as soon
 /// as a sphere leaves its AABB.
-pub(crate) fn travel_bound(step: &Step, velocity: Vec3, radius: f32, steps: f32) -> f32 {
+pub(crate) fn travel_bound(step: &Step, velocity: Vec3, unit: f32, steps: f32) -> f32 {
     if step.has_exact_lists() {
         return 0.0;
     }
-    (steps - step.lists.lead) * (1.05 * velocity.length() * step.constants.dt) + (0.05 * steps - 0.03) * radius
+    (steps - step.lists.lead) * (1.05 * velocity.length() * step.constants.dt) + (0.05 * steps - 0.03) * unit
 }
 
 /// Returns the distance from the point that [`position_ahead`] returns to the position of a sphere before the last step, taken as
 /// straight. Where contacts that begin and end within a step are handled, lists hold the pairs of this path too.
-pub(crate) fn trail(step: &Step, velocity: Vec3, radius: f32) -> f32 {
-    1.001 * (step.lists.lead + 1.0) * step.constants.dt * velocity.length() + 0.02 * radius
+pub(crate) fn trail(step: &Step, velocity: Vec3, unit: f32) -> f32 {
+    1.001 * (step.lists.lead + 1.0) * step.constants.dt * velocity.length() + 0.02 * unit
 }
 
-/// Returns how far a moving sphere is outside the ball that its AABB encloses, in units of 0.02 r; 0 when it is inside.
+/// Returns how far a moving sphere is outside the ball that its AABB encloses, in units of 0.02 of its margin length; 0 when it is
+/// inside.
 pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
-    if view.is_fixed(sphere) {
-        0.0
-    } else {
-        outside(view.step, &aabbs[sphere as usize], view.position(sphere), view.radius(sphere))
-    }
+    if view.is_fixed(sphere) { 0.0 } else { outside(view, aabbs, sphere, view.position(sphere)) }
 }
 
-/// Like [`escape_ratio`], for a sphere with this centre and radius.
-pub(crate) fn outside(step: &Step, aabb: &Aabb, centre: Vec3, radius: f32) -> f32 {
-    let out = distance_outside(step, aabb, centre, radius + step.layout.neck * radius);
-    if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
+/// Like [`escape_ratio`], for any sphere, with its centre at this place.
+pub(crate) fn outside(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3) -> f32 {
+    let (step, radius) = (view.step, view.radius(sphere));
+    let out = distance_outside(step, &aabbs[sphere as usize], centre, radius + step.layout.neck * radius);
+    if out <= 0.0 { 0.0 } else { (out / (0.02 * view.margin_length(sphere))).clamp(1e-3, 1e30) }
 }
 
 /// Whether a moving sphere at `centre` with `velocity` may leave the ball that its AABB encloses before the next opportunity to
@@ -69,7 +67,8 @@ pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Ve
         return true;
     }
     let middle = position_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
-    let reach = radius + step.layout.neck * radius + travel_bound(step, velocity, radius, step.lists.list_interval);
+    let way = travel_bound(step, velocity, view.margin_length(sphere), step.lists.list_interval);
+    let reach = radius + step.layout.neck * radius + way;
     !view.is_fixed(sphere) && distance_outside(step, &aabbs[sphere as usize], middle, reach) > 0.0
 }
 

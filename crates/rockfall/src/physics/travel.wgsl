@@ -4,7 +4,7 @@
 // will be after `lead` steps at its present velocity. A ball around that point can be smaller than one around the present
 // position.
 
-// Margin of AABBs for exact lists, in radii of a sphere. It covers rounding, and spheres that hardly move keep their lists.
+// Margin of AABBs for exact lists, in units of `margin_length`, as in the functions below. It covers rounding, and spheres that hardly move keep their lists.
 const EXACT_MARGIN: f32 = 0.02;
 const MOST_OF_REPEAT: f32 = 10.0;
 
@@ -17,14 +17,14 @@ fn position_ahead(position: vec3f, velocity: vec4f) -> vec3f {
 
 // Distance from the point that `position_ahead` returns to the position of a sphere before the last step, taken as straight. Where
 // contacts that begin and end within a step are handled, lists hold the pairs of this path too.
-fn trail(velocity: vec4f, radius: f32) -> f32 {
-    return 1.001 * (step.lead + 1.0) * step.dt * length(velocity.xyz) + 0.02 * radius;
+fn trail(velocity: vec4f, unit: f32) -> f32 {
+    return 1.001 * (step.lead + 1.0) * step.dt * length(velocity.xyz) + 0.02 * unit;
 }
 
 // Bound for the distance of a sphere, within `steps` steps, from the point that `position_ahead` returns. It includes some room
 // for acceleration, which grows with the number of steps. It is 0 for exact lists, which are rebuilt as soon as a sphere leaves
 // its AABB.
-fn travel_bound(velocity: vec4f, radius: f32, steps: f32) -> f32 {
-    let bound = (steps - step.lead) * 1.05 * length(velocity.xyz) * step.dt + (0.05 * steps - 0.03) * radius;
+fn travel_bound(velocity: vec4f, unit: f32, steps: f32) -> f32 {
+    let bound = (steps - step.lead) * 1.05 * length(velocity.xyz) * step.dt + (0.05 * steps - 0.03) * unit;
     return select(bound, 0.0, has_exact_lists());
 }

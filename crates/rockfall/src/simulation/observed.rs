@@ -130,10 +130,7 @@ fn holds_pairs(world: &World) -> bool {
     }
     let view = View::new(&world.step, &world.topology, &world.states[0]);
     let spheres = (0..world.step.layout.spheres).into_par_iter().with_min_len(GRAIN);
-    let holds_spheres = spheres.all(|sphere| {
-        let aabb = &world.aabbs[sphere as usize];
-        outside(&world.step, aabb, view.position(sphere), view.radius(sphere)) <= 0.0
-    });
+    let holds_spheres = spheres.all(|sphere| outside(&view, &world.aabbs, sphere, view.position(sphere)) <= 0.0);
     let walls = || (world.step.movers()..world.step.objects()).filter(|_| world.step.layout.walls_at != 0);
     holds_spheres
         && walls().all(|id| {

@@ -39,8 +39,8 @@ pub enum When {
     Swept,
     /// Scenes like [`When::Swept`] but with few collisions (`SWEEPS_FEW`). One dispatch makes all sweeps.
     SweptAtOnce,
-    /// Scenes with large spheres, if collisions are solved by sweeps with a dispatch for each sweep.
-    LargeSwept,
+    /// Scenes with large spheres or rigid bodies, if collisions are solved by sweeps with a dispatch for each sweep.
+    Gathered,
     /// Scenes whose contacts get friction impulses.
     FrictionImpulses,
     /// Scenes with rigid bodies whose contacts get friction impulses.
@@ -88,7 +88,7 @@ impl Run {
             When::Networks => traits.networks && sweeps == SWEEPS_ON,
             When::Swept => sweeps == SWEEPS_ON,
             When::SweptAtOnce => sweeps == SWEEPS_FEW,
-            When::LargeSwept => traits.large && sweeps == SWEEPS_ON,
+            When::Gathered => (traits.large || traits.rigid) && sweeps == SWEEPS_ON,
             When::FrictionImpulses => traits.friction_impulses,
             When::RubbedBodies => traits.friction_impulses && traits.rigid,
             When::Continuous => traits.continuous,
@@ -311,7 +311,7 @@ const HANDLE_COLLISIONS: &[Run] = &{
         let at = FIRST + 3 * sweep;
         runs[at] = pass(&sweep_collisions::STAGE, sweep as u32).when(When::Swept);
         runs[at + 1] = pass(&project_networks::STAGE, sweep as u32 + 1).when(When::Networks);
-        runs[at + 2] = pass(&gather_impulses::STAGE, sweep as u32 + 1).when(When::LargeSwept);
+        runs[at + 2] = pass(&gather_impulses::STAGE, sweep as u32 + 1).when(When::Gathered);
         sweep += 1;
     }
     runs[LAST] = run(&apply_collisions::STAGE);

@@ -125,6 +125,7 @@ const SHARED: &[Part] = &[
     part!("physics/rigid_form.wgsl"),
     part!("physics/rigid_lever.wgsl"),
     part!("physics/rigid_parts.wgsl"),
+    part!("physics/collision/pressed.wgsl"),
     part!("physics/rigid_side.wgsl"),
     part!("physics/rotation.wgsl"),
     part!("physics/sine.wgsl"),

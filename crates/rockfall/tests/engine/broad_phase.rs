@@ -1,7 +1,7 @@
 //! The grid finds exactly the pairs that brute force finds, in any scene, except spheres whose AABBs overlap only at
 //! their corners.
 
-use glam::DVec3;
+use glam::{DVec3, Quat, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rockfall::exec::cpu;
@@ -12,7 +12,7 @@ use rockfall::model::buffer::Buffer;
 use rockfall::model::layout::{LIST_COUNT_MASK, SLICE};
 use rockfall::model::world::World;
 use rockfall::step::schedule::Phase;
-use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Polygon, Rod, Scene, Sphere};
+use rockfall::{BroadPhase, Capsule, Cuboid, Integrator, Placement, Polygon, Rod, Scene, Shape, Sphere};
 
 fn random() -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(7)
@@ -113,6 +113,24 @@ fn two_fly_off_fast(_part: usize) -> Scene {
     scene
 }
 
+/// Each kind of object meets others than the solids, vertices and edges of boxes do.
+fn boxes_of_bodies(part: usize) -> Scene {
+    let mut scene = long_rods_among_small_spheres(part);
+    let random = &mut random();
+    for half in [[0.25, 0.15, 0.2], [0.9, 0.6, 0.7]] {
+        let shape = Shape::new().cuboid(Cuboid::between(half.map(|x: f32| -x), half)).mass(1.0);
+        let shape = scene.add_shape(shape).unwrap();
+        for _ in 0..80 / part {
+            let axis = Vec3::from_array(place(random, [1.0; 3]));
+            let turn = Quat::from_axis_angle(axis.try_normalize().unwrap_or(Vec3::X), 2.0);
+            scene
+                .add_body(Placement::new(shape).at(DVec3::from_array(place(random, [6.0; 3]).map(f64::from))).turned(turn))
+                .unwrap();
+        }
+    }
+    scene
+}
+
 fn all_in_one_place(_part: usize) -> Scene {
     let mut scene = Scene::new();
     for _ in 0..150 {
@@ -129,10 +147,11 @@ const PART_ON_GPU: usize = 6;
 /// Builds a scene, or the n-th part of it.
 type Make = fn(usize) -> Scene;
 
-const SCENES: [(&str, Make); 10] = [
+const SCENES: [(&str, Make); 11] = [
     ("equal spheres", equal_spheres),
     ("radii 1:50", radii_1_to_50),
     ("long rods among small spheres", long_rods_among_small_spheres),
+    ("boxes of bodies", boxes_of_bodies),
     ("hundreds of large boxes and polygons", hundreds_of_large_boxes_and_polygons),
     ("flat layer", flat_layer),
     ("tall column", tall_column),

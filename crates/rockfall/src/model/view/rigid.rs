@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{Quat, Vec3, Vec4};
 
-use crate::model::layout::{BOX_RIM, NO_RIGID, RIGID_WORDS, SHAPE_WORDS};
+use crate::model::layout::{BOX_RIM, NO_RIGID, RIGID_PRESSED, RIGID_WORDS, SHAPE_WORDS};
 use crate::model::rigid::{Moments, Pose, times};
 use crate::model::rotate::{product, rotated};
 use crate::model::step::Layout;
@@ -24,6 +24,8 @@ pub(crate) struct RigidRecord {
     pub(crate) orientation: Quat,
     /// The greatest distance of a point of a sphere from the centre.
     pub(crate) reach: f32,
+    /// Number of pressed contacts, once `push_bodies` has counted them in scenes with friction impulses.
+    pub(crate) pressed: u32,
     /// First word of the shape.
     shape: usize,
     /// Words of the insertion indices of the member spheres.
@@ -84,6 +86,17 @@ impl View<'_> {
             word if word & BOX_RIM != 0 => Some(PartOfBox::Rim),
             _ => Some(PartOfBox::Solid),
         }
+    }
+
+    /// The length that the margin of the AABB of a sphere is measured in: the radius, or half the shortest edge of the box that the sphere
+    /// is a part of, because a vertex moves as its box does.
+    pub(crate) fn margin_length(&self, sphere: u32) -> f32 {
+        let at = (self.box_word(Object::Sphere(sphere)) & !BOX_RIM) as usize;
+        if at == 0 {
+            return self.radius(sphere);
+        }
+        let [rounding, half @ ..] = [3, 4, 5, 6].map(|place| f32::from_bits(self.topology[at + place]));
+        Vec3::from_array(half).min_element() + rounding
     }
 
     /// The box that an object is a part of.
@@ -154,6 +167,7 @@ impl View<'_> {
             orientation: Quat::from_xyzw(float(14), float(15), float(16), float(17)),
             shape: words[11] as usize,
             reach: float(18),
+            pressed: words[RIGID_PRESSED as usize],
             members: words[12] as usize,
             count: words[13] as usize,
         }

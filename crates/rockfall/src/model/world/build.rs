@@ -6,8 +6,10 @@ use crate::error::Result;
 use crate::fine::Fine;
 use crate::model::layout::{CELL_BLOCK, CELLS_AT, FEW_MOVERS, LEVEL_BIAS, LINE, SLICE, SUM_WORDS, SWEEPS_LISTED};
 use crate::model::step::{ListSettings, Step};
+use crate::model::view::PartOfBox;
 use crate::model::world::World;
 use crate::model::world::order::{size_class, spatial_order};
+use crate::model::world::rigid::parts_of_boxes;
 use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::BroadPhase;
 use crate::user_laws::set::UserLaws;
@@ -233,9 +235,13 @@ impl World {
 
 /// Returns the cell size, which is a little more than the AABBs of most spheres at rest, and the lowest level of the grid.
 ///
-/// Every mover searches every level. So when radii differ little, all spheres but the largest 2 % are put on one level.
+/// Every mover searches every level. So when radii differ little, all spheres but the largest 2 % are put on one level. The vertices of
+/// boxes do not count, because the solids and edges around them are far larger.
 fn typical_cell(scene: &Scene) -> (f32, u32) {
-    let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
+    let parts = parts_of_boxes(scene);
+    let is_vertex = |index: usize| parts.get(index).is_some_and(|part| *part == Some(PartOfBox::Rim));
+    let spheres = scene.spheres().iter().enumerate().filter(|(index, _)| !is_vertex(*index));
+    let mut radii: Vec<f32> = spheres.map(|(_, sphere)| sphere.radius).collect();
     let count = radii.len();
     let mut quantile = |place: usize| match count {
         0 => 1.0,
@@ -258,7 +264,11 @@ fn has_long_movers(scene: &Scene, cell: f32) -> bool {
 }
 
 fn order_in_space(scene: &Scene) -> Vec<u32> {
-    let balls: Vec<Vec4> = scene.spheres().iter().map(|sphere| sphere.position.extend(sphere.radius)).collect();
+    let mut balls: Vec<Vec4> = scene.spheres().iter().map(|sphere| sphere.position.extend(sphere.radius)).collect();
+    // The solids of boxes have the longest lists, so they come last, as large spheres do.
+    for (ball, part) in balls.iter_mut().zip(parts_of_boxes(scene)) {
+        ball.w = if part == Some(PartOfBox::Solid) { f32::MAX } else { ball.w };
+    }
     spatial_order(&balls, typical_cell(scene).0)
 }
 

@@ -43,18 +43,26 @@ fn add_to_body(record: u32, row: u32, sweeps: u32, kick: ptr<function, BodyKick>
     }
 }
 
+// Adds the impulses in the rows of a sphere of the body.
+fn add_rows_of_member(body: u32, record: u32, sphere: u32, sweeps: u32, kick: ptr<function, BodyKick>) {
+    let rods = rods_of(sphere);
+    for (var r = 0u; r <= rods.y; r++) {
+        let row = row_of_member(body, sphere, rods, r);
+        if row != NONE {
+            add_to_body(record, row, sweeps, kick);
+        }
+    }
+}
+
+fn no_kick() -> BodyKick {
+    return BodyKick(vec3f(0.0), vec3f(0.0), NONE, NONE);
+}
+
 fn body_kick(body: u32, sweeps: u32) -> BodyKick {
     let record = rigid_record(body);
-    var kick = BodyKick(vec3f(0.0), vec3f(0.0), NONE, NONE);
+    var kick = no_kick();
     for (var member = 0u; member < topology[record + 13u]; member++) {
-        let sphere = id_of(topology[topology[record + 12u] + member]);
-        let rods = rods_of(sphere);
-        for (var r = 0u; r <= rods.y; r++) {
-            let row = row_of_member(body, sphere, rods, r);
-            if row != NONE {
-                add_to_body(record, row, sweeps, &kick);
-            }
-        }
+        add_rows_of_member(body, record, id_of(topology[topology[record + 12u] + member]), sweeps, &kick);
     }
     return kick;
 }

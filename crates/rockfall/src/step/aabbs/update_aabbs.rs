@@ -4,18 +4,19 @@
 //! ball is the radius r of the sphere plus the margin
 //!
 //! ```text
-//! (lookahead - lead) 1.05 |v| dt + (0.05 lookahead - 0.03) r + (margin_scale - 1) 0.02 r
+//! (lookahead - lead) 1.05 |v| dt + (0.05 lookahead - 0.03) u + (margin_scale - 1) 0.02 u
 //! ```
 //!
+//! with the unit u = r; for the spheres of a box, u is half its shortest edge, because a vertex moves as its box does.
 //! In scenes with JKR cohesion, `neck` r is added, the distance at which contacts tear. So a contact keeps its list entries
-//! until it ends. A fixed sphere has no margin. For exact lists (`lookahead` is 0) the margin is 0.02 r. Where contacts that begin
-//! and end within a step are handled (`FLAG_CONTINUOUS`), the first two terms are at least 1.001 (lead + 1) |v| dt + 0.02 r, so that
+//! until it ends. A fixed sphere has no margin. For exact lists (`lookahead` is 0) the margin is 0.02 u. Where contacts that begin
+//! and end within a step are handled (`FLAG_CONTINUOUS`), the first two terms are at least 1.001 (lead + 1) |v| dt + 0.02 u, so that
 //! the ball also holds the path of the last step.
 //!
 //! The centre of the sphere must stay within the margin of that place until its list is rebuilt. If it moves further,
 //! `find_collisions`, `advance`, `symplectic_euler` or `drift` rejects the step. It is repeated with new lists. If lists may be rebuilt
-//! in every step, 0.02 r (1.25 d + 1), but at most 0.2 r, is then added to the margin. Here d is the distance by which a body
-//! left its AABB, in units of 0.02 r. The limit keeps one body far outside from making all lists long. If the larger margin
+//! in every step, 0.02 u (1.25 d + 1), but at most 0.2 u, is then added to the margin. Here d is the distance by which a body
+//! left its AABB, in units of 0.02 u. The limit keeps one body far outside from making all lists long. If the larger margin
 //! does not suffice, the host raises `margin_scale`.
 //!
 //! Every AABB is larger by a part of its largest coordinate, so that rounding far from the origin does not lose a pair.
@@ -118,7 +119,7 @@ fn grown(step: &Step, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
     (min - room, max + room)
 }
 
-/// Part of the margin of a step that is repeated, in units of r.
+/// Part of the margin of a step that is repeated, in units of [`View::margin_length`].
 fn repeat_margin(world: &World) -> f32 {
     let World { step, status, .. } = world;
     if status.rejected != REJECTED_ESCAPED || step.lists.list_interval != 1.0 || step.has_exact_lists() {
@@ -137,13 +138,13 @@ fn margin(view: &View, repeat: f32, sphere: u32) -> f32 {
     if view.is_fixed(sphere) {
         return 0.0;
     }
-    let (radius, velocity) = (view.radius(sphere), image_velocity(view, sphere));
-    let travel = travel_bound(view.step, velocity, radius, view.step.lists.lookahead);
+    let (unit, velocity) = (view.margin_length(sphere), image_velocity(view, sphere));
+    let travel = travel_bound(view.step, velocity, unit, view.step.lists.lookahead);
     let is_continuous = view.step.constants.flags & FLAG_CONTINUOUS != 0;
-    let travel = if is_continuous { travel.max(trail(view.step, velocity, radius)) } else { travel };
+    let travel = if is_continuous { travel.max(trail(view.step, velocity, unit)) } else { travel };
     // What the images of two bodies slide in a step, and as much again where a face of the box is between a sphere and the centre of its AABB.
     let travel = travel + Periods::of(view.step).map_or(0.0, |periods| periods.slide_in(3.0 * view.step.constants.dt));
     let exact = view.step.has_exact_lists();
     let spare = if exact { EXACT_MARGIN } else { (view.step.lists.margin_scale - 1.0) * 0.02 };
-    travel + (spare + repeat) * radius
+    travel + (spare + repeat) * unit
 }

@@ -2,24 +2,28 @@
 //! collision also displaces and turns it, as it has moved since its time of contact.
 //!
 //! Pass 0 follows `commit_collisions`. The thread of the first sphere of a body reads the records of its collisions, and of the state only
-//! the positions of its own spheres. Pass [`RUBBED`] follows `apply_friction_impulses`, which has summed the friction impulses on each sphere
+//! the positions of its own spheres. It also counts the pressed contacts that touch the body, for the friction impulses. Pass [`RUBBED`] follows `apply_friction_impulses`, which has summed the friction impulses on each sphere
 //! of the body. The thread marks the body in [`PUSHED_ROW`], so that [`AFTER_COLLISIONS`] places its spheres. A body whose new
 //! state is not finite stops, and its first sphere is reported.
 //!
 //! [`AFTER_COLLISIONS`]: crate::model::layout::AFTER_COLLISIONS
 
 use glam::{Vec3, Vec4};
+use rayon::prelude::*;
 
 use crate::error::BadStage;
 use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
 use crate::model::impulse::BodyPush;
-use crate::model::layout::{PUSHED_ROW, RIGID_ROWS, RUBBED};
+use crate::model::layout::{GRAIN, PUSHED_ROW, RIGID_PRESSED, RIGID_ROWS, RIGID_WORDS, RUBBED};
+use crate::model::lists::Lists;
 use crate::model::part::part;
 use crate::model::rigid::Pose;
 use crate::model::view::View;
 use crate::model::world::World;
+use crate::physics::collision::body::Body;
+use crate::physics::friction_impulses::pressed;
 use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
 use crate::step::wgsl::Wgsl;
@@ -31,7 +35,7 @@ pub(crate) const STAGE: Stage = Stage {
     bindings: &[
         read("state", Buffer::Start),
         write("bodies", Buffer::RigidBodies),
-        read("topology", Buffer::Topology),
+        write("topology", Buffer::Topology),
         read("lists", Buffer::Lists),
         read("collision_indices", Buffer::CollisionIndices),
         read("collisions", Buffer::Collisions),
@@ -50,10 +54,27 @@ fn push_bodies(world: &mut World, pass: u32) {
     }
     if pass == RUBBED {
         world.pushes = friction_pushes(world);
+    } else if world.step.traits().friction_impulses {
+        count_pressed(world);
     }
     for push in std::mem::take(&mut world.pushes) {
         apply(world, &push);
     }
+}
+
+/// Counts the pressed contacts that touch each body.
+fn count_pressed(world: &mut World) {
+    let view = View::new(&world.step, &world.topology, &world.states[0]);
+    let lists = Lists::new(&world.step, &world.lists);
+    let on_body = |body: u32| {
+        let mut count = 0;
+        Body::Rigid(body).each_row(&view, |row| count += pressed(&lists, row).count() as u32);
+        count
+    };
+    let bodies = (0..world.step.layout.rigid_bodies).into_par_iter().with_min_len(GRAIN);
+    let counts: Vec<u32> = bodies.map(on_body).collect();
+    let records = world.topology[world.step.layout.rigid_at as usize..].chunks_exact_mut(RIGID_WORDS as usize);
+    records.zip(counts).for_each(|(record, count)| record[RIGID_PRESSED as usize] = count);
 }
 
 /// The pushes by the friction impulses on the spheres of each body, in the order of its members.

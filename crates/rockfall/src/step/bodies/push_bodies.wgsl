@@ -1,10 +1,10 @@
 // requires model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/collision/body_impulses.wgsl
 // requires physics/fine.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl
-// requires physics/rigid_lever.wgsl physics/rigid_parts.wgsl step/bodies/body_rows.wgsl step/collisions/records.wgsl
+// requires model/objects.wgsl physics/collision/pressed.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl step/bodies/body_rows.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> bodies: array<vec4f>;
-@group(0) @binding(4) var<storage, read> topology: array<u32>;
+@group(0) @binding(4) var<storage, read_write> topology: array<u32>;
 @group(0) @binding(5) var<storage, read> lists: array<array<u32, SLICE>>;
 @group(0) @binding(6) var<storage, read> collision_indices: array<array<u32, SLICE>>;
 @group(0) @binding(7) var<storage, read> collisions: array<vec4u>;
@@ -29,9 +29,30 @@ fn hit_at_contact(form: Form, body: u32, pose: Pose, row: u32, r: u32) -> Pose {
     );
 }
 
+// Whether contacts get friction impulses.
+fn has_friction_impulses() -> bool {
+    return (step.coulomb_friction > 0.0) | (step.collision_friction > 0.0) | ((step.flags & FLAG_PAIR_FRICTION) != 0u);
+}
+
+// Counts the pressed contacts that touch a body.
+fn count_pressed(body: u32, form: Form) {
+    var found = 0u;
+    for (var member = 0u; member < form.count; member++) {
+        let sphere = id_of(topology[form.members + member]);
+        let rods = rods_of(sphere);
+        for (var r = 0u; r <= rods.y; r++) {
+            let row = row_of_member(body, sphere, rods, r);
+            if row != NONE {
+                found += pressed_in(row);
+            }
+        }
+    }
+    topology[rigid_record(body) + RIGID_PRESSED] = found;
+}
+
 // The sums of the friction impulses on the spheres of a body. `number` is NONE without one, and 0 otherwise.
 fn friction_kick(form: Form) -> BodyKick {
-    var kick = BodyKick(vec3f(0.0), vec3f(0.0), NONE, NONE);
+    var kick = no_kick();
     for (var member = 0u; member < form.count; member++) {
         let sphere = id_of(topology[form.members + member]);
         kick.impulse += next[step.spheres + sphere].xyz;
@@ -71,14 +92,20 @@ fn push_bodies(
     let body = body_of_sphere(i);
     // It does not depend on the uniform block alone, for which software Vulkan would compile the kernel again in every dispatch.
     let kick_pass = select(pass_.index, NONE, body == NO_RIGID);
-    if (kick_pass == NONE) | ((kick_pass != RUBBED) & (atomicLoad(&status.collides) == 0u)) {
+    if kick_pass == NONE {
         return;
     }
     let form = form_of(body);
     if id_of(topology[form.members]) != i {
         return;
     }
-    var kick = BodyKick(vec3f(0.0), vec3f(0.0), NONE, NONE);
+    if (kick_pass != RUBBED) & has_friction_impulses() {
+        count_pressed(body, form);
+    }
+    if (kick_pass != RUBBED) & (atomicLoad(&status.collides) == 0u) {
+        return;
+    }
+    var kick = no_kick();
     if kick_pass == RUBBED {
         kick = friction_kick(form);
     } else {

@@ -82,7 +82,8 @@ fn entries_to_classify(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
     }
     if own.id < step.spheres {
         let near = entries_near(own.place, bits, first, begin, count);
-        return without_distant_rods(own.id, own.place, bits, first, begin, count, near);
+        let met = without_distant_rods(own.id, own.place, bits, first, begin, count, near);
+        return without_distant_boxes(own.id, bits, first, begin, count, met);
     }
     return touching_rod(own.id, own.bar, bits, first, begin, count);
 }
@@ -153,7 +154,7 @@ fn mark_head(mover: u32, collides: bool) {
 
 fn check_escape(sphere: u32) {
     let own = state[position_at(sphere)];
-    let ratio = escape_ratio(own.xyz, own.w, aabbs[sphere]);
+    let ratio = escape_ratio(sphere, own.xyz, own.w, aabbs[sphere]);
     if (ratio > 0.0) & (inverse_mass(sphere) > 0.0) {
         report_escape(ratio);
     }

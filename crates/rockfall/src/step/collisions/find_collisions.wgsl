@@ -25,8 +25,9 @@ fn is_put_off(a: u32, b: u32) -> bool {
     return has_handled_crossing(b);
 }
 
-// Does what `mark_entries` and `list_all` do, for the large sphere of a workgroup. Each thread takes every WORKGROUP-th entry. Returns
-// the number of collisions that this thread has counted.
+// Does what `mark_entries` and `list_all` do, for the large sphere of a workgroup. Each thread takes every WORKGROUP-th entry. All threads
+// make the same number of rounds, because a barrier follows (see sweep_at_once.wgsl). Returns the number of collisions that this thread has
+// counted.
 fn mark_and_list_large_sphere(sphere: u32, local: u32) -> u32 {
     if local == 0u {
         atomicStore(&any_collides, 0u);
@@ -36,7 +37,11 @@ fn mark_and_list_large_sphere(sphere: u32, local: u32) -> u32 {
     let own = own_of(sphere);
     let velocity = state[velocity_at(sphere)];
     var found = 0u;
-    for (var e = local; e < count; e += WORKGROUP) {
+    for (var begin = 0u; begin < count; begin += WORKGROUP) {
+        let e = begin + local;
+        if e >= count {
+            continue;
+        }
         let slot = slot_at(first, e);
         let other = load_entry(entry_at(slot), true);
         let chunk = e - e % ENTRIES_PER_MASK;

@@ -59,11 +59,7 @@ fn find_crossings(world: &mut World, _pass: u32) {
             let crossing = if has_moved { Crossing::of(&view, &lists, sphere) } else { None };
             [*position, *velocity] = Crossing::rows(crossing);
             let before = view.position(sphere) - step.constants.dt * view.own_velocity(sphere);
-            let of_path = if has_moved && !view.is_fixed(sphere) {
-                outside(step, &aabbs[place], before, view.radius(sphere))
-            } else {
-                0.0
-            };
+            let of_path = if has_moved && !view.is_fixed(sphere) { outside(&view, aabbs, sphere, before) } else { 0.0 };
             escape_ratio(&view, aabbs, sphere).max(of_path)
         })
         .reduce(|| 0.0, f32::max);

@@ -1,5 +1,6 @@
-//! Computes the changes of velocity of large spheres by the impulses on them (docs/physics.md section 3.7). Pass m takes
-//! the impulses after m sweeps. There is one workgroup per large sphere, because hundreds of collisions may share one.
+//! Sums the impulses on bodies that many collisions share (docs/physics.md section 3.7): computes the changes of velocity of large spheres,
+//! and for each sphere of a rigid body the sums of the impulses in its rows and of their torques. Pass m takes the impulses after m sweeps.
+//! There is one workgroup per large sphere, because hundreds of collisions may share one, or a thread per sphere.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
@@ -22,7 +23,7 @@ pub(crate) const STAGE: Stage = Stage {
         read("collisions", Buffer::Collisions),
         write("status", Buffer::Status),
     ],
-    threads: Threads::LargeSpheres,
+    threads: Threads::Gathered,
     // Only collisions need work, and they are few.
     moves: |_| NONE,
     cpu: gather_impulses,

@@ -2,7 +2,7 @@
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
-use crate::model::layout::{CELLS_AT, EDGES_AT};
+use crate::model::layout::{CELLS_AT, MASKS_AT};
 use crate::model::part::part;
 use crate::model::status::REBUILD_REQUESTED;
 use crate::model::world::World;
@@ -25,8 +25,7 @@ fn clear_cells(world: &mut World, _pass: u32) {
     if world.cells[1] == 0 {
         return;
     }
-    world.cells[0] = 0;
     world.cells[3] = 0;
-    world.cells[EDGES_AT as usize..(CELLS_AT + world.step.layout.cells) as usize].fill(0);
+    world.cells[MASKS_AT as usize..(CELLS_AT + world.step.layout.cells) as usize].fill(0);
     world.status.pair_rows_needed = 0;
 }

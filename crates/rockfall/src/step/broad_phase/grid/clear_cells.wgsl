@@ -20,12 +20,12 @@ fn clear_cells(
     if !is_due {
         return;
     }
-    if (block == 0u) & (local < LEVELS) {
-        cells[EDGES_AT + local] = 0u;
-        cells[FARTHEST_AT + local] = 0u;
+    if block == 0u {
+        for (var k = local + MASKS_AT; k < CELLS_AT; k += WORKGROUP) {
+            cells[k] = 0u;
+        }
     }
     if (block == 0u) & (local == 0u) {
-        cells[0] = 0u;
         cells[3] = 0u;
         status.pair_rows_needed = 0u;
     }

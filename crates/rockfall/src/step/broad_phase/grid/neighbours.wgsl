@@ -187,10 +187,10 @@ fn close_in(probe: Probe, first: u32, count: u32) -> u32 {
     return close & (0xffffffffu >> (32u - count));
 }
 
-// Whether a sorted box or polygon does not meet the mover, although its ball may. The ball of a plate is far larger than the plate:
-// every mover in a drum is in the balls of all its walls.
-fn is_static_apart(mover: u32, place: u32) -> bool {
-    if are_statics_tested_apart() {
+// Whether a sorted rod, box or polygon does not meet the mover, although its cube may. The cube of a plate is far larger than the plate:
+// every mover in a drum is in the cubes of all its walls.
+fn is_long_apart(mover: u32, place: u32) -> bool {
+    if !RODS & are_statics_tested_apart() {
         return false;
     }
     if extents[place].w >= 0.0 {
@@ -209,7 +209,7 @@ fn test_span(mover: u32, probe: Probe, span: Span) {
         let count = min(min(left, 32u), objects() - first);
         for (var rest = close_in(probe, first, count); rest != 0u; rest &= rest - 1u) {
             let place = first + firstTrailingBit(rest);
-            if !is_static_apart(mover, place) {
+            if !is_long_apart(mover, place) {
                 emit(mover, place);
             }
         }
@@ -237,8 +237,8 @@ fn is_image_in_box(own: Aabb, image: u32) -> bool {
         return true;
     }
     var edge = 0.0;
-    for (var rest = cells[0]; rest != 0u; rest &= rest - 1u) {
-        edge = max(edge, bitcast<f32>(cells[EDGES_AT + firstTrailingBit(rest)]));
+    for (var level = 0u; level < LEVELS_IN_USE; level++) {
+        edge = max(edge, bitcast<f32>(cells[EDGES_AT + level]));
     }
     let from_ = vec3f(step.from_x, step.from_y, step.from_z);
     let length = periods();
@@ -253,7 +253,7 @@ fn emit_neighbours(mover: u32, portion: Portion) {
     for (var image = 0u; image < IMAGES; image++) {
         let own = image_of(aabbs[mover], image);
         if is_image_in_box(own, image) {
-            search_cells(mover, own, portion);
+            search_layers(mover, own, portion);
         }
     }
 }
@@ -277,24 +277,32 @@ fn emit_statics(mover: u32, portion: Portion) {
     }
 }
 
-// Emits the objects in the cells around an AABB of a mover.
-fn search_cells(mover: u32, own: Aabb, portion: Portion) {
+fn search_layers(mover: u32, own: Aabb, portion: Portion) {
     let probe = probe_of(mover, own);
+    for (var layer = 0u; layer < LAYERS_IN_USE; layer++) {
+        if searches_layer(mover, layer) {
+            search_cells(mover, own, probe, layer, portion);
+        }
+    }
+}
+
+// Emits the objects in the cells of a layer around an AABB of a mover.
+fn search_cells(mover: u32, own: Aabb, probe: Probe, layer: u32, portion: Portion) {
     let thread = thread_of(portion);
     let threads = threads_of(portion);
     // Whether all sorted objects are tested, because the AABB covers too many cells.
     var tests_all = false;
-    var levels = cells[0];
+    var levels = cells[MASKS_AT + layer];
     for (var rest = levels; rest != 0u; rest &= rest - 1u) {
-        let level = firstTrailingBit(rest);
+        let level = layer * LEVELS + firstTrailingBit(rest);
         if covers_too_much(cells_around(own, level)) {
             let beyond = is_beyond(own, level);
-            levels &= ~select(0u, 1u << level, beyond);
+            levels &= ~select(0u, rest & (~rest + 1u), beyond);
             tests_all |= !beyond;
         }
     }
     for (var rest = levels; rest != 0u; rest &= rest - 1u) {
-        let level = firstTrailingBit(rest);
+        let level = layer * LEVELS + firstTrailingBit(rest);
         let range = cells_around(own, level);
         var y = range.low.y + portion.y;
         var z = range.low.z + portion.z;
