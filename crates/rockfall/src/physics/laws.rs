@@ -14,6 +14,7 @@ mod jkr;
 mod linear;
 pub(crate) mod neck;
 mod resistance;
+pub(crate) mod shared;
 pub(crate) mod user;
 
 use crate::model::view::View;

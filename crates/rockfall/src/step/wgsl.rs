@@ -110,6 +110,7 @@ const SHARED: &[Part] = &[
     part!("physics/laws/linear.wgsl"),
     part!("physics/laws/mover_contact.wgsl"),
     part!("physics/laws/resistance.wgsl"),
+    part!("physics/laws/shared.wgsl"),
     part!("physics/laws/stiffness.wgsl"),
     part!("physics/laws/user.wgsl"),
     part!("physics/lengths.wgsl"),

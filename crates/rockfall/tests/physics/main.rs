@@ -7,6 +7,7 @@ mod common;
 mod bodies;
 mod body_friction;
 mod body_impulses;
+mod body_springs;
 mod box_impulses;
 mod boxes;
 mod closed_form;

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/laws/history.wgsl physics/rigid_parts.wgsl physics/smooth.wgsl physics/surface.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/laws/history.wgsl physics/laws/shared.wgsl physics/rigid_parts.wgsl physics/smooth.wgsl physics/surface.wgsl
 
 // What a contact of a law with history begins with in a step (docs/physics.md section 4.11).
 
@@ -42,17 +42,32 @@ fn spring_on_surface(sphere: u32, id: u32, found: Touch) -> Spring {
     return Spring(vec3f(0.0), select(0.0, PASSAGE, comes_from_behind(own, relative, id, found)), vec3f(0.0));
 }
 
-// The spring before the step of the contact of a and b, of which a was added first.
-fn spring_before(a: u32, b: u32, feature: u32, found: Touch) -> Spring {
-    let spring = spring_of(a, b, feature);
-    if (spring.overlap != 0.0) | (a >= step.spheres) | !is_static(b) | !(found.overlap > 0.0) {
-        return spring;
-    }
+// What a contact begins a step with.
+struct Before {
+    spring: Spring,
+    share: SpringShare,
+}
+
+// The spring before the step of the contact of a and b, of which a was added first, and its share in that of neighbours.
+fn spring_before(a: u32, b: u32, feature: u32, found: Touch) -> Before {
+    var before = Before(spring_of(a, b, feature), SpringShare(1.0, 1.0, false));
+    var is_ball = (a < step.spheres) & is_static(b) & (found.overlap > 0.0);
     if RIGID_BODIES {
         // A corner keeps its place on the wall.
-        if is_solid(box_word(a)) {
-            return spring;
+        is_ball = is_ball & !is_solid(box_word(a));
+    }
+    let is_new = before.spring.overlap == 0.0;
+    if is_new & is_ball {
+        before.spring = spring_on_surface(a, b, found);
+    }
+    if RIGID_BODIES {
+        if before.spring.overlap >= 0.0 {
+            var fed = before.spring;
+            before.share = share_in_group(a, b, feature, found.overlap, &fed);
+            if !(is_new & (before.spring.overlap > 0.0)) {
+                before.spring = fed;
+            }
         }
     }
-    return spring_on_surface(a, b, found);
+    return before;
 }

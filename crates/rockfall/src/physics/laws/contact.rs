@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE, LAW_USER};
 use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity};
+use crate::physics::laws::before::Start;
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
 use crate::physics::laws::{Constants, answer, energy};
@@ -62,8 +63,13 @@ pub(crate) struct LawForce {
 }
 
 /// Evaluates the contact of objects a and b, of which a was added first, and advances its spring by `View::spring_time`.
-/// `before` is its spring in the last step, or `None` for a new contact.
-pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, before: Option<Spring>) -> LawForce {
+/// The last argument is what it begins with.
+pub(crate) fn law_force(
+    view: &View,
+    [id_a, id_b]: [u32; 2],
+    touch: &Touch,
+    Start { spring: before, share }: Start,
+) -> LawForce {
     let (step, n, overlap) = (view.step, touch.normal, touch.overlap);
     let [a, b] = sides(view, [id_a, id_b], touch);
     let approach = (a.velocity - b.velocity).dot(n);
@@ -97,10 +103,11 @@ pub(crate) fn law_force(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch, befo
     let slip = surface - n * surface.dot(n);
     // The spring of a contact with a wall turns with the wall.
     let before = before.map(|before| if b.radius.is_none() { before.turned(view.spring_time() * b.spin) } else { before });
-    let carried = before.map_or(Vec3::ZERO, |before| carried(before, n, stiff.unloading));
+    let rub = share.map_or(answer, |share| share.of(answer));
+    let carried = before.map_or(Vec3::ZERO, |before| carried(before, n, rub.stiffness.unloading));
     let shift = carried + view.spring_time() * slip;
-    let (tangential, shift, slips) =
-        limited(&Tangential { shift, slip, stiffness: stiff.tangential, damping }, constants.friction * press);
+    let tangential = Tangential { shift, slip, stiffness: rub.stiffness.tangential, damping: rub.dashpot };
+    let (tangential, shift, slips) = limited(&tangential, constants.friction * press);
 
     let torque = n.cross(tangential);
     let pushed = normal - attraction;

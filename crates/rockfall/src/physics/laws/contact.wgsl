@@ -1,4 +1,4 @@
-// requires model/step.wgsl physics/contact.wgsl physics/round_pair.wgsl physics/laws/hertz_mindlin.wgsl
+// requires model/step.wgsl physics/contact.wgsl physics/round_pair.wgsl physics/laws/before.wgsl physics/laws/hertz_mindlin.wgsl
 // requires physics/laws/history.wgsl physics/laws/jkr.wgsl physics/laws/linear.wgsl physics/laws/resistance.wgsl
 // requires physics/laws/stiffness.wgsl physics/laws/user.wgsl physics/pairs.wgsl physics/wall_damping.wgsl physics/walls.wgsl
 
@@ -49,10 +49,10 @@ fn carried(before: Spring, n: vec3f, unloading: f32) -> vec3f {
     return length(before.shift) / left * unloading * turned;
 }
 
-// The contact of objects a and b, of which a was added first. Its spring is advanced by a time step. `kept_before` is the spring before.
-fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, kept_before: Spring) -> LawForce {
+// The contact of objects a and b, of which a was added first. Its spring is advanced by a time step. `start` is what it begins with.
+fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, start: Before) -> LawForce {
     let b_moves = b < step.spheres + step.rods;
-    var before = kept_before;
+    var before = start.spring;
     if WALLS & !b_moves {
         // The spring turns with the wall.
         let angle = spring_time() * b_side.spin;
@@ -93,18 +93,19 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, kept_befo
     let moving = relative + cross(arms.x * a_side.spin + arms.y * b_side.spin, n);
     let slip = moving - dot(moving, n) * n;
     var shift = spring_time() * slip;
-    if before.overlap > 0.0 {
-        shift += carried(before, n, stiff.unloading);
+    if (before.overlap > 0.0) | start.share.is_shared {
+        shift += carried(before, n, select(stiff.unloading, start.share.unloading, start.share.is_shared));
     }
-    let dashpot = answer.dashpot * slip;
-    var rub = -stiff.tangential * shift - dashpot;
+    let stiffness = start.share.stiffness * stiff.tangential;
+    let dashpot = sqrt(start.share.stiffness) * answer.dashpot * slip;
+    var rub = -stiffness * shift - dashpot;
     let size = length(rub);
     let limit = constants.w * press;
     if size > limit {
         // The spring is set so that the force is at Coulomb's limit. It is released where the dashpot alone exceeds the limit,
         // because it would push the contact along its slip.
         rub *= limit / size;
-        shift = select(vec3f(0.0), -(rub + dashpot) / stiff.tangential, dot(rub + dashpot, rub) > 0.0);
+        shift = select(vec3f(0.0), -(rub + dashpot) / stiffness, dot(rub + dashpot, rub) > 0.0);
     }
     let normal = push - radius * max(0.0, cohesion) - bond.pull * elastic;
     result.contact = ContactForce(rub - normal * n, cross(n, rub), arms.x, arms.y);
