@@ -2,22 +2,13 @@
 
 use crate::model::view::{Object, View};
 use crate::physics::geometry::point_over_polygon;
-use crate::physics::laws::contact::Spring;
+use crate::physics::laws::contact::{Spring, Start};
 use crate::physics::laws::history::{Histories, feature_bits};
-use crate::physics::laws::shared::{Share, shared};
+use crate::physics::laws::shared::shared;
 use crate::physics::rigid_box::is_solid;
 use crate::physics::sides::sides;
 use crate::physics::surface::hides;
 use crate::physics::touch::Touch;
-
-/// What a contact begins a step with.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Start {
-    /// The spring in the last step, or `None` for a new contact.
-    pub(crate) spring: Option<Spring>,
-    /// What it has of a spring that it shares with neighbours in a rigid body.
-    pub(crate) share: Option<Share>,
-}
 
 /// What a contact begins with: its own spring, or that of a box or polygon which the new contact of a sphere hides, or
 /// [`Spring::PASSAGE`]; and its share.

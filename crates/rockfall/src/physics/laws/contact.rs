@@ -5,10 +5,9 @@ use glam::Vec3;
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE, LAW_USER};
 use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity};
-use crate::physics::laws::before::Start;
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
-use crate::physics::laws::{Constants, answer, energy};
+use crate::physics::laws::{Answer, Constants, answer, energy};
 use crate::physics::rigid::shared_damping;
 use crate::physics::side::Side;
 use crate::physics::sides::sides;
@@ -60,6 +59,34 @@ pub(crate) struct LawForce {
     pub(crate) spring: Spring,
     /// Whether the tangential force is at Coulomb's limit.
     pub(crate) slips: bool,
+}
+
+/// What a contact has of the tangential spring that it shares with contacts of neighbours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Share {
+    /// Tangential stiffness per that of a contact alone.
+    pub(crate) stiffness: f32,
+    /// The tangential stiffness of the group per that in the last step, while the group unloads; otherwise 1.
+    pub(crate) unloading: f32,
+}
+
+impl Share {
+    /// What the law gives for a contact, with its share of the tangential stiffness.
+    pub(crate) fn of(self, mut answer: Answer) -> Answer {
+        answer.stiffness.tangential *= self.stiffness;
+        answer.stiffness.unloading = self.unloading;
+        answer.dashpot *= self.stiffness.sqrt();
+        answer
+    }
+}
+
+/// What a contact begins a step with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start {
+    /// The spring in the last step, or `None` for a new contact.
+    pub(crate) spring: Option<Spring>,
+    /// What it has of a spring that it shares with neighbours in a rigid body.
+    pub(crate) share: Option<Share>,
 }
 
 /// Evaluates the contact of objects a and b, of which a was added first, and advances its spring by `View::spring_time`.

@@ -5,32 +5,13 @@ use glam::Vec3;
 use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_USER};
 use crate::model::view::View;
 use crate::physics::chain;
-use crate::physics::laws::contact::Spring;
+use crate::physics::laws::Constants;
+use crate::physics::laws::contact::{Share, Spring};
 use crate::physics::laws::history::Histories;
-use crate::physics::laws::{Answer, Constants};
 use crate::physics::touch::Touch;
 
 /// Two spheres of a rigid body are neighbours if their centres are nearer than this part of the sum of their radii.
 const NEIGHBOURS_WITHIN: f32 = 0.99;
-
-/// What a contact has of the tangential spring that it shares with contacts of neighbours.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Share {
-    /// Tangential stiffness per that of a contact alone.
-    pub(crate) stiffness: f32,
-    /// The tangential stiffness of the group per that in the last step, while the group unloads; otherwise 1.
-    pub(crate) unloading: f32,
-}
-
-impl Share {
-    /// What the law gives for a contact, with its share of the tangential stiffness.
-    pub(crate) fn of(self, mut answer: Answer) -> Answer {
-        answer.stiffness.tangential *= self.stiffness;
-        answer.stiffness.unloading = self.unloading;
-        answer.dashpot *= self.stiffness.sqrt();
-        answer
-    }
-}
 
 /// The contact of a neighbour with the same object: its displacement, and its elastic force in the last step and now, up to a common factor.
 struct Neighbour {
