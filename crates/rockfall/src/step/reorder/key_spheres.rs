@@ -1,7 +1,7 @@
 //! Memory order, 1 of 5: computes the sort key of every sphere.
 //!
-//! The key holds the size class of the sphere in its highest two bits; the solids of boxes have the highest class. The other 30 bits are the place of the sphere on a
-//! Z-order curve through cells of the grid's size (Morton 1966), with ten bits per axis. Beyond 1,024 cells the curve begins
+//! The key holds the size class of the sphere in its highest two bits; the solids of boxes have the highest class. The
+//! other 30 bits are the place of the sphere on a Z-order curve through cells of the grid's size (Morton 1966), with ten bits per axis. Beyond 1,024 cells the curve begins
 //! again. Then spheres that are far apart may get neighbouring places, which affects speed only. The stage leaves pairs of
 //! key and memory slot in `Y2`.
 
