@@ -132,8 +132,9 @@ fn weight_of_end(k: Record, number: u32, half: ContactSide, end: u32, of_network
 fn weight_of_body(k: Record, number: u32, half: ContactSide) -> Weight {
     let body = rigid_body_of(half.id);
     let hold = hold_of(half, side_motion(half), k.n);
+    // Contacts that do not collide decide only whether a collision is lone, and parts of boxes have none.
     let may_be_lone = !has_box(k.a_id, k.b_id);
-    var sum = Weight(0.0, hold.inverse_mass, may_be_lone, 0u, false);
+    var sum = Weight(0.0, hold.inverse_mass, true, 0u, false);
     for (var member = 0u; member < topology[hold.record + 13u]; member++) {
         let sphere = id_of(topology[topology[hold.record + 12u] + member]);
         let rods = rods_of(sphere);
