@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import pathlib
 import subprocess
-import sys
 from collections.abc import Callable
 
 import numpy as np
@@ -14,15 +13,6 @@ import pytest
 import rockfall as rf
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-sys.path.append(str(ROOT / "scripts"))
-from turns import is_of_another_day  # noqa: E402
-
-
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leaves tests whose names or parameters have "gpu" to their days. pytest counts them as deselected."""
-    others = [item for item in items if "gpu" in item.nodeid and is_of_another_day(item.nodeid)]
-    config.hook.pytest_deselected(items=others)
-    items[:] = [item for item in items if item not in others]
 
 
 @pytest.fixture
