@@ -267,6 +267,24 @@ fn a_run_with_substeps_can_be_resumed() {
     assert!(err.contains("is at step 44 already"), "{err}");
 }
 
+/// The speed of a servo is rounded to f32, so that it may move faster than its speed in f64.
+#[test]
+fn every_state_of_a_servo_can_be_read_back() {
+    let lid = "@servo lid force=0,-30,0 speed=0.1\n@move lid\nB 0 1 0  1 0 0  0 0.1 0  0 0 1\n@move -\n\
+               S 1 0.5 0.3 0.5 0 0 0 0 0 0 1 0.1\n";
+    let press = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/press.txt")).unwrap();
+    for scene in [lid, &press] {
+        let rockfall = Rockfall::with(scene);
+        rockfall.run("run scene.txt --backend cpu --steps 0 --checkpoint run.ckpt --save state.txt", 0);
+        for step in 1..=12 {
+            rockfall.run(&format!("run --resume run.ckpt --steps {step}"), 0);
+            rockfall.run("run state.txt --backend cpu --steps 1", 0);
+        }
+        rockfall.run("run scene.txt --backend cpu --steps 12 --save whole.txt", 0);
+        assert_eq!(rockfall.read("whole.txt"), rockfall.read("state.txt"));
+    }
+}
+
 #[test]
 fn a_damaged_checkpoint_is_refused_with_a_reason() {
     let rockfall = Rockfall::with(&mixed(4));
