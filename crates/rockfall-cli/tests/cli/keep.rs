@@ -310,6 +310,20 @@ fn every_state_of_a_servo_can_be_read_back() {
     }
 }
 
+/// What `@run` says is kept, and so is all that depends on it: the scene in a trajectory, and a saved scene.
+#[test]
+fn a_resumed_run_keeps_what_the_scene_says_about_runs() {
+    let line = "@run dt=0.001 integrator=symplectic-euler steps=50 every=5 substeps=2 speed=0.25";
+    let rockfall = Rockfall::with(&format!("set gravity 9.81\n{line}\nS 1 0 1 0 0 0 0 0 0 0 1 0.1\n"));
+    rockfall.run("run scene.txt --backend cpu --out whole.npz --save whole.txt", 0);
+    rockfall.run("run scene.txt --backend cpu --steps 23 --checkpoint run.ckpt --out parts.npz --save parts.txt", 0);
+    rockfall.run("run --resume run.ckpt --steps 50", 0);
+    assert!(rockfall.read("whole.txt").contains(line), "{}", rockfall.read("whole.txt"));
+    assert_eq!(rockfall.read("whole.txt"), rockfall.read("parts.txt"));
+    let [whole, parts] = ["whole.npz", "parts.npz"].map(|name| fs::read(rockfall.path(name)).unwrap());
+    assert!(whole == parts, "the trajectories differ");
+}
+
 #[test]
 fn a_damaged_checkpoint_is_refused_with_a_reason() {
     let rockfall = Rockfall::with(&mixed(4));
