@@ -162,3 +162,18 @@ fn a_driver_without_compute_shaders_is_named_with_the_reason() {
         assert!(err.contains(word), "{err}");
     }
 }
+
+#[test]
+fn a_restitution_is_from_0_to_1() {
+    let folder = folder();
+    let expected = "restitution: '5' is not allowed, expected a number from 0 to 1";
+    for (scene, code, message) in
+        [("set restitution 5\n", 2, expected), ("set restitution 1\n", 0, ""), ("set restitution 0\n", 0, "")]
+    {
+        fs::write(folder.path().join("set.txt"), format!("{scene}{SCENE}")).unwrap();
+        let (found, _, err) = run(command(folder.path(), ["run", "set.txt", "--steps", "1"]));
+        assert!(found == code && err.contains(message), "{scene}: {err}");
+    }
+    let (code, _, err) = run(command(folder.path(), ["run", "scene.txt", "--set", "restitution=5"]));
+    assert!(code == 2 && err.contains(expected), "{err}");
+}
