@@ -28,7 +28,8 @@ const TICK: Duration = Duration::from_millis(20);
 
 /// Requests to stop the command. There is one for the whole program.
 pub(crate) struct Interrupt {
-    /// A signal ends the program at once. It is so before [`Interrupt::hold`], and again from the time [`APART`] after the first signal.
+    /// A signal ends the program at once. It is so before [`Interrupt::hold`], and again from the time [`APART`] after the first
+    /// signal.
     at_once: Arc<AtomicBool>,
     requested: Arc<AtomicBool>,
     noticed: AtomicBool,

@@ -1,4 +1,5 @@
-//! How a scene is meant to be run, in a checkpoint. A value that is not given is written as 0 or as an empty text, which no value is.
+//! How a scene is meant to be run, in a checkpoint. A value that is not given is written as 0 or as an empty text, which no
+//! value is.
 
 use super::words::{Damage, Head, Words};
 use crate::scene::RunDefaults;
