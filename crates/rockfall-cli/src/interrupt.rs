@@ -1,5 +1,7 @@
 //! Ctrl-C and SIGTERM. A signal ends a command at once, unless the command holds on to finish its outputs. Then the first signal
-//! asks it to stop, and it has the time of [`Steps::patience`] to notice. The second signal always ends the command at once.
+//! asks it to stop, and it has the time of [`Steps::patience`] to notice. A second signal ends the command at once if it comes at
+//! least the time [`APART`] after the first. Signals that come together are one request: `timeout` signals the program and its
+//! process group, and a terminal may do the same.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -19,12 +21,15 @@ const GRACE: Duration = Duration::from_millis(800);
 /// more than the greatest time.
 const SLOWER: u32 = 20;
 const MOST: Duration = Duration::from_secs(20);
+/// Least time from the first signal to a second one that ends the command at once.
+const APART: Duration = Duration::from_secs(1);
 /// Time between two looks at the flags.
 const TICK: Duration = Duration::from_millis(20);
 
 /// Requests to stop the command. There is one for the whole program.
 pub(crate) struct Interrupt {
-    /// A signal ends the program at once. Also set by the first signal, so that the second one does.
+    /// A signal ends the program at once. It is so before [`Interrupt::hold`], and again from the time [`APART`] after the first
+    /// signal.
     at_once: Arc<AtomicBool>,
     requested: Arc<AtomicBool>,
     noticed: AtomicBool,
@@ -61,9 +66,7 @@ impl Interrupt {
         INTERRUPT.get_or_init(|| {
             let (at_once, requested) = (Arc::new(AtomicBool::new(true)), Arc::new(AtomicBool::new(false)));
             for signal in [SIGINT, SIGTERM] {
-                // The order matters: the first signal must find the flag unset before it sets it.
                 let _ = flag::register_conditional_shutdown(signal, i32::from(INTERRUPTED), Arc::clone(&at_once))
-                    .and_then(|_| flag::register(signal, Arc::clone(&at_once)))
                     .and_then(|_| flag::register(signal, Arc::clone(&requested)));
             }
             Self { at_once, requested, noticed: AtomicBool::new(false), steps: Mutex::default(), left: Mutex::default() }
@@ -73,7 +76,7 @@ impl Interrupt {
     /// From now on the first signal leaves the command the time of [`Steps::patience`] to call [`Interrupt::is_requested`] and to stop by itself.
     pub(crate) fn hold(&'static self) {
         self.at_once.store(false, Ordering::SeqCst);
-        // Without this thread, a step that does not end could not be interrupted but by a second signal.
+        // Without this thread, nothing could end the command within a step.
         let _ = thread::Builder::new().name("signals".into()).spawn(|| self.watch());
     }
 
@@ -106,17 +109,25 @@ impl Interrupt {
             thread::sleep(TICK);
         }
         let (asked, patience) = (Instant::now(), self.steps().patience());
-        let mut is_told = false;
-        while asked.elapsed() < patience {
-            if self.noticed.load(Ordering::SeqCst) {
-                return;
+        loop {
+            let (waited, is_noticed) = (asked.elapsed(), self.noticed.load(Ordering::SeqCst));
+            if waited >= patience && !is_noticed {
+                self.abandon(patience);
             }
-            if !is_told && asked.elapsed() >= GRACE {
-                output::note("waiting for the end of the step; a second signal ends the command at once");
-                is_told = true;
+            if waited >= APART {
+                if !self.at_once.swap(true, Ordering::SeqCst) && !is_noticed {
+                    output::note("waiting for the end of the step; a second signal ends the command at once");
+                }
+                if is_noticed {
+                    return;
+                }
             }
             thread::sleep(TICK);
         }
+    }
+
+    /// Ends the process within a step, unless the step has just ended.
+    fn abandon(&self, patience: Duration) {
         let left = self.left.lock().unwrap_or_else(PoisonError::into_inner).clone();
         if !self.noticed.load(Ordering::SeqCst) {
             output::note(&format!("stopped within a step that takes longer than {} s{left}", patience.as_secs_f32()));

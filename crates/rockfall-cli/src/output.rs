@@ -1,5 +1,6 @@
 //! Standard output and standard error, either of which may be closed at any time.
 
+use std::borrow::Cow;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,7 +27,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
         return Ok(());
     }
     let mut out = BufWriter::new(io::stdout().lock());
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(harmless(text).as_bytes()).and_then(|()| out.flush()) {
         Ok(()) => Ok(()),
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Err(Failure::ClosedPipe),
         Err(error) => Err(Failure::Run(format!("standard output cannot be written: {error}"))),
@@ -36,8 +37,18 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 /// Prints a line on standard error. If standard error is closed, the line is dropped.
 pub(crate) fn note(line: &str) {
     if !is_silent() {
-        let _ = writeln!(io::stderr(), "{line}");
+        let _ = writeln!(io::stderr(), "{}", harmless(line));
     }
+}
+
+/// A text with control characters escaped, which a terminal would obey. Names of files and of objects may hold them.
+fn harmless(text: &str) -> Cow<'_, str> {
+    let is_obeyed = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t');
+    if !text.contains(is_obeyed) {
+        return Cow::Borrowed(text);
+    }
+    let escaped = |letter| if is_obeyed(letter) { letter.escape_default().to_string() } else { letter.to_string() };
+    text.chars().map(escaped).collect()
 }
 
 /// Prints the message of a failure, if it has one, and returns its exit code.

@@ -11,7 +11,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum Error {
     /// A field of an object or a setting has a value that is not allowed.
-    #[error("{field}: {value} is not allowed, expected {expected}")]
+    #[error("{field}: {} is not allowed, expected {expected}", shown(value))]
     Invalid {
         /// Name of the field, for example `sphere.mass`.
         field: &'static str,
@@ -199,7 +199,7 @@ pub(crate) fn non_finite(sphere: &str, step: u64, stage: BadStage) -> String {
 
 /// Maximum number of characters of a quoted text.
 const SHOWN: usize = 40;
-/// Maximum number of characters of a message about a law, which may list names or quote the text.
+/// Maximum number of characters of a value, and of a message about a law, which may list names or quote the text.
 const LONGEST: usize = 300;
 /// Maximum number of characters of a line of a law in a message.
 const WIDE: usize = 100;
@@ -208,6 +208,11 @@ const WIDE: usize = 100;
 /// obey them.
 pub(crate) fn quoted(text: &str) -> String {
     format!("'{}'", shortened(text, SHOWN))
+}
+
+/// A value for a message. It may hold names that the user gave, and explain itself in words.
+pub(crate) fn shown(value: &str) -> String {
+    shortened(value, LONGEST)
 }
 
 /// The first `most` characters of a text that may hold words of the user, with control characters escaped.

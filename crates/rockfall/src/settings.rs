@@ -119,8 +119,8 @@ macro_rules! constant_table {
                 /// A contact is handled as a collision when its approach velocity exceeds this times the smaller radius, in
                 /// 1/s.
                 activation_threshold: not_negative = 1.0, "1/s", Some((0.0, 10.0));
-                /// Coefficient of restitution e: 0 fully inelastic, 1 elastic; above 1 every collision adds energy.
-                restitution: not_negative = 0.75, "", Some((0.0, 1.0));
+                /// Coefficient of restitution e: 0 fully inelastic, 1 elastic.
+                restitution: from_0_to_1 = 0.75, "", Some((0.0, 1.0));
                 /// Contact damping Cd in 1/s: force per approach velocity and reduced mass.
                 contact_damping: not_negative = 12.5, "1/s", Some((0.0, 50.0));
                 /// Contact force Cc in 1/s²: force per overlap and reduced mass.
@@ -251,6 +251,14 @@ fn not_negative(field: &'static str, value: &str) -> Result<f32> {
     const EXPECTED: &str = "a finite number, not negative";
     match number(field, value, EXPECTED)? {
         number if number >= 0.0 => Ok(number),
+        _ => Err(invalid(field, value, EXPECTED)),
+    }
+}
+
+fn from_0_to_1(field: &'static str, value: &str) -> Result<f32> {
+    const EXPECTED: &str = "a number from 0 to 1";
+    match number(field, value, EXPECTED)? {
+        number if (0.0..=1.0).contains(&number) => Ok(number),
         _ => Err(invalid(field, value, EXPECTED)),
     }
 }

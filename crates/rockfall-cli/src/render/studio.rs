@@ -109,9 +109,10 @@ impl Studio {
         let Self { footage, renderer, style, .. } = self;
         let mut at = arguments.at;
         if at.is_none() && !is_film && matches!(footage, Footage::Live(_)) {
-            // Where all bodies come later, a picture shows what a run of the scene ends with.
-            let scene = footage.simulation().scene();
-            at = scene.run.steps.filter(|_| scene.spheres().is_empty()).map(At::Step);
+            // Where all bodies come later, a picture shows what a run of the scene ends with. A checkpoint is shown as it is.
+            let simulation = &*footage.simulation();
+            let is_start = simulation.report().steps == 0 && simulation.scene().spheres().is_empty();
+            at = simulation.scene().run.steps.filter(|_| is_start).map(At::Step);
         }
         footage.go_to(at, past, |simulation, time| {
             renderer.update(simulation, style)?;

@@ -237,7 +237,7 @@ fn wrong_arguments_exit_with_code_2() {
         ("run scene.txt --broad-phase luck", "brute-force"),
         ("run scene.txt --set gravity", "expected NAME=VALUE"),
         ("run scene.txt --set weight=1", "'weight=1' for '--set <NAME=VALUE>': unknown setting 'weight'"),
-        ("run scene.txt --set restitution=-1", "not negative"),
+        ("run scene.txt --set restitution=-1", "a number from 0 to 1"),
         ("run scene.txt --set gravity=", "a finite number"),
         ("run scene.txt --out same.csv --trace same.csv", "same file"),
         ("run scene.txt --trace same.csv --contacts same.csv", "same file"),

@@ -111,3 +111,21 @@ fn bodies_come_in_and_are_reported() {
     let (out, _) = rockfall.run("check scene.txt", 0);
     assert!(out.contains("1 inlet") && !out.contains("spheres will wait"), "{out}");
 }
+
+/// A scene goes on without spheres, and others come in later, with friction impulses.
+#[test]
+fn the_last_sphere_may_leave() {
+    let drain =
+        "set coulomb_friction 0.5\nset collision_friction 0.5\nset gravity 9.81\n@outlet box=-10,-10,-10,10,0,10 every=5\n";
+    let ball = "S 1 0 0.5 0 0 0 0 0 0 0 1 0.1\n";
+    let feed = "@inlet box=-1,1,-1,1,3,1 rate=50 radius=0.1 from=5.8 limit=3\n";
+    let floor = "B 0 0 0 1 0 0 0 1 0 0 0 1\n";
+    for (scene, spheres) in [([drain, ball, ""], 0), ([drain, ball, feed], 3), ([drain, floor, ""], 0)] {
+        for physics in ["", "--integrator symplectic-euler", "--integrator velocity-verlet"] {
+            let rockfall = Rockfall::with(&scene.concat());
+            let arguments = "run scene.txt --backend cpu --dt 0.02 --steps 300 --out state.csv --contacts contacts.csv";
+            rockfall.run(&format!("{arguments} {physics}"), 0);
+            assert_eq!(rockfall.read("state.csv").lines().count(), 1 + spheres, "{physics}");
+        }
+    }
+}

@@ -179,18 +179,44 @@ fn ctrl_c_ends_a_run_cleanly() {
     }
 }
 
-/// A first signal waits for the end of the step, which takes long with brute force. A second signal ends the run at once, and
-/// nothing is written.
+/// `timeout` signals the program and its process group, so two signals come within a millisecond.
 #[cfg(unix)]
 #[test]
-fn a_second_ctrl_c_ends_a_run_at_once() {
-    let rockfall = Rockfall::with("");
-    rockfall.run("generate pile --spheres 200000 --out scene.txt", 0);
-    let mut child = spawn(&rockfall, "run scene.txt --backend cpu --broad-phase brute-force --steps 1000 --out state.csv");
-    wait_for(&rockfall, ".state.csv.part", &mut child);
+fn two_signals_at_a_time_end_a_run_cleanly() {
+    for name in ["-INT", "-TERM"] {
+        let rockfall = Rockfall::with(&mixed(32));
+        let files = "--out state.csv --trace trace.csv --checkpoint run.ckpt --checkpoint-every 50";
+        let arguments = format!("run scene.txt --backend cpu --dt 0.01 --steps 1000000000 {files}");
+        let mut child = spawn(&rockfall, &arguments);
+        wait_for(&rockfall, "run.ckpt", &mut child);
+        let kill = format!("kill {name} {id}; sleep 0.001; kill {name} {id}", id = child.id());
+        Command::new("sh").args(["-c", &kill]).output().unwrap();
+        let (_, err) = finish(child.wait_with_output().unwrap(), &arguments, 130);
+        let (_, rest) = err.split_once("stopped at step ").unwrap();
+        let step: u64 = rest.split(' ').next().unwrap().parse().unwrap();
+        assert_eq!(rockfall.read("trace.csv").lines().count() as u64, step + 2);
+        rockfall.run(&format!("run scene.txt --backend cpu --dt 0.01 --steps {step} --out whole.csv"), 0);
+        assert_eq!(rockfall.read("whole.csv"), rockfall.read("state.csv"));
+        rockfall.run(&format!("run --resume run.ckpt --steps {}", step + 10), 0);
+    }
+}
+
+/// A signal that comes at least 1 s after the first ends a run at once, here one that writes to a pipe which nobody reads.
+#[cfg(unix)]
+#[test]
+fn a_second_signal_after_a_second_ends_a_run_at_once() {
+    let rockfall = Rockfall::with(&mixed(2048));
+    assert!(Command::new("mkfifo").arg(rockfall.path("state.csv")).status().unwrap().success());
+    // Open for both, so that no opening waits for the other end.
+    let _pipe = fs::OpenOptions::new().read(true).write(true).open(rockfall.path("state.csv")).unwrap();
+    let arguments = "run scene.txt --backend cpu --dt 0.01 --steps 1 --out state.csv --checkpoint run.ckpt";
+    let mut child = spawn(&rockfall, arguments);
+    wait_for(&rockfall, "run.ckpt", &mut child);
     signal(&child, "-INT");
     std::thread::sleep(Duration::from_millis(100));
-    assert!(child.try_wait().unwrap().is_none(), "the first signal must not end the run during a step");
+    signal(&child, "-INT");
+    std::thread::sleep(Duration::from_millis(1500));
+    assert!(child.try_wait().unwrap().is_none(), "two signals at a time must not end the run while it writes");
     signal(&child, "-INT");
     let start = Instant::now();
     while child.try_wait().unwrap().is_none() {
@@ -199,9 +225,8 @@ fn a_second_ctrl_c_ends_a_run_at_once() {
         }
         std::thread::sleep(Duration::from_millis(5));
     }
-    let (out, err) = finish(child.wait_with_output().unwrap(), "two signals", 130);
-    assert_eq!((out.as_str(), err.as_str()), ("", ""));
-    assert!(!rockfall.path("state.csv").exists());
+    let (out, err) = finish(child.wait_with_output().unwrap(), arguments, 130);
+    assert!(out.is_empty() && !err.contains("stopped"), "{out} {err}");
 }
 
 #[test]
@@ -265,6 +290,38 @@ fn a_run_with_substeps_can_be_resumed() {
     assert_eq!(steps, ["40", "41", "42", "43", "44"]);
     let (_, err) = rockfall.run("run --resume run.ckpt --steps 43", 2);
     assert!(err.contains("is at step 44 already"), "{err}");
+}
+
+/// The speed of a servo is rounded to f32, so that it may move faster than its speed in f64.
+#[test]
+fn every_state_of_a_servo_can_be_read_back() {
+    let lid = "@servo lid force=0,-30,0 speed=0.1\n@move lid\nB 0 1 0  1 0 0  0 0.1 0  0 0 1\n@move -\n\
+               S 1 0.5 0.3 0.5 0 0 0 0 0 0 1 0.1\n";
+    let press = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/press.txt")).unwrap();
+    for scene in [lid, &press] {
+        let rockfall = Rockfall::with(scene);
+        rockfall.run("run scene.txt --backend cpu --steps 0 --checkpoint run.ckpt --save state.txt", 0);
+        for step in 1..=12 {
+            rockfall.run(&format!("run --resume run.ckpt --steps {step}"), 0);
+            rockfall.run("run state.txt --backend cpu --steps 1", 0);
+        }
+        rockfall.run("run scene.txt --backend cpu --steps 12 --save whole.txt", 0);
+        assert_eq!(rockfall.read("whole.txt"), rockfall.read("state.txt"));
+    }
+}
+
+/// What `@run` says is kept, and so is all that depends on it: the scene in a trajectory, and a saved scene.
+#[test]
+fn a_resumed_run_keeps_what_the_scene_says_about_runs() {
+    let line = "@run dt=0.001 integrator=symplectic-euler steps=50 every=5 substeps=2 speed=0.25";
+    let rockfall = Rockfall::with(&format!("set gravity 9.81\n{line}\nS 1 0 1 0 0 0 0 0 0 0 1 0.1\n"));
+    rockfall.run("run scene.txt --backend cpu --out whole.npz --save whole.txt", 0);
+    rockfall.run("run scene.txt --backend cpu --steps 23 --checkpoint run.ckpt --out parts.npz --save parts.txt", 0);
+    rockfall.run("run --resume run.ckpt --steps 50", 0);
+    assert!(rockfall.read("whole.txt").contains(line), "{}", rockfall.read("whole.txt"));
+    assert_eq!(rockfall.read("whole.txt"), rockfall.read("parts.txt"));
+    let [whole, parts] = ["whole.npz", "parts.npz"].map(|name| fs::read(rockfall.path(name)).unwrap());
+    assert!(whole == parts, "the trajectories differ");
 }
 
 #[test]

@@ -162,3 +162,49 @@ fn a_driver_without_compute_shaders_is_named_with_the_reason() {
         assert!(err.contains(word), "{err}");
     }
 }
+
+/// Messages quote the input without what a terminal obeys, and are short.
+#[test]
+fn messages_hold_no_control_characters_and_are_short() {
+    let ball = "S 1 0 0 0 0 0 0 0 0 0 - 1\n";
+    for word in ["\u{1b}]0;title\u{7}\u{1b}[2J\u{7f}\u{9b}".to_owned(), "x".repeat(100_000)] {
+        for scene in [
+            format!("@body x density=3\n@c{word} x\n{ball}@end\n"),
+            format!("#\n@{word}\n"),
+            format!("set gravity {word}\n"),
+            format!("#\nset {word} 1\n"),
+            format!("S {word} 0 0\n"),
+            format!("@servo {word} force=0,1,0 speed=1\n@servo {word} force=0,1,0 speed=1\n"),
+            format!("@material {word} density=-1\n"),
+            format!("@use {word}\n"),
+        ] {
+            let folder = folder();
+            fs::write(folder.path().join("word.txt"), &scene).unwrap();
+            let (code, out, err) = run(command(folder.path(), ["run", "word.txt"]));
+            let scene: String = scene.chars().take(100).collect();
+            assert_eq!((code, out.as_str()), (2, ""), "{scene:?} {err:?}");
+            assert!(!err.contains(|letter: char| letter.is_control() && letter != '\n'), "{err:?}");
+            assert!(err.len() < 1000, "{scene:?}: a message of {} bytes", err.len());
+        }
+    }
+    // Names that are accepted are printed too.
+    let folder = folder();
+    fs::write(folder.path().join("\u{1b}[2J.txt"), "S 1 0 0 0 0 0 0 0 0 0 1 1\nx\n").unwrap();
+    let (code, out, _) = run(command(folder.path(), ["check", "\u{1b}[2J.txt"]));
+    assert!(code == 0 && out.contains("\\u{1b}[2J.txt: ") && !out.contains('\u{1b}'), "{out:?}");
+}
+
+#[test]
+fn a_restitution_is_from_0_to_1() {
+    let folder = folder();
+    let expected = "restitution: '5' is not allowed, expected a number from 0 to 1";
+    for (scene, code, message) in
+        [("set restitution 5\n", 2, expected), ("set restitution 1\n", 0, ""), ("set restitution 0\n", 0, "")]
+    {
+        fs::write(folder.path().join("set.txt"), format!("{scene}{SCENE}")).unwrap();
+        let (found, _, err) = run(command(folder.path(), ["run", "set.txt", "--steps", "1"]));
+        assert!(found == code && err.contains(message), "{scene}: {err}");
+    }
+    let (code, _, err) = run(command(folder.path(), ["run", "scene.txt", "--set", "restitution=5"]));
+    assert!(code == 2 && err.contains(expected), "{err}");
+}

@@ -48,20 +48,6 @@ fn a_signal_ends_a_run_within_a_long_step() {
     }
 }
 
-/// The second signal does not wait for the step.
-#[test]
-fn a_second_signal_ends_a_run_at_once() {
-    let rockfall = Rockfall::with(&mixed(64));
-    let arguments = "run scene.txt --backend cpu --substeps 1000000 --dt 0.01";
-    let child = spawn(&rockfall, arguments);
-    sleep(Duration::from_millis(1500));
-    signal(&child, "-INT");
-    sleep(Duration::from_millis(100));
-    signal(&child, "-INT");
-    let (_, err) = end_within(child, SOON, arguments, 130);
-    assert!(!err.contains("stopped"), "{err}");
-}
-
 /// Commands that have nothing to finish: one that waits for its input, one that computes, one that measures.
 #[test]
 fn a_signal_ends_every_other_command() {

@@ -4,7 +4,7 @@
 use super::laws::{KeptContactLaw, KeptLaw};
 use super::words::{Damage, Head, Words};
 use super::{Checkpoint, History};
-use super::{gauges, motions, periods};
+use super::{gauges, motions, periods, run};
 use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::report::Report;
@@ -83,6 +83,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     motions::put(&mut head, scene);
     periods::put(&mut head, scene);
     gauges::put(&mut head, scene, fronts);
+    run::put(&mut head, &scene.run);
     laws(&mut head, force_laws, &checkpoint.kept_laws);
     let given = contact_force_law.as_ref().map(KeptContactLaw::of);
     contact_law(&mut head, given.as_ref().or(kept_contact_law.as_ref()));
@@ -147,6 +148,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     motions::read(words, &mut scene)?;
     periods::read(words, &mut scene)?;
     let fronts = gauges::read(words, &mut scene)?;
+    scene.run = run::read(words)?;
     let kept_laws = read_laws(words)?;
     let kept_contact_law = read_contact_law(words)?;
     let (springs, rates) = (Vec::new(), Vec::new());

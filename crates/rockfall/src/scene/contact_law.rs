@@ -46,9 +46,6 @@ impl Scene {
                  forces per step",
             );
         }
-        if !(0.0..=1.0).contains(&self.settings.restitution) {
-            return refused(format!("{law} with a restitution of {}", self.settings.restitution), "a restitution from 0 to 1");
-        }
         if law == ContactLaw::User {
             // It needs no materials.
             return Ok(());

@@ -92,7 +92,8 @@ impl Servo {
         if !is_number(self.displacement) {
             return wrong("servo.displacement", self.displacement.to_string(), "a finite number");
         }
-        if self.velocity.is_nan() || self.velocity.abs() > self.speed {
+        // In f32, because a run limits the rate to the speed in f32, which may be above the speed in f64.
+        if self.velocity.is_nan() || (self.velocity as f32).abs() > self.speed as f32 {
             return wrong("servo.velocity", self.velocity.to_string(), "a number from -speed to speed");
         }
         Ok(())

@@ -309,7 +309,7 @@ fn every_error_names_line_and_field_and_what_was_expected() {
         ("set gravity", "set gravity: no value, expected a finite number"),
         ("set gravity 1 2", "set gravity: '1 2' is not allowed, expected a finite number"),
         ("set gravity fast", "set gravity: 'fast' is not allowed, expected a finite number"),
-        ("set restitution -1", "set restitution: '-1' is not allowed, expected a finite number, not negative"),
+        ("set restitution -1", "set restitution: '-1' is not allowed, expected a number from 0 to 1"),
         ("a\0b", "text: a NUL byte, expected plain text (UTF-8)"),
     ];
     for (line, expected) in cases {

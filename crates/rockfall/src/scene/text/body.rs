@@ -57,7 +57,7 @@ impl Reader<'_> {
             "@end" => self.end_body(line),
             _ => {
                 let message = format!("not possible between @body and @end, expected S, R, C, B, {}", STATE.join(", "));
-                Err(Wrong { field: word.to_owned(), message })
+                Err(Wrong { field: quoted(word), message })
             }
         }
     }

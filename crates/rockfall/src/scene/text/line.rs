@@ -1,6 +1,6 @@
 //! The fields of the lines of a scene text, and a parser for them.
 
-use crate::error::{Error, Result, quoted};
+use crate::error::{Error, Result, quoted, shown};
 
 /// An error in a line.
 pub(super) struct Wrong {
@@ -210,7 +210,8 @@ impl Kind {
             Error::Invalid { field, value, expected } => {
                 let names: Vec<&str> =
                     field.split(' ').map(|word| word.split_once('.').map_or(word, |(_, name)| name)).collect();
-                self.wrong(&names.join(" "), format!("{} is not allowed, expected {expected}", value.trim_end_matches(".0")))
+                let value = shown(value.trim_end_matches(".0"));
+                self.wrong(&names.join(" "), format!("{value} is not allowed, expected {expected}"))
             }
             other => Wrong { field: self.word.to_owned(), message: other.to_string() },
         }

@@ -44,8 +44,9 @@ fn commit(world: &mut World) {
     let n = world.step.layout.spheres as usize;
     let next = View::new(&world.step, &world.topology, y2);
     // The velocities at the time of the positions are computed anew in the next phase of collisions.
-    for (to, from) in start.chunks_mut(n).zip(y2.chunks(n)).take(4) {
-        let rows = to.par_iter_mut().zip(from).enumerate().with_min_len(GRAIN);
+    for row in 0..4 {
+        let of_spheres = row * n..(row + 1) * n;
+        let rows = start[of_spheres.clone()].par_iter_mut().zip(&y2[of_spheres]).enumerate().with_min_len(GRAIN);
         rows.filter(|(sphere, _)| next.body_of_sphere(*sphere as u32).is_none()).for_each(|(_, (to, from))| *to = *from);
     }
     let view = View::new(&world.step, &world.topology, start);

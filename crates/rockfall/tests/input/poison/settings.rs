@@ -14,7 +14,7 @@ struct Constant {
 
 const CONSTANTS: &[Constant] = &[
     Constant { name: "activation_threshold", accepts: not_negative, put: |settings, p| settings.activation_threshold = p },
-    Constant { name: "restitution", accepts: not_negative, put: |settings, p| settings.restitution = p },
+    Constant { name: "restitution", accepts: |p| (0.0..=1.0).contains(&p), put: |settings, p| settings.restitution = p },
     Constant { name: "contact_damping", accepts: not_negative, put: |settings, p| settings.contact_damping = p },
     Constant { name: "contact_force", accepts: not_negative, put: |settings, p| settings.contact_force = p },
     Constant { name: "friction", accepts: not_negative, put: |settings, p| settings.friction = p },
