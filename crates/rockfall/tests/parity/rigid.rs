@@ -103,6 +103,7 @@ pub(crate) fn trace(seed: u64, integrator: Integrator, law: ContactLaw, parts: P
     world.step.lists.margin_scale = 40.0;
     world.status.lengths_due = 0;
     let concerned = [
+        "update_aabbs",
         "count_pairs",
         "fill_pairs",
         "apply_friction_impulses",
