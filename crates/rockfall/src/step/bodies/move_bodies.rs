@@ -3,8 +3,8 @@
 //! The thread of its first sphere sums the loads of its member spheres, moves the body as the integrator moves a sphere, and writes the member spheres to
 //! the state that the integrator has just written. The integrator leaves them out. The passes are those of the force evaluations of RK4,
 //! [`AFTER_DRIFT`] and [`AFTER_KICK`] with velocity Verlet, and [`AFTER_EULER`]. Every pass also writes the record of the body in the
-//! topology, with the centre and the inertia in that state, which contacts read. Pass [`BEFORE_STEP`] writes the record alone: a rejected
-//! step may have left another one. Pass [`AFTER_COLLISIONS`] places the spheres of the bodies that `push_bodies` has changed.
+//! topology, with the centre and the inertia in that state, which contacts read. Pass [`BEFORE_STEP`] moves no body: a rejected
+//! step may have left another record, and in a world that was just packed the spheres have not been placed by the device. Pass [`AFTER_COLLISIONS`] places the spheres of the bodies that `push_bodies` has changed.
 //!
 //! A body whose new state is not finite keeps its place and stops, and its first sphere is reported.
 
@@ -231,9 +231,7 @@ fn move_bodies(world: &mut World, pass: u32) {
             torque.write_to_slice(&mut world.rates[at + 3..]);
         }
     }
-    if pass != BEFORE_STEP {
-        place_members(world, pass, &moved);
-    }
+    place_members(world, pass, &moved);
     for (body, Moved { pose, .. }) in (0..).zip(&moved) {
         world.put_record(body, pose);
     }

@@ -269,7 +269,10 @@ fn move_bodies(
         return;
     }
     if body_pass == BEFORE_STEP {
-        put_record(body, form, start_of(body));
+        let start = start_of(body);
+        // In a world that was just packed, the spheres are where the CPU put them, which rounds in another way.
+        place_members(form, start, true);
+        put_record(body, form, start);
         return;
     }
     if atomicLoad(&status.rejected) != 0u {
