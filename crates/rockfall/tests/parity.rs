@@ -234,10 +234,11 @@ fn backends_agree_on_every_stage_without_rods() {
         let changed = |name: &str| {
             // Not the early pass of scenes that several processes share.
             let concerned = |scenario: &&Scenario| scenario.is(name) && scenario.runs[0].applies(&scenario.before.step);
-            let scenario = trace.scenarios.iter().find(concerned).expect(name);
-            let mut after = scenario.before.clone();
-            scenario.runs[0].on_cpu(&mut after);
-            after.orientations != scenario.before.orientations
+            trace.scenarios.iter().filter(concerned).any(|scenario| {
+                let mut after = scenario.before.clone();
+                scenario.runs[0].on_cpu(&mut after);
+                after.orientations != scenario.before.orientations
+            })
         };
         assert!(changed(match integrator {
             Integrator::Rk4 => "finish",
