@@ -42,7 +42,8 @@ const DEFAULT_STEPS: u64 = 1000;
 const AFTER_HELP: &str = "\
 Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --gauges, --bodies, --save, \
 --checkpoint) and exits with code 130. A step that takes longer than 0.8 s and 20 times longer than all steps before it, or longer than 20 s, is abandoned: the last checkpoint and the .part files \
-stay as they are. A second Ctrl-C ends the run at once if it comes at least 1 s after the first. If a step fails, --out and --trace are written up to that step if the \
+stay as they are. A second Ctrl-C ends the run at once if it comes at least 1 s \
+after the first. If a step fails, --out and --trace are written up to that step if the \
 device can still be read, and the last checkpoint is left unchanged.
 
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \

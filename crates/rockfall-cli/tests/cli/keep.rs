@@ -143,15 +143,22 @@ fn signal(child: &Child, name: &str) {
     assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
 }
 
+/// A run that has written its first checkpoint, and its arguments.
+#[cfg(unix)]
+fn endless_run() -> (Rockfall, String, Child) {
+    let rockfall = Rockfall::with(&mixed(32));
+    let files = "--out state.csv --trace trace.csv --checkpoint run.ckpt --checkpoint-every 50";
+    let arguments = format!("run scene.txt --backend cpu --dt 0.01 --steps 1000000000 {files}");
+    let mut child = spawn(&rockfall, &arguments);
+    wait_for(&rockfall, "run.ckpt", &mut child);
+    (rockfall, arguments, child)
+}
+
 #[cfg(unix)]
 #[test]
 fn ctrl_c_ends_a_run_cleanly() {
     for name in ["-INT", "-TERM"] {
-        let rockfall = Rockfall::with(&mixed(32));
-        let files = "--out state.csv --trace trace.csv --checkpoint run.ckpt --checkpoint-every 50";
-        let arguments = format!("run scene.txt --backend cpu --dt 0.01 --steps 1000000000 {files}");
-        let mut child = spawn(&rockfall, &arguments);
-        wait_for(&rockfall, "run.ckpt", &mut child);
+        let (rockfall, arguments, child) = endless_run();
         std::thread::sleep(Duration::from_millis(30));
         signal(&child, name);
         let (out, err) = finish(child.wait_with_output().unwrap(), &arguments, 130);
@@ -184,11 +191,7 @@ fn ctrl_c_ends_a_run_cleanly() {
 #[test]
 fn two_signals_at_a_time_end_a_run_cleanly() {
     for name in ["-INT", "-TERM"] {
-        let rockfall = Rockfall::with(&mixed(32));
-        let files = "--out state.csv --trace trace.csv --checkpoint run.ckpt --checkpoint-every 50";
-        let arguments = format!("run scene.txt --backend cpu --dt 0.01 --steps 1000000000 {files}");
-        let mut child = spawn(&rockfall, &arguments);
-        wait_for(&rockfall, "run.ckpt", &mut child);
+        let (rockfall, arguments, child) = endless_run();
         let kill = format!("kill {name} {id}; sleep 0.001; kill {name} {id}", id = child.id());
         Command::new("sh").args(["-c", &kill]).output().unwrap();
         let (_, err) = finish(child.wait_with_output().unwrap(), &arguments, 130);

@@ -4,7 +4,8 @@
 //! the state that the integrator has just written. The integrator leaves them out. The passes are those of the force evaluations of RK4,
 //! [`AFTER_DRIFT`] and [`AFTER_KICK`] with velocity Verlet, and [`AFTER_EULER`]. Every pass also writes the record of the body in the
 //! topology, with the centre and the inertia in that state, which contacts read. Pass [`BEFORE_STEP`] moves no body: a rejected
-//! step may have left another record, and in a world that was just packed the spheres have not been placed by the device. Pass [`AFTER_COLLISIONS`] places the spheres of the bodies that `push_bodies` has changed.
+//! step may have left another record, and in a world that was just packed the spheres have not been placed by the device.
+//! Pass [`AFTER_COLLISIONS`] places the spheres of the bodies that `push_bodies` has changed.
 //!
 //! A body whose new state is not finite keeps its place and stops, and its first sphere is reported.
 
