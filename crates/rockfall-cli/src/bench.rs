@@ -18,6 +18,7 @@ mod drum;
 mod json;
 mod measure;
 mod phases;
+mod repeat;
 #[cfg(feature = "mpi")]
 mod shared;
 mod spread;
@@ -31,6 +32,7 @@ use measure::Measured;
 enum Other {
     Worlds(worlds::Arguments),
     Drum(drum::Arguments),
+    Repeat(repeat::Arguments),
 }
 
 #[derive(Debug, clap::Args)]
@@ -87,6 +89,7 @@ pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
         #[cfg(feature = "mpi")]
         Some(Other::Drum(arguments)) if shared::bench(arguments)? => return Ok(()),
         Some(Other::Drum(arguments)) => return drum::bench(arguments),
+        Some(Other::Repeat(arguments)) => return repeat::bench(arguments),
         None => {}
     }
     if let Some(path) = &arguments.plot {

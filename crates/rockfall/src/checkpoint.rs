@@ -30,6 +30,7 @@ use crate::report::Report;
 use crate::scene::{AnyId, FlowState, Front, Scene};
 
 mod bodies;
+mod digest;
 mod flow;
 mod gauges;
 mod head;
@@ -43,6 +44,7 @@ mod springs;
 mod tags;
 pub(crate) mod words;
 
+pub use digest::Digest;
 use laws::{KeptContactLaw, KeptLaw};
 use words::{Damage, Words};
 

@@ -1,7 +1,7 @@
 //! What a stage adds to the status block. Tallies can be merged in any order, so threads may divide the work freely.
 
 use crate::error::BadStage;
-use crate::model::status::{BAD_STAGE_SHIFT, Counters, NO_BODY, REBUILD_DONE, REBUILD_REQUESTED, REJECTED_ESCAPED, Status};
+use crate::model::status::{BAD_STAGE_SHIFT, Counters, ESCAPE_SHIFT, NO_BODY, REBUILD_DONE, REBUILD_REQUESTED, Status};
 
 /// Counts for one body, or for several bodies together.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +13,9 @@ pub(crate) struct Tally {
     /// Whether some body may leave its AABB before the next opportunity to rebuild lists.
     pub(crate) rebuild: bool,
     /// Largest distance of a body outside its AABB, in units of 0.02 r; 0 when every body is inside.
-    pub(crate) escape_ratio: f32,
+    escape_ratio: f32,
+    /// `REJECTED_ESCAPED` bits.
+    escaped: u32,
     bad_count: u32,
     bad_body: u32,
 }
@@ -26,6 +28,7 @@ impl Default for Tally {
             collisions: 0,
             rebuild: false,
             escape_ratio: 0.0,
+            escaped: 0,
             bad_count: 0,
             bad_body: NO_BODY,
         }
@@ -40,8 +43,17 @@ impl Tally {
             collisions: self.collisions + other.collisions,
             rebuild: self.rebuild | other.rebuild,
             escape_ratio: self.escape_ratio.max(other.escape_ratio),
+            escaped: self.escaped | other.escaped,
             bad_count: self.bad_count + other.bad_count,
             bad_body: self.bad_body.min(other.bad_body),
+        }
+    }
+
+    /// Notes how far a body is outside its AABB, in units of 0.02 r, or 0. `dispatch` is the number of the dispatch that found it.
+    pub(crate) fn note_escape(&mut self, dispatch: u32, ratio: f32) {
+        if ratio > 0.0 {
+            self.escaped |= 1 << (ESCAPE_SHIFT + dispatch);
+            self.escape_ratio = self.escape_ratio.max(ratio);
         }
     }
 
@@ -72,8 +84,8 @@ impl Tally {
         if self.rebuild {
             status.rebuild |= REBUILD_REQUESTED;
         }
-        if self.escape_ratio > 0.0 {
-            status.rejected |= REJECTED_ESCAPED;
+        if self.escaped != 0 {
+            status.rejected |= self.escaped;
             // New lists, with which the step can be repeated.
             status.rebuild |= REBUILD_REQUESTED;
             status.escape_ratio = status.escape_ratio.max(self.escape_ratio.to_bits());

@@ -24,9 +24,21 @@ fn add_to_count(own: u32) -> u32 {
     return select(NOT_LAST, (before % ARRIVED) + own, (before / ARRIVED) == (WORKGROUP - 1u));
 }
 
-// Rejects the step, and requests new lists with which it can be repeated.
-fn report_escape(ratio: f32) {
-    atomicOr(&status.rejected, REJECTED_ESCAPED);
+// The bit of `rejected` of a dispatch that finds escapes.
+fn escape_bit(dispatch: u32) -> u32 {
+    return 1u << (ESCAPE_SHIFT + dispatch);
+}
+
+// Whether the step was rejected before this dispatch, which has this number among those that find escapes, or for one of the other reasons
+// that `besides` leaves out. A dispatch in which a body is found outside its AABB is completed by all threads, so that no count depends
+// on the order in which they run.
+fn was_rejected_before(dispatch: u32, besides: u32) -> bool {
+    return (atomicLoad(&status.rejected) & ~(escape_bit(dispatch) | besides)) != 0u;
+}
+
+// Rejects the step, and requests new lists with which it can be repeated. `dispatch` is the number of this dispatch.
+fn report_escape(ratio: f32, dispatch: u32) {
+    atomicOr(&status.rejected, escape_bit(dispatch));
     atomicOr(&status.rebuild, REBUILD_REQUESTED);
     atomicMax(&status.escape_ratio, bitcast<u32>(ratio));
 }

@@ -7,8 +7,22 @@ use crate::model::declare::{constants, words};
 constants! {
     /// Bit of [`Status::rejected`]: the pair lists do not fit. They need [`Status::pair_rows_needed`] rows.
     pub const REJECTED_PAIRS: u32 = 1;
-    /// Bit of [`Status::rejected`]: a body left its AABB before or during the step, so its list may lack a pair.
-    pub const REJECTED_ESCAPED: u32 = 2;
+    /// Bits of [`Status::rejected`]: a body left its AABB before or during the step, so its list may lack a pair. A bit for each dispatch
+    /// that finds this out, from [`ESCAPE_SHIFT`] on: the other threads of the dispatch go on, so that they all count, and what is reported does
+    /// not depend on the order in which they run.
+    pub const REJECTED_ESCAPED: u32 = 0x1ff00;
+    /// The first of these bits. Its number is added to those below.
+    pub const ESCAPE_SHIFT: u32 = 8;
+    /// Number of the dispatch of `find_crossings` among those that find escapes.
+    pub const ESCAPED_ON_PATHS: u32 = 0;
+    /// Number of the dispatch of `find_collisions`.
+    pub const ESCAPED_IN_COLLISIONS: u32 = 1;
+    /// Number of the first dispatch of `loads`; the others follow.
+    pub const ESCAPED_IN_LOADS: u32 = 2;
+    /// Number of the dispatch of `move_walls` with pass 1; the others follow.
+    pub const ESCAPED_ON_WALLS: u32 = 6;
+    /// Bit of [`Status::rejected`]: the step was rejected before the last step of the submission, which did nothing but build lists.
+    pub const REJECTED_BEFORE: u32 = 0x20000;
     /// Bit of [`Status::rejected`]: a body's state stopped being finite in an earlier step, and the simulation must not continue.
     pub const REJECTED_NON_FINITE: u32 = 4;
 
@@ -192,7 +206,12 @@ impl Status {
     /// Returns whether the next step may repeat the current one: it was rejected only because a body left its AABB, and for the
     /// first time. It must get new lists before.
     pub fn may_repeat(&self) -> bool {
-        self.rejected == REJECTED_ESCAPED && self.repeated == 0
+        self.has_only_escaped() && self.repeated == 0
+    }
+
+    /// Whether the step was rejected only because a body left its AABB.
+    pub fn has_only_escaped(&self) -> bool {
+        self.rejected != 0 && self.rejected & !(REJECTED_ESCAPED | REJECTED_BEFORE) == 0
     }
 
     /// Returns the status with which a rejected step is repeated. Counters begin at zero, and the results of finished phases are

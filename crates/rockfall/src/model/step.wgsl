@@ -86,3 +86,8 @@ fn wide_thread(group: vec3u, groups: vec3u, local: u32) -> u32 {
 fn finite(v: vec3f) -> bool {
     return all((bitcast<vec3u>(v) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
 }
+
+// Whether a step with these bits of `rejected` was rejected only because a body left its AABB.
+fn has_only_escaped(rejected: u32) -> bool {
+    return (rejected != 0u) & ((rejected & ~(REJECTED_ESCAPED | REJECTED_BEFORE)) == 0u);
+}

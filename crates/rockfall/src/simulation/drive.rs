@@ -4,8 +4,8 @@ use crate::error::BadStage;
 use crate::error::{Error, Result};
 use crate::model::muscles::BASE_STEPS;
 use crate::model::status::{
-    BAD_STAGE_SHIFT, NO_BODY, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY, REJECTED_MANY,
-    REJECTED_NETWORKS, REJECTED_NON_FINITE, REJECTED_PAIRS, Status,
+    BAD_STAGE_SHIFT, NO_BODY, REJECTED_BEFORE, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY,
+    REJECTED_MANY, REJECTED_NETWORKS, REJECTED_NON_FINITE, REJECTED_PAIRS, Status,
 };
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
@@ -115,7 +115,7 @@ impl Simulation {
         self.report.replays += 1;
         if status.rejected & REJECTED_COLLISIONS != 0 {
             self.begin_sweeps()?;
-            if status.rejected & !REJECTED_MANY == REJECTED_COLLISIONS {
+            if status.rejected & !(REJECTED_MANY | REJECTED_BEFORE) == REJECTED_COLLISIONS {
                 return Ok(());
             }
         }

@@ -1,9 +1,9 @@
 // requires model/step.wgsl
 
-// Whether loads are wanted in this step. Another thread of this dispatch may reject the step because of its springs. Then no result is
+// Whether loads are wanted in this step. Another thread of this dispatch may reject the step. Then no result is
 // used. The end of that step says how many blocks are needed.
-fn are_loads_wanted() -> bool {
-    return ((atomicLoad(&status.rejected) & ~REJECTED_HISTORY) == 0u) & (status.history_needed == 0u);
+fn are_loads_wanted(own: u32) -> bool {
+    return ((atomicLoad(&status.rejected) & ~(REJECTED_HISTORY | own)) == 0u) & (status.history_needed == 0u);
 }
 
 // Whether this pass computes loads. Velocity Verlet mostly has the rates at the start of a step from the step before.

@@ -36,7 +36,7 @@ use crate::model::layout::GRAIN;
 use crate::model::layout::{FLAG_CONTINUOUS, FLAG_PERIODIC, ROUNDING_MARGIN};
 use crate::model::part::part;
 use crate::model::period::Periods;
-use crate::model::status::{REBUILD_REQUESTED, REJECTED_ESCAPED};
+use crate::model::status::REBUILD_REQUESTED;
 use crate::model::step::{Aabb, Step};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
@@ -122,7 +122,7 @@ fn grown(step: &Step, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
 /// Part of the margin of a step that is repeated, in units of [`View::margin_length`].
 fn repeat_margin(world: &World) -> f32 {
     let World { step, status, .. } = world;
-    if status.rejected != REJECTED_ESCAPED || step.lists.list_interval != 1.0 || step.has_exact_lists() {
+    if !status.has_only_escaped() || step.lists.list_interval != 1.0 || step.has_exact_lists() {
         return 0.0;
     }
     0.02 * margin_for_escape(f32::from_bits(status.escape_ratio)).min(MOST_OF_REPEAT)

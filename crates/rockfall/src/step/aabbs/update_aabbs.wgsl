@@ -14,7 +14,7 @@ struct Hull {
 
 // Where lists may be rebuilt in every step, a step that a body left its AABB in is repeated with larger AABBs, in units of `margin_length`.
 fn repeat_margin() -> f32 {
-    let is_repeated = (status.rejected == REJECTED_ESCAPED) & (step.list_interval == 1.0) & !has_exact_lists();
+    let is_repeated = has_only_escaped(status.rejected) & (step.list_interval == 1.0) & !has_exact_lists();
     return select(0.0, 0.02 * min(1.25 * bitcast<f32>(status.escape_ratio) + 1.0, MOST_OF_REPEAT), is_repeated);
 }
 

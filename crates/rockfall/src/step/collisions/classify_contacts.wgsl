@@ -156,7 +156,7 @@ fn check_escape(sphere: u32) {
     let own = state[position_at(sphere)];
     let ratio = escape_ratio(sphere, own.xyz, own.w, aabbs[sphere]);
     if (ratio > 0.0) & (inverse_mass(sphere) > 0.0) {
-        report_escape(ratio);
+        report_escape(ratio, ESCAPED_IN_COLLISIONS);
     }
 }
 

@@ -29,6 +29,7 @@ use crate::model::layout::{
 };
 use crate::model::lists::{Entry, Slice, slices};
 use crate::model::part::part;
+use crate::model::status::ESCAPED_IN_COLLISIONS;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::balls::Ball;
@@ -75,7 +76,7 @@ fn find_collisions(world: &mut World, _pass: u32) {
             for place in 0..slice.counts.len() {
                 let mover = slice.first + place as u32;
                 if mover < step.layout.spheres {
-                    tally.escape_ratio = tally.escape_ratio.max(escape_ratio(&view, aabbs, mover));
+                    tally.note_escape(ESCAPED_IN_COLLISIONS, escape_ratio(&view, aabbs, mover));
                 }
                 mark(&view, crossings, &mut slice, place, &mut tally);
             }

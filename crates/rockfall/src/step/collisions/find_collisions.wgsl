@@ -67,7 +67,8 @@ fn find_collisions(
 ) {
     let workgroup = linear_group(group, groups);
     let mover = mover_of(workgroup, local);
-    let is_first_attempt = (atomicLoad(&status.rejected) == 0u) & (atomicLoad(&status.collided) == 0u);
+    let is_rejected = was_rejected_before(ESCAPED_IN_COLLISIONS, REJECTED_COLLISIONS);
+    let is_first_attempt = !is_rejected & (atomicLoad(&status.collided) == 0u);
     var found = 0u;
     if serves_large_sphere(workgroup) {
         if broadcast_to_workgroup(local, u32(is_first_attempt)) != 0u {

@@ -16,6 +16,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
 use crate::model::lists::Lists;
 use crate::model::part::part;
+use crate::model::status::ESCAPED_ON_PATHS;
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::collision::crossing::Crossing;
@@ -64,6 +65,6 @@ fn find_crossings(world: &mut World, _pass: u32) {
         })
         .reduce(|| 0.0, f32::max);
     let mut tally = Tally::default();
-    tally.escape_ratio = escape_ratio;
+    tally.note_escape(ESCAPED_ON_PATHS, escape_ratio);
     tally.add_to(status);
 }

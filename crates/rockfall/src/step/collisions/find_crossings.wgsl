@@ -24,7 +24,7 @@ fn check_path(i: u32, centre: vec4f, velocity: vec4f) {
         ratio = max(ratio, escape_ratio(i, centre.xyz - step.dt * velocity.xyz, centre.w, aabbs[i]));
     }
     if ratio > 0.0 {
-        report_escape(ratio);
+        report_escape(ratio, ESCAPED_ON_PATHS);
     }
 }
 
@@ -64,7 +64,7 @@ fn find_crossings(
     if i >= step.spheres {
         return;
     }
-    if (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) != 0u) {
+    if was_rejected_before(ESCAPED_ON_PATHS, 0u) | (atomicLoad(&status.collided) != 0u) {
         return;
     }
     let centre = state[position_at(i)];

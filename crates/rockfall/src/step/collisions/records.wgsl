@@ -77,10 +77,11 @@ fn impulse_normal(r: u32) -> vec3f {
     return bitcast<vec4f>(select(collisions[row_at(r, 0u)], collisions[row_at(r, 2u)], is_lone)).xyz;
 }
 
-// The impulse after this number of sweeps.
+// The impulse after this number of sweeps. That of a lone collision is not part of a cluster (docs/physics.md section 3.7), so it is 0 here.
+// `weigh_collisions` may write the parameters of such a collision while another thread reads them for a coupling, which therefore must have no effect.
 fn impulse_after(r: u32, sweeps: u32) -> f32 {
-    let row = collisions[row_at(r, 3u)];
-    return bitcast<f32>(select(row.y, row.x, (sweeps & 1u) == 0u));
+    let row = bitcast<vec4f>(collisions[row_at(r, 3u)]);
+    return select(select(row.y, row.x, (sweeps & 1u) == 0u), 0.0, row.w >= 0.0);
 }
 
 // Number of records. In a step with more collisions than room, which is rejected, the number is limited to the room.

@@ -22,7 +22,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::{GRAIN, LAW_THESIS};
 use crate::model::lists::Lists;
 use crate::model::part::part;
-use crate::model::status::REJECTED_HISTORY;
+use crate::model::status::{ESCAPED_IN_LOADS, REJECTED_HISTORY};
 use crate::model::step::Aabb;
 use crate::model::view::View;
 use crate::model::world::World;
@@ -158,6 +158,6 @@ fn check_places(world: &mut World, pass: u32) {
 
 /// Notes whether a sphere is outside its AABB, and in the last pass of several whether it may soon leave it.
 pub(crate) fn note_place(view: &View, aabbs: &[Aabb], pass: u32, sphere: u32, tally: &mut Tally) {
-    tally.escape_ratio = tally.escape_ratio.max(escape_ratio(view, aabbs, sphere));
+    tally.note_escape(ESCAPED_IN_LOADS + pass, escape_ratio(view, aabbs, sphere));
     tally.rebuild |= pass == 3 && needs_rebuild(view, aabbs, sphere, view.position(sphere), view.velocity(sphere));
 }

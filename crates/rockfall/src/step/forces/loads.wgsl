@@ -35,7 +35,7 @@ fn check_place(i: u32, velocity: vec4f) {
     let place = state[position_at(i)];
     let ratio = escape_ratio(i, place.xyz, place.w, aabbs[i]);
     if ratio > 0.0 {
-        report_escape(ratio);
+        report_escape(ratio, ESCAPED_IN_LOADS + evaluation());
     }
     if evaluation() == 3u {
         request_rebuild(i, place, velocity);
@@ -55,7 +55,7 @@ fn loads(
     if is_early {
         i = sent_sphere(linear_thread(group, groups, local));
     }
-    let are_wanted = are_loads_wanted();
+    let are_wanted = are_loads_wanted(escape_bit(ESCAPED_IN_LOADS + evaluation()));
     let are_due = are_loads_due();
     let net = net_of(workgroup, local, i, are_wanted & are_due);
     if (i < step.spheres) & (is_early | is_writer(workgroup, local)) & are_wanted {

@@ -87,7 +87,7 @@ fn rod_loads(
     begin_contacts(local);
     let rod = linear_thread(group, groups, local);
     var load = no_rod_load();
-    if (rod < step.rods) & are_loads_wanted() & are_loads_due() {
+    if (rod < step.rods) & are_loads_wanted(0u) & are_loads_due() {
         if LAW == LAW_THESIS {
             add_contacts(rod, &load);
         } else {

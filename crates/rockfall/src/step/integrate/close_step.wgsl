@@ -11,7 +11,7 @@ var<workgroup> repeats_step: bool;
 // Whether the next step repeats this one: it was rejected only because a body left its AABB, for the first time, and has new lists.
 fn is_repeated() -> bool {
     let has_new_lists = atomicLoad(&status.rebuild) == REBUILD_DONE;
-    return (atomicLoad(&status.rejected) == REJECTED_ESCAPED) & has_new_lists & (status.repeated == 0u);
+    return has_only_escaped(atomicLoad(&status.rejected)) & has_new_lists & (status.repeated == 0u);
 }
 
 // Drops what a rejected step has counted. Collisions that are done are not repeated.
@@ -116,6 +116,7 @@ fn close_step(local: u32) {
         return;
     }
     if atomicLoad(&status.rejected) != 0u {
+        atomicOr(&status.rejected, REJECTED_BEFORE);
         return;
     }
     count_step();

@@ -9,7 +9,7 @@ use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::model::part::part;
-use crate::model::status::{Counters, NO_BODY, REBUILD_DONE, REJECTED_NON_FINITE, Status};
+use crate::model::status::{Counters, NO_BODY, REBUILD_DONE, REJECTED_BEFORE, REJECTED_NON_FINITE, Status};
 use crate::model::world::World;
 use crate::step::moves::NONE;
 use crate::step::stage::{Stage, write};
@@ -43,6 +43,7 @@ pub(crate) fn end_step(world: &mut World, _pass: u32) {
         return;
     }
     if status.rejected != 0 {
+        status.rejected |= REJECTED_BEFORE;
         return;
     }
     status.steps += 1;

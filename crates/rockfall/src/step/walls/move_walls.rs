@@ -16,6 +16,7 @@ use crate::model::dispatch::Threads;
 use crate::model::layout::{BOX_WORDS, POLYGON_WORDS, POSE_FLOATS, WALL_BODY, WALL_WORDS};
 use crate::model::muscles::MuscleClock;
 use crate::model::part::part;
+use crate::model::status::ESCAPED_ON_WALLS;
 use crate::model::step::Layout;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
@@ -142,7 +143,7 @@ fn check(world: &World, pass: u32) -> Tally {
         let object: Object = view.object(id);
         if let Some(reach) = Reach::of(&view, object) {
             let aabb = &world.aabbs[id as usize];
-            tally.escape_ratio = tally.escape_ratio.max(escape(&view, aabb, &reach, 0.0));
+            tally.note_escape(ESCAPED_ON_WALLS + pass - 1, escape(&view, aabb, &reach, 0.0));
             tally.rebuild |= pass == 3 && escape(&view, aabb, &reach, world.step.lists.list_interval) > 0.0;
         }
     }

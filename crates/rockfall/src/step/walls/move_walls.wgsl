@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/wall_bounds.wgsl physics/walls.wgsl
+// requires model/counters.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/wall_bounds.wgsl physics/walls.wgsl
 
 // Not read. Functions that the kernel shares with others name it.
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
@@ -63,14 +63,12 @@ fn move_walls(
     put_vector(record + 8u, poses[pose + 6u].xyz + cross(spin, around));
 
     // In a rejected step, a request would keep the device from repeating it.
-    if (pass_.index > 0u) & (atomicLoad(&status.rejected) == 0u) {
+    if (pass_.index > 0u) && !was_rejected_before(ESCAPED_ON_WALLS + pass_.index - 1u, 0u) {
         let id = step.spheres + step.rods + wall;
         let reach = reach_of(id);
         let ratio = escape_of_wall(reach, aabbs[id], 0.0);
         if ratio > 0.0 {
-            atomicOr(&status.rejected, REJECTED_ESCAPED);
-            atomicOr(&status.rebuild, REBUILD_REQUESTED);
-            atomicMax(&status.escape_ratio, bitcast<u32>(ratio));
+            report_escape(ratio, ESCAPED_ON_WALLS + pass_.index - 1u);
         }
         if pass_.index == 3u {
             if escape_of_wall(reach, aabbs[id], step.list_interval) > 0.0 {

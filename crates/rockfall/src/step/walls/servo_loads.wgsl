@@ -153,7 +153,7 @@ fn servo_loads(
 ) {
     let mover = linear_thread(group, groups, local);
     let movers = step.spheres + step.rods;
-    if (mover >= movers) | !are_loads_wanted() {
+    if (mover >= movers) | !are_loads_wanted(0u) {
         return;
     }
     for (var servo = 0u; servo < u32(servos[3].y); servo++) {

@@ -1,6 +1,6 @@
 //! Collisions of rods with spheres, with rods and with boxes.
 
-use rockfall::glam::Vec3;
+use rockfall::glam::{DVec3, Vec3};
 use rockfall::{Backend, Scene, Sphere};
 
 use crate::common::*;
@@ -211,6 +211,26 @@ fn a_rod_that_lands_flat_on_two_edges_rebounds_flat(backend: Backend) {
     displacements(&ends, &after, [[0.0; 3]; 2]);
 }
 
+/// Both ends of a rod land on the floor while a ball hits the rod along z. That collision is lone, because the floor is at a right angle
+/// to it, up to the tolerance of section 3.6: n = (0, s, 1). So it takes no part in the cluster of the others (section 3.7): each end
+/// rebounds at 0.75 from the floor, as if there was no ball, and gets its share of j = 1.75 * 10 / (1 + 0.75^2 + 0.25^2) along n.
+fn a_lone_collision_takes_no_part_in_the_cluster_beside_it(backend: Backend) {
+    let mut scene = weightless();
+    let s = 5e-4;
+    let ends = [0.0, 4.0].map(|x| Sphere::new([x, 0.2, 0.0], 0.2).velocity([0.0, -1.0, 0.0]));
+    rod(&mut scene, ends.map(late), 0.1);
+    spheres(&mut scene, [late(Sphere::new([1.0, 0.2 + 0.25 * s, 0.25], 0.15).velocity([0.0, -1.0, -10.0]))]);
+    floor_box(&mut scene);
+    let after = collide(scene, backend);
+    let j = 1.75 * 10.0 / 1.625;
+    let n = DVec3::new(0.0, f64::from(s), 1.0);
+    let expected = [-0.75, -0.25, 1.0].map(|share| share * j * n);
+    for (k, floor) in [0.75, 0.75, -1.0].into_iter().enumerate() {
+        let before = DVec3::new(0.0, floor, if k == 2 { -10.0 } else { 0.0 });
+        near(after[k].velocity, before + expected[k], 2e-4, "velocity");
+    }
+}
+
 both!(
     the_impulse_of_a_ball_is_shared_by_the_ends_of_the_rod,
     a_rod_with_a_fixed_end_has_the_effective_mass_of_the_other_end,
@@ -223,4 +243,5 @@ both!(
     a_rod_near_a_box_edge_does_not_collide,
     a_rod_collides_with_a_box_vertex,
     a_rod_that_lands_flat_on_two_edges_rebounds_flat,
+    a_lone_collision_takes_no_part_in_the_cluster_beside_it,
 );

@@ -72,16 +72,11 @@ fn largest_edge(aabb: Aabb) -> f32 {
     return max(extent.x, max(extent.y, extent.z));
 }
 
+// The lowest level whose cells are as large as the AABB: from one level to the next, the exponent of the size grows by 1. It has no loop,
+// because barriers follow (see sweep_at_once.wgsl).
 fn level_of(aabb: Aabb) -> u32 {
-    let largest = largest_edge(aabb);
-    var level = step.least_level;
-    while level < TOP_LEVEL {
-        if largest <= cell_size(level) {
-            break;
-        }
-        level += 1u;
-    }
-    return level;
+    let above = bitcast<i32>(abs(largest_edge(aabb))) - bitcast<i32>(cell_size(LEVEL_BIAS)) + 0x7fffff;
+    return u32(clamp(i32(LEVEL_BIAS) + (above >> 23u), i32(step.least_level), i32(TOP_LEVEL)));
 }
 
 // Returns whether a mover is long: its AABB is on LONG_LEVEL or above, so that it has to test hundreds of objects. A

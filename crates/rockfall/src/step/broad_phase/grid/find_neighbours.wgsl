@@ -84,13 +84,26 @@ fn key_of(mover: u32, place: u32) -> u32 {
             return NONE;
         }
     }
+    var meets = is_other;
     if RODS {
-        return select(NONE, key, is_other & aabbs_meet(own_aabb, aabbs[id]));
+        meets = is_other & aabbs_meet(own_aabb, aabbs[id]);
+    } else if is_other {
+        meets = may_meet(mover, id);
     }
-    if !is_other | !may_meet(mover, id) {
-        return NONE;
+    count_entries(mover, id, meets);
+    return select(NONE, key, meets);
+}
+
+// Counts the entries of an object of the run. One that was found twice counts twice: which run it is in depends on the order of the
+// objects of a cell, and the count must not.
+fn count_entries(mover: u32, id: u32, meets: bool) {
+    if meets {
+        if has_features(mover) {
+            entries += entries_of(mover, id);
+        } else {
+            entries += 1u;
+        }
     }
-    return key;
 }
 
 fn four_keys(mover: u32, place: u32) -> vec4u {
@@ -168,22 +181,10 @@ fn order_run(mover: u32) {
     }
 }
 
-// Returns the number of entries that the kept ids of the run make.
-fn entries_of_run(mover: u32) -> u32 {
-    var sum = kept;
-    if has_features(mover) {
-        sum = 0u;
-        for (var k = 0u; k < kept; k++) {
-            sum += entries_of(mover, ids[run_at + k]);
-        }
-    }
-    return sum;
-}
-
 // Number of sorted ids that are kept in each run.
 var<private> kept_in_run: vec4u;
 
-// Sorts each run that has objects, and updates the bound of the number of entries.
+// Sorts each run that has objects, and counts the entries.
 fn order_runs(mover: u32) {
     if RODS {
         own_aabb = aabbs[mover];
@@ -195,7 +196,6 @@ fn order_runs(mover: u32) {
         if (k == 0u) | (in_run > 0u) {
             order_run(mover);
             kept_in_run[k] = kept;
-            entries += entries_of_run(mover);
         }
     }
 }
