@@ -17,8 +17,8 @@ const NAMED: usize = 8;
 
 /// Run scenes several times, and compare the bits of all states and the schedules of the steps
 ///
-/// A schedule is the number of steps that were repeated, the number of times that lists were built, and their margin, length and room. The exit code is 1 if
-/// two runs of a scene differ.
+/// A schedule is the number of steps that were repeated, the number of times that lists were built, and their margin, length and room.
+/// The exit code is 1 if two runs of a scene differ.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Arguments {
     /// Scene files, scenes of `rockfall bench` and kinds of `rockfall generate` [default: all scenes and kinds]
@@ -127,4 +127,25 @@ fn difference(first: &[Mark], other: &[Mark]) -> Option<String> {
     let spheres: Vec<usize> = pairs.filter(|(_, (one, two))| one != two).map(|(sphere, _)| sphere).collect();
     let named: Vec<String> = spheres.iter().take(NAMED).map(ToString::to_string).collect();
     Some(format!("after {steps} steps in {} spheres, by number from 0: {}", spheres.len(), named.join(", ")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(states: [u64; 2], schedules: [u64; 2], spheres: [u32; 3]) -> Vec<Mark> {
+        let mark =
+            |k: usize| Mark { steps: 10 + k as u64, state: states[k], schedule: schedules[k], spheres: spheres.to_vec() };
+        vec![mark(0), mark(1)]
+    }
+
+    #[test]
+    fn the_first_difference_is_named() {
+        let first = run([1, 2], [3, 4], [5, 6, 7]);
+        assert_eq!(difference(&first, &run([1, 2], [3, 4], [5, 6, 7])), None);
+        let schedule = difference(&first, &run([1, 2], [3, 5], [5, 6, 7])).expect("a difference");
+        assert_eq!(schedule, "after 11 steps in the schedule alone");
+        let state = difference(&first, &run([0, 2], [3, 4], [5, 0, 0])).expect("a difference");
+        assert_eq!(state, "after 10 steps in 2 spheres, by number from 0: 1, 2");
+    }
 }

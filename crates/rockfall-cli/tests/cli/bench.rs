@@ -202,6 +202,23 @@ fn the_chart_has_a_bar_for_each_phase_of_each_size() {
     assert_eq!(wide.count(), 4, "{text}");
 }
 
+/// Every benchmark and every kind of generated scene.
+#[test]
+fn all_scenes_repeat_on_the_cpu() {
+    let out = bench("repeat --spheres 120 --steps 20 --every 10 --runs 2 --backend cpu", 0);
+    assert_eq!(out.lines().count(), 22, "{out}");
+    assert!(out.lines().all(|line| line.contains(": 2 equal runs, state ")), "{out}");
+}
+
+/// In these scenes the device repeats steps by itself, and the host repeats some for more room.
+#[test]
+fn states_and_schedules_repeat_on_the_gpu() {
+    let out = bench("repeat pile mixed generate:clumps --spheres 700 --steps 60 --runs 3 --backend gpu", 0);
+    assert_eq!(out.lines().filter(|line| line.contains(": 3 equal runs, state ")).count(), 3, "{out}");
+    bench("repeat heap.txt --backend cpu", 2);
+    bench("repeat pile --runs 1", 2);
+}
+
 #[test]
 fn wrong_arguments_exit_with_code_2() {
     for arguments in [
