@@ -107,7 +107,7 @@ impl Saved {
     fn read(path: &Path) -> Result<Self, Failure> {
         let checkpoint = Checkpoint::load(path).map_err(Failure::usage)?;
         // A checkpoint of another program has no such note, and its steps are not divided.
-        let past: Past = serde_json::from_str(&checkpoint.note).unwrap_or_default();
+        let past: Past = Past::of_note(&checkpoint.note, path).unwrap_or_default();
         let dt = if past.dt > 0.0 { past.dt } else { checkpoint.time_step };
         Ok(Self { parts: past.parts(), dt, checkpoint })
     }

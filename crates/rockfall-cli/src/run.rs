@@ -18,22 +18,26 @@ use crate::source::Source;
 use crate::summary::Summary;
 
 mod bodies;
+mod checkpoints;
 mod contacts;
 mod errors;
 mod gauges;
 mod outputs;
 mod past;
+mod place;
 mod resume;
 mod samples;
 mod save;
 pub(crate) mod team;
 mod tensions;
 mod trace;
+mod wanted;
 
-use outputs::{Outputs, Wanted};
+use outputs::Outputs;
 pub(crate) use past::Past;
 pub(crate) use resume::Given;
 use team::{Next, Starting, Team};
+use wanted::Wanted;
 
 /// Number of steps of scenes that have none.
 const DEFAULT_STEPS: u64 = 1000;
@@ -49,7 +53,9 @@ device can still be read, and the last checkpoint is left unchanged.
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
 everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --trace-every, --contacts, --tensions, \
 --gauges, --bodies, --save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
-reported. With the same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
+reported. Outputs below the folder of the checkpoint are used where the folder is now. Others need to be named again, or \
+--outputs-as-recorded: a checkpoint of somebody else could name any file. With the \
+same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
 those of a run that was never stopped. A checkpoint of a program that uses the library or of Python has no number of steps, so \
 it needs --steps. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
 A run that is killed leaves these files; --resume continues them, and a new run that writes to the same path replaces them.
@@ -155,6 +161,9 @@ pub(crate) struct Arguments {
     /// Continue the run from a checkpoint
     #[arg(long, value_name = "FILE", conflicts_with = "scene")]
     resume: Option<PathBuf>,
+    /// With --resume, also write to outputs of the checkpoint that are not below its folder
+    #[arg(long, requires = "resume")]
+    outputs_as_recorded: bool,
     /// Print one JSON object instead of the summary
     #[arg(long)]
     json: bool,
@@ -198,7 +207,7 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
         return Ok(());
     }
     let step = past.step(team.steps(&simulation));
-    let checkpoint = outputs.checkpoint().map(|path| path.display().to_string());
+    let command = outputs.command();
     let finished = outputs.finish(&mut simulation, &past);
     let stopped = step < past.steps;
     if stopped || result.is_err() {
@@ -231,7 +240,7 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
         None => {}
     }
     if stopped {
-        let how = checkpoint.map_or(String::new(), |path| format!("; continue with: rockfall run --resume {path}"));
+        let how = command.map_or(String::new(), |command| format!("; continue with: {command}"));
         return Err(Failure::Interrupted(format!("stopped at step {step} of {}{how}", past.steps)));
     }
     Ok(())

@@ -64,3 +64,13 @@ def test_wrong_shapes_and_bodies_are_errors() -> None:
     with pytest.raises(ValueError, match="row 1: body.angular_momentum"):
         scene.add_bodies(dumbbell(scene), [[0, 0, 0], [9, 0, 0]], spins=[[0, 0, 0], [0, 3e38, 0]])
     assert scene.counts.spheres == 0
+
+
+def test_states_of_bodies_are_read_only_copies() -> None:
+    scene = rf.Scene()
+    scene.add_bodies(dumbbell(scene), [[0, 0, 0]])
+    sim = rf.Simulation(scene, dt=0.01, backend="cpu")
+    for bodies in (scene.bodies, sim.bodies):
+        for field in ("positions", "orientations", "velocities", "angular_momenta"):
+            with pytest.raises(ValueError, match="read-only"):
+                getattr(bodies, field)[0] = 1

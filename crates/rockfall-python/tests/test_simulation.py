@@ -76,6 +76,10 @@ def test_the_first_steps_warn_of_an_unsuitable_time_step() -> None:
     assert "at the start, and" in told[-1]
     assert all(warning.filename == __file__ for warning in caught)
     sim.run(2)
+    # Methods with keyword arguments have a frame more.
+    with pytest.warns(rf.SceneWarning) as caught:
+        rf.Simulation(scene, backend="cpu").run(1)
+    assert all(warning.filename == __file__ for warning in caught)
     sim.dt = 0.01
     with pytest.warns(rf.SceneWarning, match="^time step 0.01 s: .*unstable"):
         sim.run(1)

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -169,6 +170,50 @@ def test_tables(tmp_path):
     assert "<table" in result._repr_html_()
     result.to_parquet(tmp_path / "table.parquet")
     assert parquet.read_table(tmp_path / "table.parquet").to_pydict() == result.columns()
+
+
+ENDLESS = '''
+import os, sys, time, rockfall as rf
+def run(scene, backend, a):
+    open(f"{sys.argv[1]}/{os.getpid()}", "w").close()
+    time.sleep(1000)
+    return {}
+try:
+    rf.sweep(lambda a: None, {"a": [1, 2, 3, 4]}, run, backend="cpu", workers=2, progress=False)
+except KeyboardInterrupt:
+    sys.exit(42)
+'''
+
+
+def is_alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    # The process that adopts orphans may not have taken its exit code yet.
+    status = Path(f"/proc/{process}/stat")
+    return not (status.exists() and status.read_text().rsplit(")", 1)[1].split()[0] == "Z")
+
+
+# `kill` and many tools signal one process, and not its group as Ctrl-C in a terminal does.
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 42), (signal.SIGTERM, -signal.SIGTERM)])
+def test_a_signal_to_the_program_ends_its_workers(tmp_path, number, code):
+    pytest.importorskip("cloudpickle")
+    script, flags = tmp_path / "endless.py", tmp_path / "flags"
+    script.write_text(ENDLESS)
+    flags.mkdir()
+    program = subprocess.Popen([sys.executable, script, flags], start_new_session=True)
+    end = time.monotonic() + 60
+    while len(list(flags.iterdir())) < 2:
+        assert time.monotonic() < end and program.poll() is None, "the workers do not start"
+        time.sleep(0.01)
+    program.send_signal(number)
+    assert program.wait(20) == code
+    workers, end = [int(flag.name) for flag in flags.iterdir()], time.monotonic() + 20
+    while any(map(is_alive, workers)):
+        assert time.monotonic() < end, "the workers outlive their program"
+        time.sleep(0.01)
 
 
 # Ray itself warns of what later versions of it change.

@@ -347,3 +347,10 @@ def test_worlds_have_moving_walls() -> None:
     resting.set_sleep(1.0, steps=5, skip=True)
     resting.run(20)
     assert resting.report()["steps"].tolist() == [20], "a wall may come"
+
+
+def test_too_many_worlds_are_an_error() -> None:
+    scene = rf.Scene()
+    scene.add_sphere([0, 1, 0], radius=0.1)
+    with pytest.raises(ValueError, match="100000000 worlds is not allowed, expected at most 1048576 worlds"):
+        rf.Worlds(scene, dt=0.01, count=100_000_000, backend="cpu")

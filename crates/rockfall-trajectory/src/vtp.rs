@@ -25,7 +25,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use rockfall::Scene;
-use rockfall::output::{AtomicFile, Mark};
+use rockfall::output::{AtomicFile, Mark, remove_link};
 
 use crate::Frame;
 use crate::frame::{Indices, bytes_of};
@@ -117,7 +117,9 @@ impl Series {
     }
 }
 
+/// Writes a file of the folder, whose name nobody has chosen.
 fn commit(path: &Path, write: impl FnOnce(&mut AtomicFile) -> io::Result<()>) -> io::Result<()> {
+    remove_link(path)?;
     let mut file = AtomicFile::create(path)?;
     write(&mut file)?;
     file.commit()

@@ -123,6 +123,11 @@ export async function pageRunsOnCpu(address) {
     await page.goto("about:blank");
     await page.goto(`${shared.slice(0, -9)}`);
     await page.waitForFunction(() => document.querySelector("#message").textContent.includes("damaged"));
+    // A short address can hold a long text.
+    const long = await page.evaluate(async () => (await import(new URL("share.js", location.href).href)).toFragment(" ".repeat(17e6)));
+    await page.goto("about:blank");
+    await page.goto(`${address}${long}`);
+    await page.waitForFunction(() => document.querySelector("#message").textContent.includes("at most 16 MB"));
 
     // With keys only.
     await page.goto("about:blank");
@@ -139,6 +144,15 @@ export async function pageRunsOnCpu(address) {
     await page.keyboard.press("r");
     await page.waitForFunction(() => window.rockfallPage.stage.steps < 20);
     assert.deepEqual(problems, []);
+
+    // The browser notes the refusal on its console.
+    const isStrict = await page.evaluate(() => {
+        const script = document.createElement("script");
+        script.textContent = "window.wasRun = true";
+        document.head.append(script);
+        return window.wasRun === undefined;
+    });
+    assert.ok(isStrict, "the page runs only scripts of its own files");
     await browser.close();
 }
 

@@ -122,18 +122,25 @@ pub(crate) struct History {
 }
 
 impl Checkpoint {
-    /// Writes the checkpoint to a file. The file appears complete or not at all, and is on the disk when this returns.
+    /// Writes the checkpoint to a file. The file appears complete or not at all, and is on the disk when this returns. An earlier file
+    /// stays until the new one has been read back.
     ///
     /// # Errors
-    /// [`Error::File`] when the file cannot be written.
+    /// [`Error::File`] when the file cannot be written or read back.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
-        let write = || {
-            let mut file = AtomicFile::create(path)?;
-            self.write(&mut file)?;
-            file.commit()
-        };
-        write().map_err(|source| Error::File { file: path.to_owned(), source })
+        let file = AtomicFile::create(path).map_err(|source| Error::File { file: path.to_owned(), source })?;
+        self.save_to(file)
+    }
+
+    /// Like [`Checkpoint::save`], to a file that has been opened.
+    ///
+    /// # Errors
+    /// As for [`Checkpoint::save`].
+    pub fn save_to(&self, mut file: AtomicFile) -> Result<()> {
+        let path = file.path().to_owned();
+        let saved = self.write(&mut file).and_then(|()| read_back(&mut file)).and_then(|()| file.commit());
+        saved.map_err(|source| Error::File { file: path, source })
     }
 
     /// Reads a checkpoint from a file.
@@ -206,6 +213,19 @@ impl Checkpoint {
         objects::write(&self.scene, &mut out)?;
         let crc32 = out.crc32.finalize();
         out.out.write_all(&crc32.to_le_bytes())
+    }
+}
+
+/// Checks that a file that was written can be read. A device cannot.
+fn read_back(file: &mut AtomicFile) -> io::Result<()> {
+    let mut bytes = Vec::new();
+    match file.reader() {
+        Err(error) if error.kind() == io::ErrorKind::Unsupported => return Ok(()),
+        reader => io::Read::read_to_end(reader?, &mut bytes)?,
+    };
+    match Checkpoint::from_bytes(&bytes, file.path()) {
+        Err(Error::Checkpoint { reason, .. }) => Err(io::Error::other(format!("it could not be read back: {reason}"))),
+        _ => Ok(()),
     }
 }
 

@@ -106,8 +106,8 @@ pub enum Error {
     Device(String),
     /// The scene exceeds a limit of the device or of the engine.
     #[error(
-        "the scene does not fit: {what} would take {needed} bytes, the limit is {limit}; use fewer objects or, if the \
-         limit is that of the GPU, a device with a higher max_storage_buffers_per_shader_stage (a buffer larger than one \
+        "the scene does not fit: {what} would take {needed} bytes, the limit is {limit}; use fewer objects, or fewer in one \
+         place, or, if the limit is that of the GPU, a device with a higher max_storage_buffers_per_shader_stage (a buffer larger than one \
          binding takes several) or --backend cpu"
     )]
     DeviceLimit {

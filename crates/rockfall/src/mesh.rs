@@ -3,6 +3,7 @@
 //! Every mesh passes [`Mesh::new`], whatever it comes from. So its indices are in range, its coordinates are finite, equal vertices
 //! are one vertex, and no triangle is degenerate.
 
+use std::io::Read as _;
 use std::path::Path;
 
 use glam::DVec3;
@@ -79,6 +80,27 @@ impl MeshFormat {
     }
 }
 
+/// Size of the largest file that is read, in bytes.
+const LARGEST_FILE: u64 = 4 << 30;
+
+/// Reads a file that has an end. A scene of a stranger may name a device, a pipe or a file that grows.
+fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+    let failed = |source| Error::File { file: path.to_owned(), source };
+    let wrong = |message| Error::Mesh { file: path.to_owned(), place: MeshPlace::Whole, message };
+    // Before it is opened, because opening a pipe waits for its other end.
+    let found = std::fs::metadata(path).map_err(failed)?;
+    if !found.is_file() {
+        return Err(wrong("a folder, a device or a pipe, expected a regular file".to_owned()));
+    }
+    if found.len() > LARGEST_FILE {
+        return Err(wrong(format!("{} bytes, expected at most {LARGEST_FILE}", found.len())));
+    }
+    let mut bytes = Vec::new();
+    let file = std::fs::File::open(path).map_err(failed)?;
+    file.take(LARGEST_FILE).read_to_end(&mut bytes).map_err(failed)?;
+    Ok(bytes)
+}
+
 impl Mesh {
     /// Makes a mesh of vertices and of triangles with indices from 0. Welds equal vertices, and leaves out degenerate triangles and
     /// vertices that no triangle uses.
@@ -114,7 +136,8 @@ impl Mesh {
     /// Reads a file. The extension of its name decides the format: `.stl`, `.obj` or `.ply`, in any case.
     ///
     /// # Errors
-    /// [`Error::File`] when it cannot be read. [`Error::Mesh`] for another extension, and as for [`Mesh::parse`].
+    /// [`Error::File`] when it cannot be read. [`Error::Mesh`] for another extension, for what is not a regular file, for a file of more
+    /// than 4 GiB, and as for [`Mesh::parse`].
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let Some(format) = MeshFormat::of(path) else {
@@ -125,8 +148,7 @@ impl Mesh {
             let message = format!("{message}, expected .stl, .obj or .ply");
             return Err(Error::Mesh { file: path.to_owned(), place: MeshPlace::Whole, message });
         };
-        let bytes = std::fs::read(path).map_err(|source| Error::File { file: path.to_owned(), source })?;
-        Self::parse_named(&bytes, format, path)
+        Self::parse_named(&bytes_of(path)?, format, path)
     }
 
     /// Reads the content of a file.

@@ -19,11 +19,13 @@ pub struct Mark {
 /// A file that is written as `.NAME.part` next to its target and renamed to the target by [`AtomicFile::commit`]. Until then an
 /// existing target stays unchanged. If dropped before the commit, the file is removed, unless a [`Mark`] was taken.
 ///
-/// If a program is killed, its partial file remains, and the next program that writes to the same target uses it. The partial
-/// file is locked, so that two programs cannot write to it at the same time. A target that is not a regular file (a device, a
-/// pipe) is written to directly.
+/// If a program is killed, its partial file remains, and the next program that writes to the same target continues or replaces it.
+/// The partial file is locked, so that two programs cannot write to it at the same time. A link in its place is removed and never
+/// followed. A target that is not a regular file (a device, a pipe) is written to directly.
 #[derive(Debug)]
 pub struct AtomicFile {
+    /// The path that the caller gave.
+    path: PathBuf,
     writer: BufWriter<File>,
     /// Paths of the partial file and the target. `None` once committed, and for a target that is written to directly.
     places: Option<(PathBuf, PathBuf)>,
@@ -44,12 +46,10 @@ impl AtomicFile {
     /// The error of the operating system; [`io::ErrorKind::ResourceBusy`] while another program writes to the same target.
     pub fn create(path: &Path) -> io::Result<Self> {
         let Some(target) = regular(path)? else {
-            return Ok(Self::new(OpenOptions::new().write(true).open(path)?, None));
+            return Ok(Self::new(path, OpenOptions::new().write(true).open(path)?, None));
         };
         let beside = beside(&target)?;
-        let file = open_locked(&beside)?;
-        file.set_len(0)?;
-        Ok(Self::new(file, Some((beside, target))))
+        Ok(Self::new(path, open_new(&beside)?, Some((beside, target))))
     }
 
     /// Opens the file to continue after a mark, from the partial file of a program that ended early, or from the finished file.
@@ -62,31 +62,33 @@ impl AtomicFile {
             return Self::create(path);
         };
         let beside = beside(&target)?;
-        let left = beside.exists();
-        let mut file = open_locked(&beside)?;
-        let crc32 = match left.then(|| hash(&mut file, mark)).transpose()?.flatten() {
-            Some(crc32) => crc32,
-            None => match copy_of(&target, &mut file, mark) {
-                Ok(crc32) => crc32,
-                Err(error) => {
-                    // A partial file that was left may still be useful to the user. An empty file is not.
-                    if !left {
-                        let _ = fs::remove_file(&beside);
-                    }
-                    return Err(error);
-                }
-            },
+        let mut left = open_left(&beside)?;
+        let (mut file, crc32) = match left.as_mut().map(|file| hash(file, mark)).transpose()?.flatten().zip(left) {
+            Some((crc32, file)) => (file, crc32),
+            None => {
+                // A partial file that was left may still be useful to the user, until the finished file has proved to be.
+                let mut finished = finished(&target, mark)?;
+                let mut file = open_new(&beside)?;
+                let copied = copy_of(&mut finished, &mut file, mark);
+                (file, copied.inspect_err(|_| drop(fs::remove_file(&beside)))?)
+            }
         };
         file.set_len(mark.bytes)?;
         file.seek(SeekFrom::Start(mark.bytes))?;
-        let mut resumed = Self::new(file, Some((beside, target)));
+        let mut resumed = Self::new(path, file, Some((beside, target)));
         (resumed.bytes, resumed.crc32, resumed.marked) = (mark.bytes, crc32, true);
         Ok(resumed)
     }
 
-    fn new(file: File, places: Option<(PathBuf, PathBuf)>) -> Self {
+    fn new(path: &Path, file: File, places: Option<(PathBuf, PathBuf)>) -> Self {
         let writer = BufWriter::with_capacity(1 << 16, file);
-        Self { writer, places, bytes: 0, crc32: Hasher::new(), marked: false, failed: false, read: false }
+        let path = path.to_owned();
+        Self { path, writer, places, bytes: 0, crc32: Hasher::new(), marked: false, failed: false, read: false }
+    }
+
+    /// The path of the target, as it was given.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// Writes everything so far to the disk, and keeps it from now on even if the file is not committed. Returns `None` for a
@@ -131,6 +133,10 @@ impl AtomicFile {
         self.writer.flush()?;
         if let Some((beside, target)) = &self.places {
             sync(self.writer.get_ref())?;
+            if !is_at(self.writer.get_ref(), beside) {
+                let message = format!("{} was replaced or removed while it was written", beside.display());
+                return Err(io::Error::other(message));
+            }
             fs::rename(beside, target)?;
             sync_folder(target);
             self.places = None;
@@ -166,7 +172,9 @@ impl Drop for AtomicFile {
     fn drop(&mut self) {
         if let Some((beside, _)) = self.places.as_ref().filter(|_| !self.marked) {
             // An error cannot be reported here.
-            let _ = fs::remove_file(beside);
+            if is_at(self.writer.get_ref(), beside) {
+                let _ = fs::remove_file(beside);
+            }
         }
     }
 }
@@ -193,35 +201,73 @@ fn beside(target: &Path) -> io::Result<PathBuf> {
     Ok(target.with_file_name(name))
 }
 
-/// Opens or creates a file that no other program writes to.
-fn open_locked(path: &Path) -> io::Result<File> {
+/// Opens the partial file that an earlier program left, if there is one that no other program writes to.
+fn open_left(path: &Path) -> io::Result<Option<File>> {
     loop {
-        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)?;
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) => {
-                let message = format!("another program is writing it ({} is locked)", path.display());
-                return Err(io::Error::new(io::ErrorKind::ResourceBusy, message));
-            }
-            // Some file systems do not support locks.
-            Ok(()) | Err(TryLockError::Error(_)) => {}
+        match fs::symlink_metadata(path) {
+            Ok(found) if found.is_file() => {}
+            // A link, or a pipe.
+            Ok(_) => fs::remove_file(path)?,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(error),
         }
-        // Another program may have renamed it since it was opened.
-        if is_at(&file, path) {
-            return Ok(file);
+        match OpenOptions::new().read(true).write(true).open(path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => return Err(error),
+            Ok(file) if is_locked_at(&file, path)? => return Ok(Some(file)),
+            Ok(_) => {}
         }
     }
 }
 
+/// Creates a partial file, in place of one that an earlier program left.
+fn open_new(path: &Path) -> io::Result<File> {
+    loop {
+        // What was left is locked until it is removed. It may be another name of a file elsewhere, so it is not written to.
+        if let Some(_left) = open_left(path)? {
+            fs::remove_file(path)?;
+        }
+        match OpenOptions::new().read(true).write(true).create_new(true).open(path) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(error) => return Err(error),
+            Ok(file) if is_locked_at(&file, path)? => return Ok(file),
+            Ok(_) => {}
+        }
+    }
+}
+
+/// Locks an open file. Returns whether it still has its name, which another program may have taken since it was opened.
+fn is_locked_at(file: &File, path: &Path) -> io::Result<bool> {
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            let message = format!("another program is writing it ({} is locked)", path.display());
+            Err(io::Error::new(io::ErrorKind::ResourceBusy, message))
+        }
+        // Some file systems do not support locks.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(is_at(file, path)),
+    }
+}
+
+/// Whether a path is that of an open file, and not of a link or of another file.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt as _;
     let number = |found: fs::Metadata| (found.dev(), found.ino());
-    file.metadata().map(number).ok() == fs::metadata(path).map(number).ok()
+    file.metadata().map(number).ok() == fs::symlink_metadata(path).map(number).ok()
 }
 
 #[cfg(not(unix))]
 fn is_at(_file: &File, path: &Path) -> bool {
-    path.exists()
+    fs::symlink_metadata(path).is_ok_and(|found| found.is_file())
+}
+
+/// Removes a link that is in the place of an output whose name the program has chosen. [`AtomicFile`] follows the links of names
+/// that users give.
+///
+/// # Errors
+/// The error of the operating system.
+pub fn remove_link(path: &Path) -> io::Result<()> {
+    if fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink()) { fs::remove_file(path) } else { Ok(()) }
 }
 
 /// The hash of a file from its beginning up to a mark; `None` if it differs from the mark.
@@ -232,15 +278,19 @@ fn hash(file: &mut File, mark: Mark) -> io::Result<Option<Hasher>> {
     Ok((copied == mark.bytes && crc32.clone().finalize() == mark.crc32).then_some(crc32))
 }
 
-/// Copies the finished file up to a mark, and returns the hash.
-fn copy_of(target: &Path, file: &mut File, mark: Mark) -> io::Result<Hasher> {
+/// Opens the finished file, if it is what was written up to a mark.
+fn finished(target: &Path, mark: Mark) -> io::Result<File> {
     let mut finished = File::open(target)
         .map_err(|error| io::Error::new(error.kind(), "what was written of it before is not there any more"))?;
-    if hash(&mut finished, mark)?.is_none() {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "it is not what was written before"));
+    match hash(&mut finished, mark)? {
+        Some(_) => Ok(finished),
+        None => Err(io::Error::new(io::ErrorKind::InvalidData, "it is not what was written before")),
     }
+}
+
+/// Copies the finished file up to a mark, and returns the hash.
+fn copy_of(finished: &mut File, file: &mut File, mark: Mark) -> io::Result<Hasher> {
     finished.seek(SeekFrom::Start(0))?;
-    file.seek(SeekFrom::Start(0))?;
     let mut crc32 = Hasher::new();
     copy(&mut finished.take(mark.bytes), &mut crc32, file)?;
     Ok(crc32)
@@ -279,129 +329,4 @@ fn sync_folder(target: &Path) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// An empty folder for one test, removed at its end.
-    struct Folder(PathBuf);
-
-    impl Folder {
-        fn new(name: &str) -> Self {
-            let path = std::env::temp_dir().join(format!("rockfall-{name}-{}", std::process::id()));
-            fs::create_dir_all(&path).unwrap();
-            Self(path)
-        }
-
-        fn names(&self) -> Vec<OsString> {
-            fs::read_dir(&self.0).unwrap().map(|entry| entry.unwrap().file_name()).collect()
-        }
-    }
-
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            let _ = fs::remove_dir_all(&self.0);
-        }
-    }
-
-    #[test]
-    fn an_existing_file_stays_until_the_commit() {
-        let folder = Folder::new("commit");
-        let path = folder.0.join("a.txt");
-        fs::write(&path, "old").unwrap();
-        let mut file = AtomicFile::create(&path).unwrap();
-        file.write_all(b"new").unwrap();
-        file.flush().unwrap();
-        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
-        file.commit().unwrap();
-        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
-        assert_eq!(folder.names(), ["a.txt"]);
-    }
-
-    #[test]
-    fn a_dropped_file_leaves_nothing() {
-        let folder = Folder::new("drop");
-        let mut file = AtomicFile::create(&folder.0.join("a.txt")).unwrap();
-        file.write_all(b"half").unwrap();
-        drop(file);
-        assert!(folder.names().is_empty());
-    }
-
-    #[test]
-    fn missing_folders_and_folders_as_targets_are_errors_at_once() {
-        let folder = Folder::new("missing");
-        assert!(AtomicFile::create(&folder.0.join("no/a.txt")).is_err());
-        assert!(AtomicFile::create(&folder.0).is_err());
-    }
-
-    #[test]
-    fn the_partial_file_of_a_killed_program_is_continued() {
-        let folder = Folder::new("resume");
-        let path = folder.0.join("a.txt");
-        let mut file = AtomicFile::create(&path).unwrap();
-        file.write_all(b"one,").unwrap();
-        let mark = file.mark().unwrap().unwrap();
-        assert_eq!(mark, Mark { bytes: 4, crc32: crc32fast::hash(b"one,") });
-        file.write_all(b"lost").unwrap();
-        file.flush().unwrap();
-        drop(file);
-        assert_eq!(folder.names(), [".a.txt.part"]);
-
-        let mut file = AtomicFile::resume(&path, mark).unwrap();
-        file.write_all(b"two").unwrap();
-        let later = file.mark().unwrap().unwrap();
-        assert_eq!(later, Mark { bytes: 7, crc32: crc32fast::hash(b"one,two") });
-        file.commit().unwrap();
-        assert_eq!(fs::read_to_string(&path).unwrap(), "one,two");
-        assert_eq!(folder.names(), ["a.txt"]);
-
-        // A finished file can be continued too. It stays unchanged until the commit.
-        let mut file = AtomicFile::resume(&path, mark).unwrap();
-        file.write_all(b"three").unwrap();
-        assert_eq!(fs::read_to_string(&path).unwrap(), "one,two");
-        file.commit().unwrap();
-        assert_eq!(fs::read_to_string(&path).unwrap(), "one,three");
-    }
-
-    #[test]
-    fn missing_and_changed_files_are_not_continued() {
-        let folder = Folder::new("foreign");
-        let path = folder.0.join("a.txt");
-        let mark = Mark { bytes: 4, crc32: crc32fast::hash(b"one,") };
-        assert_eq!(AtomicFile::resume(&path, mark).unwrap_err().kind(), io::ErrorKind::NotFound);
-        fs::write(&path, "two,three").unwrap();
-        assert_eq!(AtomicFile::resume(&path, mark).unwrap_err().kind(), io::ErrorKind::InvalidData);
-        fs::write(&path, "one").unwrap();
-        assert_eq!(AtomicFile::resume(&path, mark).unwrap_err().kind(), io::ErrorKind::InvalidData);
-        assert_eq!(folder.names(), ["a.txt"], "nothing is left behind");
-        assert_eq!(fs::read_to_string(&path).unwrap(), "one");
-    }
-
-    #[test]
-    fn a_file_can_be_read_and_then_continued() {
-        let folder = Folder::new("read");
-        let path = folder.0.join("a.txt");
-        let mut file = AtomicFile::create(&path).unwrap();
-        file.write_all(b"one,two,").unwrap();
-        let mut start = [0; 3];
-        file.reader().unwrap().read_exact(&mut start).unwrap();
-        assert_eq!(&start, b"one");
-        file.write_all(b"three").unwrap();
-        file.commit().unwrap();
-        assert_eq!(fs::read_to_string(&path).unwrap(), "one,two,three");
-    }
-
-    #[test]
-    fn leftovers_are_reused_and_second_writers_are_refused() {
-        let folder = Folder::new("leftover");
-        let path = folder.0.join("a.txt");
-        fs::write(folder.0.join(".a.txt.part"), "left by a program that was killed").unwrap();
-        let mut file = AtomicFile::create(&path).unwrap();
-        assert_eq!(AtomicFile::create(&path).unwrap_err().kind(), io::ErrorKind::ResourceBusy);
-        file.write_all(b"new").unwrap();
-        file.commit().unwrap();
-        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
-        assert_eq!(folder.names(), ["a.txt"]);
-        AtomicFile::create(&path).unwrap().discard();
-        assert_eq!(folder.names(), ["a.txt"]);
-    }
-}
+mod output_tests;

@@ -20,6 +20,7 @@ mod control;
 #[cfg(feature = "gpu")]
 mod device;
 mod observe;
+mod room;
 mod sample;
 mod sleep;
 #[cfg(feature = "gpu")]
@@ -125,7 +126,7 @@ impl Worlds {
     ///
     /// # Errors
     /// As for [`Simulation::with_options`], for the first scene that is refused. [`Error::Law`](crate::Error::Law) for options with
-    /// force laws or a contact law.
+    /// force laws or a contact law. [`Error::Invalid`] for more than 1,048,576 worlds, and for worlds that do not fit in memory.
     pub fn new(scenes: impl IntoIterator<Item = Scene>, options: Options) -> Result<Self> {
         if let Some(law) = options.force_laws.first() {
             return Err(law.error("Worlds do not take force laws, expected a Simulation for each scene"));
@@ -134,7 +135,7 @@ impl Worlds {
             return Err(law.error("Worlds do not take contact laws of the program, expected a Simulation for each scene"));
         }
         let mut worlds = Self::empty(options)?;
-        let scenes: Vec<Scene> = scenes.into_iter().collect();
+        let scenes = room::collected(scenes)?;
         #[cfg(feature = "gpu")]
         {
             worlds.shared = device::shared_integrator(&scenes, &worlds.options);
@@ -153,7 +154,7 @@ impl Worlds {
     /// # Errors
     /// As for [`Worlds::new`]. The worlds are unchanged then.
     pub fn replace_all(&mut self, scenes: impl IntoIterator<Item = Scene>) -> Result<()> {
-        let scenes: Vec<Scene> = scenes.into_iter().collect();
+        let scenes = room::collected(scenes)?;
         #[cfg(feature = "gpu")]
         {
             let before = std::mem::replace(&mut self.shared, device::shared_integrator(&scenes, &self.options));

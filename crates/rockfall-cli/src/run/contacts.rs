@@ -8,7 +8,7 @@ use rockfall_trajectory::Format;
 use rockfall_trajectory::contacts::{Contacts, Writer, lines};
 
 use super::errors::{lost, written};
-use super::past::{Past, PastFile, whole};
+use super::past::{Past, PastFile};
 use crate::failure::Failure;
 
 pub(super) enum ContactsFile {
@@ -67,7 +67,7 @@ impl ContactsFile {
             Self::Frames(_, writer, _) => written(writer.mark())?,
             _ => None,
         };
-        Ok(PastFile::new(whole(self.path()), mark))
+        Ok(PastFile::new(self.path().to_owned(), mark))
     }
 
     pub(super) fn finish(self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {

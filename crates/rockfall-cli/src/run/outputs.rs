@@ -8,82 +8,18 @@ use rockfall_trajectory::csv;
 use rockfall_trajectory::{Format, Frame, Writer, vtp};
 
 use super::bodies::BodiesFile;
+use super::checkpoints::CheckpointFile;
 use super::contacts::ContactsFile;
 use super::errors::{lost, written};
 use super::gauges::GaugesFile;
-use super::past::{Metered, Past, PastFile, whole};
+use super::past::{Metered, Past, PastFile};
+use super::place::Place;
 use super::save;
 use super::tensions::TensionsFile;
 use super::trace::TraceFile;
+use super::wanted::Wanted;
 use crate::failure::Failure;
 use crate::output;
-
-/// Output files requested by the command line or by the run that is resumed.
-#[derive(Debug, Default)]
-pub(crate) struct Wanted {
-    pub(crate) out: Option<PathBuf>,
-    pub(crate) every: Option<u64>,
-    /// Spheres of periodic scenes are written where they have got to, not where they are in the box.
-    pub(crate) unwrapped: bool,
-    pub(crate) trace: Option<PathBuf>,
-    pub(crate) trace_every: Option<u64>,
-    pub(crate) contacts: Option<PathBuf>,
-    pub(crate) tensions: Option<PathBuf>,
-    pub(crate) gauges: Option<PathBuf>,
-    pub(crate) bodies: Option<PathBuf>,
-    pub(crate) save: Option<PathBuf>,
-    pub(crate) checkpoint: Option<PathBuf>,
-    pub(crate) checkpoint_every: Option<u64>,
-}
-
-impl Wanted {
-    /// Returns an error if the options contradict each other.
-    pub(super) fn check(&self) -> Result<(), Failure> {
-        let list = |path: &PathBuf| match Format::of(path) {
-            Some(Format::Vtp) if self.every.is_some() => path.with_extension("pvd"),
-            _ => path.clone(),
-        };
-        let [out, contacts] = [&self.out, &self.contacts].map(|path| path.as_ref().map(list));
-        let names = [
-            ("--out", &out),
-            ("--contacts", &contacts),
-            ("--tensions", &self.tensions),
-            ("--gauges", &self.gauges),
-            ("--bodies", &self.bodies),
-            ("--trace", &self.trace),
-            ("--save", &self.save),
-            ("--checkpoint", &self.checkpoint),
-        ];
-        let names = names.map(|(name, path)| (name, path.as_deref().map(whole)));
-        for (place, (one, path)) in names.iter().enumerate() {
-            if let Some((other, _)) = names[..place].iter().find(|(_, other)| path.is_some() && other == path) {
-                return Err(Failure::usage(format!("{other} and {one} name the same file")));
-            }
-        }
-        let files = [&self.out, &self.contacts, &self.tensions, &self.gauges, &self.bodies];
-        if self.every.is_some() && files.into_iter().all(Option::is_none) {
-            let message = "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE, --gauges FILE or \
-                           --bodies FILE";
-            return Err(Failure::usage(message));
-        }
-        if self.unwrapped && self.out.is_none() {
-            return Err(Failure::usage("--unwrapped needs a file to write to: expected --out FILE"));
-        }
-        if self.trace_every.is_some() && self.trace.is_none() {
-            return Err(Failure::usage("--trace-every needs a file to write to: expected --trace FILE"));
-        }
-        if self.checkpoint_every.is_some() && self.checkpoint.is_none() {
-            return Err(Failure::usage("--checkpoint-every needs a file to write to: expected --checkpoint FILE"));
-        }
-        for (option, path) in [("--out", &self.out), ("--contacts", &self.contacts)] {
-            let pvd = |path: &PathBuf| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pvd"));
-            if self.every.is_none() && path.as_ref().is_some_and(pvd) {
-                return Err(Failure::usage(format!("{option}: a .pvd file holds a series of states, expected --every K")));
-            }
-        }
-        Ok(())
-    }
-}
 
 /// Output of `--out`.
 enum Out {
@@ -105,19 +41,17 @@ pub(crate) struct Outputs {
     bodies: Option<BodiesFile>,
     save: Option<(PathBuf, AtomicFile)>,
     unwrapped: bool,
-    checkpoint: Option<PathBuf>,
-    checkpoint_every: Option<u64>,
+    checkpoint: Option<CheckpointFile>,
     /// Sums over steps, for the trace and the gauges.
     meter: Meter,
     /// Whether the trajectory, the contacts and the tensions are new, and need their first frame.
     is_new: [bool; 3],
-    /// The step of the last checkpoint.
-    saved_at: Option<u64>,
 }
 
 impl Outputs {
     /// Opens the files. A file that the earlier run `past` had begun is continued.
     pub(crate) fn open(wanted: Wanted, past: Option<&Past>) -> Result<Self, Failure> {
+        let checkpoint = CheckpointFile::of(&wanted)?;
         let Wanted {
             out,
             every,
@@ -129,11 +63,11 @@ impl Outputs {
             gauges,
             bodies,
             save,
-            checkpoint,
-            checkpoint_every,
+            checkpoint: _,
+            checkpoint_every: _,
         } = wanted;
         let marked = |path: &Path, past: Option<&PastFile>| -> Option<Mark> {
-            past.filter(|past| past.path == whole(path)).and_then(PastFile::mark)
+            past.filter(|past| past.is_at(path)).and_then(PastFile::mark)
         };
         let out_mark = out.as_deref().and_then(|path| marked(path, past.and_then(|past| past.out.as_ref())));
         let contacts_mark = contacts.as_deref().and_then(|path| marked(path, past.and_then(|past| past.contacts.as_ref())));
@@ -153,10 +87,6 @@ impl Outputs {
                 "--trace-every: the existing lines were written with --trace-every {begun}; {message}"
             )));
         }
-        if let Some(path) = &checkpoint {
-            // Only tests that the path is writable: every checkpoint is written as a new file.
-            AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?.discard();
-        }
         Ok(Self {
             out: out.map(|path| Out::open(path, every, unwrapped, out_mark)).transpose()?,
             trace: trace.map(|path| TraceFile::open(path, trace_every, trace_mark, past)).transpose()?,
@@ -167,10 +97,8 @@ impl Outputs {
             save: save.map(|path| save::open(&path).map(|file| (path, file))).transpose()?,
             unwrapped,
             checkpoint,
-            checkpoint_every,
             meter: Meter::default(),
             is_new: [out_mark, contacts_mark, tensions_mark].map(|mark| mark.is_none()),
-            saved_at: None,
         })
     }
 
@@ -244,7 +172,8 @@ impl Outputs {
         let contacts = self.contacts.as_ref().and_then(ContactsFile::every);
         let tensions = self.tensions.as_ref().and_then(|tensions| tensions.0.every());
         let bodies = self.bodies.as_ref().and_then(|bodies| bodies.0.every());
-        [every, trace, contacts, tensions, gauges, bodies, self.checkpoint_every].into_iter().flatten()
+        let checkpoint = self.checkpoint.as_ref().and_then(CheckpointFile::every);
+        [every, trace, contacts, tensions, gauges, bodies, checkpoint].into_iter().flatten()
     }
 
     /// Writes the outputs that are due after a step.
@@ -270,7 +199,7 @@ impl Outputs {
         if let Some(file) = &mut self.bodies {
             file.after_step(simulation, past, step)?;
         }
-        match self.checkpoint_every {
+        match self.checkpoint.as_ref().and_then(CheckpointFile::every) {
             Some(every) if step.is_multiple_of(every) => self.save(simulation, past),
             _ => Ok(()),
         }
@@ -279,10 +208,12 @@ impl Outputs {
     /// Writes a checkpoint, unless one of this step has been written.
     pub(crate) fn save(&mut self, simulation: &mut Simulation, past: &mut Past) -> Result<(), Failure> {
         let step = past.step(simulation.report().steps);
-        let Some(path) = self.checkpoint.clone().filter(|_| self.saved_at != Some(step)) else { return Ok(()) };
+        let Some(file) = self.checkpoint.as_mut().filter(|file| file.saved_at() != Some(step)) else { return Ok(()) };
         (past.out, past.every) = match &mut self.out {
-            Some(Out::Frames(path, writer, every)) => (Some(PastFile::new(whole(path), written(writer.mark())?)), Some(*every)),
-            Some(Out::State(path, _) | Out::LastFrame(path, _)) => (Some(PastFile::new(whole(path), None)), None),
+            Some(Out::Frames(path, writer, every)) => {
+                (Some(PastFile::new(path.clone(), written(writer.mark())?)), Some(*every))
+            }
+            Some(Out::State(path, _) | Out::LastFrame(path, _)) => (Some(PastFile::new(path.clone(), None)), None),
             None => (None, None),
         };
         (past.trace, past.trace_every, past.traced_collisions, past.traced_energy) = (None, None, None, None);
@@ -302,14 +233,12 @@ impl Outputs {
         past.every = past.every.or_else(|| self.gauges.as_ref()?.0.every());
         past.bodies = self.bodies.as_mut().map(|bodies| bodies.0.as_past()).transpose()?;
         past.every = past.every.or_else(|| self.bodies.as_ref()?.0.every());
-        past.save = self.save.as_ref().map(|(path, _)| whole(path));
-        past.checkpoint_every = self.checkpoint_every;
+        past.save = self.save.as_ref().map(|(path, _)| Place(path.clone()));
+        past.checkpoint_every = file.every();
         past.unwrapped = self.unwrapped;
         let mut checkpoint = simulation.checkpoint()?;
-        checkpoint.note = serde_json::to_string(past).map_err(|error| Failure::Run(error.to_string()))?;
-        written(checkpoint.save(&path))?;
-        self.saved_at = Some(step);
-        Ok(())
+        checkpoint.note = past.to_note(file.path()).map_err(|error| Failure::Run(error.to_string()))?;
+        file.save(&checkpoint, step)
     }
 
     /// Completes every file with the results so far and moves it to its final path. Returns the completed files, or the first
@@ -360,17 +289,15 @@ impl Outputs {
 
     /// What is left of the results if the program ends now, for a message.
     pub(crate) fn left(&self) -> String {
-        match (&self.checkpoint, self.saved_at) {
-            (Some(path), Some(step)) => {
-                format!("; continue from step {step} with: rockfall run --resume {}", path.display())
-            }
-            _ => "; no results are written".to_owned(),
+        match self.checkpoint.as_ref().and_then(|file| Some((file.command(), file.saved_at()?))) {
+            Some((command, step)) => format!("; continue from step {step} with: {command}"),
+            None => "; no results are written".to_owned(),
         }
     }
 
-    /// Path of the checkpoint, if one is written.
-    pub(crate) fn checkpoint(&self) -> Option<&Path> {
-        self.checkpoint.as_deref()
+    /// The command that continues the run, if a checkpoint is written.
+    pub(crate) fn command(&self) -> Option<String> {
+        self.checkpoint.as_ref().map(|file| file.command().to_owned())
     }
 }
 

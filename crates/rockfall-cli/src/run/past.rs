@@ -7,6 +7,8 @@ use rockfall::output::Mark;
 use rockfall::{Energy, Error, Meter, Report, decimal_time};
 use serde::{Deserialize, Serialize};
 
+use super::place::{Place, folder_of, whole};
+
 /// Options and progress of a run. Stored as JSON in the note of a checkpoint.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
@@ -43,8 +45,8 @@ pub(crate) struct Past {
     /// Bits of the total energy at the first line of `trace`.
     pub(crate) traced_energy: Option<u64>,
     pub(crate) metered: Option<Metered>,
-    /// Scene file that is written at the end, as an absolute path.
-    pub(crate) save: Option<PathBuf>,
+    /// Scene file that is written at the end.
+    pub(crate) save: Option<Place>,
     pub(crate) checkpoint_every: Option<u64>,
     /// Time step in s, before it is divided.
     pub(crate) dt: f32,
@@ -59,8 +61,7 @@ pub(crate) struct Past {
 /// An output file and how far it was written.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct PastFile {
-    /// Absolute path, so that the run can be resumed from another working directory.
-    pub(crate) path: PathBuf,
+    pub(crate) path: Place,
     bytes: Option<u64>,
     crc32: u32,
 }
@@ -102,7 +103,12 @@ impl Metered {
 
 impl PastFile {
     pub(crate) fn new(path: PathBuf, mark: Option<Mark>) -> Self {
-        Self { path, bytes: mark.map(|mark| mark.bytes), crc32: mark.map_or(0, |mark| mark.crc32) }
+        Self { path: Place(path), bytes: mark.map(|mark| mark.bytes), crc32: mark.map_or(0, |mark| mark.crc32) }
+    }
+
+    /// Whether this is the file of a path.
+    pub(super) fn is_at(&self, path: &Path) -> bool {
+        whole(&self.path.0) == whole(path)
     }
 
     /// `None` for a file that is not regular, and for a file that is written only at the end.
@@ -112,6 +118,27 @@ impl PastFile {
 }
 
 impl Past {
+    /// Reads the note of a checkpoint that `run` wrote.
+    pub(crate) fn of_note(note: &str, checkpoint: &Path) -> Option<Self> {
+        let mut past: Self = serde_json::from_str(note).ok()?;
+        past.places().for_each(|place| *place = place.found_in(folder_of(checkpoint)));
+        Some(past)
+    }
+
+    /// The note of a checkpoint.
+    pub(super) fn to_note(&self, checkpoint: &Path) -> serde_json::Result<String> {
+        let mut past = self.clone();
+        past.places().for_each(|place| *place = place.stored_in(folder_of(checkpoint)));
+        serde_json::to_string(&past)
+    }
+
+    /// The paths of all output files.
+    fn places(&mut self) -> impl Iterator<Item = &mut Place> {
+        let Self { out, trace, contacts, tensions, gauges, bodies, save, .. } = self;
+        let files = [out, trace, contacts, tensions, gauges, bodies].into_iter().flatten();
+        files.map(|file| &mut file.path).chain(save)
+    }
+
     /// The past of a checkpoint that `run` did not write: a run of whole steps without files, whose start is the checkpoint.
     pub(crate) fn without_note(path: &Path, report: &Report) -> Self {
         Self { scene: path.display().to_string(), timed_from: (report.steps, report.time), ..Self::default() }
@@ -168,9 +195,4 @@ impl Past {
     pub(crate) fn set_before(&mut self, energy: &Energy) {
         self.before = [energy.kinetic, energy.potential, energy.spring, energy.contact];
     }
-}
-
-/// Absolute path, whether or not the file exists.
-pub(super) fn whole(path: &Path) -> PathBuf {
-    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }

@@ -1,16 +1,19 @@
 //! Continues a run from a checkpoint.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 use rockfall::{Checkpoint, Error, Simulation};
 
-use super::outputs::{Outputs, Wanted};
-use super::past::{Past, whole};
+use super::outputs::Outputs;
+use super::past::{Past, PastFile};
+use super::place::{folder_of, is_below};
 use super::team::Starting;
+use super::wanted::Wanted;
 use super::{Arguments, Run};
 use crate::failure::Failure;
+use crate::files;
 use crate::options::Setting;
 use crate::output;
 
@@ -27,7 +30,7 @@ impl Given<'_> {
 pub(super) fn open(arguments: &Arguments, given: &Given, path: &Path, starting: &Starting) -> Result<Run, Failure> {
     let mut checkpoint = Checkpoint::load(path).map_err(Failure::usage)?;
     // Checkpoints of programs that use the library, such as Python, have no such note.
-    let noted: Option<Past> = serde_json::from_str(&checkpoint.note).ok();
+    let noted = Past::of_note(&checkpoint.note, path);
     let is_noted = noted.is_some();
     if !is_noted && !given.has("steps") {
         let (file, done) = (path.display(), checkpoint.report.steps);
@@ -130,41 +133,82 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
 /// Output files of the earlier run, except those that the command line replaces.
 fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Failure> {
     let mut wanted = arguments.wanted(None)?;
-    let before = past.out.as_ref().map(|file| &file.path);
-    let same_out = wanted.out.as_deref().is_none_or(|out| Some(&whole(out)) == before);
-    if same_out {
-        wanted.out = wanted.out.or(before.cloned());
-        wanted.every = wanted.every.or(past.every);
+    let mut recorded = Recorded { checkpoint: path, outside: Vec::new() };
+    for (option, known, file, before) in [
+        ("--out", files::SERIES, &mut wanted.out, &past.out),
+        ("--contacts", files::SERIES, &mut wanted.contacts, &past.contacts),
+        ("--tensions", files::TENSIONS, &mut wanted.tensions, &past.tensions),
+        ("--gauges", files::GAUGES, &mut wanted.gauges, &past.gauges),
+        ("--bodies", files::BODIES, &mut wanted.bodies, &past.bodies),
+    ] {
+        if recorded.take(option, known, file, before.as_ref())? {
+            wanted.every = wanted.every.or(past.every);
+        }
     }
-    let before = past.contacts.as_ref().map(|file| &file.path);
-    if wanted.contacts.as_deref().is_none_or(|contacts| Some(&whole(contacts)) == before) {
-        wanted.contacts = wanted.contacts.or(before.cloned());
-        wanted.every = wanted.every.or(past.every);
-    }
-    let before = past.tensions.as_ref().map(|file| &file.path);
-    if wanted.tensions.as_deref().is_none_or(|tensions| Some(&whole(tensions)) == before) {
-        wanted.tensions = wanted.tensions.or(before.cloned());
-        wanted.every = wanted.every.or(past.every);
-    }
-    let before = past.gauges.as_ref().map(|file| &file.path);
-    if wanted.gauges.as_deref().is_none_or(|gauges| Some(&whole(gauges)) == before) {
-        wanted.gauges = wanted.gauges.or(before.cloned());
-        wanted.every = wanted.every.or(past.every);
-    }
-    let before = past.bodies.as_ref().map(|file| &file.path);
-    if wanted.bodies.as_deref().is_none_or(|bodies| Some(&whole(bodies)) == before) {
-        wanted.bodies = wanted.bodies.or(before.cloned());
-        wanted.every = wanted.every.or(past.every);
-    }
-    wanted.save = wanted.save.or(past.save.clone());
-    let before = past.trace.as_ref().map(|file| &file.path);
-    if wanted.trace.as_deref().is_none_or(|trace| Some(&whole(trace)) == before) {
-        wanted.trace = wanted.trace.or(before.cloned());
+    if recorded.take("--trace", files::TRACE, &mut wanted.trace, past.trace.as_ref())? {
         wanted.trace_every = wanted.trace_every.or(past.trace_every);
+    }
+    if let (None, Some(place)) = (&wanted.save, &past.save) {
+        wanted.save = Some(recorded.checked("--save", files::SCENE, &place.0)?);
+    }
+    if !arguments.outputs_as_recorded {
+        recorded.refuse()?;
     }
     wanted.checkpoint = wanted.checkpoint.or(Some(path.to_owned()));
     wanted.unwrapped |= past.unwrapped;
     wanted.checkpoint_every = wanted.checkpoint_every.or(past.checkpoint_every);
     wanted.check()?;
     Ok(wanted)
+}
+
+/// The outputs that a checkpoint names. It may come from a stranger.
+struct Recorded<'a> {
+    checkpoint: &'a Path,
+    /// Options and paths of files that are not below the folder of the checkpoint.
+    outside: Vec<String>,
+}
+
+impl Recorded<'_> {
+    /// Takes the file of the earlier run if the command line names none. Returns whether the earlier file is used.
+    fn take(
+        &mut self,
+        option: &str,
+        known: &[&str],
+        file: &mut Option<PathBuf>,
+        before: Option<&PastFile>,
+    ) -> Result<bool, Failure> {
+        let Some(before) = before else { return Ok(false) };
+        match file {
+            Some(file) => Ok(before.is_at(file)),
+            None => {
+                *file = Some(self.checked(option, known, &before.path.0)?);
+                Ok(true)
+            }
+        }
+    }
+
+    /// A path of the checkpoint. It has the extension of its kind, as all that `run` writes.
+    fn checked(&mut self, option: &str, known: &[&str], path: &Path) -> Result<PathBuf, Failure> {
+        let file = self.checkpoint.display();
+        files::check(option, path, known).map_err(|failure| match failure {
+            Failure::Usage(message) => Failure::Usage(format!("{file}: its output {message}; name another {option}")),
+            failure => failure,
+        })?;
+        if !is_below(path, folder_of(self.checkpoint)) {
+            self.outside.push(format!("{option} {}", path.display()));
+        }
+        Ok(path.to_owned())
+    }
+
+    /// Returns an error if an output is not below the folder of the checkpoint.
+    fn refuse(self) -> Result<(), Failure> {
+        if self.outside.is_empty() {
+            return Ok(());
+        }
+        let (file, all) = (self.checkpoint.display(), self.outside.join(", "));
+        Err(Failure::usage(format!(
+            "{file}: it has outputs that are not below its folder: {all}; name them again, or give --outputs-as-recorded if you trust \
+             this checkpoint"
+        )))
+    }
 }

@@ -7,7 +7,7 @@ use rockfall::Error;
 use rockfall::output::{AtomicFile, Mark};
 
 use super::errors::lost;
-use super::past::{PastFile, whole};
+use super::past::PastFile;
 use crate::failure::Failure;
 
 pub(super) struct Samples {
@@ -82,7 +82,7 @@ impl Samples {
             Some(_) => self.file.mark().map_err(|error| Failure::file(&self.path, &error))?,
             None => None,
         };
-        Ok(PastFile::new(whole(&self.path), mark))
+        Ok(PastFile::new(self.path.clone(), mark))
     }
 
     pub(super) fn commit(self) -> Result<(), Failure> {

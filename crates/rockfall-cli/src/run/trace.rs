@@ -8,7 +8,7 @@ use rockfall::{ContactLaw, Energy, Error, Meter, Report, Scene, Simulation};
 use rockfall_trajectory::csv::numbers;
 
 use super::errors::lost;
-use super::past::{Past, PastFile, whole};
+use super::past::{Past, PastFile};
 use crate::failure::Failure;
 
 const HEADER: &str = "step,time,kinetic,potential,spring,contact,momentum_x,momentum_y,momentum_z,\
@@ -88,7 +88,7 @@ impl TraceFile {
     /// Notes in a checkpoint how far the file was written.
     pub(super) fn put(&mut self, past: &mut Past) -> Result<(), Failure> {
         let mark = self.file.mark().map_err(|error| Failure::file(&self.path, &error))?;
-        past.trace = Some(PastFile::new(whole(&self.path), mark));
+        past.trace = Some(PastFile::new(self.path.clone(), mark));
         (past.trace_every, past.traced_collisions) = (self.every, self.collisions);
         past.traced_energy = self.energy.map(f64::to_bits);
         Ok(())

@@ -186,6 +186,21 @@ fn ctrl_c_ends_a_run_cleanly() {
     }
 }
 
+/// Each would replace the checkpoint of the other.
+#[cfg(unix)]
+#[test]
+fn two_runs_cannot_write_the_same_checkpoint() {
+    let (rockfall, arguments, child) = endless_run();
+    for run in
+        ["run scene.txt --backend cpu --steps 1 --checkpoint run.ckpt", "run --resume run.ckpt --out a.csv --trace b.csv"]
+    {
+        let (_, err) = rockfall.run(run, 1);
+        assert!(err.contains("run.ckpt: cannot be written: another program is writing it"), "{err}");
+    }
+    signal(&child, "-INT");
+    finish(child.wait_with_output().unwrap(), &arguments, 130);
+}
+
 /// `timeout` signals the program and its process group, so two signals come within a millisecond.
 #[cfg(unix)]
 #[test]

@@ -17,6 +17,7 @@ mod outputs;
 mod render;
 mod running;
 mod signals;
+mod strangers;
 mod tensions;
 mod trajectories;
 mod view;

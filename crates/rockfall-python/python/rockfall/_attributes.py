@@ -61,7 +61,9 @@ def keywords(function: _Call) -> _Call:
             wrong = next(name for name in options if name not in known)
             found = near(wrong, sorted(known))
             end = f": did you mean {' or '.join(found)}?" if found else ""
-            raise TypeError(f"{function.__qualname__}() got an unexpected keyword argument {wrong!r}{end}")
+            # Users know the class of the object, and not the base that has the method.
+            owner = f"{type(args[0]).__name__}." if args and "." in function.__qualname__ else ""
+            raise TypeError(f"{owner}{function.__name__}() got an unexpected keyword argument {wrong!r}{end}")
         return function(*args, **options)
 
     same: Any = checked

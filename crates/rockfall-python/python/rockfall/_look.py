@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import sys
-import warnings
 from collections.abc import Iterable
-from types import FrameType
 from typing import Any
 
 import numpy as np
 
 from rockfall import _rockfall
 from rockfall._arrays import FloatArray, floats, whole
+from rockfall._warnings import warn
 
 #: Largest number of pixels of a side, whatever the device supports.
 _MOST_PIXELS = 1 << 16
@@ -72,13 +70,8 @@ def look(
 def warn_of_letters(simulation: Any, shown: dict[str, Any]) -> None:
     """Warns, where the package was called, of letters of the title and the labels that the font of pictures lacks."""
     text = _rockfall.warning_of_letters(simulation, shown)
-    if text is None:
-        return
-    level = 1
-    frame: FrameType | None = sys._getframe()
-    while frame is not None and frame.f_globals["__name__"].split(".")[0] == "rockfall":
-        frame, level = frame.f_back, level + 1
-    warnings.warn(text, stacklevel=level)
+    if text is not None:
+        warn(text)
 
 
 def _texts(name: str, value: Any) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -14,6 +13,7 @@ from rockfall import _rockfall
 from rockfall._arrays import IntArray, floats, integers, vector
 from rockfall._bodies import Bodies, numbers_from
 from rockfall._names import tag_of
+from rockfall._warnings import warn
 from rockfall.typing import LookName
 
 if TYPE_CHECKING:
@@ -173,7 +173,7 @@ class Walls(Bodies):
             self._native, file, corners, indices.reshape(-1, 3).tolist(), place, int(group), number
         )
         if left_out:
-            warnings.warn(f"{left_out} triangles have no area and were left out", stacklevel=2)
+            warn(f"{left_out} triangles have no area and were left out")
         numbers = numbers_from(first, count)
         self._put_tag("polygon", numbers, tag)
         return self._following("polygon", numbers, motion, surface_velocity)

@@ -192,6 +192,8 @@ class BodyStates:
             on_device._freeze()
             return cast(FloatArray, on_device)
         array: FloatArray = _rockfall.body_states(self._objects._native, field).reshape(-1, width)
+        # A copy, in which a change would be lost.
+        array.flags.writeable = False
         return array
 
     @property

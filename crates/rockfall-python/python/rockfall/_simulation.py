@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +23,7 @@ from rockfall._scene import Scene
 from rockfall._stored import Stored
 from rockfall._team import Communicator, handle_of
 from rockfall._vtk import to_pyvista
+from rockfall._warnings import warn
 from rockfall.typing import BackendName, BroadPhaseName, ColourName, IntegratorName
 
 if TYPE_CHECKING:
@@ -201,7 +201,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
             if self._native.rank():
                 return
             for concern in self._native.concerns(self._dt):
-                warnings.warn(f"time step {self._dt} s: {concern}", SceneWarning, stacklevel=3)
+                warn(f"time step {self._dt} s: {concern}", SceneWarning)
 
     @property
     def dt(self) -> float:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from multiprocessing import parent_process
 from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any
 
@@ -59,9 +60,22 @@ class _Process(SpawnProcess):
 
 
 class _Context(SpawnContext):
-    """Starts processes that do not run the script of the calling program."""
+    """Starts processes that do not run the script of the calling program, and can end them."""
 
-    Process = _Process
+    def __init__(self) -> None:
+        super().__init__()
+        self._started: list[_Process] = []
+
+    def Process(self, *args: Any, **options: Any) -> _Process:  # type: ignore[override]  # noqa: N802
+        process = _Process(*args, **options)
+        self._started.append(process)
+        return process
+
+    def end(self) -> None:
+        """Ends all processes, in the middle of a run."""
+        for process in self._started:
+            if process.pid is not None:
+                process.terminate()
 
 
 class SweepInScript(BaseException):
@@ -120,10 +134,19 @@ def failed(index: int, parameters: dict[str, Any], why: str) -> SweepError:
 
 def _set_up(in_one_thread: bool, script: str | None) -> None:
     """Prepares a worker. One thread each leaves a core to every worker. Results do not depend on the number of threads."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     if in_one_thread:
         os.environ.setdefault("RAYON_NUM_THREADS", "1")
     if script is not None:
         _read(script)
+
+
+def _end_with_parent() -> None:
+    """Ends a worker with the program that started it. Nobody would take its results."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def on_processes(
@@ -134,9 +157,14 @@ def on_processes(
     while len(results) < len(runs):
         waiting = [index for index in range(len(runs)) if index not in results]
         # A fork would copy the threads' locks in whatever state they are.
-        pool = ProcessPoolExecutor(workers, mp_context=_Context(), initializer=_set_up, initargs=(workers > 1, script))
+        context = _Context()
+        pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_set_up, initargs=(workers > 1, script))
         try:
             _drain(pool, task, runs, waiting, workers, results, losses, retries, advance)
+        except BaseException:
+            # After an error or Ctrl-C the other runs are not needed, and each may take hours.
+            context.end()
+            raise
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
     return [results[index] for index in range(len(runs))]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from rockfall._reports import ENERGIES, WORLD_REPORTS, Backend
 from rockfall._scene import Scene
 from rockfall._simulation import SceneWarning, Simulation
 from rockfall._tables import contact_table
+from rockfall._warnings import warn
 from rockfall._world_states import WorldStates
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ class ObservedWorlds(WorldStates):
         for concern, worlds in _rockfall.world_concerns(self._native, self._dt, stride):
             several = f"{len(worlds)} of {checked} worlds{' that were checked' if stride > 1 else ''}, first in world {worlds[0]}"
             where = f"world {worlds[0]}" if len(worlds) == 1 else several
-            warnings.warn(f"time step {self._dt} s: {concern} (in {where})", SceneWarning, stacklevel=3)
+            warn(f"time step {self._dt} s: {concern} (in {where})", SceneWarning)
 
     @property
     def energies(self) -> npt.NDArray[Any]:

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
-use rockfall::output::{AtomicFile, Mark};
+use rockfall::output::{AtomicFile, Mark, remove_link};
 use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
@@ -74,11 +74,14 @@ pub(crate) fn not_as_before() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, "it is not what was written before")
 }
 
+/// The path of the scratch file, where no link is left.
 fn scratch_path(path: &Path) -> io::Result<PathBuf> {
     let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "expected the name of a file"))?;
     let mut name = name.to_owned();
     name.push(".frames");
-    Ok(path.with_file_name(name))
+    let path = path.with_file_name(name);
+    remove_link(&path)?;
+    Ok(path)
 }
 
 /// Begins an array in the archive.

@@ -205,5 +205,10 @@ fn put_passed(head: &mut Head, passed: &Passed) {
 }
 
 fn read_passed(words: &mut Words) -> Result<Passed, Damage> {
-    Ok(Passed { spheres: words.u64()?, mass: Sum { high: words.f64()?, low: words.f64()? } })
+    let passed = Passed { spheres: words.u64()?, mass: Sum { high: words.f64()?, low: words.f64()? } };
+    let Sum { high, low } = passed.mass;
+    if !(high.is_finite() && low.is_finite()) {
+        return Err(Damage::new(format!("an inlet or an outlet has passed a mass of {high} and {low}")));
+    }
+    Ok(passed)
 }

@@ -5,6 +5,7 @@ use super::laws::{KeptContactLaw, KeptLaw};
 use super::words::{Damage, Head, Words};
 use super::{Checkpoint, History};
 use super::{gauges, motions, periods, run};
+use crate::model::layout::{most_pair_rows, words_of_rows};
 use crate::model::muscles::MuscleClock;
 use crate::options::Options;
 use crate::report::Report;
@@ -51,7 +52,8 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         head.text(&text);
     }
     head.u32(pair_capacity.is_some().into());
-    head.u32(pair_capacity.unwrap_or(0));
+    // Results do not depend on it. It may be more than a file may ask for.
+    head.u32(pair_capacity.unwrap_or(0).min(most_pair_capacity(&scene.counts())));
     head.u32(u32::from(*keep_going));
 
     let Report { steps, time, contacts, max_overlap, collisions, total_collisions, replays, list_builds, non_finite } = report;
@@ -90,6 +92,12 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     head.bytes
 }
 
+/// Words of pair lists that a file may ask for.
+fn most_pair_capacity(counts: &Counts) -> u32 {
+    let movers = u32::try_from(counts.spheres.saturating_add(counts.rods)).unwrap_or(u32::MAX);
+    u32::try_from(words_of_rows(most_pair_rows(movers))).unwrap_or(u32::MAX)
+}
+
 /// Reads the checkpoint without its objects, and the numbers of objects.
 pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     let (program, device, note) = (words.text()?, words.text()?, words.text()?);
@@ -105,6 +113,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     if !(time_step.is_finite() && time_step > 0.0) {
         return Err(Damage::new(format!("its time step of {time_step} s is not positive and finite")));
     }
+    let is_time = |time: f64| time.is_finite() && time >= 0.0;
     let report = Report {
         steps: words.u64()?,
         time: words.f64()?,
@@ -116,14 +125,17 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         list_builds: words.u64()?,
         non_finite: words.u64()?,
     };
+    if !(is_time(report.time) && report.max_overlap >= 0.0) {
+        return Err(Damage::new(format!("its time is {} s and its deepest overlap {}", report.time, report.max_overlap)));
+    }
     let (lengths_due, margin_scale, lookahead) = (words.bool()?, words.f32()?, words.f32()?);
     let clock = MuscleClock { start: words.f64()?, written_start: words.f64()?, dt: words.f32()?, steps: words.u64()? };
-    let is_time = |time: f64| time.is_finite() && time >= 0.0;
     if !(is_time(clock.start) && is_time(clock.written_start) && clock.dt.is_finite() && clock.dt > 0.0) {
         return Err(Damage::new(format!("its muscles and motions began at {} s with steps of {} s", clock.start, clock.dt)));
     }
     let history = History { lengths_due, margin_scale, lookahead, clock };
-    if !(history.margin_scale >= 0.0 && history.lookahead >= 1.0) {
+    let is_usable = |number: f32, least: f32| number.is_finite() && number >= least;
+    if !(is_usable(history.margin_scale, 0.0) && is_usable(history.lookahead, 1.0)) {
         return Err(Damage::new(format!(
             "its AABB margin {} or its lookahead of {} steps is out of range",
             history.margin_scale, history.lookahead
@@ -144,6 +156,10 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         // They are stored below.
         bodies: 0,
     };
+    let most = most_pair_capacity(&counts);
+    if capacity > most {
+        return Err(Damage::new(format!("it asks for pair lists of {capacity} words, expected at most {most}")));
+    }
     read_materials(words, &mut scene)?;
     motions::read(words, &mut scene)?;
     periods::read(words, &mut scene)?;

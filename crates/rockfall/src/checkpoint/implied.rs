@@ -79,6 +79,9 @@ fn read_form(words: &mut Words) -> Result<Form, Damage> {
     for _ in 0..words.u32()? {
         places.push(DVec3::new(words.f64()?, words.f64()?, words.f64()?));
     }
+    if !places.iter().all(|place| place.is_finite()) {
+        return Err(Damage::new("a place of a form is not finite"));
+    }
     Ok(Form { places, kinetics: Kinetics { mass, centre: DVec3::ZERO, moments, axes } })
 }
 
@@ -89,6 +92,9 @@ fn read_body(words: &mut Words, scene: &Scene, forms: &[Arc<Form>]) -> Result<Im
     let rods = read_indices(words, scene.rods().len(), "rod")?.map(|index| scene.rods.handle_at(index)).collect();
     let [high, low, velocity, momentum] = [words.vec3()?, words.vec3()?, words.vec3()?, words.vec3()?];
     let orientation = Quat::from_xyzw(words.f32()?, words.f32()?, words.f32()?, words.f32()?);
+    if ![high, low, velocity, momentum].iter().all(|vector| vector.is_finite()) {
+        return Err(Damage::new("the state of an implied body is not finite"));
+    }
     let body =
         ImpliedBody { spheres, rods, form, state: BodyState { position: Fine { high, low }, velocity, momentum, orientation } };
     let is_shared = body.spheres.iter().any(|id| scene.moves_with_body(*id));

@@ -57,7 +57,11 @@ fn write_all<const N: usize>(objects: &[impl Record<N>], scene: &Scene, out: &mu
 
 pub(super) fn read(words: &mut Words, counts: &Counts, scene: &mut Scene) -> Result<(), Damage> {
     read_all(words, counts.spheres, scene, |scene, sphere: Sphere| {
-        // A step may leave an orientation that is not a unit quaternion. No other value depends on it.
+        // A step may leave an orientation whose length is not quite 1. No other value depends on it.
+        let turn = sphere.orientation;
+        if !(turn.is_finite() && (0.5..2.0).contains(&turn.length_squared())) {
+            return Err(Damage::new(format!("the orientation of a sphere is {turn}, expected a unit quaternion")));
+        }
         Sphere { orientation: Quat::IDENTITY, ..sphere }.validate()?;
         scene.spheres.add(sphere);
         Ok(())

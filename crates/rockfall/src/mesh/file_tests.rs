@@ -326,6 +326,26 @@ fn degenerate_triangles_of_files_are_counted() {
     assert_begins(&flat, "OBJ mesh: mesh.triangles: a mesh whose 1 triangles are all degenerate is not allowed");
 }
 
+/// A scene of a stranger may name any file.
+#[cfg(unix)]
+#[test]
+fn only_regular_files_of_a_bounded_size_are_read() {
+    let folder = std::env::temp_dir().join(format!("rockfall-large-mesh-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("folder.ply")).unwrap();
+    std::os::unix::fs::symlink("/dev/zero", folder.join("zero.stl")).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(folder.join("pipe.obj")).status().unwrap().success());
+    for name in ["zero.stl", "pipe.obj", "folder.ply"] {
+        let error = Mesh::read(folder.join(name)).unwrap_err().to_string();
+        let expected = format!("{}: a folder, a device or a pipe, expected a regular file", folder.join(name).display());
+        assert_eq!(error, expected);
+    }
+    // A file with a hole takes no room on the disk.
+    std::fs::File::create(folder.join("hole.stl")).unwrap().set_len(super::LARGEST_FILE + 1).unwrap();
+    let error = Mesh::read(folder.join("hole.stl")).unwrap_err().to_string();
+    assert!(error.ends_with("hole.stl: 4294967297 bytes, expected at most 4294967296"), "{error}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
 #[test]
 fn the_extension_decides_the_format() {
     let folder = std::env::temp_dir().join(format!("rockfall-mesh-{}", std::process::id()));

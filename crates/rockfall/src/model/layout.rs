@@ -255,6 +255,26 @@ constants! {
 /// Maximum number of rows of list entries: 480 GiB. Together with the rows of counts and offsets before them, the row numbers
 /// still fit 32 bits.
 pub const MAX_PAIR_ROWS: u32 = 15 << 28;
+/// Words of list entries that every scene may have: 64 MiB.
+const LEAST_PAIR_WORDS: u64 = 1 << 24;
+/// Words of list entries for each mover that larger scenes may have: 4 KiB.
+const PAIR_WORDS_A_MOVER: u64 = 1024;
+/// Collisions that every scene may have. Their records take 192 MiB.
+const LEAST_COLLISIONS: u32 = 1 << 20;
+/// Collisions for each mover that larger scenes may have. Their records take 6 KiB.
+const COLLISIONS_A_MOVER: u32 = 32;
+
+/// Limit on the rows of list entries of a scene. Only thousands of bodies in one place need more. Their number grows with the square
+/// of the bodies, so a short scene could take all memory.
+pub fn most_pair_rows(movers: u32) -> u32 {
+    let words = LEAST_PAIR_WORDS.max(PAIR_WORDS_A_MOVER * u64::from(movers));
+    u32::try_from(words / u64::from(SLICE)).unwrap_or(u32::MAX).min(MAX_PAIR_ROWS)
+}
+
+/// Limit on the collisions of a step, for the same reason.
+pub fn most_collisions(movers: u32) -> u32 {
+    LEAST_COLLISIONS.max(COLLISIONS_A_MOVER.saturating_mul(movers))
+}
 
 /// Returns the number of words in `rows` rows of the pair lists.
 pub const fn words_of_rows(rows: u32) -> u64 {

@@ -9,7 +9,7 @@
 //! a sphere. RK4 also evaluates contacts at positions within the step, which are not known in advance.
 
 use crate::error::{Error, Result};
-use crate::model::layout::{LAW_THESIS, MAX_PAIR_ROWS, words_of_rows};
+use crate::model::layout::{LAW_THESIS, most_pair_rows, words_of_rows};
 use crate::model::status::{REJECTED_COLLISIONS, REJECTED_ESCAPED, REJECTED_PAIRS};
 use crate::model::step::ListSettings;
 use crate::model::world::World;
@@ -156,7 +156,7 @@ impl Simulation {
         if self.lists.overflowed(&facts, words_of_rows(needed) as f32 / facts.movers) {
             return Ok(());
         }
-        let rows = room_for(needed)?;
+        let rows = room_for(needed, self.world.movers())?;
         let before = self.world.step.layout.pair_rows;
         self.world.set_pair_room(rows);
         self.engine.complete(&mut self.world);
@@ -170,12 +170,13 @@ impl Simulation {
 }
 
 /// Number of rows to allocate for entries when `needed` rows are needed.
-pub(super) fn room_for(needed: u32) -> Result<u32> {
-    if needed > MAX_PAIR_ROWS {
+pub(super) fn room_for(needed: u32, movers: u32) -> Result<u32> {
+    let most = most_pair_rows(movers);
+    if needed > most {
         let bytes = |rows: u32| 4 * words_of_rows(rows);
-        return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(MAX_PAIR_ROWS) });
+        return Err(Error::DeviceLimit { what: "the pair lists", needed: bytes(needed), limit: bytes(most) });
     }
-    Ok(needed.saturating_add(needed.div_ceil(4)).min(MAX_PAIR_ROWS))
+    Ok(needed.saturating_add(needed.div_ceil(4)).min(most))
 }
 
 /// Enlarges the AABBs of a world outside of a simulation after a body left its own.
@@ -187,7 +188,7 @@ pub(super) fn widen_after_escape(world: &mut World, escape: f32, attempts: u32) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::layout::{SLICE, max_objects};
+    use crate::model::layout::{MAX_PAIR_ROWS, SLICE, max_objects};
 
     /// If the collisions of a repeated step are done, no lists are built before the collision phase.
     #[test]
@@ -205,13 +206,18 @@ mod tests {
 
     #[test]
     fn lists_grow_up_to_what_32_bits_can_number() {
-        assert_eq!(room_for(1_000).unwrap(), 1_250);
+        let most = u32::MAX;
+        assert_eq!(room_for(1_000, most).unwrap(), 1_250);
         // A quarter more exceeds the maximum number of rows, or 32 bits.
         for needed in [MAX_PAIR_ROWS / 8 * 7, MAX_PAIR_ROWS] {
-            assert_eq!(room_for(needed).unwrap(), MAX_PAIR_ROWS);
+            assert_eq!(room_for(needed, most).unwrap(), MAX_PAIR_ROWS);
         }
-        assert!(matches!(room_for(MAX_PAIR_ROWS + 1), Err(Error::DeviceLimit { .. })));
-        assert!(matches!(room_for(u32::MAX), Err(Error::DeviceLimit { .. })));
+        assert!(matches!(room_for(MAX_PAIR_ROWS + 1, most), Err(Error::DeviceLimit { .. })));
+        assert!(matches!(room_for(u32::MAX, most), Err(Error::DeviceLimit { .. })));
+        // Fewer movers may have shorter lists: 64 MiB, or 4 KiB for each of them.
+        assert_eq!(room_for(1 << 19, 10).unwrap(), 1 << 19);
+        assert!(matches!(room_for((1 << 19) + 1, 10), Err(Error::DeviceLimit { limit: 0x400_0000, .. })));
+        assert_eq!(room_for(1 << 20, 1 << 15).unwrap(), 1 << 20);
         // Counts and slice offsets of the maximum number of movers precede the entries.
         let slices = max_objects(false).div_ceil(SLICE);
         assert!(MAX_PAIR_ROWS.checked_add(slices + slices.div_ceil(SLICE) + 1).is_some());

@@ -165,7 +165,8 @@ fn find(world: &mut World, methods: Methods, step: u64) -> Result<()> {
         }
         if status.rejected & (REJECTED_PAIRS | REJECTED_COUNT) != 0 {
             let too_many = status.rejected & REJECTED_COUNT != 0;
-            world.set_pair_rows(room_for(if too_many { u32::MAX } else { status.pair_rows_needed })?);
+            let rows = room_for(if too_many { u32::MAX } else { status.pair_rows_needed }, world.movers())?;
+            world.set_pair_rows(rows);
         }
     }
     let reason = format!("the contacts cannot be found, AABB margin {}", world.step.lists.margin_scale);

@@ -2,8 +2,9 @@
 //!
 //! A step that needs sweeps, or more room for collisions, is rejected and repeated with them. Results do not depend on it.
 
-use crate::error::Result;
-use crate::model::layout::{FEW_COLLISIONS, SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_ON};
+use crate::error::{Error, Result};
+use crate::model::buffer::Buffer;
+use crate::model::layout::{COLLISION_WORDS, FEW_COLLISIONS, SWEEPS_FEW, SWEEPS_LISTED, SWEEPS_ON, most_collisions};
 use crate::model::status::{REJECTED_MANY, Status};
 use crate::options::Optimization;
 use crate::simulation::Simulation;
@@ -23,8 +24,13 @@ impl Simulation {
         (self.calm_steps, self.few_steps) = (0, 0);
         let needed = self.status.listed.max(self.status.total_counters().collisions);
         if needed.max(1) > self.world.step.layout.collision_room {
+            let most = most_collisions(self.world.movers());
+            if needed > most {
+                let bytes = |records: u32| 4 * u64::from(COLLISION_WORDS) * u64::from(records);
+                return Err(Error::DeviceLimit { what: Buffer::Collisions.label(), needed: bytes(needed), limit: bytes(most) });
+            }
             let usual = (self.world.step.movers() / MOVERS_A_COLLISION).max(LEAST_ROOM);
-            self.world.set_collision_records(needed.saturating_mul(2).max(usual));
+            self.world.set_collision_records(needed.saturating_mul(2).max(usual).min(most));
             self.engine.resize_collisions(&self.world)?;
         }
         let at_once = self.may_sweep_at_once() && needed <= FEW_COLLISIONS && self.status.rejected & REJECTED_MANY == 0;

@@ -12,5 +12,6 @@ mod constants;
 mod determinism;
 mod device;
 mod exchange;
+mod limits;
 mod optimizations;
 mod shared_memory;
