@@ -1,4 +1,4 @@
-// requires model/entries.wgsl model/lists.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
+// requires model/counters.wgsl model/entries.wgsl model/lists.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/geometry.wgsl physics/surfaces_of_list.wgsl step/collisions/classify_contacts.wgsl step/collisions/crossing_rows.wgsl step/collisions/list_collisions.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 

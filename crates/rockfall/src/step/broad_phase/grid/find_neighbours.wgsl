@@ -84,26 +84,13 @@ fn key_of(mover: u32, place: u32) -> u32 {
             return NONE;
         }
     }
-    var meets = is_other;
     if RODS {
-        meets = is_other & aabbs_meet(own_aabb, aabbs[id]);
-    } else if is_other {
-        meets = may_meet(mover, id);
+        return select(NONE, key, is_other & aabbs_meet(own_aabb, aabbs[id]));
     }
-    count_entries(mover, id, meets);
-    return select(NONE, key, meets);
-}
-
-// Counts the entries of an object of the run. One that was found twice counts twice: which run it is in depends on the order of the
-// objects of a cell, and the count must not.
-fn count_entries(mover: u32, id: u32, meets: bool) {
-    if meets {
-        if has_features(mover) {
-            entries += entries_of(mover, id);
-        } else {
-            entries += 1u;
-        }
+    if !is_other | !may_meet(mover, id) {
+        return NONE;
     }
+    return key;
 }
 
 fn four_keys(mover: u32, place: u32) -> vec4u {
@@ -181,6 +168,18 @@ fn order_run(mover: u32) {
     }
 }
 
+// Returns the number of entries that the kept ids of the run make.
+fn entries_of_run(mover: u32) -> u32 {
+    var sum = kept;
+    if has_features(mover) {
+        sum = 0u;
+        for (var k = 0u; k < kept; k++) {
+            sum += entries_of(mover, ids[run_at + k]);
+        }
+    }
+    return sum;
+}
+
 // Number of sorted ids that are kept in each run.
 var<private> kept_in_run: vec4u;
 
@@ -196,7 +195,12 @@ fn order_runs(mover: u32) {
         if (k == 0u) | (in_run > 0u) {
             order_run(mover);
             kept_in_run[k] = kept;
+            entries += entries_of_run(mover);
         }
+    }
+    // Which run an object is in that was found twice depends on the order of the objects of a cell, and the count must not.
+    if (RUNS > 1u) & (found > RUN_SIZE) {
+        entries = merge_runs(mover, false);
     }
 }
 
@@ -220,16 +224,22 @@ fn head_of_run(run: u32, taken: u32) -> u32 {
     return select(NONE, insertion_index(id), taken < kept_in_run[run]);
 }
 
-// Merges the sorted runs and writes the list. An object may be in several runs.
+// Writes the sorted runs to the list.
 fn write_runs(mover: u32) {
     var place = 0u;
     if RUNS == 1u {
         for (; place < kept_in_run.x; place++) {
             lists[into.x + place][into.y] = ids[place];
         }
-        put_head(mover, place);
-        return;
+    } else {
+        place = merge_runs(mover, true);
     }
+    put_head(mover, place);
+}
+
+// Merges the sorted runs, and writes the list if `writes` is set. Returns the number of entries. An object may be in several runs.
+fn merge_runs(mover: u32, writes: bool) -> u32 {
+    var place = 0u;
     var taken = vec4u(0u);
     var heads = vec4u(NONE);
     for (var run = 0u; run < RUNS; run++) {
@@ -249,12 +259,12 @@ fn write_runs(mover: u32) {
             }
         }
         let count = entries_of(mover, id);
-        for (var feature = 0u; feature < count; feature++) {
-            lists[into.x + place][into.y] = id | (feature << ENTRY_ID_BITS);
-            place += 1u;
+        for (var feature = 0u; (feature < count) & writes; feature++) {
+            lists[into.x + place + feature][into.y] = id | (feature << ENTRY_ID_BITS);
         }
+        place += count;
     }
-    put_head(mover, place);
+    return place;
 }
 
 @compute @workgroup_size(64)
