@@ -25,6 +25,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         flow: _,
         springs: _,
         rates: _,
+        residues: _,
         fronts,
         kept_laws: _,
         kept_contact_law,
@@ -151,7 +152,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     scene.run = run::read(words)?;
     let kept_laws = read_laws(words)?;
     let kept_contact_law = read_contact_law(words)?;
-    let (springs, rates) = (Vec::new(), Vec::new());
+    let (springs, rates, residues) = (Vec::new(), Vec::new(), Vec::new());
     let checkpoint = Checkpoint {
         scene,
         options,
@@ -164,6 +165,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         flow: FlowState::default(),
         springs,
         rates,
+        residues,
         fronts,
         kept_laws,
         kept_contact_law,
