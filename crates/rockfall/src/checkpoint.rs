@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; gauges; how the scene is meant to be run; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres and bodies with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels; inlets and outlets, and what they have done; shapes and rigid bodies; implied bodies |
+//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; gauges; how the scene is meant to be run; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres and bodies with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres and bodies with residues, 0 or all, with 4 words for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels; inlets and outlets, and what they have done; shapes and rigid bodies; implied bodies |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one |
 //! | 4 | CRC-32 of all bytes before |
@@ -24,6 +24,7 @@ use glam::Vec3;
 
 use crate::error::{Error, Result};
 use crate::model::muscles::MuscleClock;
+use crate::model::residue::is_residue;
 use crate::options::Options;
 use crate::output::AtomicFile;
 use crate::report::Report;
@@ -51,7 +52,7 @@ use words::{Damage, Words};
 /// The first bytes of every checkpoint.
 const MAGIC: [u8; 8] = *b"\x89RKF\r\n\x1a\n";
 /// Version of the format. Files of other versions are refused.
-const VERSION: u32 = 18;
+const VERSION: u32 = 19;
 /// Bytes of magic, version and length.
 pub(crate) const PREFIX: usize = MAGIC.len() + 4 + 8;
 /// Bytes of the checksum at the end.
@@ -94,6 +95,9 @@ pub struct Checkpoint {
     /// Velocity Verlet: acceleration and torque of every sphere in the last force evaluation. Empty for other integrators, and where
     /// the next step evaluates the forces again. It does so if another number of spheres is found here.
     pub(crate) rates: Vec<[f32; 6]>,
+    /// Residues of velocities (docs/physics.md section 5.10) of all spheres in insertion order, then of all rigid bodies. Empty where
+    /// steps are not short.
+    pub(crate) residues: Vec<[u32; 4]>,
 }
 
 /// The tangential spring of a contact between two steps.
@@ -179,6 +183,7 @@ impl Checkpoint {
             let (mut checkpoint, counts) = head::read(&mut words)?;
             let springs = springs::read(&mut words)?;
             checkpoint.rates = read_rates(&mut words)?;
+            checkpoint.residues = read_residues(&mut words)?;
             let lows = read_lows(&mut words, counts.spheres)?;
             let [tags, flow, bodies, implied] = [words.block()?, words.block()?, words.block()?, words.block()?];
             objects::read(&mut words, &counts, &mut checkpoint.scene)?;
@@ -199,6 +204,7 @@ impl Checkpoint {
         let mut head = head::bytes(self);
         head.extend(springs::bytes(self));
         head.extend(rates(&self.rates));
+        head.extend(residues(&self.residues));
         head.extend(lows(&self.scene));
         head.extend(tags::bytes(&self.scene));
         head.extend(flow::bytes(self));
@@ -252,13 +258,38 @@ fn read_rates(words: &mut Words) -> Result<Vec<[f32; 6]>, Damage> {
     Ok(rates)
 }
 
-/// Checks that there are rates of all spheres and bodies, or none.
-fn check_rates(Checkpoint { rates, scene, .. }: &Checkpoint) -> Result<(), Damage> {
+/// Checks that there are rates and residues of all spheres and bodies, or none.
+fn check_rates(Checkpoint { rates, residues, scene, .. }: &Checkpoint) -> Result<(), Damage> {
     let expected = scene.spheres().len() + scene.whole_bodies().count();
-    if rates.is_empty() || rates.len() == expected {
-        return Ok(());
+    for (what, count) in [("accelerations", rates.len()), ("residues", residues.len())] {
+        if count != 0 && count != expected {
+            return Err(Damage::new(format!("it has the {what} of {count} spheres and bodies, expected 0 or {expected}")));
+        }
     }
-    Err(Damage::new(format!("it has the accelerations of {} spheres and bodies, expected 0 or {expected}", rates.len())))
+    Ok(())
+}
+
+/// The residues of velocities: the number of spheres and bodies that have them, then 4 words each.
+fn residues(residues: &[[u32; 4]]) -> Vec<u8> {
+    let mut head = words::Head::default();
+    head.u64(residues.len() as u64);
+    residues.iter().flatten().for_each(|word| head.u32(*word));
+    head.bytes
+}
+
+fn read_residues(words: &mut Words) -> Result<Vec<[u32; 4]>, Damage> {
+    let mut residues = Vec::new();
+    for _ in 0..words.u64()? {
+        let mut row = [0; 4];
+        for word in &mut row {
+            *word = words.u32()?;
+        }
+        if !row.into_iter().all(is_residue) {
+            return Err(Damage::new("the residue of a velocity is not a number"));
+        }
+        residues.push(row);
+    }
+    Ok(residues)
 }
 
 /// The low parts of positions: the number of spheres that have them, which is 0 where all of them are 0, then 3 numbers each.

@@ -194,11 +194,12 @@ impl<R: Ranks> Cluster<R> {
         let until = simulation.act(dt)?;
         self.next_flow = Some((dt, self.whole.report.steps.saturating_add(until)));
         simulation.run(1, dt)?;
-        let Checkpoint { scene, flow, fronts, springs, rates, history, time_step, report, .. } = simulation.checkpoint()?;
+        let Checkpoint { scene, flow, fronts, springs, rates, residues, history, time_step, report, .. } =
+            simulation.checkpoint()?;
         self.spare = Some(simulation);
         let whole = &mut self.whole;
         (whole.scene, whole.flow, whole.fronts, whole.springs) = (scene, flow, fronts, springs);
-        (whole.rates, whole.history, whole.time_step) = (rates, history, time_step);
+        (whole.rates, whole.residues, whole.history, whole.time_step) = (rates, residues, history, time_step);
         (whole.report.contacts, whole.report.max_overlap) = (report.contacts, report.max_overlap);
         self.has_rates = true;
         Ok(())

@@ -27,6 +27,7 @@ pub(crate) mod lists;
 pub(crate) mod muscles;
 pub mod part;
 pub(crate) mod period;
+pub(crate) mod residue;
 pub(crate) mod rest;
 pub(crate) mod rigid;
 pub(crate) mod rotate;

@@ -3,12 +3,12 @@
 use glam::Vec3;
 
 #[cfg(feature = "gpu")]
-use crate::checkpoint::KeptSpring;
 use crate::error::{Error, Result};
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::exec::gpu::Gpu;
 use crate::model::layout::{FEW_MOVERS, FLAG_CONTINUE, FLAG_DOUBLE, SLICE};
 use crate::model::muscles::MuscleClock;
+use crate::model::residue::has_residues;
 use crate::model::status::Status;
 use crate::model::world::World;
 use crate::options::{BackendInfo, Optimization, Options};
@@ -33,6 +33,7 @@ mod flow;
 mod force_laws;
 mod gauge;
 mod keep;
+mod kept;
 mod lists;
 mod meter;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
@@ -62,6 +63,7 @@ use engine::Engine;
 use flight::Portioning;
 pub use flow::{Flow, Inflow, Outflow};
 pub use gauge::{GaugeReading, WallLoad};
+use kept::Kept;
 use lists::ListPolicy;
 pub use meter::Meter;
 pub use motions::MotionState;
@@ -150,7 +152,7 @@ impl Simulation {
     /// As for [`Simulation::with_options`].
     pub async fn with_options_async(scene: Scene, options: Options) -> Result<Self> {
         let scene = resolve(scene, &options)?;
-        let world = prepare(&scene, &options)?;
+        let world = prepare(&scene, &options, first_time_step(&scene))?;
         let (engine, info) = Engine::open(&options, &world).await?;
         Ok(Self::assemble(scene, options, world, engine, info))
     }
@@ -162,23 +164,22 @@ impl Simulation {
     /// the device.
     #[cfg(feature = "gpu")]
     pub fn on_device(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
-        Self::on_device_as_is(resolve(scene, &options)?, options, &[], &[], device, queue)
+        let scene = resolve(scene, &options)?;
+        let dt = first_time_step(&scene);
+        Self::on_device_as_is(scene, options, (dt, &Kept::default()), device, queue)
     }
 
-    /// [`Simulation::on_device`] for a scene whose constants are resolved already, with the springs of its contacts and the rates of
-    /// velocity Verlet.
+    /// [`Simulation::on_device`] for a scene whose constants are resolved already, with its time step and what it keeps.
     #[cfg(feature = "gpu")]
     fn on_device_as_is(
         scene: Scene,
         options: Options,
-        springs: &[KeptSpring],
-        rates: &[[f32; 6]],
+        (dt, kept): (f32, &Kept<'_>),
         device: &wgpu::Device,
         queue: &wgpu::Queue,
     ) -> Result<Self> {
-        let mut world = prepare(&scene, &options)?;
-        springs::put_springs(&mut world, &scene, springs);
-        rates::put_rates(&mut world, rates);
+        let mut world = prepare(&scene, &options, dt)?;
+        kept.put(&mut world, &scene);
         let (engine, info) = Engine::on_device(device, queue, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info))
     }
@@ -187,7 +188,7 @@ impl Simulation {
     #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
     pub(crate) fn on_gpu(scene: Scene, options: Options, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
         let scene = resolve(scene, &options)?;
-        let world = prepare(&scene, &options)?;
+        let world = prepare(&scene, &options, first_time_step(&scene))?;
         let engine = Engine::on(gpu, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info.clone()))
     }
@@ -196,7 +197,7 @@ impl Simulation {
         engine.complete(&mut world);
         // A later change of the contact law must not change it, and a checkpoint stores it.
         options.integrator = scene.integrator(options.integrator).into();
-        let time_step = scene.run.time_step().unwrap_or(DEFAULT_TIME_STEP);
+        let time_step = first_time_step(&scene);
         let flow = FlowState::of(&scene);
         let lists = ListPolicy::start(engine.dispatches() && world.movers() <= FEW_MOVERS);
         Self {
@@ -449,14 +450,20 @@ fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&Contact
 }
 
 /// Packs a scene into a world without scratch arrays, and applies the options.
-fn prepare(scene: &Scene, options: &Options) -> Result<World> {
+/// The time step of a simulation before its first step.
+fn first_time_step(scene: &Scene) -> f32 {
+    scene.run.time_step().unwrap_or(DEFAULT_TIME_STEP)
+}
+
+/// Packs a scene for steps of `dt` seconds, after all checks.
+fn prepare(scene: &Scene, options: &Options, dt: f32) -> Result<World> {
     scene.settings.validate()?;
     check_contact_law(scene, scene.integrator(options.integrator), options.contact_force_law.as_ref())?;
     if scene.is_periodic() && options.broad_phase == BroadPhase::SortAndSkip {
         let value = options.broad_phase.to_string();
         return Err(Error::Invalid { field: "broad_phase", value, expected: "auto, grid or brute-force for a periodic scene" });
     }
-    let mut world = pack(scene, options)?;
+    let mut world = pack(scene, options, dt)?;
     place_walls(&mut world, scene, &MuscleClock::default());
     if let Some(capacity) = options.pair_capacity {
         world.set_pair_room(capacity.div_ceil(SLICE));
@@ -467,8 +474,8 @@ fn prepare(scene: &Scene, options: &Options) -> Result<World> {
     Ok(world)
 }
 
-/// Packs a scene into a world in the order of memory that suits the broad phase, without scratch arrays.
-fn pack(scene: &Scene, options: &Options) -> Result<World> {
+/// Packs a scene into a world in the order of memory that suits the broad phase, without scratch arrays, for steps of `dt` seconds.
+fn pack(scene: &Scene, options: &Options, dt: f32) -> Result<World> {
     let broad_phase = if options.uses(Optimization::SpatialOrder) { options.broad_phase } else { BroadPhase::BruteForce };
     let mut world =
         World::for_method(scene, broad_phase, UserLaws::new(&options.force_laws, options.contact_force_law.as_ref())?)?;
@@ -479,6 +486,7 @@ fn pack(scene: &Scene, options: &Options) -> Result<World> {
         world.leave_out_long_movers();
     }
     world.set_integrator(scene.integrator(options.integrator));
+    world.set_residues(has_residues(dt));
     world.joins_steps = options.uses(Optimization::JoinedSteps);
     Ok(world)
 }

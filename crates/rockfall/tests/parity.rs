@@ -46,6 +46,8 @@ mod order;
 mod random;
 #[path = "parity/repeat.rs"]
 mod repeat;
+#[path = "parity/residues.rs"]
+mod residues;
 #[path = "parity/rigid.rs"]
 mod rigid;
 #[path = "parity/rod_walls.rs"]

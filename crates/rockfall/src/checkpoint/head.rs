@@ -26,6 +26,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         flow: _,
         springs: _,
         rates: _,
+        residues: _,
         fronts,
         kept_laws: _,
         kept_contact_law,
@@ -167,7 +168,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     scene.run = run::read(words)?;
     let kept_laws = read_laws(words)?;
     let kept_contact_law = read_contact_law(words)?;
-    let (springs, rates) = (Vec::new(), Vec::new());
+    let (springs, rates, residues) = (Vec::new(), Vec::new(), Vec::new());
     let checkpoint = Checkpoint {
         scene,
         options,
@@ -180,6 +181,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         flow: FlowState::default(),
         springs,
         rates,
+        residues,
         fronts,
         kept_laws,
         kept_contact_law,

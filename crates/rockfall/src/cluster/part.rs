@@ -57,6 +57,8 @@ impl Part {
         };
         let present: Vec<u32> = (0..spheres.len()).filter(|index| is_here(*index)).map(|index| index as u32).collect();
         let mut checkpoint = local_checkpoint(whole, &present)?;
+        // It decides whether velocities have residues.
+        checkpoint.time_step = dt;
         let mut local = match spare {
             Some(mut local) => {
                 local.put_list_plan(&mut checkpoint);
@@ -229,6 +231,9 @@ fn local_checkpoint(whole: &Checkpoint, present: &[u32]) -> Result<Checkpoint> {
     local.scene.outlets.clear();
     if !whole.rates.is_empty() {
         local.rates = present.iter().map(|index| whole.rates[*index as usize]).collect();
+    }
+    if !whole.residues.is_empty() {
+        local.residues = present.iter().map(|index| whole.residues[*index as usize]).collect();
     }
     local.options = Options { pair_capacity: None, ..whole.options.clone() }
         .without(Optimization::JoinedSteps)

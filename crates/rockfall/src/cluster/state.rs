@@ -35,16 +35,20 @@ pub(super) fn put(all: &[Vec<u32>], domain: &Domain, whole: &mut Checkpoint) {
 
 fn put_rows(all: &[Vec<u32>], domain: &Domain, whole: &mut Checkpoint) {
     let mut next = vec![HEAD; all.len()];
+    let mut residues = Vec::new();
     for (index, sphere) in whole.scene.spheres.objects_mut().iter_mut().enumerate() {
         let owner = domain.owners[index] as usize;
         let at = next[owner];
         next[owner] += ROW_WORDS;
         let row: Row = std::array::from_fn(|word| all[owner][at + word]);
-        let rates = put_in_scene(&row, sphere);
+        let (rates, residue) = put_in_scene(&row, sphere);
+        residues.push(residue);
         if let Some(kept) = whole.rates.get_mut(index) {
             *kept = rates;
         }
     }
+    // Steps that are not short leave none.
+    whole.residues = if residues.iter().all(|row| *row == [0; 4]) { Vec::new() } else { residues };
 }
 
 fn put_springs(all: &[Vec<u32>], whole: &mut Checkpoint) {

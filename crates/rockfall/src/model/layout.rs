@@ -49,9 +49,13 @@ constants! {
     /// Body of a sphere that belongs to no rigid body.
     pub const NO_RIGID: u32 = u32::MAX;
     /// Vectors of a rigid body: position, low part of the position, velocity, angular momentum, orientation. The
-    /// others are scratch: four sums over the evaluations of RK4; velocity, angular momentum, orientation,
-    /// position and its low part of the stage state.
-    pub const RIGID_ROWS: u32 = 14;
+    /// last one has the residues of velocity and angular momentum. The others are scratch: four sums over the evaluations of RK4;
+    /// velocity, angular momentum, orientation, position and its low part of the stage state.
+    pub const RIGID_ROWS: u32 = 15;
+    /// Row of a rigid body with its residues.
+    pub const RESIDUE_ROW: u32 = 14;
+    /// Row of a rigid body with the residues after the drift of velocity Verlet.
+    pub const DRIFTED_ROW: u32 = 6;
     /// Pass of `move_bodies` after the drift of velocity Verlet.
     pub const AFTER_DRIFT: u32 = 4;
     /// Pass of `move_bodies` after the second half of the kick of velocity Verlet.
@@ -133,6 +137,11 @@ constants! {
     pub const FLAG_PERIODIC: u32 = 4096;
     /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): some polygons are smooth walls.
     pub const FLAG_SMOOTH: u32 = 8192;
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): velocities have residues (docs/physics.md section 5.10).
+    pub const FLAG_RESIDUES: u32 = 16_384;
+    /// Region of a state with the residues of velocity and angular momentum. In the stage states of RK4, the increments of the velocity
+    /// so far; those of the angular momentum follow.
+    pub const RESIDUE_REGION: u32 = 5;
     /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): the images of a periodic scene slide along the box.
     pub const FLAG_SHEARED: u32 = 32_768;
     /// Surface of a polygon: a parallelogram. The numbers are the places in `Surface::ALL`.

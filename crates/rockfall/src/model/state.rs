@@ -10,6 +10,8 @@ use crate::fine::Fine;
 use crate::model::counters::Tally;
 use crate::model::layout::GRAIN;
 use crate::model::layout::SLICE;
+use crate::model::residue::{Increased, drifted, increased};
+use crate::model::step::Step;
 use crate::model::view::View;
 
 /// Position, velocity and angular momentum of one sphere.
@@ -20,6 +22,8 @@ pub(crate) struct Motion {
     pub(crate) low: Vec3,
     pub(crate) velocity: Vec3,
     pub(crate) angular_momentum: Vec3,
+    /// What rounding left of velocity and angular momentum (docs/physics.md section 5.10).
+    pub(crate) residues: Vec4,
 }
 
 impl Motion {
@@ -29,7 +33,30 @@ impl Motion {
             low: view.position_low(sphere),
             velocity: view.velocity(sphere),
             angular_momentum: view.angular_momentum(sphere),
+            residues: view.residues(sphere).unwrap_or_default(),
         }
+    }
+
+    /// Velocity and angular momentum after these increments, with their residues. The position is the same.
+    pub(crate) fn increased(self, step: &Step, by: [Vec3; 2]) -> Self {
+        self.with(increased(self.vectors(), self.residues_in(step), by))
+    }
+
+    /// The same for the drift of velocity Verlet.
+    pub(crate) fn drifted(self, step: &Step, by: [Vec3; 2]) -> Self {
+        self.with(drifted(self.vectors(), self.residues_in(step), by))
+    }
+
+    fn vectors(&self) -> [Vec3; 2] {
+        [self.velocity, self.angular_momentum]
+    }
+
+    fn residues_in(&self, step: &Step) -> Option<Vec4> {
+        step.has_residues().then_some(self.residues)
+    }
+
+    fn with(self, Increased { velocity, angular_momentum, residues }: Increased) -> Self {
+        Self { velocity, angular_momentum, residues, ..self }
     }
 
     pub(crate) fn is_finite(&self) -> bool {
@@ -48,7 +75,8 @@ impl Motion {
             return self;
         }
         tally.count_bad(stage, insertion_index);
-        Self { position: start.position, low: start.low, velocity: Vec3::ZERO, angular_momentum: Vec3::ZERO }
+        let (position, low) = (start.position, start.low);
+        Self { position, low, velocity: Vec3::ZERO, angular_momentum: Vec3::ZERO, residues: Vec4::ZERO }
     }
 }
 
@@ -62,6 +90,8 @@ pub(crate) struct Rows<'a> {
     lows: &'a mut [Vec4],
     /// Velocities at the time of the positions; empty in a state without them.
     synchronised: &'a mut [Vec4],
+    /// Empty in a state without residues.
+    residues: &'a mut [Vec4],
 }
 
 impl<'a> Rows<'a> {
@@ -72,21 +102,24 @@ impl<'a> Rows<'a> {
         let (velocities, rest) = rest.split_at_mut(spheres as usize);
         let (spins, rest) = rest.split_at_mut(spheres as usize);
         let (lows, synchronised) = rest.split_at_mut(rest.len().min(spheres as usize));
+        let (synchronised, residues) = synchronised.split_at_mut(synchronised.len().min(spheres as usize));
+        let (residues, _) = residues.split_at_mut(residues.len().min(spheres as usize));
         let slices = positions.len().div_ceil(LENGTH);
-        let [lows, synchronised] = [lows, synchronised].map(|rows| {
+        let [lows, synchronised, residues] = [lows, synchronised, residues].map(|rows| {
             let mut chunks: Vec<&mut [Vec4]> = rows.chunks_mut(LENGTH).collect();
             chunks.resize_with(slices, Default::default);
             chunks
         });
         let slices = positions.par_chunks_mut(LENGTH).zip(velocities.par_chunks_mut(LENGTH)).zip(spins.par_chunks_mut(LENGTH));
-        let rows = slices.zip(lows).zip(synchronised).enumerate().map(
-            |(slice, ((((positions, velocities), spins), lows), synchronised))| Self {
+        let rows = slices.zip(lows).zip(synchronised).zip(residues).enumerate().map(
+            |(slice, (((((positions, velocities), spins), lows), synchronised), residues))| Self {
                 first: slice as u32 * SLICE,
                 positions,
                 velocities,
                 spins,
                 lows,
                 synchronised,
+                residues,
             },
         );
         rows.with_min_len(GRAIN / LENGTH)
@@ -103,7 +136,8 @@ impl<'a> Rows<'a> {
         let [position, velocity, angular_momentum] =
             [&self.positions, &self.velocities, &self.spins].map(|rows| rows[place].truncate());
         let low = self.lows.get(place).map_or(Vec3::ZERO, |low| low.truncate());
-        Motion { position, low, velocity, angular_momentum }
+        let residues = self.residues.get(place).copied().unwrap_or_default();
+        Motion { position, low, velocity, angular_momentum, residues }
     }
 
     /// Writes a motion, with the radius, inverse mass and inverse inertia that the sphere has in `view`.
@@ -114,6 +148,13 @@ impl<'a> Rows<'a> {
         self.spins[place] = motion.angular_momentum.extend(view.inverse_inertia(sphere));
         if let Some(low) = self.lows.get_mut(place) {
             *low = motion.low.extend(0.0);
+        }
+        self.set_residues(place, motion);
+    }
+
+    fn set_residues(&mut self, place: usize, motion: Motion) {
+        if let Some(row) = self.residues.get_mut(place) {
+            *row = motion.residues;
         }
     }
 
@@ -128,6 +169,7 @@ impl<'a> Rows<'a> {
         ] {
             *row = value.extend(row.w);
         }
+        self.set_residues(place, motion);
     }
 
     /// [`Rows::set`] for the phase of collisions, whose velocities are those at the time of the positions.

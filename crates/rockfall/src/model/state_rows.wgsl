@@ -20,6 +20,11 @@ fn low_row(sphere: u32) -> vec3f {
     return state[low_at(sphere)].xyz;
 }
 
+// The row of a sphere in a region of residues.
+fn residue_row(region: u32, sphere: u32) -> vec4f {
+    return state[region * step.spheres + sphere];
+}
+
 // Index of the force evaluation within the step.
 fn evaluation() -> u32 {
     return pass_.index % EARLY;

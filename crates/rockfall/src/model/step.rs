@@ -6,7 +6,9 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::model::declare::block;
-use crate::model::layout::{ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_VERLET, SPRING_WORDS};
+use crate::model::layout::{
+    ENTRY_BITS, FEATURE_BITS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_RESIDUES, FLAG_VERLET, RESIDUE_REGION, SPRING_WORDS,
+};
 use crate::settings::{Settings, constant_table};
 
 /// Declares [`Constants`], with a field for every constant of the table that kernels read.
@@ -302,12 +304,29 @@ impl Step {
     /// low part of the position. A region is one vec4 per sphere. `Y4` has low parts only where they are read: with velocity Verlet
     /// and with double precision.
     /// With symplectic Euler, `Start` and `Y2` have a fifth region: the velocity at the time of the positions and inverse mass.
+    /// With residues, there are further regions from [`RESIDUE_REGION`] on: in all states with RK4, in `Start`, `Y3`, which sorts memory,
+    /// and with velocity Verlet in `Y4`.
     pub const fn state_regions(&self, state: usize) -> u32 {
+        let is_verlet = self.constants.flags & FLAG_VERLET != 0;
+        let is_rk4 = !is_verlet && !self.is_half_step();
         match state {
-            0 | 1 if self.is_half_step() => 5,
-            3 if !self.is_double() && self.constants.flags & FLAG_VERLET == 0 => 3,
+            _ if self.has_residues() && is_rk4 => RESIDUE_REGION + 2,
+            0 | 2 if self.has_residues() => RESIDUE_REGION + 1,
+            3 if self.has_residues() && is_verlet => RESIDUE_REGION + 1,
+            0 | 1 => self.collision_regions(),
+            3 if !self.is_double() && !is_verlet => 3,
             _ => 4,
         }
+    }
+
+    /// Number of regions of a state that collisions change.
+    pub const fn collision_regions(&self) -> u32 {
+        if self.is_half_step() { 5 } else { 4 }
+    }
+
+    /// Whether velocities have residues (docs/physics.md section 5.10).
+    pub const fn has_residues(&self) -> bool {
+        self.constants.flags & FLAG_RESIDUES != 0
     }
 
     /// Whether velocities are half a step behind positions (docs/physics.md section 5.2).

@@ -35,6 +35,8 @@ const HALF_STEP: bool = true;
 // Whether springs, tethers, external forces or forces of a program act, so that there is a table `free_at`.
 const FREE_TABLE: bool = true;
 const DOUBLE: bool = true;
+// Whether velocities have residues (docs/physics.md section 5.10).
+const RESIDUES: bool = true;
 // Regions of a state. Each is a vec4f per sphere.
 const STATE_REGIONS: u32 = 4u;
 // The same in the phase of collisions.

@@ -2,7 +2,7 @@
 
 use crate::model::layout::{
     FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_HALF_STEP, FLAG_PAIR_FRICTION, FLAG_PERIODIC,
-    FLAG_RESISTANCE, FLAG_SERVOS, FLAG_SHEARED, FLAG_SMOOTH, FLAG_TRIANGLES, FLAG_VERLET, MANY_OBJECTS,
+    FLAG_RESIDUES, FLAG_RESISTANCE, FLAG_SERVOS, FLAG_SHEARED, FLAG_SMOOTH, FLAG_TRIANGLES, FLAG_VERLET, MANY_OBJECTS,
 };
 use crate::model::step::Step;
 use crate::settings::Integrator;
@@ -17,6 +17,8 @@ pub struct Traits {
     pub integrator: Integrator,
     /// Geometry uses the low parts of positions.
     pub double: bool,
+    /// Velocities have residues.
+    pub residues: bool,
     /// Number of spheres.
     pub spheres: u32,
     /// There are rods.
@@ -80,6 +82,7 @@ impl Step {
                 () => Integrator::Rk4,
             },
             double: has(FLAG_DOUBLE),
+            residues: has(FLAG_RESIDUES),
             spheres: layout.spheres,
             rods: layout.rods > 0,
             networks: layout.networks > 0,

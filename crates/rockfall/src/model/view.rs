@@ -94,6 +94,8 @@ pub(crate) struct View<'a> {
     velocities: &'a [Vec4],
     /// Velocities at the time of the positions; empty in a state without them.
     synchronised: &'a [Vec4],
+    /// The regions from [`RESIDUE_REGION`] on; empty in a state without them.
+    residues: &'a [Vec4],
     /// Half steps since the base of the muscles' clock.
     half_steps: u32,
     /// The laws that the program gave.
@@ -113,7 +115,9 @@ impl<'a> View<'a> {
         let (positions, rest) = state.split_at(spheres);
         let (velocities, rest) = rest.split_at(spheres);
         let (spins, rest) = rest.split_at(spheres);
-        let (lows, synchronised) = rest.split_at(rest.len().min(spheres));
+        let (lows, rest) = rest.split_at(rest.len().min(spheres));
+        let (fifth, residues) = rest.split_at(rest.len().min(spheres));
+        let synchronised = if step.is_half_step() { fifth } else { &[] };
         let rows = [positions, velocities, spins];
         Self {
             step,
@@ -123,6 +127,7 @@ impl<'a> View<'a> {
             lows,
             velocities,
             synchronised,
+            residues,
             half_steps: 0,
             evaluation: 0,
             user_laws: None,
@@ -239,6 +244,17 @@ impl<'a> View<'a> {
     /// The low part of a position, 0 in a state without them.
     pub(crate) fn position_low(&self, sphere: u32) -> Vec3 {
         self.lows.get(sphere as usize).map_or(Vec3::ZERO, |low| low.truncate())
+    }
+
+    /// The residues of a sphere, if velocities have residues.
+    pub(crate) fn residues(&self, sphere: u32) -> Option<Vec4> {
+        self.step.has_residues().then(|| self.residues.get(sphere as usize).copied().unwrap_or_default())
+    }
+
+    /// In a stage state of RK4, the increments of the velocity and the angular momentum of a sphere up to this state.
+    pub(crate) fn increments(&self, sphere: u32) -> [Vec3; 2] {
+        let spheres = self.step.layout.spheres;
+        [sphere, spheres + sphere].map(|place| self.residues[place as usize].truncate())
     }
 
     /// The position with its low part.

@@ -51,6 +51,7 @@ impl WorldSizes {
         let is_plain = traits.law == LAW_THESIS
             && traits.integrator != Integrator::VelocityVerlet
             && !(traits.double
+                || traits.residues
                 || traits.rods
                 || traits.large
                 || traits.materials

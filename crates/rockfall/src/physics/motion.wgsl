@@ -1,4 +1,4 @@
-// requires model/order.wgsl model/step.wgsl physics/fine.wgsl physics/forces/rates.wgsl
+// requires model/order.wgsl model/step.wgsl physics/fine.wgsl physics/forces/rates.wgsl physics/residue.wgsl
 
 struct Motion {
     position: vec3f,
@@ -26,14 +26,18 @@ fn displaced(motion: Motion, by: vec3f) -> Motion {
     return Motion(place.high, place.low, motion.velocity, motion.momentum);
 }
 
+// A motion, and the row of its residues.
+struct Kicked {
+    motion: Motion,
+    residues: vec4f,
+}
+
 // A sphere after its velocity has changed for `kick` seconds at the given rates and has then moved it for the whole step.
-fn kicked_and_moved(before: Motion, rates: Rates, kick: f32, sphere: u32) -> Motion {
-    var after = before;
-    after.velocity += kick * rates.acceleration;
-    after.momentum += kick * rates.torque;
-    after = displaced(after, step.dt * after.velocity);
+fn kicked_and_moved(before: Motion, residues: vec4f, rates: Rates, kick: f32, sphere: u32) -> Kicked {
+    let new_ = increased(before.velocity, before.momentum, residues, kick * rates.acceleration, kick * rates.torque, VERLET);
+    let after = displaced(Motion(before.position, before.low, new_.velocity, new_.momentum), step.dt * new_.velocity);
     if !is_finite(after) {
-        return stopped(before.position, before.low, 1u, sphere);
+        return Kicked(stopped(before.position, before.low, 1u, sphere), vec4f(0.0));
     }
-    return after;
+    return Kicked(after, new_.residues);
 }

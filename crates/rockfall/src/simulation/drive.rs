@@ -3,12 +3,14 @@
 use crate::error::BadStage;
 use crate::error::{Error, Result};
 use crate::model::muscles::BASE_STEPS;
+use crate::model::residue::has_residues;
 use crate::model::status::{
     BAD_STAGE_SHIFT, NO_BODY, REJECTED_BEFORE, REJECTED_COLLISIONS, REJECTED_COUNT, REJECTED_ESCAPED, REJECTED_HISTORY,
     REJECTED_MANY, REJECTED_NETWORKS, REJECTED_NON_FINITE, REJECTED_PAIRS, Status,
 };
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
+use crate::simulation::edit::Dirty;
 use crate::step::schedule::Phase;
 
 /// Maximum number of times in a row that a step may be rejected.
@@ -47,6 +49,10 @@ impl Simulation {
             });
         }
         self.time_step = dt;
+        if has_residues(dt) != self.world.step.has_residues() {
+            // The arrays get room for residues, or lose it.
+            self.dirty = Dirty::Everything;
+        }
         Ok(())
     }
 

@@ -2,7 +2,6 @@
 
 use glam::{Quat, Vec3};
 
-use crate::checkpoint::KeptSpring;
 use crate::error::{Error, Result};
 use crate::fine::Fine;
 use crate::mesh::Mesh;
@@ -12,9 +11,8 @@ use crate::scene::{
     ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, RigidBody, RigidBodyId, Rod, RodId, Scene, Shape, ShapeId, Sphere,
     SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
 };
+use crate::simulation::kept::{Kept, put_residues};
 use crate::simulation::order::Disorder;
-use crate::simulation::rates::put_rates;
-use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, engine, ids_of, pack};
 use crate::step::walls::move_walls::place_walls;
 
@@ -44,6 +42,11 @@ pub(super) enum Edit {
 pub(super) type Edits = (SphereId, Edit);
 
 impl Edit {
+    /// Whether it changes the velocity or the angular momentum.
+    fn sets_motion(self) -> bool {
+        matches!(self, Self::Velocity(_) | Self::AngularMomentum(_) | Self::Impulse(_))
+    }
+
     fn apply(self, sphere: &mut Sphere) {
         match self {
             Self::Position(position) => (sphere.position, sphere.position_low) = (position, Vec3::ZERO),
@@ -370,12 +373,14 @@ impl Simulation {
             self.dirty = Dirty::Everything;
         }
         let springs = if self.dirty == Dirty::Everything { self.springs().await? } else { Vec::new() };
+        let edited: Vec<SphereId> = edits.iter().filter(|(_, edit)| edit.sets_motion()).map(|(id, _)| *id).collect();
+        let residues = if moves { self.residues(&edited) } else { Vec::new() };
         if let Some(before) = fronts {
             self.planes.edited(before, &self.scene);
         }
         match std::mem::replace(&mut self.dirty, Dirty::Clean) {
             Dirty::Everything => {
-                self.rebuild(&springs, &[])?;
+                self.rebuild(&Kept { springs: &springs, rates: &[], residues: &residues })?;
                 self.mark_state_edited();
             }
             Dirty::Topology => {
@@ -392,19 +397,20 @@ impl Simulation {
         }
         if !edits.is_empty() {
             self.world.set_spheres(&self.scene);
+            put_residues(&mut self.world, &residues);
             self.engine.upload_spheres(&self.world)?;
             self.mark_state_edited();
         }
         Ok(())
     }
 
-    /// Packs the scene again, with the springs of contacts and the rates of velocity Verlet, if known. The lists keep their capacity.
-    pub(super) fn rebuild(&mut self, springs: &[KeptSpring], rates: &[[f32; 6]]) -> Result<()> {
+    /// Packs the scene again, with what it keeps. The lists keep their capacity.
+    pub(super) fn rebuild(&mut self, kept: &Kept<'_>) -> Result<()> {
         let old = &self.world.step;
         let (flags, dt, rows) = (old.constants.flags, old.constants.dt, old.layout.pair_rows);
         let (own, sent) = (std::mem::take(&mut self.world.own), std::mem::take(&mut self.world.sent));
         self.scene.imply_bodies();
-        self.world = pack(&self.scene, &self.options)?;
+        self.world = pack(&self.scene, &self.options, self.time_step)?;
         if own.len() == self.world.step.layout.spheres as usize {
             self.world.set_own(own, sent);
         }
@@ -412,8 +418,7 @@ impl Simulation {
         self.world.set_time_step(dt);
         place_walls(&mut self.world, &self.scene, &self.muscle_clock);
         self.world.set_pair_room(rows);
-        put_springs(&mut self.world, &self.scene, springs);
-        put_rates(&mut self.world, rates);
+        kept.put(&mut self.world, &self.scene);
         self.status.forces_due = self.world.status.forces_due;
         self.status.history_table = self.world.status.history_table;
         self.engine.complete(&mut self.world);

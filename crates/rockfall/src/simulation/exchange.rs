@@ -6,6 +6,7 @@ use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
 #[cfg(not(target_family = "wasm"))]
 use crate::simulation::engine;
+use crate::simulation::kept::put_residues;
 
 impl Simulation {
     /// Copies a field of all spheres or rigid bodies to a buffer on the device, in order of addition and without a copy through the host. Does
@@ -82,7 +83,9 @@ impl Simulation {
             self.dirty = Dirty::Everything;
             return self.flush_async().await;
         }
+        let residues = self.residues(&[]);
         self.world.set_spheres(&self.scene);
+        put_residues(&mut self.world, &residues);
         self.engine.upload_spheres(&self.world)
     }
 

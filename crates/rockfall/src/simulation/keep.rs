@@ -13,14 +13,18 @@ use crate::options::BackendInfo;
 use crate::options::Options;
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
+use crate::simulation::kept::Kept;
 use crate::simulation::lists::ListPolicy;
 use crate::simulation::order::Disorder;
 use crate::simulation::planes::Planes;
-use crate::simulation::rates::put_rates;
-use crate::simulation::springs::put_springs;
 use crate::simulation::{Simulation, check_contact_law, engine, prepare};
 use crate::step::walls::move_walls::place_walls;
 use crate::user_laws::set::UserLaws;
+
+/// What a checkpoint has for a world that is packed from its scene.
+fn kept(checkpoint: &Checkpoint) -> Kept<'_> {
+    Kept { springs: &checkpoint.springs, rates: &checkpoint.rates, residues: &checkpoint.residues }
+}
 
 impl Simulation {
     /// Takes a checkpoint, which holds everything that determines the following steps. Taking it does not change those steps.
@@ -48,6 +52,7 @@ impl Simulation {
         self.sync_async().await?;
         let springs = self.springs().await?;
         let rates = self.rates().await?;
+        let residues = self.residues(&[]);
         let (step, lists) = (&self.world.step, self.lists.settings());
         Ok(Checkpoint {
             scene: self.scene.clone(),
@@ -71,6 +76,7 @@ impl Simulation {
             flow: self.flow.clone(),
             springs,
             rates,
+            residues,
             fronts: self.planes.bases().to_vec(),
             kept_laws: Vec::new(),
             kept_contact_law: None,
@@ -105,9 +111,8 @@ impl Simulation {
     pub async fn resume_async(mut checkpoint: Checkpoint) -> Result<Self> {
         checkpoint.check_laws()?;
         checkpoint.scene.imply_bodies();
-        let mut world = prepare(&checkpoint.scene, &checkpoint.options)?;
-        put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
-        put_rates(&mut world, &checkpoint.rates);
+        let mut world = prepare(&checkpoint.scene, &checkpoint.options, checkpoint.time_step)?;
+        kept(&checkpoint).put(&mut world, &checkpoint.scene);
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
         let simulation = Self::assemble(take(&mut checkpoint.scene), take(&mut checkpoint.options), world, engine, info);
@@ -123,7 +128,7 @@ impl Simulation {
         checkpoint.check_laws()?;
         checkpoint.scene.imply_bodies();
         let (scene, options) = (take(&mut checkpoint.scene), take(&mut checkpoint.options));
-        let simulation = Self::on_device_as_is(scene, options, &checkpoint.springs, &checkpoint.rates, device, queue)?;
+        let simulation = Self::on_device_as_is(scene, options, (checkpoint.time_step, &kept(&checkpoint)), device, queue)?;
         Ok(simulation.with_history(&checkpoint))
     }
 
@@ -133,9 +138,8 @@ impl Simulation {
         checkpoint.check_laws()?;
         checkpoint.scene.imply_bodies();
         let options = Options { backend: info.kind, ..take(&mut checkpoint.options) };
-        let mut world = prepare(&checkpoint.scene, &options)?;
-        put_springs(&mut world, &checkpoint.scene, &checkpoint.springs);
-        put_rates(&mut world, &checkpoint.rates);
+        let mut world = prepare(&checkpoint.scene, &options, checkpoint.time_step)?;
+        kept(&checkpoint).put(&mut world, &checkpoint.scene);
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let engine = Engine::on(gpu, &world)?;
         let simulation = Self::assemble(take(&mut checkpoint.scene), options, world, engine, info.clone());
@@ -166,7 +170,7 @@ impl Simulation {
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
         self.apply_history(checkpoint);
-        self.rebuild(&checkpoint.springs, &checkpoint.rates)?;
+        self.rebuild(&kept(checkpoint))?;
         self.status.collided = 0;
         Ok(())
     }

@@ -8,6 +8,7 @@ use crate::settings::BroadPhase;
 use crate::simulation::Simulation;
 #[cfg(not(target_family = "wasm"))]
 use crate::simulation::engine;
+use crate::simulation::kept::Kept;
 use crate::step::schedule::{MEASURE_ORDER, SORT_MEMORY};
 
 /// Steps between two measurements of the order.
@@ -87,7 +88,7 @@ impl Simulation {
                 self.pull().await?;
                 let springs = self.springs().await?;
                 let rates = self.rates().await?;
-                self.rebuild(&springs, &rates)
+                self.rebuild(&Kept { springs: &springs, rates: &rates, residues: &self.residues(&[]) })
             }
             _ => Ok(()),
         }

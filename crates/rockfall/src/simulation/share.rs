@@ -16,7 +16,7 @@ use crate::checkpoint::{Checkpoint, KeptSpring};
 use crate::error::Result;
 #[cfg(feature = "gpu")]
 use crate::exec::gpu::share::Link;
-use crate::model::layout::RATE_WORDS;
+use crate::model::layout::{RATE_WORDS, RESIDUE_REGION};
 use crate::model::shared::{SENT_WORDS, Shared};
 use crate::model::status::REBUILD_REQUESTED;
 use crate::scene::Sphere;
@@ -28,8 +28,9 @@ const MOTION_WORDS: usize = 12;
 const REGIONS: [usize; 4] = [0, 3, 1, 2];
 /// Words of the rates of velocity Verlet.
 const KEPT_WORDS: usize = RATE_WORDS as usize;
-/// Words of the whole state of a sphere: those above, then the orientation.
-pub(crate) const ROW_WORDS: usize = MOTION_WORDS + KEPT_WORDS + 4;
+/// Words of the whole state of a sphere: those above, the orientation, then the residues. Residues are not sent: no copy needs them.
+pub(crate) const ROW_WORDS: usize = RESIDUES_AT + 4;
+const RESIDUES_AT: usize = MOTION_WORDS + KEPT_WORDS + 4;
 
 /// Where the words that are sent to another process begin in the whole row: the motion; with velocity Verlet the velocity, the angular momentum and the rates. The position of a
 /// copy is exact then, because it follows in a drift from the state before.
@@ -38,16 +39,16 @@ const SENT_FROM: [usize; 2] = [0, 6];
 /// The state of a sphere as the bits of its numbers.
 pub(crate) type Row = [u32; ROW_WORDS];
 
-/// Writes the state of a row to a sphere of a scene, and returns its rates. A fixed sphere only turns.
-pub(crate) fn put_in_scene(row: &Row, sphere: &mut Sphere) -> [f32; KEPT_WORDS] {
+/// Writes the state of a row to a sphere of a scene, and returns its rates and its residues. A fixed sphere only turns.
+pub(crate) fn put_in_scene(row: &Row, sphere: &mut Sphere) -> ([f32; KEPT_WORDS], [u32; 4]) {
     let numbers = row.map(f32::from_bits);
     let vector = |at: usize| Vec3::from_slice(&numbers[at..]);
-    sphere.orientation = Quat::from_slice(&numbers[MOTION_WORDS + KEPT_WORDS..]);
+    sphere.orientation = Quat::from_slice(&numbers[MOTION_WORDS + KEPT_WORDS..RESIDUES_AT]);
     if !sphere.fixed {
         (sphere.position, sphere.position_low) = (vector(0), vector(3));
         (sphere.velocity, sphere.angular_momentum) = (vector(6), vector(9));
     }
-    std::array::from_fn(|at| numbers[MOTION_WORDS + at])
+    (std::array::from_fn(|at| numbers[MOTION_WORDS + at]), std::array::from_fn(|at| row[RESIDUES_AT + at]))
 }
 
 /// Reads and writes the rows of what a process shares, where its simulation keeps them.
@@ -200,7 +201,11 @@ impl Rows {
             let rates = &world.rates[index as usize * KEPT_WORDS..][..KEPT_WORDS];
             row[MOTION_WORDS..][..KEPT_WORDS].copy_from_slice(cast_slice(rates));
         }
-        row[MOTION_WORDS + KEPT_WORDS..].copy_from_slice(&world.orientations[slot].to_array().map(f32::to_bits));
+        if world.step.has_residues() {
+            let residues = world.states[0][RESIDUE_REGION as usize * self.slots.len() + slot];
+            row[RESIDUES_AT..].copy_from_slice(&residues.to_array().map(f32::to_bits));
+        }
+        row[MOTION_WORDS + KEPT_WORDS..RESIDUES_AT].copy_from_slice(&world.orientations[slot].to_array().map(f32::to_bits));
         row
     }
 

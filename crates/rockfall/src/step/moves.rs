@@ -28,6 +28,8 @@ pub struct Moves {
     pub wrenches: u64,
     /// Rates of velocity Verlet, 24 bytes per sphere.
     pub rates: u64,
+    /// Rows of 16 bytes per sphere, in scenes whose velocities have residues.
+    pub residues: u64,
 }
 
 /// Nothing.
@@ -44,6 +46,7 @@ pub(crate) const NONE: Moves = Moves {
     rods: 0,
     wrenches: 0,
     rates: 0,
+    residues: 0,
 };
 
 /// Data that every force evaluation reads in addition to the state.

@@ -30,6 +30,7 @@ pub(crate) fn least_bytes(run: &Run, step: &Step, status: &Status) -> u64 {
         + moves.rods * 16 * rods
         + moves.wrenches * 64 * rods
         + moves.rates * 24 * spheres
+        + if step.has_residues() { moves.residues * 16 * spheres } else { 0 }
 }
 
 #[cfg(test)]

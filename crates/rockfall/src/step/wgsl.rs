@@ -40,6 +40,7 @@ pub const HOOKS: &[(&str, &str)] = &[
     ("momentum_at", "index of the angular momentum of a sphere in `state`"),
     ("next_row", "reads a row of the state that replaces the present one"),
     ("part_of_entry", "effect of the collision of a list entry on its sphere"),
+    ("residue_row", "residues of a sphere, and in the stage states of RK4 its increments so far, by region"),
     ("position_at", "index of the position of a sphere in `state`"),
     ("put_next", "writes a row of the next stage state"),
     ("put_start", "writes a row of the state"),
@@ -120,6 +121,7 @@ const SHARED: &[Part] = &[
     part!("physics/pairs.wgsl"),
     part!("physics/period.wgsl"),
     part!("physics/product.wgsl"),
+    part!("physics/residue.wgsl"),
     part!("physics/quaternion.wgsl"),
     part!("physics/rigid.wgsl"),
     part!("physics/rigid_box.wgsl"),
@@ -268,6 +270,8 @@ pub struct Variant {
     pub free_table: bool,
     /// Geometry uses the low parts of positions.
     pub double: bool,
+    /// Velocities have residues.
+    pub residues: bool,
     /// Contacts that begin and end within a step are handled.
     pub continuous: bool,
     /// There may be so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
@@ -300,6 +304,7 @@ impl Variant {
             half_step: traits.integrator == Integrator::SymplecticEuler,
             free_table: traits.free_table,
             double: traits.double,
+            residues: traits.residues,
             continuous: traits.continuous,
             many: traits.many,
             worlds: None,
@@ -330,6 +335,7 @@ impl Variant {
             ("HALF_STEP", self.half_step),
             ("FREE_TABLE", self.free_table),
             ("DOUBLE", self.double),
+            ("RESIDUES", self.residues),
             ("CONTINUOUS", self.continuous),
         ];
         let text = text.replace("const LAW: u32 = 1u;", &format!("const LAW: u32 = {}u;", self.law));

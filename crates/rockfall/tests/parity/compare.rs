@@ -62,6 +62,7 @@ const BODY_ROWS: [&str; RIGID_ROWS as usize] = [
     "orientation of the stage state",
     "position of the stage state",
     "its low part",
+    "residues: low part",
 ];
 
 struct Floats {

@@ -24,6 +24,7 @@ mod ray;
 mod rod_walls;
 mod servos;
 mod shear;
+mod short_steps;
 mod smooth;
 mod verlet;
 mod walls;

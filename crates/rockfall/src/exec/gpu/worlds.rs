@@ -199,6 +199,7 @@ impl DeviceWorlds {
             half_step: false,
             free_table: false,
             double: false,
+            residues: false,
             continuous: false,
             many: false,
             worlds: Some(self.batch),

@@ -4,8 +4,8 @@ use glam::Vec4;
 
 use crate::model::layout::{
     FLAG_COHESION, FLAG_COLLISIONS, FLAG_CONTINUOUS, FLAG_DOUBLE, FLAG_GROUPS, FLAG_HALF_STEP, FLAG_PAIR_FRICTION,
-    FLAG_PERIODIC, FLAG_PULL, FLAG_RESISTANCE, FLAG_SERVOS, FLAG_SHEARED, FLAG_SMOOTH, FLAG_TRIANGLES, FLAG_VERLET, RATE_WORDS,
-    SWEEPS_LISTED, SWEEPS_ON,
+    FLAG_PERIODIC, FLAG_PULL, FLAG_RESIDUES, FLAG_RESISTANCE, FLAG_SERVOS, FLAG_SHEARED, FLAG_SMOOTH, FLAG_TRIANGLES,
+    FLAG_VERLET, RATE_WORDS, SWEEPS_LISTED, SWEEPS_ON,
 };
 use crate::model::muscles::MuscleClock;
 use crate::model::world::World;
@@ -66,13 +66,23 @@ impl World {
         };
         self.set_flags(FLAGS_OF_INTEGRATOR, flag);
         self.rates = vec![0.0; rates as usize];
+        self.resize_states();
+        self.status.forces_due = 1;
+    }
+
+    /// Sets whether velocities have residues (docs/physics.md section 5.10), which are 0 at first.
+    pub fn set_residues(&mut self, has_residues: bool) {
+        self.set_flags(FLAG_RESIDUES, if has_residues { FLAG_RESIDUES } else { 0 });
+        self.resize_states();
+    }
+
+    fn resize_states(&mut self) {
         // States are empty where the device has them.
         for number in 0..self.states.len() {
             if !self.states[number].is_empty() {
                 self.states[number].resize(self.rows_of_state(number), Vec4::ZERO);
             }
         }
-        self.status.forces_due = 1;
     }
 
     /// Sets the time step in s.

@@ -18,9 +18,11 @@ use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{
-    AFTER_COLLISIONS, AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, GRAIN, PUSHED_ROW, RATE_WORDS, RIGID_ROWS,
+    AFTER_COLLISIONS, AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, DRIFTED_ROW, GRAIN, PUSHED_ROW, RATE_WORDS,
+    RESIDUE_ROW, RIGID_ROWS,
 };
 use crate::model::part::part;
+use crate::model::residue::{Increased, increased};
 use crate::model::rigid::{Moments, Pose};
 use crate::model::rotate::rotated;
 use crate::model::step::{Constants, Step};
@@ -123,41 +125,51 @@ impl Passing<'_> {
         next
     }
 
+    /// The pose with a velocity and an angular momentum after these increments. Row `from` has the residues before, `to` gets those after.
+    fn increased(&self, rows: &mut [Vec4], [from, to]: [u32; 2], pose: Pose, by: [Vec3; 2]) -> Pose {
+        let before = self.view.step.has_residues().then_some(rows[from as usize]);
+        let Increased { velocity, angular_momentum, residues } = increased([pose.velocity, pose.momentum], before, by);
+        if before.is_some() {
+            rows[to as usize] = residues;
+        }
+        Pose { velocity, momentum: angular_momentum, ..pose }
+    }
+
     /// The new state of RK4.
-    fn finish(&self, rows: &[Vec4]) -> Pose {
+    fn finish(&self, rows: &mut [Vec4]) -> Pose {
         let dt = self.view.step.constants.dt;
         let start = Pose::of(rows);
         let stage = Pose { velocity: row(rows, 9), momentum: row(rows, 10), orientation: Quat::from_vec4(rows[11]), ..start };
         let Rates { acceleration, torque } = self.rates(&stage);
         let mean_momentum = start.momentum + dt / 6.0 * row(rows, 8);
-        Pose {
-            velocity: start.velocity + dt / 6.0 * (row(rows, 5) + acceleration),
-            momentum: start.momentum + dt / 6.0 * (row(rows, 7) + torque),
+        let next = Pose {
             orientation: self.moments.turned(start.orientation, mean_momentum, dt),
             ..start.moved(dt * (start.velocity + dt / 6.0 * row(rows, 6)))
-        }
+        };
+        let by = [dt / 6.0 * (row(rows, 5) + acceleration), dt / 6.0 * (row(rows, 7) + torque)];
+        self.increased(rows, [RESIDUE_ROW; 2], next, by)
     }
 
-    /// The state after a kick for a time and a drift for the whole step.
-    fn kicked_and_moved(&self, start: Pose, rates: &Rates, kick: f32) -> Pose {
+    /// The state after a kick for a time and a drift for the whole step. Row `residues` gets the residues after it.
+    fn kicked_and_moved(&self, rows: &mut [Vec4], rates: &Rates, kick: f32, residues: u32) -> Pose {
         let dt = self.view.step.constants.dt;
-        let velocity = start.velocity + kick * rates.acceleration;
-        let momentum = start.momentum + kick * rates.torque;
-        let orientation = self.moments.turned(start.orientation, momentum, dt);
-        Pose { velocity, momentum, orientation, ..start.moved(dt * velocity) }
+        let by = [kick * rates.acceleration, kick * rates.torque];
+        let kicked = self.increased(rows, [RESIDUE_ROW, residues], Pose::of(rows), by);
+        let orientation = self.moments.turned(kicked.orientation, kicked.momentum, dt);
+        Pose { orientation, ..kicked.moved(dt * kicked.velocity) }
     }
 
     /// Velocity Verlet: the state after the drift, from the kept rates or those at the start of the step.
     fn drift(&self, rows: &mut [Vec4], kept: Option<Rates>) -> Pose {
         let start = Pose::of(rows);
         let rates = kept.unwrap_or_else(|| self.rates(&start));
-        let next = self.kicked_and_moved(start, &rates, 0.5 * self.view.step.constants.dt);
+        let next = self.kicked_and_moved(rows, &rates, 0.5 * self.view.step.constants.dt, DRIFTED_ROW);
         set_stage(rows, &next);
         next
     }
 
     /// Velocity Verlet: the state after the second half of the kick, and the rates that it keeps.
-    fn kick(&self, rows: &[Vec4]) -> (Pose, Rates) {
+    fn kick(&self, rows: &mut [Vec4]) -> (Pose, Rates) {
         let half = 0.5 * self.view.step.constants.dt;
         let stage = Pose {
             position: Fine { high: row(rows, 12), low: row(rows, 13) },
@@ -166,8 +178,8 @@ impl Passing<'_> {
             orientation: Quat::from_vec4(rows[11]),
         };
         let rates = self.rates(&stage);
-        let velocity = stage.velocity + half * rates.acceleration;
-        (Pose { velocity, momentum: stage.momentum + half * rates.torque, ..stage }, rates)
+        let by = [half * rates.acceleration, half * rates.torque];
+        (self.increased(rows, [DRIFTED_ROW, RESIDUE_ROW], stage, by), rates)
     }
 
     /// Moves the body. `kept` are the rates from the last step of velocity Verlet, where they hold.
@@ -177,14 +189,14 @@ impl Passing<'_> {
         let mut keeps = None;
         let mut pose = match self.pass {
             BEFORE_STEP => start,
-            AFTER_EULER => self.kicked_and_moved(start, &self.rates(&start), self.view.step.constants.dt),
+            AFTER_EULER => self.kicked_and_moved(&mut rows, &self.rates(&start), self.view.step.constants.dt, RESIDUE_ROW),
             AFTER_DRIFT => self.drift(&mut rows, kept),
             AFTER_KICK => {
-                let (pose, rates) = self.kick(&rows);
+                let (pose, rates) = self.kick(&mut rows);
                 keeps = Some(rates);
                 pose
             }
-            3 => self.finish(&rows),
+            3 => self.finish(&mut rows),
             _ => self.advance(&mut rows),
         };
         let is_bad = !pose.is_finite();

@@ -1,5 +1,5 @@
 // requires model/load_rows.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/escape.wgsl
-// requires physics/fine.wgsl physics/forces/rates.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl
+// requires physics/fine.wgsl physics/forces/rates.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/residue.wgsl physics/rigid.wgsl
 // requires physics/rigid_parts.wgsl step/bodies/body_rows.wgsl
 
 // The state in which the spheres of bodies are placed.
@@ -77,25 +77,41 @@ fn advanced(body: u32, form: Form) -> Pose {
     );
 }
 
+// The pose with a velocity and an angular momentum after these increments. Row `from_` has the residues before, `to` gets those after.
+fn increased_pose(body: u32, from_: u32, to: u32, pose: Pose, by_velocity: vec3f, by_momentum: vec3f) -> Pose {
+    var residues = vec4f(0.0);
+    if RESIDUES {
+        residues = pose_row(body, from_);
+    }
+    let new_ = increased(pose.velocity, pose.momentum, residues, by_velocity, by_momentum, false);
+    if RESIDUES {
+        put_pose_row(body, to, new_.residues);
+    }
+    return Pose(pose.position, new_.velocity, new_.momentum, pose.orientation);
+}
+
 // RK4: the new state.
 fn finished(body: u32, form: Form) -> Pose {
     let start = start_of(body);
     let rates = rates_of(form, stage_of(body, start));
     let sixth = step.dt / 6.0;
-    return Pose(
+    let moved = Pose(
         fine_moved(start.position, step.dt * (start.velocity + sixth * pose_row(body, 6u).xyz)),
-        start.velocity + sixth * (pose_row(body, 5u).xyz + rates.acceleration),
-        start.momentum + sixth * (pose_row(body, 7u).xyz + rates.torque),
+        start.velocity,
+        start.momentum,
         freely_turned(start.orientation, form.moments, start.momentum + sixth * pose_row(body, 8u).xyz, step.dt),
     );
+    let by_velocity = sixth * (pose_row(body, 5u).xyz + rates.acceleration);
+    let by_momentum = sixth * (pose_row(body, 7u).xyz + rates.torque);
+    return increased_pose(body, RESIDUE_ROW, RESIDUE_ROW, moved, by_velocity, by_momentum);
 }
 
-// The state after a kick for a time and a drift for the whole step.
-fn kicked(form: Form, start: Pose, rates: Rates, kick: f32) -> Pose {
-    let velocity = start.velocity + kick * rates.acceleration;
-    let momentum = start.momentum + kick * rates.torque;
-    let orientation = freely_turned(start.orientation, form.moments, momentum, step.dt);
-    return Pose(fine_moved(start.position, step.dt * velocity), velocity, momentum, orientation);
+// The state after a kick for a time and a drift for the whole step. Row `to` gets the residues after it.
+fn kicked(body: u32, form: Form, start: Pose, rates: Rates, kick: f32, to: u32) -> Pose {
+    var pose = increased_pose(body, RESIDUE_ROW, to, start, kick * rates.acceleration, kick * rates.torque);
+    pose.orientation = freely_turned(start.orientation, form.moments, pose.momentum, step.dt);
+    pose.position = fine_moved(start.position, step.dt * pose.velocity);
+    return pose;
 }
 
 fn rate_at(body: u32) -> u32 {
@@ -139,8 +155,8 @@ fn after_kick(body: u32, form: Form) -> Pose {
     var pose = stage_of(body, start_of(body));
     pose.position = Fine(pose_row(body, 12u).xyz, pose_row(body, 13u).xyz);
     let rates = rates_of(form, pose);
-    pose.velocity += 0.5 * step.dt * rates.acceleration;
-    pose.momentum += 0.5 * step.dt * rates.torque;
+    let half = 0.5 * step.dt;
+    pose = increased_pose(body, DRIFTED_ROW, RESIDUE_ROW, pose, half * rates.acceleration, half * rates.torque);
     if pose_is_finite(pose) {
         keep_rates(body, rates);
         return pose;
@@ -166,7 +182,9 @@ fn moved_body(body: u32, form: Form) -> Pose {
         } else {
             rates = rates_of(form, start);
         }
-        pose = kicked(form, start, rates, select(1.0, 0.5, body_pass == AFTER_DRIFT) * step.dt);
+        let is_drift = body_pass == AFTER_DRIFT;
+        let residues_to = select(RESIDUE_ROW, DRIFTED_ROW, is_drift);
+        pose = kicked(body, form, start, rates, select(1.0, 0.5, is_drift) * step.dt, residues_to);
     }
     if !pose_is_finite(pose) {
         return stopped_body(body, form);

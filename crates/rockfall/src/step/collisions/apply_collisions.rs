@@ -89,6 +89,7 @@ fn collided(view: &View, outcome: &Outcome, aabbs: &[Aabb], sphere: u32, tally: 
         low,
         velocity: before.velocity + change.velocity,
         angular_momentum: before.angular_momentum + change.angular_momentum,
+        ..before
     };
     let after = after.or_stopped(&before, BadStage::Collisions, view.insertion_index(sphere), tally);
     tally.rebuild |= needs_rebuild(view, aabbs, sphere, after.position, after.velocity);

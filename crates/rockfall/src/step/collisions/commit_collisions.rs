@@ -66,7 +66,7 @@ fn commit_changes(world: &mut World) {
     let n = step.layout.spheres as usize;
     let spheres = (0..n).into_par_iter().with_min_len(GRAIN);
     let changed: Vec<usize> = spheres.filter(|sphere| taking_part.has(*sphere as u32)).collect();
-    let regions = step.state_regions(0) as usize;
+    let regions = step.collision_regions() as usize;
     for place in changed.into_iter().flat_map(|sphere| (0..regions).map(move |region| region * n + sphere)) {
         start[place] = y2[place];
     }

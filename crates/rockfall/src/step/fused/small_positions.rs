@@ -29,6 +29,7 @@ use crate::step::schedule::{Phase, Run};
 /// Whether [`update_positions`] computes the phase of positions of a scene. The stages of larger scenes are divided among threads.
 fn fits(traits: &Traits) -> bool {
     traits.law == LAW_THESIS
+        && !traits.residues
         && !traits.rods
         && !traits.walls
         && !traits.rigid
@@ -106,7 +107,7 @@ fn finish(world: &mut World, springs: &mut Springs) {
     for sphere in 0..world.step.layout.spheres {
         let place = sphere as usize;
         let [position, velocity, angular_momentum, low] = [0, n, 2 * n, 3 * n].map(|region| start[region + place].truncate());
-        let before = Motion { position, low, velocity, angular_momentum };
+        let before = Motion { position, low, velocity, angular_momentum, residues: Vec4::ZERO };
         let rates = || rates_of(last, sphere, &springs.loads[place]);
         let (motion, spin) = finished(before, &views, sphere, rates, &mut tally);
         set(start, last, sphere, motion);

@@ -70,6 +70,11 @@ fn low_row(sphere: u32) -> vec3f {
     return start[3].xyz;
 }
 
+// Not used: worlds whose velocities have residues have simulations of their own.
+fn residue_row(region: u32, sphere: u32) -> vec4f {
+    return vec4f(0.0);
+}
+
 fn momentum_at(sphere: u32) -> u32 {
     return own_rows + 2u * WORLD_SPHERES + sphere;
 }

@@ -11,6 +11,7 @@ use crate::error::BadStage;
 use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
+use crate::model::layout::{GRAIN, RESIDUE_REGION};
 use crate::model::part::part;
 use crate::model::state::{Motion, Rows};
 use crate::model::view::View;
@@ -35,7 +36,11 @@ pub(crate) const STAGE: Stage = Stage {
     ],
     threads: Threads::WideSpheres,
     // Reads 3 rows and the load, writes 3. Later passes also read the 3 rows of the starting state.
-    moves: |pass| Moves { rows: if pass == 0 { 8 } else { 11 }, ..NONE },
+    // With residues, it writes the increments so far, and later passes read them.
+    moves: |pass| {
+        let (rows, residues) = if pass == 0 { (8, 2) } else { (11, 4) };
+        Moves { rows, residues, ..NONE }
+    },
     cpu: advance,
 };
 
@@ -69,6 +74,32 @@ fn advance(world: &mut World, pass: u32) {
         })
         .reduce(Tally::default, Tally::merge);
     tally.add_to(&mut world.status);
+    if world.step.has_residues() {
+        put_increments(world, pass);
+    }
+}
+
+/// Writes what the evaluations up to this pass add to velocity and angular momentum of every sphere in the step. Stage states alone
+/// would lose it by rounding (docs/physics.md section 5.10).
+fn put_increments(world: &mut World, pass: u32) {
+    let (done, todo) = world.states.split_at_mut(pass as usize + 1);
+    let view = View::new(&world.step, &world.topology, &done[pass as usize])
+        .at_evaluation(&world.status, pass)
+        .with_laws(&world.user_laws);
+    let sixth = view.step.constants.dt / 6.0;
+    let weight = if pass == 0 { sixth } else { 2.0 * sixth };
+    let n = world.step.layout.spheres as usize;
+    let (of_velocities, of_momenta) = todo[0][RESIDUE_REGION as usize * n..].split_at_mut(n);
+    let rows = of_velocities.par_iter_mut().zip(of_momenta).enumerate().with_min_len(GRAIN);
+    rows.for_each(|(sphere, (of_velocity, of_momentum))| {
+        let sphere = sphere as u32;
+        if view.is_integrated(sphere) {
+            let before = if pass == 0 { [Vec3::ZERO; 2] } else { view.increments(sphere) };
+            let Rates { acceleration, torque } = sphere_rates(&view, &world.wrenches, sphere);
+            *of_velocity = (before[0] + weight * acceleration).extend(0.0);
+            *of_momentum = (before[1] + weight * torque).extend(0.0);
+        }
+    });
 }
 
 /// The next stage state of a moving sphere, from its rates of change in the evaluated one.
@@ -83,6 +114,7 @@ pub(crate) fn next_state(start: &View, view: &View, pass: u32, sphere: u32, rate
         low,
         velocity: origin.velocity + h * rates.acceleration,
         angular_momentum: origin.angular_momentum + h * rates.torque,
+        ..origin
     };
     next.or_stopped(&origin, BAD[pass as usize], view.insertion_index(sphere), tally)
 }

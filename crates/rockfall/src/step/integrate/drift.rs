@@ -38,7 +38,7 @@ pub(crate) const STAGE: Stage = Stage {
     ],
     threads: Threads::WideSpheres,
     // Reads 3 rows, writes 3.
-    moves: |_| Moves { rows: 6, rates: 1, ..NONE },
+    moves: |_| Moves { rows: 6, rates: 1, residues: 2, ..NONE },
     cpu: drift,
 };
 
@@ -63,10 +63,9 @@ fn drift(world: &mut World, pass: u32) {
         }
         let Rates { acceleration, torque } =
             if are_due { sphere_rates(&view, &world.wrenches, sphere) } else { kept_rates(sphere) };
-        let velocity = y.velocity + 0.5 * dt * acceleration;
-        let angular_momentum = y.angular_momentum + 0.5 * dt * torque;
-        let (position, low) = y.moved(dt * velocity);
-        let next = Motion { position, low, velocity, angular_momentum };
+        let kicked = y.drifted(view.step, [0.5 * dt * acceleration, 0.5 * dt * torque]);
+        let (position, low) = kicked.moved(dt * kicked.velocity);
+        let next = Motion { position, low, ..kicked };
         next.or_stopped(&y, BadStage::Forces1, view.insertion_index(sphere), tally)
     };
     let tally = Rows::of(y4, world.step.layout.spheres)

@@ -22,8 +22,17 @@ fn drift_sphere(i: u32) {
     let velocity = state[velocity_at(i)];
     let momentum = state[momentum_at(i)];
     var after = Motion(position.xyz, low_row(i), velocity.xyz, momentum.xyz);
+    var residues = vec4f(0.0);
+    if RESIDUES {
+        residues = residue_row(RESIDUE_REGION, i);
+    }
     if (velocity.w > 0.0) & is_free(i) {
-        after = kicked_and_moved(after, starting_rates(i, velocity.w), 0.5 * step.dt, i);
+        let kicked = kicked_and_moved(after, residues, starting_rates(i, velocity.w), 0.5 * step.dt, i);
+        after = kicked.motion;
+        residues = kicked.residues;
+    }
+    if RESIDUES {
+        put_next(RESIDUE_REGION, i, residues);
     }
     put_next(0u, i, vec4f(after.position, position.w));
     put_next(1u, i, vec4f(after.velocity, velocity.w));

@@ -1,7 +1,7 @@
 //! RK4, pass 3: the new state (docs/physics.md section 5.1), and without rods and rigid bodies the new orientations.
 //!
 //! `y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 f(Y4)`. The stage states contain the earlier rates, so no running
-//! sum of them is needed. Positions get the same mean of the velocities of the stage states, so that their low parts are kept.
+//! sum of them is needed. With residues the last of them holds that sum, because stage states are rounded. Positions get the same mean of the velocities of the stage states, so that their low parts are kept.
 //!
 //! The mean spin is (w1 + 2 w2 + 2 w3 + w4) / 6. In scenes without rods and rigid bodies it rotates the sphere (exponential map, docs/physics.md
 //! section 5.3). In others the stage leaves it in region 2 of `Y3`, and the old position in region 0, for `constrain` and `turn`.
@@ -41,7 +41,7 @@ pub(crate) const STAGE: Stage = Stage {
     ],
     threads: Threads::WideSpheres,
     // Reads 3 rows of four states and the load; writes 3 rows; reads and writes the orientation.
-    moves: |_| Moves { rows: 19, ..NONE },
+    moves: |_| Moves { rows: 19, residues: 4, ..NONE },
     cpu: finish,
 };
 
@@ -121,11 +121,16 @@ pub(crate) fn finished(
     // The rates of positions are the velocities of the stage states: x' = x + dt/6 (v + 2 v2 + 2 v3 + v4).
     let later = [y2, y3, y4].map(|motion| motion.velocity - y.velocity);
     let (position, low) = y.moved(dt * (y.velocity + (2.0 * (later[0] + later[1]) + later[2]) / 6.0));
-    let motion = Motion {
-        position,
-        low,
-        velocity: mean(y.velocity, y2.velocity, y3.velocity, y4.velocity, acceleration),
-        angular_momentum: mean(y.angular_momentum, y2.angular_momentum, y3.angular_momentum, y4.angular_momentum, torque),
+    let motion = if last.step.has_residues() {
+        let [of_velocity, of_momentum] = last.increments(sphere);
+        y.increased(last.step, [of_velocity + (dt / 6.0) * acceleration, of_momentum + (dt / 6.0) * torque])
+    } else {
+        Motion {
+            velocity: mean(y.velocity, y2.velocity, y3.velocity, y4.velocity, acceleration),
+            angular_momentum: mean(y.angular_momentum, y2.angular_momentum, y3.angular_momentum, y4.angular_momentum, torque),
+            ..y
+        }
     };
+    let motion = Motion { position, low, ..motion };
     (motion.or_stopped(&y, BadStage::Forces4, last.insertion_index(sphere), tally), spin)
 }

@@ -36,7 +36,7 @@ pub(crate) const STAGE: Stage = Stage {
     ],
     threads: Threads::WideSpheres,
     // Reads 3 rows and the load; writes 3 rows; reads and writes the orientation.
-    moves: |_| Moves { rows: 10, rates: 1, ..NONE },
+    moves: |_| Moves { rows: 10, rates: 1, residues: 2, ..NONE },
     cpu: kick,
 };
 
@@ -63,12 +63,7 @@ fn kick_all(world: &mut World, pass: u32) -> Vec<Vec3> {
         }
         let rates = sphere_rates(&view, &world.wrenches, sphere);
         let half = 0.5 * view.step.constants.dt;
-        let next = Motion {
-            position: y.position,
-            low: y.low,
-            velocity: y.velocity + half * rates.acceleration,
-            angular_momentum: y.angular_momentum + half * rates.torque,
-        };
+        let next = y.increased(view.step, [half * rates.acceleration, half * rates.torque]);
         if next.is_finite() {
             return (next, (Some(rates), view.spin(sphere)));
         }

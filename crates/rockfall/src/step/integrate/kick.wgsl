@@ -1,5 +1,5 @@
 // requires model/early.wgsl model/load_rows.wgsl model/one_state.wgsl model/put_rates.wgsl model/step.wgsl physics/forces/load.wgsl
-// requires physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/rotation.wgsl physics/rigid.wgsl
+// requires physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/residue.wgsl physics/rotation.wgsl physics/rigid.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> start: array<vec4f>;
@@ -19,23 +19,29 @@ fn kick_sphere(i: u32, load: Load) -> vec3f {
         return momentum.xyz * momentum.w;
     }
     var rates = sphere_rates(i, velocity.w, load);
-    var after = Motion(
-        position.xyz,
-        low_row(i),
-        velocity.xyz + 0.5 * step.dt * rates.acceleration,
-        momentum.xyz + 0.5 * step.dt * rates.torque,
-    );
+    var residues = vec4f(0.0);
+    if RESIDUES {
+        residues = residue_row(RESIDUE_REGION, i);
+    }
+    let half = 0.5 * step.dt;
+    let new_ = increased(velocity.xyz, momentum.xyz, residues, half * rates.acceleration, half * rates.torque, false);
+    var after = Motion(position.xyz, low_row(i), new_.velocity, new_.momentum);
+    residues = new_.residues;
     var spin = momentum.xyz * momentum.w;
     if !is_finite(after) {
         after = stopped(start[i].xyz, start[low_at(i)].xyz, 2u, i);
         rates = Rates(vec3f(0.0), vec3f(0.0));
         spin = vec3f(0.0);
+        residues = vec4f(0.0);
     }
     put_rates(i, rates);
     start[i] = vec4f(after.position, position.w);
     start[step.spheres + i] = vec4f(after.velocity, velocity.w);
     start[2u * step.spheres + i] = vec4f(after.momentum, momentum.w);
     start[low_at(i)] = vec4f(after.low, 0.0);
+    if RESIDUES {
+        start[RESIDUE_REGION * step.spheres + i] = residues;
+    }
     return spin;
 }
 

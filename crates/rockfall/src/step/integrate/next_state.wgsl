@@ -1,4 +1,19 @@
-// requires model/step.wgsl physics/forces/load.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/rigid.wgsl
+// requires model/step.wgsl physics/forces/load.wgsl physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/rigid.wgsl
+
+// Writes what the evaluations up to this one add to velocity and angular momentum in the step. Stage states alone would lose it by
+// rounding.
+fn put_increments(i: u32, rates: Rates) {
+    var of_velocity = vec3f(0.0);
+    var of_momentum = vec3f(0.0);
+    var weight = step.dt / 6.0;
+    if evaluation() != 0u {
+        of_velocity = residue_row(RESIDUE_REGION, i).xyz;
+        of_momentum = residue_row(RESIDUE_REGION + 1u, i).xyz;
+        weight = 2.0 * weight;
+    }
+    put_next(RESIDUE_REGION, i, vec4f(of_velocity + weight * rates.acceleration, 0.0));
+    put_next(RESIDUE_REGION + 1u, i, vec4f(of_momentum + weight * rates.torque, 0.0));
+}
 
 // Writes the next stage state of a sphere, from its load in the evaluated stage state.
 fn write_next(i: u32, load: Load) {
@@ -21,6 +36,9 @@ fn write_next(i: u32, load: Load) {
         let rates = sphere_rates(i, old_velocity.w, load);
         after.velocity += c * rates.acceleration;
         after.momentum += c * rates.torque;
+        if RESIDUES {
+            put_increments(i, rates);
+        }
         if !is_finite(after) {
             after = stopped(old_position.xyz, low, evaluation() + 1u, i);
         }

@@ -38,7 +38,7 @@ pub(crate) const STAGE: Stage = Stage {
     ],
     threads: Threads::WideSpheres,
     // Reads 3 rows and the load; writes 3 rows; reads and writes the orientation.
-    moves: |_| Moves { rows: 10, sphere_aabbs: 1, ..NONE },
+    moves: |_| Moves { rows: 10, sphere_aabbs: 1, residues: 2, ..NONE },
     cpu: symplectic_euler,
 };
 
@@ -54,9 +54,9 @@ fn symplectic_euler(world: &mut World, _pass: u32) {
             return y;
         }
         let Rates { acceleration, torque } = sphere_rates(&view, &world.wrenches, sphere);
-        let velocity = y.velocity + dt * acceleration;
-        let (position, low) = y.moved(dt * velocity);
-        let next = Motion { position, low, velocity, angular_momentum: y.angular_momentum + dt * torque };
+        let kicked = y.increased(view.step, [dt * acceleration, dt * torque]);
+        let (position, low) = kicked.moved(dt * kicked.velocity);
+        let next = Motion { position, low, ..kicked };
         let next = next.or_stopped(&y, BadStage::Forces1, view.insertion_index(sphere), tally);
         tally.rebuild |= needs_rebuild(&view, &world.aabbs, sphere, next.position, next.velocity);
         next

@@ -23,6 +23,9 @@ fn permute_spheres(
     for (var region = 0u; region < STATE_REGIONS; region++) {
         y3[region * step.spheres + i] = start[region * step.spheres + from_];
     }
+    if RESIDUES {
+        y3[RESIDUE_REGION * step.spheres + i] = start[RESIDUE_REGION * step.spheres + from_];
+    }
     var attached = vec2u(0u);
     if step.adjacency_at != 0u {
         attached = vec2u(topology[step.adjacency_at + 2u * from_], topology[step.adjacency_at + 2u * from_ + 1u]);

@@ -40,6 +40,9 @@ fn settle_spheres(
     for (var region = 0u; region < STATE_REGIONS; region++) {
         start[region * step.spheres + i] = y3[region * step.spheres + i];
     }
+    if RESIDUES {
+        start[RESIDUE_REGION * step.spheres + i] = y3[RESIDUE_REGION * step.spheres + i];
+    }
     orientations[i] = y4[i];
     let own = y4[step.spheres + i];
     topology[step.tags_at + i] = own.x;
