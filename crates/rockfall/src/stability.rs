@@ -38,6 +38,8 @@ mod bounds;
 mod connected;
 mod depth;
 mod falling;
+mod idle;
+mod impact;
 mod inlets;
 mod intent;
 mod laws;
@@ -52,6 +54,7 @@ mod speed;
 
 use bounds::{Steps, crowd_steps, few_steps, spring_steps};
 pub use depth::{Remedy, Sinking};
+pub use impact::DeepImpact;
 pub use laws::LawTime;
 pub use muscles::FastMuscle;
 pub use resolution::{ChosenPrecision, Coarse, PrecisionReason};
@@ -226,8 +229,8 @@ impl Scene {
 
     /// Everything that a run of this scene with a time step of `dt` seconds should be warned of, one message each: an unstable
     /// time step, one that is too long for a contact law with history, muscles and servos that are too fast for it, bodies that sink into each
-    /// other, bodies that pass through thin things, positions that are too coarse, rods that lose angular momentum, and rods that are
-    /// likely mistakes. Also what [`Scene::intent`] finds.
+    /// other, impacts that are deeper than walls, bodies that pass through thin things, positions that are too coarse, rods
+    /// that lose angular momentum, and rods that are likely mistakes. Also what [`Scene::intent`] finds.
     pub fn concerns(&self, dt: f32, integrator: Integrator) -> Vec<String> {
         let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(|warning| warning.describe(self)).collect();
         let slow = self.law_times().into_iter().filter(|time| time.is_exceeded_by(dt));
@@ -237,6 +240,7 @@ impl Scene {
         concerns.extend(self.fast_muscle(dt).map(|muscle| muscle.describe(self)));
         concerns.extend(self.sinking(integrator).map(|sinking| sinking.to_string()));
         concerns.extend(self.soft_material().map(|soft| soft.to_string()));
+        concerns.extend(self.deep_impact().map(|impact| impact.describe(self)));
         concerns.extend(self.tunnelling(dt).map(|tunnelling| tunnelling.to_string()));
         concerns.extend(self.servo_concerns(dt));
         concerns.extend(self.coarse().map(|coarse| coarse.describe(self)));

@@ -45,6 +45,36 @@ fn pairs_without_friction_and_moving_surfaces_are_reported() {
     assert!(!out.contains("has no friction"), "{out}");
 }
 
+/// A grain of 10 MPa at 60 units/s is (15 m u² / (16 E* sqrt(r)))^(2/5) = 4.3 mm deep, and the centre passes a mesh at 2 mm.
+/// The stiffness that `check` and `run` ask for is (4.3 / 2)^(5/2) = 6.8 times as high, and holds the grain.
+#[test]
+fn an_impact_that_is_deeper_than_a_mesh_is_reported() {
+    let scene = |young: f64| {
+        format!(
+            "set contact_law hertz-mindlin\nset gravity 9.81\nset continuous_collisions on\n\
+             @material p density=2500 young={young} poisson=0.2\n@pair p p restitution=0.8 friction=0.4\n@use p\n\
+             @triangle -0.1 0 -0.1  0.2 0 0  0.2 0 0.2\n@triangle -0.1 0 -0.1  0.2 0 0.2  0 0 0.2\n\
+             S 1 0.01 0.05 0.013 0 -60 0 0 0 0 - 0.002\n"
+        )
+    };
+    let deep = "impacts of sphere 1 at 60 units/s are up to 0.0043 units deep, 2.15 radii, and may pass through polygons: \
+                the limit is the radius, 0.002; make the material at least 6.8 times as stiff";
+    let out = checked(&scene(1e7), "--dt 1e-6", 0);
+    assert!(out.contains(deep), "{out}");
+    let idle =
+        "note: scene.txt: continuous_collisions has no effect: collisions are off, because contact law hertz-mindlin computes";
+    assert!(out.contains(idle), "{out}");
+    let run = "run scene.txt --backend cpu --dt 1e-6 --steps 1500";
+    let (_, err) = Rockfall::with(&scene(1e7)).run(run, 0);
+    assert!(err.contains(deep), "{err}");
+    let stiff = Rockfall::with(&scene(6.8e7));
+    let (_, err) = stiff.run(&format!("{run} --save end.txt"), 0);
+    assert!(!err.contains("deep"), "{err}");
+    let end = stiff.read("end.txt");
+    let sphere = end.lines().find(|line| line.starts_with("S ")).unwrap();
+    assert!(sphere.split_whitespace().nth(3).unwrap().parse::<f64>().unwrap() > 0.0, "{sphere}");
+}
+
 /// A stiff spring makes the energy explode. The last line names the cause, JSON has the growth, and `--strict` fails.
 #[test]
 fn an_explosion_is_a_failure_with_strict() {

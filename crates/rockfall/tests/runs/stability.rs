@@ -239,3 +239,74 @@ fn properties_that_the_law_does_not_use_are_reported() {
     assert!(found.iter().any(|text| text.contains("rolling_friction, surface_energy of pairs has no effect")), "{found:?}");
     assert_eq!(concerns("set contact_law linear\n"), Vec::<String>::new());
 }
+
+/// A ball of mass 1 at 5 units/s is stopped by a wall if the contact is as stiff as `deep_impact` asks for, and passes it if
+/// the contact is a tenth softer. The depth of an elastic impact is 5 sqrt(1 / 1000) = 0.158 with the first two laws, and with
+/// E* = 15,000 it is (15 * 25 / (16 * 15000 sqrt(0.1)))^0.4 = 0.1195.
+#[test]
+fn a_wall_holds_what_the_depth_of_an_impact_says() {
+    type Law = fn(f64) -> String;
+    let thesis: Law =
+        |stiff| format!("set collisions off\nset contact_damping 0\nset friction 0\nset contact_force {}\n", 1e3 * stiff);
+    let linear: Law = |stiff| {
+        format!(
+            "set contact_law linear\n@material m density=1\n@pair m m stiffness={} restitution=1 friction=0\n@use m\n",
+            1e3 * stiff
+        )
+    };
+    let hertz: Law = |stiff| {
+        format!(
+            "set contact_law hertz-mindlin\n@material m young={} poisson=0\n@pair m m restitution=1 friction=0\n@use m\n",
+            3e4 * stiff
+        )
+    };
+    let scene = |text: &str| Scene::parse(text, std::path::Path::new("a.txt")).unwrap().scene;
+    for (law, depth) in [(thesis, 0.158_11), (linear, 0.158_11), (hertz, 0.119_5)] {
+        for (wall, limit) in [
+            ("P -1 0 -1 0 0 2 2 0 0", 0.1),
+            ("@triangle -9 0 -9 9 0 -9 0 0 9", 0.1),
+            ("B -1 -0.02 -1 2 0 0 0 0.02 0 0 0 2", 0.11),
+        ] {
+            let with = |stiff: f64| scene(&format!("set gravity 0\n{}{wall}\nS 1 0 0.3 0 0 -5 0 0 0 0 1 0.1\n", law(stiff)));
+            let impact = with(1.0).deep_impact().expect("a warning");
+            assert!((impact.depth / depth - 1.0).abs() < 1e-3 && (impact.limit - limit).abs() < 1e-6, "{impact:?}");
+            assert_eq!(with(1.001 * impact.factor).deep_impact(), None, "{wall}");
+            let stays = |stiff: f64| {
+                let options = Options::new().backend(Backend::Cpu).integrator(Integrator::VelocityVerlet);
+                let mut simulation = Simulation::with_options(with(stiff), options).unwrap();
+                simulation.run(3000, 1e-4).unwrap();
+                simulation.sync().unwrap().spheres()[0].position.y > 0.0
+            };
+            assert!(stays(1.02 * impact.factor) && !stays(0.9 * impact.factor), "{wall}: {impact:?}");
+        }
+    }
+    // Impulses stop a body whatever the contact force is.
+    assert_eq!(scene("set gravity 0\nP -1 0 -1 0 0 2 2 0 0\nS 1 0 0.3 0 0 -50 0 0 0 0 1 0.1\n").deep_impact(), None);
+}
+
+/// Constants that have no effect are named with the reason.
+#[test]
+fn constants_without_effect_are_named() {
+    let idle = |text: &str| {
+        let scene = Scene::parse(text, std::path::Path::new("a.txt")).unwrap().scene;
+        scene.idle_settings().into_iter().map(|(name, reason)| format!("{name}: {reason}")).collect::<Vec<_>>()
+    };
+    let law = "set contact_law linear\nset continuous_collisions on\nset friction 3\nset restitution 0.1\nset mesh_angle 5\n";
+    assert_eq!(
+        idle(law),
+        [
+            "continuous_collisions: collisions are off, because contact law linear computes the whole impact",
+            "friction: contact law linear does not use it",
+            "mesh_angle: the scene has no triangles"
+        ]
+    );
+    assert_eq!(
+        idle(&format!("{law}set collisions on\n@triangle 0 0 0 1 0 0 0 0 1\n")),
+        ["friction: contact law linear does not use it"]
+    );
+    let thesis = "set gravity 0\nset collisions off\nset restitution 0.5\nset contact_force 5\n\
+                  set resting_overlap 0.1\nset friction 2\n";
+    assert_eq!(idle(thesis), ["restitution: collisions are off", "resting_overlap: gravity is 0"]);
+    assert_eq!(idle("set coulomb_friction 0.5\nset friction 2\n"), ["friction: coulomb_friction takes its place"]);
+    assert_eq!(idle("set coulomb_friction 0.5\nset restitution 0.5\nset continuous_collisions on\n"), Vec::<String>::new());
+}
