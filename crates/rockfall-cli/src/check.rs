@@ -45,6 +45,9 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
         let up = if gravity_direction == defaults.gravity_direction { ", so bodies fall upwards" } else { "" };
         let _ = writeln!(text, "note: {name}: gravity is negative: it acts against gravity_direction{up}");
     }
+    for (setting, reason) in scene.idle_settings() {
+        let _ = writeln!(text, "note: {name}: {setting} has no effect: {reason}");
+    }
     let suspicious_lines = loaded.warnings.iter().map(|warning| format!("{name}:{}: {}", warning.line, warning.text));
     warnings(&mut text, suspicious_lines);
     // Spheres that come in count, too.

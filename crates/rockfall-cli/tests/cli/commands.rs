@@ -333,7 +333,7 @@ fn check_warns_of_suspicious_lines_and_of_stiff_springs_and_contacts() {
         "{out}"
     );
     assert_eq!(lines[5], "rockfall run --substeps 2 makes the time step short enough for springs and contacts");
-    assert_eq!(lines[6], "suggestion: --dt 0.0182 (s)");
+    assert_eq!(lines[6], "suggestion: --dt 0.016 (s)");
     assert_eq!(lines[7], "no overlaps at the start");
     assert!(lines[8].starts_with("note: scene.txt: sphere 1 will fall for ever"), "{out}");
     assert_eq!(lines.len(), 9, "{out}");

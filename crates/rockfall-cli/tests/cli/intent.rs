@@ -15,6 +15,10 @@ fn check_fails_where_run_refuses() {
     assert!(out.contains("error: ") && out.contains("hertz-mindlin with the integrator rk4"), "{out}");
     let (_, err) = Rockfall::with(text).run("run scene.txt --backend cpu --steps 1 --integrator rk4", 2);
     assert!(err.contains("hertz-mindlin with the integrator rk4"), "{err}");
+    let text = "set continuous_collisions on\n@body b mass=1\nS 1 0 0 0 0 0 0 0 0 0 - 0.1\n@end\n@place b at=0,0,0\n";
+    let (_, err) = Rockfall::with(text).run("run scene.txt --backend cpu --steps 1", 2);
+    let expected = "expected off: contacts of rigid bodies are found at the ends of steps only";
+    assert!(err.contains(expected), "{err}");
 }
 
 #[test]
@@ -23,9 +27,29 @@ fn bodies_behind_polygons_are_reported() {
     // The normal (2, 0, 0) x (0, 0, 2) points down.
     let out = checked(&scene(0.05), "", 0);
     assert!(out.contains("sphere 7 is behind polygon number 0"), "{out}");
-    for y in [-0.05, 0.2] {
-        let out = checked(&scene(y), "", 0);
-        assert!(!out.contains("behind"), "{y}: {out}");
+    let out = checked(&scene(-0.05), "", 0);
+    assert!(!out.contains("behind"), "{out}");
+    // A body that is farther from the polygon falls through it, unless something is between them.
+    let falls = "sphere 7 is behind polygon number 0 and falls through it";
+    let out = checked(&scene(3.0), "", 0);
+    assert!(out.contains(falls), "{out}");
+    let (_, err) = Rockfall::with(&scene(3.0)).run("run scene.txt --backend cpu --steps 1", 0);
+    assert!(err.contains(falls), "{err}");
+    for other in [
+        "P -1 1 -1 0 0 2 2 0 0",
+        "B -1 1 -1 2 0 0 0 0.1 0 0 0 2",
+        "S 8 0 1 0 0 0 0 0 0 0 1 0.1 1",
+        "@plane at=0,1,0 normal=0,1,0",
+        "@triangle -1 1 -1 4 0 0 0 0 4",
+        "set gravity 0",
+        "set gravity_direction 1 0 0",
+    ] {
+        let out = checked(&format!("{other}\n{}", scene(3.0)), "", 0);
+        assert!(!out.contains("behind"), "{other}: {out}");
+    }
+    for other in ["P -1 -1 -1 0 0 2 2 0 0", "B 3 1 -1 2 0 0 0 0.1 0 0 0 2"] {
+        let out = checked(&format!("{}{other}\n", scene(3.0)), "", 0);
+        assert!(out.contains(falls), "{other}: {out}");
     }
 }
 
@@ -43,6 +67,46 @@ fn pairs_without_friction_and_moving_surfaces_are_reported() {
     assert!(out.contains("sphere 3 is fixed and has a velocity"), "{out}");
     let out = checked(&scene("@pair glass glass friction=0\n"), options, 0);
     assert!(!out.contains("has no friction"), "{out}");
+    // Fixed spheres and walls are surfaces, too, for a single ball.
+    let surfaces = ["@use steel\nS 2 0 0 0 0 0 0 0 0 0 - 0.1 1", "@plane at=0,0,0 normal=0,1,0"];
+    for (surface, pair) in surfaces.into_iter().zip(["glass steel", "glass glass"]) {
+        let text = format!(
+            "set contact_law hertz-mindlin\n@material glass density=2500 young=5e10 poisson=0.2\n\
+             @material steel density=7200 young=2e11 poisson=0.3\n@use glass\nS 1 0 1 0 0 0 0 0 0 0 - 0.01\n{surface}\n"
+        );
+        let out = checked(&text, options, 0);
+        assert!(out.contains(&format!("the pair of materials {pair} has no friction")), "{out}");
+    }
+}
+
+/// A grain of 10 MPa at 60 units/s is (15 m u² / (16 E* sqrt(r)))^(2/5) = 4.3 mm deep, and the centre passes a mesh at 2 mm.
+/// The stiffness that `check` and `run` ask for is (4.3 / 2)^(5/2) = 6.8 times as high, and holds the grain.
+#[test]
+fn an_impact_that_is_deeper_than_a_mesh_is_reported() {
+    let scene = |young: f64| {
+        format!(
+            "set contact_law hertz-mindlin\nset gravity 9.81\nset continuous_collisions on\n\
+             @material p density=2500 young={young} poisson=0.2\n@pair p p restitution=0.8 friction=0.4\n@use p\n\
+             @triangle -0.1 0 -0.1  0.2 0 0  0.2 0 0.2\n@triangle -0.1 0 -0.1  0.2 0 0.2  0 0 0.2\n\
+             S 1 0.01 0.05 0.013 0 -60 0 0 0 0 - 0.002\n"
+        )
+    };
+    let deep = "impacts of sphere 1 at 60 units/s are up to 0.0043 units deep, 2.15 radii, and may pass through polygons: \
+                the limit is the radius, 0.002; make the material at least 6.79 times as stiff";
+    let out = checked(&scene(1e7), "--dt 1e-6", 0);
+    assert!(out.contains(deep), "{out}");
+    let idle =
+        "note: scene.txt: continuous_collisions has no effect: collisions are off, because contact law hertz-mindlin computes";
+    assert!(out.contains(idle), "{out}");
+    let run = "run scene.txt --backend cpu --dt 1e-6 --steps 1500";
+    let (_, err) = Rockfall::with(&scene(1e7)).run(run, 0);
+    assert!(err.contains(deep), "{err}");
+    let stiff = Rockfall::with(&scene(6.8e7));
+    let (_, err) = stiff.run(&format!("{run} --save end.txt"), 0);
+    assert!(!err.contains("deep"), "{err}");
+    let end = stiff.read("end.txt");
+    let sphere = end.lines().find(|line| line.starts_with("S ")).unwrap();
+    assert!(sphere.split_whitespace().nth(3).unwrap().parse::<f64>().unwrap() > 0.0, "{sphere}");
 }
 
 /// A stiff spring makes the energy explode. The last line names the cause, JSON has the growth, and `--strict` fails.

@@ -247,7 +247,7 @@ fn scene_with_the_law_of_a_program_is_not_run() {
 /// sqrt(rho / G) = sqrt(2500 / (5e10 / 2.4)) the Rayleigh time is pi 0.01 sqrt(rho / G) / (0.1631 * 0.2 + 0.8766) = 1.197e-5 s.
 #[test]
 fn contact_laws_report_their_time_and_what_they_lack() {
-    let text = "set contact_law hertz-mindlin\n@material glass density=2500 young=5e10 poisson=0.2\n@use glass\n\
+    let text = "set contact_law hertz-mindlin\n@material glass density=2500 young=5e10 poisson=0.2\n@pair glass glass friction=0.3\n@use glass\n\
                 B -1 -1 -1 2 0 0 0 1 0 0 0 2\nS 1 0 0.0101 0 0 -0.5 0 0 0 0 - 0.01\n";
     let rockfall = Rockfall::with(text);
     let (out, _) = rockfall.run("check scene.txt --integrator symplectic-euler --dt 1e-6", 0);

@@ -216,14 +216,12 @@ impl Scene {
         damping_for(ContactLaw::Linear, least) * self.resolved_settings().contact_force.max(0.0).sqrt()
     }
 
-    /// Whether contacts of the scene may have forces alone (docs/physics.md section 4.16): a body has a box, or a rod of free length may end in
-    /// a body.
+    /// Whether contacts of the scene may have forces alone (docs/physics.md section 4.16): a rod of free length may end in a body.
     fn may_have_forces_alone(&self) -> bool {
-        let has_boxes = self.bodies().iter().any(|body| self.shape(body.shape).is_ok_and(|shape| !shape.boxes.is_empty()));
         let is_loose = |rod: &Rod| rod.length.is_none() && self.body_of_sphere(rod.end1) != self.body_of_sphere(rod.end2);
         let has_loose = || self.rods().iter().any(is_loose);
         let has_rods_of_free_length = || self.rods().iter().any(|rod| rod.length.is_none());
-        has_boxes || has_loose() || has_rods_of_free_length() && !self.bodies_to_imply().is_empty()
+        has_loose() || has_rods_of_free_length() && !self.bodies_to_imply().is_empty()
     }
 
     /// Whether contacts of rigid bodies rebound by a damping that follows from the restitution.

@@ -118,3 +118,22 @@ fn the_concern_is_the_rate_that_fits() {
     assert!(concern(2.3, [0.0; 3], 2.0).is_empty());
     assert_eq!(concern(2.5, [0.0; 3], 2.0).len(), 1);
 }
+
+/// A box of 4 units³ has room for 0.3 * 4 / (4/3 pi 0.3³) = 10.6 spheres at once, and a box as large as a sphere for one.
+#[test]
+fn few_spheres_need_no_rate_that_fits() {
+    let has_concern = |size: [f64; 3], change: &dyn Fn(Inlet) -> Inlet| {
+        let mut scene = Scene::new();
+        scene.settings.gravity = 0.0;
+        scene.add_inlet(change(Inlet::new("feed", [[0.0; 3], size], Rate::Number(1e4), 0.3))).unwrap();
+        !scene.inlet_concerns().is_empty()
+    };
+    let (box_of_ten, box_of_one) = ([2.0, 1.0, 2.0], [0.61; 3]);
+    for (size, limit) in [(box_of_ten, 10), (box_of_one, 1)] {
+        assert!(!has_concern(size, &|inlet| inlet.limit(limit)), "{limit}");
+        assert!(has_concern(size, &|inlet| inlet.limit(limit + 1)), "{limit}");
+    }
+    // 10,000 spheres/s for 1 ms are 10 spheres.
+    assert!(!has_concern(box_of_ten, &|inlet| Inlet { to: 1e-3, ..inlet }));
+    assert!(has_concern(box_of_ten, &|inlet| Inlet { to: 1.2e-3, ..inlet }));
+}

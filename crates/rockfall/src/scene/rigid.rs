@@ -232,7 +232,7 @@ impl Scene {
         if !(self.settings.collisions && self.settings.continuous_collisions) {
             return Ok(());
         }
-        let expected = "off: contacts of rigid bodies exert forces alone";
+        let expected = "off: contacts of rigid bodies are found at the ends of steps only";
         Err(invalid("continuous_collisions", "on in a scene with rigid bodies", expected))
     }
 }

@@ -7,7 +7,8 @@ use crate::scene::{Inlet, Rate, Scene};
 const SOLID: f64 = 0.3;
 
 impl Scene {
-    /// Warnings about inlets whose rate does not fit into their box (docs/physics.md section 2.15).
+    /// Warnings about inlets whose rate does not fit into their box (docs/physics.md section 2.15). An inlet that lets in no more
+    /// spheres than have room in its box at once needs no rate that fits.
     pub fn inlet_concerns(&self) -> Vec<String> {
         self.inlets.iter().enumerate().filter_map(|(number, inlet)| self.too_fast(number, inlet)).collect()
     }
@@ -35,7 +36,9 @@ impl Scene {
         let speed = (velocity * velocity + 2.0 * down * size).map(f64::sqrt);
         let flow = speed.x * size.y * size.z + speed.y * size.z * size.x + speed.z * size.x * size.y;
         let largest = SOLID * flow / of_volume;
-        (rate > largest).then(|| {
+        let number = (rate * (inlet.to - inlet.from) * of_volume / volume).min(inlet.limit.unwrap_or(u64::MAX) as f64);
+        let room = (SOLID * size.element_product() / volume).max(1.0);
+        (rate > largest && number > room).then(|| {
             format!(
                 "the inlet {} lets in {} {unit}/s, but no more than about {} {unit}/s fit through its box at the speed with which the \
                  spheres leave it: spheres will wait",

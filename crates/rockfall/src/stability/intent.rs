@@ -1,25 +1,20 @@
 //! Finds what a scene says but its author hardly means: contacts without friction, bodies behind polygons, fixed bodies with a velocity.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::model::view::PolygonRecord;
-use crate::physics::geometry::point_over_polygon;
-use crate::scene::{Polygon, Scene, Sphere, Surface};
-
-/// Largest number of spheres times polygons that are compared.
-const COMPARISONS: usize = 50_000_000;
+use crate::scene::{Scene, Sphere};
 
 impl Scene {
     /// Warnings about what is likely not meant, one for each kind, for the first such object:
     ///
     /// - with a contact law with history, a pair of materials without friction, which slides as on ice;
-    /// - a moving sphere whose centre is behind a polygon and nearer than its radius: polygons act on one side only;
+    /// - a moving sphere behind a polygon, which overlaps it or falls through it: polygons act on one side only;
     /// - a fixed sphere with a velocity, which moves its surface and not its place;
     /// - a negative gravity, which pulls upwards.
     pub fn intent(&self) -> Vec<String> {
         let mut found = Vec::new();
         found.extend(self.slippery_pair());
-        found.extend(self.behind_polygon());
+        found.extend(self.behind_polygon().or_else(|| self.falls_through_polygon()));
         found.extend(self.moving_surface());
         found.extend(self.gravity_upwards());
         found
@@ -44,13 +39,13 @@ impl Scene {
         let movers = self.spheres().iter().filter(|sphere| !sphere.fixed);
         let own: BTreeSet<u16> = movers.filter_map(|sphere| number(sphere.material)).collect();
         let walls = self.boxes().iter().map(|cuboid| cuboid.material).chain(self.polygons().iter().map(|face| face.material));
-        let all: BTreeSet<u16> = own.iter().copied().chain(walls.filter_map(number)).collect();
-        let of_spheres = || self.spheres().iter().filter_map(|sphere| number(sphere.material));
-        let several = |material: u16| of_spheres().filter(|other| *other == material).nth(1).is_some();
-        let pairs = own.iter().flat_map(|one| all.iter().map(move |other| (*one, *other)));
-        let (one, other) = pairs
-            .filter(|(one, other)| one != other || several(*one))
-            .find(|(one, other)| self.pair_of_numbers(*one, *other).friction.is_none())?;
+        let surfaces = self.spheres().iter().map(|sphere| sphere.material).chain(walls).filter_map(number);
+        let mut counts: BTreeMap<u16, usize> = BTreeMap::new();
+        surfaces.for_each(|material| *counts.entry(material).or_default() += 1);
+        let pairs = own.iter().flat_map(|one| counts.iter().map(move |(other, count)| (*one, *other, *count)));
+        let (one, other, _) = pairs
+            .filter(|(one, other, count)| one != other || *count > 1)
+            .find(|(one, other, _)| self.pair_of_numbers(*one, *other).friction.is_none())?;
         let name = |number: u16| self.materials()[usize::from(number) - 1].name.as_str();
         Some(format!(
             "the pair of materials {} {} has no friction, so that contacts slide without resistance: set friction in its @pair line, 0 if \
@@ -58,30 +53,6 @@ impl Scene {
             name(one),
             name(other),
         ))
-    }
-
-    fn behind_polygon(&self) -> Option<String> {
-        if self.spheres().len().saturating_mul(self.polygons().len()) > COMPARISONS {
-            return None;
-        }
-        let movers = || self.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed);
-        let of_face = |(number, face): (usize, &Polygon)| {
-            if face.surface != Surface::Parallelogram {
-                return None;
-            }
-            let record = PolygonRecord::of(face);
-            let is_behind = |sphere: &Sphere| {
-                let (_, height, inside) = point_over_polygon(&record, sphere.position);
-                inside && height < 0.0 && height > -sphere.radius && sphere.group == face.group
-            };
-            let (index, _) = movers().find(|(_, sphere)| is_behind(sphere))?;
-            Some(format!(
-                "{} is behind polygon number {number} and overlaps it: a polygon acts only on the side that its normal L x R points to, so \
-                 the body is not held; turn the polygon round by exchanging L and R",
-                self.name_of_sphere(index),
-            ))
-        };
-        self.polygons().iter().enumerate().find_map(of_face)
     }
 
     fn moving_surface(&self) -> Option<String> {

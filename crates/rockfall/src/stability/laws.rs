@@ -63,7 +63,7 @@ impl LawTime {
 
 impl Scene {
     /// The moving spheres, with their numbers, except those that stand for boxes: in a contact, a box has the radius of its rounding.
-    fn moving_surfaces(&self) -> impl Iterator<Item = (usize, &Sphere)> {
+    pub(super) fn moving_surfaces(&self) -> impl Iterator<Item = (usize, &Sphere)> {
         let is_solid = |id| matches!(self.box_of_sphere(id), Some(BoxPart::Solid(_)));
         let moving = self.sphere_ids().zip(self.spheres()).enumerate().filter(|(_, (_, sphere))| !sphere.fixed);
         moving.filter(move |(_, (id, _))| !is_solid(*id)).map(|(number, (_, sphere))| (number, sphere))

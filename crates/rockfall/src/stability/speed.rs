@@ -104,7 +104,7 @@ impl Scene {
 
     /// A bound for the speed of the moving walls, in units/s: the sum of the speeds of the terms of their motions, with the farthest vertex
     /// from the axis at rest.
-    fn greatest_wall_speed(&self) -> f64 {
+    pub(super) fn greatest_wall_speed(&self) -> f64 {
         let of = |motion: Option<MotionId>, vertices: &mut dyn Iterator<Item = DVec3>| {
             let Some(Ok(motion)) = motion.map(|id| self.motion(id)) else { return 0.0 };
             vertices.map(|vertex| motion.speed_bound(vertex)).fold(0.0, f64::max)

@@ -2,7 +2,7 @@
 //! effect occurs. These tests use the CPU backend only, because the other backend computes the same steps.
 
 use rockfall::generate::Kind;
-use rockfall::stability::Effect;
+use rockfall::stability::{Effect, Stiff, Warning};
 use rockfall::{Backend, Cuboid, Integrator, Options, Polygon, Scene, Simulation, Sphere};
 
 // Velocity Verlet has the bounds of symplectic Euler. Whether a pile with impulses comes to rest up to them with velocity Verlet is an
@@ -238,4 +238,134 @@ fn properties_that_the_law_does_not_use_are_reported() {
     let found = concerns("");
     assert!(found.iter().any(|text| text.contains("rolling_friction, surface_energy of pairs has no effect")), "{found:?}");
     assert_eq!(concerns("set contact_law linear\n"), Vec::<String>::new());
+}
+
+/// Contacts of a box of a body collide by impulses, so the restitution does not shorten the time step. It does where a rod of free
+/// length ends in a body, whose contacts have forces alone.
+#[test]
+fn the_restitution_of_bodies_with_boxes_needs_no_shorter_step() {
+    let largest = |restitution: f32, rod: &str| {
+        let text = format!(
+            "set gravity 9.81\nset resting_overlap 0.02\nset restitution {restitution}\n@body tall density=1000\n\
+             B -0.5 -1.5 -0.5 1 0 0 0 3 0 0 0 1\nS 9 0 0 0 0 0 0 0 0 0 1 0.1\n@end\n@place tall at=0,2,0 first=20\n\
+             B -20 -1 -20 40 0 0 0 1 0 0 0 40\nS 1 3 2 0 0 0 0 0 0 0 1 0.1\n{rod}"
+        );
+        let scene = Scene::parse(&text, std::path::Path::new("a.txt")).unwrap().scene;
+        scene.stability(0.1, Integrator::Rk4)[0].largest_dt
+    };
+    assert!((largest(0.0, "") - largest(0.75, "")).abs() < 1e-9);
+    let rod = "R 20 1 0.05\n";
+    assert!(largest(0.0, rod) < 0.5 * largest(0.75, rod));
+}
+
+/// A chain of fixed lengths, let go level, keeps its energy at the step that `stability` asks for, and gains more than all of it at
+/// three times this step. A pendulum of one rod and a chain that nothing holds have no bound.
+#[test]
+fn a_chain_keeps_its_energy_at_the_step_of_the_warning() {
+    let chain = |links: u32, last: f32, held: u8| {
+        let mut text = format!("set gravity 9.81\nset collisions off\nS 0 0 0 0 0 0 0 0 0 0 1 0.01 {held}\n");
+        for link in 1..=links {
+            let mass = if link == links { last } else { 1.0 };
+            let x = 0.2 * f64::from(link);
+            text += &format!("S {link} {x} 0 0 0 0 0 0 0 0 {mass} 0.01\nR {} {link} 0.004 0.2\n", link - 1);
+        }
+        Scene::parse(&text, std::path::Path::new("a.txt")).unwrap().scene
+    };
+    for (links, last) in [(5, 10.0), (20, 1.0), (20, 100.0)] {
+        let scene = chain(links, last, 1);
+        let warnings = scene.stability(0.02, Integrator::VelocityVerlet);
+        let [Warning { what: Stiff::Chain(_), largest_dt, .. }] = warnings[..] else { panic!("{warnings:?}") };
+        // The rod at the support carries all, and the next one all but its own mass. Both pull at the first sphere.
+        let mass = f64::from(links) - 1.0 + f64::from(last);
+        let stiffness = 2.0 * 3.0 * 9.81 * (2.0 * mass - 1.0) / 0.2;
+        assert!((largest_dt * stiffness.sqrt() - 0.4).abs() < 1e-4, "{warnings:?}");
+        let weight = 9.81 * 0.2 * (f64::from(links * (links - 1)) / 2.0 + f64::from(last) * f64::from(links));
+        let gain = |dt: f64, integrator: Integrator| {
+            let options = Options::new().backend(Backend::Cpu).integrator(integrator).keep_going(true);
+            let mut simulation = Simulation::with_options(scene.clone(), options).unwrap();
+            let mut most = f64::NEG_INFINITY;
+            for _ in 0..(2.0 / dt) as u32 {
+                simulation.run(1, dt as f32).unwrap();
+                most = most.max(simulation.energy().unwrap().total());
+            }
+            most / weight
+        };
+        for integrator in [Integrator::Rk4, Integrator::VelocityVerlet] {
+            assert!(gain(0.99 * largest_dt, integrator) < 0.01, "{links} {last} {integrator}");
+        }
+        assert!(gain(3.0 * largest_dt, Integrator::VelocityVerlet) > 1.0, "{links} {last}");
+    }
+    assert_eq!(chain(1, 100.0, 1).stability(0.02, Integrator::Rk4), []);
+    assert_eq!(chain(5, 100.0, 0).stability(0.02, Integrator::Rk4), []);
+}
+
+/// A ball of mass 1 at 5 units/s is stopped by a wall if the contact is as stiff as `deep_impact` asks for, and passes it if
+/// the contact is a tenth softer. The depth of an elastic impact is 5 sqrt(1 / 1000) = 0.158 with the first two laws, and with
+/// E* = 15,000 it is (15 * 25 / (16 * 15000 sqrt(0.1)))^0.4 = 0.1195.
+#[test]
+fn a_wall_holds_what_the_depth_of_an_impact_says() {
+    type Law = fn(f64) -> String;
+    let thesis: Law =
+        |stiff| format!("set collisions off\nset contact_damping 0\nset friction 0\nset contact_force {}\n", 1e3 * stiff);
+    let linear: Law = |stiff| {
+        format!(
+            "set contact_law linear\n@material m density=1\n@pair m m stiffness={} restitution=1 friction=0\n@use m\n",
+            1e3 * stiff
+        )
+    };
+    let hertz: Law = |stiff| {
+        format!(
+            "set contact_law hertz-mindlin\n@material m young={} poisson=0\n@pair m m restitution=1 friction=0\n@use m\n",
+            3e4 * stiff
+        )
+    };
+    let scene = |text: &str| Scene::parse(text, std::path::Path::new("a.txt")).unwrap().scene;
+    for (law, depth) in [(thesis, 0.158_11), (linear, 0.158_11), (hertz, 0.119_5)] {
+        for (wall, limit) in [
+            ("P -1 0 -1 0 0 2 2 0 0", 0.1),
+            ("@triangle -9 0 -9 18 0 0 9 0 18", 0.1),
+            ("B -1 -0.02 -1 2 0 0 0 0.02 0 0 0 2", 0.11),
+        ] {
+            let with = |stiff: f64| scene(&format!("set gravity 0\n{}{wall}\nS 1 0 0.3 0 0 -5 0 0 0 0 1 0.1\n", law(stiff)));
+            let impact = with(1.0).deep_impact().expect("a warning");
+            assert!((impact.depth / depth - 1.0).abs() < 1e-3 && (impact.limit - limit).abs() < 1e-6, "{impact:?}");
+            assert_eq!(with(1.001 * impact.factor).deep_impact(), None, "{wall}");
+            let stays = |stiff: f64| {
+                let options = Options::new().backend(Backend::Cpu).integrator(Integrator::VelocityVerlet);
+                let mut simulation = Simulation::with_options(with(stiff), options).unwrap();
+                simulation.run(3000, 1e-4).unwrap();
+                simulation.sync().unwrap().spheres()[0].position.y > 0.0
+            };
+            assert!(stays(1.02 * impact.factor) && !stays(0.9 * impact.factor), "{wall}: {impact:?}");
+        }
+    }
+    // Impulses stop a body whatever the contact force is.
+    assert_eq!(scene("set gravity 0\nP -1 0 -1 0 0 2 2 0 0\nS 1 0 0.3 0 0 -50 0 0 0 0 1 0.1\n").deep_impact(), None);
+}
+
+/// Constants that have no effect are named with the reason.
+#[test]
+fn constants_without_effect_are_named() {
+    let idle = |text: &str| {
+        let scene = Scene::parse(text, std::path::Path::new("a.txt")).unwrap().scene;
+        scene.idle_settings().into_iter().map(|(name, reason)| format!("{name}: {reason}")).collect::<Vec<_>>()
+    };
+    let law = "set contact_law linear\nset continuous_collisions on\nset friction 3\nset restitution 0.1\nset mesh_angle 5\n";
+    assert_eq!(
+        idle(law),
+        [
+            "continuous_collisions: collisions are off, because contact law linear computes the whole impact",
+            "friction: contact law linear does not use it",
+            "mesh_angle: the scene has no triangles"
+        ]
+    );
+    assert_eq!(
+        idle(&format!("{law}set collisions on\n@triangle 0 0 0 1 0 0 0 0 1\n")),
+        ["friction: contact law linear does not use it"]
+    );
+    let thesis = "set gravity 0\nset collisions off\nset restitution 0.5\nset contact_force 5\n\
+                  set resting_overlap 0.1\nset friction 2\n";
+    assert_eq!(idle(thesis), ["restitution: collisions are off", "resting_overlap: gravity is 0"]);
+    assert_eq!(idle("set coulomb_friction 0.5\nset friction 2\n"), ["friction: coulomb_friction takes its place"]);
+    assert_eq!(idle("set coulomb_friction 0.5\nset restitution 0.5\nset continuous_collisions on\n"), Vec::<String>::new());
 }
