@@ -293,7 +293,7 @@ fn a_tessellated_floor_is_a_plane(backend: Backend) {
             let integrator = if law == ContactLaw::Thesis { Integrator::Rk4 } else { Integrator::VelocityVerlet };
             let mut simulation = open(scene, backend, integrator);
             let dt = if law == ContactLaw::Thesis { 0.005 } else { 5e-4 };
-            simulation.run(on(backend, 400, 60), dt).expect("steps");
+            simulation.run(on(backend, 400, 120), dt).expect("steps");
             (bits(&spheres(&mut simulation)), simulation.report().contacts)
         };
         let plane = run(None);
