@@ -258,8 +258,8 @@ fn the_restitution_of_bodies_with_boxes_needs_no_shorter_step() {
     assert!(largest(0.0, rod) < 0.5 * largest(0.75, rod));
 }
 
-/// A chain of fixed lengths, let go level, keeps its energy at the step that `stability` asks for, and gains more than all of it at
-/// three times this step. A pendulum of one rod and a chain that nothing holds have no bound.
+/// A chain of fixed lengths, let go level, keeps its energy in the first swing at the step that `stability` asks for, and gains more
+/// than all of it at five times this step. A pendulum of one rod and a chain that nothing holds have no bound.
 #[test]
 fn a_chain_keeps_its_energy_at_the_step_of_the_warning() {
     let chain = |links: u32, last: f32, held: u8| {
@@ -293,7 +293,7 @@ fn a_chain_keeps_its_energy_at_the_step_of_the_warning() {
         for integrator in [Integrator::Rk4, Integrator::VelocityVerlet] {
             assert!(gain(0.99 * largest_dt, integrator) < 0.01, "{links} {last} {integrator}");
         }
-        assert!(gain(3.0 * largest_dt, Integrator::VelocityVerlet) > 1.0, "{links} {last}");
+        assert!(gain(5.0 * largest_dt, Integrator::VelocityVerlet) > 1.0, "{links} {last}");
     }
     assert_eq!(chain(1, 100.0, 1).stability(0.02, Integrator::Rk4), []);
     assert_eq!(chain(5, 100.0, 0).stability(0.02, Integrator::Rk4), []);
