@@ -208,7 +208,7 @@ fn an_elastic_impact_over_the_border_of_a_table_keeps_its_energy(backend: Backen
         for is_shape in [false, true] {
             let mut scene = elastic();
             add(&mut scene, vec![Polygon::new([-2.0, 0.0, -2.0], [0.0, 0.0, 4.0], [2.0 + border, 0.0, 0.0])]);
-            let middle = DVec3::new(0.0, RADIUS + 0.01, 0.0);
+            let middle = [0.0, RADIUS as f32 + 0.01, 0.0];
             if is_shape {
                 let [one, two] = [-1.0, 1.0].map(|side| [side * REACH as f32, 0.0, 0.0]);
                 let shape = scene.add_shape(Shape::new().capsule(one, two, RADIUS as f32).mass(1.0)).expect("a valid shape");
