@@ -17,6 +17,9 @@ use rockfall::{BroadPhase, ContactLaw, Integrator, Material, Pair, Placement, Sc
 use crate::broken::{Mistake, with_mistake};
 use crate::device::{GPU, on_gpu};
 
+/// A buffer of a state, and the exact velocities and angular momenta in it.
+type Motions = (Buffer, Vec<[DVec3; 2]>);
+
 const DT: f32 = 1e-8;
 /// Radius of single spheres. Those of bodies follow from the state of the body, with rounding.
 const RADIUS: f32 = 0.5;
@@ -107,7 +110,7 @@ fn exact(velocity: Vec3, momentum: Vec3, row: Vec4) -> [DVec3; 2] {
 }
 
 /// Velocities and angular momenta of a state and of the rigid bodies with their residues; in stage states of RK4 the increments.
-fn exact_motions(world: &World) -> Vec<(Buffer, Vec<[DVec3; 2]>)> {
+fn exact_motions(world: &World) -> Vec<Motions> {
     let (n, first) = (world.step.layout.spheres as usize, RESIDUE_REGION as usize);
     let is_stage_of_rk4 = |state: usize| state > 0 && world.states[state].len() == (first + 2) * n;
     let of = |state: usize| -> Vec<[DVec3; 2]> {
@@ -130,7 +133,7 @@ fn exact_motions(world: &World) -> Vec<(Buffer, Vec<[DVec3; 2]>)> {
 fn differing(cpu: &World, gpu: &World) -> Vec<Buffer> {
     let is_near = |one: &[DVec3; 2], other: &[DVec3; 2]| (0..2).all(|k| (one[k] - other[k]).abs().max_element() <= 1e-11);
     let both = exact_motions(cpu).into_iter().zip(exact_motions(gpu));
-    let differ = |((buffer, one), (_, other)): ((Buffer, Vec<[DVec3; 2]>), (Buffer, Vec<[DVec3; 2]>))| {
+    let differ = |((buffer, one), (_, other)): (Motions, Motions)| {
         let is_same = one.iter().zip(&other).all(|(one, other)| is_near(one, other));
         (!is_same).then_some(buffer)
     };
