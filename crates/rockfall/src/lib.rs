@@ -92,6 +92,7 @@ mod physics;
 pub mod placement;
 pub mod profile;
 pub mod report;
+mod rigid;
 pub mod scene;
 pub mod settings;
 pub mod simulation;

@@ -1,0 +1,76 @@
+//! Shapes: a core and a radius. A shape is stored once, and many colliders share it.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+/// What a shape is about. A shape is all points within its radius of the core.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Core {
+    /// The origin. With a radius: a ball.
+    Point,
+    /// From (0, -half, 0) to (0, half, 0). With a radius: a capsule.
+    Segment {
+        /// Half the length, in units.
+        half: f32,
+    },
+    /// A parallelogram about the origin in the plane z = 0: all points a u + b v with |a|, |b| <= 1. Touched on both sides, or only on that of +z.
+    Face {
+        /// Half of one edge; z is 0.
+        u: Vec3,
+        /// Half of the other edge; z is 0.
+        v: Vec3,
+        /// Touched only from z > 0.
+        one_sided: bool,
+    },
+    /// A box about the origin along the axes.
+    Box {
+        /// Half the edges, in units.
+        half: Vec3,
+    },
+    /// A convex hull.
+    Hull(Arc<Hull>),
+    /// The half-space y <= 0. Only for bodies without mass.
+    HalfSpace,
+}
+
+/// A convex hull with at most [`MOST_FACES`] faces, about its own centre of mass.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Hull {
+    /// Vertices, in units.
+    pub(crate) vertices: Vec<Vec3>,
+    /// Faces: outward unit normal, and the vertices counterclockwise from outside.
+    pub(crate) faces: Vec<(Vec3, Vec<u8>)>,
+    /// Edges: the two vertices and the two faces beside them.
+    pub(crate) edges: Vec<[u8; 4]>,
+}
+
+/// Greatest number of faces of a hull.
+pub(crate) const MOST_FACES: usize = 32;
+
+/// A core and a radius.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Shape {
+    pub(crate) core: Core,
+    /// In units; 0 for sharp boxes, faces and hulls.
+    pub(crate) radius: f32,
+}
+
+impl Shape {
+    pub(crate) fn ball(radius: f32) -> Self {
+        Self { core: Core::Point, radius }
+    }
+
+    pub(crate) fn capsule(half: f32, radius: f32) -> Self {
+        Self { core: Core::Segment { half }, radius }
+    }
+
+    pub(crate) fn cuboid(half: Vec3) -> Self {
+        Self { core: Core::Box { half }, radius: 0.0 }
+    }
+
+    /// Whether contacts with it are computed anew at every refresh (docs/physics.md section 11): balls and capsules.
+    pub(crate) fn is_round(&self) -> bool {
+        matches!(self.core, Core::Point | Core::Segment { .. })
+    }
+}

@@ -1,0 +1,91 @@
+//! Bodies, colliders and materials of a scene under the law `rigid`.
+
+use glam::{Mat3, Quat, Vec3};
+
+use crate::rigid::pose::Pose;
+use crate::rigid::shape::Shape;
+
+/// What moves a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// It never moves. Body 0 is the only one: the world.
+    World,
+    /// It follows prescribed velocities.
+    Kinematic,
+    /// Forces and contacts move it.
+    Dynamic,
+}
+
+/// A body: what is integrated.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Body {
+    pub(crate) kind: Kind,
+    /// Centre of mass and orientation. The orientation turns coordinates of the body (those of its colliders), not its principal axes.
+    pub(crate) pose: Pose,
+    /// In units/s.
+    pub(crate) velocity: Vec3,
+    /// Angular velocity along the axes of the world, in rad/s.
+    pub(crate) spin: Vec3,
+    /// Angular momentum about the centre along the axes of the world, in mass units²/s.
+    pub(crate) momentum: Vec3,
+    /// 1 / mass; 0 without mass.
+    pub(crate) inverse_mass: f32,
+    /// Principal moments of inertia, in mass units². Infinite without mass.
+    pub(crate) moments: Vec3,
+    /// Turns coordinates along the principal axes into those of the body.
+    pub(crate) axes: Quat,
+    /// Inverse of the inertia along the axes of the world, for the present pose. 0 without mass.
+    pub(crate) inverse_inertia: Mat3,
+    /// Greatest distance of its surface from the centre of mass, in units.
+    pub(crate) radius: f32,
+    /// Least edge or diameter of its colliders, in units.
+    pub(crate) width: f32,
+    /// External force and torque about the centre, constant in a frame.
+    pub(crate) force: Vec3,
+    pub(crate) torque: Vec3,
+    /// Factor of the margin (docs/physics.md section 11), 1 at the start.
+    pub(crate) margin_scale: f32,
+}
+
+/// A shape at a place of a body.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Collider {
+    /// Number of its body.
+    pub(crate) body: u32,
+    /// Number of its shape.
+    pub(crate) shape: u32,
+    /// Its place in coordinates of the body, from the centre of mass.
+    pub(crate) place: Pose,
+    /// Colliders of different groups never touch.
+    pub(crate) group: u16,
+    /// Number of its material; 0 for none.
+    pub(crate) material: u16,
+    /// Velocity of its surface relative to its body, in units/s, like that of a conveyor. Along the axes of the body.
+    pub(crate) surface_velocity: Vec3,
+}
+
+/// Constants of a contact: from the pair of materials, or the settings of the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Surface {
+    /// Coefficient of Coulomb friction.
+    pub(crate) friction: f32,
+    /// Coefficient of restitution, 0 to 1.
+    pub(crate) restitution: f32,
+}
+
+/// All bodies of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct RigidWorld {
+    /// Number 0 is the world. The others are in order of addition.
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) colliders: Vec<Collider>,
+    pub(crate) shapes: Vec<Shape>,
+    /// Constants of materials i and j at i * materials + j, symmetric; materials count from 0, which is the lack of one.
+    pub(crate) surfaces: Vec<Surface>,
+    /// Number of materials, at least 1.
+    pub(crate) materials: usize,
+    /// Acceleration of the uniform field, in units/s².
+    pub(crate) gravity: Vec3,
+    /// What the solver keeps from frame to frame.
+    pub(crate) history: crate::rigid::frame::History,
+}
