@@ -14,6 +14,8 @@ pub use integrator::{Integrator, IntegratorChoice};
 
 /// The fixed time step of the thesis, in s.
 pub const DEFAULT_TIME_STEP: f32 = 0.02;
+/// The frame of the contact law `rigid` where a scene has no time step, in s.
+pub const DEFAULT_FRAME: f32 = 1.0 / 60.0;
 
 /// The type of a constant, chosen by the name of the function that reads it.
 macro_rules! value_type {
@@ -66,7 +68,8 @@ macro_rules! settings {
             pub const NAMES: &[&str] = &[$(stringify!($name)),+];
 
             /// Sets a constant by its name, from text: a number, `on` or `off`, `x,y,z` for the direction, or the name of a
-            /// contact law. Setting a contact law other than `thesis` switches `collisions` off.
+            /// contact law. Setting a contact law with history switches `collisions` off. Setting the law `rigid` sets
+            /// `restitution` to 0 and `coulomb_friction` to 0.5.
             ///
             /// # Errors
             /// - [`Error::UnknownSetting`] for a name that is not in [`Settings::NAMES`].
@@ -76,8 +79,8 @@ macro_rules! settings {
                     $(stringify!($name) => self.$name = $read(stringify!($name), value)?,)+
                     _ => return Err(Error::UnknownSetting { name: name.to_owned(), expected: Self::NAMES.join(", ") }),
                 }
-                if name == "contact_law" && self.contact_law.has_history() {
-                    self.collisions = false;
+                if name == "contact_law" {
+                    self.follow_law();
                 }
                 Ok(())
             }
@@ -141,9 +144,11 @@ macro_rules! constant_table {
                 angular_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
             }
             host {
-                /// Contact law: `thesis`, `linear` or `hertz-mindlin`. The last two need materials and keep a tangential spring
-                /// for every contact. They do not use `contact_force`, `contact_damping`, `friction` and `resting_overlap`.
-                /// Setting them by name (also in a scene text and in Python) switches `collisions` off.
+                /// Contact law: `thesis`, `linear`, `hertz-mindlin` or `rigid`. The second and the third need materials and keep
+                /// a tangential spring for every contact. They do not use `contact_force`, `contact_damping`, `friction` and
+                /// `resting_overlap`. Setting them by name (also in a scene text and in Python) switches `collisions` off. With
+                /// `rigid`, contacts are hard: a solver takes frames of 1/60 s in substeps, and of the settings of contacts it
+                /// uses `restitution` and `coulomb_friction` alone. Setting it by name sets them to 0 and 0.5.
                 contact_law: law = ContactLaw::Thesis, "", None;
                 /// Gravity G in units/s².
                 gravity: finite = 1.0, "units/s²", Some((-10.0, 20.0));
@@ -182,6 +187,28 @@ impl Settings {
     pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
         change(&mut self);
         self
+    }
+
+    /// The settings that a contact law sets when it is set by name.
+    pub(crate) const FOLLOW_LAW: [&str; 3] = ["collisions", "restitution", "coulomb_friction"];
+
+    /// Sets what follows from the contact law.
+    fn follow_law(&mut self) {
+        if self.contact_law.has_history() {
+            self.collisions = false;
+        }
+        if self.contact_law == ContactLaw::Rigid {
+            (self.restitution, self.coulomb_friction) = (0.0, 0.5);
+        }
+    }
+
+    /// Whether setting the contact law of these settings by name sets this one.
+    pub(crate) fn follows_law(&self, name: &str) -> bool {
+        match name {
+            "collisions" => self.contact_law.has_history(),
+            "restitution" | "coulomb_friction" => self.contact_law == ContactLaw::Rigid,
+            _ => false,
+        }
     }
 
     /// Checks the values of a struct that was filled in by hand.
@@ -313,7 +340,7 @@ fn direction(field: &'static str, value: &str) -> Result<Vec3> {
 
 fn law(field: &'static str, value: &str) -> Result<ContactLaw> {
     let law = ContactLaw::ALL.into_iter().find(|law| law.name() == value.trim());
-    law.ok_or_else(|| invalid(field, value, "thesis, linear, hertz-mindlin or user"))
+    law.ok_or_else(|| invalid(field, value, "thesis, linear, hertz-mindlin, user or rigid"))
 }
 
 fn precision(field: &'static str, value: &str) -> Result<Precision> {
@@ -367,11 +394,13 @@ pub enum ContactLaw {
     HertzMindlin,
     /// A law that the program defines ([`ContactForceLaw`](crate::ContactForceLaw)).
     User,
+    /// Hard contacts: a solver finds the impulses of all contacts of a frame (docs/physics.md section 11).
+    Rigid,
 }
 
 impl ContactLaw {
     /// All laws. The place of a law is its number in the kernels.
-    pub const ALL: [Self; 4] = [Self::Thesis, Self::Linear, Self::HertzMindlin, Self::User];
+    pub const ALL: [Self; 5] = [Self::Thesis, Self::Linear, Self::HertzMindlin, Self::User, Self::Rigid];
 
     /// Name in scene files.
     pub const fn name(self) -> &'static str {
@@ -380,6 +409,7 @@ impl ContactLaw {
             Self::Linear => "linear",
             Self::HertzMindlin => "hertz-mindlin",
             Self::User => "user",
+            Self::Rigid => "rigid",
         }
     }
 
@@ -395,7 +425,7 @@ impl ContactLaw {
 
     /// Whether contacts have a tangential spring, which is kept from step to step.
     pub const fn has_history(self) -> bool {
-        !matches!(self, Self::Thesis)
+        !matches!(self, Self::Thesis | Self::Rigid)
     }
 }
 

@@ -15,7 +15,7 @@ use crate::options::{BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
 use crate::scene::{AnyId, BodyHandles, FlowState, Scene, SphereId};
-use crate::settings::{BroadPhase, ContactLaw, DEFAULT_TIME_STEP, Integrator, Precision, Settings};
+use crate::settings::{BroadPhase, ContactLaw, Integrator, Precision, Settings};
 use crate::step::schedule::Phase;
 use crate::step::walls::move_walls::place_walls;
 use crate::user_laws::ContactForceLaw;
@@ -152,7 +152,7 @@ impl Simulation {
     /// As for [`Simulation::with_options`].
     pub async fn with_options_async(scene: Scene, options: Options) -> Result<Self> {
         let scene = resolve(scene, &options)?;
-        let world = prepare(&scene, &options, first_time_step(&scene))?;
+        let world = prepare(&scene, &options, scene.first_time_step())?;
         let (engine, info) = Engine::open(&options, &world).await?;
         Ok(Self::assemble(scene, options, world, engine, info))
     }
@@ -165,7 +165,7 @@ impl Simulation {
     #[cfg(feature = "gpu")]
     pub fn on_device(scene: Scene, options: Options, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self> {
         let scene = resolve(scene, &options)?;
-        let dt = first_time_step(&scene);
+        let dt = scene.first_time_step();
         Self::on_device_as_is(scene, options, (dt, &Kept::default()), device, queue)
     }
 
@@ -188,7 +188,7 @@ impl Simulation {
     #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
     pub(crate) fn on_gpu(scene: Scene, options: Options, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
         let scene = resolve(scene, &options)?;
-        let world = prepare(&scene, &options, first_time_step(&scene))?;
+        let world = prepare(&scene, &options, scene.first_time_step())?;
         let engine = Engine::on(gpu, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info.clone()))
     }
@@ -197,7 +197,7 @@ impl Simulation {
         engine.complete(&mut world);
         // A later change of the contact law must not change it, and a checkpoint stores it.
         options.integrator = scene.integrator(options.integrator).into();
-        let time_step = first_time_step(&scene);
+        let time_step = scene.first_time_step();
         let flow = FlowState::of(&scene);
         let lists = ListPolicy::start(engine.dispatches() && world.movers() <= FEW_MOVERS);
         Self {
@@ -447,12 +447,6 @@ fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&Contact
         });
     }
     Ok(())
-}
-
-/// Packs a scene into a world without scratch arrays, and applies the options.
-/// The time step of a simulation before its first step.
-fn first_time_step(scene: &Scene) -> f32 {
-    scene.run.time_step().unwrap_or(DEFAULT_TIME_STEP)
 }
 
 /// Packs a scene for steps of `dt` seconds, after all checks.

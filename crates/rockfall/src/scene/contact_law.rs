@@ -174,6 +174,7 @@ impl Scene {
             },
             ContactLaw::HertzMindlin => self.moduli(one, other),
             ContactLaw::User => Some(self.moduli(one, other).unwrap_or_default()),
+            ContactLaw::Rigid => None,
         };
         let Some([normal, tangential]) = known else {
             return [0.0; 8];

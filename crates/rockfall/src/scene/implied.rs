@@ -11,7 +11,7 @@ use super::shape::capsule_along_x;
 use super::{Handle, Kinetics, MassProperties, RigidBodyId, RodId, Scene, Shape, ShapeId, Sphere, SphereId};
 use crate::disjoint::DisjointSets;
 use crate::fine::Fine;
-use crate::settings::Settings;
+use crate::settings::{ContactLaw, Settings};
 
 /// Most spheres of an implied body. The work to find out whether a network is rigid grows with the third power of their number.
 const MOST_SPHERES: usize = 100;
@@ -122,6 +122,9 @@ impl Scene {
     /// Whether the settings let a network be a body: with collisions, capsules stay those of the thesis.
     fn may_be_body(&self, network: &Network) -> bool {
         let Settings { contact_law, collisions, continuous_collisions, .. } = self.settings;
+        if contact_law == ContactLaw::Rigid {
+            return true;
+        }
         match network.spheres.len() {
             2 => contact_law.has_history() && !collisions,
             _ => !(collisions && continuous_collisions),

@@ -2,7 +2,7 @@
 
 use super::Scene;
 use crate::error::{Error, Result};
-use crate::settings::{DEFAULT_TIME_STEP, Integrator, IntegratorChoice};
+use crate::settings::{ContactLaw, DEFAULT_FRAME, DEFAULT_TIME_STEP, Integrator, IntegratorChoice};
 
 /// How a scene is meant to be run: the line `@run` of its text. Programs use these values where they are not told otherwise; options
 /// of the command line override each of them.
@@ -12,7 +12,7 @@ use crate::settings::{DEFAULT_TIME_STEP, Integrator, IntegratorChoice};
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct RunDefaults {
-    /// Time step, in s. `None`: 0.02 s.
+    /// Time step, in s. `None`: 0.02 s, and 1/60 s with the contact law `rigid`.
     pub dt: Option<f32>,
     /// The integrator. `None` and [`IntegratorChoice::Auto`]: what the contact law needs.
     pub integrator: Option<IntegratorChoice>,
@@ -20,7 +20,8 @@ pub struct RunDefaults {
     pub steps: Option<u64>,
     /// Number of steps between two frames of a trajectory. `None`: only the final state is written.
     pub every: Option<u64>,
-    /// Number of equal parts that every step is divided into. `None`: 1.
+    /// Number of equal parts that every step is divided into. `None`: 1. With the contact law `rigid`, the number of substeps of
+    /// the solver in a frame; `None`: what suits gravity and the least width of the bodies, at least 4.
     pub substeps: Option<u32>,
     /// Simulated seconds per second of film, less than 1 for slow motion. `None`: 1.
     pub speed: Option<f64>,
@@ -63,6 +64,19 @@ pub(super) const SPEED: &str = "a finite number greater than 0";
 pub(super) const PARTS: &str = "a whole number from 1 to 1000000";
 
 impl Scene {
+    /// The time step of a simulation before its first step, in s.
+    pub fn first_time_step(&self) -> f32 {
+        if self.is_rigid() {
+            return self.run.dt.unwrap_or(DEFAULT_FRAME);
+        }
+        self.run.time_step().unwrap_or(DEFAULT_TIME_STEP)
+    }
+
+    /// Whether the contact law is `rigid`.
+    pub(crate) fn is_rigid(&self) -> bool {
+        self.settings.contact_law == ContactLaw::Rigid
+    }
+
     /// The integrator of a simulation of this scene, for a choice in its [`Options`](crate::Options): the one that is given, or else
     /// that of [`Scene::run`], or else what the contact law needs.
     pub fn integrator(&self, choice: IntegratorChoice) -> Integrator {

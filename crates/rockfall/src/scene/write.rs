@@ -181,8 +181,7 @@ impl Writer<'_> {
         let defaults = Settings::default();
         for name in Settings::NAMES {
             let value = self.scene.settings.get(name);
-            // Setting a law by name switches collisions off.
-            let is_decided = *name == "collisions" && self.scene.settings.contact_law.has_history();
+            let is_decided = self.scene.settings.follows_law(name);
             if let Some(value) = value.filter(|value| is_decided || defaults.get(name).as_ref() != Some(value)) {
                 let _ = writeln!(self.text, "set {name} {value}");
             }

@@ -64,7 +64,7 @@ impl Scene {
     /// makes it less.
     pub fn deep_impact(&self) -> Option<DeepImpact> {
         let law = self.settings.contact_law;
-        if self.settings.collisions || law == ContactLaw::User {
+        if self.settings.collisions || matches!(law, ContactLaw::User | ContactLaw::Rigid) {
             return None;
         }
         let speed = self.greatest_speed() + self.greatest_wall_speed();
@@ -119,7 +119,7 @@ impl Scene {
                 let [normal, _] = self.moduli(own, wall)?;
                 Some(((15.0 * mass * speed * speed / (16.0 * f64::from(normal) * radius.sqrt())).powf(0.4), 2.5))
             }
-            ContactLaw::User => None,
+            ContactLaw::User | ContactLaw::Rigid => None,
         }
     }
 }

@@ -77,7 +77,7 @@ impl Scene {
             let id = sphere.material?;
             let mass = f64::from(sphere.mass);
             let seconds = match law {
-                ContactLaw::Thesis | ContactLaw::User => return None,
+                ContactLaw::Thesis | ContactLaw::User | ContactLaw::Rigid => return None,
                 ContactLaw::Linear => {
                     let (number, radius) = (self.material_number(Some(id)).ok()?, 0.5 * f64::from(sphere.radius));
                     let of = |other| self.normal_stiffness(number, other, radius, 0.5 * mass);

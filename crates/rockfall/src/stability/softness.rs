@@ -76,7 +76,7 @@ impl Scene {
         let number = self.material_number(Some(sphere.material?)).ok()?;
         let [mass, radius] = [sphere.mass, sphere.radius].map(f64::from);
         match self.settings.contact_law {
-            ContactLaw::Thesis | ContactLaw::User => None,
+            ContactLaw::Thesis | ContactLaw::User | ContactLaw::Rigid => None,
             ContactLaw::Linear => Some((force / self.normal_stiffness(number, number, 0.5 * radius, 0.5 * mass)?, 1.0)),
             ContactLaw::HertzMindlin => {
                 let [normal, _] = self.moduli(number, number)?;

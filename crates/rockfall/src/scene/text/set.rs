@@ -61,11 +61,14 @@ impl Reader<'_> {
                 other => other.to_string(),
             },
         };
-        let given = self.set_at.contains_key("collisions").then_some(self.scene.settings.collisions);
+        let before = self.scene.settings;
         self.scene.settings.set(name, &value).map_err(wrong)?;
-        if let Some(collisions) = given.filter(|_| name == "contact_law") {
+        if name == "contact_law" {
             // The order of the lines does not matter.
-            self.scene.settings.collisions = collisions;
+            for given in Settings::FOLLOW_LAW.into_iter().filter(|name| self.set_at.contains_key(name)) {
+                let value = before.get(given).unwrap_or_default();
+                self.scene.settings.set(given, &value).map_err(wrong)?;
+            }
         }
         Ok(())
     }
