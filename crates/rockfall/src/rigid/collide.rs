@@ -1,9 +1,34 @@
 //! Contacts of two shapes in a relative pose: the table (kind, kind) -> function.
+//!
+//! | room | what it knows |
+//! |---|---|
+//! | `ball` | a ball against everything: the nearest point of a core |
+//! | `half_space` | vertices below a plane |
+//! | `capsule` | a segment against segments and polyhedra |
+//! | `box_box` | two sharp boxes: 15 axes and a clip in the plane of the face |
+//! | `polyhedra` | any two of box, hull and face, with radii |
+//! | `solid` | vertices, faces and edges of a core |
+//! | `closest` | closest points of two sets of vertices |
+//! | `clip` | polygons, segments and the choice of four points |
+
+mod ball;
+mod box_box;
+mod capsule;
+mod clip;
+mod closest;
+mod half_space;
+mod ids;
+mod polyhedra;
+mod solid;
+#[cfg(test)]
+mod reference;
+#[cfg(test)]
+mod tests;
 
 use glam::Vec3;
 
 use crate::rigid::pose::Pose;
-use crate::rigid::shape::Shape;
+use crate::rigid::shape::{Core, Shape};
 
 /// Greatest number of contact points of a pair.
 pub(crate) const MOST_POINTS: usize = 4;
@@ -29,9 +54,89 @@ pub(crate) struct Manifold {
     pub(crate) points: [Point; MOST_POINTS],
 }
 
-/// The contact points of two shapes whose separation is at most `reach`; `None` if there are none. `b_in_a` is the pose of b in coordinates of a.
-/// No pair of shapes may have the kinds half-space and face twice: they belong to bodies without mass.
+impl Manifold {
+    /// No points yet.
+    fn empty(normal: Vec3) -> Self {
+        Self { normal, count: 0, points: [Point::default(); MOST_POINTS] }
+    }
+
+    /// One point: the nearest points of both cores, and the radii.
+    fn single(normal: Vec3, cores: (Vec3, Vec3), radii: (f32, f32), id: u32) -> Self {
+        let mut manifold = Self::empty(normal);
+        manifold.push(cores, radii, id);
+        manifold
+    }
+
+    /// Adds the point between two points of the cores. There must be room.
+    fn push(&mut self, cores: (Vec3, Vec3), radii: (f32, f32), id: u32) {
+        let (on_a, on_b) = (cores.0 + self.normal * radii.0, cores.1 - self.normal * radii.1);
+        self.points[self.count] = Point { on_a, on_b, id };
+        self.count += 1;
+    }
+
+    /// The same contact as seen from the other shape, whose pose in coordinates of this one is `pose`.
+    fn flipped(mut self, pose: &Pose) -> Self {
+        self.normal = -(pose.turn * self.normal);
+        for point in &mut self.points[..self.count] {
+            (point.on_a, point.on_b) = (pose.point(point.on_b), pose.point(point.on_a));
+        }
+        self
+    }
+
+    fn some(self) -> Option<Self> {
+        (self.count > 0).then_some(self)
+    }
+}
+
+/// Contacts of a pair whose kinds are in the order of the table.
+type Function = fn(&Shape, &Shape, &Pose, f32) -> Option<Manifold>;
+
+/// Who meets whom: row a, column b, in the order of [`kind`]. The lower half is the upper one, flipped.
+const TABLE: [[Option<Function>; 6]; 6] = {
+    const HALF: Option<Function> = Some(half_space::collide);
+    const POLY: Option<Function> = Some(polyhedra::collide);
+    const BOX: Option<Function> = Some(box_box::collide);
+    const ROD: Option<Function> = Some(capsule::with_polyhedron);
+    const RODS: Option<Function> = Some(capsule::with_capsule);
+    const BALL: Option<Function> = Some(ball::collide);
+    const NONE: Option<Function> = None;
+    [
+        // half-space, face, box, hull, segment, point
+        [NONE, HALF, HALF, HALF, HALF, BALL],
+        [NONE, POLY, POLY, POLY, ROD, BALL],
+        [NONE, NONE, BOX, POLY, ROD, BALL],
+        [NONE, NONE, NONE, POLY, ROD, BALL],
+        [NONE, NONE, NONE, NONE, RODS, BALL],
+        [NONE, NONE, NONE, NONE, NONE, BALL],
+    ]
+};
+
+/// Row of a core in the table.
+fn kind(core: &Core) -> usize {
+    match core {
+        Core::HalfSpace => 0,
+        Core::Face { .. } => 1,
+        Core::Box { .. } => 2,
+        Core::Hull(_) => 3,
+        Core::Segment { .. } => 4,
+        Core::Point => 5,
+    }
+}
+
+/// The contact points of two shapes whose separation is at most `reach`; `None` if there are none. `b_in_a` is the pose of
+/// b in coordinates of a. Two half-spaces have none: they belong to bodies without mass.
 pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option<Manifold> {
-    let _ = (a, b, b_in_a, reach);
-    None
+    let (row, column) = (kind(&a.core), kind(&b.core));
+    if row <= column {
+        TABLE[row][column]?(a, b, b_in_a, reach)
+    } else {
+        let a_in_b = b_in_a.relative(&Pose::IDENTITY);
+        TABLE[column][row]?(b, a, &a_in_b, reach).map(|manifold| manifold.flipped(b_in_a))
+    }
+}
+
+/// The nearest place of a core and the normal there.
+#[cfg(test)]
+pub(crate) fn nearest(core: &Core, point: Vec3) -> Option<(Vec3, Vec3)> {
+    ball::nearest(core, point).map(|found| (found.place, found.normal))
 }

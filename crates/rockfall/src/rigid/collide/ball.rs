@@ -1,0 +1,137 @@
+//! A ball against everything.
+
+use glam::Vec3;
+
+use crate::rigid::collide::Manifold;
+use crate::rigid::pose::Pose;
+use crate::rigid::shape::{Core, Hull, Shape};
+
+/// The place of a core nearest to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Nearest {
+    /// The place, on the surface of the core.
+    pub(super) place: Vec3,
+    /// Unit vector from the core towards the point; outwards if the point is inside.
+    pub(super) normal: Vec3,
+}
+
+/// A ball b and any shape a.
+pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option<Manifold> {
+    let centre = b_in_a.position;
+    let Nearest { place, normal } = nearest(&a.core, centre)?;
+    let separation = (centre - place).dot(normal) - a.radius - b.radius;
+    (separation <= reach).then(|| Manifold::single(normal, (place, centre), (a.radius, b.radius), 0))
+}
+
+/// The place of a core nearest to a point; `None` on the far side of a one-sided face.
+pub(super) fn nearest(core: &Core, point: Vec3) -> Option<Nearest> {
+    Some(match core {
+        Core::Point => away(Vec3::ZERO, point, Vec3::Y),
+        Core::Segment { half } => away(Vec3::new(0.0, point.y.clamp(-half, *half), 0.0), point, Vec3::X),
+        Core::HalfSpace => Nearest { place: Vec3::new(point.x, 0.0, point.z), normal: Vec3::Y },
+        Core::Box { half } => on_box(*half, point),
+        Core::Face { u, v, one_sided } => {
+            if *one_sided && point.z < 0.0 {
+                return None;
+            }
+            let side = if point.z < 0.0 { -Vec3::Z } else { Vec3::Z };
+            away(on_parallelogram(*u, *v, point), point, side)
+        }
+        Core::Hull(hull) => on_hull(hull, point),
+    })
+}
+
+/// The direction from a place to a point, or `otherwise` where they are one.
+fn away(place: Vec3, point: Vec3, otherwise: Vec3) -> Nearest {
+    let offset = point - place;
+    let length = offset.length();
+    // Below the rounding error of the coordinates a direction means nothing.
+    let noise = 2.0 * f32::EPSILON * point.abs().max_element();
+    let normal = if length > noise && length > f32::MIN_POSITIVE.sqrt() { offset / length } else { otherwise };
+    Nearest { place, normal }
+}
+
+fn on_box(half: Vec3, point: Vec3) -> Nearest {
+    let place = point.clamp(-half, half);
+    let mut depth = half - point.abs();
+    if depth.min_element() < 0.0 {
+        let offset = point - place;
+        // Scaled, so that tiny gaps do not underflow.
+        let size = offset.abs().max_element();
+        return Nearest { place, normal: (offset / size).normalize() };
+    }
+    // Inside: the face of least depth, the first of equal ones.
+    let axis = depth.min_position();
+    depth = Vec3::ZERO;
+    depth[axis] = if point[axis] < 0.0 { -1.0 } else { 1.0 };
+    let mut place = point;
+    place[axis] = depth[axis] * half[axis];
+    Nearest { place, normal: depth }
+}
+
+/// The place of a parallelogram in the plane z = 0 nearest to a point.
+fn on_parallelogram(u: Vec3, v: Vec3, point: Vec3) -> Vec3 {
+    let foot = Vec3::new(point.x, point.y, 0.0);
+    let area = u.x * v.y - u.y * v.x;
+    let along_u = (foot.x * v.y - foot.y * v.x) / area;
+    let along_v = (u.x * foot.y - u.y * foot.x) / area;
+    if along_u.abs() <= 1.0 && along_v.abs() <= 1.0 {
+        return foot;
+    }
+    let corners = [-u - v, u - v, u + v, v - u];
+    (0..4)
+        .map(|k| on_segment(corners[k], corners[(k + 1) % 4], foot))
+        .min_by(|a, b| a.distance_squared(foot).total_cmp(&b.distance_squared(foot)))
+        .unwrap_or(foot)
+}
+
+/// The place of a segment nearest to a point.
+pub(super) fn on_segment(start: Vec3, end: Vec3, point: Vec3) -> Vec3 {
+    let along = end - start;
+    let square = along.length_squared();
+    let part = if square > 0.0 { ((point - start).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    start + along * part
+}
+
+fn on_hull(hull: &Hull, point: Vec3) -> Nearest {
+    let mut least = (f32::NEG_INFINITY, 0);
+    let mut best: Option<(f32, Nearest)> = None;
+    for (face, (normal, corners)) in hull.faces.iter().enumerate() {
+        let height = (point - hull.vertices[corners[0] as usize]).dot(*normal);
+        if height > least.0 {
+            least = (height, face);
+        }
+        if height > 0.0 {
+            let found = on_polygon(hull, corners, *normal, height, point);
+            let square = found.place.distance_squared(point);
+            if best.is_none_or(|(known, _)| square < known) {
+                best = Some((square, found));
+            }
+        }
+    }
+    best.map_or_else(
+        || {
+            let normal = hull.faces[least.1].0;
+            Nearest { place: point - normal * least.0, normal }
+        },
+        |(_, found)| found,
+    )
+}
+
+/// The place of a face nearest to a point in front of it.
+fn on_polygon(hull: &Hull, corners: &[u8], normal: Vec3, height: f32, point: Vec3) -> Nearest {
+    let foot = point - normal * height;
+    let mut best: Option<(f32, Vec3)> = None;
+    for k in 0..corners.len() {
+        let start = hull.vertices[corners[k] as usize];
+        let end = hull.vertices[corners[(k + 1) % corners.len()] as usize];
+        if (foot - start).dot((end - start).cross(normal)) > 0.0 {
+            let place = on_segment(start, end, point);
+            let square = place.distance_squared(point);
+            if best.is_none_or(|(known, _)| square < known) {
+                best = Some((square, place));
+            }
+        }
+    }
+    best.map_or(Nearest { place: foot, normal }, |(_, place)| away(place, point, normal))
+}

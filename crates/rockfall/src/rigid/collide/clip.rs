@@ -1,0 +1,69 @@
+//! Polygons, segments and the choice of four points.
+
+use glam::Vec3;
+
+use crate::rigid::collide::Manifold;
+
+/// A point that may become a contact: points of both cores.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Candidate {
+    pub(super) on_a: Vec3,
+    pub(super) on_b: Vec3,
+    /// Of the cores, along the normal.
+    pub(super) separation: f32,
+    pub(super) id: u32,
+}
+
+/// A tilt below which the first point is extreme along the fixed direction; above it, the deepest is the first.
+const FLAT: f32 = 1e-3;
+
+/// At most four of the candidates: the deepest (of flat contacts the extreme one along `along`), the farthest from it, the one
+/// of the largest triangle, and the farthest on the other side. The order of the candidates decides between equal ones.
+pub(super) fn reduce(candidates: &[Candidate], normal: Vec3, along: Vec3, radii: (f32, f32)) -> Option<Manifold> {
+    let mut manifold = Manifold::empty(normal);
+    let mut push = |index: usize| {
+        let chosen = &candidates[index];
+        manifold.push((chosen.on_a, chosen.on_b), radii, chosen.id);
+    };
+    if candidates.len() <= 4 {
+        (0..candidates.len()).for_each(push);
+        return manifold.some();
+    }
+    let place = |index: usize| candidates[index].on_a;
+    let count = candidates.len();
+    let first = greatest(count, |k| -candidates[k].separation - FLAT * place(k).dot(along))?.1;
+    let second = greatest(count, |k| place(k).distance_squared(place(first)))?.1;
+    let edge = place(second) - place(first);
+    let area = |k: usize| edge.cross(place(k) - place(first)).dot(normal);
+    let (size, third) = greatest(count, |k| area(k).abs())?;
+    push(first);
+    push(second);
+    // Points on a line: two are enough.
+    if size > 1e-4 * edge.length_squared() {
+        push(third);
+        let side = area(third).signum();
+        let (size, fourth) = greatest(count, |k| beyond(place(first), place(second), place(third), place(k), normal * side))?;
+        if size > 1e-4 * edge.length_squared() {
+            push(fourth);
+        }
+    }
+    manifold.some()
+}
+
+/// How far a point lies outside of a triangle that runs counterclockwise about the normal: twice the largest area beyond an edge.
+fn beyond(p: Vec3, q: Vec3, r: Vec3, point: Vec3, normal: Vec3) -> f32 {
+    let out = |start: Vec3, end: Vec3| (point - start).cross(end - start).dot(normal);
+    out(p, q).max(out(q, r)).max(out(r, p))
+}
+
+/// The greatest value and its index; the first of equal ones.
+fn greatest(count: usize, value: impl Fn(usize) -> f32) -> Option<(f32, usize)> {
+    let mut best: Option<(f32, usize)> = None;
+    for index in 0..count {
+        let value = value(index);
+        if best.is_none_or(|(known, _)| value > known) {
+            best = Some((value, index));
+        }
+    }
+    best
+}

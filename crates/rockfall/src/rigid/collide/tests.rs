@@ -1,0 +1,1 @@
+//! Contacts judged by nature.
