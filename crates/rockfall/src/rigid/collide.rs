@@ -134,3 +134,9 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
         TABLE[column][row]?(b, a, &a_in_b, reach).map(|manifold| manifold.flipped(b_in_a))
     }
 }
+
+/// The nearest place of a core and the normal there.
+#[cfg(test)]
+pub(crate) fn nearest(core: &Core, point: Vec3) -> Option<(Vec3, Vec3)> {
+    ball::nearest(core, point).map(|found| (found.place, found.normal))
+}

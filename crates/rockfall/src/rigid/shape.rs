@@ -1,5 +1,11 @@
 //! Shapes: a core and a radius. A shape is stored once, and many colliders share it.
 
+mod bounds;
+mod hull;
+mod mass;
+#[cfg(test)]
+mod tests;
+
 use std::sync::Arc;
 
 use glam::Vec3;
