@@ -1,0 +1,225 @@
+//! The bodies while a frame is solved, in flat arrays.
+
+use glam::{Mat3, Vec3};
+
+use crate::rigid::frame::turn::{Moments, about, unit};
+use crate::rigid::pose::Pose;
+use crate::rigid::world::{Body, Kind, RigidWorld};
+
+/// Velocity and angular velocity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Motion {
+    pub(super) velocity: Vec3,
+    pub(super) spin: Vec3,
+}
+
+impl Motion {
+    /// Velocity of the point at an arm from the centre.
+    pub(super) fn at(&self, arm: Vec3) -> Vec3 {
+        self.velocity + self.spin.cross(arm)
+    }
+
+    pub(super) fn minus(&self, other: &Self) -> Self {
+        Self { velocity: self.velocity - other.velocity, spin: self.spin - other.spin }
+    }
+
+    pub(super) fn plus(&self, other: &Self, share: f32) -> Self {
+        Self { velocity: self.velocity + share * other.velocity, spin: self.spin + share * other.spin }
+    }
+
+    /// Takes an impulse at an arm.
+    pub(super) fn push(&mut self, mass: &Mass, arm: Vec3, impulse: Vec3) {
+        self.velocity += mass.inverse_mass * impulse;
+        self.spin += mass.inverse_inertia * arm.cross(impulse);
+    }
+}
+
+/// How a body resists. All 0 without mass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Mass {
+    pub(super) inverse_mass: f32,
+    pub(super) inverse_inertia: Mat3,
+}
+
+impl Mass {
+    /// The share of a body that takes part in `count` left-over blocks.
+    pub(super) fn split(&self, count: f32) -> Self {
+        if count == 1.0 {
+            return *self;
+        }
+        Self { inverse_mass: count * self.inverse_mass, inverse_inertia: self.inverse_inertia * count }
+    }
+
+    /// The part of a body in K for a direction at an arm.
+    pub(super) fn response(&self, arm: Vec3, along: Vec3) -> f32 {
+        let turn = arm.cross(along);
+        self.inverse_mass + turn.dot(self.inverse_inertia * turn)
+    }
+}
+
+/// What does not change in a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Constants {
+    pub(super) dynamic: bool,
+    pub(super) moments: Moments,
+    pub(super) radius: f32,
+    /// Acceleration: the field and the external force.
+    acceleration: Vec3,
+    torque: Vec3,
+    pub(super) margin: f32,
+}
+
+/// All bodies, by number.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Bodies {
+    pub(super) poses: Vec<Pose>,
+    pub(super) motions: Vec<Motion>,
+    pub(super) masses: Vec<Mass>,
+    pub(super) momenta: Vec<Vec3>,
+    /// The spin that belongs to the momentum, bit for bit. Where the spin is another one, rows have changed it.
+    set: Vec<Vec3>,
+    /// The motions after the kick, before all impulses of a substep.
+    before: Vec<Motion>,
+    /// From when on the path of a body in this substep holds, in s.
+    pub(super) clocks: Vec<f32>,
+    /// Length of the path of the frame, with that of the turning surface.
+    paths: Vec<f32>,
+    pub(super) constants: Vec<Constants>,
+}
+
+impl Bodies {
+    /// The bodies at the start of a frame of `dt` seconds, with their margins.
+    pub(super) fn load(world: &RigidWorld, dt: f32) -> Self {
+        let count = world.bodies.len();
+        let field = world.gravity.length();
+        let mut all = Self { clocks: vec![0.0; count], paths: vec![0.0; count], ..Self::default() };
+        for body in &world.bodies {
+            let dynamic = body.kind == Kind::Dynamic && body.inverse_mass > 0.0;
+            let moments = if dynamic { Moments::new(body.moments, body.axes) } else { Moments::NONE };
+            let turn = if body.spin == Vec3::ZERO { 0.0 } else { body.spin.length() * body.radius };
+            let reach = (body.velocity.length() + turn) * dt;
+            let fall = if dynamic { field * dt * dt } else { 0.0 };
+            let margin = match body.kind {
+                Kind::World => 0.0,
+                Kind::Kinematic => 1.001 * reach,
+                Kind::Dynamic => body.margin_scale * (0.02 * body.radius).max(reach + fall),
+            };
+            let (acceleration, torque) =
+                if dynamic { (world.gravity + body.inverse_mass * body.force, body.torque) } else { (Vec3::ZERO, Vec3::ZERO) };
+            all.constants.push(Constants { dynamic, moments, radius: body.radius, acceleration, torque, margin });
+            all.poses.push(body.pose);
+            let inverse_mass = if dynamic { body.inverse_mass } else { 0.0 };
+            all.masses.push(Mass { inverse_mass, inverse_inertia: moments.inverse_inertia(body.pose.turn) });
+            let still = body.kind == Kind::World;
+            let (velocity, spin) = if still { (Vec3::ZERO, Vec3::ZERO) } else { (body.velocity, body.spin) };
+            all.motions.push(Motion { velocity, spin });
+            all.momenta.push(body.momentum);
+            all.set.push(spin);
+        }
+        all.before.clone_from(&all.motions);
+        all
+    }
+
+    /// Writes the state of the bodies that move.
+    pub(super) fn store(&self, bodies: &mut [Body]) {
+        for (i, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.kind != Kind::World) {
+            body.pose = self.poses[i];
+            if self.constants[i].dynamic {
+                let Motion { velocity, spin } = self.motions[i];
+                (body.velocity, body.spin, body.momentum) = (velocity, spin, self.momenta[i]);
+                body.inverse_inertia = self.masses[i].inverse_inertia;
+                body.margin_scale = (0.99 * body.margin_scale).max(1.0);
+            }
+        }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.poses.len()
+    }
+
+    /// The field and the forces of a substep, before its impulses.
+    pub(super) fn kick(&mut self, h: f32) {
+        for i in 0..self.count() {
+            let fixed = &self.constants[i];
+            if fixed.dynamic {
+                self.motions[i].velocity += h * fixed.acceleration;
+                self.momenta[i] += h * fixed.torque;
+                self.motions[i].spin = self.masses[i].inverse_inertia * self.momenta[i];
+                self.set[i] = self.motions[i].spin;
+            }
+        }
+        self.before.copy_from_slice(&self.motions);
+    }
+
+    /// Lets the momentum follow the spin where rows have changed it.
+    pub(super) fn follow(&mut self) {
+        for i in 0..self.count() {
+            let spin = self.motions[i].spin;
+            if self.constants[i].dynamic && spin != self.set[i] {
+                self.momenta[i] = self.constants[i].moments.momentum(self.poses[i].turn, spin);
+                self.set[i] = spin;
+            }
+        }
+    }
+
+    /// Lets the spin follow the momentum and the orientation.
+    pub(super) fn respin(&mut self, i: usize) {
+        let inverse_inertia = self.constants[i].moments.inverse_inertia(self.poses[i].turn);
+        self.masses[i].inverse_inertia = inverse_inertia;
+        self.motions[i].spin = inverse_inertia * self.momenta[i];
+        self.set[i] = self.motions[i].spin;
+    }
+
+    /// Moves all bodies by a substep. Free flight is an exact parabola, and the momentum of a free body does not change by a bit.
+    pub(super) fn drift(&mut self, h: f32, gravity: Vec3) {
+        let limit = 0.25 * gravity.length() * h;
+        for i in 0..self.count() {
+            let motion = self.motions[i];
+            let fixed = self.constants[i];
+            if !fixed.dynamic {
+                self.poses[i].position += h * motion.velocity;
+                if motion.spin != Vec3::ZERO {
+                    self.poses[i].turn = unit(about(h * motion.spin) * self.poses[i].turn);
+                }
+                continue;
+            }
+            self.paths[i] += h * (motion.velocity.length() + motion.spin.length() * fixed.radius);
+            let change = motion.minus(&self.before[i]);
+            let size = change.velocity.length() + fixed.radius * change.spin.length();
+            let beta = if size == 0.0 { 1.0 } else { (1.0 - size / limit).max(0.0) };
+            let position = self.poses[i].position + (h * motion.velocity - 0.5 * beta * h * h * gravity);
+            let turn = fixed.moments.turned(self.poses[i].turn, self.momenta[i], h);
+            if position.is_finite() && turn.is_finite() {
+                self.poses[i] = Pose::new(position, turn);
+            } else {
+                self.motions[i].velocity = Vec3::ZERO;
+                self.momenta[i] = Vec3::ZERO;
+            }
+            self.respin(i);
+        }
+        self.clocks.fill(0.0);
+    }
+
+    /// Where a body is at a time of the substep before its kick, and how it moves there.
+    pub(super) fn at(&self, i: usize, time: f32, gravity: Vec3) -> (Pose, Motion) {
+        let (pose, motion) = (self.poses[i], self.motions[i]);
+        if time == 0.0 {
+            return (pose, motion);
+        }
+        let fixed = &self.constants[i];
+        if !fixed.dynamic {
+            let turn = if motion.spin == Vec3::ZERO { pose.turn } else { unit(about(time * motion.spin) * pose.turn) };
+            return (Pose::new(pose.position + time * motion.velocity, turn), motion);
+        }
+        let position = pose.position + (time * motion.velocity + 0.5 * time * time * gravity);
+        let turn = fixed.moments.turned(pose.turn, self.momenta[i], time);
+        let spin = if motion.spin == Vec3::ZERO { Vec3::ZERO } else { fixed.moments.inverse_inertia(turn) * self.momenta[i] };
+        (Pose::new(position, turn), Motion { velocity: motion.velocity + time * gravity, spin })
+    }
+
+    /// How far the path of a body has gone beyond its margin: the path over the margin at scale 1, or `None` if it is within it.
+    pub(super) fn beyond(&self, i: usize) -> Option<f32> {
+        let fixed = &self.constants[i];
+        (fixed.dynamic && self.paths[i] > fixed.margin).then(|| self.paths[i] / fixed.margin)
+    }
+}

@@ -1,0 +1,150 @@
+//! Broad and narrow phase of a frame: margins, pairs and manifolds, in blocks (docs/physics.md sections 11.3 and 11.4).
+
+use rayon::prelude::*;
+
+use glam::Vec3;
+
+use crate::rigid::broad::{self, Aabb};
+use crate::rigid::collide::{Manifold, collide};
+use crate::rigid::frame::bodies::Bodies;
+use crate::rigid::frame::contacts::{Block, Contacts, Impulse, Pair, Point, Row};
+use crate::rigid::shape::{Core, Shape};
+use crate::rigid::world::{Collider, RigidWorld, Surface};
+
+/// A pair of colliders that are within reach, a on the body with the smaller number.
+pub(super) struct Found {
+    bodies: [u32; 2],
+    colliders: [u32; 2],
+    manifold: Manifold,
+}
+
+/// All manifolds of a frame, in the order (body a, body b, collider a, collider b).
+pub(super) fn manifolds(world: &RigidWorld, bodies: &Bodies) -> Vec<Found> {
+    let boxes: Vec<Aabb> = world.colliders.iter().map(|collider| bounds(world, bodies, collider)).collect();
+    let may_touch = |i: usize, j: usize| {
+        let [a, b] = [i, j].map(|k| &world.colliders[k]);
+        let [heavy, light] = [a, b].map(|collider| bodies.masses[collider.body as usize].inverse_mass);
+        a.body != b.body && a.group == b.group && (heavy > 0.0 || light > 0.0)
+    };
+    let pairs = broad::pairs(&boxes, may_touch);
+    // Few pairs are done by one thread: tasks would cost more than they do.
+    let mut found: Vec<Found> = if pairs.len() < 512 {
+        pairs.iter().filter_map(|pair| manifold(world, bodies, *pair)).collect()
+    } else {
+        pairs.par_iter().with_min_len(64).filter_map(|pair| manifold(world, bodies, *pair)).collect()
+    };
+    found.sort_unstable_by_key(|pair| (pair.bodies, pair.colliders));
+    found
+}
+
+/// The AABB of a collider, grown by the margin of its body.
+fn bounds(world: &RigidWorld, bodies: &Bodies, collider: &Collider) -> Aabb {
+    let body = collider.body as usize;
+    let margin = Vec3::splat(bodies.constants[body].margin);
+    let Aabb { min, max } = world.shapes[collider.shape as usize].aabb(&bodies.poses[body].compose(&collider.place));
+    Aabb { min: min - margin, max: max + margin }
+}
+
+fn manifold(world: &RigidWorld, bodies: &Bodies, (i, j): (u32, u32)) -> Option<Found> {
+    let body = |collider: u32| world.colliders[collider as usize].body;
+    let colliders = if body(i) <= body(j) { [i, j] } else { [j, i] };
+    let [a, b] = colliders.map(|k| &world.colliders[k as usize]);
+    let [pose_a, pose_b] = [a, b].map(|collider| bodies.poses[collider.body as usize].compose(&collider.place));
+    let reach = bodies.constants[a.body as usize].margin + bodies.constants[b.body as usize].margin;
+    let [shape_a, shape_b] = [a, b].map(|collider| &world.shapes[collider.shape as usize]);
+    let manifold = collide(shape_a, shape_b, &pose_a.relative(&pose_b), reach)?;
+    Some(Found { bodies: [a.body, b.body], colliders, manifold })
+}
+
+/// Blocks of the manifolds, in the order (a, b), with their pairs and points.
+pub(super) fn blocks(world: &RigidWorld, bodies: &Bodies, found: &[Found], dt: f32) -> Contacts {
+    let mut contacts = Contacts::default();
+    for same in found.chunk_by(|one, other| one.bodies == other.bodies) {
+        let mut block = Block {
+            bodies: same[0].bodies,
+            first_pair: contacts.pairs.len() as u32,
+            first_point: contacts.points.len() as u32,
+            shares: [1.0; 2],
+            ..Block::default()
+        };
+        block.fixed = block.sides().iter().any(|body| bodies.masses[*body].inverse_mass == 0.0);
+        block.far = true;
+        let reach = reach(bodies, &block, dt, world.gravity.length());
+        let mut filled = 0;
+        for found in same {
+            let pair = pair(world, found, contacts.points.len());
+            block.elastic |= pair.restitution > 0.0;
+            block.far &= found.manifold.points[..found.manifold.count]
+                .iter()
+                .all(|point| (point.on_b - point.on_a).dot(found.manifold.normal) > reach);
+            filled += pair.room;
+            let opens = filled == pair.room || filled > 4;
+            filled = if opens { pair.room } else { filled };
+            contacts.pairs.push(Pair { opens, ..pair });
+            add_points(world, bodies, &mut contacts, found, pair.room);
+        }
+        block.pairs = contacts.pairs.len() as u32 - block.first_pair;
+        block.points = contacts.points.len() as u32 - block.first_point;
+        contacts.blocks.push(block);
+    }
+    let points = contacts.points.len();
+    contacts.rows = vec![Row::default(); points];
+    contacts.impulses = vec![Impulse::default(); points];
+    contacts
+}
+
+/// How far apart two bodies may be to touch in this frame without a hit by a third one.
+fn reach(bodies: &Bodies, block: &Block, dt: f32, field: f32) -> f32 {
+    let [a, b] = block.sides();
+    let [motion_a, motion_b] = [bodies.motions[a], bodies.motions[b]];
+    // A body at rest may be infinite.
+    let turn = |i: usize, spin: Vec3| if spin == Vec3::ZERO { 0.0 } else { spin.length() * bodies.constants[i].radius };
+    let [turn_a, turn_b] = [turn(a, motion_a.spin), turn(b, motion_b.spin)];
+    let speed = (motion_b.velocity - motion_a.velocity).length() + turn_a + turn_b;
+    speed * dt + field * dt * dt + 0.02 * least_radius(bodies, block)
+}
+
+/// Radius of the smaller body of a block. Bodies without mass do not count.
+pub(super) fn least_radius(bodies: &Bodies, block: &Block) -> f32 {
+    let radius = |i: usize| if bodies.constants[i].dynamic { bodies.constants[i].radius } else { f32::INFINITY };
+    let [a, b] = block.sides();
+    radius(a).min(radius(b))
+}
+
+fn is_ball(shape: &Shape) -> bool {
+    matches!(shape.core, Core::Point)
+}
+
+fn pair(world: &RigidWorld, found: &Found, first: usize) -> Pair {
+    let [a, b] = found.colliders.map(|k| &world.colliders[k as usize]);
+    let Surface { friction, restitution } = world.surface(a.material, b.material);
+    let [near, far] = [a, b].map(|collider| &world.shapes[collider.shape as usize]);
+    let round = near.is_round() || far.is_round();
+    let count = found.manifold.count as u8;
+    Pair {
+        colliders: found.colliders,
+        first: first as u32,
+        // A capsule may come to lie with its second end.
+        room: if round && !is_ball(near) && !is_ball(far) { count.max(2) } else { count },
+        count,
+        round,
+        friction,
+        restitution,
+        inner_normal: a.place.turn * found.manifold.normal,
+        ..Pair::default()
+    }
+}
+
+/// The points of a pair, in coordinates of the bodies.
+fn add_points(world: &RigidWorld, bodies: &Bodies, contacts: &mut Contacts, found: &Found, room: u8) {
+    let place = &world.colliders[found.colliders[0] as usize].place;
+    let [a, b] = found.bodies.map(|body| &bodies.poses[body as usize]);
+    let (apart, back) = (b.position - a.position, b.turn.inverse());
+    let end = contacts.points.len() + usize::from(room);
+    for point in &found.manifold.points[..found.manifold.count] {
+        let seen = place.point(point.on_b);
+        let on_b = back * (a.turn * seen - apart);
+        contacts.points.push(Point { on_a: place.point(point.on_a), on_b, id: point.id });
+    }
+    contacts.points.resize(end, Point { id: u32::MAX, ..Point::default() });
+}

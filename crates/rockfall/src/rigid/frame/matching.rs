@@ -1,0 +1,129 @@
+//! What is kept from frame to frame: impulses of points and colours of blocks (docs/physics.md section 11.5).
+
+use glam::{Vec2, Vec3};
+
+use crate::rigid::frame::bodies::Bodies;
+use crate::rigid::frame::contacts::{Block, Contacts, Impulse, LEFT_OVER, Pair};
+use crate::rigid::frame::detect::least_radius;
+use crate::rigid::frame::refresh::tangents;
+
+/// Contacts at the end of the last frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct History {
+    /// Number of frames so far.
+    pub(super) frames: u32,
+    /// The substep of the impulses, in s.
+    substep: f32,
+    /// In the order of their colliders.
+    pairs: Vec<OldPair>,
+    points: Vec<OldPoint>,
+    /// In the order of their bodies: the two bodies, and the colour.
+    colours: Vec<([u32; 2], u8)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct OldPair {
+    colliders: [u32; 2],
+    first: u32,
+    count: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct OldPoint {
+    id: u32,
+    on_a: Vec3,
+    normal: f32,
+    /// Along the axes of the world.
+    tangent: Vec3,
+}
+
+impl History {
+    /// Of the contacts after a frame.
+    pub(super) fn new(contacts: &Contacts, frames: u32, substep: f32) -> Self {
+        let mut history = Self { frames, substep, ..Self::default() };
+        let mut order: Vec<&Pair> = contacts.pairs.iter().collect();
+        order.sort_unstable_by_key(|pair| pair.colliders);
+        for pair in order {
+            let (first, count) = (history.points.len() as u32, u32::from(pair.count));
+            history.pairs.push(OldPair { colliders: pair.colliders, first, count });
+            for k in pair.first as usize..(pair.first + count) as usize {
+                let (point, Impulse { normal, tangent }) = (&contacts.points[k], contacts.impulses[k]);
+                let tangent = tangent.x * pair.tangents[0] + tangent.y * pair.tangents[1];
+                history.points.push(OldPoint { id: point.id, on_a: point.on_a, normal, tangent });
+            }
+        }
+        history.colours = contacts.blocks.iter().map(|block| (block.bodies, block.colour)).collect();
+        history.colours.sort_unstable_by_key(|(bodies, _)| *bodies);
+        history
+    }
+
+    /// Whether there are colours to keep.
+    pub(super) fn is_fresh(&self) -> bool {
+        self.frames.is_multiple_of(1024)
+    }
+
+    /// The colour of a block in the last frame.
+    pub(super) fn colour(&self, bodies: [u32; 2]) -> Option<u8> {
+        let place = self.colours.binary_search_by_key(&bodies, |(old, _)| *old).ok()?;
+        Some(self.colours[place].1).filter(|colour| *colour != LEFT_OVER)
+    }
+
+    /// Gives the points of a frame the impulses that they had, for a substep of `h` seconds.
+    pub(super) fn recall(&self, contacts: &mut Contacts, bodies: &Bodies, h: f32) {
+        let scale = if self.substep > 0.0 && self.substep != h { h / self.substep } else { 1.0 };
+        let Contacts { blocks, pairs, points, impulses, .. } = contacts;
+        for block in blocks.iter() {
+            let near = 0.1 * least_radius(bodies, block);
+            for pair in &mut pairs[block.pair_range()] {
+                let Some(old) = self.pair(pair.colliders) else { continue };
+                let range = pair.first as usize..pair.first as usize + usize::from(pair.count);
+                let places = points[range.clone()].iter().map(|point| (point.id, point.on_a));
+                let turn = bodies.poses[block.sides()[0]].turn;
+                pair.normal = turn * pair.inner_normal;
+                pair.tangents = tangents(pair.normal);
+                for (k, from) in partners(places, old, near).into_iter().enumerate().take(range.len()) {
+                    if let Some(from) = from {
+                        let OldPoint { normal, tangent, .. } = old[from];
+                        let along = pair.tangents.map(|t| scale * tangent.dot(t));
+                        impulses[range.start + k] = Impulse { normal: scale * normal, tangent: Vec2::from_array(along) };
+                    }
+                }
+            }
+        }
+    }
+
+    fn pair(&self, colliders: [u32; 2]) -> Option<&[OldPoint]> {
+        let place = self.pairs.binary_search_by_key(&colliders, |old| old.colliders).ok()?;
+        let OldPair { first, count, .. } = self.pairs[place];
+        Some(&self.points[first as usize..(first + count) as usize])
+    }
+}
+
+/// The old partner of each point: the one with its id, else the nearest one that is free and near enough.
+fn partners(places: impl Iterator<Item = (u32, Vec3)> + Clone, old: &[OldPoint], near: f32) -> [Option<usize>; 4] {
+    let (mut partners, mut taken) = ([None; 4], [false; 4]);
+    for (k, (id, _)) in places.clone().enumerate() {
+        partners[k] = old.iter().enumerate().position(|(j, point)| !taken[j] && point.id == id);
+        partners[k].into_iter().for_each(|j| taken[j] = true);
+    }
+    for (k, (_, place)) in places.enumerate().filter(|(k, _)| partners[*k].is_none()).collect::<Vec<_>>() {
+        let distance = |j: usize| old[j].on_a.distance_squared(place);
+        let free = (0..old.len()).filter(|j| !taken[*j] && distance(*j) <= near * near);
+        partners[k] = free.min_by(|i, j| distance(*i).total_cmp(&distance(*j)));
+        partners[k].into_iter().for_each(|j| taken[j] = true);
+    }
+    partners
+}
+
+/// The order of blocks in which new colours are given: a number that is spread evenly.
+pub(super) fn hash([a, b]: [u32; 2]) -> u32 {
+    let mut x = a.wrapping_mul(0x9E37_79B9) ^ b.wrapping_mul(0x85EB_CA6B);
+    x = (x ^ (x >> 16)).wrapping_mul(0x85EB_CA6B);
+    x = (x ^ (x >> 13)).wrapping_mul(0xC2B2_AE35);
+    x ^ (x >> 16)
+}
+
+/// The order of a block among those that take a colour.
+pub(super) fn rank(block: &Block) -> (bool, u32, [u32; 2]) {
+    (block.far, hash(block.bodies), block.bodies)
+}

@@ -1,0 +1,156 @@
+//! Geometry of contacts in a pose of their bodies, and the rows that follow from it (docs/physics.md sections 11.4 and 11.8).
+
+use glam::{Vec2, Vec3};
+
+use crate::rigid::collide::{MOST_POINTS, collide};
+use crate::rigid::frame::bodies::{Bodies, Mass};
+use crate::rigid::frame::contacts::{Impulse, Pair, Point, Row, View};
+use crate::rigid::pose::Pose;
+use crate::rigid::world::RigidWorld;
+
+/// Where the points of a pair are: from the centre of body a, along the axes of the world.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    pub(super) normal: Vec3,
+    pub(super) count: usize,
+    pub(super) on_a: [Vec3; MOST_POINTS],
+    pub(super) on_b: [Vec3; MOST_POINTS],
+    ids: [u32; MOST_POINTS],
+}
+
+impl Place {
+    pub(super) fn gap(&self, k: usize) -> f32 {
+        (self.on_b[k] - self.on_a[k]).dot(self.normal)
+    }
+}
+
+/// The points of a pair with its bodies in given poses.
+pub(super) fn place(world: &RigidWorld, pair: &Pair, points: &[Point], poses: &[Pose; 2]) -> Place {
+    if pair.round {
+        if let Some(found) = found_anew(world, pair, poses) {
+            return found;
+        }
+    }
+    let [a, b] = poses;
+    let apart = b.position - a.position;
+    let mut place = Place { normal: a.turn * pair.inner_normal, count: pair.count.into(), ..Place::default() };
+    for (k, point) in points[..place.count].iter().enumerate() {
+        place.on_a[k] = a.turn * point.on_a;
+        place.on_b[k] = apart + b.turn * point.on_b;
+        place.ids[k] = point.id;
+    }
+    place
+}
+
+/// The closest points of a round contact.
+fn found_anew(world: &RigidWorld, pair: &Pair, [a, b]: &[Pose; 2]) -> Option<Place> {
+    let [one, other] = pair.colliders.map(|collider| &world.colliders[collider as usize]);
+    let [near, far] = [one, other].map(|collider| &world.shapes[collider.shape as usize]);
+    // Relative to the centre of a, so that nothing is lost far from the origin.
+    let own = Pose::new(Vec3::ZERO, a.turn).compose(&one.place);
+    let theirs = Pose::new(b.position - a.position, b.turn).compose(&other.place);
+    let manifold = collide(near, far, &own.relative(&theirs), f32::INFINITY)?;
+    let mut place = Place { normal: own.turn * manifold.normal, ..Place::default() };
+    place.count = manifold.count.min(pair.room.into());
+    for (k, point) in manifold.points[..place.count].iter().enumerate() {
+        (place.on_a[k], place.on_b[k], place.ids[k]) = (own.point(point.on_a), own.point(point.on_b), point.id);
+    }
+    Some(place)
+}
+
+/// Two unit vectors that make a right-handed frame with a unit vector.
+pub(super) fn tangents(n: Vec3) -> [Vec3; 2] {
+    let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    [Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y)]
+}
+
+/// Forms the rows of a block anew.
+pub(super) fn refresh(world: &RigidWorld, bodies: &Bodies, view: View<'_>, h: f32) {
+    let sides = view.block.sides();
+    let poses = sides.map(|i| bodies.poses[i]);
+    let masses = [0, 1].map(|s| bodies.masses[sides[s]].split(view.block.shares[s]));
+    let apart = poses[1].position - poses[0].position;
+    view.block.time = h;
+    for pair in view.pairs {
+        let first = (pair.first - view.block.first_point) as usize;
+        let range = first..first + usize::from(pair.room);
+        let found = place(world, pair, &view.points[range.clone()], &poses);
+        let impulses = &mut view.impulses[range.clone()];
+        turn(world, pair, &found, &mut view.points[range.clone()], impulses, &poses);
+        for (k, row) in view.rows[range].iter_mut().take(found.count).enumerate() {
+            let common = 0.5 * (found.on_a[k] + found.on_b[k]);
+            *row = row_at(pair, common, common - apart, &masses);
+            row.gap = found.gap(k);
+        }
+    }
+}
+
+/// Gives a pair its new normal and points. Friction impulses are projected on the new tangent plane.
+pub(super) fn turn(
+    world: &RigidWorld,
+    pair: &mut Pair,
+    found: &Place,
+    points: &mut [Point],
+    impulses: &mut [Impulse],
+    poses: &[Pose; 2],
+) {
+    let old = pair.tangents;
+    if pair.round {
+        let [a, b] = poses.map(|pose| pose.turn.inverse());
+        let apart = poses[1].position - poses[0].position;
+        let (before, count) = ([points[0].id, points.get(1).map_or(u32::MAX, |point| point.id)], usize::from(pair.count));
+        for k in 0..found.count {
+            points[k] = Point { on_a: a * found.on_a[k], on_b: b * (found.on_b[k] - apart), id: found.ids[k] };
+        }
+        // Two points of a capsule may have changed places, or one may have come or gone.
+        let kept: [Impulse; 2] = [impulses[0], impulses.get(1).copied().unwrap_or_default()];
+        for (k, impulse) in impulses.iter_mut().enumerate() {
+            let same = before[..count.min(2)].iter().position(|id| k < found.count && *id == found.ids[k]);
+            *impulse = same.map_or(Impulse::default(), |from| kept[from]);
+        }
+        if found.count == 1 && count == 1 {
+            impulses[0] = kept[0];
+        }
+        pair.count = found.count as u8;
+        pair.inner_normal = a * found.normal;
+    }
+    pair.normal = found.normal;
+    pair.tangents = tangents(found.normal);
+    for impulse in &mut impulses[..found.count] {
+        let outer = impulse.tangent.x * old[0] + impulse.tangent.y * old[1];
+        impulse.tangent = Vec2::new(outer.dot(pair.tangents[0]), outer.dot(pair.tangents[1]));
+    }
+    let [own, theirs] = [0, 1].map(|s| {
+        let collider = &world.colliders[pair.colliders[s] as usize];
+        let still = collider.surface_velocity == Vec3::ZERO;
+        if still { Vec3::ZERO } else { poses[s].turn * collider.surface_velocity }
+    });
+    pair.belt = Vec2::new((theirs - own).dot(pair.tangents[0]), (theirs - own).dot(pair.tangents[1]));
+}
+
+/// The row of a point with these arms, without its gap.
+pub(super) fn row_at(pair: &Pair, arm_a: Vec3, arm_b: Vec3, masses: &[Mass; 2]) -> Row {
+    let [t1, t2] = pair.tangents;
+    let arms = [arm_a, arm_b];
+    let (mut normal, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0);
+    for (arm, mass) in arms.into_iter().zip(masses).filter(|(_, mass)| mass.inverse_mass > 0.0) {
+        let [first, second] = [arm.cross(t1), arm.cross(t2)];
+        let [turned, other] = [mass.inverse_inertia * first, mass.inverse_inertia * second];
+        normal += mass.response(arm, pair.normal);
+        xx += mass.inverse_mass + first.dot(turned);
+        xy += second.dot(turned);
+        yy += mass.inverse_mass + second.dot(other);
+    }
+    let scale = 1.0 / (xx * yy - xy * xy);
+    let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+    Row {
+        arm_a,
+        arm_b,
+        inverse_normal: 1.0 / normal,
+        inverse_tangent: [yy * scale, -xy * scale, xx * scale],
+        inverse_slip: 1.0 / (mean + (half * half + xy * xy).sqrt()),
+        ..Row::default()
+    }
+}

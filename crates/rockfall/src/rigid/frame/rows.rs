@@ -1,0 +1,169 @@
+//! Rows of a block: normal impulses and the friction cone (docs/physics.md section 11.8).
+
+use glam::{Vec2, Vec3};
+
+use crate::rigid::frame::bodies::{Mass, Motion};
+use crate::rigid::frame::contacts::{Impulse, Pair, Row, View};
+
+/// Greatest speed at which an overlap is pushed out, in units/s.
+const PUSH_OUT: f32 = 3.0;
+/// Inner sweeps over the points of a block.
+const SWEEPS: usize = 4;
+/// A sweep that changes impulses by less than this share of the largest one is the last.
+const CALM: f32 = 1e-3;
+
+/// How soft rows are in the biased pass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Softness {
+    /// Speed per overlap, times the share of the mass.
+    rate: f32,
+    /// Share of the mass.
+    mass: f32,
+    /// Share of the impulse that is given back.
+    impulse: f32,
+}
+
+impl Softness {
+    /// Of a frequency times the substep, with the damping ratio of contacts.
+    pub(super) fn new(frequency_h: f32, h: f32) -> Self {
+        let (damping, turn) = (10.0, std::f32::consts::TAU * frequency_h);
+        let first = 2.0 * damping + turn;
+        let second = turn * first;
+        let third = 1.0 / (1.0 + second);
+        let mass = second * third;
+        Self { rate: mass * (turn / h) / first, mass, impulse: third }
+    }
+}
+
+/// A pass over the rows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pass {
+    /// With softness and speculation; the other pass relaxes.
+    pub(super) biased: bool,
+    /// Between bodies with mass, and with a side without mass.
+    pub(super) softness: [Softness; 2],
+}
+
+/// The two bodies of a block while it is solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sides {
+    pub(super) a: Motion,
+    pub(super) b: Motion,
+    pub(super) mass_a: Mass,
+    pub(super) mass_b: Mass,
+}
+
+impl Sides {
+    /// Velocity of b relative to a at a row.
+    pub(super) fn closing(&self, row: &Row) -> Vec3 {
+        self.b.at(row.arm_b) - self.a.at(row.arm_a)
+    }
+
+    /// An impulse on b, and its opposite on a, at the common point.
+    pub(super) fn push(&mut self, row: &Row, impulse: Vec3) {
+        self.a.push(&self.mass_a, row.arm_a, -impulse);
+        self.b.push(&self.mass_b, row.arm_b, impulse);
+    }
+}
+
+/// Solves the rows of a block.
+pub(super) fn solve(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) {
+    if view.block.waits || !wake(view, pass) {
+        return;
+    }
+    for _ in 0..SWEEPS {
+        let (change, largest) = sweep(view, sides, pass);
+        if change <= CALM * largest {
+            break;
+        }
+    }
+}
+
+/// Marks the rows of the relax pass. False if the block has none to solve.
+fn wake(view: &mut View<'_>, pass: &Pass) -> bool {
+    if pass.biased {
+        return true;
+    }
+    let mut any = false;
+    for (row, impulse) in view.rows.iter_mut().zip(view.impulses.iter()) {
+        row.live = row.gap <= 0.0 || impulse.normal > 0.0;
+        any |= row.live;
+    }
+    any
+}
+
+/// One sweep over all chunks: the largest change of an impulse, and the largest normal impulse.
+fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
+    let (mut change, mut largest) = (0.0_f32, 0.0_f32);
+    let mut start = 0;
+    while start < view.pairs.len() {
+        let more = view.pairs[start + 1..].iter().take_while(|pair| !pair.opens).count();
+        let chunk = &view.pairs[start..=start + more];
+        let base = view.block.first_point;
+        for pair in chunk {
+            let first = (pair.first - base) as usize;
+            for k in first..first + usize::from(pair.count) {
+                let (row, impulse) = (&view.rows[k], &mut view.impulses[k]);
+                change = change.max(normal_row(pair, row, impulse, sides, pass, view.block.fixed, view.block.time));
+                largest = largest.max(impulse.normal);
+            }
+        }
+        for pair in chunk {
+            let first = (pair.first - base) as usize;
+            for k in first..first + usize::from(pair.count) {
+                let (row, impulse) = (&view.rows[k], &mut view.impulses[k]);
+                if impulse.normal > 0.0 || impulse.tangent != Vec2::ZERO {
+                    let bound = pair.friction * impulse.normal;
+                    change = change.max(friction_row(pair, row, &mut impulse.tangent, sides, bound));
+                }
+            }
+        }
+        start += 1 + more;
+    }
+    (change, largest)
+}
+
+fn normal_row(pair: &Pair, row: &Row, impulse: &mut Impulse, sides: &mut Sides, pass: &Pass, fixed: bool, time: f32) -> f32 {
+    let before = impulse.normal;
+    let step = if !pass.biased {
+        if !row.live {
+            return 0.0;
+        }
+        -sides.closing(row).dot(pair.normal) * row.inverse_normal
+    } else if row.gap <= 0.0 {
+        let soft = &pass.softness[usize::from(fixed)];
+        let speed = soft.mass * sides.closing(row).dot(pair.normal) + (soft.rate * row.gap).max(-PUSH_OUT);
+        -speed * row.inverse_normal - soft.impulse * before
+    } else {
+        -(sides.closing(row).dot(pair.normal) + (row.gap + row.spare) / time) * row.inverse_normal
+    };
+    impulse.normal = (before + step).max(0.0);
+    let done = impulse.normal - before;
+    if done != 0.0 {
+        sides.push(row, done * pair.normal);
+    }
+    done.abs()
+}
+
+/// The friction of a point within a bound: sticks if it can, else takes a step against the slip. The change of the impulse.
+pub(super) fn friction_row(pair: &Pair, row: &Row, tangent: &mut Vec2, sides: &mut Sides, bound: f32) -> f32 {
+    let [t1, t2] = pair.tangents;
+    let closing = sides.closing(row);
+    let slip = Vec2::new(closing.dot(t1), closing.dot(t2)) + pair.belt;
+    let [xx, xy, yy] = row.inverse_tangent;
+    let before = *tangent;
+    let mut trial = before - Vec2::new(xx * slip.x + xy * slip.y, xy * slip.x + yy * slip.y);
+    if trial.length_squared() > bound * bound {
+        trial = before - row.inverse_slip * slip;
+        let size = trial.length();
+        if size > bound {
+            trial *= bound / size;
+        }
+    }
+    let done = trial - before;
+    if done != Vec2::ZERO {
+        sides.push(row, done.x * t1 + done.y * t2);
+    }
+    *tangent = trial;
+    done.length()
+}

@@ -1,0 +1,84 @@
+//! Inertia and the free rotation (docs/physics.md sections 5.9 and 11.1).
+
+use glam::{Mat3, Quat, Vec3};
+
+/// The principal moments of a body, ready for use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Moments {
+    /// The moments themselves. 1 without mass.
+    moments: Vec3,
+    /// 1 / J_m, the inverse of the middle one. 0 without mass.
+    middle: f32,
+    /// kappa: by how much the inverses of the moments exceed it.
+    excess: Vec3,
+    /// From the principal axes to those of the body.
+    axes: Quat,
+    /// All moments are equal, so the inertia does not turn.
+    ball: bool,
+}
+
+impl Moments {
+    /// Of a body without mass: it does not turn by itself.
+    pub(super) const NONE: Self =
+        Self { moments: Vec3::ONE, middle: 0.0, excess: Vec3::ZERO, axes: Quat::IDENTITY, ball: true };
+
+    pub(super) fn new(moments: Vec3, axes: Quat) -> Self {
+        let middle = moments.x.max(moments.y).min(moments.x.min(moments.y).max(moments.z));
+        let excess = Vec3::from_array(moments.to_array().map(|j| if j == middle { 0.0 } else { 1.0 / j - 1.0 / middle }));
+        Self { moments, middle: 1.0 / middle, excess, axes, ball: excess == Vec3::ZERO }
+    }
+
+    /// Inverse of the inertia along the axes of the world.
+    pub(super) fn inverse_inertia(&self, orientation: Quat) -> Mat3 {
+        let middle = Mat3::from_diagonal(Vec3::splat(self.middle));
+        if self.ball {
+            return middle;
+        }
+        let axes = Mat3::from_quat(orientation * self.axes);
+        let [p, q, r] = [0, 1, 2].map(|k| (axes.col(k), self.excess[k] * axes.col(k)));
+        let sum = |i: usize, j: usize| p.1[i] * p.0[j] + q.1[i] * q.0[j] + r.1[i] * r.0[j];
+        let (xy, xz, yz) = (sum(0, 1), sum(0, 2), sum(1, 2));
+        middle + Mat3::from_cols(Vec3::new(sum(0, 0), xy, xz), Vec3::new(xy, sum(1, 1), yz), Vec3::new(xz, yz, sum(2, 2)))
+    }
+
+    /// The angular momentum of a body with this orientation and this angular velocity.
+    pub(super) fn momentum(&self, orientation: Quat, spin: Vec3) -> Vec3 {
+        if self.ball {
+            return self.moments.x * spin;
+        }
+        let axes = Mat3::from_quat(orientation * self.axes);
+        axes * (self.moments * (axes.transpose() * spin))
+    }
+
+    /// Phi: the orientation after a free rotation for a time, in s, which may be negative.
+    pub(super) fn turned(&self, orientation: Quat, momentum: Vec3, time: f32) -> Quat {
+        let mut orientation = about(time * self.middle * momentum) * orientation;
+        if !self.ball {
+            for (k, share) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
+                if self.excess[k] != 0.0 {
+                    let axis = orientation * (self.axes * Vec3::AXES[k]);
+                    orientation = about(share * time * self.excess[k] * axis.dot(momentum) * axis) * orientation;
+                }
+            }
+        }
+        unit(orientation)
+    }
+}
+
+/// Rotation by an angular velocity times a time.
+pub(super) fn about(turn: Vec3) -> Quat {
+    let squared = turn.length_squared();
+    // Below, the sine is its argument, and the cosine is 1, to the last bit.
+    if squared < 1e-8 {
+        return Quat::from_xyzw(0.5 * turn.x, 0.5 * turn.y, 0.5 * turn.z, 1.0 - 0.125 * squared);
+    }
+    let angle = squared.sqrt();
+    let (sine, cosine) = (0.5 * angle).sin_cos();
+    let part = turn * (sine / angle);
+    Quat::from_xyzw(part.x, part.y, part.z, cosine)
+}
+
+/// The quaternion with the length 1, and itself where it is not finite.
+pub(super) fn unit(q: Quat) -> Quat {
+    q * (1.0 / q.length_squared().sqrt())
+}
