@@ -31,6 +31,7 @@ mod exchange;
 mod flight;
 mod flow;
 mod force_laws;
+mod frames;
 mod gauge;
 mod keep;
 mod kept;
@@ -61,6 +62,7 @@ pub use contact_springs::ContactSprings;
 use edit::Dirty;
 use engine::Engine;
 use flight::Portioning;
+use frames::Frames;
 pub use flow::{Flow, Inflow, Outflow};
 pub use gauge::{GaugeReading, WallLoad};
 use kept::Kept;
@@ -125,6 +127,10 @@ pub struct Simulation {
     /// Steps since the last step in which many collisions shared a body.
     few_steps: u64,
     flow: FlowState,
+    /// The bodies of the contact law `rigid`; `None` before the first frame, and with other laws.
+    frames: Option<Box<Frames>>,
+    /// `frames` does not match the scene.
+    frames_due: bool,
 }
 
 impl Simulation {
@@ -178,6 +184,7 @@ impl Simulation {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
     ) -> Result<Self> {
+        frames::check::refuse_gpu(&scene)?;
         let mut world = prepare(&scene, &options, dt)?;
         kept.put(&mut world, &scene);
         let (engine, info) = Engine::on_device(device, queue, &world)?;
@@ -188,6 +195,7 @@ impl Simulation {
     #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
     pub(crate) fn on_gpu(scene: Scene, options: Options, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
         let scene = resolve(scene, &options)?;
+        frames::check::refuse_gpu(&scene)?;
         let world = prepare(&scene, &options, scene.first_time_step())?;
         let engine = Engine::on(gpu, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info.clone()))
@@ -227,6 +235,8 @@ impl Simulation {
             synced: true,
             forces_synced: true,
             flow,
+            frames: None,
+            frames_due: true,
             calm_steps: 0,
             few_steps: 0,
         }
@@ -286,6 +296,7 @@ impl Simulation {
             self.dirty = self.dirty.max(Dirty::Topology);
         }
         if before != now {
+            self.frames_due = true;
             self.status.forces_due = 1;
             self.observation = None;
         }
@@ -453,6 +464,9 @@ fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&Contact
 fn prepare(scene: &Scene, options: &Options, dt: f32) -> Result<World> {
     scene.settings.validate()?;
     check_contact_law(scene, scene.integrator(options.integrator), options.contact_force_law.as_ref())?;
+    if scene.is_rigid() {
+        frames::check::check(scene, options)?;
+    }
     if scene.is_periodic() && options.broad_phase == BroadPhase::SortAndSkip {
         let value = options.broad_phase.to_string();
         return Err(Error::Invalid { field: "broad_phase", value, expected: "auto, grid or brute-force for a periodic scene" });

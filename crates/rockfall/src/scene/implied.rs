@@ -10,6 +10,7 @@ use super::rigid::{BodyState, Frame};
 use super::shape::capsule_along_x;
 use super::{Handle, Kinetics, MassProperties, RigidBodyId, RodId, Scene, Shape, ShapeId, Sphere, SphereId};
 use crate::disjoint::DisjointSets;
+use crate::error::Result;
 use crate::fine::Fine;
 use crate::settings::{ContactLaw, Settings};
 
@@ -137,6 +138,13 @@ impl Scene {
         let id = self.implied.add(body);
         self.implied_members.put(&spheres, &rods, id);
         id
+    }
+
+    /// Sets the state of an implied body. Its spheres follow.
+    pub(crate) fn put_implied(&mut self, id: Handle<ImpliedBody>, state: BodyState) -> Result<()> {
+        self.implied.get_mut(id)?.state = state;
+        self.place_implied(id);
+        Ok(())
     }
 
     /// Gives the spheres of an implied body the places and motions that follow from it.

@@ -459,6 +459,20 @@ impl Scene {
         Ok(())
     }
 
+    /// Sets the state of a loose sphere.
+    pub(crate) fn put_sphere(&mut self, id: SphereId, state: &BodyState) -> Result<()> {
+        let sphere = self.spheres.get_mut(id)?;
+        (sphere.position, sphere.position_low) = (state.position.high, state.position.low);
+        (sphere.velocity, sphere.angular_momentum, sphere.orientation) = (state.velocity, state.momentum, state.orientation);
+        Ok(())
+    }
+
+    /// Sets the state of a body. Its spheres follow.
+    pub(crate) fn put_body(&mut self, id: RigidBodyId, state: BodyState) -> Result<()> {
+        self.bodies.get_mut(id)?.set_state(state);
+        self.place_members(id)
+    }
+
     /// Gives the spheres of all bodies the places and motions that follow from the bodies.
     pub(crate) fn place_all_members(&mut self) {
         let ids: Vec<RigidBodyId> = self.body_ids().collect();

@@ -59,6 +59,9 @@ impl Simulation {
     /// Runs `phases` in order, `times` times. With a recorder every stage is timed.
     pub(super) async fn drive(&mut self, phases: &[Phase], times: u64, mut recorder: Option<&mut Recorder>) -> Result<()> {
         self.flush_async().await?;
+        if self.has_frames() {
+            return self.drive_frames(phases, times);
+        }
         if phases.contains(&Phase::HandleCollisions) {
             self.status.collided = 0;
         }

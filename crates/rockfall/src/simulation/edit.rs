@@ -350,6 +350,7 @@ impl Simulation {
             self.check_contact_law()?;
             self.observation = None;
         }
+        self.frames_due = true;
         // The topology has the places of walls.
         let has_servos = self.scene.motions().iter().any(|motion| motion.servo.is_some());
         if self.dirty == Dirty::Everything || !self.edits.is_empty() || has_servos {

@@ -11,6 +11,8 @@ use crate::model::status::Status;
 use crate::model::world::World;
 use crate::options::{Backend, BackendInfo, Options};
 use crate::profile::Recorder;
+#[cfg(feature = "gpu")]
+use crate::settings::ContactLaw;
 use crate::step::fused::small_positions::{stages_before, update_positions};
 use crate::step::schedule::Run;
 use crate::user_laws::set::UserLaws;
@@ -83,6 +85,9 @@ const FEW: u32 = if cfg!(target_family = "wasm") { 128 } else { 64 };
 impl Engine {
     #[cfg(feature = "gpu")]
     pub(super) async fn open(options: &Options, world: &World) -> Result<(Self, BackendInfo)> {
+        if world.step.layout.law == ContactLaw::Rigid.number() {
+            return Ok((Self::Cpu, cpu_info("the contact law rigid")));
+        }
         if options.backend == Backend::Auto && (1..=FEW).contains(&world.movers()) {
             return Ok((Self::Cpu, cpu_info(&format!("it is faster than a GPU for up to {FEW} spheres and rods"))));
         }

@@ -13,6 +13,8 @@ use crate::options::BackendInfo;
 use crate::options::Options;
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+use crate::simulation::frames::check::refuse_gpu;
 use crate::simulation::kept::Kept;
 use crate::simulation::lists::ListPolicy;
 use crate::simulation::order::Disorder;
@@ -141,6 +143,7 @@ impl Simulation {
         let mut world = prepare(&checkpoint.scene, &options, checkpoint.time_step)?;
         kept(&checkpoint).put(&mut world, &checkpoint.scene);
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
+        refuse_gpu(&checkpoint.scene)?;
         let engine = Engine::on(gpu, &world)?;
         let simulation = Self::assemble(take(&mut checkpoint.scene), options, world, engine, info.clone());
         Ok(simulation.with_history(&checkpoint))
@@ -169,6 +172,7 @@ impl Simulation {
         (self.dirty, self.synced, self.forces_synced) = (Dirty::Clean, true, true);
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
+        (self.frames, self.frames_due) = (None, true);
         self.apply_history(checkpoint);
         self.rebuild(&kept(checkpoint))?;
         self.status.collided = 0;

@@ -1,0 +1,243 @@
+//! Makes the bodies and colliders of the law `rigid` from a scene.
+
+use std::collections::HashMap;
+
+use glam::{DMat3, DQuat, DVec3, Vec3};
+
+use super::Owner;
+use crate::error::Result;
+use crate::rigid::pose::Pose;
+use crate::rigid::shape::{Core, Shape};
+use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
+use crate::scene::{AnyForm, Cuboid, MaterialId, Polygon, Scene, Surface as WallSurface, WholeBody};
+
+/// A world under construction, and who its bodies are in the scene.
+pub(super) struct Builder<'a> {
+    scene: &'a Scene,
+    pub(super) world: RigidWorld,
+    pub(super) owners: Vec<Owner>,
+    /// Numbers of the shapes that are known, by the bits of their sizes.
+    shapes: HashMap<[u32; 8], u32>,
+}
+
+impl<'a> Builder<'a> {
+    /// All bodies of a scene that [`check`](super::check::check) accepts: the world, then the loose spheres and the bodies that move
+    /// as a whole, in order of addition.
+    pub(super) fn build(scene: &'a Scene) -> Result<Self> {
+        let world = RigidWorld { bodies: vec![Body::fixed(Kind::World, Pose::IDENTITY)], ..RigidWorld::default() };
+        let mut builder = Self { scene, world, owners: vec![Owner::World], shapes: HashMap::new() };
+        builder.world.gravity = scene.settings.gravity * scene.settings.gravity_direction;
+        builder.surfaces();
+        builder.walls()?;
+        builder.spheres()?;
+        for (number, body) in scene.whole_bodies().enumerate() {
+            builder.body(number, &body)?;
+        }
+        Ok(builder)
+    }
+
+    /// The constants of all pairs of materials.
+    fn surfaces(&mut self) {
+        let count = self.scene.materials().len() + 1;
+        let settings = &self.scene.settings;
+        let of = |one: usize, other: usize| {
+            let pair = self.scene.pair_of_numbers(one as u16, other as u16);
+            Surface {
+                friction: pair.friction.unwrap_or(settings.coulomb_friction),
+                restitution: pair.restitution.unwrap_or(settings.restitution),
+            }
+        };
+        self.world.materials = count;
+        self.world.surfaces = (0..count * count).map(|place| of(place / count, place % count)).collect();
+    }
+
+    /// Colliders of the world: boxes, polygons and fixed spheres.
+    fn walls(&mut self) -> Result<()> {
+        for cuboid in self.scene.boxes() {
+            let (half, place) = half_and_place(cuboid);
+            let velocity = place.turn.inverse() * cuboid.surface_velocity;
+            let shape = self.shape(Core::Box { half }, 0.0);
+            self.collider(0, shape, place, cuboid.group, cuboid.material)?.surface_velocity = place.turn * velocity;
+        }
+        for polygon in self.scene.polygons() {
+            let (core, place) = core_and_place(polygon);
+            let shape = self.shape(core, 0.0);
+            self.collider(0, shape, place, polygon.group, polygon.material)?.surface_velocity = polygon.surface_velocity;
+        }
+        for sphere in self.scene.spheres().iter().filter(|sphere| sphere.fixed) {
+            let shape = self.shape(Core::Point, sphere.radius);
+            let place = Pose::new(sphere.position, sphere.orientation);
+            self.collider(0, shape, place, sphere.group, sphere.material)?;
+        }
+        Ok(())
+    }
+
+    /// Loose spheres.
+    fn spheres(&mut self) -> Result<()> {
+        for (id, sphere) in self.scene.sphere_ids().zip(self.scene.spheres()) {
+            if sphere.fixed || self.scene.moves_with_body(id) {
+                continue;
+            }
+            let pose = Pose::new(sphere.position, sphere.orientation);
+            let moments = Vec3::splat(sphere.inertia());
+            let mut body = Body::loose(pose, sphere.mass, moments, glam::Quat::IDENTITY);
+            (body.velocity, body.momentum, body.force) = (sphere.velocity, sphere.angular_momentum, sphere.force);
+            let shape = self.shape(Core::Point, sphere.radius);
+            let number = self.add(body, Owner::Sphere(id));
+            self.collider(number, shape, Pose::IDENTITY, sphere.group, sphere.material)?;
+            self.measure(number);
+        }
+        Ok(())
+    }
+
+    /// A body that moves as a whole, the `number`-th of the scene.
+    fn body(&mut self, number: usize, whole: &WholeBody<'_>) -> Result<()> {
+        let kinetics = whole.kinetics;
+        let state = whole.state;
+        let pose = Pose::new(state.position.high, state.orientation);
+        let mut body = Body::loose(pose, kinetics.mass as f32, kinetics.moments.as_vec3(), kinetics.axes.as_quat());
+        (body.velocity, body.momentum) = (state.velocity, state.momentum);
+        (body.force, body.torque) = self.external(whole);
+        let number = self.add(body, Owner::Body(number));
+        // Places from the centre of mass, in coordinates of the body.
+        let (places, boxes): (Vec<DVec3>, &[_]) = match whole.form {
+            AnyForm::Shape(_, shape) => {
+                (shape.spheres.iter().map(|part| part.centre.as_dvec3() - kinetics.centre).collect(), &shape.boxes)
+            }
+            AnyForm::Implied(form) => (form.places.clone(), &[]),
+        };
+        let own = whole.spheres.iter().zip(&places);
+        let rods = match whole.form {
+            // The rods of a body are those of its shape, then the edges of its boxes.
+            AnyForm::Shape(_, shape) => &whole.rods[..shape.rods.len()],
+            AnyForm::Implied(_) => whole.rods,
+        };
+        let ends = |id| whole.spheres.iter().position(|sphere| *sphere == id).unwrap_or_default();
+        let mut covered = vec![false; places.len()];
+        for id in rods {
+            let rod = self.scene.rod(*id)?;
+            let [one, other] = [rod.end1, rod.end2].map(ends);
+            for end in [one, other] {
+                let sphere = self.scene.sphere(whole.spheres[end])?;
+                // A capsule has the ball at its end.
+                covered[end] |= sphere.radius <= rod.radius && (sphere.material, sphere.group) == (rod.material, rod.group);
+            }
+            let (half, place) = segment(places[one], places[other]);
+            let shape = self.shape(Core::Segment { half }, rod.radius);
+            self.collider(number, shape, place, rod.group, rod.material)?;
+        }
+        for ((id, place), _) in own.zip(&covered).filter(|(_, covered)| !**covered) {
+            let sphere = self.scene.sphere(*id)?;
+            let shape = self.shape(Core::Point, sphere.radius);
+            self.collider(number, shape, Pose::new(place.as_vec3(), glam::Quat::IDENTITY), sphere.group, sphere.material)?;
+        }
+        for part in boxes {
+            let core = part.core(0.0);
+            let shape = self.shape(Core::Box { half: core.sharp().as_vec3() }, 0.0);
+            let place = Pose::new((core.centre - kinetics.centre).as_vec3(), core.turn.as_quat());
+            self.collider(number, shape, place, part.cuboid.group, part.cuboid.material)?;
+        }
+        self.measure(number);
+        Ok(())
+    }
+
+    /// The sum of the external forces on the spheres of a body, and their torque about its centre of mass.
+    fn external(&self, whole: &WholeBody<'_>) -> (Vec3, Vec3) {
+        let centre = whole.state.position.high;
+        let spheres = whole.spheres.iter().filter_map(|id| self.scene.sphere(*id).ok());
+        spheres.fold((Vec3::ZERO, Vec3::ZERO), |(force, torque), sphere| {
+            (force + sphere.force, torque + (sphere.position - centre).cross(sphere.force))
+        })
+    }
+
+    fn add(&mut self, body: Body, owner: Owner) -> u32 {
+        self.world.bodies.push(body);
+        self.owners.push(owner);
+        self.world.bodies.len() as u32 - 1
+    }
+
+    /// The number of a shape, which equal colliders share.
+    fn shape(&mut self, core: Core, radius: f32) -> u32 {
+        let sizes: [f32; 6] = match &core {
+            Core::Point | Core::HalfSpace | Core::Hull(_) => [0.0; 6],
+            Core::Segment { half } => [*half, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Core::Face { u, v, .. } => [u.x, u.y, u.z, v.x, v.y, v.z],
+            Core::Box { half } => [half.x, half.y, half.z, 0.0, 0.0, 0.0],
+        };
+        let kind = match &core {
+            Core::Point => 0,
+            Core::Segment { .. } => 1,
+            Core::Face { one_sided, .. } => 2 + u32::from(*one_sided),
+            Core::Box { .. } => 4,
+            Core::Hull(_) => 5,
+            Core::HalfSpace => 6,
+        };
+        let [a, b, c, d, e, f] = sizes.map(f32::to_bits);
+        let shapes = &mut self.world.shapes;
+        *self.shapes.entry([kind, radius.to_bits(), a, b, c, d, e, f]).or_insert_with(|| {
+            shapes.push(Shape { core, radius });
+            shapes.len() as u32 - 1
+        })
+    }
+
+    fn collider(
+        &mut self,
+        body: u32,
+        shape: u32,
+        place: Pose,
+        group: u16,
+        material: Option<MaterialId>,
+    ) -> Result<&mut Collider> {
+        let material = self.scene.material_number(material)?;
+        self.world.colliders.push(Collider { body, shape, place, group, material, surface_velocity: Vec3::ZERO });
+        let last = self.world.colliders.len() - 1;
+        Ok(&mut self.world.colliders[last])
+    }
+
+    /// Sets the radius and the width of a body from its colliders.
+    fn measure(&mut self, body: u32) {
+        let own = self.world.colliders.iter().rev().take_while(|collider| collider.body == body);
+        let shape = |collider: &Collider| &self.world.shapes[collider.shape as usize];
+        let reach = |collider: &Collider| collider.place.position.length() + shape(collider).extent();
+        let (radius, width) = own.fold((0.0_f32, f32::INFINITY), |(radius, width), collider| {
+            (radius.max(reach(collider)), width.min(shape(collider).width()))
+        });
+        let body = &mut self.world.bodies[body as usize];
+        (body.radius, body.width) = (radius, width);
+    }
+}
+
+/// Half the edges of a box, and where it lies.
+fn half_and_place(cuboid: &Cuboid) -> (Vec3, Pose) {
+    let [i, j, k] = cuboid.edges.map(|edge| edge.as_dvec3());
+    let half = 0.5 * DVec3::new(i.length(), j.length(), k.length());
+    let centre = cuboid.corner.as_dvec3() + 0.5 * (i + j + k);
+    (half.as_vec3(), Pose::new(centre.as_vec3(), upright(i, j).as_quat()))
+}
+
+/// The turn that takes the axes x and y to the directions of two vectors at right angles.
+fn upright(i: DVec3, j: DVec3) -> DQuat {
+    let x = i.normalize();
+    let y = (j - x * j.dot(x)).normalize();
+    DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))).normalize()
+}
+
+/// A segment between two points: half its length, and its place. Its own axis is y.
+fn segment(from: DVec3, to: DVec3) -> (f32, Pose) {
+    let along = to - from;
+    let turn = DQuat::from_rotation_arc(DVec3::Y, along.try_normalize().unwrap_or(DVec3::Y));
+    ((0.5 * along.length()) as f32, Pose::new((0.5 * (from + to)).as_vec3(), turn.as_quat()))
+}
+
+/// The core of a parallelogram or plane, and where it lies. A parallelogram is touched on the side of L x R.
+fn core_and_place(polygon: &Polygon) -> (Core, Pose) {
+    let (corner, left, right) = (polygon.corner.as_dvec3(), polygon.left.as_dvec3(), polygon.right.as_dvec3());
+    let normal = left.cross(right).normalize();
+    if polygon.surface == WallSurface::Plane {
+        return (Core::HalfSpace, Pose::new(polygon.corner, DQuat::from_rotation_arc(DVec3::Y, normal).as_quat()));
+    }
+    let turn = upright(left, normal.cross(left));
+    let inner = |edge: DVec3| (turn.inverse() * (0.5 * edge)).as_vec3() * Vec3::new(1.0, 1.0, 0.0);
+    let core = Core::Face { u: inner(left), v: inner(right), one_sided: true };
+    (core, Pose::new((corner + 0.5 * (left + right)).as_vec3(), turn.as_quat()))
+}

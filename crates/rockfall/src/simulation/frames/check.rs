@@ -1,0 +1,42 @@
+//! What the law `rigid` takes of a scene. Everything else is refused by name.
+
+use crate::error::{Error, Result};
+use crate::options::{Backend, Options};
+use crate::scene::{Scene, Surface};
+
+/// Checks that the law `rigid` knows every object of a scene and every option.
+///
+/// # Errors
+/// [`Error::Invalid`], which names the first object that it does not know.
+pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<()> {
+    const EXPECTED: &str = "spheres, capsules, placed bodies, static boxes, parallelograms and planes: the contact law rigid has nothing \
+                            else yet";
+    let refused = |value: &str| Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected: EXPECTED });
+    let loose_rod = scene.rod_ids().any(|id| scene.body_of_rod(id).is_none() && scene.implied_of_rod(id).is_none());
+    let has = [
+        (loose_rod, "a rod that is not a capsule or part of a body"),
+        (!scene.springs().is_empty(), "a spring"),
+        (!scene.tethers().is_empty(), "a tether"),
+        (!scene.motions().is_empty(), "a motion"),
+        (!scene.inlets().is_empty(), "an inlet"),
+        (!scene.outlets().is_empty(), "an outlet"),
+        (!scene.gauges().is_empty(), "a gauge"),
+        (scene.is_periodic(), "periodic boundaries"),
+        (scene.polygons().iter().any(|polygon| polygon.surface == Surface::Triangle), "a triangle"),
+        (scene.polygons().iter().any(|polygon| polygon.surface.is_round()), "a cone, a cylinder or a ball as a wall"),
+        (!options.force_laws.is_empty(), "a force of the program"),
+    ];
+    if let Some((_, what)) = has.into_iter().find(|(has, _)| *has) {
+        return refused(what);
+    }
+    if options.backend == Backend::Gpu { refuse_gpu(scene) } else { Ok(()) }
+}
+
+/// Refuses the law `rigid` where only a GPU is used.
+pub(in crate::simulation) fn refuse_gpu(scene: &Scene) -> Result<()> {
+    if !scene.is_rigid() {
+        return Ok(());
+    }
+    let expected = "auto or cpu: the contact law rigid does not run on a GPU yet";
+    Err(Error::Invalid { field: "backend", value: "gpu".to_owned(), expected })
+}
