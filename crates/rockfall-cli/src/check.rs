@@ -6,7 +6,7 @@ use rockfall::stability::Suggestion;
 use rockfall::{Body, ContactLaw, Integrator, Loaded, Scene, Settings, short_number};
 
 use crate::failure::Failure;
-use crate::options::{InWords, MAX_SUBSTEPS, Physics, SceneArgument, Substeps, as_text, counted};
+use crate::options::{InWords, MAX_SUBSTEPS, Physics, SceneArgument, Substeps, as_text, counted, is_rigid};
 use crate::output;
 use crate::source::Source;
 
@@ -56,18 +56,22 @@ pub(crate) fn check(arguments: &Arguments) -> Result<(), Failure> {
         let _ = writeln!(text, "{chosen}");
     }
     let _ = writeln!(text, "precision {}", judged.chosen_precision());
-    let refused = judged.check_contact_law(integrator).err();
+    let frames = is_rigid(&scene).then(|| scene.hard_contacts(dt)).transpose();
+    if let Ok(Some(frames)) = &frames {
+        let _ = writeln!(text, "{frames}");
+    }
+    let refused = judged.check_contact_law(integrator).err().or(frames.err());
     let is_of_program = judged.settings.contact_law == ContactLaw::User;
     let (slow, in_time): (Vec<_>, Vec<_>) = judged.law_times().into_iter().partition(|time| time.is_exceeded_by(dt));
     for time in in_time {
         let _ = writeln!(text, "{}", time.describe(judged, dt));
     }
     let stiff = judged.stability(dt, integrator);
-    if stiff.is_empty() && slow.is_empty() && refused.is_none() && !is_of_program {
+    if stiff.is_empty() && slow.is_empty() && refused.is_none() && !is_of_program && !is_rigid(&scene) {
         let _ = writeln!(text, "stable at a time step of {} s ({integrator})", as_text(dt));
     }
     text.push_str(&concerns(&name, &scene, dt, integrator));
-    let parts = judged.substeps_for(dt, integrator);
+    let parts = if is_rigid(&scene) { 1 } else { judged.substeps_for(dt, integrator) };
     if (2..=MAX_SUBSTEPS).contains(&parts) {
         let _ = writeln!(text, "rockfall run --substeps {parts} makes the time step short enough for springs and contacts");
     }
@@ -112,7 +116,12 @@ pub(crate) fn prepare(
     physics.change(&mut scene.settings)?;
     let integrator = physics.integrator_for(&scene);
     let dt = physics.dt_for(&scene);
-    let parts = Substeps::or_of(substeps, &scene).of(&scene.with_grains(), dt, integrator)?;
+    let parts = if is_rigid(&scene) {
+        Substeps::give(substeps, &mut scene);
+        1
+    } else {
+        Substeps::or_of(substeps, &scene).of(&scene.with_grains(), dt, integrator)?
+    };
     warn(name, &scene, dt / parts as f32, integrator);
     if let Some(concern) = scene.overlap_concern() {
         output::note(&format!("warning: {name}: {concern}"));

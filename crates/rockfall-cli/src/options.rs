@@ -4,12 +4,13 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crate::failure::Failure;
-use rockfall::{Backend, BroadPhase, Integrator, IntegratorChoice, Optimization, Options, RunDefaults, Scene, Settings};
+use rockfall::settings::DEFAULT_FRAME;
+use rockfall::{Backend, BroadPhase, ContactLaw, Integrator, IntegratorChoice, Optimization, Options, RunDefaults, Scene, Settings};
 
 /// Options that determine the motion of a scene.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Physics {
-    /// Time step in seconds [default: that of the scene, else 0.02]
+    /// Time step in seconds [default: that of the scene, else 0.02, 1/60 with the contact law rigid]
     #[arg(long, value_name = "S", value_parser = time_step, allow_negative_numbers = true)]
     dt: Option<f32>,
     /// Integrator: rk4, symplectic-euler or velocity-verlet; auto: that of the scene, else velocity-verlet with contact laws that do
@@ -33,6 +34,15 @@ impl Substeps {
     /// What is given, or else the number of parts that the scene has.
     pub(crate) fn or_of(given: Option<Self>, scene: &Scene) -> Self {
         given.unwrap_or(Self::Parts(scene.run.substeps.unwrap_or(1)))
+    }
+
+    /// Takes what is given over to a scene whose solver divides steps itself: that of the contact law `rigid`.
+    pub(crate) fn give(given: Option<Self>, scene: &mut Scene) {
+        match given {
+            Some(Self::Auto) => scene.run.substeps = None,
+            Some(Self::Parts(parts)) => scene.run.substeps = Some(parts),
+            None => {}
+        }
     }
 
     /// The number of parts of a step of `dt` seconds.
@@ -69,6 +79,11 @@ impl std::str::FromStr for Substeps {
 pub(crate) const MAX_SUBSTEPS: u32 = RunDefaults::MAX_SUBSTEPS;
 /// Time step of scenes that have none, in s.
 pub(crate) const DEFAULT_TIME_STEP: f32 = 0.02;
+
+/// Whether a step of a scene is a frame, which the solver of the contact law `rigid` divides itself.
+pub(crate) fn is_rigid(scene: &Scene) -> bool {
+    scene.settings.contact_law == ContactLaw::Rigid
+}
 
 /// Options that select the device and the algorithms.
 #[derive(Debug, clap::Args)]
@@ -115,7 +130,8 @@ impl Physics {
 
     /// The time step for a scene, in s, before it is divided.
     pub(crate) fn dt_for(&self, scene: &Scene) -> f32 {
-        self.dt.or(scene.run.dt).unwrap_or(DEFAULT_TIME_STEP)
+        let default = if is_rigid(scene) { DEFAULT_FRAME } else { DEFAULT_TIME_STEP };
+        self.dt.or(scene.run.dt).unwrap_or(default)
     }
 
     /// The time step that is given, in s, or else that of earlier steps.
@@ -125,7 +141,8 @@ impl Physics {
 
     /// The time step of a simulation of a scene that its number of parts divides, in s.
     pub(crate) fn part_for(&self, scene: &Scene) -> f32 {
-        self.dt_for(scene) / scene.run.substeps.unwrap_or(1) as f32
+        let parts = if is_rigid(scene) { 1 } else { scene.run.substeps.unwrap_or(1) };
+        self.dt_for(scene) / parts as f32
     }
 
     /// Applies `--set` to a scene's settings.

@@ -318,7 +318,9 @@ fn checkpoint(arguments: &Arguments, given: &Given, saved: Saved, interrupt: &'s
     let name = arguments.scene.display().to_string();
     let (dt, mut parts, mut checkpoint) = saved.changed(given, &arguments.physics, &arguments.engine)?;
     let integrator = checkpoint.options.integrator.resolve(checkpoint.scene.settings.contact_law);
-    if let Some(substeps) = arguments.substeps {
+    if is_rigid(&checkpoint.scene) {
+        Substeps::give(arguments.substeps, &mut checkpoint.scene);
+    } else if let Some(substeps) = arguments.substeps {
         parts = substeps.of(&checkpoint.scene, dt, integrator)?;
         checkpoint.time_step = dt / parts as f32;
     }

@@ -63,7 +63,7 @@ A run that is killed leaves these files; --resume continues them, and a new run 
 A line `@run dt=S integrator=NAME steps=N every=K substeps=N` of the scene says how it is meant to be run; each option overrides \
 its value.
 
---substeps N divides every step into N equal parts; auto chooses the smallest N for which the springs and the contact force \
+--substeps N divides every step into N equal parts, with the contact law rigid every frame into N substeps of its solver; auto chooses the smallest N for which the springs and the contact force \
 are stable (rockfall check reports it). Everywhere else, steps and the time step are whole steps.
 
 --trace writes a line for step 0 and then for every step, with --trace-every K for every K-th step. A line counts the collisions \
@@ -223,6 +223,7 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
         time: past.time(step),
         dt: past.dt,
         substeps: past.parts(),
+        frame_substeps: simulation.substeps(),
         seconds: past.seconds,
         energies: [past.before(), simulation.energy()?],
         overlap: simulation.max_overlap()?,
@@ -258,8 +259,8 @@ fn begin(arguments: &Arguments, starting: &Starting) -> Result<Run, Failure> {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
     let (comments, title) = (loaded.comments, loaded.title.clone());
-    let dt = arguments.physics.dt_for(&loaded.scene);
     let (scene, substeps) = check::prepare(&name, loaded, &arguments.physics, arguments.substeps)?;
+    let dt = arguments.physics.dt_for(&scene);
     let steps = arguments.steps.or(scene.run.steps).unwrap_or(DEFAULT_STEPS);
     let mut past = Past { scene: name, comments, title, steps, dt, substeps, ..Past::default() };
     // Rods that jump to their length change the energy; a warning above has the reason.

@@ -24,6 +24,8 @@ pub(crate) struct Summary<'a> {
     pub(crate) dt: f32,
     /// Number of parts that a step is divided into.
     pub(crate) substeps: u32,
+    /// Substeps of the solver of the contact law `rigid`.
+    pub(crate) frame_substeps: Option<u32>,
     /// Wall time of the steps, in s.
     pub(crate) seconds: f64,
     /// Energy at the start and at the end.
@@ -49,7 +51,11 @@ impl Summary<'_> {
     }
 
     fn parts(&self) -> String {
-        if self.substeps > 1 { format!(" in {} parts each", self.substeps) } else { String::new() }
+        match self.frame_substeps {
+            Some(substeps) => format!(" in {substeps} substeps each"),
+            None if self.substeps > 1 => format!(" in {} parts each", self.substeps),
+            None => String::new(),
+        }
     }
 
     /// The summary as one JSON object, for programs. `energy_growth` is by how much the energy grew without a cause in the scene.
@@ -70,7 +76,7 @@ impl Summary<'_> {
             "steps": self.steps,
             "dt": options::as_written(self.dt),
             "time": self.time,
-            "substeps": self.substeps,
+            "substeps": self.frame_substeps.unwrap_or(self.substeps),
             "seconds": self.seconds,
             "steps_per_second": self.steps_per_second(self.steps),
             "objects": options::counts_json(&counts),
@@ -98,8 +104,10 @@ impl Summary<'_> {
             let _ = writeln!(text, "  {name:<11} {value}");
         };
         row("backend", format!("{}: {} ({})", backend.kind, backend.device, backend.reason));
-        row("pairs", format!("found by {}", simulation.broad_phase_method()));
-        row("integrator", simulation.integrator().to_string());
+        if self.frame_substeps.is_none() {
+            row("pairs", format!("found by {}", simulation.broad_phase_method()));
+            row("integrator", simulation.integrator().to_string());
+        }
         row("settings", changed(simulation.settings()));
         row("precision", self.precision.to_owned());
         row("comments", counted(self.comments, "line of the scene", "lines of the scene"));

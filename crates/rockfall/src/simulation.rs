@@ -64,6 +64,7 @@ use engine::Engine;
 use flight::Portioning;
 use frames::Frames;
 pub use flow::{Flow, Inflow, Outflow};
+pub use frames::HardContacts;
 pub use gauge::{GaugeReading, WallLoad};
 use kept::Kept;
 use lists::ListPolicy;

@@ -14,7 +14,7 @@ use super::wanted::Wanted;
 use super::{Arguments, Run};
 use crate::failure::Failure;
 use crate::files;
-use crate::options::Setting;
+use crate::options::{Setting, Substeps, is_rigid};
 use crate::output;
 
 /// Distinguishes arguments on the command line from defaults.
@@ -110,7 +110,9 @@ fn change(checkpoint: &mut Checkpoint, past: &mut Past, arguments: &Arguments, g
         // A resumed simulation uses its constants as stored, so `resting_overlap` has to be resolved here.
         checkpoint.scene.settings = checkpoint.scene.with_grains().resolved_settings();
     }
-    if let Some(substeps) = arguments.substeps {
+    if is_rigid(&checkpoint.scene) {
+        Substeps::give(arguments.substeps, &mut checkpoint.scene);
+    } else if let Some(substeps) = arguments.substeps {
         let integrator = options.integrator.resolve(checkpoint.scene.settings.contact_law);
         let substeps = substeps.of(&checkpoint.scene, past.dt, integrator)?;
         differs("--substeps", &substeps.to_string(), &past.parts().to_string());

@@ -8,7 +8,7 @@ use rockfall::output::AtomicFile;
 
 use super::past::Past;
 use crate::failure::Failure;
-use crate::options::counted;
+use crate::options::{counted, is_rigid};
 use crate::output;
 
 pub(super) fn open(path: &Path) -> Result<AtomicFile, Failure> {
@@ -21,9 +21,12 @@ pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulati
     let step = past.step(simulation.report().steps);
     let integrator = simulation.integrator();
     let mut scene = simulation.snapshot()?;
+    let is_rigid = is_rigid(&scene);
     let run = &mut scene.run;
     (run.dt, run.integrator) = (Some(past.dt), Some(integrator.into()));
-    run.substeps = (past.parts() > 1).then(|| past.parts());
+    if !is_rigid {
+        run.substeps = (past.parts() > 1).then(|| past.parts());
+    }
     let origin = format!("{} after {step} steps, at {} s", past.scene, past.time(step));
     let text = scene.to_text_of_state(&past.title, Some(&origin));
     file.write_all(text.as_bytes()).and_then(|()| file.commit()).map_err(|error| Failure::file(path, &error))?;

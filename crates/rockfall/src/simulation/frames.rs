@@ -10,6 +10,9 @@ use crate::simulation::Simulation;
 use crate::step::schedule::Phase;
 
 mod build;
+mod predict;
+
+pub use predict::HardContacts;
 pub(in crate::simulation) mod check;
 
 /// Who a body is in the scene.
@@ -87,6 +90,11 @@ impl Simulation {
     /// Whether the contact law is `rigid`, so that steps are frames.
     pub(in crate::simulation) fn has_frames(&self) -> bool {
         self.scene.is_rigid()
+    }
+
+    /// Number of substeps of the solver of the contact law `rigid`; `None` before the first frame, and with other laws.
+    pub fn substeps(&self) -> Option<u32> {
+        self.frames.as_ref().map(|frames| frames.substeps).filter(|substeps| *substeps > 0)
     }
 
     /// Runs whole steps, which are frames.

@@ -57,6 +57,8 @@ fn read(word: &str, run: &mut RunDefaults) -> Line<()> {
         }
         "steps" => put(&mut run.steps, key, value, FROM_ONE, |steps| *steps > 0),
         "every" => put(&mut run.every, key, value, FROM_ONE, |every| *every > 0),
+        // The solver of the contact law `rigid` chooses.
+        "substeps" if value == "auto" => Ok(()),
         "substeps" => put(&mut run.substeps, key, value, PARTS, |parts| (1..=RunDefaults::MAX_SUBSTEPS).contains(parts)),
         "speed" => put(&mut run.speed, key, value, SPEED, |speed: &f64| speed.is_finite() && *speed > 0.0),
         _ => {
