@@ -67,3 +67,15 @@ fn greatest(count: usize, value: impl Fn(usize) -> f32) -> Option<(f32, usize)> 
     }
     best
 }
+
+/// How far from their origins the nearest points of two lines with unit directions are; `None` if the lines are parallel.
+pub(super) fn closest_of_lines(origin: Vec3, along: Vec3, other: Vec3, across: Vec3) -> Option<(f32, f32)> {
+    let cosine = along.dot(across);
+    let square = along.cross(across).length_squared();
+    if square < 1e-7 {
+        return None;
+    }
+    let way = other - origin;
+    let (s, t) = (way.dot(along), way.dot(across));
+    Some(((s - t * cosine) / square, (s * cosine - t) / square))
+}
