@@ -1,10 +1,42 @@
-//! A frame of the law `rigid`.
+//! A frame of the law `rigid` (docs/physics.md section 11).
+//!
+//! | room | what it knows |
+//! |---|---|
+//! | `bodies` | the bodies in flat arrays: kick, drift, margins |
+//! | `turn` | inertia and free rotation |
+//! | `contacts` | blocks, pairs and points in flat arrays |
+//! | `detect` | pairs, manifolds and blocks of a frame |
+//! | `matching` | impulses and colours of the last frame |
+//! | `colours` | blocks that share no body |
+//! | `refresh` | geometry and rows in a pose |
+//! | `rows` | normal and friction rows of a block |
+//! | `passes` | all blocks, colour by colour; the warm start |
+//! | `impacts`, `times` | impacts at their time of contact |
+//! | `energy` | energy and momenta |
+
+mod bodies;
+mod colours;
+mod contacts;
+mod detect;
+mod matching;
+mod passes;
+mod refresh;
+mod rows;
+#[cfg(test)]
+mod tests;
+mod turn;
+
+pub(crate) use matching::History;
 
 use crate::rigid::world::RigidWorld;
+use bodies::Bodies;
+use contacts::{Contacts, for_each};
+use rows::{Pass, Softness};
 
-/// What the solver keeps from frame to frame: contacts with their impulses, and colours of blocks.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct History {}
+/// Frequency of contacts times the substep; twice as stiff against a side without mass.
+const FREQUENCY: f32 = 0.18;
+/// A frame is repeated at most so often.
+const REPEATS: u32 = 16;
 
 /// What a frame did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,6 +51,93 @@ pub(crate) struct FrameReport {
 
 /// Advances all bodies by a frame of `dt` seconds in `substeps` substeps.
 pub(crate) fn advance(world: &mut RigidWorld, dt: f32, substeps: u32) -> FrameReport {
-    let _ = (world, dt, substeps);
-    FrameReport::default()
+    let mut repeats = 0;
+    loop {
+        let mut frame = Frame::open(world, dt, substeps);
+        for _ in 0..substeps {
+            frame.substep();
+        }
+        let Frame { bodies, contacts, h, .. } = frame;
+        if repeats < REPEATS && widen(world, &bodies, repeats) {
+            repeats += 1;
+            continue;
+        }
+        bodies.store(&mut world.bodies);
+        world.history = History::new(&contacts, world.history.frames.wrapping_add(1), h);
+        return report(&contacts, repeats);
+    }
+}
+
+/// A frame while it is solved.
+struct Frame<'a> {
+    world: &'a RigidWorld,
+    bodies: Bodies,
+    contacts: Contacts,
+    h: f32,
+    biased: Pass,
+    relax: Pass,
+}
+
+impl<'a> Frame<'a> {
+    /// Contacts of the frame with what is kept of the last one.
+    fn open(world: &'a RigidWorld, dt: f32, substeps: u32) -> Self {
+        let h = dt / substeps as f32;
+        let bodies = Bodies::load(world, dt);
+        let found = detect::manifolds(world, &bodies);
+        let mut contacts = detect::blocks(world, &bodies, &found, dt);
+        world.history.recall(&mut contacts, &bodies, h);
+        colours::colour(&mut contacts, &bodies, &world.history);
+        let biased =
+            Pass { biased: true, softness: [Softness::new(FREQUENCY, h), Softness::new(2.0 * FREQUENCY, h)] };
+        let relax = Pass { biased: false, ..biased };
+        let mut frame = Self { world, bodies, contacts, h, biased, relax };
+        frame.refresh();
+        frame
+    }
+
+    fn substep(&mut self) {
+        self.bodies.kick(self.h);
+        passes::warm_start(&mut self.contacts, &mut self.bodies);
+        passes::pass(&mut self.contacts, &mut self.bodies, &self.biased);
+        self.bodies.follow();
+        self.bodies.drift(self.h, self.world.gravity);
+        self.refresh();
+        passes::pass(&mut self.contacts, &mut self.bodies, &self.relax);
+        self.bodies.follow();
+    }
+
+    /// Forms the geometry and the rows of all blocks anew.
+    fn refresh(&mut self) {
+        let (world, bodies, h) = (self.world, &self.bodies, self.h);
+        let count = self.contacts.blocks.len();
+        let mut done = vec![(); count];
+        for_each(self.contacts.part(0..count), &mut done, &|view| refresh::refresh(world, bodies, view, h));
+    }
+}
+
+/// Widens the margins of bodies whose path has left them. False if there are none.
+fn widen(world: &mut RigidWorld, bodies: &Bodies, repeats: u32) -> bool {
+    let mut greatest = 0.0_f32;
+    for (i, body) in world.bodies.iter_mut().enumerate() {
+        if let Some(beyond) = bodies.beyond(i) {
+            body.margin_scale *= 1.25 * beyond;
+            greatest = greatest.max(body.margin_scale);
+        }
+    }
+    if repeats >= 3 {
+        world.bodies.iter_mut().for_each(|body| body.margin_scale = body.margin_scale.max(greatest));
+    }
+    greatest > 0.0
+}
+
+fn report(contacts: &Contacts, repeats: u32) -> FrameReport {
+    let mut report = FrameReport { repeats, ..FrameReport::default() };
+    for pair in &contacts.pairs {
+        for k in pair.first as usize..pair.first as usize + usize::from(pair.count) {
+            let (gap, normal) = (contacts.rows[k].gap, contacts.impulses[k].normal);
+            report.contacts += u32::from(gap <= 0.0 || normal > 0.0);
+            report.max_overlap = report.max_overlap.max(-gap);
+        }
+    }
+    report
 }

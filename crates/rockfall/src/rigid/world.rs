@@ -89,3 +89,51 @@ pub(crate) struct RigidWorld {
     /// What the solver keeps from frame to frame.
     pub(crate) history: crate::rigid::frame::History,
 }
+
+impl RigidWorld {
+    /// The constants of a contact of two materials.
+    pub(crate) fn surface(&self, a: u16, b: u16) -> Surface {
+        self.surfaces[usize::from(a) * self.materials + usize::from(b)]
+    }
+}
+
+impl Body {
+    /// A body without mass at rest.
+    pub(crate) fn fixed(kind: Kind, pose: Pose) -> Self {
+        Self {
+            kind,
+            pose,
+            velocity: Vec3::ZERO,
+            spin: Vec3::ZERO,
+            momentum: Vec3::ZERO,
+            inverse_mass: 0.0,
+            moments: Vec3::INFINITY,
+            axes: Quat::IDENTITY,
+            inverse_inertia: Mat3::ZERO,
+            radius: 0.0,
+            width: 0.0,
+            force: Vec3::ZERO,
+            torque: Vec3::ZERO,
+            margin_scale: 1.0,
+        }
+    }
+
+    /// A body with mass at rest. Its radius and its width are those of its colliders: the caller sets them.
+    pub(crate) fn loose(pose: Pose, mass: f32, moments: Vec3, axes: Quat) -> Self {
+        let mut body = Self { inverse_mass: 1.0 / mass, moments, axes, ..Self::fixed(Kind::Dynamic, pose) };
+        body.inverse_inertia = body.inertia_with(moments.recip());
+        body
+    }
+
+    /// Sets the angular velocity, and the momentum that belongs to it. The solver trusts the momentum.
+    pub(crate) fn set_spin(&mut self, spin: Vec3) {
+        self.spin = spin;
+        self.momentum = if self.inverse_mass > 0.0 { self.inertia_with(self.moments) * spin } else { Vec3::ZERO };
+    }
+
+    /// The tensor with these principal values along the axes of the world.
+    fn inertia_with(&self, values: Vec3) -> Mat3 {
+        let axes = Mat3::from_quat(self.pose.turn * self.axes);
+        axes * Mat3::from_diagonal(values) * axes.transpose()
+    }
+}

@@ -1,7 +1,7 @@
 //! Colours: blocks of one colour share no body with mass (docs/physics.md section 11.6).
 
 use crate::rigid::frame::bodies::Bodies;
-use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER};
+use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER, Pair};
 use crate::rigid::frame::matching::{History, rank};
 
 /// A body with more near blocks than this is a hub: its blocks are left over.
@@ -52,7 +52,9 @@ fn keep(contacts: &mut Contacts, bodies: &Bodies, history: &History, uses: &mut 
         if heavy(block, bodies).any(crowded) {
             continue;
         }
-        match history.colour(block.bodies).filter(|_| !history.is_fresh()) {
+        // A body that has got mass may have several blocks of one colour: the first keeps it.
+        let free = |colour: &u8| heavy(block, bodies).all(|body| uses[body].colours & (1 << *colour) == 0);
+        match history.colour(block.bodies).filter(|_| !history.is_fresh()).filter(free) {
             Some(colour) => {
                 block.colour = colour;
                 heavy(block, bodies).for_each(|body| uses[body].colours |= 1 << colour);
@@ -103,7 +105,7 @@ fn sort(contacts: &mut Contacts) {
         let (first_pair, first_point) = (sorted.pairs.len() as u32, sorted.points.len() as u32);
         let moved = first_point.wrapping_sub(block.first_point);
         let pairs = contacts.pairs[block.pair_range()].iter();
-        sorted.pairs.extend(pairs.map(|pair| crate::rigid::frame::contacts::Pair { first: pair.first.wrapping_add(moved), ..*pair }));
+        sorted.pairs.extend(pairs.map(|pair| Pair { first: pair.first.wrapping_add(moved), ..*pair }));
         let range = block.first_point as usize..(block.first_point + block.points) as usize;
         sorted.points.extend_from_slice(&contacts.points[range.clone()]);
         sorted.impulses.extend_from_slice(&contacts.impulses[range]);

@@ -1,0 +1,136 @@
+//! A small builder of scenes.
+
+use glam::{DMat3, DVec3, Quat, Vec3};
+
+use crate::rigid::frame::{FrameReport, advance};
+use crate::rigid::pose::Pose;
+use crate::rigid::shape::{Core, Shape};
+use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
+
+pub(super) const DT: f32 = 1.0 / 60.0;
+pub(super) const G: f32 = 9.81;
+
+/// A world with one surface for all contacts; y is up.
+pub(super) struct Scene {
+    pub(super) world: RigidWorld,
+    pub(super) substeps: u32,
+    pub(super) last: FrameReport,
+    pub(super) repeats: u32,
+}
+
+impl Scene {
+    pub(super) fn new(friction: f32, restitution: f32) -> Self {
+        let world = RigidWorld {
+            bodies: vec![Body::fixed(Kind::World, Pose::IDENTITY)],
+            surfaces: vec![Surface { friction, restitution }],
+            materials: 1,
+            gravity: Vec3::new(0.0, -G, 0.0),
+            ..RigidWorld::default()
+        };
+        Self { world, substeps: 4, last: FrameReport::default(), repeats: 0 }
+    }
+
+    pub(super) fn weightless(mut self) -> Self {
+        self.world.gravity = Vec3::ZERO;
+        self
+    }
+
+    pub(super) fn substeps(mut self, substeps: u32) -> Self {
+        self.substeps = substeps;
+        self
+    }
+
+    /// A collider of a body. Equal shapes are stored once.
+    pub(super) fn attach(&mut self, body: usize, shape: Shape, place: Pose) {
+        let known = self.world.shapes.iter().position(|old| *old == shape);
+        let shape = known.unwrap_or_else(|| {
+            self.world.shapes.push(shape);
+            self.world.shapes.len() - 1
+        });
+        self.world.colliders.push(Collider {
+            body: body as u32,
+            shape: shape as u32,
+            place,
+            group: 0,
+            material: 0,
+            surface_velocity: Vec3::ZERO,
+        });
+    }
+
+    /// A half-space of the world: the point and the outward normal of its plane.
+    pub(super) fn plane(&mut self, point: Vec3, normal: Vec3) {
+        let turn = Quat::from_rotation_arc(Vec3::Y, normal.normalize());
+        self.attach(0, Shape { core: Core::HalfSpace, radius: 0.0 }, Pose::new(point, turn));
+    }
+
+    pub(super) fn floor(&mut self) {
+        self.plane(Vec3::ZERO, Vec3::Y);
+    }
+
+    /// A box of the world.
+    pub(super) fn block(&mut self, half: Vec3, pose: Pose) {
+        self.attach(0, Shape::cuboid(half), pose);
+    }
+
+    /// A body of one shape and its number.
+    pub(super) fn body(&mut self, shape: Shape, pose: Pose, mass: f32) -> usize {
+        let (volume, tensor) = shape.mass();
+        let values = tensor * DMat3::from_diagonal(DVec3::splat(f64::from(mass) / volume));
+        let moments = DVec3::new(values.x_axis.x, values.y_axis.y, values.z_axis.z).as_vec3();
+        let mut body = Body::loose(pose, mass, moments, Quat::IDENTITY);
+        (body.radius, body.width) = (shape.extent(), shape.width());
+        self.world.bodies.push(body);
+        let number = self.world.bodies.len() - 1;
+        self.attach(number, shape, Pose::IDENTITY);
+        number
+    }
+
+    pub(super) fn ball(&mut self, radius: f32, at: Vec3) -> usize {
+        self.body(Shape::ball(radius), Pose::new(at, Quat::IDENTITY), 1.0)
+    }
+
+    pub(super) fn cuboid(&mut self, half: Vec3, at: Vec3) -> usize {
+        self.body(Shape::cuboid(half), Pose::new(at, Quat::IDENTITY), 1.0)
+    }
+
+    pub(super) fn kinematic(&mut self, shape: Shape, at: Vec3, velocity: Vec3) -> usize {
+        let mut body = Body::fixed(Kind::Kinematic, Pose::new(at, Quat::IDENTITY));
+        (body.velocity, body.radius) = (velocity, shape.extent());
+        self.world.bodies.push(body);
+        let number = self.world.bodies.len() - 1;
+        self.attach(number, shape, Pose::IDENTITY);
+        number
+    }
+
+    pub(super) fn throw(&mut self, body: usize, velocity: Vec3, spin: Vec3) {
+        self.world.bodies[body].velocity = velocity;
+        self.world.bodies[body].set_spin(spin);
+    }
+
+    pub(super) fn at(&self, body: usize) -> Vec3 {
+        self.world.bodies[body].pose.position
+    }
+
+    pub(super) fn velocity(&self, body: usize) -> Vec3 {
+        self.world.bodies[body].velocity
+    }
+
+    pub(super) fn spin(&self, body: usize) -> Vec3 {
+        self.world.bodies[body].spin
+    }
+
+    pub(super) fn step(&mut self) {
+        self.last = advance(&mut self.world, DT, self.substeps);
+        self.repeats += self.last.repeats;
+    }
+
+    pub(super) fn run(&mut self, seconds: f32) {
+        for _ in 0..(seconds / DT).round() as u32 {
+            self.step();
+        }
+    }
+}
+
+pub(super) fn close(value: f32, wanted: f32, within: f32) {
+    assert!((value - wanted).abs() <= within, "{value}, not {wanted} +- {within}");
+}
