@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use crate::failure::Failure;
 use rockfall::settings::DEFAULT_FRAME;
-use rockfall::{Backend, BroadPhase, ContactLaw, Integrator, IntegratorChoice, Optimization, Options, RunDefaults, Scene, Settings};
+use rockfall::{
+    Backend, BroadPhase, ContactLaw, Integrator, IntegratorChoice, Optimization, Options, RunDefaults, Scene, Settings,
+};
 
 /// Options that determine the motion of a scene.
 #[derive(Debug, clap::Args)]
@@ -211,7 +213,7 @@ pub(crate) fn settings_json(settings: &Settings) -> serde_json::Value {
     let value = |text: String| match text.as_str() {
         "on" => true.into(),
         "off" => false.into(),
-        text if rockfall::ContactLaw::ALL.iter().any(|law| law.name() == text) => text.into(),
+        text if ContactLaw::ALL.iter().any(|law| law.name() == text) => text.into(),
         text if text.contains(',') => text.split(',').map(number).collect(),
         text => number(text),
     };

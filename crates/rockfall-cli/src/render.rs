@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::files;
 use crate::input::{Input, Saved};
 use crate::interrupt::Interrupt;
-use crate::options::{Engine, Physics, Substeps, whole};
+use crate::options::{Engine, Physics, Substeps, is_rigid, whole};
 use crate::output;
 use crate::run::Given;
 use crate::source::Source;

@@ -113,6 +113,8 @@ fn stiffness(law: ContactLaw, constants: &Constants, bodies: &Bodies, overlap: f
     match law {
         ContactLaw::HertzMindlin => hertz_mindlin::stiffness(constants, bodies.radius, overlap, before),
         // The thesis's law, that of the program and `rigid` do not use this function.
-        ContactLaw::Linear | ContactLaw::Thesis | ContactLaw::User | ContactLaw::Rigid => linear::stiffness(constants, bodies.radius, bodies.mass),
+        ContactLaw::Linear | ContactLaw::Thesis | ContactLaw::User | ContactLaw::Rigid => {
+            linear::stiffness(constants, bodies.radius, bodies.mass)
+        }
     }
 }

@@ -3,7 +3,7 @@
 use crate::error::{BadStage, Error, Result};
 use crate::fine::Fine;
 use crate::model::status::Status;
-use crate::rigid::frame::{FrameReport, advance, auto_substeps};
+use crate::rigid::frame::{FrameReport, advance};
 use crate::rigid::world::{Body, RigidWorld};
 use crate::scene::{BodyHandles, BodyState, Scene, SphereId};
 use crate::simulation::Simulation;
@@ -13,6 +13,7 @@ mod build;
 mod predict;
 
 pub use predict::HardContacts;
+use predict::auto_substeps;
 pub(in crate::simulation) mod check;
 
 /// Who a body is in the scene.
@@ -115,7 +116,9 @@ impl Simulation {
             Some(frames) if !self.frames_due => frames,
             before => {
                 let mut frames = Frames::of(&self.scene)?;
-                before.map_or((), |before| frames.keep(*before));
+                if let Some(before) = before {
+                    frames.keep(*before);
+                }
                 self.frames_due = false;
                 Box::new(frames)
             }

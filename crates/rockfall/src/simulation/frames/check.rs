@@ -11,7 +11,8 @@ use crate::scene::{Scene, Surface};
 pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<()> {
     const EXPECTED: &str = "spheres, capsules, placed bodies, static boxes, parallelograms and planes: the contact law rigid has nothing \
                             else yet";
-    let refused = |value: &str| Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected: EXPECTED });
+    let refused =
+        |value: &str| Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected: EXPECTED });
     let loose_rod = scene.rod_ids().any(|id| scene.body_of_rod(id).is_none() && scene.implied_of_rod(id).is_none());
     let has = [
         (loose_rod, "a rod that is not a capsule or part of a body"),
