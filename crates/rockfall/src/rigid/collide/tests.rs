@@ -163,3 +163,30 @@ fn crossing_edges_have_one_point() {
     assert!((stand * found.normal).distance(Vec3::Y) < 1e-5, "{}", found.normal);
     assert!((stand * found.points[0].on_a).distance(Vec3::new(0.0, 2f32.sqrt(), 0.1)) < 1e-5);
 }
+
+fn is_polyhedron(shape: &Shape) -> bool {
+    matches!(shape.core, Core::Box { .. } | Core::Hull(_) | Core::Face { .. })
+}
+
+fn is_face(shape: &Shape) -> bool {
+    matches!(shape.core, Core::Face { .. })
+}
+
+#[test]
+fn separations_of_polyhedra_are_distances() {
+    try_all(30, |a, b| is_polyhedron(a) && is_polyhedron(b) && !is_face(a) && !is_face(b));
+}
+
+#[test]
+fn separations_of_faces_are_distances() {
+    try_all(40, |a, b| is_polyhedron(a) && is_polyhedron(b) && is_face(a) != is_face(b));
+}
+
+fn is_capsule(shape: &Shape) -> bool {
+    matches!(shape.core, Core::Segment { .. })
+}
+
+#[test]
+fn separations_of_capsules_are_distances() {
+    try_all(60, |a, b| is_capsule(a) || is_capsule(b));
+}
