@@ -83,6 +83,12 @@ impl Manifold {
         self
     }
 
+    /// The least separation of its points.
+    fn least(&self) -> f32 {
+        let points = &self.points[..self.count];
+        points.iter().map(|point| (point.on_b - point.on_a).dot(self.normal)).fold(f32::INFINITY, f32::min)
+    }
+
     fn some(self) -> Option<Self> {
         (self.count > 0).then_some(self)
     }

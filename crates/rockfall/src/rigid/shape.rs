@@ -4,7 +4,7 @@ mod bounds;
 mod hull;
 mod mass;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use std::sync::Arc;
 
