@@ -18,6 +18,7 @@ mod bodies;
 mod colours;
 mod contacts;
 mod detect;
+mod energy;
 mod impacts;
 mod matching;
 mod passes;
@@ -28,6 +29,7 @@ mod tests;
 mod times;
 mod turn;
 
+pub(crate) use energy::{auto_substeps, energy, kinetic_energy, momenta};
 pub(crate) use matching::History;
 
 use crate::rigid::world::RigidWorld;

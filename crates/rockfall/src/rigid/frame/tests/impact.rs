@@ -123,3 +123,21 @@ fn billiards_leave_along_the_line_of_centres() {
         }
     }
 }
+
+/// Problem 4.
+#[test]
+fn flat_box_bounces_without_spin() {
+    for (e, wanted) in [(0.5, 0.25), (1.0, 1.0)] {
+        for narrow in [false, true] {
+            let mut scene = Scene::new(0.5, e);
+            if narrow {
+                scene.block(Vec3::new(0.375, 0.5, 0.375), crate::rigid::pose::Pose::new(Vec3::new(0.0, -0.5, 0.0), glam::Quat::IDENTITY));
+            } else {
+                scene.floor();
+            }
+            let body = scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, 1.5, 0.0));
+            close(apexes(&mut scene, body, 1.5)[0] - 0.5, wanted, 1e-3);
+            close(scene.spin(body).length(), 0.0, 1e-3);
+        }
+    }
+}
