@@ -19,9 +19,9 @@ mod closest;
 mod half_space;
 mod ids;
 mod polyhedra;
+mod solid;
 #[cfg(test)]
 mod reference;
-mod solid;
 #[cfg(test)]
 mod tests;
 

@@ -18,20 +18,25 @@ mod bodies;
 mod colours;
 mod contacts;
 mod detect;
+mod energy;
+mod impacts;
 mod matching;
 mod passes;
 mod refresh;
 mod rows;
 #[cfg(test)]
 mod tests;
+mod times;
 mod turn;
 
+pub(crate) use energy::{auto_substeps, energy, kinetic_energy, momenta};
 pub(crate) use matching::History;
 
 use crate::rigid::world::RigidWorld;
 use bodies::Bodies;
 use contacts::{Contacts, for_each};
 use rows::{Pass, Softness};
+use times::Scope;
 
 /// Frequency of contacts times the substep; twice as stiff against a side without mass.
 const FREQUENCY: f32 = 0.18;
@@ -87,7 +92,8 @@ impl<'a> Frame<'a> {
         let mut contacts = detect::blocks(world, &bodies, &found, dt);
         world.history.recall(&mut contacts, &bodies, h);
         colours::colour(&mut contacts, &bodies, &world.history);
-        let biased = Pass { biased: true, softness: [Softness::new(FREQUENCY, h), Softness::new(2.0 * FREQUENCY, h)] };
+        let biased =
+            Pass { biased: true, softness: [Softness::new(FREQUENCY, h), Softness::new(2.0 * FREQUENCY, h)] };
         let relax = Pass { biased: false, ..biased };
         let mut frame = Self { world, bodies, contacts, h, biased, relax };
         frame.refresh();
@@ -95,14 +101,24 @@ impl<'a> Frame<'a> {
     }
 
     fn substep(&mut self) {
+        impacts::impacts(self.world, &mut self.contacts, &mut self.bodies, self.h);
         self.bodies.kick(self.h);
         passes::warm_start(&mut self.contacts, &mut self.bodies);
+        self.spare();
         passes::pass(&mut self.contacts, &mut self.bodies, &self.biased);
         self.bodies.follow();
         self.bodies.drift(self.h, self.world.gravity);
         self.refresh();
         passes::pass(&mut self.contacts, &mut self.bodies, &self.relax);
         self.bodies.follow();
+    }
+
+    /// Looks along the paths of round contacts before the biased pass.
+    fn spare(&mut self) {
+        let (scope, bodies) = (Scope { world: self.world, h: self.h }, &self.bodies);
+        let count = self.contacts.blocks.len();
+        let mut done = vec![(); count];
+        for_each(self.contacts.part(0..count), &mut done, &|mut view| scope.spare(bodies, &mut view));
     }
 
     /// Forms the geometry and the rows of all blocks anew.

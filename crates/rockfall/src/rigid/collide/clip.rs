@@ -79,3 +79,63 @@ pub(super) fn closest_of_lines(origin: Vec3, along: Vec3, other: Vec3, across: V
     let (s, t) = (way.dot(along), way.dot(across));
     Some(((s - t * cosine) / square, (s * cosine - t) / square))
 }
+
+/// Greatest number of corners of a clipped polygon: those of two faces of hulls, rounded up.
+pub(super) const MOST_CORNERS: usize = 64;
+
+/// A convex polygon: its corners, and the label of the edge after each.
+pub(super) struct Polygon {
+    corners: [(Vec3, u8); MOST_CORNERS],
+    count: usize,
+}
+
+impl Polygon {
+    /// A polygon whose edges have their numbers as labels. Two corners are a segment.
+    pub(super) fn new(corners: impl IntoIterator<Item = Vec3>) -> Self {
+        let mut polygon = Self { corners: [(Vec3::ZERO, 0); MOST_CORNERS], count: 0 };
+        for (label, corner) in corners.into_iter().take(MOST_CORNERS).enumerate() {
+            polygon.corners[label] = (corner, label as u8);
+            polygon.count += 1;
+        }
+        polygon
+    }
+
+    /// Corners, each with the labels of the edges before and after it.
+    pub(super) fn corners(&self) -> impl Iterator<Item = (Vec3, (u8, u8))> {
+        let before = |k: usize| self.corners[(k + self.count - 1) % self.count].1;
+        self.corners[..self.count].iter().enumerate().map(move |(k, (corner, label))| (*corner, (before(k), *label)))
+    }
+
+    /// Removes what lies above a plane. The new edge gets a label.
+    pub(super) fn cut(&mut self, normal: Vec3, offset: f32, label: u8) {
+        let height = |k: usize| self.corners[k].0.dot(normal) - offset;
+        if (0..self.count).all(|k| height(k) <= 0.0) {
+            return;
+        }
+        let mut kept = [(Vec3::ZERO, 0); MOST_CORNERS];
+        let mut count = 0;
+        let mut put = |corner: (Vec3, u8)| {
+            // A cut of a convex polygon adds at most one corner. Rounding of thin ones must not add more.
+            if count < MOST_CORNERS {
+                kept[count] = corner;
+                count += 1;
+            }
+        };
+        let edges = if self.count == 2 { 1 } else { self.count };
+        for k in 0..edges {
+            let next = (k + 1) % self.count;
+            let ((from, edge), (to, last)) = (self.corners[k], self.corners[next]);
+            let (above, below) = (height(k), height(next));
+            if above <= 0.0 {
+                put((from, edge));
+            }
+            if (above > 0.0) != (below > 0.0) {
+                put((from + (to - from) * (above / (above - below)), if above > 0.0 { edge } else { label }));
+            }
+            if self.count == 2 && below <= 0.0 {
+                put((to, last));
+            }
+        }
+        (self.corners, self.count) = (kept, count);
+    }
+}

@@ -13,9 +13,7 @@ pub(super) fn separations(manifold: &Manifold) -> impl Iterator<Item = f32> {
 
 /// What holds for all manifolds: unit normals, points on both surfaces and within reach, ids that differ.
 pub(super) fn check(a: &Shape, b: &Shape, pose: &Pose, reach: f32, found: &Manifold) {
-    let scale = pose.position.length()
-        + if a.extent() < 1e9 { a.extent() } else { 0.0 }
-        + if b.extent() < 1e9 { b.extent() } else { 0.0 };
+    let scale = pose.position.length() + if a.extent() < 1e9 { a.extent() } else { 0.0 } + if b.extent() < 1e9 { b.extent() } else { 0.0 };
     let tolerance = 4e-6 * scale;
     assert!((1..=4).contains(&found.count));
     assert!((found.normal.length() - 1.0).abs() < 1e-5, "{}", found.normal);
@@ -53,8 +51,7 @@ pub(super) fn check_swap(a: &Shape, b: &Shape, pose: &Pose, reach: f32, found: &
 pub(super) fn shapes(random: &mut Random) -> Vec<Shape> {
     let half = Vec3::new(random.between(0.1, 1.0), random.between(0.1, 1.0), random.between(0.1, 1.0));
     let points: Vec<Vec3> = (0..8).map(|_| random.vector(0.8)).collect();
-    let (u, v) =
-        (Vec3::new(random.between(0.3, 1.0), random.between(-0.2, 0.2), 0.0), Vec3::new(0.1, random.between(0.3, 1.0), 0.0));
+    let (u, v) = (Vec3::new(random.between(0.3, 1.0), random.between(-0.2, 0.2), 0.0), Vec3::new(0.1, random.between(0.3, 1.0), 0.0));
     vec![
         Shape::ball(random.between(0.1, 1.0)),
         Shape::capsule(random.between(0.1, 1.0), random.between(0.1, 0.5)),
@@ -165,4 +162,31 @@ fn crossing_edges_have_one_point() {
     assert!((found.least() - 0.02).abs() < 1e-5);
     assert!((stand * found.normal).distance(Vec3::Y) < 1e-5, "{}", found.normal);
     assert!((stand * found.points[0].on_a).distance(Vec3::new(0.0, 2f32.sqrt(), 0.1)) < 1e-5);
+}
+
+fn is_polyhedron(shape: &Shape) -> bool {
+    matches!(shape.core, Core::Box { .. } | Core::Hull(_) | Core::Face { .. })
+}
+
+fn is_face(shape: &Shape) -> bool {
+    matches!(shape.core, Core::Face { .. })
+}
+
+#[test]
+fn separations_of_polyhedra_are_distances() {
+    try_all(30, |a, b| is_polyhedron(a) && is_polyhedron(b) && !is_face(a) && !is_face(b));
+}
+
+#[test]
+fn separations_of_faces_are_distances() {
+    try_all(40, |a, b| is_polyhedron(a) && is_polyhedron(b) && is_face(a) != is_face(b));
+}
+
+fn is_capsule(shape: &Shape) -> bool {
+    matches!(shape.core, Core::Segment { .. })
+}
+
+#[test]
+fn separations_of_capsules_are_distances() {
+    try_all(60, |a, b| is_capsule(a) || is_capsule(b));
 }

@@ -15,7 +15,7 @@ pub(super) struct Place {
     pub(super) count: usize,
     pub(super) on_a: [Vec3; MOST_POINTS],
     pub(super) on_b: [Vec3; MOST_POINTS],
-    ids: [u32; MOST_POINTS],
+    pub(super) ids: [u32; MOST_POINTS],
 }
 
 impl Place {
@@ -122,12 +122,17 @@ pub(super) fn turn(
         let outer = impulse.tangent.x * old[0] + impulse.tangent.y * old[1];
         impulse.tangent = Vec2::new(outer.dot(pair.tangents[0]), outer.dot(pair.tangents[1]));
     }
+    pair.belt = belt(world, pair, poses);
+}
+
+/// Velocity of the surface of b less that of a, along the tangents.
+pub(super) fn belt(world: &RigidWorld, pair: &Pair, poses: &[Pose; 2]) -> Vec2 {
     let [own, theirs] = [0, 1].map(|s| {
         let collider = &world.colliders[pair.colliders[s] as usize];
         let still = collider.surface_velocity == Vec3::ZERO;
         if still { Vec3::ZERO } else { poses[s].turn * collider.surface_velocity }
     });
-    pair.belt = Vec2::new((theirs - own).dot(pair.tangents[0]), (theirs - own).dot(pair.tangents[1]));
+    Vec2::new((theirs - own).dot(pair.tangents[0]), (theirs - own).dot(pair.tangents[1]))
 }
 
 /// The row of a point with these arms, without its gap.

@@ -1,5 +1,11 @@
-//! Problems with answers from nature: closed forms and conservation.
+//! Problems with answers from nature: closed forms and conservation. Their numbers are those of docs/physics.md section 11.11.
 
+mod conservation;
+mod fast;
 mod flight;
+mod friction;
+mod impact;
+mod pile;
 mod rest;
 mod scene;
+mod stack;

@@ -1,18 +1,53 @@
 //! Bodies that come to rest.
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 use super::scene::{G, Scene, close};
+use crate::rigid::pose::Pose;
+use crate::rigid::shape::Shape;
 
 #[test]
-fn ball_rests_on_the_floor() {
+fn ball_rests_at_the_overlap_of_a_soft_row() {
     let mut scene = Scene::new(0.5, 0.0);
     scene.floor();
     let ball = scene.ball(0.5, Vec3::new(0.0, 0.52, 0.0));
     scene.run(2.0);
     close(scene.velocity(ball).length(), 0.0, 1e-4);
-    println!("{}", scene.at(ball).y);
-    // Overlap at rest is g / w² of the soft row.
     let w = std::f32::consts::TAU * 0.36 * 240.0;
     close(scene.at(ball).y, 0.5 - G / (w * w), 1e-6);
+}
+
+/// Problem 10.
+#[test]
+fn overlap_is_pushed_out_without_speed() {
+    for ball in [true, false] {
+        let mut scene = Scene::new(0.5, 0.0).weightless();
+        let shape = if ball { Shape::ball(0.5) } else { Shape::cuboid(Vec3::splat(0.5)) };
+        let [a, b] = [0.0, 0.9].map(|x| scene.body(shape.clone(), Pose::new(Vec3::new(x, 0.0, 0.0), Quat::IDENTITY), 1.0));
+        scene.run(3.0);
+        close((scene.velocity(b) - scene.velocity(a)).length(), 0.0, 1e-3);
+        assert!(scene.at(b).x - scene.at(a).x > 0.999);
+    }
+}
+
+/// Problem 48: all three planes in one block of 12 points.
+#[test]
+fn box_rests_in_a_corner() {
+    let mut scene = Scene::new(0.5, 0.0);
+    Vec3::AXES.into_iter().for_each(|axis| scene.plane(Vec3::ZERO, axis));
+    scene.world.gravity = -G * Vec3::ONE.normalize();
+    let body = scene.cuboid(Vec3::splat(0.5), Vec3::splat(0.5));
+    scene.run(2.0);
+    assert_eq!(scene.last.contacts, 12);
+    assert!((scene.at(body) - Vec3::splat(0.5)).abs().max_element() < 1e-4, "{}", scene.at(body));
+    close(scene.velocity(body).length(), 0.0, 1e-6);
+
+    let mut scene = Scene::new(0.5, 0.5);
+    Vec3::AXES.into_iter().for_each(|axis| scene.plane(Vec3::ZERO, axis));
+    scene.world.gravity = -G * Vec3::ONE.normalize();
+    let body = scene.cuboid(Vec3::splat(0.5), Vec3::splat(1.5));
+    scene.throw(body, Vec3::splat(-2.0), Vec3::new(1.0, 2.0, 3.0));
+    scene.run(10.0);
+    close(scene.velocity(body).length(), 0.0, 1e-5);
+    assert!((scene.at(body) - Vec3::splat(0.5)).abs().max_element() < 1e-3, "{}", scene.at(body));
 }

@@ -134,3 +134,20 @@ impl Scene {
 pub(super) fn close(value: f32, wanted: f32, within: f32) {
     assert!((value - wanted).abs() <= within, "{value}, not {wanted} +- {within}");
 }
+
+/// Numbers that look random.
+pub(super) struct Random(pub(super) u32);
+
+impl Random {
+    /// From -1 to 1.
+    pub(super) fn number(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let x = (self.0 >> ((self.0 >> 28) + 4)) ^ self.0;
+        let x = x.wrapping_mul(277_803_737);
+        ((x >> 22) ^ x) as f32 / 2.0_f32.powi(31) - 1.0
+    }
+
+    pub(super) fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.number(), self.number(), self.number())
+    }
+}

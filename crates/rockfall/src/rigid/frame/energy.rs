@@ -1,0 +1,51 @@
+//! Energy and momenta of all bodies, and the number of substeps that a scene needs (docs/physics.md sections 11.2 and 11.10).
+
+use glam::DVec3;
+
+use crate::rigid::world::{Body, Kind, RigidWorld};
+
+fn loose(world: &RigidWorld) -> impl Iterator<Item = &Body> {
+    world.bodies.iter().filter(|body| body.kind == Kind::Dynamic && body.inverse_mass > 0.0)
+}
+
+/// Kinetic energy, and potential energy in the uniform field. Overlaps store none.
+pub(crate) fn energy(world: &RigidWorld) -> f64 {
+    loose(world)
+        .map(|body| {
+            let mass = 1.0 / f64::from(body.inverse_mass);
+            let [v, w, l] = [body.velocity, body.spin, body.momentum].map(|vector| vector.as_dvec3());
+            0.5 * (mass * v.length_squared() + w.dot(l)) - mass * world.gravity.as_dvec3().dot(body.pose.position.as_dvec3())
+        })
+        .sum()
+}
+
+/// Kinetic energy alone.
+pub(crate) fn kinetic_energy(world: &RigidWorld) -> f64 {
+    let part = |body: &Body| {
+        let [v, w, l] = [body.velocity, body.spin, body.momentum].map(|vector| vector.as_dvec3());
+        0.5 * (v.length_squared() / f64::from(body.inverse_mass) + w.dot(l))
+    };
+    loose(world).map(part).sum()
+}
+
+/// Momentum, and angular momentum about the origin.
+pub(crate) fn momenta(world: &RigidWorld) -> (DVec3, DVec3) {
+    loose(world).fold((DVec3::ZERO, DVec3::ZERO), |(sum, turning), body| {
+        let p = body.velocity.as_dvec3() / f64::from(body.inverse_mass);
+        (sum + p, turning + body.pose.position.as_dvec3().cross(p) + body.momentum.as_dvec3())
+    })
+}
+
+/// Least number of substeps.
+const LEAST_SUBSTEPS: u32 = 4;
+/// Greatest number of substeps that `auto` chooses.
+const MOST_SUBSTEPS: u32 = 32;
+/// Greatest h sqrt(g / a) for the least edge a of a body.
+const GREATEST_FALL: f32 = 0.0135;
+
+/// The substeps of a frame of `dt` seconds for the smallest body that moves. It ignores masses: one pebble would set it for all.
+pub(crate) fn auto_substeps(world: &RigidWorld, dt: f32) -> u32 {
+    let least = loose(world).map(|body| body.width).filter(|width| *width > 0.0).fold(f32::INFINITY, f32::min);
+    let needed = dt * (world.gravity.length() / least).sqrt() / GREATEST_FALL;
+    (needed.ceil() as u32).clamp(LEAST_SUBSTEPS, MOST_SUBSTEPS)
+}

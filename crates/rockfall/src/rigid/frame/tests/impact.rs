@@ -1,0 +1,143 @@
+//! Impacts of balls and boxes.
+
+use glam::Vec3;
+
+use super::scene::{DT, Scene, close};
+
+/// Heights of a body at the tops of its bounces.
+fn apexes(scene: &mut Scene, body: usize, seconds: f32) -> Vec<f32> {
+    let (mut tops, mut before) = (Vec::new(), -1.0);
+    for _ in 0..(seconds / DT) as u32 {
+        scene.step();
+        let v = scene.velocity(body).y;
+        if before > 0.0 && v <= 0.0 {
+            // The top of the parabola through the present state.
+            tops.push(scene.at(body).y + v * v / (2.0 * 9.81));
+        }
+        before = v;
+    }
+    tops
+}
+
+/// Problem 2.
+#[test]
+fn ball_bounces_to_a_quarter() {
+    let mut scene = Scene::new(0.5, 0.5);
+    scene.floor();
+    let ball = scene.ball(0.1, Vec3::new(0.0, 1.1, 0.0));
+    close(apexes(&mut scene, ball, 0.9)[0], 0.35, 5e-4);
+    let mut scene = Scene::new(0.5, 0.0);
+    scene.floor();
+    let ball = scene.ball(0.1, Vec3::new(0.0, 1.1, 0.0));
+    scene.run(1.0);
+    close(scene.velocity(ball).length(), 0.0, 1e-3);
+}
+
+/// Problem 3.
+#[test]
+fn elastic_ball_bounces_on() {
+    let mut scene = Scene::new(0.5, 1.0);
+    scene.floor();
+    let ball = scene.ball(0.1, Vec3::new(0.0, 1.1, 0.0));
+    let tops = apexes(&mut scene, ball, 30.0);
+    assert_eq!(tops.len(), 33);
+    for top in tops {
+        close(top, 1.1, 1e-3);
+    }
+}
+
+/// Problem 40.
+#[test]
+fn oblique_bounce_has_the_friction_of_the_closed_form() {
+    for (e, mu) in [(0.8, 0.5), (0.8, 0.1), (0.5, 0.5), (0.0, 0.5)] {
+        for step in 0..20 {
+            let mut scene = Scene::new(mu, e).weightless();
+            scene.floor();
+            let ball = scene.ball(0.05, Vec3::new(0.0, 0.3 + 0.004 * step as f32, 0.0));
+            scene.throw(ball, Vec3::new(5.0, -10.0, 0.0), Vec3::ZERO);
+            scene.run(0.1);
+            let j = (mu * (1.0 + e) * 10.0).min(2.0 / 7.0 * 5.0);
+            close(scene.velocity(ball).x, 5.0 - j, 1e-3);
+            close(scene.velocity(ball).y, 10.0 * e, 1e-3);
+            close(-scene.spin(ball).z * 0.05, 2.5 * j, 1e-3);
+        }
+    }
+}
+
+/// Problem 7: balls that touch.
+#[test]
+fn cradles_pass_the_impulse_on() {
+    for count in [5, 20] {
+        let mut scene = Scene::new(0.0, 1.0).weightless();
+        let balls: Vec<usize> = (0..count).map(|k| scene.ball(0.5, Vec3::new(k as f32, 0.0, 0.0))).collect();
+        let first = balls[0];
+        scene.world.bodies[first].pose.position.x = -0.5;
+        scene.throw(first, Vec3::X, Vec3::ZERO);
+        scene.run(2.0);
+        let v: Vec<f32> = balls.iter().map(|ball| scene.velocity(*ball).x).collect();
+        let within = if count == 5 { 1e-3 } else { 1e-2 };
+        close(v[count - 1], 1.0, within);
+        let energy: f32 = v.iter().map(|v| v * v).sum();
+        close(energy, 1.0, 2e-3);
+        if count == 5 {
+            v[..4].iter().for_each(|v| close(*v, 0.0, 1e-3));
+        }
+    }
+}
+
+/// Problem 9.
+#[test]
+fn elastic_ball_leaves_a_moving_wall_with_twice_its_speed() {
+    let mut scene = Scene::new(0.5, 1.0).weightless();
+    scene.kinematic(crate::rigid::shape::Shape::ball(0.5), Vec3::new(-2.0, 0.0, 0.0), Vec3::new(2.0, 0.0, 0.0));
+    let ball = scene.ball(0.5, Vec3::ZERO);
+    scene.run(1.0);
+    close(scene.velocity(ball).x, 4.0, 1e-3);
+}
+
+/// Problem 41.
+#[test]
+fn billiards_leave_along_the_line_of_centres() {
+    let r = 0.05_f32;
+    for step in 0..19 {
+        let offset = 0.1 * step as f32 * r;
+        for gap in 0..5 {
+            let mut scene = Scene::new(0.0, 1.0).weightless();
+            let target = scene.ball(r, Vec3::ZERO);
+            let shooter = scene.ball(r, Vec3::new(-0.4 - 0.021 * gap as f32, offset, 0.0));
+            scene.throw(shooter, Vec3::new(20.0, 0.0, 0.0), Vec3::ZERO);
+            scene.run(0.1);
+            let sine = offset / (2.0 * r);
+            let cosine = (1.0 - sine * sine).sqrt();
+            let line = Vec3::new(cosine, -sine, 0.0);
+            let (v, u) = (scene.velocity(target), scene.velocity(shooter));
+            close(v.length(), 20.0 * cosine, 0.02);
+            assert!(v.normalize().cross(line).length() < 5e-4, "{v} {line} at {offset} {gap}");
+            if sine > 0.0 {
+                close(u.length(), 20.0 * sine, 0.02);
+                assert!(u.normalize().dot(line).abs() < 1e-3, "{u}");
+            }
+            let moment = |i: usize| scene.at(i).cross(scene.velocity(i)) + scene.world.bodies[i].momentum;
+            let change = moment(target) + moment(shooter) - Vec3::new(0.0, 0.0, -20.0 * offset);
+            assert!(change.length() < 1e-4, "{change}");
+        }
+    }
+}
+
+/// Problem 4.
+#[test]
+fn flat_box_bounces_without_spin() {
+    for (e, wanted) in [(0.5, 0.25), (1.0, 1.0)] {
+        for narrow in [false, true] {
+            let mut scene = Scene::new(0.5, e);
+            if narrow {
+                scene.block(Vec3::new(0.375, 0.5, 0.375), crate::rigid::pose::Pose::new(Vec3::new(0.0, -0.5, 0.0), glam::Quat::IDENTITY));
+            } else {
+                scene.floor();
+            }
+            let body = scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, 1.5, 0.0));
+            close(apexes(&mut scene, body, 1.5)[0] - 0.5, wanted, 1e-3);
+            close(scene.spin(body).length(), 0.0, 1e-3);
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Stacks, walls and pyramids of boxes.
+
+use glam::{Quat, Vec3};
+
+use super::scene::{Scene, close};
+use crate::rigid::frame::{energy, kinetic_energy};
+use crate::rigid::pose::Pose;
+use crate::rigid::shape::Shape;
+
+fn stack(scene: &mut Scene, count: usize, edge: f32) -> Vec<usize> {
+    (0..count).map(|k| scene.cuboid(Vec3::splat(0.5 * edge), Vec3::new(0.0, (k as f32 + 0.5) * edge, 0.0))).collect()
+}
+
+/// How far the topmost body is below its ideal place, and beside it.
+fn sink(scene: &Scene, bodies: &[usize], edge: f32) -> (f32, f32) {
+    let top = scene.at(*bodies.last().unwrap());
+    ((bodies.len() as f32 - 0.5) * edge - top.y, top.x.hypot(top.z))
+}
+
+/// Problem 19.
+#[test]
+fn stacks_stand() {
+    for (count, edge, substeps, seconds, wanted, within) in
+        [(10, 1.0, 4, 10.0, 0.0123, 0.001), (18, 1.0, 4, 60.0, 0.041, 0.003), (28, 1.0, 8, 60.0, 0.025, 0.002)]
+    {
+        let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
+        scene.floor();
+        let bodies = stack(&mut scene, count, edge);
+        scene.run(seconds);
+        let (down, aside) = sink(&scene, &bodies, edge);
+        println!("stack {count} {edge} {substeps}: {down} {aside}");
+        close(down, wanted, within);
+        close(aside, 0.0, 1e-3);
+    }
+    for (count, substeps) in [(8, 4), (13, 8)] {
+        let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
+        scene.floor();
+        let bodies = stack(&mut scene, count, 0.1);
+        scene.run(20.0);
+        let (_, aside) = sink(&scene, &bodies, 0.1);
+        println!("stack {count} 0.1 {substeps}: {aside}");
+        close(aside, 0.0, 1e-3);
+    }
+}
+
+/// Problem 20.
+#[test]
+fn overlap_falls_with_the_square_of_the_substeps() {
+    let sinks = [4, 8, 16].map(|substeps| {
+        let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
+        scene.floor();
+        let bodies = stack(&mut scene, 15, 1.0);
+        scene.run(6.0);
+        sink(&scene, &bodies, 1.0).0
+    });
+    println!("{sinks:?}");
+    close(sinks[0] / sinks[1], 4.0, 0.3);
+    close(sinks[1] / sinks[2], 4.0, 0.3);
+}
+
+/// Greatest displacement of all bodies, and the kinetic energy.
+fn settle(scene: &mut Scene, seconds: f32) -> (f32, f64) {
+    let start: Vec<Vec3> = scene.world.bodies.iter().map(|body| body.pose.position).collect();
+    scene.run(seconds);
+    let ends = scene.world.bodies.iter().map(|body| body.pose.position);
+    (start.iter().zip(ends).map(|(a, b)| a.distance(b)).fold(0.0, f32::max), kinetic_energy(&scene.world))
+}
+
+/// Problem 21, 6 s.
+#[test]
+fn pyramid_stands() {
+    for (substeps, most) in [(4, 0.02), (8, 0.005)] {
+        let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
+        scene.floor();
+        for row in 0..20 {
+            for k in 0..20 - row {
+                let x = 1.05 * (k as f32 - 0.5 * (20 - row) as f32);
+                scene.cuboid(Vec3::splat(0.5), Vec3::new(x, row as f32 + 0.5, 0.0));
+            }
+        }
+        let (moved, kinetic) = settle(&mut scene, 6.0);
+        println!("pyramid {substeps}: {moved} {kinetic}");
+        assert!(moved < most && kinetic < 1e-3, "{moved} {kinetic}");
+    }
+}
+
+/// Problem 22: bricks 1 x 0.5 x 0.5 in bond, 6 s.
+#[test]
+fn brick_wall_stands() {
+    for (substeps, most) in [(4, 0.025), (8, 0.006)] {
+        let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
+        scene.floor();
+        for row in 0..16 {
+            for k in 0..8 {
+                let x = k as f32 + 0.5 * (row % 2) as f32;
+                scene.cuboid(Vec3::new(0.5, 0.25, 0.25), Vec3::new(x, 0.5 * row as f32 + 0.25, 0.0));
+            }
+        }
+        let (moved, kinetic) = settle(&mut scene, 6.0);
+        println!("wall {substeps}: {moved} {kinetic}");
+        assert!(moved < most && kinetic < 1e-3, "{moved} {kinetic}");
+    }
+}
+
+/// Problem 23.
+#[test]
+fn heavy_on_light() {
+    for (ratio, substeps, wanted, within) in [(100.0, 4, 0.0155, 0.0015), (1000.0, 8, 0.041, 0.003), (1000.0, 13, 0.016, 0.001)] {
+        let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
+        scene.floor();
+        scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, 0.5, 0.0));
+        let pose = Pose::new(Vec3::new(0.0, 1.5, 0.0), Quat::IDENTITY);
+        let top = scene.body(Shape::cuboid(Vec3::splat(0.5)), pose, ratio);
+        scene.run(5.0);
+        println!("{ratio} on 1, {substeps}: {}", 1.5 - scene.at(top).y);
+        close(1.5 - scene.at(top).y, wanted, within);
+    }
+}
+
+/// Problem 24.
+#[test]
+fn dropped_stack_comes_to_rest() {
+    let mut scene = Scene::new(0.5, 0.5);
+    scene.floor();
+    let bodies: Vec<usize> =
+        (0..10).map(|k| scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, 0.5 + 1.1 * k as f32 + 0.1, 0.0))).collect();
+    let start = energy(&scene.world);
+    let mut before = start;
+    let mut worst = 0.0_f64;
+    for _ in 0..900 {
+        scene.step();
+        let now = energy(&scene.world);
+        worst = worst.max((now - before) / start);
+        before = now;
+    }
+    println!("dropped: {worst:e} {:e} {}", kinetic_energy(&scene.world), scene.at(bodies[9]).y);
+    assert!(worst < 1e-5, "{worst}");
+    assert!(kinetic_energy(&scene.world) < 1e-5);
+    close(scene.at(bodies[9]).y, 9.488, 0.005);
+}
