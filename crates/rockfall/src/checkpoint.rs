@@ -98,6 +98,8 @@ pub struct Checkpoint {
     /// Residues of velocities (docs/physics.md section 5.10) of all spheres in insertion order, then of all rigid bodies. Empty where
     /// steps are not short.
     pub(crate) residues: Vec<[u32; 4]>,
+    /// What the law `rigid` keeps of its bodies and contacts.
+    pub(crate) frames: Vec<u32>,
 }
 
 /// The tangential spring of a contact between two steps.
@@ -184,6 +186,7 @@ impl Checkpoint {
             let springs = springs::read(&mut words)?;
             checkpoint.rates = read_rates(&mut words)?;
             checkpoint.residues = read_residues(&mut words)?;
+            checkpoint.frames = read_frames(&mut words)?;
             let lows = read_lows(&mut words, counts.spheres)?;
             let [tags, flow, bodies, implied] = [words.block()?, words.block()?, words.block()?, words.block()?];
             objects::read(&mut words, &counts, &mut checkpoint.scene)?;
@@ -205,6 +208,7 @@ impl Checkpoint {
         head.extend(springs::bytes(self));
         head.extend(rates(&self.rates));
         head.extend(residues(&self.residues));
+        head.extend(frames(&self.frames));
         head.extend(lows(&self.scene));
         head.extend(tags::bytes(&self.scene));
         head.extend(flow::bytes(self));
@@ -290,6 +294,22 @@ fn read_residues(words: &mut Words) -> Result<Vec<[u32; 4]>, Damage> {
         residues.push(row);
     }
     Ok(residues)
+}
+
+/// What the law `rigid` keeps: the number of words, then the words.
+fn frames(frames: &[u32]) -> Vec<u8> {
+    let mut head = words::Head::default();
+    head.u64(frames.len() as u64);
+    frames.iter().for_each(|word| head.u32(*word));
+    head.bytes
+}
+
+fn read_frames(words: &mut Words) -> Result<Vec<u32>, Damage> {
+    let mut frames = Vec::new();
+    for _ in 0..words.u64()? {
+        frames.push(words.u32()?);
+    }
+    Ok(frames)
 }
 
 /// The low parts of positions: the number of spheres that have them, which is 0 where all of them are 0, then 3 numbers each.

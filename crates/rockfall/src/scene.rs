@@ -67,7 +67,7 @@ pub(crate) use rigid::{BodyState, Frame};
 pub use rigid::{Placement, RigidBody, RigidBodyId};
 pub use run::RunDefaults;
 pub use servo::{Servo, Sought};
-pub(crate) use shape::Core;
+pub(crate) use shape::{BOX_SPHERES, Core};
 pub(crate) use shape::Kinetics;
 pub use shape::{BoxPart, MassProperties, Shape, ShapeBox, ShapeId, ShapeMass, ShapeRod, ShapeSphere};
 pub use shear::Shear;

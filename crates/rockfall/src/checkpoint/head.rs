@@ -27,6 +27,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
         springs: _,
         rates: _,
         residues: _,
+        frames: _,
         fronts,
         kept_laws: _,
         kept_contact_law,
@@ -168,7 +169,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
     scene.run = run::read(words)?;
     let kept_laws = read_laws(words)?;
     let kept_contact_law = read_contact_law(words)?;
-    let (springs, rates, residues) = (Vec::new(), Vec::new(), Vec::new());
+    let (springs, rates, residues, frames) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let checkpoint = Checkpoint {
         scene,
         options,
@@ -182,6 +183,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         springs,
         rates,
         residues,
+        frames,
         fronts,
         kept_laws,
         kept_contact_law,

@@ -1,20 +1,25 @@
 //! Frames of the contact law `rigid`: the scene becomes bodies and colliders, which a solver advances.
 
+use glam::Vec3;
+
 use crate::error::{BadStage, Error, Result};
 use crate::fine::Fine;
 use crate::model::status::Status;
-use crate::rigid::frame::{FrameReport, advance};
+use crate::rigid::frame::{FrameReport, History, advance, auto_substeps};
 use crate::rigid::world::{Body, RigidWorld};
-use crate::scene::{BodyHandles, BodyState, Scene, SphereId};
+use crate::scene::{Body as Part, BodyHandles, BodyState, RunDefaults, Scene, SphereId};
 use crate::simulation::Simulation;
 use crate::step::schedule::Phase;
 
 mod build;
+mod observe;
 mod predict;
 
 pub use predict::HardContacts;
-use predict::auto_substeps;
 pub(in crate::simulation) mod check;
+
+/// Greatest factor of a margin that a checkpoint may have.
+const MOST_MARGIN: f32 = 1e30;
 
 /// Who a body is in the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +37,8 @@ enum Owner {
 pub(in crate::simulation) struct Frames {
     world: RigidWorld,
     owners: Vec<Owner>,
+    /// What each collider is in the scene.
+    parts: Vec<Part>,
     handles: BodyHandles,
     /// Substeps of a frame; 0 before the first frame.
     substeps: u32,
@@ -39,8 +46,38 @@ pub(in crate::simulation) struct Frames {
 
 impl Frames {
     fn of(scene: &Scene) -> Result<Self> {
-        let build::Builder { world, owners, .. } = build::Builder::build(scene)?;
-        Ok(Self { world, owners, handles: BodyHandles::of(scene), substeps: 0 })
+        let build::Builder { world, owners, parts, .. } = build::Builder::build(scene)?;
+        Ok(Self { world, owners, parts, handles: BodyHandles::of(scene), substeps: 0 })
+    }
+
+    /// What a checkpoint keeps beside the scene: the substeps, and of each body its spin and the factor of its margin, then the contacts.
+    fn words(&self) -> Vec<u32> {
+        let mut words = vec![self.substeps, self.world.bodies.len() as u32];
+        for body in &self.world.bodies {
+            words.extend(body.spin.to_array().map(f32::to_bits));
+            words.push(body.margin_scale.to_bits());
+        }
+        words.extend(self.world.history.to_words());
+        words
+    }
+
+    /// Takes over the words of a checkpoint. Returns whether they are those of such bodies.
+    fn put_words(&mut self, words: &[u32]) -> bool {
+        let Some((head, rest)) = words.split_at_checked(2).filter(|(head, _)| head[1] as usize == self.world.bodies.len())
+        else {
+            return false;
+        };
+        let Some((bodies, history)) = rest.split_at_checked(4 * self.world.bodies.len()) else { return false };
+        let Some(history) = History::from_words(history) else { return false };
+        for (body, words) in self.world.bodies.iter_mut().zip(bodies.chunks_exact(4)) {
+            let [x, y, z, scale] = [0, 1, 2, 3].map(|place| f32::from_bits(words[place]));
+            (body.spin, body.margin_scale) = (Vec3::new(x, y, z), scale);
+            if !(body.spin.is_finite() && (1.0..=MOST_MARGIN).contains(&scale)) {
+                return false;
+            }
+        }
+        (self.substeps, self.world.history) = (head[0], history);
+        (1..=RunDefaults::MAX_SUBSTEPS).contains(&self.substeps)
     }
 
     /// Takes over what another world has learnt, if the colliders are the same.
@@ -59,7 +96,7 @@ impl Frames {
         let BodyHandles { declared, implied } = &self.handles;
         for (body, owner) in self.world.bodies.iter().zip(&self.owners) {
             let state = BodyState {
-                position: Fine { high: body.pose.position, low: glam::Vec3::ZERO },
+                position: Fine { high: body.pose.position, low: Vec3::ZERO },
                 velocity: body.velocity,
                 momentum: body.momentum,
                 orientation: body.pose.turn,
@@ -76,7 +113,7 @@ impl Frames {
 
     /// The first sphere of the first body whose state is not finite, by its index.
     fn first_bad(&self, scene: &Scene) -> Option<usize> {
-        let is_finite = |body: &Body| [body.pose.position, body.velocity, body.momentum].into_iter().all(glam::Vec3::is_finite);
+        let is_finite = |body: &Body| [body.pose.position, body.velocity, body.momentum].into_iter().all(Vec3::is_finite);
         let (_, owner) = self.world.bodies.iter().zip(&self.owners).find(|(body, _)| !is_finite(body))?;
         let id = match *owner {
             Owner::World => None,
@@ -112,17 +149,10 @@ impl Simulation {
 
     /// Runs frames of [`Simulation::time_step`] seconds.
     fn run_frames(&mut self, count: u64) -> Result<()> {
-        let mut frames = match self.frames.take() {
-            Some(frames) if !self.frames_due => frames,
-            before => {
-                let mut frames = Frames::of(&self.scene)?;
-                if let Some(before) = before {
-                    frames.keep(*before);
-                }
-                self.frames_due = false;
-                Box::new(frames)
-            }
-        };
+        if self.frames_due || self.frames.is_none() {
+            self.renew_frames()?;
+        }
+        let Some(mut frames) = self.frames.take() else { return Ok(()) };
         let dt = self.time_step;
         if frames.substeps == 0 {
             frames.substeps = self.scene.run.substeps.unwrap_or_else(|| auto_substeps(&frames.world, dt));
@@ -146,6 +176,39 @@ impl Simulation {
             Some(sphere) => Err(Error::NonFinite { sphere, step: self.report.steps, stage: BadStage::from_number(0) }),
             None => Ok(()),
         }
+    }
+
+    /// Makes the bodies anew from the scene. What is known of their contacts stays if the colliders are the same.
+    fn renew_frames(&mut self) -> Result<()> {
+        let mut frames = Frames::of(&self.scene)?;
+        if let Some(before) = self.frames.take() {
+            frames.keep(*before);
+        }
+        (self.frames, self.frames_due) = (Some(Box::new(frames)), false);
+        Ok(())
+    }
+
+    /// What a checkpoint keeps of the bodies of the law `rigid`; empty before the first frame.
+    pub(in crate::simulation) fn frame_words(&self) -> Vec<u32> {
+        self.frames.as_ref().filter(|frames| frames.substeps > 0).map(|frames| frames.words()).unwrap_or_default()
+    }
+
+    /// Goes on with what a checkpoint keeps of the bodies of the law `rigid`.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if it does not fit the scene.
+    pub(in crate::simulation) fn put_frame_words(&mut self, words: &[u32]) -> Result<()> {
+        (self.frames, self.frames_due) = (None, true);
+        if words.is_empty() || !self.has_frames() {
+            return Ok(());
+        }
+        let mut frames = Frames::of(&self.scene)?;
+        if !frames.put_words(words) {
+            let value = format!("{} words of hard contacts", words.len());
+            return Err(Error::Invalid { field: "checkpoint", value, expected: "the contacts of the bodies of its scene" });
+        }
+        (self.frames, self.frames_due) = (Some(Box::new(frames)), false);
+        Ok(())
     }
 
     fn book_frame(&mut self, frame: FrameReport) {

@@ -79,6 +79,7 @@ impl Simulation {
             springs,
             rates,
             residues,
+            frames: self.frame_words(),
             fronts: self.planes.bases().to_vec(),
             kept_laws: Vec::new(),
             kept_contact_law: None,
@@ -118,7 +119,7 @@ impl Simulation {
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
         let simulation = Self::assemble(take(&mut checkpoint.scene), take(&mut checkpoint.options), world, engine, info);
-        Ok(simulation.with_history(&checkpoint))
+        simulation.with_history(&checkpoint)
     }
 
     /// [`Simulation::resume`] on the caller's wgpu device; see [`Simulation::on_device`].
@@ -131,7 +132,7 @@ impl Simulation {
         checkpoint.scene.imply_bodies();
         let (scene, options) = (take(&mut checkpoint.scene), take(&mut checkpoint.options));
         let simulation = Self::on_device_as_is(scene, options, (checkpoint.time_step, &kept(&checkpoint)), device, queue)?;
-        Ok(simulation.with_history(&checkpoint))
+        simulation.with_history(&checkpoint)
     }
 
     /// [`Simulation::resume`] on a GPU that others share.
@@ -146,7 +147,7 @@ impl Simulation {
         refuse_gpu(&checkpoint.scene)?;
         let engine = Engine::on(gpu, &world)?;
         let simulation = Self::assemble(take(&mut checkpoint.scene), options, world, engine, info.clone());
-        Ok(simulation.with_history(&checkpoint))
+        simulation.with_history(&checkpoint)
     }
 
     /// Replaces the state by that of a checkpoint, without opening a device again. Handles of the simulation that took the
@@ -172,18 +173,19 @@ impl Simulation {
         (self.dirty, self.synced, self.forces_synced) = (Dirty::Clean, true, true);
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
-        (self.frames, self.frames_due) = (None, true);
         self.apply_history(checkpoint);
+        self.put_frame_words(&checkpoint.frames)?;
         self.rebuild(&kept(checkpoint))?;
         self.status.collided = 0;
         Ok(())
     }
 
     /// Continues with what a checkpoint has beside its scene, its options and its springs.
-    fn with_history(mut self, checkpoint: &Checkpoint) -> Self {
+    fn with_history(mut self, checkpoint: &Checkpoint) -> Result<Self> {
         self.apply_history(checkpoint);
+        self.put_frame_words(&checkpoint.frames)?;
         self.disorder = Disorder::sorted_at(checkpoint.report.steps);
-        self
+        Ok(self)
     }
 
     fn apply_history(&mut self, checkpoint: &Checkpoint) {

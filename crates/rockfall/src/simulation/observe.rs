@@ -97,6 +97,9 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn max_overlap(&mut self) -> Result<MaxOverlap> {
+        if self.has_frames() {
+            return self.rigid_overlap();
+        }
         let (scene, world) = self.observed(Detail::Pairs)?;
         Ok(deepest(scene, world, |_, _, _, _| true))
     }
@@ -108,6 +111,9 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn resting_overlap(&mut self) -> Result<MaxOverlap> {
+        if self.has_frames() {
+            return self.rigid_overlap();
+        }
         let (scene, world) = self.observed(Detail::Collisions)?;
         let (_, lists) = view_and_lists(world);
         Ok(deepest(scene, world, |view, mover, entry, touch| {
@@ -126,6 +132,9 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn contacts(&mut self) -> Result<Vec<Contact>> {
+        if self.has_frames() {
+            return self.rigid_contacts();
+        }
         let (scene, world) = self.observed(Detail::Springs)?;
         let (view, lists) = view_and_lists(world);
         // Forces take the velocities of the integrator.
@@ -159,6 +168,9 @@ impl Simulation {
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn diagnostics(&mut self) -> Result<Vec<SphereDiagnostics>> {
+        if self.has_frames() {
+            return self.rigid_diagnostics();
+        }
         let (_, world) = self.observed(Detail::Forces)?;
         let (view, lists) = view_and_lists(world);
         let histories = Histories::of(world);

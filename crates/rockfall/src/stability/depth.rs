@@ -9,7 +9,7 @@ use std::fmt;
 use glam::{DVec2, DVec3};
 
 use crate::scene::{BondedSets, Scene, Sphere};
-use crate::settings::{Integrator, Settings};
+use crate::settings::{ContactLaw, Integrator, Settings};
 use crate::stability::{Crowd, at_most, nearest, rounded_down, rounded_up};
 
 /// Largest overlap of one resting body, as a share of the smallest radius, that causes no warning. Under the weight of others
@@ -132,7 +132,7 @@ impl Scene {
         let crowd = self.crowd();
         let [gravity, force] = [settings.gravity.abs(), settings.contact_force].map(f64::from);
         // Without a contact force no body is meant to rest.
-        let other_law = settings.contact_law.has_history();
+        let other_law = settings.contact_law != ContactLaw::Thesis;
         if other_law || force <= 0.0 || settings.resting_overlap > 0.0 || crowd == Crowd::None {
             return None;
         }
@@ -178,6 +178,9 @@ impl Scene {
 
     /// Constants with which bodies at rest overlap by less than 2 % of their radius; `None` if nothing presses them.
     pub fn remedy(&self, integrator: Integrator) -> Option<Remedy> {
+        if self.is_rigid() {
+            return None;
+        }
         let mut scene = Self { settings: self.settings, ..self.clone() };
         scene.settings.resting_overlap = 0.02;
         let settings = scene.resolved_settings();

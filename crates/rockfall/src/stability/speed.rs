@@ -73,6 +73,10 @@ impl Scene {
     /// - for a box: r plus half its thickness. Beyond that distance the far side is nearer;
     /// - for a polygon: r, because a centre behind it is not in contact.
     pub fn tunnelling(&self, dt: f32) -> Option<Tunnelling> {
+        if self.is_rigid() {
+            // Its solver sees the whole path of a frame.
+            return None;
+        }
         let movers = || self.spheres().iter().filter(|sphere| !sphere.fixed);
         let radius = movers().map(|sphere| f64::from(sphere.radius)).fold(f64::INFINITY, f64::min);
         let wall_speed = self.greatest_wall_speed();

@@ -7,6 +7,8 @@ use crate::rigid::frame::contacts::{Block, Contacts, Impulse, LEFT_OVER, Pair};
 use crate::rigid::frame::detect::least_radius;
 use crate::rigid::frame::refresh::tangents;
 
+mod kept;
+
 /// Contacts at the end of the last frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct History {

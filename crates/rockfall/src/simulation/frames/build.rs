@@ -9,13 +9,15 @@ use crate::error::Result;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
-use crate::scene::{AnyForm, Cuboid, MaterialId, Polygon, Scene, Surface as WallSurface, WholeBody};
+use crate::scene::{AnyForm, BOX_SPHERES, Body as Part, Cuboid, MaterialId, Polygon, Scene, Surface as WallSurface, WholeBody};
 
 /// A world under construction, and who its bodies are in the scene.
 pub(super) struct Builder<'a> {
     scene: &'a Scene,
     pub(super) world: RigidWorld,
     pub(super) owners: Vec<Owner>,
+    /// What each collider is in the scene.
+    pub(super) parts: Vec<Part>,
     /// Numbers of the shapes that are known, by the bits of their sizes.
     shapes: HashMap<[u32; 8], u32>,
 }
@@ -25,7 +27,7 @@ impl<'a> Builder<'a> {
     /// as a whole, in order of addition.
     pub(super) fn build(scene: &'a Scene) -> Result<Self> {
         let world = RigidWorld { bodies: vec![Body::fixed(Kind::World, Pose::IDENTITY)], ..RigidWorld::default() };
-        let mut builder = Self { scene, world, owners: vec![Owner::World], shapes: HashMap::new() };
+        let mut builder = Self { scene, world, owners: vec![Owner::World], parts: Vec::new(), shapes: HashMap::new() };
         builder.world.gravity = scene.settings.gravity * scene.settings.gravity_direction;
         builder.surfaces();
         builder.walls()?;
@@ -53,21 +55,22 @@ impl<'a> Builder<'a> {
 
     /// Colliders of the world: boxes, polygons and fixed spheres.
     fn walls(&mut self) -> Result<()> {
-        for cuboid in self.scene.boxes() {
+        for (id, cuboid) in self.scene.box_ids().zip(self.scene.boxes()) {
             let (half, place) = half_and_place(cuboid);
-            let velocity = place.turn.inverse() * cuboid.surface_velocity;
             let shape = self.shape(Core::Box { half }, 0.0);
-            self.collider(0, shape, place, cuboid.group, cuboid.material)?.surface_velocity = place.turn * velocity;
+            let collider = self.collider(Part::Box(id), 0, shape, place, (cuboid.group, cuboid.material))?;
+            collider.surface_velocity = cuboid.surface_velocity;
         }
-        for polygon in self.scene.polygons() {
+        for (id, polygon) in self.scene.polygon_ids().zip(self.scene.polygons()) {
             let (core, place) = core_and_place(polygon);
             let shape = self.shape(core, 0.0);
-            self.collider(0, shape, place, polygon.group, polygon.material)?.surface_velocity = polygon.surface_velocity;
+            let collider = self.collider(Part::Polygon(id), 0, shape, place, (polygon.group, polygon.material))?;
+            collider.surface_velocity = polygon.surface_velocity;
         }
-        for sphere in self.scene.spheres().iter().filter(|sphere| sphere.fixed) {
+        for (id, sphere) in self.scene.sphere_ids().zip(self.scene.spheres()).filter(|(_, sphere)| sphere.fixed) {
             let shape = self.shape(Core::Point, sphere.radius);
             let place = Pose::new(sphere.position, sphere.orientation);
-            self.collider(0, shape, place, sphere.group, sphere.material)?;
+            self.collider(Part::Sphere(id), 0, shape, place, (sphere.group, sphere.material))?;
         }
         Ok(())
     }
@@ -82,9 +85,10 @@ impl<'a> Builder<'a> {
             let moments = Vec3::splat(sphere.inertia());
             let mut body = Body::loose(pose, sphere.mass, moments, glam::Quat::IDENTITY);
             (body.velocity, body.momentum, body.force) = (sphere.velocity, sphere.angular_momentum, sphere.force);
+            body.spin = body.inverse_inertia * body.momentum;
             let shape = self.shape(Core::Point, sphere.radius);
             let number = self.add(body, Owner::Sphere(id));
-            self.collider(number, shape, Pose::IDENTITY, sphere.group, sphere.material)?;
+            self.collider(Part::Sphere(id), number, shape, Pose::IDENTITY, (sphere.group, sphere.material))?;
             self.measure(number);
         }
         Ok(())
@@ -97,6 +101,7 @@ impl<'a> Builder<'a> {
         let pose = Pose::new(state.position.high, state.orientation);
         let mut body = Body::loose(pose, kinetics.mass as f32, kinetics.moments.as_vec3(), kinetics.axes.as_quat());
         (body.velocity, body.momentum) = (state.velocity, state.momentum);
+        body.spin = body.inverse_inertia * body.momentum;
         (body.force, body.torque) = self.external(whole);
         let number = self.add(body, Owner::Body(number));
         // Places from the centre of mass, in coordinates of the body.
@@ -124,18 +129,21 @@ impl<'a> Builder<'a> {
             }
             let (half, place) = segment(places[one], places[other]);
             let shape = self.shape(Core::Segment { half }, rod.radius);
-            self.collider(number, shape, place, rod.group, rod.material)?;
+            self.collider(Part::Rod(*id), number, shape, place, (rod.group, rod.material))?;
         }
         for ((id, place), _) in own.zip(&covered).filter(|(_, covered)| !**covered) {
             let sphere = self.scene.sphere(*id)?;
             let shape = self.shape(Core::Point, sphere.radius);
-            self.collider(number, shape, Pose::new(place.as_vec3(), glam::Quat::IDENTITY), sphere.group, sphere.material)?;
+            let place = Pose::new(place.as_vec3(), glam::Quat::IDENTITY);
+            self.collider(Part::Sphere(*id), number, shape, place, (sphere.group, sphere.material))?;
         }
-        for part in boxes {
+        // A box of a body goes by the name of the sphere that stands for its solid.
+        let solids = whole.spheres[places.len()..].iter().step_by(BOX_SPHERES);
+        for (part, solid) in boxes.iter().zip(solids) {
             let core = part.core(0.0);
             let shape = self.shape(Core::Box { half: core.sharp().as_vec3() }, 0.0);
             let place = Pose::new((core.centre - kinetics.centre).as_vec3(), core.turn.as_quat());
-            self.collider(number, shape, place, part.cuboid.group, part.cuboid.material)?;
+            self.collider(Part::Sphere(*solid), number, shape, place, (part.cuboid.group, part.cuboid.material))?;
         }
         self.measure(number);
         Ok(())
@@ -182,13 +190,14 @@ impl<'a> Builder<'a> {
 
     fn collider(
         &mut self,
+        part: Part,
         body: u32,
         shape: u32,
         place: Pose,
-        group: u16,
-        material: Option<MaterialId>,
+        (group, material): (u16, Option<MaterialId>),
     ) -> Result<&mut Collider> {
         let material = self.scene.material_number(material)?;
+        self.parts.push(part);
         self.world.colliders.push(Collider { body, shape, place, group, material, surface_velocity: Vec3::ZERO });
         let last = self.world.colliders.len() - 1;
         Ok(&mut self.world.colliders[last])

@@ -8,7 +8,8 @@ use super::check::check;
 use crate::error::Result;
 use crate::options::Options;
 use crate::report::short_number;
-use crate::rigid::world::{Kind, RigidWorld};
+use crate::rigid::frame::auto_substeps;
+use crate::rigid::world::Kind;
 use crate::scene::Scene;
 
 /// How the solver of the contact law `rigid` takes a scene (docs/physics.md section 11).
@@ -59,11 +60,4 @@ impl fmt::Display for HardContacts {
         }
         Ok(())
     }
-}
-
-pub(super) fn auto_substeps(world: &RigidWorld, dt: f32) -> u32 {
-    let moving = world.bodies.iter().filter(|body| body.kind == Kind::Dynamic);
-    let width = moving.map(|body| body.width).fold(f32::INFINITY, f32::min);
-    let wanted = (dt * (world.gravity.length() / width).sqrt() / 0.0135).ceil();
-    (wanted as u32).clamp(4, 32)
 }

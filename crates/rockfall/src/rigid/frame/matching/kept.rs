@@ -1,0 +1,67 @@
+//! The history of contacts as words, for checkpoints, and the impulses of pairs, for observers.
+
+use glam::Vec3;
+
+use super::{History, OldPair, OldPoint};
+use crate::rigid::collide::MOST_POINTS;
+
+impl History {
+    /// Everything as words, which [`History::from_words`] reads back to the same bits.
+    pub(crate) fn to_words(&self) -> Vec<u32> {
+        let mut words = vec![self.frames, self.substep.to_bits(), self.pairs.len() as u32];
+        for OldPair { colliders, first, count } in &self.pairs {
+            words.extend([colliders[0], colliders[1], *count]);
+            for point in &self.points[*first as usize..(first + count) as usize] {
+                words.push(point.id);
+                words.extend(point.on_a.to_array().map(f32::to_bits));
+                words.push(point.normal.to_bits());
+                words.extend(point.tangent.to_array().map(f32::to_bits));
+            }
+        }
+        words.push(self.colours.len() as u32);
+        words.extend(self.colours.iter().flat_map(|([a, b], colour)| [*a, *b, u32::from(*colour)]));
+        words
+    }
+
+    /// Reads a history. `None` if the words are not one: of another length, with numbers that are not finite, or not in order.
+    pub(crate) fn from_words(words: &[u32]) -> Option<Self> {
+        let mut words = words.iter().copied();
+        let mut history = Self { frames: words.next()?, substep: number(words.next()?)?, ..Self::default() };
+        for _ in 0..words.next()? {
+            let (colliders, count) = ([words.next()?, words.next()?], words.next()?);
+            let is_in_order = history.pairs.last().is_none_or(|last| last.colliders < colliders);
+            if !is_in_order || count as usize > MOST_POINTS {
+                return None;
+            }
+            history.pairs.push(OldPair { colliders, first: history.points.len() as u32, count });
+            for _ in 0..count {
+                let id = words.next()?;
+                let mut vector = || Some(Vec3::new(number(words.next()?)?, number(words.next()?)?, number(words.next()?)?));
+                let on_a = vector()?;
+                let normal = number(words.next()?)?;
+                let tangent = Vec3::new(number(words.next()?)?, number(words.next()?)?, number(words.next()?)?);
+                history.points.push(OldPoint { id, on_a, normal, tangent });
+            }
+        }
+        for _ in 0..words.next()? {
+            let (bodies, colour) = ([words.next()?, words.next()?], u8::try_from(words.next()?).ok()?);
+            if history.colours.last().is_some_and(|(last, _)| *last >= bodies) {
+                return None;
+            }
+            history.colours.push((bodies, colour));
+        }
+        words.next().is_none().then_some(history)
+    }
+
+    /// The force of each point of a pair at the end of the last frame: its id, and the force on body b along the axes of the world,
+    /// with the normal of the pair.
+    pub(crate) fn forces(&self, colliders: [u32; 2], normal: Vec3) -> impl Iterator<Item = (u32, Vec3)> {
+        let rate = if self.substep > 0.0 { self.substep.recip() } else { 0.0 };
+        let points = self.pair(colliders).unwrap_or_default().iter();
+        points.map(move |point| (point.id, rate * (point.normal * normal + point.tangent)))
+    }
+}
+
+fn number(word: u32) -> Option<f32> {
+    Some(f32::from_bits(word)).filter(|number| number.is_finite())
+}

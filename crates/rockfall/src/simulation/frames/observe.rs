@@ -1,0 +1,138 @@
+//! Contacts of the present state under the law `rigid`.
+
+use glam::Vec3;
+
+use super::Frames;
+use crate::error::Result;
+use crate::rigid::broad::pairs;
+use crate::rigid::collide::collide;
+use crate::rigid::pose::Pose;
+use crate::scene::{Body as Part, Scene, Sphere};
+use crate::simulation::observe::{Contact, ContactAction};
+use crate::simulation::{MaxOverlap, Simulation, SphereDiagnostics};
+
+/// A contact point that overlaps.
+struct Touch {
+    colliders: [u32; 2],
+    point: Vec3,
+    /// From a to b.
+    normal: Vec3,
+    overlap: f32,
+    /// Force on b at the end of the last frame.
+    force: Vec3,
+}
+
+impl Frames {
+    /// The place of a collider in the world.
+    fn place(&self, collider: u32) -> Pose {
+        let collider = &self.world.colliders[collider as usize];
+        self.world.bodies[collider.body as usize].pose.compose(&collider.place)
+    }
+
+    /// All contact points that overlap, in the order of their colliders.
+    fn touches(&self) -> Vec<Touch> {
+        let world = &self.world;
+        let shape = |collider: u32| &world.shapes[world.colliders[collider as usize].shape as usize];
+        let boxes: Vec<_> = (0..world.colliders.len() as u32).map(|at| shape(at).aabb(&self.place(at))).collect();
+        let may_touch = |a: usize, b: usize| {
+            let [a, b] = [a, b].map(|at| &world.colliders[at]);
+            let has_mass = |body: u32| world.bodies[body as usize].inverse_mass > 0.0;
+            a.body != b.body && a.group == b.group && (has_mass(a.body) || has_mass(b.body))
+        };
+        let mut found = Vec::new();
+        for (a, b) in pairs(&boxes, may_touch) {
+            let place = self.place(a);
+            let Some(manifold) = collide(shape(a), shape(b), &place.relative(&self.place(b)), 0.0) else { continue };
+            let normal = place.turn * manifold.normal;
+            for point in &manifold.points[..manifold.count] {
+                let overlap = -(point.on_b - point.on_a).dot(manifold.normal);
+                let force = world.history.forces([a, b], normal).find(|(id, _)| *id == point.id);
+                let middle = place.point(0.5 * (point.on_a + point.on_b));
+                let force = force.map_or(Vec3::ZERO, |(_, force)| force);
+                found.push(Touch { colliders: [a, b], point: middle, normal, overlap, force });
+            }
+        }
+        found
+    }
+}
+
+impl Simulation {
+    /// The bodies of the present state, of whose contacts nothing may be known yet.
+    fn present_frames(&mut self) -> Result<(&Frames, &Scene)> {
+        self.sync()?;
+        if self.frames_due || self.frames.is_none() {
+            self.renew_frames()?;
+        }
+        let Some(frames) = &self.frames else { unreachable!("they were renewed") };
+        Ok((frames, &self.scene))
+    }
+
+    pub(in crate::simulation) fn rigid_contacts(&mut self) -> Result<Vec<Contact>> {
+        let (frames, scene) = self.present_frames()?;
+        let contact = |touch: Touch| {
+            let Touch { colliders, point, normal, overlap, force } = touch;
+            let [a, b] = colliders.map(|at| frames.parts[at as usize]);
+            // The order spheres, rods, boxes, polygons, and by number.
+            let is_turned = rank(scene, a) > rank(scene, b);
+            let (a, b, sign) = if is_turned { (b, a, -1.0) } else { (a, b, 1.0) };
+            Contact { a, b, point, normal: sign * normal, overlap, action: ContactAction::Force(sign * force), springs: None }
+        };
+        let mut contacts: Vec<Contact> = frames.touches().into_iter().map(contact).collect();
+        contacts.sort_by_key(|contact| (rank(scene, contact.a), rank(scene, contact.b)));
+        Ok(contacts)
+    }
+
+    /// The deepest overlap, in units, and in half the least edge or diameter of the smaller body.
+    pub(in crate::simulation) fn rigid_overlap(&mut self) -> Result<MaxOverlap> {
+        let (frames, _) = self.present_frames()?;
+        let mut deepest = MaxOverlap::default();
+        for touch in frames.touches() {
+            let widths = touch.colliders.map(|at| {
+                let body = &frames.world.bodies[frames.world.colliders[at as usize].body as usize];
+                if body.inverse_mass > 0.0 { body.width } else { f32::INFINITY }
+            });
+            let share = touch.overlap / (0.5 * widths[0].min(widths[1]));
+            deepest.units = deepest.units.max(touch.overlap);
+            if share > deepest.radii {
+                deepest.radii = share;
+                deepest.bodies = Some(touch.colliders.map(|at| frames.parts[at as usize]));
+            }
+        }
+        Ok(deepest)
+    }
+
+    /// Of each sphere the contacts of the collider that goes by its name, and its weight with the forces of these contacts.
+    pub(in crate::simulation) fn rigid_diagnostics(&mut self) -> Result<Vec<SphereDiagnostics>> {
+        let contacts = self.rigid_contacts()?;
+        let gravity = self.gravity();
+        let scene = &self.scene;
+        let of_sphere = |sphere: &Sphere| SphereDiagnostics {
+            net_force: if sphere.fixed { Vec3::ZERO } else { sphere.mass * gravity + sphere.force },
+            ..SphereDiagnostics::default()
+        };
+        let mut values: Vec<SphereDiagnostics> = scene.spheres().iter().map(of_sphere).collect();
+        for contact in contacts {
+            let ContactAction::Force(force) = contact.action else { continue };
+            for (part, force) in [(contact.a, -force), (contact.b, force)] {
+                let Part::Sphere(id) = part else { continue };
+                let index = scene.spheres.index(id)?;
+                values[index].contacts += 1;
+                values[index].deepest_overlap = values[index].deepest_overlap.max(contact.overlap);
+                if !scene.spheres()[index].fixed {
+                    values[index].net_force += force;
+                }
+            }
+        }
+        Ok(values)
+    }
+}
+
+/// The place of a part in the order spheres, rods, boxes, polygons.
+fn rank(scene: &Scene, part: Part) -> (u32, usize) {
+    match part {
+        Part::Sphere(id) => (0, scene.spheres.index(id).unwrap_or_default()),
+        Part::Rod(id) => (1, scene.rods.index(id).unwrap_or_default()),
+        Part::Box(id) => (2, scene.boxes.index(id).unwrap_or_default()),
+        Part::Polygon(id) => (3, scene.polygons.index(id).unwrap_or_default()),
+    }
+}
