@@ -162,7 +162,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE", conflicts_with = "scene")]
     resume: Option<PathBuf>,
     /// With --resume, also write to outputs of the checkpoint that are not below its folder
-    #[arg(long, requires = "resume")]
+    #[arg(long, requires = "resume", conflicts_with = "scene")]
     outputs_as_recorded: bool,
     /// Print one JSON object instead of the summary
     #[arg(long)]

@@ -143,10 +143,9 @@ fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Fai
         ("--gauges", files::GAUGES, &mut wanted.gauges, &past.gauges),
         ("--bodies", files::BODIES, &mut wanted.bodies, &past.bodies),
     ] {
-        if recorded.take(option, known, file, before.as_ref())? {
-            wanted.every = wanted.every.or(past.every);
-        }
+        recorded.take(option, known, file, before.as_ref())?;
     }
+    wanted.every = wanted.every.or(past.every);
     if recorded.take("--trace", files::TRACE, &mut wanted.trace, past.trace.as_ref())? {
         wanted.trace_every = wanted.trace_every.or(past.trace_every);
     }

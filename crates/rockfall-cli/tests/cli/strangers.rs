@@ -54,7 +54,7 @@ fn a_checkpoint_names_no_file_of_another_kind() {
         assert_eq!(rockfall.read(".bashrc"), "mine");
     }
     let (_, err) = rockfall.run("run scene.txt --outputs-as-recorded", 2);
-    assert!(err.contains("--resume"), "{err}");
+    assert!(err.contains("'[SCENE]' cannot be used with '--outputs-as-recorded'"), "{err}");
 }
 
 #[cfg(unix)]

@@ -377,7 +377,8 @@ fn several_bodies_are_plotted_together() {
 /// A thrown sphere has a material of the scene, without which the law `hertz-mindlin` would refuse it.
 #[test]
 fn a_thrown_sphere_has_a_material_of_the_scene() {
-    let wood = "set contact_law hertz-mindlin\n@material wood density=600 young=5e6 poisson=0.3\n@use wood\n";
+    let wood = "set contact_law hertz-mindlin\n@material wood density=600 young=5e6 poisson=0.3\n@use wood\n\
+                @pair wood wood friction=0.4\n";
     let mut viewer = viewer(&format!("{wood}{BALL}"));
     viewer.session.throw(Vec3::new(3.0, 3.0, 0.0), Vec3::Z);
     viewer.session.single_step();
