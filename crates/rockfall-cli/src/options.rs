@@ -149,7 +149,7 @@ impl Physics {
 
     /// Applies `--set` to a scene's settings.
     pub(crate) fn change(&self, settings: &mut Settings) -> Result<(), rockfall::Error> {
-        self.set.iter().try_for_each(|setting| settings.set(&setting.name, &setting.value))
+        settings.set_all(self.set.iter().map(|setting| (setting.name.as_str(), setting.value.as_str())))
     }
 }
 

@@ -189,6 +189,18 @@ impl Settings {
         self
     }
 
+    /// Sets constants by their names, as [`Settings::set`] does, the contact law before all others: what follows from the law then
+    /// does not replace what is given, whatever the order.
+    ///
+    /// # Errors
+    /// As for [`Settings::set`]. Some constants are set then.
+    pub fn set_all<'a>(&mut self, constants: impl Iterator<Item = (&'a str, &'a str)> + Clone) -> Result<()> {
+        let (laws, others) = (constants.clone(), constants);
+        let is_law = |name: &str| name == "contact_law";
+        laws.filter(|(name, _)| is_law(name)).try_for_each(|(name, value)| self.set(name, value))?;
+        others.filter(|(name, _)| !is_law(name)).try_for_each(|(name, value)| self.set(name, value))
+    }
+
     /// The settings that a contact law sets when it is set by name.
     pub(crate) const FOLLOW_LAW: [&str; 3] = ["collisions", "restitution", "coulomb_friction"];
 

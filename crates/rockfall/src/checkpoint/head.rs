@@ -206,10 +206,11 @@ fn settings(head: &mut Head, settings: &Settings) {
 
 fn read_settings(words: &mut Words) -> Result<Settings, Damage> {
     let mut settings = Settings::default();
+    let mut constants = Vec::new();
     for _ in 0..words.u32()? {
-        let (name, value) = (words.text()?, words.text()?);
-        settings.set(&name, &value)?;
+        constants.push((words.text()?, words.text()?));
     }
+    settings.set_all(constants.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
     settings.gravity_direction = words.vec3()?;
     settings.validate()?;
     Ok(settings)

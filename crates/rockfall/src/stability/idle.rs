@@ -7,7 +7,8 @@ impl Scene {
     /// The constants that differ from their defaults and have no effect in this scene, with the reason for each.
     pub fn idle_settings(&self) -> Vec<(&'static str, String)> {
         let Settings { contact_law: law, collisions, coulomb_friction, gravity, .. } = self.settings;
-        let of_law = law.has_history().then(|| format!("contact law {law} does not use it"));
+        let of_law = (law != ContactLaw::Thesis).then(|| format!("contact law {law} does not use it"));
+        let of_rigid = of_law.clone().filter(|_| law == ContactLaw::Rigid);
         let of_impulses = (!collisions).then(|| match law {
             ContactLaw::Thesis => "collisions are off".to_owned(),
             _ => format!("collisions are off, because contact law {law} computes the whole impact"),
@@ -18,11 +19,14 @@ impl Scene {
         let of_friction = of_friction.then(|| "coulomb_friction takes its place".to_owned());
         let of_meshes = self.polygons().iter().all(|polygon| polygon.surface != Surface::Triangle);
         let reasons = [
-            ("activation_threshold", of_impulses.clone()),
+            ("collisions", of_rigid.clone()),
+            ("linear_damping", of_rigid.clone()),
+            ("angular_damping", of_rigid.clone()),
+            ("activation_threshold", of_rigid.clone().or(of_impulses.clone())),
             // A law with history takes it for pairs that have none.
             ("restitution", of_impulses.clone().filter(|_| law == ContactLaw::Thesis)),
-            ("collision_friction", of_impulses.clone()),
-            ("continuous_collisions", of_impulses),
+            ("collision_friction", of_rigid.clone().or(of_impulses.clone())),
+            ("continuous_collisions", of_rigid.or(of_impulses)),
             ("contact_damping", of_law.clone()),
             ("contact_force", of_law.clone()),
             ("contact_pull", of_law.clone()),

@@ -17,6 +17,7 @@ mod errata;
 mod faults;
 mod force_laws;
 mod gauges;
+mod hard;
 mod laws;
 mod meshes;
 mod periodic;

@@ -55,7 +55,7 @@ impl Session {
         if warnings.len() > SHOWN_WARNINGS {
             self.tell(Level::Warning, format!("{name}: {} more warnings", warnings.len() - SHOWN_WARNINGS));
         }
-        let changed = self.overrides.iter().try_for_each(|(name, value)| scene.settings.set(name, value));
+        let changed = scene.settings.set_all(self.overrides.iter().map(|(name, value)| (name.as_str(), value.as_str())));
         if self.ok_or_report(changed).is_none() {
             return false;
         }

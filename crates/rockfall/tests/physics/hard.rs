@@ -1,0 +1,177 @@
+//! The contact law `rigid` through the doors of the library (docs/physics.md section 11): scene text, frames, substeps, observations,
+//! checkpoints and refusals. The problems of the solver itself are tested beside it.
+
+use std::path::Path;
+
+use rockfall::{Backend, Checkpoint, ContactAction, Error, Options, Scene, Simulation};
+
+const FRAME: f32 = 1.0 / 60.0;
+
+fn scene(text: &str) -> Scene {
+    Scene::parse(&format!("set contact_law rigid\nset gravity 9.81\n{text}"), Path::new("test")).expect("a valid scene").scene
+}
+
+fn open(text: &str) -> Simulation {
+    Simulation::with_options(scene(text), Options::new().backend(Backend::Cpu)).expect("it opens")
+}
+
+const FLOOR: &str = "B -20 -1 -20 40 0 0 0 1 0 0 0 40\n";
+const CUBE: &str = "@body cube mass=1\nB -0.5 -0.5 -0.5 1 0 0 0 1 0 0 0 1\n@end\n";
+
+fn stack(count: usize) -> String {
+    let cubes: String = (0..count).map(|number| format!("@place cube at=0,{},0\n", number as f32 + 0.5)).collect();
+    format!("{FLOOR}{CUBE}{cubes}")
+}
+
+/// Cubes of 1 m in a stack sink by N (N - 1) / 2 of 0.266 mm, and N of 0.033 mm on the floor (section 11).
+#[test]
+fn a_stack_of_cubes_stands_and_sinks_as_its_springs_say() {
+    let mut simulation = open(&stack(10));
+    simulation.run(600, FRAME).expect("10 s");
+    assert_eq!(simulation.substeps(), Some(4));
+    let top = simulation.sync().expect("states").bodies().last().expect("ten cubes").clone();
+    let sink = 9.5 - top.position.y;
+    assert!((sink - 0.0123).abs() < 0.001, "{sink}");
+    assert!(top.position.x.hypot(top.position.z) < 1e-3, "{}", top.position);
+    // Each contact carries the weight above it.
+    let contacts = simulation.contacts().expect("contacts");
+    let on_floor = contacts.iter().filter(|contact| contact.b.kind() == "box");
+    let force = |action| if let ContactAction::Force(force) = action { force } else { panic!("{action:?}") };
+    let carried: f32 = on_floor.clone().map(|contact| force(contact.action).y).sum();
+    assert_eq!(on_floor.count(), 4);
+    assert!((carried + 98.1).abs() < 0.2, "{carried}");
+    let overlap = simulation.max_overlap().expect("overlaps").units;
+    assert!(overlap > 0.002 && overlap < 0.004, "{overlap}");
+}
+
+/// A ball with e = 0.5 that falls from 1 m returns to 0.25 m.
+#[test]
+fn a_ball_returns_as_its_restitution_says() {
+    let mut simulation = open(&format!("set restitution 0.5\n{FLOOR}S 1 0 1.5 0 0 0 0 0 0 0 1 0.5\n"));
+    let mut apex = 0.0_f32;
+    for frame in 0..60 {
+        simulation.run(1, FRAME).expect("a frame");
+        let height = simulation.spheres().expect("states")[0].position.y - 0.5;
+        // It lands after 0.4515 s.
+        apex = if frame > 30 { apex.max(height) } else { 0.0 };
+    }
+    // The apex lies between two frames.
+    assert!(apex < 0.2501 && apex > 0.249, "{apex}");
+}
+
+/// Loose spheres, capsules, clumps and bodies of boxes meet planes, boxes and each other, and none is lost.
+#[test]
+fn bodies_of_all_kinds_come_to_rest() {
+    let text = format!(
+        "{FLOOR}P -20 -2 -20 0 0 40 40 0 0\n{CUBE}@body jack mass=1\nS 1 -0.4 0 0 0 0 0 0 0 0 - 0.2\nS 2 0.4 0 0 0 0 0 0 0 0 - 0.2\n\
+         S 3 0 0.4 0 0 0 0 0 0 0 - 0.2\n@end\n@place cube at=0,1,0 axis=1,2,3 turn=40\n@place jack at=0.1,3,0.2\n\
+         S 1 3 2 0 0 0 0 0 0 0 1 0.5\nC -3 2 0 -2 2.2 0 0 0 0 2 0.3\n"
+    );
+    let mut simulation = open(&text);
+    simulation.run(600, FRAME).expect("10 s");
+    let energy = simulation.energy().expect("energies");
+    assert!(energy.kinetic < 1e-4, "{energy:?}");
+    let scene = simulation.sync().expect("states");
+    assert!(scene.spheres().iter().all(|sphere| sphere.position.y > 0.0), "something fell through the floor");
+}
+
+/// Split runs, and runs through the bytes of a checkpoint, have the same bits.
+#[test]
+fn split_and_resumed_runs_have_the_same_bits() {
+    let bits = |simulation: &mut Simulation| {
+        let scene = simulation.sync().expect("states");
+        let of = |body: &rockfall::RigidBody| {
+            (body.position.to_array(), body.orientation.to_array(), body.velocity.to_array(), body.angular_momentum.to_array())
+        };
+        scene.bodies().iter().map(of).collect::<Vec<_>>()
+    };
+    let text = format!("set restitution 0.3\n{}@place cube at=0.3,8,0.2 axis=1,2,3 turn=30\n", stack(3));
+    let mut whole = open(&text);
+    whole.run(90, FRAME).expect("frames");
+    let mut split = open(&text);
+    for _ in 0..9 {
+        split.run(10, FRAME).expect("frames");
+    }
+    assert_eq!(bits(&mut whole), bits(&mut split));
+    for frames in [0, 1, 47, 70] {
+        let mut first = open(&text);
+        first.run(frames, FRAME).expect("frames");
+        let bytes = first.checkpoint().expect("a checkpoint").to_bytes();
+        let mut resumed = Simulation::resume(Checkpoint::from_bytes(&bytes, "test").expect("it reads")).expect("it resumes");
+        resumed.run(90 - frames, FRAME).expect("frames");
+        assert_eq!(bits(&mut whole), bits(&mut resumed), "after {frames} frames");
+    }
+}
+
+/// Words of a checkpoint that do not fit the bodies are refused.
+#[test]
+fn contacts_of_another_scene_in_a_checkpoint_are_refused() {
+    let mut simulation = open(&stack(2));
+    simulation.run(3, FRAME).expect("frames");
+    let good = simulation.checkpoint().expect("a checkpoint").to_bytes();
+    // Substeps, then the number of bodies: the world and two cubes.
+    let pattern: Vec<u8> = [4_u32, 3].iter().flat_map(|word| word.to_le_bytes()).collect();
+    let place = good.windows(8).position(|window| window == pattern).expect("the words of the law");
+    for (at, word) in [(place, 0), (place + 4, 2), (place + 8, f32::NAN.to_bits()), (place + 20, 0)] {
+        let mut bytes = good.clone();
+        bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
+        let end = bytes.len() - 4;
+        let sum = crc32fast::hash(&bytes[..end]);
+        bytes[end..].copy_from_slice(&sum.to_le_bytes());
+        let error = Simulation::resume(Checkpoint::from_bytes(&bytes, "test").expect("it reads")).expect_err("refused");
+        assert!(error.to_string().contains("hard contacts"), "{error}");
+    }
+}
+
+/// Edits between frames are felt, and what is known of other contacts stays.
+#[test]
+fn edits_between_frames_are_felt() {
+    let mut simulation = open(&format!("{}S 1 5 0.5 0 0 0 0 0 0 0 1 0.5\n", stack(2)));
+    simulation.run(60, FRAME).expect("frames");
+    let ball = simulation.scene().sphere_ids().find(|id| simulation.scene().body_of_sphere(*id).is_none()).expect("a ball");
+    simulation.set_velocity(ball, [0.0, 5.0, 0.0]).expect("an edit");
+    simulation.run(6, FRAME).expect("frames");
+    let height = simulation.sphere(ball).expect("a state").position.y;
+    // 0.5 + 5 t - g t² / 2 after 0.1 s.
+    assert!((height - 0.951).abs() < 0.002, "{height}");
+    let mut settings = *simulation.settings();
+    settings.gravity = 0.0;
+    simulation.set_settings(settings).expect("settings");
+    let before = simulation.sphere(ball).expect("a state").velocity;
+    simulation.run(6, FRAME).expect("frames");
+    assert_eq!(simulation.sphere(ball).expect("a state").velocity, before);
+}
+
+/// What the law does not know is refused by name.
+#[test]
+fn other_objects_are_refused_by_name() {
+    let ball = "S 1 0 1 0 0 0 0 0 0 0 1 0.5\nS 2 0 3 0 0 0 0 0 0 0 1 0.5\n";
+    for (text, name) in [
+        ("K 1 2 10 1 0\n", "a spring"),
+        ("@periodic x -5 5\n", "periodic boundaries"),
+        ("@gauge name=g plane=0,0,0,0,1,0\n", "a gauge"),
+        ("@motion m velocity=1,0,0\n", "a motion"),
+    ] {
+        let loaded = Scene::parse(&format!("set contact_law rigid\n{ball}{text}"), Path::new("test"));
+        let scene = loaded.unwrap_or_else(|error| panic!("{text}: {error}")).scene;
+        let error = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).expect_err(name);
+        assert!(error.to_string().contains(&format!("rigid with {name}")), "{error}");
+    }
+    let error = Simulation::with_options(scene(ball), Options::new().backend(Backend::Gpu)).expect_err("no GPU");
+    assert!(matches!(error, Error::Invalid { field: "backend", .. }), "{error}");
+    let mut simulation = open(ball);
+    assert!(simulation.update_aabbs().is_err(), "a frame has no phases");
+}
+
+/// The law sets restitution and friction, wherever the lines that set them stand.
+#[test]
+fn the_law_has_constants_of_its_own() {
+    let settings = |text: &str| Scene::parse(text, Path::new("test")).expect("a scene").scene.settings;
+    let of = |text: &str| (settings(text).restitution, settings(text).coulomb_friction);
+    assert_eq!(of("set contact_law rigid\n"), (0.0, 0.5));
+    assert_eq!(of("set restitution 0.7\nset contact_law rigid\n"), (0.7, 0.5));
+    assert_eq!(of("set contact_law rigid\nset coulomb_friction 0.1\n"), (0.0, 0.1));
+    let scene = Scene::parse("set contact_law rigid\nset restitution 0.75\n", Path::new("test")).expect("a scene").scene;
+    let again = Scene::parse(&scene.to_text(), Path::new("test")).expect("a scene").scene;
+    assert_eq!(again.settings, scene.settings, "{}", scene.to_text());
+}
