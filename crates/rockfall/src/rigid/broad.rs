@@ -9,7 +9,7 @@ mod tests;
 
 use std::collections::BTreeMap;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
 
 /// An axis-aligned bounding box.
@@ -56,16 +56,27 @@ struct Grid {
 struct Entry {
     key: u64,
     number: u32,
-    bounds: Aabb,
+    min: Vec3A,
+    max: Vec3A,
+}
+
+impl Entry {
+    fn overlaps(&self, other: &Self) -> bool {
+        (self.min.cmple(other.max) & other.min.cmple(self.max)).all()
+    }
+
+    fn middle(&self) -> DVec3 {
+        (self.min.as_dvec3() + self.max.as_dvec3()) / 2.0
+    }
 }
 
 /// All pairs (a, b), a < b, of boxes that overlap and that `may_touch` allows, in ascending order. Boxes may be infinite.
 pub(crate) fn pairs(boxes: &[Aabb], may_touch: impl Fn(usize, usize) -> bool + Sync) -> Vec<(u32, u32)> {
     let (grids, large) = sort(boxes);
-    let put = |found: &mut Vec<u64>, a: u32, b: u32| {
+    let put = |found: &mut Vec<(u32, u32)>, a: u32, b: u32| {
         let (a, b) = (a.min(b), a.max(b));
         if may_touch(a as usize, b as usize) {
-            found.push((a as u64) << 32 | b as u64);
+            found.push((a, b));
         }
     };
     let mut found = Vec::new();
@@ -83,13 +94,39 @@ pub(crate) fn pairs(boxes: &[Aabb], may_touch: impl Fn(usize, usize) -> bool + S
         found.extend(tasks.collect::<Vec<_>>());
     }
     found.extend(with_large(boxes, &large, put));
-    let mut keys = found.concat();
-    keys.par_sort_unstable();
-    keys.into_iter().map(|key| ((key >> 32) as u32, key as u32)).collect()
+    ascending(boxes.len(), &found)
+}
+
+/// All pairs in ascending order: counted and placed by their first boxes, then sorted by their second ones.
+fn ascending(count: usize, found: &[Vec<(u32, u32)>]) -> Vec<(u32, u32)> {
+    let mut ends = vec![0u32; count + 1];
+    let all = || found.iter().flatten();
+    all().for_each(|(a, _)| ends[*a as usize + 1] += 1);
+    for k in 0..count {
+        ends[k + 1] += ends[k];
+    }
+    // Now the start of each box; after the placement its end.
+    let mut sorted = vec![(0, 0); ends[count] as usize];
+    for pair in all() {
+        let place = &mut ends[pair.0 as usize];
+        sorted[*place as usize] = *pair;
+        *place += 1;
+    }
+    // Sorted by the first box already, so parts between boxes can be sorted on their own.
+    let mut parts = Vec::new();
+    let (mut rest, mut taken) = (&mut sorted[..], 0);
+    for last in (CHUNK..count + CHUNK).step_by(CHUNK) {
+        let end = ends[last.min(count) - 1] as usize;
+        let (part, others) = rest.split_at_mut(end - taken);
+        parts.push(part);
+        (rest, taken) = (others, end);
+    }
+    parts.into_par_iter().for_each(|part| part.chunk_by_mut(|p, q| p.0 == q.0).for_each(<[(u32, u32)]>::sort_unstable));
+    sorted
 }
 
 /// Pairs with at least one of the large boxes.
-fn with_large(boxes: &[Aabb], large: &[u32], put: impl Fn(&mut Vec<u64>, u32, u32) + Sync) -> Vec<Vec<u64>> {
+fn with_large(boxes: &[Aabb], large: &[u32], put: impl Fn(&mut Vec<(u32, u32)>, u32, u32) + Sync) -> Vec<Vec<(u32, u32)>> {
     if large.is_empty() {
         return Vec::new();
     }
@@ -124,9 +161,10 @@ fn sort(boxes: &[Aabb]) -> (Vec<Grid>, Vec<u32>) {
     let rank = known.len() * 9 / 10;
     let base = *known.select_nth_unstable_by(rank, f64::total_cmp).1;
     let mut levels: BTreeMap<i32, Vec<u32>> = BTreeMap::new();
-    for (number, size) in sizes.iter().enumerate() {
-        if size.is_finite() && boxes[number].middle().is_finite() {
-            let level = (size / (1.01 * base)).log2().ceil().clamp(-20.0, 200.0);
+    let level = |size: &f64| (size / (1.01 * base)).log2().ceil().clamp(-20.0, 200.0);
+    let places: Vec<f64> = sizes.par_iter().map(level).collect();
+    for (number, (size, level)) in sizes.iter().zip(places).enumerate() {
+        if size.is_finite() {
             levels.entry(if level.is_nan() { 0 } else { level as i32 }).or_default().push(number as u32);
         } else {
             large.push(number as u32);
@@ -150,13 +188,14 @@ impl Grid {
         let low = numbers.iter().map(|number| boxes[*number as usize].middle()).fold(DVec3::INFINITY, DVec3::min);
         // A little larger than the boxes, for rounding.
         let mut grid = Self { origin: low, cell: (size * (1.0 + 1e-6)).max(1e-30), entries: Vec::new() };
-        let entry = |number: &u32| {
-            let bounds = boxes[*number as usize];
-            Entry { key: grid.key(bounds.middle()), number: *number, bounds }
+        let key = |number: &u32| (grid.key(boxes[*number as usize].middle()), *number);
+        let mut order: Vec<(u64, u32)> = numbers.par_iter().map(key).collect();
+        order.par_sort_unstable();
+        let entry = |(key, number): (u64, u32)| {
+            let bounds = &boxes[number as usize];
+            Entry { key, number, min: bounds.min.into(), max: bounds.max.into() }
         };
-        let mut entries: Vec<Entry> = numbers.par_iter().map(entry).collect();
-        entries.par_sort_unstable_by_key(|entry| (entry.key, entry.number));
-        grid.entries = entries;
+        grid.entries = order.into_par_iter().map(entry).collect();
         grid
     }
 
@@ -180,7 +219,7 @@ impl Grid {
             let entry = &self.entries[k];
             let mut try_all = |candidates: &[Entry], last: u64| {
                 for other in candidates.iter().take_while(|other| other.key <= last) {
-                    if entry.bounds.overlaps(&other.bounds) {
+                    if entry.overlaps(other) {
                         put(entry.number, other.number);
                     }
                 }
@@ -198,12 +237,12 @@ impl Grid {
 
     /// The boxes that overlap that of a finer grid.
     fn around(&self, entry: &Entry, mut put: impl FnMut(u32)) {
-        let key = self.key(entry.bounds.middle()) as i64;
+        let key = self.key(entry.middle()) as i64;
         for row in 0..9 {
             let middle = (key + ((row / 3 - 1) << (2 * BITS)) + ((row % 3 - 1) << BITS)) as u64;
             let start = self.start(middle - 1);
             for other in self.entries[start..].iter().take_while(|other| other.key <= middle + 1) {
-                if entry.bounds.overlaps(&other.bounds) {
+                if entry.overlaps(other) {
                     put(other.number);
                 }
             }

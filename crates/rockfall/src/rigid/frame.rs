@@ -89,7 +89,7 @@ impl<'a> Frame<'a> {
         let h = dt / substeps as f32;
         let bodies = Bodies::load(world, dt);
         let found = detect::manifolds(world, &bodies);
-        let mut contacts = detect::blocks(world, &bodies, &found, dt);
+        let mut contacts = detect::blocks(world, &bodies, found, dt);
         world.history.recall(&mut contacts, &bodies, h);
         colours::colour(&mut contacts, &bodies, &world.history);
         let biased =

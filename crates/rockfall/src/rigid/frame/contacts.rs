@@ -22,7 +22,7 @@ pub(super) struct Row {
     pub(super) gap: f32,
     /// kappa: what the gap of a round contact keeps beyond the tangent line.
     pub(super) spare: f32,
-    /// 1 / K along the normal.
+    /// 1 / K along the normal. Infinite as long as K is not formed: most points of a frame never touch.
     pub(super) inverse_normal: f32,
     /// Inverse of K_t: xx, xy, yy.
     pub(super) inverse_tangent: [f32; 3],
@@ -30,6 +30,12 @@ pub(super) struct Row {
     pub(super) inverse_slip: f32,
     /// Takes part in the relax pass.
     pub(super) live: bool,
+}
+
+impl Row {
+    pub(super) fn new(arm_a: Vec3, arm_b: Vec3, gap: f32) -> Self {
+        Self { arm_a, arm_b, gap, inverse_normal: f32::INFINITY, ..Self::default() }
+    }
 }
 
 /// The impulse of a point in a substep: along the normal and along the two tangents.
@@ -105,6 +111,13 @@ impl Block {
     }
 }
 
+/// The impulses of a block: on b, and the moments of those on a and b about their centres.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Load {
+    pub(super) impulse: Vec3,
+    pub(super) moments: [Vec3; 2],
+}
+
 /// All contacts of a frame, and which blocks a colour and a body have.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Contacts {
@@ -120,6 +133,8 @@ pub(super) struct Contacts {
     pub(super) lists: Vec<u32>,
     /// Blocks of the bodies, with the side on which the body is, in the order (a, b).
     pub(super) list: Vec<(u32, bool)>,
+    /// Room for the loads of the blocks.
+    pub(super) loads: Vec<Load>,
 }
 
 impl Contacts {

@@ -18,7 +18,7 @@ pub(super) struct Found {
     manifold: Manifold,
 }
 
-/// All manifolds of a frame, in the order (body a, body b, collider a, collider b).
+/// All manifolds of a frame, in any order.
 pub(super) fn manifolds(world: &RigidWorld, bodies: &Bodies) -> Vec<Found> {
     let boxes: Vec<Aabb> = world.colliders.iter().map(|collider| bounds(world, bodies, collider)).collect();
     let may_touch = |i: usize, j: usize| {
@@ -28,13 +28,11 @@ pub(super) fn manifolds(world: &RigidWorld, bodies: &Bodies) -> Vec<Found> {
     };
     let pairs = broad::pairs(&boxes, may_touch);
     // Few pairs are done by one thread: tasks would cost more than they do.
-    let mut found: Vec<Found> = if pairs.len() < 512 {
+    if pairs.len() < 512 {
         pairs.iter().filter_map(|pair| manifold(world, bodies, *pair)).collect()
     } else {
         pairs.par_iter().with_min_len(64).filter_map(|pair| manifold(world, bodies, *pair)).collect()
-    };
-    found.sort_unstable_by_key(|pair| (pair.bodies, pair.colliders));
-    found
+    }
 }
 
 /// The AABB of a collider, grown by the margin of its body.
@@ -56,8 +54,9 @@ fn manifold(world: &RigidWorld, bodies: &Bodies, (i, j): (u32, u32)) -> Option<F
     Some(Found { bodies: [a.body, b.body], colliders, manifold })
 }
 
-/// Blocks of the manifolds, in the order (a, b), with their pairs and points.
-pub(super) fn blocks(world: &RigidWorld, bodies: &Bodies, found: &[Found], dt: f32) -> Contacts {
+/// Blocks of the manifolds, in the order (a, b), with their pairs and points in the order of their colliders.
+pub(super) fn blocks(world: &RigidWorld, bodies: &Bodies, mut found: Vec<Found>, dt: f32) -> Contacts {
+    found.sort_unstable_by_key(|pair| (pair.bodies, pair.colliders));
     let mut contacts = Contacts::default();
     for same in found.chunk_by(|one, other| one.bodies == other.bodies) {
         let mut block = Block {

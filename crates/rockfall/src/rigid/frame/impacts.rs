@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::rigid::frame::bodies::{Bodies, Mass};
 use crate::rigid::frame::contacts::{Block, COLOURS, CROWD, Contacts, Impulse, Pair, Row, View, for_each};
-use crate::rigid::frame::refresh::{belt, place, row_at, tangents, turn};
+use crate::rigid::frame::refresh::{belt, place, tangents, turn};
 use crate::rigid::frame::rows::{Sides, friction_row};
 use crate::rigid::frame::times::{Hit, Scope, State};
 use crate::rigid::pose::Pose;
@@ -120,9 +120,9 @@ fn reflect(scope: &Scope<'_>, contacts: &Contacts, bodies: &Bodies, k: usize, hi
     let block = &contacts.blocks[k];
     let state = scope.state(bodies, block, hit.time);
     let masses = [0, 1].map(|s| mass_at(bodies, block.sides()[s], state.0[s].turn).split(shares[s]));
-    let mut points = joined(scope, contacts, block, &state, &masses, hit.depth);
     let [a, b] = state.1;
     let mut sides = Sides { a, b, mass_a: masses[0], mass_b: masses[1] };
+    let mut points = joined(scope, contacts, block, &state, &sides, hit.depth);
     if let Some(scale) = inelastic(&mut points, sides) {
         restitute(&mut points, &mut sides, scale);
     }
@@ -152,10 +152,10 @@ fn joined(
     contacts: &Contacts,
     block: &Block,
     state: &State,
-    masses: &[Mass; 2],
+    sides: &Sides,
     depth: f32,
 ) -> Vec<Joined> {
-    let (poses, motions) = state;
+    let poses = &state.0;
     let apart = poses[1].position - poses[0].position;
     let mut points = Vec::with_capacity(block.points as usize);
     for pair in &contacts.pairs[block.pair_range()] {
@@ -165,8 +165,9 @@ fn joined(
         turned.belt = belt(scope.world, &turned, poses);
         for k in (0..now.count).filter(|k| now.gap(*k) <= depth) {
             let common = 0.5 * (now.on_a[k] + now.on_b[k]);
-            let row = row_at(&turned, common, common - apart, masses);
-            let speed = (motions[0].at(row.arm_a) - motions[1].at(row.arm_b)).dot(now.normal);
+            let mut row = Row::new(common, common - apart, now.gap(k));
+            sides.form(&turned, &mut row);
+            let speed = -sides.closing(&row).dot(now.normal);
             points.push(Joined { pair: turned, row, normal: 0.0, tangent: Vec2::ZERO, speed });
         }
     }
@@ -249,7 +250,7 @@ fn carry_block(scope: &Scope<'_>, bodies: &Bodies, view: View<'_>, start: f32) {
     let (poses, _) = scope.state(bodies, view.block, start);
     let sides = view.block.sides();
     let now = sides.map(|i| bodies.poses[i]);
-    let masses = [0, 1].map(|s| bodies.masses[sides[s]].split(view.block.shares[s]));
+    let loose = sides.map(|i| bodies.constants[i].dynamic);
     let (apart, apart_now) = (poses[1].position - poses[0].position, now[1].position - now[0].position);
     view.block.time = scope.h - start;
     for pair in view.pairs {
@@ -260,13 +261,12 @@ fn carry_block(scope: &Scope<'_>, bodies: &Bodies, view: View<'_>, start: f32) {
         for (k, row) in view.rows[range].iter_mut().take(found.count).enumerate() {
             // With the displacement of the centre alone: the arm, and so the speed at the point, is that at the contact.
             let (on_a, on_b) = (found.on_a[k], apart_now + (found.on_b[k] - apart));
-            let common = match masses.map(|mass| mass.inverse_mass > 0.0) {
+            let common = match loose {
                 [true, true] => 0.5 * (on_a + on_b),
                 [true, false] => on_a,
                 _ => on_b,
             };
-            *row = row_at(pair, common, common - apart_now, &masses);
-            row.gap = found.gap(k);
+            *row = Row::new(common, common - apart_now, found.gap(k));
         }
     }
 }

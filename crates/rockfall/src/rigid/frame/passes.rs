@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::rigid::frame::bodies::{Bodies, Motion};
-use crate::rigid::frame::contacts::{Block, COLOURS, CROWD, Contacts, View, for_each};
+use crate::rigid::frame::contacts::{Block, COLOURS, CROWD, Contacts, Load, View, for_each};
 use crate::rigid::frame::rows::{Pass, Sides, solve};
 
 /// Solves the blocks colour by colour, and then the left-over ones.
@@ -76,25 +76,19 @@ fn mean(bodies: &mut Bodies, blocks: &[Block], ends: &[[Motion; 2]]) {
     }
 }
 
-/// The impulses of a block: on b, and the moments of those on a and b about their centres.
-#[derive(Clone, Copy, Debug, Default)]
-struct Load {
-    impulse: Vec3,
-    moments: [Vec3; 2],
-}
-
 /// Applies the impulses of the last substep: each body adds those of its blocks in the order of its list.
 pub(super) fn warm_start(contacts: &mut Contacts, bodies: &mut Bodies) {
     let count = contacts.blocks.len();
-    let mut loads = vec![Load::default(); count];
+    let mut loads = std::mem::take(&mut contacts.loads);
+    loads.resize(count, Load::default());
     for_each(contacts.part(0..count), &mut loads, &|view| load(&view));
-    let (contacts, masses, constants) = (&*contacts, &bodies.masses, &bodies.constants);
+    let (read, masses, constants) = (&*contacts, &bodies.masses, &bodies.constants);
     let apply = |(i, motion): (usize, &mut Motion)| {
-        if !constants[i].dynamic || contacts.of_body(i).is_empty() {
+        if !constants[i].dynamic || read.of_body(i).is_empty() {
             return;
         }
         let (mut impulse, mut moment) = (Vec3::ZERO, Vec3::ZERO);
-        for (block, second) in contacts.of_body(i) {
+        for (block, second) in read.of_body(i) {
             let load = &loads[*block as usize];
             impulse += if *second { load.impulse } else { -load.impulse };
             moment += load.moments[usize::from(*second)];
@@ -107,6 +101,7 @@ pub(super) fn warm_start(contacts: &mut Contacts, bodies: &mut Bodies) {
     } else {
         bodies.motions.par_iter_mut().with_min_len(256).enumerate().for_each(apply);
     }
+    contacts.loads = loads;
 }
 
 fn load(view: &View<'_>) -> Load {

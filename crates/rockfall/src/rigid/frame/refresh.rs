@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::rigid::collide::{MOST_POINTS, collide};
-use crate::rigid::frame::bodies::{Bodies, Mass};
+use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Impulse, Pair, Point, Row, View};
 use crate::rigid::pose::Pose;
 use crate::rigid::world::RigidWorld;
@@ -70,7 +70,6 @@ pub(super) fn tangents(n: Vec3) -> [Vec3; 2] {
 pub(super) fn refresh(world: &RigidWorld, bodies: &Bodies, view: View<'_>, h: f32) {
     let sides = view.block.sides();
     let poses = sides.map(|i| bodies.poses[i]);
-    let masses = [0, 1].map(|s| bodies.masses[sides[s]].split(view.block.shares[s]));
     let apart = poses[1].position - poses[0].position;
     view.block.time = h;
     for pair in view.pairs {
@@ -81,8 +80,7 @@ pub(super) fn refresh(world: &RigidWorld, bodies: &Bodies, view: View<'_>, h: f3
         turn(world, pair, &found, &mut view.points[range.clone()], impulses, &poses);
         for (k, row) in view.rows[range].iter_mut().take(found.count).enumerate() {
             let common = 0.5 * (found.on_a[k] + found.on_b[k]);
-            *row = row_at(pair, common, common - apart, &masses);
-            row.gap = found.gap(k);
+            *row = Row::new(common, common - apart, found.gap(k));
         }
     }
 }
@@ -133,29 +131,4 @@ pub(super) fn belt(world: &RigidWorld, pair: &Pair, poses: &[Pose; 2]) -> Vec2 {
         if still { Vec3::ZERO } else { poses[s].turn * collider.surface_velocity }
     });
     Vec2::new((theirs - own).dot(pair.tangents[0]), (theirs - own).dot(pair.tangents[1]))
-}
-
-/// The row of a point with these arms, without its gap.
-pub(super) fn row_at(pair: &Pair, arm_a: Vec3, arm_b: Vec3, masses: &[Mass; 2]) -> Row {
-    let [t1, t2] = pair.tangents;
-    let arms = [arm_a, arm_b];
-    let (mut normal, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0);
-    for (arm, mass) in arms.into_iter().zip(masses).filter(|(_, mass)| mass.inverse_mass > 0.0) {
-        let [first, second] = [arm.cross(t1), arm.cross(t2)];
-        let [turned, other] = [mass.inverse_inertia * first, mass.inverse_inertia * second];
-        normal += mass.response(arm, pair.normal);
-        xx += mass.inverse_mass + first.dot(turned);
-        xy += second.dot(turned);
-        yy += mass.inverse_mass + second.dot(other);
-    }
-    let scale = 1.0 / (xx * yy - xy * xy);
-    let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-    Row {
-        arm_a,
-        arm_b,
-        inverse_normal: 1.0 / normal,
-        inverse_tangent: [yy * scale, -xy * scale, xx * scale],
-        inverse_slip: 1.0 / (mean + (half * half + xy * xy).sqrt()),
-        ..Row::default()
-    }
 }

@@ -55,11 +55,37 @@ pub(super) struct Sides {
 
 impl Sides {
     /// Velocity of b relative to a at a row.
+    #[inline(always)]
     pub(super) fn closing(&self, row: &Row) -> Vec3 {
         self.b.at(row.arm_b) - self.a.at(row.arm_a)
     }
 
+    /// Forms K of a row, unless it is formed.
+    #[inline(never)]
+    pub(super) fn form(&self, pair: &Pair, row: &mut Row) {
+        if row.inverse_normal < f32::INFINITY {
+            return;
+        }
+        let [t1, t2] = pair.tangents;
+        let (mut normal, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0);
+        let sides = [(row.arm_a, &self.mass_a), (row.arm_b, &self.mass_b)];
+        for (arm, mass) in sides.into_iter().filter(|(_, mass)| mass.inverse_mass > 0.0) {
+            let [first, second] = [arm.cross(t1), arm.cross(t2)];
+            let [turned, other] = [mass.inverse_inertia * first, mass.inverse_inertia * second];
+            normal += mass.response(arm, pair.normal);
+            xx += mass.inverse_mass + first.dot(turned);
+            xy += second.dot(turned);
+            yy += mass.inverse_mass + second.dot(other);
+        }
+        let scale = 1.0 / (xx * yy - xy * xy);
+        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        row.inverse_normal = 1.0 / normal;
+        row.inverse_tangent = [yy * scale, -xy * scale, xx * scale];
+        row.inverse_slip = 1.0 / (mean + (half * half + xy * xy).sqrt());
+    }
+
     /// An impulse on b, and its opposite on a, at the common point.
+    #[inline(always)]
     pub(super) fn push(&mut self, row: &Row, impulse: Vec3) {
         self.a.push(&self.mass_a, row.arm_a, -impulse);
         self.b.push(&self.mass_b, row.arm_b, impulse);
@@ -93,6 +119,7 @@ fn wake(view: &mut View<'_>, pass: &Pass) -> bool {
 }
 
 /// One sweep over all chunks: the largest change of an impulse, and the largest normal impulse.
+#[inline(always)]
 fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
     let (mut change, mut largest) = (0.0_f32, 0.0_f32);
     let mut start = 0;
@@ -103,7 +130,7 @@ fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
         for pair in chunk {
             let first = (pair.first - base) as usize;
             for k in first..first + usize::from(pair.count) {
-                let (row, impulse) = (&view.rows[k], &mut view.impulses[k]);
+                let (row, impulse) = (&mut view.rows[k], &mut view.impulses[k]);
                 change = change.max(normal_row(pair, row, impulse, sides, pass, view.block.fixed, view.block.time));
                 largest = largest.max(impulse.normal);
             }
@@ -123,19 +150,28 @@ fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
     (change, largest)
 }
 
-fn normal_row(pair: &Pair, row: &Row, impulse: &mut Impulse, sides: &mut Sides, pass: &Pass, fixed: bool, time: f32) -> f32 {
+#[inline(always)]
+fn normal_row(pair: &Pair, row: &mut Row, impulse: &mut Impulse, sides: &mut Sides, pass: &Pass, fixed: bool, time: f32) -> f32 {
     let before = impulse.normal;
+    if !pass.biased && !row.live {
+        return 0.0;
+    }
+    let speed = sides.closing(row).dot(pair.normal);
     let step = if !pass.biased {
-        if !row.live {
-            return 0.0;
-        }
-        -sides.closing(row).dot(pair.normal) * row.inverse_normal
+        sides.form(pair, row);
+        -speed * row.inverse_normal
     } else if row.gap <= 0.0 {
+        sides.form(pair, row);
         let soft = &pass.softness[usize::from(fixed)];
-        let speed = soft.mass * sides.closing(row).dot(pair.normal) + (soft.rate * row.gap).max(-PUSH_OUT);
+        let speed = soft.mass * speed + (soft.rate * row.gap).max(-PUSH_OUT);
         -speed * row.inverse_normal - soft.impulse * before
     } else {
-        -(sides.closing(row).dot(pair.normal) + (row.gap + row.spare) / time) * row.inverse_normal
+        let speed = speed + (row.gap + row.spare) / time;
+        if before == 0.0 && speed >= 0.0 {
+            return 0.0;
+        }
+        sides.form(pair, row);
+        -speed * row.inverse_normal
     };
     impulse.normal = (before + step).max(0.0);
     let done = impulse.normal - before;
@@ -146,6 +182,7 @@ fn normal_row(pair: &Pair, row: &Row, impulse: &mut Impulse, sides: &mut Sides, 
 }
 
 /// The friction of a point within a bound: sticks if it can, else takes a step against the slip. The change of the impulse.
+#[inline(always)]
 pub(super) fn friction_row(pair: &Pair, row: &Row, tangent: &mut Vec2, sides: &mut Sides, bound: f32) -> f32 {
     let [t1, t2] = pair.tangents;
     let closing = sides.closing(row);

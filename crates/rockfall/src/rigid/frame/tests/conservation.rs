@@ -26,7 +26,6 @@ fn elastic_gas_keeps_its_energy() {
     }
     let start = energy(&scene.world);
     scene.run(20.0);
-    println!("gas {} {}", energy(&scene.world) / start - 1.0, scene.repeats);
     assert!((energy(&scene.world) / start - 1.0).abs() < 1e-4, "{}", energy(&scene.world) / start);
     assert!(scene.world.bodies.iter().all(|body| body.pose.position.abs().max_element() < 2.5));
 }
@@ -47,7 +46,6 @@ fn eccentric_boxes_keep_their_momenta() {
             before = energy(&scene.world);
         }
         let (p_end, l_end) = momenta(&scene.world);
-        println!("e {e} mu {mu}: {} {:e} {:e}", before / start, (p_end - p).length(), (l_end - l).length());
         assert!((p_end - p).length() < 2e-6, "{}", (p_end - p).length());
         assert!((l_end - l).length() < 3e-4, "{}", (l_end - l).length());
         if (e, mu) == (1.0, 0.0) {
@@ -63,12 +61,12 @@ fn piles_never_gain_energy() {
         let mut scene = Scene::new(0.5, e);
         scene.floor();
         for axis in [Vec3::X, Vec3::Z] {
-            scene.plane(-3.0 * axis, axis);
-            scene.plane(3.0 * axis, -axis);
+            scene.plane(-3.2 * axis, axis);
+            scene.plane(3.2 * axis, -axis);
         }
         let mut random = Random(2);
         for k in 0..180 {
-            let at = Vec3::new((k % 4) as f32 - 1.5, 0.5 + (k / 16) as f32, (k / 4 % 4) as f32 - 1.5) * 1.2;
+            let at = Vec3::new((k % 4) as f32 - 1.5, 0.5 + (k / 16) as f32, (k / 4 % 4) as f32 - 1.5) * 1.45;
             let shape = if k % 3 == 0 { Shape::ball(0.4) } else { Shape::cuboid(Vec3::new(0.45, 0.35, 0.4)) };
             scene.body(shape, Pose::new(at + 0.05 * random.vector(), Quat::from_scaled_axis(random.vector())), 1.0);
         }
@@ -80,11 +78,10 @@ fn piles_never_gain_energy() {
             worst = worst.max((now - before) / start);
             before = now;
         }
-        println!("pile e {e}: rise {worst:e}, repeats {}, E {}, overlap {}", scene.repeats, before / start, scene.last.max_overlap);
         assert!(worst < 2e-5, "e {e}: {worst}");
         assert!(scene.world.bodies[1..].iter().all(|body| {
             let at = body.pose.position;
-            at.x.abs() < 3.0 && at.z.abs() < 3.0 && at.y > 0.0
+            at.x.abs() < 3.2 && at.z.abs() < 3.2 && at.y > 0.0
         }));
     }
 }
@@ -109,6 +106,5 @@ fn spinning_crowd_keeps_its_angular_momentum() {
         before = now;
     }
     let change = (momenta(&scene.world).1 - l).length() / l.length();
-    println!("crowd: {change:e} {}", before / start);
     close(change as f32, 0.0, 1e-4);
 }

@@ -42,7 +42,8 @@ fn box_rests_in_a_corner() {
     assert!((scene.at(body) - Vec3::splat(0.5)).abs().max_element() < 1e-4, "{}", scene.at(body));
     close(scene.velocity(body).length(), 0.0, 1e-6);
 
-    let mut scene = Scene::new(0.5, 0.5);
+    // With more friction it may stay on an edge.
+    let mut scene = Scene::new(0.1, 0.5);
     Vec3::AXES.into_iter().for_each(|axis| scene.plane(Vec3::ZERO, axis));
     scene.world.gravity = -G * Vec3::ONE.normalize();
     let body = scene.cuboid(Vec3::splat(0.5), Vec3::splat(1.5));
