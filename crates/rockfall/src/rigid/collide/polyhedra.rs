@@ -145,12 +145,13 @@ impl<'a> Pair<'a> {
             let (start, along) = line(&self.a, edge_a);
             for (of_b, edge_b) in self.b.edges.iter().enumerate() {
                 let (m1, m2) = (-self.b.normals()[edge_b[2] as usize], -self.b.normals()[edge_b[3] as usize]);
-                let (other, across) = line(&self.b, edge_b);
                 // The plane of an arc is perpendicular to its edge. Both arcs must lie on both sides of the other's plane,
                 // and not opposite to each other.
-                let (p, q) = (m1.dot(along), m2.dot(along));
-                let (r, s) = (n1.dot(across), n2.dot(across));
-                if p * q >= 0.0 || r * s >= 0.0 {
+                if m1.dot(along) * m2.dot(along) >= 0.0 {
+                    continue;
+                }
+                let (other, across) = line(&self.b, edge_b);
+                if n1.dot(across) * n2.dot(across) >= 0.0 {
                     continue;
                 }
                 let normal = along.cross(across);
