@@ -7,7 +7,7 @@ use crate::rigid::collide::closest::closest;
 use crate::rigid::collide::solid::Solid;
 use crate::rigid::collide::{Manifold, ids};
 use crate::rigid::pose::Pose;
-use crate::rigid::shape::{Core, Shape};
+use crate::rigid::shape::{Core, MOST_FACES, Shape};
 
 /// Two polyhedra in coordinates of a, with what all steps need.
 struct Pair<'a> {
@@ -140,20 +140,22 @@ impl<'a> Pair<'a> {
     /// Only edges whose arcs cross on the sphere of normals make a face of the difference of the shapes.
     fn edge_axis(&self) -> Option<Option<EdgeAxis>> {
         let mut best: Option<EdgeAxis> = None;
+        // The plane of an arc is perpendicular to its edge. Both arcs must lie on both sides of the other's plane, and not
+        // opposite to each other. Which side the faces of the other shape are on is kept in bits.
+        let mut sides = [Sides::default(); MOST_EDGES];
+        for (of_b, edge) in self.b.edges.iter().enumerate() {
+            sides[of_b] = Sides::new(self.a.normals(), line(&self.b, edge).1);
+        }
         for (of_a, edge_a) in self.a.edges.iter().enumerate() {
             let (n1, n2) = (self.a.normals()[edge_a[2] as usize], self.a.normals()[edge_a[3] as usize]);
             let (start, along) = line(&self.a, edge_a);
+            let own = Sides::new(self.b.normals(), along);
             for (of_b, edge_b) in self.b.edges.iter().enumerate() {
+                if !own.differ(edge_b) || !sides[of_b].differ(edge_a) {
+                    continue;
+                }
                 let (m1, m2) = (-self.b.normals()[edge_b[2] as usize], -self.b.normals()[edge_b[3] as usize]);
-                // The plane of an arc is perpendicular to its edge. Both arcs must lie on both sides of the other's plane,
-                // and not opposite to each other.
-                if m1.dot(along) * m2.dot(along) >= 0.0 {
-                    continue;
-                }
                 let (other, across) = line(&self.b, edge_b);
-                if n1.dot(across) * n2.dot(across) >= 0.0 {
-                    continue;
-                }
                 let normal = along.cross(across);
                 let square = normal.length_squared();
                 if square < 1e-6 {
@@ -227,6 +229,34 @@ impl<'a> Pair<'a> {
         }
         let along = own.vertex(own.loop_of(axis.face)[1]) - own.anchor(axis.face);
         reduce(&found[..count], outward, along.normalize_or(Vec3::X), self.radii)
+    }
+}
+
+/// Greatest number of edges of a polyhedron with 32 faces.
+const MOST_EDGES: usize = 3 * MOST_FACES - 6;
+
+/// On which side of a plane through the origin some normals lie.
+#[derive(Clone, Copy, Default)]
+struct Sides {
+    above: u32,
+    below: u32,
+}
+
+impl Sides {
+    fn new(normals: &[Vec3], axis: Vec3) -> Self {
+        let mut sides = Self::default();
+        for (face, normal) in normals.iter().enumerate() {
+            let height = normal.dot(axis);
+            sides.above |= ((height > 0.0) as u32) << face;
+            sides.below |= ((height < 0.0) as u32) << face;
+        }
+        sides
+    }
+
+    /// Whether the two faces of an edge lie on different sides.
+    fn differ(&self, edge: &[u8; 4]) -> bool {
+        let (first, second) = (edge[2], edge[3]);
+        (self.above >> first & self.below >> second | self.below >> first & self.above >> second) & 1 == 1
     }
 }
 
