@@ -168,7 +168,8 @@ impl Boxes {
         // In coordinates (u, v, height above the reference face).
         let flat = |w: Vec3| Vec3::new(w[u], w[v], w[axis] * side);
         let (middle, edge_p, edge_q) = (flat(middle) - Vec3::Z * self.a[axis], flat(edge_p), flat(edge_q));
-        let mut polygon = Quad::new([middle - edge_p - edge_q, middle + edge_p - edge_q, middle + edge_p + edge_q, middle - edge_p + edge_q]);
+        let mut polygon =
+            Quad::new([middle - edge_p - edge_q, middle + edge_p - edge_q, middle + edge_p + edge_q, middle - edge_p + edge_q]);
         polygon.cut(self.a[u], self.a[v]);
 
         let incident = 2 * along + (sign < 0.0) as usize;
@@ -216,12 +217,9 @@ impl Quad {
         for (corner, _) in known {
             (low, high) = (low.min(*corner), high.max(*corner));
         }
-        for (beyond, axis, sign, bound, label) in [
-            (high.x > u, 0, 1.0, u, 4),
-            (low.x < -u, 0, -1.0, u, 5),
-            (high.y > v, 1, 1.0, v, 6),
-            (low.y < -v, 1, -1.0, v, 7),
-        ] {
+        for (beyond, axis, sign, bound, label) in
+            [(high.x > u, 0, 1.0, u, 4), (low.x < -u, 0, -1.0, u, 5), (high.y > v, 1, 1.0, v, 6), (low.y < -v, 1, -1.0, v, 7)]
+        {
             if beyond && self.count > 0 {
                 self.cut_one(|point| point[axis] * sign - bound, axis, sign * bound, label);
             }

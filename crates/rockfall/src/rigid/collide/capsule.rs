@@ -93,7 +93,8 @@ fn side_by_side(a: &Segment, b: &Segment, radii: (f32, f32), reach: f32, id: u32
     // Where b passes a foot, at the same coordinate along a.
     let offsets = feet.map(|foot| b.start + across * ((foot - b.start).dot(along) / cosine) - foot);
     let normal = (offsets[0] + offsets[1]).try_normalize()?;
-    let is_aligned = |offset: &Vec3| offset.dot(normal) > 0.0 && offset.reject_from_normalized(normal).length() < 0.01 * (radii.0 + radii.1);
+    let is_aligned =
+        |offset: &Vec3| offset.dot(normal) > 0.0 && offset.reject_from_normalized(normal).length() < 0.01 * (radii.0 + radii.1);
     if !offsets.iter().all(is_aligned) {
         return None;
     }
@@ -184,7 +185,9 @@ impl Pair<'_> {
                 continue;
             }
             let id = ids::edges(number + 1, 0);
-            let Some(found) = side_by_side(&Segment { start, end }, &self.segment, self.radii, self.reach, id) else { continue };
+            let Some(found) = side_by_side(&Segment { start, end }, &self.segment, self.radii, self.reach, id) else {
+                continue;
+            };
             let off = found.least() + self.radii.0 + self.radii.1 - distance;
             if found.normal.dot(normal) > 0.999 && off.abs() <= 0.01 * (distance + self.radii.1) {
                 return Some(found);

@@ -53,7 +53,8 @@ pub(super) fn reduce(candidates: &[Candidate], normal: Vec3, along: Vec3, radii:
     manifold.some()
 }
 
-/// How far a point lies outside of a triangle that runs counterclockwise about the normal: twice the largest area beyond an edge.
+/// How far a point lies outside of a triangle that runs counterclockwise about the normal: twice the largest area beyond an
+/// edge.
 fn beyond([p, q, r]: [Vec3; 3], point: Vec3, normal: Vec3) -> f32 {
     let out = |start: Vec3, end: Vec3| (point - start).cross(end - start).dot(normal);
     out(p, q).max(out(q, r)).max(out(r, p))

@@ -43,7 +43,9 @@ struct EdgeAxis {
 pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option<Manifold> {
     let pair = Pair::new(a, b, b_in_a, reach);
     match (&a.core, &b.core) {
-        (Core::Face { one_sided: true, .. }, Core::Face { .. }) | (Core::Face { .. }, Core::Face { one_sided: true, .. }) => None,
+        (Core::Face { one_sided: true, .. }, Core::Face { .. }) | (Core::Face { .. }, Core::Face { one_sided: true, .. }) => {
+            None
+        }
         (Core::Face { one_sided: true, .. }, _) => pair.above_face(b_in_a.position),
         _ => pair.manifold(),
     }
@@ -172,7 +174,8 @@ impl<'a> Pair<'a> {
                 if separation > self.reach {
                     return None;
                 }
-                let is_better = |best: &EdgeAxis| separation > best.separation + 0.02 * best.separation.abs() + 1e-3 * self.size;
+                let is_better =
+                    |best: &EdgeAxis| separation > best.separation + 0.02 * best.separation.abs() + 1e-3 * self.size;
                 if best.as_ref().is_none_or(is_better) {
                     best = Some(EdgeAxis { separation, normal, of_a, of_b });
                 }

@@ -16,7 +16,9 @@ pub(super) fn separations(manifold: &Manifold) -> impl Iterator<Item = f32> {
 
 /// What holds for all manifolds: unit normals, points on both surfaces and within reach, ids that differ.
 pub(super) fn check(a: &Shape, b: &Shape, pose: &Pose, reach: f32, found: &Manifold) {
-    let scale = pose.position.length() + if a.extent() < 1e9 { a.extent() } else { 0.0 } + if b.extent() < 1e9 { b.extent() } else { 0.0 };
+    let scale = pose.position.length()
+        + if a.extent() < 1e9 { a.extent() } else { 0.0 }
+        + if b.extent() < 1e9 { b.extent() } else { 0.0 };
     let tolerance = 4e-6 * scale;
     assert!((1..=4).contains(&found.count));
     assert!((found.normal.length() - 1.0).abs() < 1e-5, "{}", found.normal);
@@ -28,8 +30,8 @@ pub(super) fn check(a: &Shape, b: &Shape, pose: &Pose, reach: f32, found: &Manif
         assert!(aside <= tolerance, "points are {aside} aside of the normal");
         assert!(found.points[..index].iter().all(|other| other.id != point.id), "{:x} twice", point.id);
         for (shape, place) in [(a, point.on_a), (b, pose.inner(point.on_b))] {
-            if let Some((near, _)) = nearest(&shape.core, place) {
-                let off = near.distance(place);
+            if let Some(near) = nearest(&shape.core, place) {
+                let off = near.place.distance(place);
                 let is_inside = off > shape.radius + tolerance && shape.radius == 0.0;
                 assert!(!is_inside, "a point is {off} from the surface of {shape:?}");
                 assert!(off <= shape.radius + tolerance, "{off} {shape:?}");
@@ -54,7 +56,8 @@ pub(super) fn check_swap(a: &Shape, b: &Shape, pose: &Pose, reach: f32, found: &
 pub(super) fn shapes(random: &mut Random) -> Vec<Shape> {
     let half = Vec3::new(random.between(0.1, 1.0), random.between(0.1, 1.0), random.between(0.1, 1.0));
     let points: Vec<Vec3> = (0..8).map(|_| random.vector(0.8)).collect();
-    let (u, v) = (Vec3::new(random.between(0.3, 1.0), random.between(-0.2, 0.2), 0.0), Vec3::new(0.1, random.between(0.3, 1.0), 0.0));
+    let (u, v) =
+        (Vec3::new(random.between(0.3, 1.0), random.between(-0.2, 0.2), 0.0), Vec3::new(0.1, random.between(0.3, 1.0), 0.0));
     vec![
         Shape::ball(random.between(0.1, 1.0)),
         Shape::capsule(random.between(0.1, 1.0), random.between(0.1, 0.5)),

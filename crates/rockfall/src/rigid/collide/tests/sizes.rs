@@ -11,7 +11,8 @@ use crate::rigid::shape::{Core, Shape};
 /// All kinds in all quarter turns, with coordinates that make edges parallel and faces coplanar.
 #[test]
 fn aligned_shapes_give_numbers() {
-    let cube: Vec<Vec3> = prism(4, 0.5 * 2f32.sqrt(), 0.5).iter().map(|p| Quat::from_rotation_y(0.25 * std::f32::consts::PI) * *p).collect();
+    let cube: Vec<Vec3> =
+        prism(4, 0.5 * 2f32.sqrt(), 0.5).iter().map(|p| Quat::from_rotation_y(0.25 * std::f32::consts::PI) * *p).collect();
     let half = Vec3::splat(0.5);
     let shapes = [
         Shape::ball(0.5),
@@ -28,7 +29,8 @@ fn aligned_shapes_give_numbers() {
     for (a, b) in shapes.iter().flat_map(|a| shapes.iter().map(move |b| (a, b))) {
         for k in 0..27 * 8 {
             let place = Vec3::new((k % 3) as f32, (k / 3 % 3) as f32, (k / 9 % 3) as f32) * 0.5;
-            let turn = Quat::from_rotation_x((k / 27 % 2) as f32 * quarter) * Quat::from_rotation_y((k / 54) as f32 * 0.5 * quarter);
+            let turn =
+                Quat::from_rotation_x((k / 27 % 2) as f32 * quarter) * Quat::from_rotation_y((k / 54) as f32 * 0.5 * quarter);
             let pose = Pose::new(place, turn);
             if let Some(found) = collide(a, b, &pose, 0.1) {
                 let checked = std::panic::catch_unwind(|| check(a, b, &pose, 0.1, &found));
@@ -51,7 +53,8 @@ fn huge_and_tiny_boxes_meet() {
         let large = if round % 3 == 0 { Vec3::new(500.0, 500.0, 500.0) } else { half(-1.3) };
         let small = half(-1.3);
         let to_shape = |half: Vec3, as_hull: bool| {
-            let corners: Vec<Vec3> = (0..8).map(|k| half * (Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32) * 2.0 - 1.0)).collect();
+            let corners: Vec<Vec3> =
+                (0..8).map(|k| half * (Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32) * 2.0 - 1.0)).collect();
             if as_hull { hull(&corners) } else { Shape::cuboid(half) }
         };
         let (a, b) = (to_shape(large, round % 5 == 0), to_shape(small, round % 7 == 0));
@@ -59,7 +62,10 @@ fn huge_and_tiny_boxes_meet() {
         let mut place = Vec3::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0)) * large;
         let axis = (random.unit() * 3.0) as usize % 3;
         place[axis] = large[axis] + small.min_element() * random.between(0.2, 1.5);
-        let pose = Pose::new(place, if round % 2 == 0 { random.turn() } else { Quat::from_axis_angle(Vec3::AXES[axis], random.unit()) });
+        let pose = Pose::new(
+            place,
+            if round % 2 == 0 { random.turn() } else { Quat::from_axis_angle(Vec3::AXES[axis], random.unit()) },
+        );
         let reach = 0.05 * small.min_element();
         let gap = reference::gap(&reference::vertices(&a, &Pose::IDENTITY), &reference::vertices(&b, &pose)) as f32;
         let found = collide(&a, &b, &pose, reach);
