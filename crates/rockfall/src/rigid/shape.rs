@@ -4,6 +4,7 @@ mod bounds;
 mod hull;
 mod mass;
 mod ray;
+mod rounded_hull;
 #[cfg(test)]
 pub(crate) mod tests;
 

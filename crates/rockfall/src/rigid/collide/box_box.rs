@@ -52,7 +52,7 @@ pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
         }
         Some(found) => Some(found),
         None if face.separation.max(most) > -0.01 * size - noise => nearest().or_else(by_edges),
-        None => by_edges(),
+        None => by_edges().or_else(|| polyhedra::collide(a, b, b_in_a, reach)),
     }
 }
 

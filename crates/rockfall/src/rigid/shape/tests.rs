@@ -116,6 +116,7 @@ fn mass_agrees_with_samples() {
         Shape::cuboid(Vec3::new(0.3, 0.9, 0.5)),
         Shape { core: Core::Box { half: Vec3::new(0.3, 0.7, 0.5) }, radius: 0.25 },
         hull(&prism(5, 0.8, 0.6)),
+        Shape { radius: 0.2, ..hull(&prism(5, 0.6, 0.5)) },
     ];
     for shape in &shapes {
         let (volume, inertia) = shape.mass();
@@ -201,5 +202,19 @@ fn rays_end_at_surfaces() {
             }
         }
         assert!(hits > 50 && hits <= 500, "{shape:?} {hits}");
+    }
+}
+
+/// A rounded box in closed form and as a hull.
+#[test]
+fn a_rounded_hull_weighs_as_much_as_a_rounded_box() {
+    let half = Vec3::new(0.5, 0.3, 0.2);
+    let corners: Vec<Vec3> = cube_points().iter().map(|p| (*p * 2.0 - 1.0) * half).collect();
+    for radius in [0.01, 0.3, 3.0] {
+        let (volume, inertia) = Shape { core: Core::Box { half }, radius }.mass();
+        let (other, about) = Shape { radius, ..hull(&corners) }.mass();
+        assert!((other / volume - 1.0).abs() < 1e-6, "{other} {volume}");
+        let error = (about - inertia) * (1.0 / inertia.x_axis.x);
+        assert!(error.to_cols_array().iter().all(|part| part.abs() < 1e-3), "{error}");
     }
 }

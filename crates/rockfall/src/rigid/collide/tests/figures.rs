@@ -186,6 +186,29 @@ fn the_ground_keeps_the_deepest_vertices() {
     }
 }
 
+/// Points count up to the reach, for every kind.
+#[test]
+fn contacts_begin_at_the_reach() {
+    let half = Vec3::splat(0.5);
+    let blocks = [
+        Shape::ball(0.5),
+        Shape { radius: 0.1, ..Shape::capsule(0.4, 0.5) },
+        Shape::cuboid(half),
+        Shape { radius: 0.1, ..Shape::cuboid(half - 0.1) },
+        hull(&prism(6, 1.0, 0.5)),
+        Shape { radius: 0.1, ..hull(&prism(6, 1.0, 0.4)) },
+        half_space(),
+    ];
+    for (a, b) in blocks.iter().flat_map(|a| blocks[..6].iter().map(move |b| (a, b))) {
+        let top = if a.extent().is_finite() { 0.5 } else { 0.0 };
+        let pose = at(0.001, top + 0.54, 0.002);
+        let found = collide(a, b, &pose, 0.041).expect("within reach");
+        assert!((found.least() - 0.04).abs() < 1e-3, "{a:?} {b:?} {found:?}");
+        check_swap(a, b, &pose, 0.041, &Some(found));
+        assert!(collide(a, b, &pose, 0.037).is_none(), "{a:?} {b:?}");
+    }
+}
+
 /// Ids of a resting contact stay when the box moves by less than its margin.
 #[test]
 fn ids_stay_in_a_resting_contact() {

@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 
 use crate::rigid::collide::tests::{check, check_swap, describe, shapes};
-use crate::rigid::collide::{collide, reference};
+use crate::rigid::collide::{collide, nearest, reference};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::tests::{Random, hull, prism};
 use crate::rigid::shape::{Core, Shape};
@@ -32,9 +32,18 @@ fn aligned_shapes_give_numbers() {
             let turn =
                 Quat::from_rotation_x((k / 27 % 2) as f32 * quarter) * Quat::from_rotation_y((k / 54) as f32 * 0.5 * quarter);
             let pose = Pose::new(place, turn);
-            if let Some(found) = collide(a, b, &pose, 0.1) {
-                let checked = std::panic::catch_unwind(|| check(a, b, &pose, 0.1, &found));
+            let found = collide(a, b, &pose, 0.1);
+            if let Some(found) = &found {
+                let checked = std::panic::catch_unwind(|| check(a, b, &pose, 0.1, found));
                 assert!(checked.is_ok(), "{}", describe(a, b, &pose));
+            }
+            let points = [reference::vertices(a, &Pose::IDENTITY), reference::vertices(b, &pose)];
+            if points.iter().all(|points| !points.is_empty()) && !(is_flat(a) && is_flat(b)) {
+                let gap = reference::gap(&points[0], &points[1]) as f32 - a.radius - b.radius;
+                // Sharp shapes whose corners just touch have no direction, and no contact.
+                let is_clear = !(-0.001..0.02).contains(&gap) && gap < 0.09;
+                assert!(!is_clear || found.is_some(), "missed {gap}: {}", describe(a, b, &pose));
+                assert!(gap < 0.11 || found.is_none(), "far {gap}: {}", describe(a, b, &pose));
             }
         }
     }
@@ -130,4 +139,53 @@ fn contacts_are_finite() {
         }
     }
     assert!(touched > 15_000, "{touched}");
+}
+
+/// Balls and capsules from 1 mm to 10 m on boxes, hulls and faces of up to 1 km.
+#[test]
+fn round_shapes_of_all_sizes_meet() {
+    let mut random = Random(31);
+    let mut met = 0;
+    for round in 0..4000 {
+        let size = 10f32.powf(random.between(-1.0, 2.7));
+        let half = Vec3::new(1.0, 10f32.powf(random.between(-2.0, 0.0)), 10f32.powf(random.between(-2.0, 0.0))) * size;
+        let ground = match round % 3 {
+            0 => Shape::cuboid(half),
+            1 => hull(&prism(3 + round % 20, 1.0, 1.0).iter().map(|p| *p * half).collect::<Vec<_>>()),
+            _ => Shape { core: Core::Face { u: half * Vec3::X, v: half * Vec3::Y, one_sided: false }, radius: 0.0 },
+        };
+        let radius = 10f32.powf(random.between(-3.0, 1.0)).min(0.5 * size);
+        let mover =
+            if round % 4 == 0 { Shape::ball(radius) } else { Shape::capsule(radius * random.between(0.01, 20.0), radius) };
+        // A place on the surface, and the mover about as far away as its radius.
+        let out = random.vector(1.0) * half * 2.0;
+        let Some(near) = nearest(&ground.core, out) else { continue };
+        let turn = if round % 5 == 0 { Quat::IDENTITY } else { random.turn() };
+        let pose = Pose::new(near.place + near.normal * mover.extent() * random.between(-0.2, 1.05), turn);
+        let gap =
+            reference::gap(&reference::vertices(&ground, &Pose::IDENTITY), &reference::vertices(&mover, &pose)) as f32 - radius;
+        let reach = 0.1 * radius;
+        let found = collide(&ground, &mover, &pose, reach);
+        // Capsules through a flat face leave it on the side of their middle.
+        let is_through = is_flat(&ground) && gap < -radius;
+        let noise = 1e-5 * (ground.extent() + mover.extent());
+        let slack = 0.06 * (gap + radius).abs() + 0.02 * radius + noise;
+        let result = std::panic::catch_unwind(|| match &found {
+            None => assert!(gap > reach - slack, "missed"),
+            Some(found) => {
+                check(&ground, &mover, &pose, reach, found);
+                assert!(is_through || (found.least() - gap).abs() <= slack, "least {}", found.least());
+                if gap < reach - slack && !is_through {
+                    check_swap(&ground, &mover, &pose, reach, &Some(*found));
+                }
+            }
+        });
+        assert!(result.is_ok(), "round {round}: gap {gap} slack {slack} {found:?}\n{}", describe(&ground, &mover, &pose));
+        met += found.is_some() as u32;
+    }
+    assert!(met > 1500, "{met}");
+}
+
+fn is_flat(shape: &Shape) -> bool {
+    matches!(shape.core, Core::Face { .. })
 }
