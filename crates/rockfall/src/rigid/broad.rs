@@ -87,7 +87,9 @@ pub(crate) fn pairs(boxes: &[Aabb], may_touch: impl Fn(usize, usize) -> bool + S
             let range = task * CHUNK..count.min((task + 1) * CHUNK);
             grid.within(range.clone(), |a, b| put(&mut found, a, b));
             for coarser in &grids[level + 1..] {
-                grid.entries[range.clone()].iter().for_each(|entry| coarser.around(entry, |b| put(&mut found, entry.number, b)));
+                grid.entries[range.clone()]
+                    .iter()
+                    .for_each(|entry| coarser.around(entry, |b| put(&mut found, entry.number, b)));
             }
             found
         });

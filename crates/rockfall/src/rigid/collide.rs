@@ -19,9 +19,9 @@ mod closest;
 mod half_space;
 mod ids;
 mod polyhedra;
-mod solid;
 #[cfg(test)]
 mod reference;
+mod solid;
 #[cfg(test)]
 mod tests;
 
@@ -141,8 +141,20 @@ pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
     }
 }
 
-/// The nearest place of a core and the normal there.
-#[cfg(test)]
-pub(crate) fn nearest(core: &Core, point: Vec3) -> Option<(Vec3, Vec3)> {
-    ball::nearest(core, point).map(|found| (found.place, found.normal))
+/// The place of the surface of a shape nearest to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    /// Distance of the point from the surface, negative inside.
+    pub(crate) distance: f32,
+    /// Unit vector outwards.
+    pub(crate) normal: Vec3,
 }
+
+/// The distance of a point from a shape; `None` on the far side of a one-sided face.
+pub(crate) fn place(shape: &Shape, point: Vec3) -> Option<Place> {
+    let found = ball::nearest(&shape.core, point)?;
+    Some(Place { distance: (point - found.place).dot(found.normal) - shape.radius, normal: found.normal })
+}
+
+#[cfg(test)]
+pub(crate) use ball::nearest;

@@ -3,6 +3,8 @@
 mod bounds;
 mod hull;
 mod mass;
+mod ray;
+mod rounded_hull;
 #[cfg(test)]
 pub(crate) mod tests;
 
@@ -20,7 +22,8 @@ pub(crate) enum Core {
         /// Half the length, in units.
         half: f32,
     },
-    /// A parallelogram about the origin in the plane z = 0: all points a u + b v with |a|, |b| <= 1. Touched on both sides, or only on that of +z.
+    /// A parallelogram about the origin in the plane z = 0: all points a u + b v with |a|, |b| <= 1. Touched on both sides, or
+    /// only on that of +z.
     Face {
         /// Half of one edge; z is 0.
         u: Vec3,

@@ -8,11 +8,11 @@ use crate::rigid::shape::{Core, Hull, Shape};
 
 /// The place of a core nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Nearest {
+pub(crate) struct Nearest {
     /// The place, on the surface of the core.
-    pub(super) place: Vec3,
+    pub(crate) place: Vec3,
     /// Unit vector from the core towards the point; outwards if the point is inside.
-    pub(super) normal: Vec3,
+    pub(crate) normal: Vec3,
 }
 
 /// A ball b and any shape a.
@@ -24,7 +24,7 @@ pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
 }
 
 /// The place of a core nearest to a point; `None` on the far side of a one-sided face.
-pub(super) fn nearest(core: &Core, point: Vec3) -> Option<Nearest> {
+pub(crate) fn nearest(core: &Core, point: Vec3) -> Option<Nearest> {
     Some(match core {
         Core::Point => away(Vec3::ZERO, point, Vec3::Y),
         Core::Segment { half } => away(Vec3::new(0.0, point.y.clamp(-half, *half), 0.0), point, Vec3::X),

@@ -1,6 +1,6 @@
 //! Two boxes: the separating axes of both, and a clip in the plane of the reference face.
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec3, Vec3A, Vec3Swizzles};
 
 use crate::rigid::collide::clip::{Candidate, closest_of_lines, reduce};
 use crate::rigid::collide::{Manifold, ids, polyhedra};
@@ -15,11 +15,11 @@ struct Boxes {
     way: Vec3,
 }
 
-/// The best axis of a kind.
+/// An axis that is normal to faces.
 #[derive(Clone, Copy)]
 struct Axis {
     separation: f32,
-    /// Axis of a; 3 to 5 for those of b; for edges axis of a * 3 + axis of b.
+    /// Axis of a; 3 to 5 for those of b.
     index: usize,
 }
 
@@ -33,9 +33,13 @@ pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
     let size = half_a.min_element().min(half_b.min_element());
     let face = boxes.face_axis(size, reach)?;
     let noise = 4.0 * f32::EPSILON * (boxes.way.abs().max_element() + half_a.max_element() + half_b.max_element());
-    let edge = boxes.edge_axis(size, noise, reach)?;
-    let wins = edge.separation > face.separation + 0.05 * face.separation.abs() + 0.01 * size;
-    let by_edges = || boxes.edge_contact(edge.index, reach);
+    let edges = boxes.edge_separations(noise);
+    let most = edges[0].max(edges[1]).max(edges[2]).max_element();
+    if most > reach {
+        return None;
+    }
+    let wins = most > face.separation + 0.05 * face.separation.abs() + 0.01 * size;
+    let by_edges = || boxes.edge_contact(first_edge(&edges, most, size), reach);
     let by_faces = || boxes.face_contact(face.index, reach);
     let nearest = || polyhedra::nearest(a, b, b_in_a, reach, 1e-3 * size + noise);
     if wins && let Some(found) = by_edges() {
@@ -47,9 +51,15 @@ pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
             nearest().filter(|other| other.least() < found.least() - 0.02 * size).or(Some(found))
         }
         Some(found) => Some(found),
-        None if face.separation.max(edge.separation) > -0.01 * size - noise => nearest().or_else(by_edges),
-        None => by_edges(),
+        None if face.separation.max(most) > -0.01 * size - noise => nearest().or_else(by_edges),
+        None => by_edges().or_else(|| polyhedra::collide(a, b, b_in_a, reach)),
     }
+}
+
+/// The first pair of edges, in fixed order, that separates nearly as well as the best one.
+fn first_edge(separations: &[Vec3A; 3], most: f32, size: f32) -> usize {
+    let enough = most - 0.02 * most.abs() - 1e-3 * size;
+    (0..9).find(|index| separations[index % 3][index / 3] >= enough).unwrap_or(0)
 }
 
 impl Boxes {
@@ -74,41 +84,22 @@ impl Boxes {
         Mat3::from_cols(self.turn.x_axis.abs(), self.turn.y_axis.abs(), self.turn.z_axis.abs())
     }
 
-    /// The cross product of two edges with the greatest separation; `None` if that is beyond reach. Without crossing edges
-    /// the separation is minus infinity.
-    fn edge_axis(&self, size: f32, noise: f32, reach: f32) -> Option<Axis> {
-        let mut best = Axis { separation: f32::NEG_INFINITY, index: 0 };
-        let absolute = self.absolute();
-        for j in 0..3 {
-            let (of_b, spread) = (self.turn.col(j), absolute.col(j));
+    /// The separations along the cross products of edges: of edge j of b in vector j, of edge i of a in lane i. Minus infinity
+    /// for parallel edges: the faces beside them decide.
+    fn edge_separations(&self, noise: f32) -> [Vec3A; 3] {
+        let (way, half) = (Vec3A::from(self.way), Vec3A::from(self.a));
+        let columns = [self.turn.x_axis, self.turn.y_axis, self.turn.z_axis].map(Vec3A::from);
+        let absolute = columns.map(Vec3A::abs);
+        [0, 1, 2].map(|j| {
             let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
-            // e_i x r_j for i = x, y, z in the lanes: the way along it, and the reach of both boxes.
-            let along = self.way.cross(of_b).abs();
-            let (yzx, zxy) = (Vec3::new(spread.y, spread.z, spread.x), Vec3::new(spread.z, spread.x, spread.y));
-            let a1 = Vec3::new(self.a.y, self.a.z, self.a.x);
-            let a2 = Vec3::new(self.a.z, self.a.x, self.a.y);
-            let extent_a = a1 * zxy + a2 * yzx;
-            let extent_b = absolute.col(j2) * self.b[j1] + absolute.col(j1) * self.b[j2];
-            let gap = along - extent_a - extent_b;
-            let square = yzx * yzx + zxy * zxy;
-            for i in 0..3 {
-                // Parallel edges: the faces beside them decide.
-                if square[i] < 1e-6 {
-                    continue;
-                }
-                let length = square[i].sqrt();
-                let separation = (gap[i] - noise) / length;
-                if separation > reach {
-                    return None;
-                }
-                if separation > best.separation + 0.02 * best.separation.abs().min(1e30) + 1e-3 * size
-                    || best.separation == f32::NEG_INFINITY
-                {
-                    best = Axis { separation, index: 3 * i + j };
-                }
-            }
-        }
-        Some(best)
+            let (next, last) = (absolute[j].yzx(), absolute[j].zxy());
+            let along = way.cross(columns[j]).abs();
+            let extent_a = half.yzx() * last + half.zxy() * next;
+            let extent_b = absolute[j2] * self.b[j1] + absolute[j1] * self.b[j2];
+            let square = next * next + last * last;
+            let gap = (along - extent_a - extent_b - noise) / square.max(Vec3A::splat(1e-6)).sqrt();
+            Vec3A::select(square.cmplt(Vec3A::splat(1e-6)), Vec3A::NEG_INFINITY, gap)
+        })
     }
 
     /// One point between two edges; `None` if the nearest points of their lines are beyond the edges.
@@ -177,7 +168,8 @@ impl Boxes {
         // In coordinates (u, v, height above the reference face).
         let flat = |w: Vec3| Vec3::new(w[u], w[v], w[axis] * side);
         let (middle, edge_p, edge_q) = (flat(middle) - Vec3::Z * self.a[axis], flat(edge_p), flat(edge_q));
-        let mut polygon = Quad::new([middle - edge_p - edge_q, middle + edge_p - edge_q, middle + edge_p + edge_q, middle - edge_p + edge_q]);
+        let mut polygon =
+            Quad::new([middle - edge_p - edge_q, middle + edge_p - edge_q, middle + edge_p + edge_q, middle - edge_p + edge_q]);
         polygon.cut(self.a[u], self.a[v]);
 
         let incident = 2 * along + (sign < 0.0) as usize;
@@ -225,12 +217,9 @@ impl Quad {
         for (corner, _) in known {
             (low, high) = (low.min(*corner), high.max(*corner));
         }
-        for (beyond, axis, sign, bound, label) in [
-            (high.x > u, 0, 1.0, u, 4),
-            (low.x < -u, 0, -1.0, u, 5),
-            (high.y > v, 1, 1.0, v, 6),
-            (low.y < -v, 1, -1.0, v, 7),
-        ] {
+        for (beyond, axis, sign, bound, label) in
+            [(high.x > u, 0, 1.0, u, 4), (low.x < -u, 0, -1.0, u, 5), (high.y > v, 1, 1.0, v, 6), (low.y < -v, 1, -1.0, v, 7)]
+        {
             if beyond && self.count > 0 {
                 self.cut_one(|point| point[axis] * sign - bound, axis, sign * bound, label);
             }

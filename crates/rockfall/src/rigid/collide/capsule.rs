@@ -93,7 +93,8 @@ fn side_by_side(a: &Segment, b: &Segment, radii: (f32, f32), reach: f32, id: u32
     // Where b passes a foot, at the same coordinate along a.
     let offsets = feet.map(|foot| b.start + across * ((foot - b.start).dot(along) / cosine) - foot);
     let normal = (offsets[0] + offsets[1]).try_normalize()?;
-    let is_aligned = |offset: &Vec3| offset.dot(normal) > 0.0 && offset.reject_from_normalized(normal).length() < 0.01 * (radii.0 + radii.1);
+    let is_aligned =
+        |offset: &Vec3| offset.dot(normal) > 0.0 && offset.reject_from_normalized(normal).length() < 0.01 * (radii.0 + radii.1);
     if !offsets.iter().all(is_aligned) {
         return None;
     }
@@ -110,12 +111,15 @@ fn side_by_side(a: &Segment, b: &Segment, radii: (f32, f32), reach: f32, id: u32
 /// A capsule b and a box, hull or face a.
 pub(super) fn with_polyhedron(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option<Manifold> {
     let Core::Segment { half } = b.core else { return None };
+    let solid = Solid::new(&a.core, &Pose::IDENTITY);
+    let noise = 2.0 * f32::EPSILON * (solid.scale() + half + b_in_a.position.abs().max_element());
     let pair = Pair {
-        solid: Solid::new(&a.core, &Pose::IDENTITY),
+        solid,
         segment: Segment::new(half, b_in_a),
         middle: b_in_a.position,
         radii: (a.radius, b.radius),
         reach: reach + a.radius + b.radius,
+        noise,
         sides: match a.core {
             Core::Face { one_sided: true, .. } => Sides::One,
             Core::Face { .. } => Sides::Two,
@@ -130,9 +134,8 @@ pub(super) fn with_polyhedron(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -
     if distance > pair.reach {
         return None;
     }
-    let scale = pair.solid.scale() + half + pair.middle.abs().max_element();
-    if distance <= 2.0 * f32::EPSILON * scale {
-        return pair.overlap();
+    if distance <= pair.noise {
+        return pair.overlap(found.on_b.as_vec3());
     }
     let normal = ((found.on_b - found.on_a) / found.distance).as_vec3().normalize();
     if pair.sides == Sides::One && normal.z < 1e-3 {
@@ -162,6 +165,8 @@ struct Pair<'a> {
     radii: (f32, f32),
     /// The greatest separation of the cores.
     reach: f32,
+    /// Rounding error of a coordinate.
+    noise: f32,
     sides: Sides,
 }
 
@@ -184,7 +189,9 @@ impl Pair<'_> {
                 continue;
             }
             let id = ids::edges(number + 1, 0);
-            let Some(found) = side_by_side(&Segment { start, end }, &self.segment, self.radii, self.reach, id) else { continue };
+            let Some(found) = side_by_side(&Segment { start, end }, &self.segment, self.radii, self.reach, id) else {
+                continue;
+            };
             let off = found.least() + self.radii.0 + self.radii.1 - distance;
             if found.normal.dot(normal) > 0.999 && off.abs() <= 0.01 * (distance + self.radii.1) {
                 return Some(found);
@@ -193,21 +200,33 @@ impl Pair<'_> {
         None
     }
 
-    /// Cores that overlap: the way out that is shortest.
-    fn overlap(&self) -> Option<Manifold> {
-        let (face, depth) = self.least_face()?;
-        if self.sides != Sides::One
-            && let Some((number, normal, separation)) = self.least_edge()
-            && separation > depth + 0.05 * depth.abs()
-            && let Some(found) = self.edge_contact(number, normal)
-        {
-            return Some(found);
-        }
-        self.face_contact(face)
+    /// Cores that overlap and have a common point: the way out that is shortest.
+    fn overlap(&self, point: Vec3) -> Option<Manifold> {
+        let (face, depth) = self.least_face(0.02)?;
+        let by_edge = |part: f32, least: f32| {
+            let (number, normal, separation) = self.least_edge(part).filter(|_| self.sides != Sides::One)?;
+            if separation > least { self.edge_contact(number, normal) } else { None }
+        };
+        let enough = depth + 0.05 * depth.abs();
+        // The segment may lie beside a feature that is preferred, but not beside the very best one.
+        by_edge(0.02, enough)
+            .or_else(|| by_edge(0.0, enough))
+            .or_else(|| self.face_contact(face))
+            .or_else(|| self.face_contact(self.least_face(0.0)?.0))
+            .or_else(|| by_edge(0.0, f32::NEG_INFINITY))
+            .or_else(|| self.common_point(point))
     }
 
-    /// The face that the ends are least below.
-    fn least_face(&self) -> Option<(usize, f32)> {
+    /// A common point of cores that overlap, pushed out of the best face: never nothing.
+    fn common_point(&self, point: Vec3) -> Option<Manifold> {
+        let (face, _) = self.least_face(0.0).filter(|_| self.sides == Sides::Inside)?;
+        let normal = self.solid.normals()[face];
+        let height = (point - self.solid.anchor(face)).dot(normal);
+        Some(Manifold::single(normal, (point - normal * height, point), self.radii, 0))
+    }
+
+    /// The face that the ends are least below. A later one must win by a part of the depth.
+    fn least_face(&self, part: f32) -> Option<(usize, f32)> {
         let depth = |face: usize| {
             let (normal, anchor) = (self.solid.normals()[face], self.solid.anchor(face));
             (self.segment.start - anchor).dot(normal).min((self.segment.end - anchor).dot(normal))
@@ -219,7 +238,7 @@ impl Pair<'_> {
         let mut best: Option<(usize, f32)> = None;
         for face in 0..self.solid.face_count() {
             let depth = depth(face);
-            if best.is_none_or(|(_, known)| depth > known + 0.02 * known.abs()) {
+            if best.is_none_or(|(_, known)| depth > known + part * known.abs()) {
                 best = Some((face, depth));
             }
         }
@@ -227,7 +246,7 @@ impl Pair<'_> {
     }
 
     /// The edge whose common normal with the segment separates best: number, normal and separation.
-    fn least_edge(&self) -> Option<(usize, Vec3, f32)> {
+    fn least_edge(&self, part: f32) -> Option<(usize, Vec3, f32)> {
         let along = self.segment.along();
         let mut best: Option<(usize, Vec3, f32)> = None;
         for (number, edge) in self.solid.edges.iter().enumerate() {
@@ -243,7 +262,7 @@ impl Pair<'_> {
             let normal = normal.normalize();
             let normal = if normal.dot(normals[0] + normals[1]) < 0.0 { -normal } else { normal };
             let separation = (self.segment.start - start).dot(normal);
-            if best.is_none_or(|(_, _, known)| separation > known + 0.02 * known.abs()) {
+            if best.is_none_or(|(_, _, known)| separation > known + part * known.abs()) {
                 best = Some((number, normal, separation));
             }
         }
@@ -270,7 +289,7 @@ impl Pair<'_> {
         for k in 0..corners.len() {
             let (start, end) = (self.solid.vertex(corners[k]), self.solid.vertex(corners[(k + 1) % corners.len()]));
             if let Some(out) = (end - start).cross(normal).try_normalize() {
-                part.cut(out, start.dot(out), 32 + k as u8);
+                part.cut(out, start.dot(out) + self.noise, 32 + k as u8);
             }
         }
         let mut manifold = Manifold::empty(normal);

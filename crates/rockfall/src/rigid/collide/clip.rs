@@ -18,7 +18,7 @@ pub(super) struct Candidate {
 const FLAT: f32 = 1e-3;
 
 /// At most four of the candidates: the deepest (of flat contacts the extreme one along `along`), the farthest from it, the one
-/// of the largest triangle, and the farthest on the other side. The order of the candidates decides between equal ones.
+/// of the largest triangle, and the farthest on the other side. The first of nearly equal candidates counts.
 pub(super) fn reduce(candidates: &[Candidate], normal: Vec3, along: Vec3, radii: (f32, f32)) -> Option<Manifold> {
     let mut manifold = Manifold::empty(normal);
     let mut push = |index: usize| {
@@ -31,41 +31,41 @@ pub(super) fn reduce(candidates: &[Candidate], normal: Vec3, along: Vec3, radii:
     }
     let place = |index: usize| candidates[index].on_a;
     let count = candidates.len();
-    let first = greatest(count, |k| -candidates[k].separation - FLAT * place(k).dot(along))?.1;
-    let second = greatest(count, |k| place(k).distance_squared(place(first)))?.1;
+    let spread = (1..count).map(|k| place(k).distance_squared(place(0))).fold(0.0, f32::max).sqrt();
+    let first = greatest(count, |k| -candidates[k].separation - FLAT * place(k).dot(along), 0.0, 0.5 * FLAT * spread)?.1;
+    let second = greatest(count, |k| place(k).distance_squared(place(first)), 0.01, 0.0)?.1;
     let edge = place(second) - place(first);
     let area = |k: usize| edge.cross(place(k) - place(first)).dot(normal);
-    let (size, third) = greatest(count, |k| area(k).abs())?;
+    let (size, third) = greatest(count, |k| area(k).abs(), 0.01, 0.0)?;
     push(first);
     push(second);
     // Points on a line: two are enough.
-    if size > 1e-4 * edge.length_squared() {
+    let thin = 1e-5 * edge.length_squared();
+    if size > thin {
         push(third);
         let side = area(third).signum();
-        let (size, fourth) = greatest(count, |k| beyond(place(first), place(second), place(third), place(k), normal * side))?;
-        if size > 1e-4 * edge.length_squared() {
+        let beyond = |k: usize| beyond([first, second, third].map(place), place(k), normal * side);
+        let (size, fourth) = greatest(count, beyond, 0.01, 0.0)?;
+        if size > thin {
             push(fourth);
         }
     }
     manifold.some()
 }
 
-/// How far a point lies outside of a triangle that runs counterclockwise about the normal: twice the largest area beyond an edge.
-fn beyond(p: Vec3, q: Vec3, r: Vec3, point: Vec3, normal: Vec3) -> f32 {
+/// How far a point lies outside of a triangle that runs counterclockwise about the normal: twice the largest area beyond an
+/// edge.
+fn beyond([p, q, r]: [Vec3; 3], point: Vec3, normal: Vec3) -> f32 {
     let out = |start: Vec3, end: Vec3| (point - start).cross(end - start).dot(normal);
     out(p, q).max(out(q, r)).max(out(r, p))
 }
 
-/// The greatest value and its index; the first of equal ones.
-fn greatest(count: usize, value: impl Fn(usize) -> f32) -> Option<(f32, usize)> {
-    let mut best: Option<(f32, usize)> = None;
-    for index in 0..count {
-        let value = value(index);
-        if best.is_none_or(|(known, _)| value > known) {
-            best = Some((value, index));
-        }
-    }
-    best
+/// The index of the first value that is nearly the greatest, up to a part of it and an absolute margin, so that rounding does
+/// not change the choice.
+fn greatest(count: usize, value: impl Fn(usize) -> f32, part: f32, margin: f32) -> Option<(f32, usize)> {
+    let most = (0..count).map(&value).fold(f32::NEG_INFINITY, f32::max);
+    let enough = most - part * most.abs() - margin;
+    (0..count).map(|index| (value(index), index)).find(|(value, _)| *value >= enough)
 }
 
 /// How far from their origins the nearest points of two lines with unit directions are; `None` if the lines are parallel.

@@ -105,9 +105,9 @@ fn reduce(simplex: &mut [Corner; 4], count: usize) -> usize {
         }
     }
     let mut kept = 0;
-    for k in 0..count {
+    for (k, corner) in corners.iter().enumerate() {
         if best.1 >> k & 1 == 1 {
-            simplex[kept] = Corner { weight: best.2[k], ..corners[k] };
+            simplex[kept] = Corner { weight: best.2[k], ..*corner };
             kept += 1;
         }
     }

@@ -7,7 +7,7 @@ use crate::rigid::collide::closest::closest;
 use crate::rigid::collide::solid::Solid;
 use crate::rigid::collide::{Manifold, ids};
 use crate::rigid::pose::Pose;
-use crate::rigid::shape::{Core, Shape};
+use crate::rigid::shape::{Core, MOST_FACES, Shape};
 
 /// Two polyhedra in coordinates of a, with what all steps need.
 struct Pair<'a> {
@@ -43,7 +43,9 @@ struct EdgeAxis {
 pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option<Manifold> {
     let pair = Pair::new(a, b, b_in_a, reach);
     match (&a.core, &b.core) {
-        (Core::Face { one_sided: true, .. }, Core::Face { .. }) | (Core::Face { .. }, Core::Face { one_sided: true, .. }) => None,
+        (Core::Face { one_sided: true, .. }, Core::Face { .. }) | (Core::Face { .. }, Core::Face { one_sided: true, .. }) => {
+            None
+        }
         (Core::Face { one_sided: true, .. }, _) => pair.above_face(b_in_a.position),
         _ => pair.manifold(),
     }
@@ -69,8 +71,8 @@ impl<'a> Pair<'a> {
     }
 
     fn manifold(&self) -> Option<Manifold> {
-        let face = self.face_axis()?;
-        let edge = self.edge_axis()?;
+        let face = self.face_axis(1.0)?;
+        let edge = self.edge_axis(1.0)?;
         let by_edges = || edge.and_then(|edge| self.edge_contact(&edge));
         let wins = edge.is_some_and(|edge| edge.separation > face.separation + 0.05 * face.separation.abs() + 0.01 * self.size);
         let first = if wins { by_edges() } else { None };
@@ -91,7 +93,11 @@ impl<'a> Pair<'a> {
             }
             Some(found) => Some(found),
             None if best > -10.0 * tiny => self.nearest(tiny).or_else(by_edges),
-            None => by_edges(),
+            // The other shape may lie beside a face that is preferred, but not beside the very best one.
+            None => by_edges()
+                .or_else(|| self.face_contact(&self.face_axis(0.0)?))
+                .or_else(|| self.edge_contact(&self.edge_axis(0.0)??))
+                .or_else(|| self.common_point(&self.face_axis(0.0)?)),
         }
     }
 
@@ -116,8 +122,8 @@ impl<'a> Pair<'a> {
         self.face_contact(&FaceAxis { separation, of_b: false, face: 0 })
     }
 
-    /// The face that separates best; `None` if that is beyond reach.
-    fn face_axis(&self) -> Option<FaceAxis> {
+    /// The face that separates best; `None` if that is beyond reach. A later one must win by a margin times `bias`.
+    fn face_axis(&self, bias: f32) -> Option<FaceAxis> {
         let mut best: Option<FaceAxis> = None;
         for (of_b, own, other) in [(false, &self.a, &self.b), (true, &self.b, &self.a)] {
             for (face, normal) in own.normals().iter().enumerate() {
@@ -126,7 +132,7 @@ impl<'a> Pair<'a> {
                     return None;
                 }
                 let is_better = |best: &FaceAxis| {
-                    separation > best.separation + 0.02 * best.separation.abs() + 1e-3 * self.size + self.noise
+                    separation > best.separation + bias * (0.02 * best.separation.abs() + 1e-3 * self.size + self.noise)
                 };
                 if best.as_ref().is_none_or(is_better) {
                     best = Some(FaceAxis { separation, of_b, face });
@@ -136,23 +142,36 @@ impl<'a> Pair<'a> {
         best
     }
 
+    /// A common point of shapes that overlap, pushed out of a face: never nothing.
+    fn common_point(&self, axis: &FaceAxis) -> Option<Manifold> {
+        let own = if axis.of_b { &self.b } else { &self.a };
+        let normal = own.normals()[axis.face];
+        let point = closest(self.a.vertices(), self.b.vertices()).on_b.as_vec3();
+        let foot = point - normal * (point - own.anchor(axis.face)).dot(normal);
+        let (normal, cores) = if axis.of_b { (-normal, (point, foot)) } else { (normal, (foot, point)) };
+        Some(Manifold::single(normal, cores, self.radii, 0))
+    }
+
     /// The pair of edges that separates best; the outer `None` if that is beyond reach, the inner one without such a pair.
     /// Only edges whose arcs cross on the sphere of normals make a face of the difference of the shapes.
-    fn edge_axis(&self) -> Option<Option<EdgeAxis>> {
+    fn edge_axis(&self, bias: f32) -> Option<Option<EdgeAxis>> {
         let mut best: Option<EdgeAxis> = None;
+        // The plane of an arc is perpendicular to its edge. Both arcs must lie on both sides of the other's plane, and not
+        // opposite to each other. Which side the faces of the other shape are on is kept in bits.
+        let mut sides = [Sides::default(); MOST_EDGES];
+        for (of_b, edge) in self.b.edges.iter().enumerate() {
+            sides[of_b] = Sides::new(self.a.normals(), line(&self.b, edge).1);
+        }
         for (of_a, edge_a) in self.a.edges.iter().enumerate() {
             let (n1, n2) = (self.a.normals()[edge_a[2] as usize], self.a.normals()[edge_a[3] as usize]);
             let (start, along) = line(&self.a, edge_a);
+            let own = Sides::new(self.b.normals(), along);
             for (of_b, edge_b) in self.b.edges.iter().enumerate() {
-                let (m1, m2) = (-self.b.normals()[edge_b[2] as usize], -self.b.normals()[edge_b[3] as usize]);
-                let (other, across) = line(&self.b, edge_b);
-                // The plane of an arc is perpendicular to its edge. Both arcs must lie on both sides of the other's plane,
-                // and not opposite to each other.
-                let (p, q) = (m1.dot(along), m2.dot(along));
-                let (r, s) = (n1.dot(across), n2.dot(across));
-                if p * q >= 0.0 || r * s >= 0.0 {
+                if !own.differ(edge_b) || !sides[of_b].differ(edge_a) {
                     continue;
                 }
+                let (m1, m2) = (-self.b.normals()[edge_b[2] as usize], -self.b.normals()[edge_b[3] as usize]);
+                let (other, across) = line(&self.b, edge_b);
                 let normal = along.cross(across);
                 let square = normal.length_squared();
                 if square < 1e-6 {
@@ -169,7 +188,8 @@ impl<'a> Pair<'a> {
                 if separation > self.reach {
                     return None;
                 }
-                let is_better = |best: &EdgeAxis| separation > best.separation + 0.02 * best.separation.abs() + 1e-3 * self.size;
+                let is_better =
+                    |best: &EdgeAxis| separation > best.separation + bias * (0.02 * best.separation.abs() + 1e-3 * self.size);
                 if best.as_ref().is_none_or(is_better) {
                     best = Some(EdgeAxis { separation, normal, of_a, of_b });
                 }
@@ -211,14 +231,14 @@ impl<'a> Pair<'a> {
         if own.loop_of(axis.face).len() == 2 {
             let (against, anchor) = (other.normals()[incident], other.anchor(incident));
             let slope = against.dot(normal);
-            let polygon = clip(own, axis.face, other, incident, normal);
+            let polygon = clip(own, axis.face, other, incident, normal, self.noise);
             for (corner, labels) in polygon.corners().filter(|_| slope < -1e-3) {
                 let separation = (anchor - corner).dot(against) / slope;
                 put(corner, corner + normal * separation, separation, labels);
             }
         } else {
             let anchor = own.anchor(axis.face);
-            let polygon = clip(other, incident, own, axis.face, normal);
+            let polygon = clip(other, incident, own, axis.face, normal, self.noise);
             for (corner, labels) in polygon.corners() {
                 let separation = (corner - anchor).dot(normal);
                 put(corner - normal * separation, corner, separation, labels);
@@ -229,21 +249,49 @@ impl<'a> Pair<'a> {
     }
 }
 
+/// Greatest number of edges of a polyhedron with 32 faces.
+const MOST_EDGES: usize = 3 * MOST_FACES - 6;
+
+/// On which side of a plane through the origin some normals lie.
+#[derive(Clone, Copy, Default)]
+struct Sides {
+    above: u32,
+    below: u32,
+}
+
+impl Sides {
+    fn new(normals: &[Vec3], axis: Vec3) -> Self {
+        let mut sides = Self::default();
+        for (face, normal) in normals.iter().enumerate() {
+            let height = normal.dot(axis);
+            sides.above |= ((height > 0.0) as u32) << face;
+            sides.below |= ((height < 0.0) as u32) << face;
+        }
+        sides
+    }
+
+    /// Whether the two faces of an edge lie on different sides.
+    fn differ(&self, edge: &[u8; 4]) -> bool {
+        let (first, second) = (edge[2], edge[3]);
+        (self.above >> first & self.below >> second | self.below >> first & self.above >> second) & 1 == 1
+    }
+}
+
 /// An edge: its start and its direction.
 fn line(solid: &Solid, edge: &[u8; 4]) -> (Vec3, Vec3) {
     let start = solid.vertex(edge[0]);
     (start, (solid.vertex(edge[1]) - start).normalize_or_zero())
 }
 
-/// What of a face lies between the sides of another face, which stand on it along `normal`.
-fn clip(solid: &Solid, face: usize, sides: &Solid, within: usize, normal: Vec3) -> Polygon {
+/// What of a face lies between the sides of another face, which stand on it along `normal`, up to rounding errors.
+fn clip(solid: &Solid, face: usize, sides: &Solid, within: usize, normal: Vec3, noise: f32) -> Polygon {
     let mut polygon = Polygon::new(solid.loop_of(face).iter().map(|corner| solid.vertex(*corner)));
     let corners = sides.loop_of(within);
     let turn = sides.normals()[within].dot(normal).signum();
     for k in 0..corners.len() {
         let (start, end) = (sides.vertex(corners[k]), sides.vertex(corners[(k + 1) % corners.len()]));
         if let Some(out) = ((end - start).cross(normal) * turn).try_normalize() {
-            polygon.cut(out, start.dot(out), 32 + k as u8);
+            polygon.cut(out, start.dot(out) + noise, 32 + k as u8);
         }
     }
     polygon

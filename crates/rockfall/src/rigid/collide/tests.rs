@@ -1,5 +1,8 @@
 //! Contacts judged by nature: against distances by trying everything, and by what swaps and moves must not change.
 
+mod figures;
+mod sizes;
+
 use glam::{Quat, Vec3};
 
 use crate::rigid::collide::{Manifold, collide, nearest, reference};
@@ -13,7 +16,9 @@ pub(super) fn separations(manifold: &Manifold) -> impl Iterator<Item = f32> {
 
 /// What holds for all manifolds: unit normals, points on both surfaces and within reach, ids that differ.
 pub(super) fn check(a: &Shape, b: &Shape, pose: &Pose, reach: f32, found: &Manifold) {
-    let scale = pose.position.length() + if a.extent() < 1e9 { a.extent() } else { 0.0 } + if b.extent() < 1e9 { b.extent() } else { 0.0 };
+    let scale = pose.position.length()
+        + if a.extent() < 1e9 { a.extent() } else { 0.0 }
+        + if b.extent() < 1e9 { b.extent() } else { 0.0 };
     let tolerance = 4e-6 * scale;
     assert!((1..=4).contains(&found.count));
     assert!((found.normal.length() - 1.0).abs() < 1e-5, "{}", found.normal);
@@ -25,8 +30,8 @@ pub(super) fn check(a: &Shape, b: &Shape, pose: &Pose, reach: f32, found: &Manif
         assert!(aside <= tolerance, "points are {aside} aside of the normal");
         assert!(found.points[..index].iter().all(|other| other.id != point.id), "{:x} twice", point.id);
         for (shape, place) in [(a, point.on_a), (b, pose.inner(point.on_b))] {
-            if let Some((near, _)) = nearest(&shape.core, place) {
-                let off = near.distance(place);
+            if let Some(near) = nearest(&shape.core, place) {
+                let off = near.place.distance(place);
                 let is_inside = off > shape.radius + tolerance && shape.radius == 0.0;
                 assert!(!is_inside, "a point is {off} from the surface of {shape:?}");
                 assert!(off <= shape.radius + tolerance, "{off} {shape:?}");
@@ -51,7 +56,8 @@ pub(super) fn check_swap(a: &Shape, b: &Shape, pose: &Pose, reach: f32, found: &
 pub(super) fn shapes(random: &mut Random) -> Vec<Shape> {
     let half = Vec3::new(random.between(0.1, 1.0), random.between(0.1, 1.0), random.between(0.1, 1.0));
     let points: Vec<Vec3> = (0..8).map(|_| random.vector(0.8)).collect();
-    let (u, v) = (Vec3::new(random.between(0.3, 1.0), random.between(-0.2, 0.2), 0.0), Vec3::new(0.1, random.between(0.3, 1.0), 0.0));
+    let (u, v) =
+        (Vec3::new(random.between(0.3, 1.0), random.between(-0.2, 0.2), 0.0), Vec3::new(0.1, random.between(0.3, 1.0), 0.0));
     vec![
         Shape::ball(random.between(0.1, 1.0)),
         Shape::capsule(random.between(0.1, 1.0), random.between(0.1, 0.5)),
@@ -127,43 +133,6 @@ fn separations_of_balls_are_distances() {
     try_all(300, |a, b| matches!(a.core, Core::Point) || matches!(b.core, Core::Point));
 }
 
-#[test]
-fn a_box_on_a_box_has_the_corners_of_the_overlap() {
-    let (a, b) = (Shape::cuboid(Vec3::new(1.0, 0.5, 2.0)), Shape::cuboid(Vec3::new(1.0, 0.5, 1.0)));
-    let pose = Pose::new(Vec3::new(0.5, 1.01, 0.2), Quat::IDENTITY);
-    let found = collide(&a, &b, &pose, 0.05).expect("contacts");
-    assert_eq!((found.count, found.normal), (4, Vec3::Y));
-    for corner in [(-0.5, -0.8), (1.0, -0.8), (-0.5, 1.2), (1.0, 1.2)] {
-        let corner = Vec3::new(corner.0, 0.51, corner.1);
-        assert!(found.points.iter().any(|point| point.on_b.distance(corner) < 1e-5), "{found:?}");
-    }
-    assert!(separations(&found).all(|gap| (gap - 0.01).abs() < 1e-5));
-    // A turn by 45 degrees about the normal: an octagon, of which four corners stay.
-    let pose = Pose::new(Vec3::new(0.0, 0.99, 0.0), Quat::from_rotation_y(std::f32::consts::FRAC_PI_4));
-    let a = Shape::cuboid(Vec3::new(1.0, 0.5, 1.0));
-    let found = collide(&a, &b, &pose, 0.05).expect("contacts");
-    assert_eq!(found.count, 4);
-    assert!(separations(&found).all(|gap| (gap + 0.01).abs() < 1e-5));
-    let middle = found.points.iter().map(|point| point.on_a).sum::<Vec3>() / 4.0;
-    assert!(Vec3::new(middle.x, 0.0, middle.z).length() < 0.35, "{middle}");
-    check(&a, &b, &pose, 0.05, &found);
-}
-
-#[test]
-fn crossing_edges_have_one_point() {
-    let cube = Shape::cuboid(Vec3::ONE);
-    let eighth = std::f32::consts::FRAC_PI_4;
-    // An edge of a along z on top, an edge of b along x below.
-    let stand = Quat::from_rotation_z(eighth);
-    let lie = Quat::from_rotation_x(eighth);
-    let pose = Pose::new(stand.inverse() * Vec3::new(0.3, 2.0 * 2f32.sqrt() + 0.02, 0.1), stand.inverse() * lie);
-    let found = collide(&cube, &cube, &pose, 0.1).expect("a contact");
-    assert_eq!(found.count, 1);
-    assert!((found.least() - 0.02).abs() < 1e-5);
-    assert!((stand * found.normal).distance(Vec3::Y) < 1e-5, "{}", found.normal);
-    assert!((stand * found.points[0].on_a).distance(Vec3::new(0.0, 2f32.sqrt(), 0.1)) < 1e-5);
-}
-
 fn is_polyhedron(shape: &Shape) -> bool {
     matches!(shape.core, Core::Box { .. } | Core::Hull(_) | Core::Face { .. })
 }
@@ -189,4 +158,42 @@ fn is_capsule(shape: &Shape) -> bool {
 #[test]
 fn separations_of_capsules_are_distances() {
     try_all(60, |a, b| is_capsule(a) || is_capsule(b));
+}
+
+/// A measurement: run with `--ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn time_of_pairs() {
+    let mut random = Random(1);
+    let half = Vec3::new(0.25, 0.15, 0.2);
+    let brick = Shape::cuboid(half);
+    let kinds = [
+        ("boxes", brick.clone(), brick.clone()),
+        ("box and capsule", brick.clone(), Shape::capsule(0.2, 0.15)),
+        ("box and ball", brick.clone(), Shape::ball(0.2)),
+        ("rounded boxes", Shape { radius: 0.02, ..brick.clone() }, Shape { radius: 0.02, ..brick.clone() }),
+        ("prisms of 6", hull(&prism(6, 0.2, 0.2)), hull(&prism(6, 0.2, 0.2))),
+        ("prisms of 30", hull(&prism(30, 0.2, 0.2)), hull(&prism(30, 0.2, 0.2))),
+    ];
+    for (name, a, b) in &kinds {
+        // Neighbours in a pile: nearly aligned, most of them with a common face, some diagonal.
+        let poses: Vec<Pose> = (0..2000)
+            .map(|k| {
+                let step = Vec3::new((k % 3) as f32 - 1.0, (k / 3 % 3) as f32 - 1.0, (k / 9 % 3) as f32 - 1.0);
+                let step = if step == Vec3::ZERO { Vec3::Y } else { step };
+                let tilt = Quat::from_scaled_axis(random.vector(if k % 4 == 0 { 1.0 } else { 0.01 }));
+                Pose::new(step * 2.0 * half + random.vector(0.02), tilt)
+            })
+            .collect();
+        for reach in [0.01, 0.05] {
+            let mut time = f64::INFINITY;
+            let mut count = 0;
+            for _ in 0..50 {
+                let start = std::time::Instant::now();
+                count = poses.iter().filter(|pose| collide(a, b, pose, reach).is_some()).count();
+                time = time.min(start.elapsed().as_secs_f64() / poses.len() as f64);
+            }
+            println!("{name}, reach {reach}: {:.0} ns a pair, {} % touch", time * 1e9, count * 100 / poses.len());
+        }
+    }
 }

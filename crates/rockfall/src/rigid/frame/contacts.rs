@@ -249,12 +249,17 @@ impl Part<'_> {
 
 /// Blocks that are worth a task of their own.
 const TASK: usize = 128;
-/// Fewer blocks are done by one thread.
-pub(super) const CROWD: usize = 1024;
+/// Fewer blocks are done by the thread that asks.
+const CROWD: usize = 1024;
+
+/// Whether so many blocks, or bodies with their blocks, are worth other threads. A pool of one thread is never worth the way to it.
+pub(super) fn is_crowd(count: usize) -> bool {
+    count >= CROWD && rayon::current_num_threads() > 1
+}
 
 /// Does something with each block and keeps what comes of it: in parallel where the blocks are many, with the same result.
 pub(super) fn for_each<T: Send>(mut part: Part<'_>, out: &mut [T], work: &(impl Fn(View<'_>) -> T + Sync)) {
-    if part.blocks.len() < CROWD {
+    if !is_crowd(part.blocks.len()) {
         for (k, slot) in out.iter_mut().enumerate() {
             *slot = work(part.view(k));
         }

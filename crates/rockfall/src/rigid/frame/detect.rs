@@ -7,7 +7,7 @@ use glam::Vec3;
 use crate::rigid::broad::{self, Aabb};
 use crate::rigid::collide::{Manifold, collide};
 use crate::rigid::frame::bodies::Bodies;
-use crate::rigid::frame::contacts::{Block, Contacts, Impulse, Pair, Point, Row};
+use crate::rigid::frame::contacts::{Block, Contacts, Impulse, Pair, Point, Row, is_crowd};
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Collider, RigidWorld, Surface};
 
@@ -28,7 +28,7 @@ pub(super) fn manifolds(world: &RigidWorld, bodies: &Bodies) -> Vec<Found> {
     };
     let pairs = broad::pairs(&boxes, may_touch);
     // Few pairs are done by one thread: tasks would cost more than they do.
-    if pairs.len() < 512 {
+    if !is_crowd(pairs.len()) {
         pairs.iter().filter_map(|pair| manifold(world, bodies, *pair)).collect()
     } else {
         pairs.par_iter().with_min_len(64).filter_map(|pair| manifold(world, bodies, *pair)).collect()

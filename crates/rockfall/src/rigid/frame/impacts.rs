@@ -4,7 +4,7 @@ use glam::{Quat, Vec2, Vec3};
 use rayon::prelude::*;
 
 use crate::rigid::frame::bodies::{Bodies, Mass};
-use crate::rigid::frame::contacts::{Block, COLOURS, CROWD, Contacts, Impulse, Pair, Row, View, for_each};
+use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, Impulse, Pair, Row, View, for_each, is_crowd};
 use crate::rigid::frame::refresh::{belt, place, tangents, turn};
 use crate::rigid::frame::rows::{Sides, friction_row};
 use crate::rigid::frame::times::{Hit, Scope, State};
@@ -44,7 +44,7 @@ pub(super) fn impacts(world: &RigidWorld, contacts: &mut Contacts, bodies: &mut 
 /// The blocks of a range that are hit. Blocks of one colour do not change each other's.
 fn hits(scope: &Scope<'_>, contacts: &Contacts, bodies: &Bodies, range: std::ops::Range<usize>) -> Vec<(usize, Hit)> {
     let find = |k: usize| scope.find(bodies, contacts, k).map(|hit| (k, hit));
-    if range.len() < CROWD {
+    if !is_crowd(range.len()) {
         range.filter_map(find).collect()
     } else {
         range.into_par_iter().with_min_len(128).filter_map(find).collect()

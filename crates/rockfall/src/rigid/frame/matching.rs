@@ -94,6 +94,12 @@ impl History {
         }
     }
 
+    /// Number of left-over blocks.
+    #[cfg(test)]
+    pub(super) fn left_over(&self) -> usize {
+        self.colours.iter().filter(|(_, colour)| *colour == LEFT_OVER).count()
+    }
+
     fn pair(&self, colliders: [u32; 2]) -> Option<&[OldPoint]> {
         let place = self.pairs.binary_search_by_key(&colliders, |old| old.colliders).ok()?;
         let OldPair { first, count, .. } = self.pairs[place];

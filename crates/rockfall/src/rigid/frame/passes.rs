@@ -4,7 +4,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::rigid::frame::bodies::{Bodies, Motion};
-use crate::rigid::frame::contacts::{Block, COLOURS, CROWD, Contacts, Load, View, for_each};
+use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, Load, View, for_each, is_crowd};
 use crate::rigid::frame::rows::{Pass, Sides, solve};
 
 /// Solves the blocks colour by colour, and then the left-over ones.
@@ -14,7 +14,7 @@ pub(super) fn pass(contacts: &mut Contacts, bodies: &mut Bodies, pass: &Pass) {
         if range.is_empty() {
             continue;
         }
-        if colour < COLOURS && range.len() < CROWD {
+        if colour < COLOURS && !is_crowd(range.len()) {
             let mut part = contacts.part(range.clone());
             for k in 0..range.len() {
                 let mut view = part.view(k);
@@ -96,7 +96,7 @@ pub(super) fn warm_start(contacts: &mut Contacts, bodies: &mut Bodies) {
         motion.velocity += masses[i].inverse_mass * impulse;
         motion.spin += masses[i].inverse_inertia * moment;
     };
-    if count < CROWD {
+    if !is_crowd(count) {
         bodies.motions.iter_mut().enumerate().for_each(apply);
     } else {
         bodies.motions.par_iter_mut().with_min_len(256).enumerate().for_each(apply);

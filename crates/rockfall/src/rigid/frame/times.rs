@@ -61,7 +61,8 @@ impl Scope<'_> {
         let block = &contacts.blocks[k];
         let radius = least_radius(bodies, block);
         let enough = if block.elastic { 0.0 } else { FAST * radius / self.h };
-        if closing_bound(bodies, block) <= enough.max(self.least_speed()) {
+        let gain = if block.fixed { self.least_speed() } else { 0.0 };
+        if closing_bound(bodies, block) + gain <= enough.max(self.least_speed()) {
             return None;
         }
         let start = self.start(bodies, block);
@@ -204,8 +205,8 @@ fn closing_bound(bodies: &Bodies, block: &Block) -> f32 {
         if spin == Vec3::ZERO { 0.0 } else { spin.length() * bodies.constants[i].radius }
     });
     let [from, to] = block.sides().map(|i| bodies.motions[i].velocity);
-    // Half as much again, for arms that end between two bodies, and for the field.
-    1.5 * ((to - from).length() + a + b) + f32::MIN_POSITIVE
+    // Half as much again, for arms that end between two bodies.
+    1.5 * ((to - from).length() + a + b)
 }
 
 /// The points of a pair as its rows have them.

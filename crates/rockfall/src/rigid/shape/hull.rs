@@ -172,7 +172,8 @@ fn merge(points: &[DVec3], triangles: &[Triangle], thickness: f64) -> Result<Vec
             for (from, to) in triangles[members[next]].edges() {
                 let beside = triangles.iter().position(|triangle| triangle.edges().contains(&(to, from)));
                 let Some(beside) = beside.filter(|beside| !taken[*beside]) else { continue };
-                let flat = triangles[beside].corners.iter().all(|corner| plane.height(points[*corner]).abs() <= 2.0 * thickness);
+                let flat =
+                    triangles[beside].corners.iter().all(|corner| plane.height(points[*corner]).abs() <= 2.0 * thickness);
                 if flat && triangles[beside].normal.dot(plane.normal) > -0.5 {
                     taken[beside] = true;
                     members.push(beside);
@@ -219,7 +220,8 @@ fn straighten(points: &[DVec3], faces: &mut Vec<Face>, _thickness: f64) {
 
 /// Vertices that are used, about the centre of mass; faces; edges with the faces beside them.
 fn assemble(points: &[DVec3], centre: DVec3, faces: Vec<Face>) -> Result<Hull, String> {
-    let used: Vec<usize> = (0..points.len()).filter(|number| faces.iter().any(|(_, corners)| corners.contains(number))).collect();
+    let used: Vec<usize> =
+        (0..points.len()).filter(|number| faces.iter().any(|(_, corners)| corners.contains(number))).collect();
     let place = |number: usize| used.binary_search(&number).unwrap_or(0) as u8;
     let loops: Vec<Vec<u8>> = faces.iter().map(|(_, corners)| corners.iter().map(|corner| place(*corner)).collect()).collect();
     let directed = |face: usize| {

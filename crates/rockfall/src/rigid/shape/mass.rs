@@ -2,13 +2,14 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::rigid::shape::rounded_hull::rounded;
 use crate::rigid::shape::{Core, Hull, Shape};
 
 use std::f64::consts::PI;
 
 impl Shape {
     /// Volume in units³ and the inertia about the centre of mass in units⁵, both for density 1. A face and a half-space have
-    /// none. The radius of a hull does not count: its rounded edges are taken as part of the surroundings.
+    /// none. The centre of a hull with a radius is taken to be that of the hull without.
     pub(crate) fn mass(&self) -> (f64, DMat3) {
         let radius = self.radius as f64;
         match &self.core {
@@ -19,7 +20,7 @@ impl Shape {
             Core::Segment { half } => capsule(*half as f64, radius),
             Core::Box { half } => rounded_box(half.as_dvec3(), radius),
             Core::Hull(hull) => {
-                let sum = moments(fan(hull));
+                let sum = if radius > 0.0 { rounded(hull, radius) } else { moments(fan(hull)) };
                 let centre = sum.first / sum.volume;
                 from_moments(sum.volume, sum.second - outer(centre) * sum.volume)
             }

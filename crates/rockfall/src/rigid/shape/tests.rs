@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Quat, Vec3};
 
+use crate::rigid::collide::place;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Hull, Shape};
 
@@ -115,6 +116,7 @@ fn mass_agrees_with_samples() {
         Shape::cuboid(Vec3::new(0.3, 0.9, 0.5)),
         Shape { core: Core::Box { half: Vec3::new(0.3, 0.7, 0.5) }, radius: 0.25 },
         hull(&prism(5, 0.8, 0.6)),
+        Shape { radius: 0.2, ..hull(&prism(5, 0.6, 0.5)) },
     ];
     for shape in &shapes {
         let (volume, inertia) = shape.mass();
@@ -125,8 +127,7 @@ fn mass_agrees_with_samples() {
         for index in 0..count * count * count {
             let cells = [index % count, index / count % count, index / count / count];
             let p = DVec3::from_array(cells.map(|k| size * (2.0 * (k as f64 + random.unit() as f64) / count as f64 - 1.0)));
-            let Some(near) = crate::rigid::collide::nearest(&shape.core, p.as_vec3()) else { continue };
-            if (p.as_vec3() - near.0).dot(near.1) <= shape.radius {
+            if place(shape, p.as_vec3()).is_some_and(|place| place.distance <= 0.0) {
                 sum += cell;
                 moments += cell * p * p;
             }
@@ -156,8 +157,7 @@ fn bounds_touch_the_shape() {
             let far = 2000.0;
             let face = if axis.min_element() < 0.0 { bounds.min } else { bounds.max };
             let centre = pose.position + axis * far;
-            let near = crate::rigid::collide::nearest(&shape.core, pose.inner(centre)).expect("a place");
-            let gap = (pose.inner(centre) - near.0).dot(near.1) - shape.radius;
+            let gap = place(shape, pose.inner(centre)).expect("a place").distance;
             assert!((gap - (centre - face).dot(axis)).abs() < 2e-3, "{shape:?} {axis} {gap}");
         }
         assert!(bounds.max.distance(pose.position) <= 2.0 * shape.extent());
@@ -170,4 +170,51 @@ fn bounds_touch_the_shape() {
     assert_eq!(plane.aabb(&Pose::new(Vec3::X, Quat::from_rotation_z(0.3))).max, Vec3::INFINITY);
     assert_eq!((plane.extent(), plane.mass().0), (f32::INFINITY, 0.0));
     assert!((hull(&prism(4, 2f32.sqrt(), 3.0)).width() - 2.0).abs() < 1e-5);
+}
+
+/// A ray meets the surface where the distance is 0 for the first time; one that misses is never inside.
+#[test]
+fn rays_end_at_surfaces() {
+    let mut random = Random(8);
+    let (u, v) = (Vec3::new(1.0, 0.2, 0.0), Vec3::new(0.1, 0.7, 0.0));
+    let shapes = [
+        Shape::ball(0.7),
+        Shape::capsule(0.6, 0.4),
+        Shape::cuboid(Vec3::new(0.3, 0.9, 0.5)),
+        Shape { core: Core::Box { half: Vec3::new(0.3, 0.7, 0.5) }, radius: 0.25 },
+        Shape { core: Core::Face { u, v, one_sided: true }, radius: 0.0 },
+        hull(&prism(5, 0.8, 0.6)),
+        Shape { core: Core::HalfSpace, radius: 0.0 },
+    ];
+    for shape in &shapes {
+        let mut hits = 0;
+        for _ in 0..500 {
+            let (origin, target) = (random.vector(3.0), random.vector(1.0));
+            let direction = (target - origin) * 0.3;
+            let distance = |part: f32| place(shape, origin + direction * part).map_or(f32::INFINITY, |place| place.distance);
+            match shape.ray(origin, direction) {
+                Some(part) => {
+                    hits += 1;
+                    assert!(part == 0.0 || distance(part).abs() < 1e-4, "{shape:?} {part} {}", distance(part));
+                    assert!((0..100).all(|k| distance(part * k as f32 / 100.0) > -1e-4) || part == 0.0);
+                }
+                None => assert!((0..400).all(|k| distance(k as f32 * 0.05) > 0.0), "{shape:?} {origin} {direction}"),
+            }
+        }
+        assert!(hits > 50 && hits <= 500, "{shape:?} {hits}");
+    }
+}
+
+/// A rounded box in closed form and as a hull.
+#[test]
+fn a_rounded_hull_weighs_as_much_as_a_rounded_box() {
+    let half = Vec3::new(0.5, 0.3, 0.2);
+    let corners: Vec<Vec3> = cube_points().iter().map(|p| (*p * 2.0 - 1.0) * half).collect();
+    for radius in [0.01, 0.3, 3.0] {
+        let (volume, inertia) = Shape { core: Core::Box { half }, radius }.mass();
+        let (other, about) = Shape { radius, ..hull(&corners) }.mass();
+        assert!((other / volume - 1.0).abs() < 1e-6, "{other} {volume}");
+        let error = (about - inertia) * (1.0 / inertia.x_axis.x);
+        assert!(error.to_cols_array().iter().all(|part| part.abs() < 1e-3), "{error}");
+    }
 }

@@ -6,7 +6,7 @@ use super::scene::{Scene, close};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
 
-/// Problem 35: a ball at 20 m/s, 1 mm beside a ball, a face, an edge and a corner.
+/// Problem 35: a ball at 20 m/s, 1 mm beside a ball, a face, an edge, a corner and a capsule.
 #[test]
 fn what_passes_is_not_deflected() {
     let r = 0.05;
@@ -14,17 +14,21 @@ fn what_passes_is_not_deflected() {
     let slant = std::f32::consts::FRAC_1_SQRT_2;
     for e in [0.0, 1.0] {
         for step in 0..20 {
-            for what in 0..4 {
+            for what in 0..5 {
                 let mut scene = Scene::new(0.5, e).weightless();
                 let x = -1.0 - 0.017 * step as f32;
                 // The path is along x, at the height `miss` above the highest place of an obstacle below it.
                 let (turn, depth) = match what {
-                    0 => (Quat::IDENTITY, 0.3),
+                    0 | 4 => (Quat::IDENTITY, 0.3),
                     1 => (Quat::IDENTITY, 0.3),
                     2 => (Quat::from_rotation_z(std::f32::consts::FRAC_PI_4), 0.3 / slant),
                     _ => (Quat::from_rotation_arc(Vec3::ONE.normalize(), Vec3::Y), 0.3 * 3.0_f32.sqrt()),
                 };
-                let shape = if what == 0 { Shape::ball(0.3) } else { Shape::cuboid(Vec3::splat(0.3)) };
+                let shape = match what {
+                    0 => Shape::ball(0.3),
+                    4 => Shape::capsule(0.2, 0.1),
+                    _ => Shape::cuboid(Vec3::splat(0.3)),
+                };
                 let body = scene.body(shape, Pose::new(Vec3::new(0.0, -depth, 0.0), turn), 1.0);
                 let ball = scene.ball(r, Vec3::new(x, miss, 0.0));
                 scene.throw(ball, Vec3::new(20.0, 0.0, 0.0), Vec3::ZERO);

@@ -1,8 +1,10 @@
 //! Impacts of balls and boxes.
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 use super::scene::{DT, Scene, close};
+use crate::rigid::pose::Pose;
+use crate::rigid::shape::Shape;
 
 /// Heights of a body at the tops of its bounces.
 fn apexes(scene: &mut Scene, body: usize, seconds: f32) -> Vec<f32> {
@@ -89,7 +91,7 @@ fn cradles_pass_the_impulse_on() {
 #[test]
 fn elastic_ball_leaves_a_moving_wall_with_twice_its_speed() {
     let mut scene = Scene::new(0.5, 1.0).weightless();
-    scene.kinematic(crate::rigid::shape::Shape::ball(0.5), Vec3::new(-2.0, 0.0, 0.0), Vec3::new(2.0, 0.0, 0.0));
+    scene.kinematic(Shape::ball(0.5), Vec3::new(-2.0, 0.0, 0.0), Vec3::new(2.0, 0.0, 0.0));
     let ball = scene.ball(0.5, Vec3::ZERO);
     scene.run(1.0);
     close(scene.velocity(ball).x, 4.0, 1e-3);
@@ -131,7 +133,8 @@ fn flat_box_bounces_without_spin() {
         for narrow in [false, true] {
             let mut scene = Scene::new(0.5, e);
             if narrow {
-                scene.block(Vec3::new(0.375, 0.5, 0.375), crate::rigid::pose::Pose::new(Vec3::new(0.0, -0.5, 0.0), glam::Quat::IDENTITY));
+                let pose = Pose::new(Vec3::new(0.0, -0.5, 0.0), Quat::IDENTITY);
+                scene.block(Vec3::new(0.375, 0.5, 0.375), pose);
             } else {
                 scene.floor();
             }
@@ -139,5 +142,24 @@ fn flat_box_bounces_without_spin() {
             close(apexes(&mut scene, body, 1.5)[0] - 0.5, wanted, 1e-3);
             close(scene.spin(body).length(), 0.0, 1e-3);
         }
+    }
+}
+
+/// Problem 5: a rod at 45 degrees without friction, against the impulse of the closed form.
+#[test]
+fn slanting_rod_takes_the_impulse_of_the_closed_form() {
+    let (e, half, radius, speed) = (0.8_f32, 0.5, 0.05, 2.0_f32);
+    for step in 0..10 {
+        let mut scene = Scene::new(0.0, e).weightless();
+        scene.floor();
+        let turn = Quat::from_rotation_z(-std::f32::consts::FRAC_PI_4);
+        let at = Vec3::new(0.0, 0.6 + 0.003 * step as f32, 0.0);
+        let rod = scene.body(Shape::capsule(half, radius), Pose::new(at, turn), 1.0);
+        scene.throw(rod, Vec3::new(0.0, -speed, 0.0), Vec3::ZERO);
+        scene.run(0.2);
+        let (lever, inertia) = (half * std::f32::consts::FRAC_1_SQRT_2, scene.world.bodies[rod].moments.x);
+        let j = (1.0 + e) * speed / (1.0 + lever * lever / inertia);
+        close(scene.velocity(rod).y, j - speed, 2e-3);
+        close(scene.spin(rod).z.abs(), lever * j / inertia, 5e-3);
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 
-use super::scene::{G, Scene, close};
+use super::scene::{DT, G, Scene, close};
 use crate::rigid::frame::{energy, kinetic_energy};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
@@ -134,4 +134,46 @@ fn dropped_stack_comes_to_rest() {
     }
     assert!(kinetic_energy(&scene.world) < 1e-5);
     close(scene.at(bodies[9]).y, 9.488, 0.005);
+}
+
+/// Problem 27: four blocks, each reaching beyond the one below by 1/(2 k) of its length, times a share.
+#[test]
+fn harmonic_overhang_falls_at_its_limit() {
+    for (share, stands) in [(0.95, true), (1.02, false)] {
+        let mut scene = Scene::new(0.5, 0.0);
+        scene.floor();
+        let mut x = 0.0;
+        scene.block(Vec3::new(0.5, 0.125, 0.25), Pose::new(Vec3::new(0.0, 0.125, 0.0), Quat::IDENTITY));
+        for k in (1..=4).rev() {
+            x += share * 0.5 / k as f32;
+            let y = 0.125 + 0.25 * (5 - k) as f32;
+            scene.cuboid(Vec3::new(0.5, 0.125, 0.25), Vec3::new(x, y, 0.0));
+        }
+        let (moved, _) = settle(&mut scene, 8.0);
+        assert_eq!(moved < 0.05, stands, "{share}: {moved}");
+    }
+}
+
+/// Problem 28: the wave of dominoes 0.1 x 1 x 0.5 with gaps of 0.4.
+#[test]
+fn dominoes_fall_in_a_wave() {
+    for substeps in [4, 8] {
+        let mut scene = Scene::new(0.3, 0.0).substeps(substeps);
+        scene.floor();
+        let pieces: Vec<usize> =
+            (0..30).map(|k| scene.cuboid(Vec3::new(0.05, 0.5, 0.25), Vec3::new(0.5 * k as f32, 0.5, 0.0))).collect();
+        scene.throw(pieces[0], Vec3::new(0.5, 0.0, 0.0), Vec3::new(0.0, 0.0, -1.0));
+        let mut falls = vec![None; pieces.len()];
+        for frame in 0..360 {
+            scene.step();
+            for (piece, fall) in pieces.iter().zip(&mut falls) {
+                let tilt = scene.world.bodies[*piece].pose.turn * Vec3::Y;
+                if fall.is_none() && tilt.x > 0.1 {
+                    *fall = Some(frame as f32 * DT);
+                }
+            }
+        }
+        let (first, last) = (falls[10].unwrap(), falls[25].unwrap());
+        close(15.0 * 0.5 / (last - first), 4.0, 0.12);
+    }
 }
