@@ -172,8 +172,10 @@ def test_tables(tmp_path):
     assert parquet.read_table(tmp_path / "table.parquet").to_pydict() == result.columns()
 
 
+# A job in the background of a shell ignores SIGINT, and so do its children.
 ENDLESS = '''
-import os, sys, time, rockfall as rf
+import os, signal, sys, time, rockfall as rf
+signal.signal(signal.SIGINT, signal.default_int_handler)
 def run(scene, backend, a):
     open(f"{sys.argv[1]}/{os.getpid()}", "w").close()
     time.sleep(1000)
