@@ -45,13 +45,14 @@ pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
     if wins && let Some(found) = by_edges() {
         return Some(found);
     }
+    let best = face.separation.max(most);
     match by_faces() {
         // The lowest corner lies beside the reference face: corners or edges face each other there.
-        Some(found) if face.separation > 0.0 && found.least() > face.separation + 0.02 * size + noise => {
+        Some(found) if best > 0.0 && found.least() > best + 0.02 * size + noise => {
             nearest().filter(|other| other.least() < found.least() - 0.02 * size).or(Some(found))
         }
         Some(found) => Some(found),
-        None if face.separation.max(most) > -0.01 * size - noise => nearest().or_else(by_edges),
+        None if best > -0.01 * size - noise => nearest().or_else(by_edges),
         None => by_edges().or_else(|| polyhedra::collide(a, b, b_in_a, reach)),
     }
 }

@@ -34,7 +34,8 @@ pub(super) fn check(a: &Shape, b: &Shape, pose: &Pose, reach: f32, found: &Manif
                 let off = near.place.distance(place);
                 let is_inside = off > shape.radius + tolerance && shape.radius == 0.0;
                 assert!(!is_inside, "a point is {off} from the surface of {shape:?}");
-                assert!(off <= shape.radius + tolerance, "{off} {shape:?}");
+                // Capsules side by side may be askew by 1 % of their radii.
+                assert!(off <= 1.001 * shape.radius + tolerance, "{off} {shape:?}");
             }
         }
     }
