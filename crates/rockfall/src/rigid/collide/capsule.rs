@@ -93,8 +93,8 @@ fn side_by_side(a: &Segment, b: &Segment, radii: (f32, f32), reach: f32, id: u32
     // Where b passes a foot, at the same coordinate along a.
     let offsets = feet.map(|foot| b.start + across * ((foot - b.start).dot(along) / cosine) - foot);
     let normal = (offsets[0] + offsets[1]).try_normalize()?;
-    let is_aligned =
-        |offset: &Vec3| offset.dot(normal) > 0.0 && offset.reject_from_normalized(normal).length() < 0.01 * (radii.0 + radii.1);
+    let least = if radii.0 > 0.0 { radii.0.min(radii.1) } else { radii.1 };
+    let is_aligned = |offset: &Vec3| offset.dot(normal) > 0.0 && offset.reject_from_normalized(normal).length() < 0.01 * least;
     if !offsets.iter().all(is_aligned) {
         return None;
     }

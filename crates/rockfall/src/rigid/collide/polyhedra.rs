@@ -75,7 +75,7 @@ impl<'a> Pair<'a> {
         let edge = self.edge_axis(1.0)?;
         let by_edges = || edge.and_then(|edge| self.edge_contact(&edge));
         let wins = edge.is_some_and(|edge| edge.separation > face.separation + 0.05 * face.separation.abs() + 0.01 * self.size);
-        let first = if wins { by_edges() } else { None };
+        let first = if wins { by_edges().or_else(|| self.edge_contact(&self.edge_axis(0.0)??)) } else { None };
         let found = first.or_else(|| self.face_contact(&face));
         let best = edge.map_or(face.separation, |edge| edge.separation.max(face.separation));
         let radii = self.radii.0 + self.radii.1;
