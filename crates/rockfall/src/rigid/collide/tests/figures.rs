@@ -209,6 +209,23 @@ fn contacts_begin_at_the_reach() {
     }
 }
 
+/// Boxes of a lattice touch their neighbours across faces with four points, and those across edges and corners not at all.
+#[test]
+fn boxes_of_a_lattice_touch_across_faces() {
+    let mut random = Random(12);
+    let half = Vec3::new(0.5, 0.4, 0.3);
+    let cube = Shape::cuboid(half);
+    for k in (0..27).filter(|k| *k != 13) {
+        let step = Vec3::new((k % 3) as f32, (k / 3 % 3) as f32, (k / 9) as f32) - 1.0;
+        for _ in 0..20 {
+            let pose = Pose::new(2.0 * step * half + random.vector(1e-5), Quat::from_scaled_axis(random.vector(1e-5)));
+            let count = collide(&cube, &cube, &pose, 0.05).map_or(0, |found| found.count);
+            let expected = if step.abs().element_sum() == 1.0 { 4 } else { 0 };
+            assert_eq!(count, expected, "{step}");
+        }
+    }
+}
+
 /// In a stack of equal boxes, ids stay whichever edge is a little ahead.
 #[test]
 fn ids_stay_in_a_stack() {
