@@ -107,7 +107,7 @@ impl<'a> Frame<'a> {
         self.spare();
         passes::pass(&mut self.contacts, &mut self.bodies, &self.biased);
         self.bodies.follow();
-        self.bodies.drift(self.h, self.world.gravity);
+        self.bodies.drift(self.h, self.world.gravity.into());
         self.refresh();
         passes::pass(&mut self.contacts, &mut self.bodies, &self.relax);
         self.bodies.follow();

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3A};
 
 /// A contact point in coordinates of its bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Point {
-    pub(super) on_a: Vec3,
-    pub(super) on_b: Vec3,
+    pub(super) on_a: Vec3A,
+    pub(super) on_b: Vec3A,
     pub(super) id: u32,
 }
 
@@ -16,8 +16,8 @@ pub(super) struct Point {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Row {
     /// The common point from the centre of either body.
-    pub(super) arm_a: Vec3,
-    pub(super) arm_b: Vec3,
+    pub(super) arm_a: Vec3A,
+    pub(super) arm_b: Vec3A,
     /// Separation; negative for an overlap.
     pub(super) gap: f32,
     /// kappa: what the gap of a round contact keeps beyond the tangent line.
@@ -33,7 +33,7 @@ pub(super) struct Row {
 }
 
 impl Row {
-    pub(super) fn new(arm_a: Vec3, arm_b: Vec3, gap: f32) -> Self {
+    pub(super) fn new(arm_a: Vec3A, arm_b: Vec3A, gap: f32) -> Self {
         Self { arm_a, arm_b, gap, inverse_normal: f32::INFINITY, ..Self::default() }
     }
 }
@@ -61,10 +61,10 @@ pub(super) struct Pair {
     pub(super) friction: f32,
     pub(super) restitution: f32,
     /// Unit vector from a to b in coordinates of body a.
-    pub(super) inner_normal: Vec3,
+    pub(super) inner_normal: Vec3A,
     /// The normal and the tangents of the last refresh.
-    pub(super) normal: Vec3,
-    pub(super) tangents: [Vec3; 2],
+    pub(super) normal: Vec3A,
+    pub(super) tangents: [Vec3A; 2],
     /// Velocity of the surface of b less that of a, along the tangents.
     pub(super) belt: Vec2,
 }
@@ -114,8 +114,8 @@ impl Block {
 /// The impulses of a block: on b, and the moments of those on a and b about their centres.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Load {
-    pub(super) impulse: Vec3,
-    pub(super) moments: [Vec3; 2],
+    pub(super) impulse: Vec3A,
+    pub(super) moments: [Vec3A; 2],
 }
 
 /// All contacts of a frame, and which blocks a colour and a body have.

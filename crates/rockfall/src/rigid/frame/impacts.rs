@@ -1,11 +1,11 @@
 //! Impacts: blocks that close are reflected at their time of contact (docs/physics.md section 11.7).
 
-use glam::{Quat, Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 
 use crate::rigid::frame::bodies::{Bodies, Mass};
 use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, Impulse, Pair, Row, View, for_each, is_crowd};
-use crate::rigid::frame::refresh::{belt, place, tangents, turn};
+use crate::rigid::frame::refresh::{apart, belt, place, tangents, turn};
 use crate::rigid::frame::rows::{Sides, friction_row};
 use crate::rigid::frame::times::{Hit, Scope, State};
 use crate::rigid::pose::Pose;
@@ -55,8 +55,8 @@ fn hits(scope: &Scope<'_>, contacts: &Contacts, bodies: &Bodies, range: std::ops
 #[derive(Clone, Copy, Debug)]
 struct After {
     pose: Pose,
-    velocity: Vec3,
-    momentum: Vec3,
+    velocity: Vec3A,
+    momentum: Vec3A,
 }
 
 fn put(bodies: &mut Bodies, i: usize, after: &After, time: f32) {
@@ -127,7 +127,7 @@ fn reflect(scope: &Scope<'_>, contacts: &Contacts, bodies: &Bodies, k: usize, hi
         restitute(&mut points, &mut sides, scale);
     }
     [0, 1].map(|s| {
-        let moment = points.iter().fold(Vec3::ZERO, |sum, point| {
+        let moment = points.iter().fold(Vec3A::ZERO, |sum, point| {
             let [t1, t2] = point.pair.tangents;
             let push = point.normal * point.pair.normal + (point.tangent.x * t1 + point.tangent.y * t2);
             if s == 0 { sum - point.row.arm_a.cross(push) } else { sum + point.row.arm_b.cross(push) }
@@ -156,7 +156,7 @@ fn joined(
     depth: f32,
 ) -> Vec<Joined> {
     let poses = &state.0;
-    let apart = poses[1].position - poses[0].position;
+    let apart = apart(poses);
     let mut points = Vec::with_capacity(block.points as usize);
     for pair in &contacts.pairs[block.pair_range()] {
         let range = pair.first as usize..pair.first as usize + usize::from(pair.room);
@@ -213,12 +213,12 @@ fn restitute(points: &mut [Joined], sides: &mut Sides, scale: f32) {
 }
 
 /// Carries a body from a time back to the start of the substep, on its new path.
-fn back(scope: &Scope<'_>, bodies: &Bodies, i: usize, pose: &Pose, velocity: Vec3, momentum: Vec3, time: f32) -> After {
-    let gravity = scope.world.gravity;
+fn back(scope: &Scope<'_>, bodies: &Bodies, i: usize, pose: &Pose, velocity: Vec3A, momentum: Vec3A, time: f32) -> After {
+    let gravity = scope.gravity();
     if time == 0.0 {
         return After { pose: *pose, velocity, momentum };
     }
-    let position = pose.position - (time * velocity - 0.5 * time * time * gravity);
+    let position = pose.position - Vec3::from(time * velocity - 0.5 * time * time * gravity);
     let turn = bodies.constants[i].moments.turned(pose.turn, momentum, -time);
     After { pose: Pose::new(position, turn), velocity: velocity - time * gravity, momentum }
 }
@@ -251,7 +251,7 @@ fn carry_block(scope: &Scope<'_>, bodies: &Bodies, view: View<'_>, start: f32) {
     let sides = view.block.sides();
     let now = sides.map(|i| bodies.poses[i]);
     let loose = sides.map(|i| bodies.constants[i].dynamic);
-    let (apart, apart_now) = (poses[1].position - poses[0].position, now[1].position - now[0].position);
+    let (apart, apart_now) = (apart(&poses), apart(&now));
     view.block.time = scope.h - start;
     for pair in view.pairs {
         let first = (pair.first - view.block.first_point) as usize;

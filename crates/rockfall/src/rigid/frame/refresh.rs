@@ -1,6 +1,6 @@
 //! Geometry of contacts in a pose of their bodies, and the rows that follow from it (docs/physics.md sections 11.4 and 11.8).
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3A};
 
 use crate::rigid::collide::{MOST_POINTS, collide};
 use crate::rigid::frame::bodies::Bodies;
@@ -11,10 +11,10 @@ use crate::rigid::world::RigidWorld;
 /// Where the points of a pair are: from the centre of body a, along the axes of the world.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place {
-    pub(super) normal: Vec3,
+    pub(super) normal: Vec3A,
     pub(super) count: usize,
-    pub(super) on_a: [Vec3; MOST_POINTS],
-    pub(super) on_b: [Vec3; MOST_POINTS],
+    pub(super) on_a: [Vec3A; MOST_POINTS],
+    pub(super) on_b: [Vec3A; MOST_POINTS],
     pub(super) ids: [u32; MOST_POINTS],
 }
 
@@ -22,6 +22,11 @@ impl Place {
     pub(super) fn gap(&self, k: usize) -> f32 {
         (self.on_b[k] - self.on_a[k]).dot(self.normal)
     }
+}
+
+/// From the centre of a to that of b.
+pub(super) fn apart([a, b]: &[Pose; 2]) -> Vec3A {
+    (b.position - a.position).into()
 }
 
 /// The points of a pair with its bodies in given poses.
@@ -32,7 +37,7 @@ pub(super) fn place(world: &RigidWorld, pair: &Pair, points: &[Point], poses: &[
         }
     }
     let [a, b] = poses;
-    let apart = b.position - a.position;
+    let apart = apart(poses);
     let mut place = Place { normal: a.turn * pair.inner_normal, count: pair.count.into(), ..Place::default() };
     for (k, point) in points[..place.count].iter().enumerate() {
         place.on_a[k] = a.turn * point.on_a;
@@ -50,27 +55,28 @@ fn found_anew(world: &RigidWorld, pair: &Pair, [a, b]: &[Pose; 2]) -> Option<Pla
     let own = Pose::new(Vec3::ZERO, a.turn).compose(&one.place);
     let theirs = Pose::new(b.position - a.position, b.turn).compose(&other.place);
     let manifold = collide(near, far, &own.relative(&theirs), f32::INFINITY)?;
-    let mut place = Place { normal: own.turn * manifold.normal, ..Place::default() };
+    let mut place = Place { normal: (own.turn * manifold.normal).into(), ..Place::default() };
     place.count = manifold.count.min(pair.room.into());
     for (k, point) in manifold.points[..place.count].iter().enumerate() {
-        (place.on_a[k], place.on_b[k], place.ids[k]) = (own.point(point.on_a), own.point(point.on_b), point.id);
+        (place.on_a[k], place.on_b[k], place.ids[k]) =
+            (own.point(point.on_a).into(), own.point(point.on_b).into(), point.id);
     }
     Some(place)
 }
 
 /// Two unit vectors that make a right-handed frame with a unit vector.
-pub(super) fn tangents(n: Vec3) -> [Vec3; 2] {
+pub(super) fn tangents(n: Vec3A) -> [Vec3A; 2] {
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
-    [Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y)]
+    [Vec3A::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3A::new(b, sign + n.y * n.y * a, -n.y)]
 }
 
 /// Forms the rows of a block anew.
 pub(super) fn refresh(world: &RigidWorld, bodies: &Bodies, view: View<'_>, h: f32) {
     let sides = view.block.sides();
     let poses = sides.map(|i| bodies.poses[i]);
-    let apart = poses[1].position - poses[0].position;
+    let apart = apart(&poses);
     view.block.time = h;
     for pair in view.pairs {
         let first = (pair.first - view.block.first_point) as usize;
@@ -97,7 +103,7 @@ pub(super) fn turn(
     let old = pair.tangents;
     if pair.round {
         let [a, b] = poses.map(|pose| pose.turn.inverse());
-        let apart = poses[1].position - poses[0].position;
+        let apart = apart(poses);
         let (before, count) = ([points[0].id, points.get(1).map_or(u32::MAX, |point| point.id)], usize::from(pair.count));
         for k in 0..found.count {
             points[k] = Point { on_a: a * found.on_a[k], on_b: b * (found.on_b[k] - apart), id: found.ids[k] };
@@ -128,7 +134,7 @@ pub(super) fn belt(world: &RigidWorld, pair: &Pair, poses: &[Pose; 2]) -> Vec2 {
     let [own, theirs] = [0, 1].map(|s| {
         let collider = &world.colliders[pair.colliders[s] as usize];
         let still = collider.surface_velocity == Vec3::ZERO;
-        if still { Vec3::ZERO } else { poses[s].turn * collider.surface_velocity }
+        Vec3A::from(if still { Vec3::ZERO } else { poses[s].turn * collider.surface_velocity })
     });
     Vec2::new((theirs - own).dot(pair.tangents[0]), (theirs - own).dot(pair.tangents[1]))
 }

@@ -1,6 +1,6 @@
 //! Rows of a block: normal impulses and the friction cone (docs/physics.md section 11.8).
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3A};
 
 use crate::rigid::frame::bodies::{Mass, Motion};
 use crate::rigid::frame::contacts::{Impulse, Pair, Row, View};
@@ -56,7 +56,7 @@ pub(super) struct Sides {
 impl Sides {
     /// Velocity of b relative to a at a row.
     #[inline(always)]
-    pub(super) fn closing(&self, row: &Row) -> Vec3 {
+    pub(super) fn closing(&self, row: &Row) -> Vec3A {
         self.b.at(row.arm_b) - self.a.at(row.arm_a)
     }
 
@@ -86,7 +86,7 @@ impl Sides {
 
     /// An impulse on b, and its opposite on a, at the common point.
     #[inline(always)]
-    pub(super) fn push(&mut self, row: &Row, impulse: Vec3) {
+    pub(super) fn push(&mut self, row: &Row, impulse: Vec3A) {
         self.a.push(&self.mass_a, row.arm_a, -impulse);
         self.b.push(&self.mass_b, row.arm_b, impulse);
     }
