@@ -26,12 +26,6 @@ impl Motion {
     pub(super) fn plus(&self, other: &Self, share: f32) -> Self {
         Self { velocity: self.velocity + share * other.velocity, spin: self.spin + share * other.spin }
     }
-
-    /// Takes an impulse at an arm.
-    pub(super) fn push(&mut self, mass: &Mass, arm: Vec3A, impulse: Vec3A) {
-        self.velocity += mass.inverse_mass * impulse;
-        self.spin += mass.inverse_inertia * arm.cross(impulse);
-    }
 }
 
 /// How a body resists. All 0 without mass.
@@ -48,12 +42,6 @@ impl Mass {
             return *self;
         }
         Self { inverse_mass: count * self.inverse_mass, inverse_inertia: self.inverse_inertia * count }
-    }
-
-    /// The part of a body in K for a direction at an arm.
-    pub(super) fn response(&self, arm: Vec3A, along: Vec3A) -> f32 {
-        let turn = arm.cross(along);
-        self.inverse_mass + turn.dot(self.inverse_inertia * turn)
     }
 }
 

@@ -22,7 +22,7 @@ pub(super) struct Row {
     pub(super) gap: f32,
     /// kappa: what the gap of a round contact keeps beyond the tangent line.
     pub(super) spare: f32,
-    /// 1 / K along the normal. Infinite as long as K is not formed: most points of a frame never touch.
+    /// 1 / K along the normal. Infinite as long as the rest is not formed: most points of a frame never touch.
     pub(super) inverse_normal: f32,
     /// Inverse of K_t: xx, xy, yy.
     pub(super) inverse_tangent: [f32; 3],
@@ -30,9 +30,26 @@ pub(super) struct Row {
     pub(super) inverse_slip: f32,
     /// Takes part in the relax pass.
     pub(super) live: bool,
+    /// For the normal and the two tangents.
+    pub(super) along: [Along; 3],
+}
+
+/// How an impulse of 1 along a direction turns both bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Along {
+    /// Its moments, arm x direction.
+    pub(super) turn_a: Vec3A,
+    pub(super) turn_b: Vec3A,
+    /// The changes of the spins: inverse inertia times moment.
+    pub(super) response_a: Vec3A,
+    pub(super) response_b: Vec3A,
 }
 
 impl Row {
+    pub(super) fn is_formed(&self) -> bool {
+        self.inverse_normal < f32::INFINITY
+    }
+
     pub(super) fn new(arm_a: Vec3A, arm_b: Vec3A, gap: f32) -> Self {
         Self { arm_a, arm_b, gap, inverse_normal: f32::INFINITY, ..Self::default() }
     }

@@ -167,7 +167,7 @@ fn joined(
             let common = 0.5 * (now.on_a[k] + now.on_b[k]);
             let mut row = Row::new(common, common - apart, now.gap(k));
             sides.form(&turned, &mut row);
-            let speed = -sides.closing(&row).dot(now.normal);
+            let speed = -sides.normal_speed(&turned, &row);
             points.push(Joined { pair: turned, row, normal: 0.0, tangent: Vec2::ZERO, speed });
         }
     }
@@ -179,14 +179,14 @@ fn inelastic(points: &mut [Joined], mut sides: Sides) -> Option<f32> {
     for _ in 0..SWEEPS {
         for Joined { pair, row, normal, .. } in points.iter_mut() {
             let before = *normal;
-            *normal = (before - sides.closing(row).dot(pair.normal) * row.inverse_normal).max(0.0);
-            sides.push(row, (*normal - before) * pair.normal);
+            *normal = (before - sides.normal_speed(pair, row) * row.inverse_normal).max(0.0);
+            sides.push(pair, row, *normal - before);
         }
     }
     let (mut work, mut lost) = (0.0, 0.0);
     for Joined { pair, row, normal, speed, .. } in points.iter() {
         work += normal * speed;
-        lost += normal * (speed + sides.closing(row).dot(pair.normal));
+        lost += normal * (speed + sides.normal_speed(pair, row));
     }
     (lost > 0.0).then(|| work / lost)
 }
@@ -202,7 +202,7 @@ fn restitute(points: &mut [Joined], sides: &mut Sides, scale: f32) {
     let factor = (1.0 + weighted / sum) * scale;
     for Joined { pair, row, normal, .. } in points.iter_mut() {
         *normal *= factor;
-        sides.push(row, *normal * pair.normal);
+        sides.push(pair, row, *normal);
     }
     for _ in 0..FRICTION_SWEEPS {
         for Joined { pair, row, normal, tangent, .. } in points.iter_mut().filter(|point| point.normal > 0.0) {
