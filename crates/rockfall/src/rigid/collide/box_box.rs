@@ -45,13 +45,14 @@ pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
     if wins && let Some(found) = by_edges() {
         return Some(found);
     }
+    let best = face.separation.max(most);
     match by_faces() {
         // The lowest corner lies beside the reference face: corners or edges face each other there.
-        Some(found) if face.separation > 0.0 && found.least() > face.separation + 0.02 * size + noise => {
+        Some(found) if best > 0.0 && found.least() > best + 0.02 * size + noise => {
             nearest().filter(|other| other.least() < found.least() - 0.02 * size).or(Some(found))
         }
         Some(found) => Some(found),
-        None if face.separation.max(most) > -0.01 * size - noise => nearest().or_else(by_edges),
+        None if best > -0.01 * size - noise => nearest().or_else(by_edges),
         None => by_edges().or_else(|| polyhedra::collide(a, b, b_in_a, reach)),
     }
 }
@@ -170,7 +171,7 @@ impl Boxes {
         let (middle, edge_p, edge_q) = (flat(middle) - Vec3::Z * self.a[axis], flat(edge_p), flat(edge_q));
         let mut polygon =
             Quad::new([middle - edge_p - edge_q, middle + edge_p - edge_q, middle + edge_p + edge_q, middle - edge_p + edge_q]);
-        polygon.cut(self.a[u], self.a[v]);
+        polygon.cut(self.a[u], self.a[v], 1e-4 * self.a.min_element().min(self.b.min_element()));
 
         let incident = 2 * along + (sign < 0.0) as usize;
         let reference = 2 * axis + (side < 0.0) as usize;
@@ -209,17 +210,21 @@ impl Quad {
         quad
     }
 
-    /// Keeps what lies within |x| <= u, |y| <= v.
-    fn cut(&mut self, u: f32, v: f32) {
+    /// Keeps what lies within |x| <= u, |y| <= v. Corners that lie beyond by less than the slack stay: in a stack of equal
+    /// boxes, rounding must not decide which edges meet.
+    fn cut(&mut self, u: f32, v: f32, slack: f32) {
         // Most faces lie within the other one along at least one direction.
         let known = &self.corners[..self.count];
         let (mut low, mut high) = (known[0].0, known[0].0);
         for (corner, _) in known {
             (low, high) = (low.min(*corner), high.max(*corner));
         }
-        for (beyond, axis, sign, bound, label) in
-            [(high.x > u, 0, 1.0, u, 4), (low.x < -u, 0, -1.0, u, 5), (high.y > v, 1, 1.0, v, 6), (low.y < -v, 1, -1.0, v, 7)]
-        {
+        for (beyond, axis, sign, bound, label) in [
+            (high.x > u + slack, 0, 1.0, u, 4),
+            (low.x < -u - slack, 0, -1.0, u, 5),
+            (high.y > v + slack, 1, 1.0, v, 6),
+            (low.y < -v - slack, 1, -1.0, v, 7),
+        ] {
             if beyond && self.count > 0 {
                 self.cut_one(|point| point[axis] * sign - bound, axis, sign * bound, label);
             }

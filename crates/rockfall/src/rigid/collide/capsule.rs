@@ -93,8 +93,8 @@ fn side_by_side(a: &Segment, b: &Segment, radii: (f32, f32), reach: f32, id: u32
     // Where b passes a foot, at the same coordinate along a.
     let offsets = feet.map(|foot| b.start + across * ((foot - b.start).dot(along) / cosine) - foot);
     let normal = (offsets[0] + offsets[1]).try_normalize()?;
-    let is_aligned =
-        |offset: &Vec3| offset.dot(normal) > 0.0 && offset.reject_from_normalized(normal).length() < 0.01 * (radii.0 + radii.1);
+    let least = if radii.0 > 0.0 { radii.0.min(radii.1) } else { radii.1 };
+    let is_aligned = |offset: &Vec3| offset.dot(normal) > 0.0 && offset.reject_from_normalized(normal).length() < 0.01 * least;
     if !offsets.iter().all(is_aligned) {
         return None;
     }
@@ -202,18 +202,25 @@ impl Pair<'_> {
 
     /// Cores that overlap and have a common point: the way out that is shortest.
     fn overlap(&self, point: Vec3) -> Option<Manifold> {
-        let (face, depth) = self.least_face(0.02)?;
         let by_edge = |part: f32, least: f32| {
             let (number, normal, separation) = self.least_edge(part).filter(|_| self.sides != Sides::One)?;
             if separation > least { self.edge_contact(number, normal) } else { None }
         };
+        let by_face = |part: f32| {
+            // The lower end may lie beside the face.
+            let (face, depth) = self.least_face(part)?;
+            let most = depth + 0.05 * depth.abs() + self.noise - self.radii.0 - self.radii.1;
+            self.face_contact(face).filter(|found| self.sides != Sides::Inside || found.least() <= most)
+        };
+        let (face, depth) = self.least_face(0.02)?;
         let enough = depth + 0.05 * depth.abs();
         // The segment may lie beside a feature that is preferred, but not beside the very best one.
         by_edge(0.02, enough)
             .or_else(|| by_edge(0.0, enough))
-            .or_else(|| self.face_contact(face))
-            .or_else(|| self.face_contact(self.least_face(0.0)?.0))
+            .or_else(|| by_face(0.02))
+            .or_else(|| by_face(0.0))
             .or_else(|| by_edge(0.0, f32::NEG_INFINITY))
+            .or_else(|| self.face_contact(face))
             .or_else(|| self.common_point(point))
     }
 

@@ -75,7 +75,7 @@ impl<'a> Pair<'a> {
         let edge = self.edge_axis(1.0)?;
         let by_edges = || edge.and_then(|edge| self.edge_contact(&edge));
         let wins = edge.is_some_and(|edge| edge.separation > face.separation + 0.05 * face.separation.abs() + 0.01 * self.size);
-        let first = if wins { by_edges() } else { None };
+        let first = if wins { by_edges().or_else(|| self.edge_contact(&self.edge_axis(0.0)??)) } else { None };
         let found = first.or_else(|| self.face_contact(&face));
         let best = edge.map_or(face.separation, |edge| edge.separation.max(face.separation));
         let radii = self.radii.0 + self.radii.1;
@@ -91,14 +91,27 @@ impl<'a> Pair<'a> {
             Some(found) if best > 0.0 && found.least() > best + 20.0 * tiny => {
                 self.nearest(tiny).filter(|other| other.least() < found.least() - 20.0 * tiny).or(Some(found))
             }
+            // Likewise of shapes that overlap, beside a feature that is preferred to a slightly better one.
+            Some(found) if best <= 0.0 && found.least() + radii > best + 0.1 * best.abs() + 20.0 * tiny => {
+                self.strict().filter(|other| other.least() < found.least()).or(Some(found))
+            }
             Some(found) => Some(found),
             None if best > -10.0 * tiny => self.nearest(tiny).or_else(by_edges),
-            // The other shape may lie beside a face that is preferred, but not beside the very best one.
-            None => by_edges()
-                .or_else(|| self.face_contact(&self.face_axis(0.0)?))
-                .or_else(|| self.edge_contact(&self.edge_axis(0.0)??))
-                .or_else(|| self.common_point(&self.face_axis(0.0)?)),
+            None => self.strict(),
         }
+    }
+
+    /// The very best axis of shapes that overlap, without preferences. Never nothing.
+    fn strict(&self) -> Option<Manifold> {
+        let face = self.face_axis(0.0)?;
+        let by_faces = || self.face_contact(&face);
+        let edge = self.edge_axis(0.0)?;
+        let by_edges = || self.edge_contact(&edge?);
+        let found = match edge {
+            Some(edge) if edge.separation > face.separation => by_edges().or_else(by_faces),
+            _ => by_faces().or_else(by_edges),
+        };
+        found.or_else(|| self.common_point(&face))
     }
 
     /// The closest points of the cores, unless these are nearer than `least`.

@@ -146,13 +146,21 @@ impl<'a> Solid<'a> {
         self.vertices().iter().map(|vertex| vertex.dot(axis)).fold(f32::INFINITY, f32::min)
     }
 
-    /// The face with the least product of its normal and an axis; the first of equal ones.
+    /// The face at the lowest vertex along an axis whose normal is most against the axis; the first of equal ones. A face
+    /// elsewhere may be more against it, but does not have the lowest point.
     pub(super) fn face_against(&self, axis: Vec3) -> usize {
+        let mut low = (f32::INFINITY, 0);
+        for (number, vertex) in self.vertices().iter().enumerate() {
+            let height = vertex.dot(axis);
+            if height < low.0 {
+                low = (height, number as u8);
+            }
+        }
         let mut best = (f32::INFINITY, 0);
         for (face, normal) in self.normals().iter().enumerate() {
             let product = normal.dot(axis);
             // The margin keeps the choice when rounding alone would change it.
-            if product < best.0 - 1e-4 {
+            if product < best.0 - 1e-4 && self.loop_of(face).contains(&low.1) {
                 best = (product, face);
             }
         }

@@ -19,7 +19,8 @@ pub(super) fn check(a: &Shape, b: &Shape, pose: &Pose, reach: f32, found: &Manif
     let scale = pose.position.length()
         + if a.extent() < 1e9 { a.extent() } else { 0.0 }
         + if b.extent() < 1e9 { b.extent() } else { 0.0 };
-    let tolerance = 4e-6 * scale;
+    let width = a.width().min(b.width()).min(1e9);
+    let tolerance = 1e-5 * scale + 1e-4 * width;
     assert!((1..=4).contains(&found.count));
     assert!((found.normal.length() - 1.0).abs() < 1e-5, "{}", found.normal);
     for (index, point) in found.points[..found.count].iter().enumerate() {
@@ -34,7 +35,8 @@ pub(super) fn check(a: &Shape, b: &Shape, pose: &Pose, reach: f32, found: &Manif
                 let off = near.place.distance(place);
                 let is_inside = off > shape.radius + tolerance && shape.radius == 0.0;
                 assert!(!is_inside, "a point is {off} from the surface of {shape:?}");
-                assert!(off <= shape.radius + tolerance, "{off} {shape:?}");
+                // Capsules side by side may be askew by 1 % of their radii.
+                assert!(off <= 1.001 * shape.radius + tolerance, "{off} {shape:?}");
             }
         }
     }

@@ -61,6 +61,17 @@ fn a_cube_of_points_has_six_faces() {
     assert!((inertia.x_axis - DVec3::new(1.0 / 6.0, 0.0, 0.0)).length() < 1e-6, "{inertia}");
 }
 
+/// Points in the middle of edges and faces are no vertices, even where they come first.
+#[test]
+fn only_corners_are_vertices() {
+    let lattice = (0..27).map(|k| Vec3::new((k % 3) as f32, (k / 3 % 3) as f32, (k / 9) as f32) - 1.0);
+    let mut points: Vec<Vec3> = lattice.map(|p| Quat::from_rotation_x(0.3) * (p * Vec3::new(3.0, 0.2, 1.0))).collect();
+    points.sort_by_key(|p| (p.length() * 1000.0) as u32);
+    let hull = Hull::new(&points).expect("a box").0;
+    assert_eq!((hull.vertices.len(), hull.faces.len(), hull.edges.len()), (8, 6, 12));
+    assert!(hull.faces.iter().all(|(_, corners)| corners.len() == 4));
+}
+
 #[test]
 fn bad_points_are_refused() {
     let flat: Vec<Vec3> = cube_points().iter().map(|p| Vec3::new(p.x, p.y, 0.3 * p.x + 0.1 * p.y)).collect();
@@ -121,7 +132,7 @@ fn mass_agrees_with_samples() {
     for shape in &shapes {
         let (volume, inertia) = shape.mass();
         let mut random = Random(1);
-        let (count, size) = (120, 1.2137);
+        let (count, size) = (80, 1.2137);
         let cell = (2.0 * size / count as f64).powi(3);
         let (mut sum, mut moments) = (0.0, DVec3::ZERO);
         for index in 0..count * count * count {
@@ -135,7 +146,7 @@ fn mass_agrees_with_samples() {
         let expected = DVec3::new(moments.y + moments.z, moments.z + moments.x, moments.x + moments.y);
         assert!((sum / volume - 1.0).abs() < 0.002, "{shape:?}: {sum} {volume}");
         let got = DVec3::new(inertia.x_axis.x, inertia.y_axis.y, inertia.z_axis.z);
-        assert!(((got - expected) / expected).abs().max_element() < 0.003, "{shape:?}: {got} {expected}");
+        assert!(((got - expected) / expected).abs().max_element() < 0.005, "{shape:?}: {got} {expected}");
     }
 }
 

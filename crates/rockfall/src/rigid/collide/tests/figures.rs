@@ -209,6 +209,21 @@ fn contacts_begin_at_the_reach() {
     }
 }
 
+/// In a stack of equal boxes, ids stay whichever edge is a little ahead.
+#[test]
+fn ids_stay_in_a_stack() {
+    let mut random = Random(10);
+    let cube = Shape::cuboid(Vec3::new(0.5, 0.4, 0.3));
+    let mut known = Vec::new();
+    for _ in 0..200 {
+        let pose = Pose::new(Vec3::new(0.0, 0.8, 0.0) + random.vector(1e-5), Quat::from_scaled_axis(random.vector(1e-5)));
+        let found = collide(&cube, &cube, &pose, 0.05).expect("contacts");
+        known.push(found.points.map(|point| point.id));
+    }
+    assert!(known.iter().all(|ids| *ids == known[0]));
+    assert!(known[0][3] != 0);
+}
+
 /// Ids of a resting contact stay when the box moves by less than its margin.
 #[test]
 fn ids_stay_in_a_resting_contact() {
