@@ -159,7 +159,7 @@ impl Bodies {
         self.set[i] = self.motions[i].spin;
     }
 
-    /// Moves all bodies by a substep. Free flight is an exact parabola, and the momentum of a free body does not change by a bit.
+    /// Moves all bodies by a substep. Free flight is an exact parabola; the momentum of a free body does not change by a bit.
     pub(super) fn drift(&mut self, h: f32, gravity: Vec3A) {
         let limit = 0.25 * gravity.length() * h;
         for i in 0..self.count() {
@@ -207,7 +207,7 @@ impl Bodies {
         (Pose::new(position, turn), Motion { velocity: motion.velocity + time * gravity, spin })
     }
 
-    /// How far the path of a body has gone beyond its margin: the path over the margin at scale 1, or `None` if it is within it.
+    /// The path of a body over its margin, if it has left it.
     pub(super) fn beyond(&self, i: usize) -> Option<f32> {
         let fixed = &self.constants[i];
         (fixed.dynamic && self.paths[i] > fixed.margin).then(|| self.paths[i] / fixed.margin)

@@ -269,7 +269,7 @@ const TASK: usize = 128;
 /// Fewer blocks are done by the thread that asks.
 const CROWD: usize = 1024;
 
-/// Whether so many blocks, or bodies with their blocks, are worth other threads. A pool of one thread is never worth the way to it.
+/// Whether so many blocks are worth other threads. A pool of one thread is never worth the way to it.
 pub(super) fn is_crowd(count: usize) -> bool {
     count >= CROWD && rayon::current_num_threads() > 1
 }

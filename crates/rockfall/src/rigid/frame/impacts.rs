@@ -147,14 +147,7 @@ fn mass_at(bodies: &Bodies, i: usize, turn: Quat) -> Mass {
 }
 
 /// The points of a block at the time of contact that are as near as those that are hit.
-fn joined(
-    scope: &Scope<'_>,
-    contacts: &Contacts,
-    block: &Block,
-    state: &State,
-    sides: &Sides,
-    depth: f32,
-) -> Vec<Joined> {
+fn joined(scope: &Scope<'_>, contacts: &Contacts, block: &Block, state: &State, sides: &Sides, depth: f32) -> Vec<Joined> {
     let poses = &state.0;
     let apart = apart(poses);
     let mut points = Vec::with_capacity(block.points as usize);

@@ -31,10 +31,10 @@ pub(super) fn apart([a, b]: &[Pose; 2]) -> Vec3A {
 
 /// The points of a pair with its bodies in given poses.
 pub(super) fn place(world: &RigidWorld, pair: &Pair, points: &[Point], poses: &[Pose; 2]) -> Place {
-    if pair.round {
-        if let Some(found) = found_anew(world, pair, poses) {
-            return found;
-        }
+    if pair.round
+        && let Some(found) = found_anew(world, pair, poses)
+    {
+        return found;
     }
     let [a, b] = poses;
     let apart = apart(poses);
@@ -58,8 +58,7 @@ fn found_anew(world: &RigidWorld, pair: &Pair, [a, b]: &[Pose; 2]) -> Option<Pla
     let mut place = Place { normal: (own.turn * manifold.normal).into(), ..Place::default() };
     place.count = manifold.count.min(pair.room.into());
     for (k, point) in manifold.points[..place.count].iter().enumerate() {
-        (place.on_a[k], place.on_b[k], place.ids[k]) =
-            (own.point(point.on_a).into(), own.point(point.on_b).into(), point.id);
+        (place.on_a[k], place.on_b[k], place.ids[k]) = (own.point(point.on_a).into(), own.point(point.on_b).into(), point.id);
     }
     Some(place)
 }
@@ -102,23 +101,7 @@ pub(super) fn turn(
 ) {
     let old = pair.tangents;
     if pair.round {
-        let [a, b] = poses.map(|pose| pose.turn.inverse());
-        let apart = apart(poses);
-        let (before, count) = ([points[0].id, points.get(1).map_or(u32::MAX, |point| point.id)], usize::from(pair.count));
-        for k in 0..found.count {
-            points[k] = Point { on_a: a * found.on_a[k], on_b: b * (found.on_b[k] - apart), id: found.ids[k] };
-        }
-        // Two points of a capsule may have changed places, or one may have come or gone.
-        let kept: [Impulse; 2] = [impulses[0], impulses.get(1).copied().unwrap_or_default()];
-        for (k, impulse) in impulses.iter_mut().enumerate() {
-            let same = before[..count.min(2)].iter().position(|id| k < found.count && *id == found.ids[k]);
-            *impulse = same.map_or(Impulse::default(), |from| kept[from]);
-        }
-        if found.count == 1 && count == 1 {
-            impulses[0] = kept[0];
-        }
-        pair.count = found.count as u8;
-        pair.inner_normal = a * found.normal;
+        renew(pair, found, points, impulses, poses);
     }
     pair.normal = found.normal;
     pair.tangents = tangents(found.normal);
@@ -127,6 +110,30 @@ pub(super) fn turn(
         impulse.tangent = Vec2::new(outer.dot(pair.tangents[0]), outer.dot(pair.tangents[1]));
     }
     pair.belt = belt(world, pair, poses);
+}
+
+/// Stores the points of a round contact. Their impulses follow the ids.
+fn renew(pair: &mut Pair, found: &Place, points: &mut [Point], impulses: &mut [Impulse], poses: &[Pose; 2]) {
+    let [a, b] = poses.map(|pose| pose.turn.inverse());
+    let apart = apart(poses);
+    // Two points of a capsule may have changed places, or one may have come or gone. The only point of a pair is the same.
+    let count = usize::from(pair.count);
+    let only = found.count == 1 && count == 1;
+    let mut before = [(u32::MAX, Impulse::default()); MOST_POINTS];
+    for (k, known) in before.iter_mut().enumerate().take(count) {
+        *known = (points[k].id, impulses[k]);
+    }
+    for (k, (point, impulse)) in points.iter_mut().zip(&mut *impulses).enumerate() {
+        if k >= found.count {
+            *impulse = Impulse::default();
+            continue;
+        }
+        *point = Point { on_a: a * found.on_a[k], on_b: b * (found.on_b[k] - apart), id: found.ids[k] };
+        let same = before[..count].iter().find(|(id, _)| only || *id == point.id);
+        *impulse = same.map_or(Impulse::default(), |(_, impulse)| *impulse);
+    }
+    pair.count = found.count as u8;
+    pair.inner_normal = a * found.normal;
 }
 
 /// Velocity of the surface of b less that of a, along the tangents.

@@ -176,7 +176,15 @@ fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
 }
 
 #[inline(always)]
-fn normal_row(pair: &Pair, row: &mut Row, impulse: &mut Impulse, sides: &mut Sides, pass: &Pass, fixed: bool, time: f32) -> f32 {
+fn normal_row(
+    pair: &Pair,
+    row: &mut Row,
+    impulse: &mut Impulse,
+    sides: &mut Sides,
+    pass: &Pass,
+    fixed: bool,
+    time: f32,
+) -> f32 {
     let before = impulse.normal;
     if !pass.biased && !row.live {
         return 0.0;

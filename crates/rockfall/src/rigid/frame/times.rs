@@ -78,11 +78,8 @@ impl Scope<'_> {
             let range = pair.first as usize..pair.first as usize + usize::from(pair.room);
             let points = &contacts.points[range.clone()];
             // With clocks at 0 the rows are those of this state.
-            let now = if start == 0.0 {
-                of_rows(pair, &contacts.rows[range])
-            } else {
-                place(self.world, pair, points, &state.0)
-            };
+            let now =
+                if start == 0.0 { of_rows(pair, &contacts.rows[range]) } else { place(self.world, pair, points, &state.0) };
             let a_n = -field.dot(now.normal);
             for i in 0..now.count {
                 let (gap, u) = (now.gap(i), approach(&now, i, &state));
