@@ -92,8 +92,7 @@ impl<'a> Frame<'a> {
         let mut contacts = detect::blocks(world, &bodies, found, dt);
         world.history.recall(&mut contacts, &bodies, h);
         colours::colour(&mut contacts, &bodies, &world.history);
-        let biased =
-            Pass { biased: true, softness: [Softness::new(FREQUENCY, h), Softness::new(2.0 * FREQUENCY, h)] };
+        let biased = Pass { biased: true, softness: [Softness::new(FREQUENCY, h), Softness::new(2.0 * FREQUENCY, h)] };
         let relax = Pass { biased: false, ..biased };
         let mut frame = Self { world, bodies, contacts, h, biased, relax };
         frame.refresh();
@@ -107,7 +106,7 @@ impl<'a> Frame<'a> {
         self.spare();
         passes::pass(&mut self.contacts, &mut self.bodies, &self.biased);
         self.bodies.follow();
-        self.bodies.drift(self.h, self.world.gravity);
+        self.bodies.drift(self.h, self.world.gravity.into());
         self.refresh();
         passes::pass(&mut self.contacts, &mut self.bodies, &self.relax);
         self.bodies.follow();

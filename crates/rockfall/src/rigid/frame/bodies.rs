@@ -1,6 +1,6 @@
 //! The bodies while a frame is solved, in flat arrays.
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3A, Vec3, Vec3A};
 
 use crate::rigid::frame::turn::{Moments, about, unit};
 use crate::rigid::pose::Pose;
@@ -9,13 +9,13 @@ use crate::rigid::world::{Body, Kind, RigidWorld};
 /// Velocity and angular velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Motion {
-    pub(super) velocity: Vec3,
-    pub(super) spin: Vec3,
+    pub(super) velocity: Vec3A,
+    pub(super) spin: Vec3A,
 }
 
 impl Motion {
     /// Velocity of the point at an arm from the centre.
-    pub(super) fn at(&self, arm: Vec3) -> Vec3 {
+    pub(super) fn at(&self, arm: Vec3A) -> Vec3A {
         self.velocity + self.spin.cross(arm)
     }
 
@@ -26,19 +26,13 @@ impl Motion {
     pub(super) fn plus(&self, other: &Self, share: f32) -> Self {
         Self { velocity: self.velocity + share * other.velocity, spin: self.spin + share * other.spin }
     }
-
-    /// Takes an impulse at an arm.
-    pub(super) fn push(&mut self, mass: &Mass, arm: Vec3, impulse: Vec3) {
-        self.velocity += mass.inverse_mass * impulse;
-        self.spin += mass.inverse_inertia * arm.cross(impulse);
-    }
 }
 
 /// How a body resists. All 0 without mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Mass {
     pub(super) inverse_mass: f32,
-    pub(super) inverse_inertia: Mat3,
+    pub(super) inverse_inertia: Mat3A,
 }
 
 impl Mass {
@@ -49,12 +43,6 @@ impl Mass {
         }
         Self { inverse_mass: count * self.inverse_mass, inverse_inertia: self.inverse_inertia * count }
     }
-
-    /// The part of a body in K for a direction at an arm.
-    pub(super) fn response(&self, arm: Vec3, along: Vec3) -> f32 {
-        let turn = arm.cross(along);
-        self.inverse_mass + turn.dot(self.inverse_inertia * turn)
-    }
 }
 
 /// What does not change in a frame.
@@ -64,8 +52,8 @@ pub(super) struct Constants {
     pub(super) moments: Moments,
     pub(super) radius: f32,
     /// Acceleration: the field and the external force.
-    acceleration: Vec3,
-    torque: Vec3,
+    acceleration: Vec3A,
+    torque: Vec3A,
     pub(super) margin: f32,
 }
 
@@ -75,9 +63,9 @@ pub(super) struct Bodies {
     pub(super) poses: Vec<Pose>,
     pub(super) motions: Vec<Motion>,
     pub(super) masses: Vec<Mass>,
-    pub(super) momenta: Vec<Vec3>,
+    pub(super) momenta: Vec<Vec3A>,
     /// The spin that belongs to the momentum, bit for bit. Where the spin is another one, rows have changed it.
-    set: Vec<Vec3>,
+    set: Vec<Vec3A>,
     /// The motions after the kick, before all impulses of a substep.
     before: Vec<Motion>,
     /// From when on the path of a body in this substep holds, in s.
@@ -95,7 +83,7 @@ impl Bodies {
         let mut all = Self { clocks: vec![0.0; count], paths: vec![0.0; count], ..Self::default() };
         for body in &world.bodies {
             let dynamic = body.kind == Kind::Dynamic && body.inverse_mass > 0.0;
-            let moments = if dynamic { Moments::new(body.moments, body.axes) } else { Moments::NONE };
+            let moments = if dynamic { Moments::new(body.moments.into(), body.axes) } else { Moments::NONE };
             let turn = if body.spin == Vec3::ZERO { 0.0 } else { body.spin.length() * body.radius };
             let reach = (body.velocity.length() + turn) * dt;
             let fall = if dynamic { field * dt * dt } else { 0.0 };
@@ -106,14 +94,15 @@ impl Bodies {
             };
             let (acceleration, torque) =
                 if dynamic { (world.gravity + body.inverse_mass * body.force, body.torque) } else { (Vec3::ZERO, Vec3::ZERO) };
+            let (acceleration, torque) = (acceleration.into(), torque.into());
             all.constants.push(Constants { dynamic, moments, radius: body.radius, acceleration, torque, margin });
             all.poses.push(body.pose);
             let inverse_mass = if dynamic { body.inverse_mass } else { 0.0 };
             all.masses.push(Mass { inverse_mass, inverse_inertia: moments.inverse_inertia(body.pose.turn) });
             let still = body.kind == Kind::World;
-            let (velocity, spin) = if still { (Vec3::ZERO, Vec3::ZERO) } else { (body.velocity, body.spin) };
+            let (velocity, spin) = if still { (Vec3A::ZERO, Vec3A::ZERO) } else { (body.velocity.into(), body.spin.into()) };
             all.motions.push(Motion { velocity, spin });
-            all.momenta.push(body.momentum);
+            all.momenta.push(body.momentum.into());
             all.set.push(spin);
         }
         all.before.clone_from(&all.motions);
@@ -126,8 +115,8 @@ impl Bodies {
             body.pose = self.poses[i];
             if self.constants[i].dynamic {
                 let Motion { velocity, spin } = self.motions[i];
-                (body.velocity, body.spin, body.momentum) = (velocity, spin, self.momenta[i]);
-                body.inverse_inertia = self.masses[i].inverse_inertia;
+                (body.velocity, body.spin, body.momentum) = (velocity.into(), spin.into(), self.momenta[i].into());
+                body.inverse_inertia = self.masses[i].inverse_inertia.into();
                 body.margin_scale = (0.99 * body.margin_scale).max(1.0);
             }
         }
@@ -170,15 +159,15 @@ impl Bodies {
         self.set[i] = self.motions[i].spin;
     }
 
-    /// Moves all bodies by a substep. Free flight is an exact parabola, and the momentum of a free body does not change by a bit.
-    pub(super) fn drift(&mut self, h: f32, gravity: Vec3) {
+    /// Moves all bodies by a substep. Free flight is an exact parabola; the momentum of a free body does not change by a bit.
+    pub(super) fn drift(&mut self, h: f32, gravity: Vec3A) {
         let limit = 0.25 * gravity.length() * h;
         for i in 0..self.count() {
             let motion = self.motions[i];
             let fixed = self.constants[i];
             if !fixed.dynamic {
-                self.poses[i].position += h * motion.velocity;
-                if motion.spin != Vec3::ZERO {
+                self.poses[i].position += Vec3::from(h * motion.velocity);
+                if motion.spin != Vec3A::ZERO {
                     self.poses[i].turn = unit(about(h * motion.spin) * self.poses[i].turn);
                 }
                 continue;
@@ -187,13 +176,14 @@ impl Bodies {
             let change = motion.minus(&self.before[i]);
             let size = change.velocity.length() + fixed.radius * change.spin.length();
             let beta = if size == 0.0 { 1.0 } else { (1.0 - size / limit).max(0.0) };
-            let position = self.poses[i].position + (h * motion.velocity - 0.5 * beta * h * h * gravity);
+            let way = h * motion.velocity - 0.5 * beta * h * h * gravity;
+            let position = self.poses[i].position + Vec3::from(way);
             let turn = fixed.moments.turned(self.poses[i].turn, self.momenta[i], h);
             if position.is_finite() && turn.is_finite() {
                 self.poses[i] = Pose::new(position, turn);
             } else {
-                self.motions[i].velocity = Vec3::ZERO;
-                self.momenta[i] = Vec3::ZERO;
+                self.motions[i].velocity = Vec3A::ZERO;
+                self.momenta[i] = Vec3A::ZERO;
             }
             self.respin(i);
         }
@@ -201,23 +191,23 @@ impl Bodies {
     }
 
     /// Where a body is at a time of the substep before its kick, and how it moves there.
-    pub(super) fn at(&self, i: usize, time: f32, gravity: Vec3) -> (Pose, Motion) {
+    pub(super) fn at(&self, i: usize, time: f32, gravity: Vec3A) -> (Pose, Motion) {
         let (pose, motion) = (self.poses[i], self.motions[i]);
         if time == 0.0 {
             return (pose, motion);
         }
         let fixed = &self.constants[i];
         if !fixed.dynamic {
-            let turn = if motion.spin == Vec3::ZERO { pose.turn } else { unit(about(time * motion.spin) * pose.turn) };
-            return (Pose::new(pose.position + time * motion.velocity, turn), motion);
+            let turn = if motion.spin == Vec3A::ZERO { pose.turn } else { unit(about(time * motion.spin) * pose.turn) };
+            return (Pose::new(pose.position + Vec3::from(time * motion.velocity), turn), motion);
         }
-        let position = pose.position + (time * motion.velocity + 0.5 * time * time * gravity);
+        let position = pose.position + Vec3::from(time * motion.velocity + 0.5 * time * time * gravity);
         let turn = fixed.moments.turned(pose.turn, self.momenta[i], time);
-        let spin = if motion.spin == Vec3::ZERO { Vec3::ZERO } else { fixed.moments.inverse_inertia(turn) * self.momenta[i] };
+        let spin = if motion.spin == Vec3A::ZERO { Vec3A::ZERO } else { fixed.moments.inverse_inertia(turn) * self.momenta[i] };
         (Pose::new(position, turn), Motion { velocity: motion.velocity + time * gravity, spin })
     }
 
-    /// How far the path of a body has gone beyond its margin: the path over the margin at scale 1, or `None` if it is within it.
+    /// The path of a body over its margin, if it has left it.
     pub(super) fn beyond(&self, i: usize) -> Option<f32> {
         let fixed = &self.constants[i];
         (fixed.dynamic && self.paths[i] > fixed.margin).then(|| self.paths[i] / fixed.margin)

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3A};
 
 /// A contact point in coordinates of its bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Point {
-    pub(super) on_a: Vec3,
-    pub(super) on_b: Vec3,
+    pub(super) on_a: Vec3A,
+    pub(super) on_b: Vec3A,
     pub(super) id: u32,
 }
 
@@ -16,13 +16,13 @@ pub(super) struct Point {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Row {
     /// The common point from the centre of either body.
-    pub(super) arm_a: Vec3,
-    pub(super) arm_b: Vec3,
+    pub(super) arm_a: Vec3A,
+    pub(super) arm_b: Vec3A,
     /// Separation; negative for an overlap.
     pub(super) gap: f32,
     /// kappa: what the gap of a round contact keeps beyond the tangent line.
     pub(super) spare: f32,
-    /// 1 / K along the normal. Infinite as long as K is not formed: most points of a frame never touch.
+    /// 1 / K along the normal. Infinite as long as the rest is not formed: most points of a frame never touch.
     pub(super) inverse_normal: f32,
     /// Inverse of K_t: xx, xy, yy.
     pub(super) inverse_tangent: [f32; 3],
@@ -30,10 +30,27 @@ pub(super) struct Row {
     pub(super) inverse_slip: f32,
     /// Takes part in the relax pass.
     pub(super) live: bool,
+    /// For the normal and the two tangents.
+    pub(super) along: [Along; 3],
+}
+
+/// How an impulse of 1 along a direction turns both bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Along {
+    /// Its moments, arm x direction.
+    pub(super) turn_a: Vec3A,
+    pub(super) turn_b: Vec3A,
+    /// The changes of the spins: inverse inertia times moment.
+    pub(super) response_a: Vec3A,
+    pub(super) response_b: Vec3A,
 }
 
 impl Row {
-    pub(super) fn new(arm_a: Vec3, arm_b: Vec3, gap: f32) -> Self {
+    pub(super) fn is_formed(&self) -> bool {
+        self.inverse_normal < f32::INFINITY
+    }
+
+    pub(super) fn new(arm_a: Vec3A, arm_b: Vec3A, gap: f32) -> Self {
         Self { arm_a, arm_b, gap, inverse_normal: f32::INFINITY, ..Self::default() }
     }
 }
@@ -61,10 +78,10 @@ pub(super) struct Pair {
     pub(super) friction: f32,
     pub(super) restitution: f32,
     /// Unit vector from a to b in coordinates of body a.
-    pub(super) inner_normal: Vec3,
+    pub(super) inner_normal: Vec3A,
     /// The normal and the tangents of the last refresh.
-    pub(super) normal: Vec3,
-    pub(super) tangents: [Vec3; 2],
+    pub(super) normal: Vec3A,
+    pub(super) tangents: [Vec3A; 2],
     /// Velocity of the surface of b less that of a, along the tangents.
     pub(super) belt: Vec2,
 }
@@ -114,8 +131,8 @@ impl Block {
 /// The impulses of a block: on b, and the moments of those on a and b about their centres.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Load {
-    pub(super) impulse: Vec3,
-    pub(super) moments: [Vec3; 2],
+    pub(super) impulse: Vec3A,
+    pub(super) moments: [Vec3A; 2],
 }
 
 /// All contacts of a frame, and which blocks a colour and a body have.
@@ -252,7 +269,7 @@ const TASK: usize = 128;
 /// Fewer blocks are done by the thread that asks.
 const CROWD: usize = 1024;
 
-/// Whether so many blocks, or bodies with their blocks, are worth other threads. A pool of one thread is never worth the way to it.
+/// Whether so many blocks are worth other threads. A pool of one thread is never worth the way to it.
 pub(super) fn is_crowd(count: usize) -> bool {
     count >= CROWD && rayon::current_num_threads() > 1
 }

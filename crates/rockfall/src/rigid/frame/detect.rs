@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use crate::rigid::broad::{self, Aabb};
 use crate::rigid::collide::{Manifold, collide};
@@ -97,7 +97,7 @@ fn reach(bodies: &Bodies, block: &Block, dt: f32, field: f32) -> f32 {
     let [a, b] = block.sides();
     let [motion_a, motion_b] = [bodies.motions[a], bodies.motions[b]];
     // A body at rest may be infinite.
-    let turn = |i: usize, spin: Vec3| if spin == Vec3::ZERO { 0.0 } else { spin.length() * bodies.constants[i].radius };
+    let turn = |i: usize, spin: Vec3A| if spin == Vec3A::ZERO { 0.0 } else { spin.length() * bodies.constants[i].radius };
     let [turn_a, turn_b] = [turn(a, motion_a.spin), turn(b, motion_b.spin)];
     let speed = (motion_b.velocity - motion_a.velocity).length() + turn_a + turn_b;
     speed * dt + field * dt * dt + 0.02 * least_radius(bodies, block)
@@ -129,7 +129,7 @@ fn pair(world: &RigidWorld, found: &Found, first: usize) -> Pair {
         round,
         friction,
         restitution,
-        inner_normal: a.place.turn * found.manifold.normal,
+        inner_normal: Vec3A::from(a.place.turn * found.manifold.normal),
         ..Pair::default()
     }
 }
@@ -138,12 +138,12 @@ fn pair(world: &RigidWorld, found: &Found, first: usize) -> Pair {
 fn add_points(world: &RigidWorld, bodies: &Bodies, contacts: &mut Contacts, found: &Found, room: u8) {
     let place = &world.colliders[found.colliders[0] as usize].place;
     let [a, b] = found.bodies.map(|body| &bodies.poses[body as usize]);
-    let (apart, back) = (b.position - a.position, b.turn.inverse());
+    let (apart, back) = (Vec3A::from(b.position - a.position), b.turn.inverse());
     let end = contacts.points.len() + usize::from(room);
     for point in &found.manifold.points[..found.manifold.count] {
-        let seen = place.point(point.on_b);
+        let seen = Vec3A::from(place.point(point.on_b));
         let on_b = back * (a.turn * seen - apart);
-        contacts.points.push(Point { on_a: place.point(point.on_a), on_b, id: point.id });
+        contacts.points.push(Point { on_a: place.point(point.on_a).into(), on_b, id: point.id });
     }
     contacts.points.resize(end, Point { id: u32::MAX, ..Point::default() });
 }

@@ -43,7 +43,8 @@ const MOST_SUBSTEPS: u32 = 32;
 /// Greatest h sqrt(g / a) for the least edge a of a body.
 const GREATEST_FALL: f32 = 0.0135;
 
-/// The substeps of a frame of `dt` seconds for the smallest body that moves. It ignores masses: one pebble would set it for all.
+/// The substeps of a frame of `dt` seconds for the smallest body that moves. It ignores masses, since one pebble under a
+/// lorry would set them for all.
 pub(crate) fn auto_substeps(world: &RigidWorld, dt: f32) -> u32 {
     let least = loose(world).map(|body| body.width).filter(|width| *width > 0.0).fold(f32::INFINITY, f32::min);
     let needed = dt * (world.gravity.length() / least).sqrt() / GREATEST_FALL;

@@ -1,11 +1,11 @@
 //! Impacts: blocks that close are reflected at their time of contact (docs/physics.md section 11.7).
 
-use glam::{Quat, Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 
 use crate::rigid::frame::bodies::{Bodies, Mass};
 use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, Impulse, Pair, Row, View, for_each, is_crowd};
-use crate::rigid::frame::refresh::{belt, place, tangents, turn};
+use crate::rigid::frame::refresh::{apart, belt, place, tangents, turn};
 use crate::rigid::frame::rows::{Sides, friction_row};
 use crate::rigid::frame::times::{Hit, Scope, State};
 use crate::rigid::pose::Pose;
@@ -55,8 +55,8 @@ fn hits(scope: &Scope<'_>, contacts: &Contacts, bodies: &Bodies, range: std::ops
 #[derive(Clone, Copy, Debug)]
 struct After {
     pose: Pose,
-    velocity: Vec3,
-    momentum: Vec3,
+    velocity: Vec3A,
+    momentum: Vec3A,
 }
 
 fn put(bodies: &mut Bodies, i: usize, after: &After, time: f32) {
@@ -127,7 +127,7 @@ fn reflect(scope: &Scope<'_>, contacts: &Contacts, bodies: &Bodies, k: usize, hi
         restitute(&mut points, &mut sides, scale);
     }
     [0, 1].map(|s| {
-        let moment = points.iter().fold(Vec3::ZERO, |sum, point| {
+        let moment = points.iter().fold(Vec3A::ZERO, |sum, point| {
             let [t1, t2] = point.pair.tangents;
             let push = point.normal * point.pair.normal + (point.tangent.x * t1 + point.tangent.y * t2);
             if s == 0 { sum - point.row.arm_a.cross(push) } else { sum + point.row.arm_b.cross(push) }
@@ -147,16 +147,9 @@ fn mass_at(bodies: &Bodies, i: usize, turn: Quat) -> Mass {
 }
 
 /// The points of a block at the time of contact that are as near as those that are hit.
-fn joined(
-    scope: &Scope<'_>,
-    contacts: &Contacts,
-    block: &Block,
-    state: &State,
-    sides: &Sides,
-    depth: f32,
-) -> Vec<Joined> {
+fn joined(scope: &Scope<'_>, contacts: &Contacts, block: &Block, state: &State, sides: &Sides, depth: f32) -> Vec<Joined> {
     let poses = &state.0;
-    let apart = poses[1].position - poses[0].position;
+    let apart = apart(poses);
     let mut points = Vec::with_capacity(block.points as usize);
     for pair in &contacts.pairs[block.pair_range()] {
         let range = pair.first as usize..pair.first as usize + usize::from(pair.room);
@@ -167,7 +160,7 @@ fn joined(
             let common = 0.5 * (now.on_a[k] + now.on_b[k]);
             let mut row = Row::new(common, common - apart, now.gap(k));
             sides.form(&turned, &mut row);
-            let speed = -sides.closing(&row).dot(now.normal);
+            let speed = -sides.normal_speed(&turned, &row);
             points.push(Joined { pair: turned, row, normal: 0.0, tangent: Vec2::ZERO, speed });
         }
     }
@@ -179,14 +172,14 @@ fn inelastic(points: &mut [Joined], mut sides: Sides) -> Option<f32> {
     for _ in 0..SWEEPS {
         for Joined { pair, row, normal, .. } in points.iter_mut() {
             let before = *normal;
-            *normal = (before - sides.closing(row).dot(pair.normal) * row.inverse_normal).max(0.0);
-            sides.push(row, (*normal - before) * pair.normal);
+            *normal = (before - sides.normal_speed(pair, row) * row.inverse_normal).max(0.0);
+            sides.push(pair, row, *normal - before);
         }
     }
     let (mut work, mut lost) = (0.0, 0.0);
     for Joined { pair, row, normal, speed, .. } in points.iter() {
         work += normal * speed;
-        lost += normal * (speed + sides.closing(row).dot(pair.normal));
+        lost += normal * (speed + sides.normal_speed(pair, row));
     }
     (lost > 0.0).then(|| work / lost)
 }
@@ -202,7 +195,7 @@ fn restitute(points: &mut [Joined], sides: &mut Sides, scale: f32) {
     let factor = (1.0 + weighted / sum) * scale;
     for Joined { pair, row, normal, .. } in points.iter_mut() {
         *normal *= factor;
-        sides.push(row, *normal * pair.normal);
+        sides.push(pair, row, *normal);
     }
     for _ in 0..FRICTION_SWEEPS {
         for Joined { pair, row, normal, tangent, .. } in points.iter_mut().filter(|point| point.normal > 0.0) {
@@ -213,12 +206,12 @@ fn restitute(points: &mut [Joined], sides: &mut Sides, scale: f32) {
 }
 
 /// Carries a body from a time back to the start of the substep, on its new path.
-fn back(scope: &Scope<'_>, bodies: &Bodies, i: usize, pose: &Pose, velocity: Vec3, momentum: Vec3, time: f32) -> After {
-    let gravity = scope.world.gravity;
+fn back(scope: &Scope<'_>, bodies: &Bodies, i: usize, pose: &Pose, velocity: Vec3A, momentum: Vec3A, time: f32) -> After {
+    let gravity = scope.gravity();
     if time == 0.0 {
         return After { pose: *pose, velocity, momentum };
     }
-    let position = pose.position - (time * velocity - 0.5 * time * time * gravity);
+    let position = pose.position - Vec3::from(time * velocity - 0.5 * time * time * gravity);
     let turn = bodies.constants[i].moments.turned(pose.turn, momentum, -time);
     After { pose: Pose::new(position, turn), velocity: velocity - time * gravity, momentum }
 }
@@ -251,7 +244,7 @@ fn carry_block(scope: &Scope<'_>, bodies: &Bodies, view: View<'_>, start: f32) {
     let sides = view.block.sides();
     let now = sides.map(|i| bodies.poses[i]);
     let loose = sides.map(|i| bodies.constants[i].dynamic);
-    let (apart, apart_now) = (poses[1].position - poses[0].position, now[1].position - now[0].position);
+    let (apart, apart_now) = (apart(&poses), apart(&now));
     view.block.time = scope.h - start;
     for pair in view.pairs {
         let first = (pair.first - view.block.first_point) as usize;

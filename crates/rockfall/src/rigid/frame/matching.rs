@@ -1,6 +1,6 @@
 //! What is kept from frame to frame: impulses of points and colours of blocks (docs/physics.md section 11.5).
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3A};
 
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Block, Contacts, Impulse, LEFT_OVER, Pair};
@@ -33,10 +33,10 @@ struct OldPair {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct OldPoint {
     id: u32,
-    on_a: Vec3,
+    on_a: Vec3A,
     normal: f32,
     /// Along the axes of the world.
-    tangent: Vec3,
+    tangent: Vec3A,
 }
 
 impl History {
@@ -108,7 +108,7 @@ impl History {
 }
 
 /// The old partner of each point: the one with its id, else the nearest one that is free and near enough.
-fn partners(places: impl Iterator<Item = (u32, Vec3)> + Clone, old: &[OldPoint], near: f32) -> [Option<usize>; 4] {
+fn partners(places: impl Iterator<Item = (u32, Vec3A)> + Clone, old: &[OldPoint], near: f32) -> [Option<usize>; 4] {
     let (mut partners, mut taken) = ([None; 4], [false; 4]);
     for (k, (id, _)) in places.clone().enumerate() {
         partners[k] = old.iter().enumerate().position(|(j, point)| !taken[j] && point.id == id);

@@ -1,6 +1,6 @@
 //! Passes over all blocks, colour by colour, and the warm start (docs/physics.md sections 11.6 to 11.8).
 
-use glam::Vec3;
+use glam::Vec3A;
 use rayon::prelude::*;
 
 use crate::rigid::frame::bodies::{Bodies, Motion};
@@ -87,7 +87,7 @@ pub(super) fn warm_start(contacts: &mut Contacts, bodies: &mut Bodies) {
         if !constants[i].dynamic || read.of_body(i).is_empty() {
             return;
         }
-        let (mut impulse, mut moment) = (Vec3::ZERO, Vec3::ZERO);
+        let (mut impulse, mut moment) = (Vec3A::ZERO, Vec3A::ZERO);
         for (block, second) in read.of_body(i) {
             let load = &loads[*block as usize];
             impulse += if *second { load.impulse } else { -load.impulse };

@@ -1,6 +1,6 @@
 //! Geometry of contacts in a pose of their bodies, and the rows that follow from it (docs/physics.md sections 11.4 and 11.8).
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3A};
 
 use crate::rigid::collide::{MOST_POINTS, collide};
 use crate::rigid::frame::bodies::Bodies;
@@ -11,10 +11,10 @@ use crate::rigid::world::RigidWorld;
 /// Where the points of a pair are: from the centre of body a, along the axes of the world.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Place {
-    pub(super) normal: Vec3,
+    pub(super) normal: Vec3A,
     pub(super) count: usize,
-    pub(super) on_a: [Vec3; MOST_POINTS],
-    pub(super) on_b: [Vec3; MOST_POINTS],
+    pub(super) on_a: [Vec3A; MOST_POINTS],
+    pub(super) on_b: [Vec3A; MOST_POINTS],
     pub(super) ids: [u32; MOST_POINTS],
 }
 
@@ -24,15 +24,20 @@ impl Place {
     }
 }
 
+/// From the centre of a to that of b.
+pub(super) fn apart([a, b]: &[Pose; 2]) -> Vec3A {
+    (b.position - a.position).into()
+}
+
 /// The points of a pair with its bodies in given poses.
 pub(super) fn place(world: &RigidWorld, pair: &Pair, points: &[Point], poses: &[Pose; 2]) -> Place {
-    if pair.round {
-        if let Some(found) = found_anew(world, pair, poses) {
-            return found;
-        }
+    if pair.round
+        && let Some(found) = found_anew(world, pair, poses)
+    {
+        return found;
     }
     let [a, b] = poses;
-    let apart = b.position - a.position;
+    let apart = apart(poses);
     let mut place = Place { normal: a.turn * pair.inner_normal, count: pair.count.into(), ..Place::default() };
     for (k, point) in points[..place.count].iter().enumerate() {
         place.on_a[k] = a.turn * point.on_a;
@@ -50,27 +55,27 @@ fn found_anew(world: &RigidWorld, pair: &Pair, [a, b]: &[Pose; 2]) -> Option<Pla
     let own = Pose::new(Vec3::ZERO, a.turn).compose(&one.place);
     let theirs = Pose::new(b.position - a.position, b.turn).compose(&other.place);
     let manifold = collide(near, far, &own.relative(&theirs), f32::INFINITY)?;
-    let mut place = Place { normal: own.turn * manifold.normal, ..Place::default() };
+    let mut place = Place { normal: (own.turn * manifold.normal).into(), ..Place::default() };
     place.count = manifold.count.min(pair.room.into());
     for (k, point) in manifold.points[..place.count].iter().enumerate() {
-        (place.on_a[k], place.on_b[k], place.ids[k]) = (own.point(point.on_a), own.point(point.on_b), point.id);
+        (place.on_a[k], place.on_b[k], place.ids[k]) = (own.point(point.on_a).into(), own.point(point.on_b).into(), point.id);
     }
     Some(place)
 }
 
 /// Two unit vectors that make a right-handed frame with a unit vector.
-pub(super) fn tangents(n: Vec3) -> [Vec3; 2] {
+pub(super) fn tangents(n: Vec3A) -> [Vec3A; 2] {
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;
-    [Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3::new(b, sign + n.y * n.y * a, -n.y)]
+    [Vec3A::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x), Vec3A::new(b, sign + n.y * n.y * a, -n.y)]
 }
 
 /// Forms the rows of a block anew.
 pub(super) fn refresh(world: &RigidWorld, bodies: &Bodies, view: View<'_>, h: f32) {
     let sides = view.block.sides();
     let poses = sides.map(|i| bodies.poses[i]);
-    let apart = poses[1].position - poses[0].position;
+    let apart = apart(&poses);
     view.block.time = h;
     for pair in view.pairs {
         let first = (pair.first - view.block.first_point) as usize;
@@ -96,23 +101,7 @@ pub(super) fn turn(
 ) {
     let old = pair.tangents;
     if pair.round {
-        let [a, b] = poses.map(|pose| pose.turn.inverse());
-        let apart = poses[1].position - poses[0].position;
-        let (before, count) = ([points[0].id, points.get(1).map_or(u32::MAX, |point| point.id)], usize::from(pair.count));
-        for k in 0..found.count {
-            points[k] = Point { on_a: a * found.on_a[k], on_b: b * (found.on_b[k] - apart), id: found.ids[k] };
-        }
-        // Two points of a capsule may have changed places, or one may have come or gone.
-        let kept: [Impulse; 2] = [impulses[0], impulses.get(1).copied().unwrap_or_default()];
-        for (k, impulse) in impulses.iter_mut().enumerate() {
-            let same = before[..count.min(2)].iter().position(|id| k < found.count && *id == found.ids[k]);
-            *impulse = same.map_or(Impulse::default(), |from| kept[from]);
-        }
-        if found.count == 1 && count == 1 {
-            impulses[0] = kept[0];
-        }
-        pair.count = found.count as u8;
-        pair.inner_normal = a * found.normal;
+        renew(pair, found, points, impulses, poses);
     }
     pair.normal = found.normal;
     pair.tangents = tangents(found.normal);
@@ -123,12 +112,36 @@ pub(super) fn turn(
     pair.belt = belt(world, pair, poses);
 }
 
+/// Stores the points of a round contact. Their impulses follow the ids.
+fn renew(pair: &mut Pair, found: &Place, points: &mut [Point], impulses: &mut [Impulse], poses: &[Pose; 2]) {
+    let [a, b] = poses.map(|pose| pose.turn.inverse());
+    let apart = apart(poses);
+    // Two points of a capsule may have changed places, or one may have come or gone. The only point of a pair is the same.
+    let count = usize::from(pair.count);
+    let only = found.count == 1 && count == 1;
+    let mut before = [(u32::MAX, Impulse::default()); MOST_POINTS];
+    for (k, known) in before.iter_mut().enumerate().take(count) {
+        *known = (points[k].id, impulses[k]);
+    }
+    for (k, (point, impulse)) in points.iter_mut().zip(&mut *impulses).enumerate() {
+        if k >= found.count {
+            *impulse = Impulse::default();
+            continue;
+        }
+        *point = Point { on_a: a * found.on_a[k], on_b: b * (found.on_b[k] - apart), id: found.ids[k] };
+        let same = before[..count].iter().find(|(id, _)| only || *id == point.id);
+        *impulse = same.map_or(Impulse::default(), |(_, impulse)| *impulse);
+    }
+    pair.count = found.count as u8;
+    pair.inner_normal = a * found.normal;
+}
+
 /// Velocity of the surface of b less that of a, along the tangents.
 pub(super) fn belt(world: &RigidWorld, pair: &Pair, poses: &[Pose; 2]) -> Vec2 {
     let [own, theirs] = [0, 1].map(|s| {
         let collider = &world.colliders[pair.colliders[s] as usize];
         let still = collider.surface_velocity == Vec3::ZERO;
-        if still { Vec3::ZERO } else { poses[s].turn * collider.surface_velocity }
+        Vec3A::from(if still { Vec3::ZERO } else { poses[s].turn * collider.surface_velocity })
     });
     Vec2::new((theirs - own).dot(pair.tangents[0]), (theirs - own).dot(pair.tangents[1]))
 }

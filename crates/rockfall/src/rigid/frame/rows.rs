@@ -1,9 +1,9 @@
 //! Rows of a block: normal impulses and the friction cone (docs/physics.md section 11.8).
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3A};
 
 use crate::rigid::frame::bodies::{Mass, Motion};
-use crate::rigid::frame::contacts::{Impulse, Pair, Row, View};
+use crate::rigid::frame::contacts::{Along, Impulse, Pair, Row, View};
 
 /// Greatest speed at which an overlap is pushed out, in units/s.
 const PUSH_OUT: f32 = 3.0;
@@ -56,39 +56,64 @@ pub(super) struct Sides {
 impl Sides {
     /// Velocity of b relative to a at a row.
     #[inline(always)]
-    pub(super) fn closing(&self, row: &Row) -> Vec3 {
+    pub(super) fn closing(&self, row: &Row) -> Vec3A {
         self.b.at(row.arm_b) - self.a.at(row.arm_a)
     }
 
-    /// Forms K of a row, unless it is formed.
+    /// Forms K of a row and what its impulses do, unless that is done.
     #[inline(never)]
     pub(super) fn form(&self, pair: &Pair, row: &mut Row) {
-        if row.inverse_normal < f32::INFINITY {
+        if row.is_formed() {
             return;
         }
-        let [t1, t2] = pair.tangents;
-        let (mut normal, mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0, 0.0);
-        let sides = [(row.arm_a, &self.mass_a), (row.arm_b, &self.mass_b)];
-        for (arm, mass) in sides.into_iter().filter(|(_, mass)| mass.inverse_mass > 0.0) {
-            let [first, second] = [arm.cross(t1), arm.cross(t2)];
-            let [turned, other] = [mass.inverse_inertia * first, mass.inverse_inertia * second];
-            normal += mass.response(arm, pair.normal);
-            xx += mass.inverse_mass + first.dot(turned);
-            xy += second.dot(turned);
-            yy += mass.inverse_mass + second.dot(other);
-        }
+        let directions = [pair.normal, pair.tangents[0], pair.tangents[1]];
+        row.along = directions.map(|along| {
+            let [turn_a, turn_b] = [row.arm_a.cross(along), row.arm_b.cross(along)];
+            Along {
+                turn_a,
+                turn_b,
+                response_a: self.mass_a.inverse_inertia * turn_a,
+                response_b: self.mass_b.inverse_inertia * turn_b,
+            }
+        });
+        let linear = self.mass_a.inverse_mass + self.mass_b.inverse_mass;
+        let turning = |i: usize, j: usize| {
+            let (one, other) = (&row.along[i], &row.along[j]);
+            one.turn_a.dot(other.response_a) + one.turn_b.dot(other.response_b)
+        };
+        let (xx, xy, yy) = (linear + turning(1, 1), turning(1, 2), linear + turning(2, 2));
         let scale = 1.0 / (xx * yy - xy * xy);
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        row.inverse_normal = 1.0 / normal;
+        row.inverse_normal = 1.0 / (linear + turning(0, 0));
         row.inverse_tangent = [yy * scale, -xy * scale, xx * scale];
         row.inverse_slip = 1.0 / (mean + (half * half + xy * xy).sqrt());
     }
 
-    /// An impulse on b, and its opposite on a, at the common point.
+    /// Velocity of b relative to a along a direction of a formed row.
     #[inline(always)]
-    pub(super) fn push(&mut self, row: &Row, impulse: Vec3) {
-        self.a.push(&self.mass_a, row.arm_a, -impulse);
-        self.b.push(&self.mass_b, row.arm_b, impulse);
+    fn speed(&self, along: Vec3A, turn: &Along) -> f32 {
+        // One sum in lanes instead of three.
+        let lanes = along * (self.b.velocity - self.a.velocity) + (turn.turn_b * self.b.spin - turn.turn_a * self.a.spin);
+        lanes.element_sum()
+    }
+
+    /// An impulse along a direction of a formed row: on b, and its opposite on a.
+    #[inline(always)]
+    fn push_along(&mut self, along: Vec3A, turn: &Along, impulse: f32) {
+        self.a.velocity -= (impulse * self.mass_a.inverse_mass) * along;
+        self.a.spin -= impulse * turn.response_a;
+        self.b.velocity += (impulse * self.mass_b.inverse_mass) * along;
+        self.b.spin += impulse * turn.response_b;
+    }
+
+    /// An impulse along the normal of a formed row.
+    pub(super) fn push(&mut self, pair: &Pair, row: &Row, impulse: f32) {
+        self.push_along(pair.normal, &row.along[0], impulse);
+    }
+
+    /// Speed along the normal of a formed row.
+    pub(super) fn normal_speed(&self, pair: &Pair, row: &Row) -> f32 {
+        self.speed(pair.normal, &row.along[0])
     }
 }
 
@@ -151,32 +176,41 @@ fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
 }
 
 #[inline(always)]
-fn normal_row(pair: &Pair, row: &mut Row, impulse: &mut Impulse, sides: &mut Sides, pass: &Pass, fixed: bool, time: f32) -> f32 {
+fn normal_row(
+    pair: &Pair,
+    row: &mut Row,
+    impulse: &mut Impulse,
+    sides: &mut Sides,
+    pass: &Pass,
+    fixed: bool,
+    time: f32,
+) -> f32 {
     let before = impulse.normal;
     if !pass.biased && !row.live {
         return 0.0;
     }
-    let speed = sides.closing(row).dot(pair.normal);
-    let step = if !pass.biased {
-        sides.form(pair, row);
-        -speed * row.inverse_normal
-    } else if row.gap <= 0.0 {
-        sides.form(pair, row);
-        let soft = &pass.softness[usize::from(fixed)];
-        let speed = soft.mass * speed + (soft.rate * row.gap).max(-PUSH_OUT);
-        -speed * row.inverse_normal - soft.impulse * before
-    } else {
-        let speed = speed + (row.gap + row.spare) / time;
-        if before == 0.0 && speed >= 0.0 {
+    let step = if pass.biased && row.gap > 0.0 {
+        let apart = (row.gap + row.spare) / time;
+        if before == 0.0 && !row.is_formed() && sides.closing(row).dot(pair.normal) + apart >= 0.0 {
             return 0.0;
         }
         sides.form(pair, row);
-        -speed * row.inverse_normal
+        -(sides.normal_speed(pair, row) + apart) * row.inverse_normal
+    } else {
+        sides.form(pair, row);
+        let speed = sides.normal_speed(pair, row);
+        if pass.biased {
+            let soft = &pass.softness[usize::from(fixed)];
+            let speed = soft.mass * speed + (soft.rate * row.gap).max(-PUSH_OUT);
+            -speed * row.inverse_normal - soft.impulse * before
+        } else {
+            -speed * row.inverse_normal
+        }
     };
     impulse.normal = (before + step).max(0.0);
     let done = impulse.normal - before;
     if done != 0.0 {
-        sides.push(row, done * pair.normal);
+        sides.push(pair, row, done);
     }
     done.abs()
 }
@@ -185,8 +219,8 @@ fn normal_row(pair: &Pair, row: &mut Row, impulse: &mut Impulse, sides: &mut Sid
 #[inline(always)]
 pub(super) fn friction_row(pair: &Pair, row: &Row, tangent: &mut Vec2, sides: &mut Sides, bound: f32) -> f32 {
     let [t1, t2] = pair.tangents;
-    let closing = sides.closing(row);
-    let slip = Vec2::new(closing.dot(t1), closing.dot(t2)) + pair.belt;
+    let [_, one, other] = &row.along;
+    let slip = Vec2::new(sides.speed(t1, one), sides.speed(t2, other)) + pair.belt;
     let [xx, xy, yy] = row.inverse_tangent;
     let before = *tangent;
     let mut trial = before - Vec2::new(xx * slip.x + xy * slip.y, xy * slip.x + yy * slip.y);
@@ -199,7 +233,8 @@ pub(super) fn friction_row(pair: &Pair, row: &Row, tangent: &mut Vec2, sides: &m
     }
     let done = trial - before;
     if done != Vec2::ZERO {
-        sides.push(row, done.x * t1 + done.y * t2);
+        sides.push_along(t1, one, done.x);
+        sides.push_along(t2, other, done.y);
     }
     *tangent = trial;
     done.length()

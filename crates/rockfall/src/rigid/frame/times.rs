@@ -1,11 +1,11 @@
 //! When the bodies of a block touch (docs/physics.md section 11.7).
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use crate::rigid::frame::bodies::{Bodies, Motion};
 use crate::rigid::frame::contacts::{Block, Contacts, Pair, Point, Row, View};
 use crate::rigid::frame::detect::least_radius;
-use crate::rigid::frame::refresh::{Place, place};
+use crate::rigid::frame::refresh::{Place, apart, place};
 use crate::rigid::frame::turn::{about, unit};
 use crate::rigid::pose::Pose;
 use crate::rigid::world::RigidWorld;
@@ -47,8 +47,13 @@ impl Scope<'_> {
 
     /// Both bodies of a block at a time, before the kick.
     pub(super) fn state(&self, bodies: &Bodies, block: &Block, time: f32) -> State {
-        let [(pose_a, a), (pose_b, b)] = block.sides().map(|i| bodies.at(i, time, self.world.gravity));
+        let [(pose_a, a), (pose_b, b)] = block.sides().map(|i| bodies.at(i, time, self.gravity()));
         ([pose_a, pose_b], [a, b])
+    }
+
+    /// Acceleration of the field.
+    pub(super) fn gravity(&self) -> Vec3A {
+        self.world.gravity.into()
     }
 
     /// Least speed of an impact.
@@ -73,11 +78,8 @@ impl Scope<'_> {
             let range = pair.first as usize..pair.first as usize + usize::from(pair.room);
             let points = &contacts.points[range.clone()];
             // With clocks at 0 the rows are those of this state.
-            let now = if start == 0.0 {
-                of_rows(pair, &contacts.rows[range])
-            } else {
-                place(self.world, pair, points, &state.0)
-            };
+            let now =
+                if start == 0.0 { of_rows(pair, &contacts.rows[range]) } else { place(self.world, pair, points, &state.0) };
             let a_n = -field.dot(now.normal);
             for i in 0..now.count {
                 let (gap, u) = (now.gap(i), approach(&now, i, &state));
@@ -101,8 +103,8 @@ impl Scope<'_> {
     }
 
     /// Acceleration of b relative to a by the field.
-    fn relative_field(&self, bodies: &Bodies, block: &Block) -> Vec3 {
-        let [a, b] = block.sides().map(|i| if bodies.constants[i].dynamic { self.world.gravity } else { Vec3::ZERO });
+    fn relative_field(&self, bodies: &Bodies, block: &Block) -> Vec3A {
+        let [a, b] = block.sides().map(|i| if bodies.constants[i].dynamic { self.gravity() } else { Vec3A::ZERO });
         b - a
     }
 
@@ -165,13 +167,13 @@ impl Scope<'_> {
 
     /// Both bodies of a block at a time with the present motions, after the kick.
     fn kicked(&self, bodies: &Bodies, block: &Block, time: f32) -> State {
-        let gravity = self.world.gravity;
+        let gravity = self.gravity();
         let [(pose_a, a), (pose_b, b)] = block.sides().map(|i| {
             let (pose, motion) = (bodies.poses[i], bodies.motions[i]);
-            let field = if bodies.constants[i].dynamic { gravity } else { Vec3::ZERO };
+            let field = if bodies.constants[i].dynamic { gravity } else { Vec3A::ZERO };
             let velocity = motion.velocity - (self.h - time) * field;
-            let position = pose.position + (time * velocity - 0.5 * time * time * field);
-            let turn = if motion.spin == Vec3::ZERO { pose.turn } else { unit(about(time * motion.spin) * pose.turn) };
+            let position = pose.position + Vec3::from(time * velocity - 0.5 * time * time * field);
+            let turn = if motion.spin == Vec3A::ZERO { pose.turn } else { unit(about(time * motion.spin) * pose.turn) };
             (Pose::new(position, turn), Motion { velocity, ..motion })
         });
         ([pose_a, pose_b], [a, b])
@@ -202,7 +204,7 @@ impl Hits {
 fn closing_bound(bodies: &Bodies, block: &Block) -> f32 {
     let [a, b] = block.sides().map(|i| {
         let spin = bodies.motions[i].spin;
-        if spin == Vec3::ZERO { 0.0 } else { spin.length() * bodies.constants[i].radius }
+        if spin == Vec3A::ZERO { 0.0 } else { spin.length() * bodies.constants[i].radius }
     });
     let [from, to] = block.sides().map(|i| bodies.motions[i].velocity);
     // Half as much again, for arms that end between two bodies.
@@ -222,9 +224,8 @@ fn of_rows(pair: &Pair, rows: &[Row]) -> Place {
 
 /// Approach speed at a point, whose bodies are in a state.
 fn approach(now: &Place, k: usize, (poses, motions): &State) -> f32 {
-    let apart = poses[1].position - poses[0].position;
     let common = 0.5 * (now.on_a[k] + now.on_b[k]);
-    (motions[0].at(common) - motions[1].at(common - apart)).dot(now.normal)
+    (motions[0].at(common) - motions[1].at(common - apart(poses))).dot(now.normal)
 }
 
 /// How a search ends.

@@ -1,16 +1,16 @@
 //! Inertia and the free rotation (docs/physics.md sections 5.9 and 11.1).
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3A, Quat, Vec3, Vec3A};
 
 /// The principal moments of a body, ready for use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Moments {
     /// The moments themselves. 1 without mass.
-    moments: Vec3,
+    moments: Vec3A,
     /// 1 / J_m, the inverse of the middle one. 0 without mass.
     middle: f32,
     /// kappa: by how much the inverses of the moments exceed it.
-    excess: Vec3,
+    excess: Vec3A,
     /// From the principal axes to those of the body.
     axes: Quat,
     /// All moments are equal, so the inertia does not turn.
@@ -20,43 +20,43 @@ pub(super) struct Moments {
 impl Moments {
     /// Of a body without mass: it does not turn by itself.
     pub(super) const NONE: Self =
-        Self { moments: Vec3::ONE, middle: 0.0, excess: Vec3::ZERO, axes: Quat::IDENTITY, ball: true };
+        Self { moments: Vec3A::ONE, middle: 0.0, excess: Vec3A::ZERO, axes: Quat::IDENTITY, ball: true };
 
-    pub(super) fn new(moments: Vec3, axes: Quat) -> Self {
+    pub(super) fn new(moments: Vec3A, axes: Quat) -> Self {
         let middle = moments.x.max(moments.y).min(moments.x.min(moments.y).max(moments.z));
-        let excess = Vec3::from_array(moments.to_array().map(|j| if j == middle { 0.0 } else { 1.0 / j - 1.0 / middle }));
-        Self { moments, middle: 1.0 / middle, excess, axes, ball: excess == Vec3::ZERO }
+        let excess = Vec3A::from_array(moments.to_array().map(|j| if j == middle { 0.0 } else { 1.0 / j - 1.0 / middle }));
+        Self { moments, middle: 1.0 / middle, excess, axes, ball: excess == Vec3A::ZERO }
     }
 
     /// Inverse of the inertia along the axes of the world.
-    pub(super) fn inverse_inertia(&self, orientation: Quat) -> Mat3 {
-        let middle = Mat3::from_diagonal(Vec3::splat(self.middle));
+    pub(super) fn inverse_inertia(&self, orientation: Quat) -> Mat3A {
+        let middle = Mat3A::from_diagonal(Vec3::splat(self.middle));
         if self.ball {
             return middle;
         }
-        let axes = Mat3::from_quat(orientation * self.axes);
+        let axes = Mat3A::from_quat(orientation * self.axes);
         let [p, q, r] = [0, 1, 2].map(|k| (axes.col(k), self.excess[k] * axes.col(k)));
         let sum = |i: usize, j: usize| p.1[i] * p.0[j] + q.1[i] * q.0[j] + r.1[i] * r.0[j];
         let (xy, xz, yz) = (sum(0, 1), sum(0, 2), sum(1, 2));
-        middle + Mat3::from_cols(Vec3::new(sum(0, 0), xy, xz), Vec3::new(xy, sum(1, 1), yz), Vec3::new(xz, yz, sum(2, 2)))
+        middle + Mat3A::from_cols(Vec3A::new(sum(0, 0), xy, xz), Vec3A::new(xy, sum(1, 1), yz), Vec3A::new(xz, yz, sum(2, 2)))
     }
 
     /// The angular momentum of a body with this orientation and this angular velocity.
-    pub(super) fn momentum(&self, orientation: Quat, spin: Vec3) -> Vec3 {
+    pub(super) fn momentum(&self, orientation: Quat, spin: Vec3A) -> Vec3A {
         if self.ball {
             return self.moments.x * spin;
         }
-        let axes = Mat3::from_quat(orientation * self.axes);
+        let axes = Mat3A::from_quat(orientation * self.axes);
         axes * (self.moments * (axes.transpose() * spin))
     }
 
     /// Phi: the orientation after a free rotation for a time, in s, which may be negative.
-    pub(super) fn turned(&self, orientation: Quat, momentum: Vec3, time: f32) -> Quat {
+    pub(super) fn turned(&self, orientation: Quat, momentum: Vec3A, time: f32) -> Quat {
         let mut orientation = about(time * self.middle * momentum) * orientation;
         if !self.ball {
             for (k, share) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
                 if self.excess[k] != 0.0 {
-                    let axis = orientation * (self.axes * Vec3::AXES[k]);
+                    let axis = orientation * (self.axes * Vec3A::AXES[k]);
                     orientation = about(share * time * self.excess[k] * axis.dot(momentum) * axis) * orientation;
                 }
             }
@@ -66,7 +66,7 @@ impl Moments {
 }
 
 /// Rotation by an angular velocity times a time.
-pub(super) fn about(turn: Vec3) -> Quat {
+pub(super) fn about(turn: Vec3A) -> Quat {
     let squared = turn.length_squared();
     // Below, the sine is its argument, and the cosine is 1, to the last bit.
     if squared < 1e-8 {

@@ -35,7 +35,8 @@ fn elastic_gas_keeps_its_energy() {
 fn eccentric_boxes_keep_their_momenta() {
     for (e, mu) in [(0.0, 0.5), (0.5, 0.5), (1.0, 0.5), (1.0, 0.0)] {
         let mut scene = Scene::new(mu, e).weightless();
-        let [a, b] = [Vec3::new(-1.5, 0.3, 0.2), Vec3::new(1.5, -0.2, -0.1)].map(|at| scene.cuboid(Vec3::new(0.5, 0.4, 0.3), at));
+        let [a, b] =
+            [Vec3::new(-1.5, 0.3, 0.2), Vec3::new(1.5, -0.2, -0.1)].map(|at| scene.cuboid(Vec3::new(0.5, 0.4, 0.3), at));
         scene.throw(a, Vec3::new(3.0, 0.0, 0.0), Vec3::new(1.0, 2.0, -1.0));
         scene.throw(b, Vec3::new(-2.0, 0.1, 0.0), Vec3::new(-2.0, 1.0, 0.5));
         let (start, (p, l)) = (energy(&scene.world), momenta(&scene.world));

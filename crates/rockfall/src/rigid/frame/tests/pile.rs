@@ -71,7 +71,7 @@ fn order_of_pairs_changes_no_bit() {
     let mut scene = heap(200, 0.0);
     scene.run(1.5);
     let bodies = Bodies::load(&scene.world, DT);
-    let mut blocks = |turn: usize| {
+    let blocks = |turn: usize| {
         let mut found = detect::manifolds(&scene.world, &bodies);
         assert!(found.len() > 200);
         found.reverse();

@@ -32,7 +32,7 @@ fn stacks_stand() {
         let (down, aside) = sink(&scene, &bodies, edge);
         close(down, wanted, within);
         close(aside, 0.0, most);
-        }
+    }
     for (count, substeps) in [(8, 4), (13, 8)] {
         let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
         scene.floor();
@@ -93,7 +93,14 @@ fn brick_wall_stands() {
             let odd = row % 2 == 1;
             for k in 0..8 + i32::from(odd) {
                 let half = if odd && (k == 0 || k == 8) { 0.25 } else { 0.5 };
-                let x = k as f32 - if odd { 0.5 } else { 0.0 } + if half == 0.5 { 0.0 } else if k == 0 { 0.25 } else { -0.25 };
+                let x = k as f32 - if odd { 0.5 } else { 0.0 }
+                    + if half == 0.5 {
+                        0.0
+                    } else if k == 0 {
+                        0.25
+                    } else {
+                        -0.25
+                    };
                 scene.cuboid(Vec3::new(half, 0.25, 0.25), Vec3::new(x, 0.5 * row as f32 + 0.25, 0.0));
             }
         }
@@ -105,7 +112,8 @@ fn brick_wall_stands() {
 /// Problem 23.
 #[test]
 fn heavy_on_light() {
-    for (ratio, substeps, wanted, within) in [(100.0, 4, 0.0155, 0.0015), (1000.0, 8, 0.041, 0.003), (1000.0, 13, 0.016, 0.001)] {
+    for (ratio, substeps, wanted, within) in [(100.0, 4, 0.0155, 0.0015), (1000.0, 8, 0.041, 0.003), (1000.0, 13, 0.016, 0.001)]
+    {
         let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
         scene.floor();
         scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, 0.5, 0.0));
