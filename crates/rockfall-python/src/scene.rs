@@ -98,7 +98,7 @@ impl Scene {
 
     /// The time step of a simulation, in s.
     fn time_step(&self) -> Option<f32> {
-        self.lock().scene.run.time_step()
+        self.lock().scene.time_step()
     }
 
     fn warnings(&self, py: Python<'_>) -> Vec<(usize, String)> {

@@ -41,7 +41,7 @@ impl Scene {
     /// Time step of a step of a simulation, in s, that the line `@run` of the scene gives; `undefined` without one.
     #[wasm_bindgen(getter, js_name = timeStep)]
     pub fn time_step(&self) -> Option<f32> {
-        self.inner.run.time_step()
+        self.inner.time_step()
     }
 
     /// Warnings about lines that were accepted, each with its line number.

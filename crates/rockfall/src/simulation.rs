@@ -310,7 +310,11 @@ impl Simulation {
 
     /// Checks that the contact law has all that it needs.
     fn check_contact_law(&self) -> Result<()> {
-        check_contact_law(&self.scene, self.integrator(), self.options.contact_force_law.as_ref())
+        check_contact_law(&self.scene, self.integrator(), self.options.contact_force_law.as_ref())?;
+        if self.scene.is_rigid() {
+            frames::check::check(&self.scene, &self.options)?;
+        }
+        if self.engine.dispatches() { frames::check::refuse_gpu(&self.scene) } else { Ok(()) }
     }
 
     /// The report on all steps so far.
@@ -467,6 +471,7 @@ fn prepare(scene: &Scene, options: &Options, dt: f32) -> Result<World> {
     check_contact_law(scene, scene.integrator(options.integrator), options.contact_force_law.as_ref())?;
     if scene.is_rigid() {
         frames::check::check(scene, options)?;
+        frames::check::check_rods(scene)?;
     }
     if scene.is_periodic() && options.broad_phase == BroadPhase::SortAndSkip {
         let value = options.broad_phase.to_string();

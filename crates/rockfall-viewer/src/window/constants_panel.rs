@@ -38,9 +38,15 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
 /// Constants that only the contact law of the thesis uses.
 const OF_THESIS: [&str; 4] = ["contact_force", "contact_damping", "friction", "resting_overlap"];
 
+/// Constants that the contact law `rigid` uses, with the law itself.
+const OF_RIGID: [&str; 5] = ["restitution", "coulomb_friction", "gravity", "gravity_direction", "contact_law"];
+
 /// Whether a contact law uses a constant. The panel shows the others grey.
 fn is_used(name: &str, law: ContactLaw) -> bool {
-    !law.has_history() || !OF_THESIS.contains(&name)
+    match law {
+        ContactLaw::Rigid => OF_RIGID.contains(&name),
+        law => !law.has_history() || !OF_THESIS.contains(&name),
+    }
 }
 
 fn time_step(ui: &mut Ui, viewer: &mut Viewer) {
@@ -174,8 +180,8 @@ mod tests {
     fn constants_of_the_other_contact_law_are_grey() {
         let grey = |law: ContactLaw| Settings::NAMES.iter().filter(|name| !is_used(name, law)).count();
         assert_eq!(
-            [ContactLaw::Thesis, ContactLaw::HertzMindlin, ContactLaw::Linear].map(grey),
-            [0, OF_THESIS.len(), OF_THESIS.len()]
+            [ContactLaw::Thesis, ContactLaw::HertzMindlin, ContactLaw::Linear, ContactLaw::Rigid].map(grey),
+            [0, OF_THESIS.len(), OF_THESIS.len(), Settings::NAMES.len() - OF_RIGID.len()]
         );
     }
 

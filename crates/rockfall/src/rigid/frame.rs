@@ -29,7 +29,9 @@ mod tests;
 mod times;
 mod turn;
 
-pub(crate) use energy::{auto_substeps, energy, kinetic_energy, momenta};
+pub(crate) use energy::auto_substeps;
+#[cfg(test)]
+pub(crate) use energy::{energy, kinetic_energy, momenta};
 pub(crate) use matching::History;
 
 use crate::rigid::world::RigidWorld;

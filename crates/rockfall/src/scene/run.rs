@@ -64,12 +64,15 @@ pub(super) const SPEED: &str = "a finite number greater than 0";
 pub(super) const PARTS: &str = "a whole number from 1 to 1000000";
 
 impl Scene {
-    /// The time step of a simulation before its first step, in s.
-    pub fn first_time_step(&self) -> f32 {
-        if self.is_rigid() {
-            return self.run.dt.unwrap_or(DEFAULT_FRAME);
-        }
-        self.run.time_step().unwrap_or(DEFAULT_TIME_STEP)
+    /// The time step that suits a simulation of this scene, in s: with the contact law `rigid` its frame, which is 1/60 s unless
+    /// [`Scene::run`] has another one, otherwise [`RunDefaults::time_step`].
+    pub fn time_step(&self) -> Option<f32> {
+        if self.is_rigid() { Some(self.run.dt.unwrap_or(DEFAULT_FRAME)) } else { self.run.time_step() }
+    }
+
+    /// The time step of a simulation before its first step.
+    pub(crate) fn first_time_step(&self) -> f32 {
+        self.time_step().unwrap_or(DEFAULT_TIME_STEP)
     }
 
     /// Whether the contact law is `rigid`.

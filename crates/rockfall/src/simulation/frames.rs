@@ -46,6 +46,7 @@ pub(in crate::simulation) struct Frames {
 
 impl Frames {
     fn of(scene: &Scene) -> Result<Self> {
+        check::check_rods(scene)?;
         let build::Builder { world, owners, parts, .. } = build::Builder::build(scene)?;
         Ok(Self { world, owners, parts, handles: BodyHandles::of(scene), substeps: 0 })
     }

@@ -124,7 +124,7 @@ impl Session {
             self.pace.time_step = interval;
         } else if played && !self.keeps_time_step {
             // The time between two frames is not the time step of another scene.
-            let time_step = self.source.scene.run.time_step().unwrap_or(DEFAULT_TIME_STEP);
+            let time_step = self.source.scene.time_step().unwrap_or(DEFAULT_TIME_STEP);
             if self.apply_time_step(time_step) {
                 self.pace.time_step = time_step;
             }
@@ -140,7 +140,7 @@ impl Session {
     /// Takes the time step of a scene that replaces the present one. A scene without one keeps that of the window, unless it was that
     /// of the present scene. A reset keeps it too.
     fn take_time_step(&mut self, scene: &Scene, another: bool) {
-        let [before, now] = [&self.source.scene, scene].map(|scene| scene.run.time_step());
+        let [before, now] = [&self.source.scene, scene].map(|scene| scene.time_step());
         if before == now && !another {
             return;
         }
@@ -156,7 +156,7 @@ impl Session {
     /// The present scene, without the tether of a held body. If it says how it is run, it has the time step of the window.
     fn scene_to_save(&self) -> Scene {
         let mut scene = self.scene_without_hold();
-        if scene.run.time_step().is_some_and(|time_step| time_step != self.pace.time_step) {
+        if scene.time_step().is_some_and(|time_step| time_step != self.pace.time_step) {
             (scene.run.dt, scene.run.substeps) = (Some(self.pace.time_step), None);
         }
         scene

@@ -4,6 +4,21 @@ use crate::error::{Error, Result};
 use crate::options::{Backend, Options};
 use crate::scene::{Scene, Surface};
 
+fn refused(value: &str) -> Result<()> {
+    let expected =
+        "spheres, capsules, placed bodies, static boxes, parallelograms and planes: the contact law rigid has nothing else yet";
+    Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected })
+}
+
+/// Checks that all rods belong to bodies that move as a whole.
+///
+/// # Errors
+/// [`Error::Invalid`] if there is another rod.
+pub(in crate::simulation) fn check_rods(scene: &Scene) -> Result<()> {
+    let is_loose = |id| scene.body_of_rod(id).is_none() && scene.implied_of_rod(id).is_none();
+    if scene.rod_ids().any(is_loose) { refused("a rod that is not a capsule or part of a body") } else { Ok(()) }
+}
+
 /// Checks that the law `rigid` knows every object of a scene and every option.
 ///
 /// # Errors
@@ -13,9 +28,7 @@ pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<(
                             else yet";
     let refused =
         |value: &str| Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected: EXPECTED });
-    let loose_rod = scene.rod_ids().any(|id| scene.body_of_rod(id).is_none() && scene.implied_of_rod(id).is_none());
     let has = [
-        (loose_rod, "a rod that is not a capsule or part of a body"),
         (!scene.springs().is_empty(), "a spring"),
         (!scene.tethers().is_empty(), "a tether"),
         (!scene.motions().is_empty(), "a motion"),

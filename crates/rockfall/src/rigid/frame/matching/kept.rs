@@ -40,7 +40,7 @@ impl History {
                 let on_a = vector()?;
                 let normal = number(words.next()?)?;
                 let tangent = Vec3::new(number(words.next()?)?, number(words.next()?)?, number(words.next()?)?);
-                history.points.push(OldPoint { id, on_a, normal, tangent });
+                history.points.push(OldPoint { id, on_a: on_a.into(), normal, tangent: tangent.into() });
             }
         }
         for _ in 0..words.next()? {
@@ -58,7 +58,7 @@ impl History {
     pub(crate) fn forces(&self, colliders: [u32; 2], normal: Vec3) -> impl Iterator<Item = (u32, Vec3)> {
         let rate = if self.substep > 0.0 { self.substep.recip() } else { 0.0 };
         let points = self.pair(colliders).unwrap_or_default().iter();
-        points.map(move |point| (point.id, rate * (point.normal * normal + point.tangent)))
+        points.map(move |point| (point.id, rate * (point.normal * normal + Vec3::from(point.tangent))))
     }
 }
 
