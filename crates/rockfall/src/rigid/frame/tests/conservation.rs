@@ -109,3 +109,17 @@ fn spinning_crowd_keeps_its_angular_momentum() {
     let change = (momenta(&scene.world).1 - l).length() / l.length();
     close(change as f32, 0.0, 1e-4);
 }
+
+/// Up to 12 points at once, whose impulses do not converge: the energy is exact all the same.
+#[test]
+fn box_in_a_room_keeps_its_energy() {
+    let mut scene = Scene::new(0.0, 1.0).weightless();
+    cage(&mut scene, 0.7);
+    let body = scene.cuboid(Vec3::splat(0.5), Vec3::ZERO);
+    scene.throw(body, Vec3::new(1.0, 0.9, 1.1), Vec3::new(0.3, 0.1, -0.2));
+    let start = energy(&scene.world);
+    for _ in 0..300 {
+        scene.step();
+        close((energy(&scene.world) / start) as f32, 1.0, 2e-4);
+    }
+}
