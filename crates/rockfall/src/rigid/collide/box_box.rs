@@ -39,10 +39,10 @@ pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
         return None;
     }
     let wins = most > face.separation + 0.05 * face.separation.abs() + 0.01 * size;
-    let by_edges = || boxes.edge_contact(first_edge(&edges, most, size), reach);
+    let by_edges = |inset: f32| boxes.edge_contact(first_edge(&edges, most, size), reach, inset);
     let by_faces = || boxes.face_contact(face.index, reach);
     let nearest = || polyhedra::nearest(a, b, b_in_a, reach, 1e-3 * size + noise);
-    if wins && let Some(found) = by_edges() {
+    if wins && let Some(found) = by_edges(0.0) {
         return Some(found);
     }
     let best = face.separation.max(most);
@@ -52,8 +52,8 @@ pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
             nearest().filter(|other| other.least() < found.least() - 0.02 * size).or(Some(found))
         }
         Some(found) => Some(found),
-        None if best > -0.01 * size - noise => nearest().or_else(by_edges),
-        None => by_edges().or_else(|| polyhedra::collide(a, b, b_in_a, reach)),
+        None if best > -0.01 * size - noise => nearest().or_else(|| by_edges(1e-3 * size)),
+        None => by_edges(0.0).or_else(|| polyhedra::collide(a, b, b_in_a, reach)),
     }
 }
 
@@ -103,8 +103,9 @@ impl Boxes {
         })
     }
 
-    /// One point between two edges; `None` if the nearest points of their lines are beyond the edges.
-    fn edge_contact(&self, index: usize, reach: f32) -> Option<Manifold> {
+    /// One point between two edges; `None` if the nearest points of their lines are beyond the edges or nearer than `inset` to
+    /// their ends.
+    fn edge_contact(&self, index: usize, reach: f32, inset: f32) -> Option<Manifold> {
         let (i, j) = (index / 3, index % 3);
         let normal = Vec3::AXES[i].cross(self.turn.col(j)).try_normalize()?;
         let normal = if normal.dot(self.way) < 0.0 { -normal } else { normal };
@@ -126,7 +127,7 @@ impl Boxes {
         }
         let (s, t) = closest_of_lines(on_a, Vec3::AXES[i], on_b, self.turn.col(j))?;
         let slack = 1.0 + 1e-4;
-        if s.abs() > self.a[i] * slack || t.abs() > self.b[j] * slack {
+        if s.abs() > self.a[i] * slack - inset || t.abs() > self.b[j] * slack - inset {
             return None;
         }
         let cores = (on_a + Vec3::AXES[i] * s, on_b + self.turn.col(j) * t);
@@ -171,7 +172,12 @@ impl Boxes {
         let (middle, edge_p, edge_q) = (flat(middle) - Vec3::Z * self.a[axis], flat(edge_p), flat(edge_q));
         let mut polygon =
             Quad::new([middle - edge_p - edge_q, middle + edge_p - edge_q, middle + edge_p + edge_q, middle - edge_p + edge_q]);
-        polygon.cut(self.a[u], self.a[v], 1e-4 * self.a.min_element().min(self.b.min_element()));
+        let size = self.a.min_element().min(self.b.min_element());
+        polygon.cut(self.a[u], self.a[v], 1e-4 * size);
+        // Corners that touch, as those of diagonal neighbours in a lattice, must not hold each other.
+        if polygon.is_thinner(1e-3 * size) {
+            return None;
+        }
 
         let incident = 2 * along + (sign < 0.0) as usize;
         let reference = 2 * axis + (side < 0.0) as usize;
@@ -214,11 +220,7 @@ impl Quad {
     /// boxes, rounding must not decide which edges meet.
     fn cut(&mut self, u: f32, v: f32, slack: f32) {
         // Most faces lie within the other one along at least one direction.
-        let known = &self.corners[..self.count];
-        let (mut low, mut high) = (known[0].0, known[0].0);
-        for (corner, _) in known {
-            (low, high) = (low.min(*corner), high.max(*corner));
-        }
+        let (low, high) = self.bounds();
         for (beyond, axis, sign, bound, label) in [
             (high.x > u + slack, 0, 1.0, u, 4),
             (low.x < -u - slack, 0, -1.0, u, 5),
@@ -229,6 +231,17 @@ impl Quad {
                 self.cut_one(|point| point[axis] * sign - bound, axis, sign * bound, label);
             }
         }
+    }
+
+    /// Whether it is thinner than a width along an axis, or empty.
+    fn is_thinner(&self, width: f32) -> bool {
+        let (low, high) = self.bounds();
+        high.x - low.x < width || high.y - low.y < width
+    }
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        let corners = self.corners[..self.count].iter().map(|(corner, _)| *corner);
+        corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), corner| (low.min(corner), high.max(corner)))
     }
 
     /// Removes what has a positive height over one border.

@@ -64,12 +64,19 @@ fn a_cube_of_points_has_six_faces() {
 /// Points in the middle of edges and faces are no vertices, even where they come first.
 #[test]
 fn only_corners_are_vertices() {
-    let lattice = (0..27).map(|k| Vec3::new((k % 3) as f32, (k / 3 % 3) as f32, (k / 9) as f32) - 1.0);
-    let mut points: Vec<Vec3> = lattice.map(|p| Quat::from_rotation_x(0.3) * (p * Vec3::new(3.0, 0.2, 1.0))).collect();
-    points.sort_by_key(|p| (p.length() * 1000.0) as u32);
-    let hull = Hull::new(&points).expect("a box").0;
-    assert_eq!((hull.vertices.len(), hull.faces.len(), hull.edges.len()), (8, 6, 12));
-    assert!(hull.faces.iter().all(|(_, corners)| corners.len() == 4));
+    let mut random = Random(6);
+    for round in 0..300 {
+        let (most_zeros, turn) = (1 + round % 3, random.turn());
+        let lattice = (0..27).map(|k| Vec3::new((k % 3) as f32, (k / 3 % 3) as f32, (k / 9) as f32) - 1.0);
+        let mut points: Vec<Vec3> =
+            lattice.filter(|p| p.to_array().iter().filter(|x| **x == 0.0).count() <= most_zeros).collect();
+        points.sort_by_key(|p| (p.length() * 1000.0) as u32);
+        points.rotate_left((round / 3) % 12);
+        points.iter_mut().for_each(|p| *p = turn * (*p * Vec3::new(3.0, 0.2, 1.0)));
+        let hull = Hull::new(&points).expect("a box").0;
+        assert_eq!((hull.vertices.len(), hull.faces.len(), hull.edges.len()), (8, 6, 12));
+        assert!(hull.faces.iter().all(|(_, corners)| corners.len() == 4));
+    }
 }
 
 #[test]

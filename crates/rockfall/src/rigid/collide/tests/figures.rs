@@ -2,8 +2,8 @@
 
 use glam::{Quat, Vec3};
 
-use crate::rigid::collide::collide;
 use crate::rigid::collide::tests::{check, check_swap, separations};
+use crate::rigid::collide::{collide, reference};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::tests::{Random, hull, prism};
 use crate::rigid::shape::{Core, Shape};
@@ -152,6 +152,9 @@ fn parallel_capsules_have_two_points_and_crossing_ones_one() {
     let found = collide(&capsule, &capsule, &cross, 0.05).expect("a contact");
     assert_eq!(found.count, 1);
     assert!((found.least() + 0.01).abs() < 1e-6 && found.normal.distance(Vec3::X) < 1e-6);
+    // Askew by more than 1 % of the radius: they touch at the nearest end only.
+    let askew = Pose::new(Vec3::new(0.39, 0.2, 0.0), Quat::from_rotation_x(0.05));
+    assert_eq!(collide(&capsule, &capsule, &askew, 0.05).expect("a contact").count, 1);
     // Along the edge of a box, diagonally off it.
     let pose = at(1.0 + 0.12, 0.8, 1.0 + 0.12);
     let found = collide(&Shape::cuboid(Vec3::ONE), &capsule, &pose, 0.05).expect("contacts");
@@ -209,6 +212,23 @@ fn contacts_begin_at_the_reach() {
     }
 }
 
+/// Boxes of a lattice touch their neighbours across faces with four points, and those across edges and corners not at all.
+#[test]
+fn boxes_of_a_lattice_touch_across_faces() {
+    let mut random = Random(12);
+    let half = Vec3::new(0.5, 0.4, 0.3);
+    let cube = Shape::cuboid(half);
+    for k in (0..27).filter(|k| *k != 13) {
+        let step = Vec3::new((k % 3) as f32, (k / 3 % 3) as f32, (k / 9) as f32) - 1.0;
+        for _ in 0..20 {
+            let pose = Pose::new(2.0 * step * half + random.vector(1e-5), Quat::from_scaled_axis(random.vector(1e-5)));
+            let count = collide(&cube, &cube, &pose, 0.05).map_or(0, |found| found.count);
+            let expected = if step.abs().element_sum() == 1.0 { 4 } else { 0 };
+            assert_eq!(count, expected, "{step}");
+        }
+    }
+}
+
 /// In a stack of equal boxes, ids stay whichever edge is a little ahead.
 #[test]
 fn ids_stay_in_a_stack() {
@@ -222,6 +242,28 @@ fn ids_stay_in_a_stack() {
     }
     assert!(known.iter().all(|ids| *ids == known[0]));
     assert!(known[0][3] != 0);
+}
+
+/// The lowest point counts, though the face that is most against the reference face does not have it.
+#[test]
+fn the_lowest_corner_touches() {
+    let points = [
+        [0.3110456, -0.34887546, 0.13064502],
+        [-0.49927717, 0.13098149, 0.18774389],
+        [0.29553342, -0.7569996, -0.5524207],
+        [-0.36865306, 0.6399996, -0.28059232],
+        [0.4295829, -0.7070004, 0.43579698],
+        [-0.11421735, 0.655022, -0.5545541],
+        [0.17224842, 0.36299297, 0.54543966],
+        [0.08516049, -0.06896164, 0.44340664],
+    ];
+    let stone = hull(&points.map(Vec3::from));
+    let block = Shape::cuboid(Vec3::new(0.18307455, 0.10545145, 0.3097869));
+    let turn = Quat::from_xyzw(0.011588301, -0.12087897, -0.045676835, 0.9915481);
+    let pose = Pose::new(Vec3::new(0.1871932, 0.32877067, -0.33221972), turn);
+    let expected = reference::gap(&reference::vertices(&stone, &Pose::IDENTITY), &reference::vertices(&block, &pose)) as f32;
+    let found = collide(&stone, &block, &pose, 0.1).expect("contacts");
+    assert!((found.least() - expected).abs() < 0.01, "{} {expected}", found.least());
 }
 
 /// Ids of a resting contact stay when the box moves by less than its margin.

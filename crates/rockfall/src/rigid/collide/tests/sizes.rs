@@ -146,7 +146,7 @@ fn contacts_are_finite() {
 fn round_shapes_of_all_sizes_meet() {
     let mut random = Random(31);
     let mut met = 0;
-    for round in 0..4000 {
+    for round in 0..1500 {
         let size = 10f32.powf(random.between(-1.0, 2.7));
         let half = Vec3::new(1.0, 10f32.powf(random.between(-2.0, 0.0)), 10f32.powf(random.between(-2.0, 0.0))) * size;
         let ground = match round % 3 {
@@ -183,7 +183,7 @@ fn round_shapes_of_all_sizes_meet() {
         assert!(result.is_ok(), "round {round}: gap {gap} slack {slack} {found:?}\n{}", describe(&ground, &mover, &pose));
         met += found.is_some() as u32;
     }
-    assert!(met > 1500, "{met}");
+    assert!(met > 500, "{met}");
 }
 
 fn is_flat(shape: &Shape) -> bool {
