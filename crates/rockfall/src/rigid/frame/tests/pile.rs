@@ -69,6 +69,8 @@ fn split_runs_change_no_bit() {
 #[test]
 fn order_of_pairs_changes_no_bit() {
     let mut scene = heap(200, 0.0);
+    // Two pairs in each block with the world.
+    scene.floor();
     scene.run(1.5);
     let bodies = Bodies::load(&scene.world, DT);
     let blocks = |turn: usize| {
