@@ -10,6 +10,7 @@
 //! | `colours` | blocks that share no body |
 //! | `refresh` | geometry and rows in a pose |
 //! | `rows` | normal and friction rows of a block |
+//! | `seams` | static surfaces of several shapes |
 //! | `passes` | all blocks, colour by colour; the warm start |
 //! | `impacts`, `times` | impacts at their time of contact |
 //! | `energy` | energy and momenta |
@@ -24,6 +25,7 @@ mod matching;
 mod passes;
 mod refresh;
 mod rows;
+mod seams;
 #[cfg(test)]
 mod tests;
 mod times;

@@ -102,6 +102,8 @@ pub(super) struct Block {
     pub(super) waits: bool,
     /// Impacts are possible: a pair has e > 0.
     pub(super) elastic: bool,
+    /// Balls may touch several static shapes, of which some hide others.
+    pub(super) seams: bool,
     pub(super) first_pair: u32,
     pub(super) pairs: u32,
     pub(super) first_point: u32,

@@ -8,14 +8,15 @@ use crate::rigid::broad::{self, Aabb};
 use crate::rigid::collide::{Manifold, collide};
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Block, Contacts, Impulse, Pair, Point, Row, is_crowd};
+use crate::rigid::frame::seams::{ball_side, expose};
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Collider, RigidWorld, Surface};
 
 /// A pair of colliders that are within reach, a on the body with the smaller number.
 pub(super) struct Found {
-    bodies: [u32; 2],
-    colliders: [u32; 2],
-    manifold: Manifold,
+    pub(super) bodies: [u32; 2],
+    pub(super) colliders: [u32; 2],
+    pub(super) manifold: Manifold,
 }
 
 /// All manifolds of a frame, in any order.
@@ -58,7 +59,8 @@ fn manifold(world: &RigidWorld, bodies: &Bodies, (i, j): (u32, u32)) -> Option<F
 pub(super) fn blocks(world: &RigidWorld, bodies: &Bodies, mut found: Vec<Found>, dt: f32) -> Contacts {
     found.sort_unstable_by_key(|pair| (pair.bodies, pair.colliders));
     let mut contacts = Contacts::default();
-    for same in found.chunk_by(|one, other| one.bodies == other.bodies) {
+    for same in found.chunk_by_mut(|one, other| one.bodies == other.bodies) {
+        expose(world, bodies, same);
         let mut block = Block {
             bodies: same[0].bodies,
             first_pair: contacts.pairs.len() as u32,
@@ -70,7 +72,7 @@ pub(super) fn blocks(world: &RigidWorld, bodies: &Bodies, mut found: Vec<Found>,
         block.far = true;
         let reach = reach(bodies, &block, dt, world.gravity.length());
         let mut filled = 0;
-        for found in same {
+        for found in same.iter().filter(|found| found.manifold.count > 0) {
             let pair = pair(world, found, contacts.points.len());
             block.elastic |= pair.restitution > 0.0;
             block.far &= found.manifold.points[..found.manifold.count]
@@ -84,7 +86,11 @@ pub(super) fn blocks(world: &RigidWorld, bodies: &Bodies, mut found: Vec<Found>,
         }
         block.pairs = contacts.pairs.len() as u32 - block.first_pair;
         block.points = contacts.points.len() as u32 - block.first_point;
-        contacts.blocks.push(block);
+        let balls = |pair: &Pair| ball_side(world, pair).is_some();
+        block.seams = block.fixed && contacts.pairs[block.pair_range()].iter().filter(|pair| balls(pair)).count() > 1;
+        if block.pairs > 0 {
+            contacts.blocks.push(block);
+        }
     }
     let points = contacts.points.len();
     contacts.rows = vec![Row::default(); points];

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::rigid::frame::bodies::{Bodies, Mass};
 use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, Impulse, Pair, Row, View, for_each, is_crowd};
-use crate::rigid::frame::refresh::{apart, belt, place, tangents, turn};
+use crate::rigid::frame::refresh::{apart, belt, places, renew_block, tangents};
 use crate::rigid::frame::rows::{Sides, friction_row};
 use crate::rigid::frame::times::{Hit, Scope, State};
 use crate::rigid::pose::Pose;
@@ -151,9 +151,8 @@ fn joined(scope: &Scope<'_>, contacts: &Contacts, block: &Block, state: &State, 
     let poses = &state.0;
     let apart = apart(poses);
     let mut points = Vec::with_capacity(block.points as usize);
-    for pair in &contacts.pairs[block.pair_range()] {
-        let range = pair.first as usize..pair.first as usize + usize::from(pair.room);
-        let now = place(scope.world, pair, &contacts.points[range], poses);
+    let pairs = &contacts.pairs[block.pair_range()];
+    for (pair, now) in pairs.iter().zip(places(scope.world, block, pairs, &contacts.points, 0, poses)) {
         let mut turned = Pair { normal: now.normal, tangents: tangents(now.normal), ..*pair };
         turned.belt = belt(scope.world, &turned, poses);
         for k in (0..now.count).filter(|k| now.gap(*k) <= depth) {
@@ -246,20 +245,14 @@ fn carry_block(scope: &Scope<'_>, bodies: &Bodies, view: View<'_>, start: f32) {
     let loose = sides.map(|i| bodies.constants[i].dynamic);
     let (apart, apart_now) = (apart(&poses), apart(&now));
     view.block.time = scope.h - start;
-    for pair in view.pairs {
-        let first = (pair.first - view.block.first_point) as usize;
-        let range = first..first + usize::from(pair.room);
-        let found = place(scope.world, pair, &view.points[range.clone()], &poses);
-        turn(scope.world, pair, &found, &mut view.points[range.clone()], &mut view.impulses[range.clone()], &poses);
-        for (k, row) in view.rows[range].iter_mut().take(found.count).enumerate() {
-            // With the displacement of the centre alone: the arm, and so the speed at the point, is that at the contact.
-            let (on_a, on_b) = (found.on_a[k], apart_now + (found.on_b[k] - apart));
-            let common = match loose {
-                [true, true] => 0.5 * (on_a + on_b),
-                [true, false] => on_a,
-                _ => on_b,
-            };
-            *row = Row::new(common, common - apart_now, found.gap(k));
-        }
-    }
+    renew_block(scope.world, view, &poses, |found, k| {
+        // With the displacement of the centre alone: the arm, and so the speed at the point, is that at the contact.
+        let (on_a, on_b) = (found.on_a[k], apart_now + (found.on_b[k] - apart));
+        let common = match loose {
+            [true, true] => 0.5 * (on_a + on_b),
+            [true, false] => on_a,
+            _ => on_b,
+        };
+        Row::new(common, common - apart_now, found.gap(k))
+    });
 }

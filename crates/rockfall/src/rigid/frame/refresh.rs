@@ -4,7 +4,8 @@ use glam::{Vec2, Vec3, Vec3A};
 
 use crate::rigid::collide::{MOST_POINTS, collide};
 use crate::rigid::frame::bodies::Bodies;
-use crate::rigid::frame::contacts::{Impulse, Pair, Point, Row, View};
+use crate::rigid::frame::contacts::{Block, Impulse, Pair, Point, Row, View};
+use crate::rigid::frame::seams::hidden;
 use crate::rigid::pose::Pose;
 use crate::rigid::world::RigidWorld;
 
@@ -73,32 +74,97 @@ pub(super) fn tangents(n: Vec3A) -> [Vec3A; 2] {
 
 /// Forms the rows of a block anew.
 pub(super) fn refresh(world: &RigidWorld, bodies: &Bodies, view: View<'_>, h: f32) {
-    let sides = view.block.sides();
-    let poses = sides.map(|i| bodies.poses[i]);
+    let poses = view.block.sides().map(|i| bodies.poses[i]);
     let apart = apart(&poses);
     view.block.time = h;
-    for pair in view.pairs {
+    renew_block(world, view, &poses, |found, k| {
+        let common = 0.5 * (found.on_a[k] + found.on_b[k]);
+        Row::new(common, common - apart, found.gap(k))
+    });
+}
+
+/// Gives all pairs of a block their geometry in a pose, and their rows.
+pub(super) fn renew_block(world: &RigidWorld, mut view: View<'_>, poses: &[Pose; 2], row: impl Fn(&Place, usize) -> Row) {
+    if view.block.seams {
+        renew_seams(world, &mut view, poses, row);
+        return;
+    }
+    for k in 0..view.pairs.len() {
+        let pair = &view.pairs[k];
         let first = (pair.first - view.block.first_point) as usize;
-        let range = first..first + usize::from(pair.room);
-        let found = place(world, pair, &view.points[range.clone()], &poses);
-        let impulses = &mut view.impulses[range.clone()];
-        turn(world, pair, &found, &mut view.points[range.clone()], impulses, &poses);
-        for (k, row) in view.rows[range].iter_mut().take(found.count).enumerate() {
-            let common = 0.5 * (found.on_a[k] + found.on_b[k]);
-            *row = Row::new(common, common - apart, found.gap(k));
+        let found = place(world, pair, &view.points[first..first + usize::from(pair.room)], poses);
+        renew_pair(world, &mut view, k, &found, poses, &row);
+    }
+}
+
+fn renew_pair(
+    world: &RigidWorld,
+    view: &mut View<'_>,
+    k: usize,
+    found: &Place,
+    poses: &[Pose; 2],
+    row: &impl Fn(&Place, usize) -> Row,
+) {
+    let pair = &mut view.pairs[k];
+    let first = (pair.first - view.block.first_point) as usize;
+    let range = first..first + usize::from(pair.room);
+    turn(world, pair, found, &mut view.points[range.clone()], &mut view.impulses[range.clone()], poses);
+    for (k, place) in view.rows[range].iter_mut().enumerate().take(found.count) {
+        *place = row(found, k);
+    }
+}
+
+/// The places of all pairs of a block in a pose. Those that are hidden have no points.
+pub(super) fn places(
+    world: &RigidWorld,
+    block: &Block,
+    pairs: &[Pair],
+    points: &[Point],
+    first: u32,
+    poses: &[Pose; 2],
+) -> Vec<Place> {
+    let range = |pair: &Pair| (pair.first - first) as usize..(pair.first - first) as usize + usize::from(pair.room);
+    let mut places: Vec<Place> = pairs.iter().map(|pair| place(world, pair, &points[range(pair)], poses)).collect();
+    if block.seams {
+        for (k, by) in hidden(world, pairs, &places).into_iter().enumerate() {
+            places[k].count = if by.is_some() { 0 } else { places[k].count };
         }
+    }
+    places
+}
+
+/// A ball on static shapes that hide each other: the one that hides another one takes over its impulse.
+fn renew_seams(world: &RigidWorld, view: &mut View<'_>, poses: &[Pose; 2], row: impl Fn(&Place, usize) -> Row) {
+    let first = view.block.first_point;
+    let mut all: Vec<Place> = view
+        .pairs
+        .iter()
+        .map(|pair| place(world, pair, &view.points[(pair.first - first) as usize..][..usize::from(pair.room)], poses))
+        .collect();
+    let hidden = hidden(world, view.pairs, &all);
+    let mut gifts = Vec::new();
+    for (k, by) in hidden.into_iter().enumerate() {
+        let Some(by) = by else { continue };
+        all[k].count = 0;
+        let (pair, impulse) = (&view.pairs[k], view.impulses[(view.pairs[k].first - first) as usize]);
+        if impulse.normal > 0.0 {
+            let outer = impulse.tangent.x * pair.tangents[0] + impulse.tangent.y * pair.tangents[1];
+            gifts.push((by, impulse.normal, outer));
+        }
+    }
+    for (k, found) in all.iter().enumerate() {
+        renew_pair(world, view, k, found, poses, &row);
+    }
+    for (to, normal, outer) in gifts {
+        let pair = &view.pairs[to];
+        let impulse = &mut view.impulses[(pair.first - first) as usize];
+        impulse.normal += normal;
+        impulse.tangent += Vec2::new(outer.dot(pair.tangents[0]), outer.dot(pair.tangents[1]));
     }
 }
 
 /// Gives a pair its new normal and points. Friction impulses are projected on the new tangent plane.
-pub(super) fn turn(
-    world: &RigidWorld,
-    pair: &mut Pair,
-    found: &Place,
-    points: &mut [Point],
-    impulses: &mut [Impulse],
-    poses: &[Pose; 2],
-) {
+fn turn(world: &RigidWorld, pair: &mut Pair, found: &Place, points: &mut [Point], impulses: &mut [Impulse], poses: &[Pose; 2]) {
     let old = pair.tangents;
     if pair.round {
         renew(pair, found, points, impulses, poses);

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec3A};
 use crate::rigid::frame::bodies::{Bodies, Motion};
 use crate::rigid::frame::contacts::{Block, Contacts, Pair, Point, Row, View};
 use crate::rigid::frame::detect::least_radius;
-use crate::rigid::frame::refresh::{Place, apart, place};
+use crate::rigid::frame::refresh::{Place, apart, place, places};
 use crate::rigid::frame::turn::{about, unit};
 use crate::rigid::pose::Pose;
 use crate::rigid::world::RigidWorld;
@@ -74,12 +74,15 @@ impl Scope<'_> {
         let state = self.state(bodies, block, start);
         let field = self.relative_field(bodies, block);
         let mut hits = Hits { earliest: f32::INFINITY, depth: 0.0, may_wait: true };
-        for pair in &contacts.pairs[block.pair_range()] {
+        for (place_of_pair, pair) in contacts.pairs[block.pair_range()].iter().enumerate() {
             let range = pair.first as usize..pair.first as usize + usize::from(pair.room);
             let points = &contacts.points[range.clone()];
             // With clocks at 0 the rows are those of this state.
-            let now =
-                if start == 0.0 { of_rows(pair, &contacts.rows[range]) } else { place(self.world, pair, points, &state.0) };
+            let now = if start == 0.0 && !block.seams {
+                of_rows(pair, &contacts.rows[range])
+            } else {
+                place(self.world, pair, points, &state.0)
+            };
             let a_n = -field.dot(now.normal);
             for i in 0..now.count {
                 let (gap, u) = (now.gap(i), approach(&now, i, &state));
@@ -94,12 +97,23 @@ impl Scope<'_> {
                 } else {
                     self.root(gap, u, a_n, self.h - start).map(|t| (t, u))
                 };
-                if let Some((t, speed)) = hit {
+                if let Some((t, speed)) = hit
+                    && !self.is_hidden(bodies, contacts, block, place_of_pair, start + t)
+                {
                     hits.add(start + t, (speed + 0.5 * a_n.abs() * self.h) * self.h, gap > -2.0 * u * self.h);
                 }
             }
         }
         hits.first()
+    }
+
+    /// Whether another static shape hides that of a pair at a time.
+    fn is_hidden(&self, bodies: &Bodies, contacts: &Contacts, block: &Block, k: usize, time: f32) -> bool {
+        let pairs = &contacts.pairs[block.pair_range()];
+        block.seams && {
+            let (poses, _) = self.state(bodies, block, time);
+            places(self.world, block, pairs, &contacts.points, 0, &poses)[k].count == 0
+        }
     }
 
     /// Acceleration of b relative to a by the field.

@@ -159,3 +159,44 @@ fn leaning_card_slides_at_its_limit() {
         assert_eq!(moved < 1e-3, stands, "{mu}: {moved}");
     }
 }
+
+/// A floor of tiles without friction.
+fn tiles(mu: f32, e: f32) -> Scene {
+    let mut scene = Scene::new(mu, e);
+    for k in 0..32 {
+        for row in 0..2 {
+            let at = Vec3::new(k as f32, -0.25, row as f32 - 0.4);
+            scene.block(Vec3::new(0.5, 0.25, 0.5), Pose::new(at, Quat::IDENTITY));
+        }
+    }
+    scene
+}
+
+/// Problem 34: seams stop neither a box nor a ball.
+#[test]
+fn seams_of_tiles_are_not_felt() {
+    for ball in [false, true] {
+        let mut scene = tiles(0.0, 0.0);
+        let shape = if ball { Shape::ball(0.4) } else { Shape::cuboid(Vec3::splat(0.4)) };
+        let body = scene.body(shape, Pose::new(Vec3::new(0.0, 0.4, 0.0), Quat::IDENTITY), 1.0);
+        scene.throw(body, Vec3::new(4.0, 0.0, 0.0), Vec3::ZERO);
+        for _ in 0..7 {
+            scene.run(1.0);
+            let (at, v) = (scene.at(body), scene.velocity(body));
+            close(v.x, 4.0, 1e-3);
+            close(at.y, 0.4, 2e-4);
+        }
+    }
+}
+
+/// A ball that bounces on tiles keeps its speed and its height, wherever it lands.
+#[test]
+fn seams_do_not_scatter_what_bounces() {
+    let mut scene = tiles(0.5, 1.0);
+    let ball = scene.ball(0.4, Vec3::new(0.0, 1.0, 0.05));
+    scene.throw(ball, Vec3::new(4.0, 0.0, 0.1), Vec3::new(0.1 / 0.4, 0.0, -4.0 / 0.4));
+    let start = crate::rigid::frame::energy(&scene.world);
+    scene.run(7.0);
+    close(scene.velocity(ball).x, 4.0, 2e-3);
+    close((crate::rigid::frame::energy(&scene.world) / start) as f32, 1.0, 1e-4);
+}

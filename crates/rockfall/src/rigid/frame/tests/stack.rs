@@ -23,7 +23,7 @@ fn stacks_stand() {
     for (count, edge, substeps, seconds, wanted, within, most) in [
         (10, 1.0, 4, 10.0, 0.0123, 0.001, 5e-4),
         (18, 1.0, 4, 60.0, 0.041, 0.003, 1e-3),
-        (28, 1.0, 8, 60.0, 0.025, 0.002, 3e-3),
+        (28, 1.0, 8, 60.0, 0.025, 0.002, 5e-3),
     ] {
         let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
         scene.floor();

@@ -1,0 +1,107 @@
+//! Static surfaces of several shapes, without bumps at their seams (docs/physics.md section 11.4).
+
+use glam::{Quat, Vec3};
+
+use crate::rigid::collide::collide;
+use crate::rigid::frame::bodies::Bodies;
+use crate::rigid::frame::contacts::Pair;
+use crate::rigid::frame::detect::Found;
+use crate::rigid::frame::refresh::Place;
+use crate::rigid::pose::Pose;
+use crate::rigid::shape::{Core, Shape};
+use crate::rigid::world::RigidWorld;
+
+/// Thickness of the skin of static shapes, as a share of the least half width of the moving body.
+const SKIN: f32 = 1e-3;
+/// Normals that differ by less than 0.01 rad are one.
+const SAME: f32 = 0.999_95;
+
+/// Which side of a pair has no mass, if one has none.
+fn static_side(bodies: &Bodies, owners: [u32; 2]) -> Option<usize> {
+    owners.iter().position(|body| !bodies.constants[*body as usize].dynamic)
+}
+
+/// Leaves out points on static shapes that another static shape of the same body covers: the sides of tiles in a floor. A pair
+/// may lose all points.
+pub(super) fn expose(world: &RigidWorld, bodies: &Bodies, same: &mut [Found]) {
+    let Some(side) = static_side(bodies, same[0].bodies).filter(|_| same.len() > 1) else { return };
+    let [still, moving] = [same[0].bodies[side], same[0].bodies[1 - side]].map(|body| body as usize);
+    let skin = SKIN * 0.5 * world.bodies[moving].width;
+    let places: Vec<(u32, Pose, &Shape)> = same
+        .iter()
+        .map(|found| {
+            let collider = &world.colliders[found.colliders[side] as usize];
+            (found.colliders[side], collider.place, &world.shapes[collider.shape as usize])
+        })
+        .collect();
+    let covered = |own: u32, place: Vec3| {
+        places.iter().any(|(other, pose, shape)| {
+            let point = pose.relative(&Pose::new(place, Quat::IDENTITY));
+            *other != own && collide(shape, &Shape::ball(skin), &point, 0.0).is_some()
+        })
+    };
+    for found in same.iter_mut().filter(|found| !is_round(world, found)) {
+        let first = &world.colliders[found.colliders[0] as usize];
+        // From the shape a to the body without mass.
+        let seen = bodies.poses[still].relative(&bodies.poses[first.body as usize]).compose(&first.place);
+        let outward = if side == 0 { found.manifold.normal } else { -found.manifold.normal };
+        let normal = seen.turn * outward;
+        let on = |k: usize| {
+            let point = &found.manifold.points[k];
+            seen.point(if side == 0 { point.on_a } else { point.on_b })
+        };
+        let count = found.manifold.count;
+        let middle = (0..count).map(on).sum::<Vec3>() / count as f32;
+        let inward = |k: usize| (middle - on(k)).clamp_length_max(3.0 * skin);
+        let kept: Vec<usize> =
+            (0..count).filter(|k| !covered(found.colliders[side], on(*k) + 2.0 * skin * normal + inward(*k))).collect();
+        for (to, from) in kept.iter().enumerate() {
+            found.manifold.points[to] = found.manifold.points[*from];
+        }
+        found.manifold.count = kept.len();
+    }
+}
+
+fn is_round(world: &RigidWorld, found: &Found) -> bool {
+    found.colliders.iter().any(|k| world.shapes[world.colliders[*k as usize].shape as usize].is_round())
+}
+
+/// Whether a pair is of a ball, and on which side the ball is.
+pub(super) fn ball_side(world: &RigidWorld, pair: &Pair) -> Option<usize> {
+    let is_ball = |k: &u32| matches!(world.shapes[world.colliders[*k as usize].shape as usize].core, Core::Point);
+    pair.colliders.iter().position(is_ball)
+}
+
+/// For each place of a ball on static shapes the nearer place that hides it, if there is one.
+pub(super) fn hidden(world: &RigidWorld, pairs: &[Pair], places: &[Place]) -> Vec<Option<usize>> {
+    struct Candidate {
+        ball: u32,
+        radius: f32,
+        distance: f32,
+        /// From the centre of the ball to the shape.
+        normal: Vec3,
+    }
+    let candidate = |pair: &Pair, place: &Place| {
+        let side = ball_side(world, pair).filter(|_| pair.round && place.count == 1)?;
+        let radius = world.shapes[world.colliders[pair.colliders[side] as usize].shape as usize].radius;
+        let normal = Vec3::from(if side == 0 { place.normal } else { -place.normal });
+        Some(Candidate { ball: pair.colliders[side], radius, distance: place.gap(0) + radius, normal })
+    };
+    let all: Vec<Option<Candidate>> = pairs.iter().zip(places).map(|(pair, place)| candidate(pair, place)).collect();
+    let mut order: Vec<usize> = (0..all.len()).filter(|k| all[*k].is_some()).collect();
+    let distance = |k: &usize| all[*k].as_ref().map_or(0.0, |candidate| candidate.distance);
+    order.sort_by(|i, j| distance(i).total_cmp(&distance(j)));
+    let mut hidden = vec![None; all.len()];
+    for (rank, j) in order.iter().enumerate() {
+        let Some(later) = &all[*j] else { continue };
+        let hides = |i: &&usize| {
+            let Some(earlier) = all[**i].as_ref().filter(|earlier| earlier.ball == later.ball && hidden[**i].is_none()) else {
+                return false;
+            };
+            let cosine = later.normal.dot(earlier.normal);
+            later.distance * cosine >= earlier.distance - 1e-5 * later.radius || cosine >= SAME
+        };
+        hidden[*j] = order[..rank].iter().find(hides).copied();
+    }
+    hidden
+}
