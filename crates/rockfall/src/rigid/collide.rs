@@ -25,6 +25,7 @@ mod solid;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use ball::nearest;
 use glam::Vec3;
 
 use crate::rigid::pose::Pose;
@@ -152,9 +153,6 @@ pub(crate) struct Place {
 
 /// The distance of a point from a shape; `None` on the far side of a one-sided face.
 pub(crate) fn place(shape: &Shape, point: Vec3) -> Option<Place> {
-    let found = ball::nearest(&shape.core, point)?;
+    let found = nearest(&shape.core, point)?;
     Some(Place { distance: (point - found.place).dot(found.normal) - shape.radius, normal: found.normal })
 }
-
-#[cfg(test)]
-pub(crate) use ball::nearest;

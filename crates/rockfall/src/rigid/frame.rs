@@ -56,10 +56,19 @@ pub(crate) struct FrameReport {
     pub(crate) contacts: u32,
     /// Greatest overlap of a point, in units.
     pub(crate) max_overlap: f32,
+    /// Bodies whose state stopped being finite: their number, and the first one.
+    pub(crate) stopped: Option<(u32, u32)>,
 }
 
 /// Advances all bodies by a frame of `dt` seconds in `substeps` substeps.
+#[cfg(test)]
 pub(crate) fn advance(world: &mut RigidWorld, dt: f32, substeps: u32) -> FrameReport {
+    advance_or_stop(world, dt, substeps, true)
+}
+
+/// Advances all bodies by a frame of `dt` seconds in `substeps` substeps. A body whose state stops being finite stops and keeps its
+/// place. Unless `keeps_going` is set, no body moves then.
+pub(crate) fn advance_or_stop(world: &mut RigidWorld, dt: f32, substeps: u32, keeps_going: bool) -> FrameReport {
     let mut repeats = 0;
     loop {
         let mut frame = Frame::open(world, dt, substeps);
@@ -71,9 +80,13 @@ pub(crate) fn advance(world: &mut RigidWorld, dt: f32, substeps: u32) -> FrameRe
             repeats += 1;
             continue;
         }
+        let stopped = bodies.stopped();
+        if stopped.is_some() && !keeps_going {
+            return FrameReport { repeats, stopped, ..FrameReport::default() };
+        }
         bodies.store(&mut world.bodies);
         world.history = History::new(&contacts, world.history.frames.wrapping_add(1), h);
-        return report(&contacts, repeats);
+        return FrameReport { stopped, ..report(&contacts, repeats) };
     }
 }
 

@@ -5,8 +5,8 @@ use glam::Vec3;
 use crate::error::{BadStage, Error, Result};
 use crate::fine::Fine;
 use crate::model::status::Status;
-use crate::rigid::frame::{FrameReport, History, advance, auto_substeps};
-use crate::rigid::world::{Body, RigidWorld};
+use crate::rigid::frame::{FrameReport, History, advance_or_stop, auto_substeps};
+use crate::rigid::world::RigidWorld;
 use crate::scene::{Body as Part, BodyHandles, BodyState, RunDefaults, Scene, SphereId};
 use crate::simulation::Simulation;
 use crate::step::schedule::Phase;
@@ -112,16 +112,14 @@ impl Frames {
         Ok(())
     }
 
-    /// The first sphere of the first body whose state is not finite, by its index.
-    fn first_bad(&self, scene: &Scene) -> Option<usize> {
-        let is_finite = |body: &Body| [body.pose.position, body.velocity, body.momentum].into_iter().all(Vec3::is_finite);
-        let (_, owner) = self.world.bodies.iter().zip(&self.owners).find(|(body, _)| !is_finite(body))?;
-        let id = match *owner {
+    /// The first sphere of a body, by its index.
+    fn first_sphere(&self, body: u32, scene: &Scene) -> usize {
+        let id = match self.owners[body as usize] {
             Owner::World => None,
             Owner::Sphere(id) => Some(id),
             Owner::Body(number) => scene.whole_bodies().nth(number).and_then(|body| body.spheres.first().copied()),
         };
-        Some(id.and_then(|id| scene.spheres.index(id).ok()).unwrap_or_default())
+        id.and_then(|id| scene.spheres.index(id).ok()).unwrap_or_default()
     }
 }
 
@@ -158,23 +156,22 @@ impl Simulation {
         if frames.substeps == 0 {
             frames.substeps = self.scene.run.substeps.unwrap_or_else(|| auto_substeps(&frames.world, dt));
         }
+        let keeps_going = self.options.keep_going;
         let mut failed = None;
         for _ in 0..count {
-            let report = advance(&mut frames.world, dt, frames.substeps);
-            self.book_frame(report);
-            if !self.options.keep_going {
-                failed = frames.first_bad(&self.scene);
-                if failed.is_some() {
-                    break;
-                }
+            let report = advance_or_stop(&mut frames.world, dt, frames.substeps, keeps_going);
+            if let Some((_, first)) = report.stopped.filter(|_| !keeps_going) {
+                failed = Some(frames.first_sphere(first, &self.scene));
+                break;
             }
+            self.book_frame(report);
         }
         frames.put(&mut self.scene)?;
         self.frames = Some(frames);
         self.world.set_spheres(&self.scene);
         (self.synced, self.observation) = (true, None);
         match failed {
-            Some(sphere) => Err(Error::NonFinite { sphere, step: self.report.steps, stage: BadStage::from_number(0) }),
+            Some(sphere) => Err(Error::NonFinite { sphere, step: self.report.steps + 1, stage: BadStage::from_number(0) }),
             None => Ok(()),
         }
     }
@@ -218,6 +215,7 @@ impl Simulation {
             last_contacts: frame.contacts,
             last_max_overlap: frame.max_overlap.to_bits(),
             last_collisions: 0,
+            total_bad: self.status.total_bad.wrapping_add(frame.stopped.map_or(0, |(count, _)| count)),
             ..self.status
         };
         self.report.replays += u64::from(frame.repeats);

@@ -175,3 +175,33 @@ fn the_law_has_constants_of_its_own() {
     let again = Scene::parse(&scene.to_text(), Path::new("test")).expect("a scene").scene;
     assert_eq!(again.settings, scene.settings, "{}", scene.to_text());
 }
+
+/// A body whose state stops being finite is an error, and nothing moves. With `keep_going` it stops, and is counted.
+#[test]
+fn bodies_that_stop_being_finite_are_reported() {
+    let text = "S 1 0 5 0 0 0 0 0 0 0 1 0.5\nS 2 9e37 1 0 3e38 0 0 0 0 0 1 0.5\n@run dt=100\n";
+    let mut simulation = open(text);
+    let before = simulation.spheres().expect("states");
+    let error = simulation.run(1, 100.0).expect_err("it leaves the range of f32");
+    assert!(matches!(error, Error::NonFinite { sphere: 1, step: 1, .. }), "{error}");
+    assert_eq!(simulation.spheres().expect("states"), before);
+    let mut simulation =
+        Simulation::with_options(scene(text), Options::new().backend(Backend::Cpu).keep_going(true)).expect("it opens");
+    let report = simulation.run(1, 100.0).expect("it goes on");
+    let after = simulation.spheres().expect("states");
+    assert_eq!((report.non_finite, after[1].velocity.to_array()), (1, [0.0; 3]));
+    assert!(after[0].position.y < -1000.0, "{:?}", after[0]);
+}
+
+/// Two frames of the same length and other substeps: the overlap of bodies at rest falls with the square of their number.
+#[test]
+fn substeps_of_the_scene_make_contacts_stiffer() {
+    let overlap = |substeps: &str| {
+        let mut simulation = open(&format!("@run substeps={substeps}\n{}", stack(5)));
+        simulation.run(300, FRAME).expect("5 s");
+        (simulation.substeps(), simulation.max_overlap().expect("overlaps").units)
+    };
+    let [(four, coarse), (eight, fine)] = ["auto", "8"].map(overlap);
+    assert_eq!((four, eight), (Some(4), Some(8)));
+    assert!((coarse / fine - 4.0).abs() < 0.3, "{coarse} {fine}");
+}

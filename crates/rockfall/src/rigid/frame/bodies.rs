@@ -1,5 +1,7 @@
 //! The bodies while a frame is solved, in flat arrays.
 
+use std::collections::BTreeSet;
+
 use glam::{Mat3A, Vec3, Vec3A};
 
 use crate::rigid::frame::turn::{Moments, about, unit};
@@ -73,6 +75,8 @@ pub(super) struct Bodies {
     /// Length of the path of the frame, with that of the turning surface.
     paths: Vec<f32>,
     pub(super) constants: Vec<Constants>,
+    /// Bodies whose state stopped being finite in this frame.
+    stopped: BTreeSet<u32>,
 }
 
 impl Bodies {
@@ -120,6 +124,11 @@ impl Bodies {
                 body.margin_scale = (0.99 * body.margin_scale).max(1.0);
             }
         }
+    }
+
+    /// Bodies whose state stopped being finite: their number, and the first one.
+    pub(super) fn stopped(&self) -> Option<(u32, u32)> {
+        self.stopped.first().map(|first| (self.stopped.len() as u32, *first))
     }
 
     pub(super) fn count(&self) -> usize {
@@ -184,6 +193,7 @@ impl Bodies {
             } else {
                 self.motions[i].velocity = Vec3A::ZERO;
                 self.momenta[i] = Vec3A::ZERO;
+                self.stopped.insert(i as u32);
             }
             self.respin(i);
         }
