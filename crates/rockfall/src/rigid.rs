@@ -8,6 +8,7 @@
 //! | [`broad`] | pairs of AABBs that overlap |
 //! | [`world`] | bodies, colliders and materials of a scene |
 //! | [`frame`] | a frame: margins, pairs, blocks, colours, substeps |
+//! | `gpu` | the substeps of a frame on a device |
 
 // Until all doors use the rooms.
 #![allow(dead_code)]
@@ -15,6 +16,8 @@
 pub(crate) mod broad;
 pub(crate) mod collide;
 pub(crate) mod frame;
+#[cfg(feature = "gpu")]
+pub(crate) mod gpu;
 pub(crate) mod pose;
 pub(crate) mod shape;
 pub(crate) mod world;

@@ -14,6 +14,7 @@
 //! | `passes` | all blocks, colour by colour; the warm start |
 //! | `impacts`, `times` | impacts at their time of contact |
 //! | `energy` | energy and momenta |
+//! | `upload` | the rows of a frame for the device |
 
 mod bodies;
 mod colours;
@@ -30,6 +31,8 @@ mod seams;
 mod tests;
 mod times;
 mod turn;
+#[cfg(feature = "gpu")]
+mod upload;
 
 pub(crate) use energy::auto_substeps;
 #[cfg(test)]

@@ -1,0 +1,69 @@
+// requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/turn.wgsl physics/quaternion.wgsl
+
+// The drift of a substep (docs/physics.md section 11.9).
+
+fn is_finite(v: vec3f) -> bool {
+    return all((bitcast<vec3u>(v) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
+}
+
+// Speed of the fastest point of the surface at most. An infinite radius counts only if the body turns.
+fn reach_of(velocity: vec3f, spin: vec3f, radius: f32) -> f32 {
+    let turning = length(spin);
+    return length(velocity) + select(radius * turning, 0.0, turning == 0.0);
+}
+
+fn drift_body(body: u32) {
+    let at = BODY_ROWS * body;
+    let place = bodies[at].xyz;
+    let before = bodies[at + 1u];
+    let motion = motion_of(body);
+    let h = frame.h;
+    if !has_mass(body) {
+        let turn = h * motion.spin;
+        bodies[at] = vec4f(place + h * motion.velocity, 0.0);
+        if any(turn != vec3f(0.0)) {
+            bodies[at + 1u] = unit_turn(multiply(rotation_by(turn), before));
+        }
+        return;
+    }
+    let radius = bodies[at + 6u].w;
+    let gravity = length(frame.gravity);
+    let changed = length(motion.velocity - bodies[at + 7u].xyz) + radius * length(motion.spin - bodies[at + 8u].xyz);
+    var share = 1.0;
+    if changed > 0.0 {
+        share = max(1.0 - changed / (0.25 * gravity * h), 0.0);
+    }
+    if gravity == 0.0 {
+        share = 0.0;
+    }
+    follow(body);
+    let momentum = bodies[at + 6u].xyz;
+    let top = top_of(body);
+    let there = place + (h * motion.velocity - 0.5 * share * h * h * frame.gravity);
+    let q = freely_turned(top, before, momentum, h);
+    if !(is_finite(there) & is_finite(q.xyz) & is_finite(q.www) & is_finite(motion.velocity) & is_finite(momentum)) {
+        bodies[at] = vec4f(place, 0.0);
+        bodies[at + 2u] = vec4f(0.0, 0.0, 0.0, bodies[at + 2u].w);
+        bodies[at + 3u] = vec4f(0.0, 0.0, 0.0, bodies[at + 3u].w);
+        bodies[at + 6u] = vec4f(0.0, 0.0, 0.0, radius);
+        bodies[at + 7u].w = 1.0;
+        bodies[at + 8u] = vec4f(0.0);
+        return;
+    }
+    let mass = mass_in(top, q, bodies[at + 2u].w);
+    let spin = respond(mass, momentum);
+    bodies[at] = vec4f(there, 0.0);
+    bodies[at + 1u] = q;
+    bodies[at + 3u] = vec4f(spin, bodies[at + 3u].w + h * reach_of(motion.velocity, spin, radius));
+    bodies[at + 4u] = vec4f(mass.diagonal, bodies[at + 4u].w);
+    bodies[at + 5u] = vec4f(mass.beside, bodies[at + 5u].w);
+    bodies[at + 8u] = vec4f(spin, 0.0);
+}
+
+@compute @workgroup_size(THREADS)
+fn drift(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let body = thread_of(group, groups, local);
+    if body < frame.bodies {
+        drift_body(body);
+    }
+}

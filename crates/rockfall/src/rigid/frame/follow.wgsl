@@ -1,0 +1,12 @@
+// requires rigid/frame/rows.wgsl rigid/frame/turn.wgsl
+
+// The momentum of a body after rows (docs/physics.md section 11.9): L = I omega where omega differs by a bit from the one that belongs
+// to L. That one is omega_0: the kick and the drift set both.
+fn follow(body: u32) {
+    let at = BODY_ROWS * body;
+    let spin = bodies[at + 3u].xyz;
+    if any(bitcast<vec3u>(spin) != bitcast<vec3u>(bodies[at + 8u].xyz)) {
+        bodies[at + 6u] = vec4f(momentum_in(top_of(body), bodies[at + 1u], spin), bodies[at + 6u].w);
+        bodies[at + 8u] = vec4f(spin, 0.0);
+    }
+}

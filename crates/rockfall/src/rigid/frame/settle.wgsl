@@ -1,0 +1,23 @@
+// requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl
+
+// The end of a frame (docs/physics.md sections 11.2 and 11.9): momenta after the last relax pass, and the test of margins.
+
+// Bodies whose path is longer than their margin; bodies whose state stopped being finite; 0xffffffff less the first of these.
+@group(0) @binding(10) var<storage, read_write> report: array<atomic<u32>, 3>;
+
+@compute @workgroup_size(THREADS)
+fn settle(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let body = thread_of(group, groups, local);
+    if body >= frame.bodies || !has_mass(body) {
+        return;
+    }
+    follow(body);
+    let at = BODY_ROWS * body;
+    if bodies[at + 3u].w > bodies[at + 5u].w {
+        atomicAdd(&report[0], 1u);
+    }
+    if bodies[at + 7u].w > 0.0 {
+        atomicAdd(&report[1], 1u);
+        atomicMax(&report[2], 0xffffffffu - body);
+    }
+}

@@ -1,0 +1,158 @@
+//! The rows of a frame for the device, and the state that comes back.
+
+use glam::{Mat3A, Vec3A};
+
+use crate::rigid::frame::contacts::{Block, COLOURS, LEFT_OVER, Pair};
+use crate::rigid::frame::{FREQUENCY, Frame};
+use crate::rigid::gpu::Outcome;
+use crate::rigid::gpu::rows::{
+    BELT, BlockRow, BodyRow, ConstantRow, ContactRow, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
+};
+
+impl Frame<'_> {
+    /// The rows of a frame that begins.
+    pub(crate) fn rows(&self, substeps: u32) -> FrameRows {
+        let contacts = &self.contacts;
+        let mut colours = [0; 20];
+        colours[..COLOURS + 2].copy_from_slice(&contacts.colours);
+        let count = self.bodies.count();
+        let entries = contacts.list.iter().map(|(block, second)| 2 * block + u32::from(*second));
+        FrameRows {
+            frame: FrameRow {
+                gravity: self.world.gravity.to_array(),
+                h: self.h,
+                bodies: count as u32,
+                blocks: contacts.blocks.len() as u32,
+                left_over: contacts.colours[COLOURS],
+                substeps,
+                soft: [FrameRow::softness(FREQUENCY, self.h), FrameRow::softness(2.0 * FREQUENCY, self.h)],
+                colours,
+            },
+            bodies: (0..count).map(|i| self.body_row(i)).collect(),
+            constants: (0..count).map(|i| self.constant_row(i)).collect(),
+            belts: self.world.colliders.iter().map(|collider| collider.surface_velocity.extend(0.0).to_array()).collect(),
+            blocks: contacts.blocks.iter().map(block_row).collect(),
+            pairs: contacts.pairs.iter().map(|pair| self.pair_row(pair)).collect(),
+            points: contacts
+                .points
+                .iter()
+                .map(|point| PointRow { on_a: point.on_a.to_array(), id: point.id, on_b: point.on_b.to_array(), unused: 0 })
+                .collect(),
+            contacts: (0..contacts.points.len()).map(|k| self.contact_row(k)).collect(),
+            lists: contacts.lists.iter().copied().chain(entries).collect(),
+        }
+    }
+
+    fn body_row(&self, i: usize) -> BodyRow {
+        let (bodies, pose) = (&self.bodies, &self.bodies.poses[i]);
+        let blocks = &self.contacts.blocks;
+        let of_body = self.contacts.of_body(i).iter().map(|(block, _)| &blocks[*block as usize]);
+        let shares = of_body.filter(|block| block.colour == LEFT_OVER).count();
+        let (diagonal, beside) = parts(&bodies.masses[i].inverse_inertia);
+        let (velocity, spin) = (bodies.motions[i].velocity.to_array(), bodies.motions[i].spin.to_array());
+        BodyRow {
+            position: pose.position.to_array(),
+            clock: bodies.clocks[i],
+            turn: pose.turn.to_array(),
+            velocity,
+            inverse_mass: bodies.masses[i].inverse_mass,
+            spin,
+            path: 0.0,
+            diagonal,
+            share: shares as f32,
+            beside,
+            margin: bodies.constants[i].margin,
+            momentum: bodies.momenta[i].to_array(),
+            radius: bodies.constants[i].radius,
+            kicked_velocity: velocity,
+            stopped: 0.0,
+            kicked_spin: spin,
+            unused: 0.0,
+        }
+    }
+
+    fn constant_row(&self, i: usize) -> ConstantRow {
+        let body = &self.world.bodies[i];
+        if !self.bodies.constants[i].dynamic {
+            return ConstantRow { axes: [0.0, 0.0, 0.0, 1.0], moments: [1.0; 3], ..ConstantRow::default() };
+        }
+        ConstantRow {
+            axes: body.axes.to_array(),
+            moments: body.moments.to_array(),
+            width: body.width,
+            acceleration: (self.world.gravity + body.inverse_mass * body.force).extend(0.0).to_array(),
+            torque: body.torque.extend(0.0).to_array(),
+        }
+    }
+
+    fn pair_row(&self, pair: &Pair) -> PairRow {
+        let moves = pair.colliders.iter().any(|k| self.world.colliders[*k as usize].surface_velocity != glam::Vec3::ZERO);
+        let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
+        let flags = flag(pair.opens, OPENS) | flag(pair.round, ROUND) | flag(moves, BELT);
+        PairRow {
+            normal: pair.normal.to_array(),
+            friction: pair.friction,
+            belt: pair.belt.to_array(),
+            first: pair.first,
+            info: u32::from(pair.count) | u32::from(pair.room) << 8 | flags,
+            inner_normal: pair.inner_normal.to_array(),
+            restitution: pair.restitution,
+            colliders: pair.colliders,
+            unused: [0; 2],
+        }
+    }
+
+    fn contact_row(&self, k: usize) -> ContactRow {
+        let (row, impulse) = (&self.contacts.rows[k], &self.contacts.impulses[k]);
+        ContactRow {
+            arm: row.arm_a.to_array(),
+            gap: row.gap,
+            normal: impulse.normal,
+            tangent: impulse.tangent.to_array(),
+            spare: row.spare,
+        }
+    }
+
+    /// Takes over what the device has made of the frame.
+    pub(crate) fn take(&mut self, outcome: &Outcome) {
+        for (i, row) in outcome.bodies.iter().enumerate() {
+            self.bodies.poses[i].position = row.position.into();
+            self.bodies.poses[i].turn = glam::Quat::from_array(row.turn);
+            self.bodies.motions[i].velocity = row.velocity.into();
+            self.bodies.motions[i].spin = row.spin.into();
+            self.bodies.momenta[i] = row.momentum.into();
+            self.bodies.masses[i].inverse_inertia = tensor(row);
+        }
+        for (pair, row) in self.contacts.pairs.iter_mut().zip(&outcome.pairs) {
+            pair.normal = row.normal.into();
+            pair.belt = row.belt.into();
+        }
+        for (k, row) in outcome.contacts.iter().enumerate() {
+            self.contacts.impulses[k].normal = row.normal;
+            self.contacts.impulses[k].tangent = row.tangent.into();
+            self.contacts.rows[k].gap = row.gap;
+        }
+    }
+}
+
+fn block_row(block: &Block) -> BlockRow {
+    BlockRow {
+        bodies: block.bodies,
+        first_pair: block.first_pair,
+        pairs: block.pairs,
+        first_point: block.first_point,
+        info: block.points | u32::from(block.colour) << 16 | if block.fixed { FIXED } else { 0 },
+        time: block.time.to_bits(),
+        unused: 0,
+    }
+}
+
+/// The diagonal of a symmetric matrix, and xy, xz, yz.
+fn parts(m: &Mat3A) -> ([f32; 3], [f32; 3]) {
+    ([m.x_axis.x, m.y_axis.y, m.z_axis.z], [m.y_axis.x, m.z_axis.x, m.z_axis.y])
+}
+
+fn tensor(row: &BodyRow) -> Mat3A {
+    let ([xx, yy, zz], [xy, xz, yz]) = (row.diagonal, row.beside);
+    Mat3A::from_cols(Vec3A::new(xx, xy, xz), Vec3A::new(xy, yy, yz), Vec3A::new(xz, yz, zz))
+}

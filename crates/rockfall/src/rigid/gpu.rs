@@ -1,0 +1,270 @@
+//! A frame of the law `rigid` on a device (docs/physics.md chapter 11).
+//!
+//! | room | what it knows |
+//! |---|---|
+//! | [`rows`] | rows of the arrays |
+//! | `kernels` | the kernels and their bindings |
+//!
+//! A frame begins with the contacts that the CPU has found ([`FrameRows`]). The device solves all substeps of it.
+
+mod kernels;
+pub(crate) mod rows;
+
+use bytemuck::{Pod, bytes_of, cast_slice};
+
+use kernels::{
+    ALL_AT_ONCE, BEGIN, BINDINGS, BLOCKS, BODIES, CONSTANTS, CONTACTS, DRIFT, KICK, Kernel, LISTS, LOADS, MEAN, PAIRS, POINTS,
+    REFRESH, REPORT, SETTLE, SOLVE, SOLVE_LEFT_OVER, STAGES,
+};
+use rows::{BodyRow, ContactRow, FrameRows, PairRow};
+
+/// Threads of a workgroup, but of the stage for small scenes.
+const THREADS: u32 = 64;
+/// Most workgroups along one dimension of a dispatch.
+const MOST_GROUPS: u32 = 65_535;
+/// Distance of the uniform blocks of the calls.
+const CALL: u32 = 256;
+/// Colours, without the left-over blocks.
+const COLOURS: u32 = 16;
+/// Bytes of the load of a block, and of the copies of a left-over one.
+const LOAD: usize = 48;
+const COPIES: usize = 64;
+
+/// The kernels on a device.
+#[derive(Debug)]
+pub(crate) struct RigidGpu {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    kernels: Vec<Kernel>,
+}
+
+/// How the substeps of a frame are dispatched. All give the same bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Plan {
+    /// Each stage and each colour is a dispatch.
+    Stages,
+    /// One workgroup solves all substeps.
+    AllAtOnce,
+}
+
+/// A part of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// Geometry, and the impulses of the last frame.
+    Begin,
+    /// Kick and warm start.
+    Kick,
+    Biased,
+    Drift,
+    Refresh,
+    Relax,
+    /// All substeps in one dispatch.
+    AllAtOnce,
+    /// Momenta and margins.
+    Settle,
+}
+
+/// The arrays of a frame on the device.
+#[derive(Debug)]
+pub(crate) struct GpuFrame<'a> {
+    gpu: &'a RigidGpu,
+    /// By binding.
+    buffers: Vec<wgpu::Buffer>,
+    groups: Vec<wgpu::BindGroup>,
+    bodies: u32,
+    blocks: u32,
+    points: u32,
+    pairs: u32,
+    colours: [u32; 20],
+    substeps: u32,
+    /// Dispatches so far.
+    pub(crate) dispatches: u32,
+}
+
+/// What a frame has come to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Outcome {
+    pub(crate) bodies: Vec<BodyRow>,
+    pub(crate) pairs: Vec<PairRow>,
+    pub(crate) contacts: Vec<ContactRow>,
+    /// Bodies whose path is longer than their margin.
+    pub(crate) beyond: u32,
+    /// Bodies whose state stopped being finite: their number, and the first one.
+    pub(crate) stopped: Option<(u32, u32)>,
+}
+
+impl RigidGpu {
+    pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
+        let kernels = STAGES.iter().map(|stage| Kernel::new(&device, stage)).collect();
+        Self { device, queue, kernels }
+    }
+
+    fn buffer(&self, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        // No binding may be empty.
+        let size = bytes.next_multiple_of(16).max(16);
+        let usage = usage | wgpu::BufferUsages::COPY_DST;
+        self.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+    }
+
+    /// Uploads a frame.
+    pub(crate) fn frame(&self, rows: &FrameRows) -> GpuFrame<'_> {
+        let left_over = (rows.frame.blocks - rows.frame.left_over) as usize;
+        let loads = LOAD * rows.blocks.len() + COPIES * left_over;
+        let constants: Vec<u8> = [cast_slice::<_, u8>(&rows.constants), cast_slice(&rows.belts)].concat();
+        // The pass is in the first word of a block of 17 calls, its colour in the second one.
+        let mut calls = vec![0_u8; (2 * (COLOURS + 1) * CALL) as usize];
+        for biased in 0..2 {
+            for colour in 0..=COLOURS {
+                let at = (call(colour, biased == 1)) as usize;
+                calls[at..at + 8].copy_from_slice(cast_slice(&[colour, biased]));
+            }
+        }
+        let arrays: [(u32, &[u8]); BINDINGS as usize] = [
+            (0, bytes_of(&rows.frame)),
+            (1, &calls),
+            (BODIES, cast_slice(&rows.bodies)),
+            (CONSTANTS, &constants),
+            (BLOCKS, cast_slice(&rows.blocks)),
+            (PAIRS, cast_slice(&rows.pairs)),
+            (POINTS, cast_slice(&rows.points)),
+            (CONTACTS, cast_slice(&rows.contacts)),
+            (LOADS, &[]),
+            (LISTS, cast_slice(&rows.lists)),
+            (REPORT, &[0; 12]),
+        ];
+        let buffers: Vec<_> = arrays
+            .into_iter()
+            .map(|(binding, bytes)| {
+                let usage = if binding < BODIES { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
+                let size = if binding == LOADS { loads } else { bytes.len() };
+                let buffer = self.buffer("rigid", size as u64, usage | wgpu::BufferUsages::COPY_SRC);
+                self.queue.write_buffer(&buffer, 0, bytes);
+                buffer
+            })
+            .collect();
+        let groups = STAGES.iter().zip(&self.kernels).map(|(stage, kernel)| self.group(stage.bindings, kernel, &buffers)).collect();
+        GpuFrame {
+            gpu: self,
+            buffers,
+            groups,
+            bodies: rows.frame.bodies,
+            blocks: rows.frame.blocks,
+            points: rows.contacts.len() as u32,
+            pairs: rows.pairs.len() as u32,
+            colours: rows.frame.colours,
+            substeps: rows.frame.substeps,
+            dispatches: 0,
+        }
+    }
+
+    fn group(&self, bindings: &[u32], kernel: &Kernel, buffers: &[wgpu::Buffer]) -> wgpu::BindGroup {
+        let call = wgpu::BufferBinding { buffer: &buffers[1], offset: 0, size: wgpu::BufferSize::new(8) };
+        let mut entries = vec![
+            wgpu::BindGroupEntry { binding: 0, resource: buffers[0].as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Buffer(call) },
+        ];
+        entries.extend(bindings.iter().map(|binding| wgpu::BindGroupEntry {
+            binding: *binding,
+            resource: buffers[*binding as usize].as_entire_binding(),
+        }));
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &kernel.layout, entries: &entries })
+    }
+}
+
+/// Offset of the uniform block of a call.
+fn call(colour: u32, biased: bool) -> u32 {
+    CALL * (colour + (COLOURS + 1) * u32::from(biased))
+}
+
+impl GpuFrame<'_> {
+    /// Solves the frame.
+    pub(crate) fn solve(&mut self, plan: Plan) {
+        let mut parts = vec![Part::Begin];
+        match plan {
+            Plan::AllAtOnce => parts.push(Part::AllAtOnce),
+            Plan::Stages => (0..self.substeps)
+                .for_each(|_| parts.extend([Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax])),
+        }
+        parts.push(Part::Settle);
+        self.run(&parts);
+    }
+
+    /// Runs parts of a frame in order.
+    pub(crate) fn run(&mut self, parts: &[Part]) {
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            for part in parts {
+                self.encode(&mut pass, *part);
+            }
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+    }
+
+    fn encode(&mut self, pass: &mut wgpu::ComputePass<'_>, part: Part) {
+        match part {
+            Part::Begin => self.dispatch(pass, BEGIN, self.blocks, 0),
+            Part::Kick => self.dispatch(pass, KICK, self.bodies, 0),
+            Part::Biased | Part::Relax => self.encode_pass(pass, part == Part::Biased),
+            Part::Drift => self.dispatch(pass, DRIFT, self.bodies, 0),
+            Part::Refresh => self.dispatch(pass, REFRESH, self.blocks, 0),
+            Part::AllAtOnce => self.dispatch(pass, ALL_AT_ONCE, 1, 0),
+            Part::Settle => self.dispatch(pass, SETTLE, self.bodies, 0),
+        }
+    }
+
+    fn encode_pass(&mut self, pass: &mut wgpu::ComputePass<'_>, biased: bool) {
+        for colour in 0..COLOURS {
+            let [start, end] = [colour, colour + 1].map(|colour| self.colours[colour as usize]);
+            self.dispatch(pass, SOLVE, end - start, call(colour, biased));
+        }
+        let left_over = self.blocks - self.colours[COLOURS as usize];
+        if left_over > 0 {
+            self.dispatch(pass, SOLVE_LEFT_OVER, left_over, call(COLOURS, biased));
+            self.dispatch(pass, MEAN, self.bodies, 0);
+        }
+    }
+
+    /// A dispatch of at least so many threads; none for 0.
+    fn dispatch(&mut self, pass: &mut wgpu::ComputePass<'_>, stage: usize, threads: u32, offset: u32) {
+        if threads == 0 {
+            return;
+        }
+        let groups = threads.div_ceil(THREADS);
+        let rows = groups.div_ceil(MOST_GROUPS);
+        pass.set_pipeline(&self.gpu.kernels[stage].pipeline);
+        pass.set_bind_group(0, &self.groups[stage], &[offset]);
+        pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
+        self.dispatches += 1;
+    }
+
+    /// Waits for the device and reads the state.
+    pub(crate) fn read(&self) -> Outcome {
+        let report: Vec<u32> = self.read_array(REPORT, 3);
+        let stopped = (report[1] > 0).then(|| (report[1], u32::MAX - report[2]));
+        Outcome {
+            bodies: self.read_array(BODIES, self.bodies),
+            pairs: self.read_array(PAIRS, self.pairs),
+            contacts: self.read_array(CONTACTS, self.points),
+            beyond: report[0],
+            stopped,
+        }
+    }
+
+    fn read_array<T: Pod>(&self, binding: u32, count: u32) -> Vec<T> {
+        let size = u64::from(count) * size_of::<T>() as u64;
+        if size == 0 {
+            return Vec::new();
+        }
+        let device = &self.gpu.device;
+        let usage = wgpu::BufferUsages::MAP_READ;
+        let staging = self.gpu.buffer("rigid read", size, usage);
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(&self.buffers[binding as usize], 0, &staging, 0, size);
+        self.gpu.queue.submit([encoder.finish()]);
+        staging.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("the device maps a buffer"));
+        device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
+        let view = staging.slice(..size).get_mapped_range();
+        view.expect("a mapped buffer").chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
+    }
+}

@@ -1,0 +1,145 @@
+//! The kernels of a frame: each is its own file and all files that it requires.
+
+/// A WGSL file.
+struct Part {
+    file: &'static str,
+    text: &'static str,
+}
+
+macro_rules! parts {
+    ($($file:literal)*) => {
+        &[$(Part { file: $file, text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/", $file)) }),*]
+    };
+}
+
+const PARTS: &[Part] = parts!(
+    "physics/quaternion.wgsl"
+    "physics/sine.wgsl"
+    "rigid/frame/rows.wgsl"
+    "rigid/frame/turn.wgsl"
+    "rigid/frame/follow.wgsl"
+    "rigid/frame/sweeps.wgsl"
+    "rigid/frame/warm_start.wgsl"
+    "rigid/frame/kick.wgsl"
+    "rigid/frame/pass.wgsl"
+    "rigid/frame/left_over.wgsl"
+    "rigid/frame/drift.wgsl"
+    "rigid/frame/refresh.wgsl"
+    "rigid/frame/settle.wgsl"
+    "rigid/frame/all_at_once.wgsl"
+);
+
+/// Bindings of the arrays. 0 and 1 are uniform.
+pub(super) const BODIES: u32 = 2;
+pub(super) const CONSTANTS: u32 = 3;
+pub(super) const BLOCKS: u32 = 4;
+pub(super) const PAIRS: u32 = 5;
+pub(super) const POINTS: u32 = 6;
+pub(super) const CONTACTS: u32 = 7;
+pub(super) const LOADS: u32 = 8;
+pub(super) const LISTS: u32 = 9;
+pub(super) const REPORT: u32 = 10;
+/// One more than the last binding.
+pub(super) const BINDINGS: u32 = 11;
+
+/// An entry point.
+pub(super) struct Stage {
+    pub(super) name: &'static str,
+    file: &'static str,
+    pub(super) bindings: &'static [u32],
+}
+
+pub(super) const BEGIN: usize = 0;
+pub(super) const KICK: usize = 1;
+pub(super) const SOLVE: usize = 2;
+pub(super) const SOLVE_LEFT_OVER: usize = 3;
+pub(super) const MEAN: usize = 4;
+pub(super) const DRIFT: usize = 5;
+pub(super) const REFRESH: usize = 6;
+pub(super) const SETTLE: usize = 7;
+pub(super) const ALL_AT_ONCE: usize = 8;
+
+const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
+const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
+
+/// All stages, by the numbers above.
+pub(super) const STAGES: &[Stage] = &[
+    Stage {
+        name: "begin",
+        file: "rigid/frame/refresh.wgsl",
+        bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS],
+    },
+    Stage { name: "kick", file: "rigid/frame/kick.wgsl", bindings: &[BODIES, CONSTANTS, LOADS, LISTS] },
+    Stage { name: "solve", file: "rigid/frame/pass.wgsl", bindings: SOLVER },
+    Stage { name: "solve_left_over", file: "rigid/frame/left_over.wgsl", bindings: SOLVER },
+    Stage { name: "mean", file: "rigid/frame/left_over.wgsl", bindings: &[BODIES, LOADS, LISTS] },
+    Stage { name: "drift", file: "rigid/frame/drift.wgsl", bindings: &[BODIES, CONSTANTS] },
+    Stage { name: "refresh", file: "rigid/frame/refresh.wgsl", bindings: GEOMETRY },
+    Stage { name: "settle", file: "rigid/frame/settle.wgsl", bindings: &[BODIES, CONSTANTS, REPORT] },
+    Stage {
+        name: "all_at_once",
+        file: "rigid/frame/all_at_once.wgsl",
+        bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS, LISTS],
+    },
+];
+
+/// A compiled stage.
+#[derive(Debug)]
+pub(super) struct Kernel {
+    pub(super) pipeline: wgpu::ComputePipeline,
+    pub(super) layout: wgpu::BindGroupLayout,
+}
+
+/// The text of a kernel.
+pub(super) fn join(file: &str) -> String {
+    fn add(file: &str, taken: &mut Vec<&'static str>, text: &mut String) {
+        let part = PARTS.iter().find(|part| part.file == file).unwrap_or_else(|| panic!("{file} is no part of a kernel"));
+        if taken.contains(&part.file) {
+            return;
+        }
+        taken.push(part.file);
+        let lines = part.text.lines().map_while(|line| line.strip_prefix("// requires "));
+        lines.flat_map(str::split_whitespace).for_each(|file| add(file, taken, text));
+        text.push_str(part.text);
+    }
+    let (mut taken, mut text) = (Vec::new(), String::new());
+    add(file, &mut taken, &mut text);
+    text
+}
+
+impl Kernel {
+    pub(super) fn new(device: &wgpu::Device, stage: &Stage) -> Self {
+        let text = join(stage.file);
+        let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
+        let module = device.create_shader_module(module);
+        let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset,
+            min_binding_size: None,
+        };
+        let storage = |binding: &u32| wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: [CONSTANTS, LISTS].contains(binding) },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None };
+        let mut entries = vec![entry(0, uniform(false)), entry(1, uniform(true))];
+        entries.extend(stage.bindings.iter().map(|binding| entry(*binding, storage(binding))));
+        let layout = device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.name), entries: &entries });
+        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(stage.name),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(stage.name),
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: Some(stage.name),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        Self { pipeline, layout }
+    }
+}
