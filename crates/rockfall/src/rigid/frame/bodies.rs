@@ -67,16 +67,16 @@ pub(super) struct Bodies {
     pub(super) masses: Vec<Mass>,
     pub(super) momenta: Vec<Vec3A>,
     /// The spin that belongs to the momentum, bit for bit. Where the spin is another one, rows have changed it.
-    set: Vec<Vec3A>,
+    pub(super) set: Vec<Vec3A>,
     /// The motions after the kick, before all impulses of a substep.
-    before: Vec<Motion>,
+    pub(super) before: Vec<Motion>,
     /// From when on the path of a body in this substep holds, in s.
     pub(super) clocks: Vec<f32>,
     /// Length of the path of the frame, with that of the turning surface.
-    paths: Vec<f32>,
+    pub(super) paths: Vec<f32>,
     pub(super) constants: Vec<Constants>,
     /// Bodies whose state stopped being finite in this frame.
-    stopped: BTreeSet<u32>,
+    pub(super) stopped: BTreeSet<u32>,
 }
 
 impl Bodies {

@@ -1,6 +1,8 @@
 //! Problems with answers from nature: closed forms and conservation. Their numbers are those of docs/physics.md section 11.11.
 
 mod conservation;
+#[cfg(feature = "gpu")]
+mod device;
 mod fast;
 mod flight;
 mod friction;

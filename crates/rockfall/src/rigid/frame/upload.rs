@@ -3,14 +3,36 @@
 use glam::{Mat3A, Vec3A};
 
 use crate::rigid::frame::contacts::{Block, COLOURS, LEFT_OVER, Pair};
-use crate::rigid::frame::{FREQUENCY, Frame};
-use crate::rigid::gpu::Outcome;
+use crate::rigid::frame::{FREQUENCY, Frame, FrameReport, History, REPEATS, report, widen};
+use crate::rigid::gpu::{Outcome, Plan, RigidGpu};
 use crate::rigid::gpu::rows::{
     BELT, BlockRow, BodyRow, ConstantRow, ContactRow, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
 };
+use crate::rigid::world::RigidWorld;
+
+/// Advances all bodies by a frame as [`super::advance_or_stop`] does, with the substeps on a device.
+pub(crate) fn advance_on_device(world: &mut RigidWorld, dt: f32, substeps: u32, gpu: &RigidGpu, plan: Plan) -> FrameReport {
+    let mut repeats = 0;
+    loop {
+        let mut frame = Frame::open(world, dt, substeps);
+        let mut on_device = gpu.frame(&frame.rows(substeps));
+        on_device.solve(plan);
+        let outcome = on_device.read();
+        frame.take(&outcome);
+        let Frame { bodies, contacts, h, .. } = frame;
+        if repeats < REPEATS && outcome.beyond > 0 && widen(world, &bodies, repeats) {
+            repeats += 1;
+            continue;
+        }
+        let stopped = outcome.stopped;
+        bodies.store(&mut world.bodies);
+        world.history = History::new(&contacts, world.history.frames.wrapping_add(1), h);
+        return FrameReport { stopped, ..report(&contacts, repeats) };
+    }
+}
 
 impl Frame<'_> {
-    /// The rows of a frame that begins.
+    /// The rows of a frame.
     pub(crate) fn rows(&self, substeps: u32) -> FrameRows {
         let contacts = &self.contacts;
         let mut colours = [0; 20];
@@ -57,16 +79,16 @@ impl Frame<'_> {
             velocity,
             inverse_mass: bodies.masses[i].inverse_mass,
             spin,
-            path: 0.0,
+            path: bodies.paths[i],
             diagonal,
             share: shares as f32,
             beside,
             margin: bodies.constants[i].margin,
             momentum: bodies.momenta[i].to_array(),
             radius: bodies.constants[i].radius,
-            kicked_velocity: velocity,
-            stopped: 0.0,
-            kicked_spin: spin,
+            kicked_velocity: bodies.before[i].velocity.to_array(),
+            stopped: f32::from(u8::from(bodies.stopped.contains(&(i as u32)))),
+            kicked_spin: bodies.set[i].to_array(),
             unused: 0.0,
         }
     }
@@ -122,6 +144,10 @@ impl Frame<'_> {
             self.bodies.motions[i].spin = row.spin.into();
             self.bodies.momenta[i] = row.momentum.into();
             self.bodies.masses[i].inverse_inertia = tensor(row);
+            self.bodies.paths[i] = row.path;
+            if row.stopped > 0.0 {
+                self.bodies.stopped.insert(i as u32);
+            }
         }
         for (pair, row) in self.contacts.pairs.iter_mut().zip(&outcome.pairs) {
             pair.normal = row.normal.into();

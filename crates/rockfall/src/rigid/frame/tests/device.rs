@@ -1,0 +1,242 @@
+//! The device solves a frame as the twin does.
+
+use glam::{Quat, Vec3};
+
+use super::pile::heap;
+use super::scene::{DT, Scene};
+use crate::rigid::frame::{Frame, advance_on_device, passes};
+use crate::rigid::gpu::rows::FrameRows;
+use crate::rigid::gpu::{Outcome, Part, Plan, RigidGpu};
+use crate::rigid::pose::Pose;
+use crate::rigid::shape::Shape;
+use crate::rigid::world::RigidWorld;
+
+/// A device with the limits that WebGPU guarantees. `None` where there is none.
+fn open() -> Option<RigidGpu> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
+    eprintln!("{}", adapter.get_info().name);
+    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).ok()?;
+    Some(RigidGpu::new(device, queue))
+}
+
+/// Bricks in bond, 1 x 0.5 x 0.5.
+fn wall(rows: usize) -> Scene {
+    let mut scene = Scene::new(0.5, 0.0);
+    scene.floor();
+    for row in 0..rows {
+        for k in 0..rows {
+            let x = k as f32 - 0.5 * (row % 2) as f32;
+            scene.cuboid(Vec3::new(0.499, 0.25, 0.25), Vec3::new(x, 0.5 * row as f32 + 0.25, 0.0));
+        }
+    }
+    scene
+}
+
+fn stack(count: usize) -> Scene {
+    let mut scene = Scene::new(0.5, 0.0);
+    scene.floor();
+    for k in 0..count {
+        scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, k as f32 + 0.5, 0.0));
+    }
+    scene
+}
+
+/// A plate on more than 64 boxes: all its blocks are left over.
+fn hub() -> Scene {
+    let mut scene = Scene::new(0.5, 0.0);
+    scene.floor();
+    for k in 0..100 {
+        scene.cuboid(Vec3::splat(0.4), Vec3::new((k % 10) as f32, 0.4, (k / 10) as f32));
+    }
+    let pose = Pose::new(Vec3::new(4.5, 0.9, 4.5), Quat::IDENTITY);
+    scene.body(Shape::cuboid(Vec3::new(5.0, 0.1, 5.0)), pose, 50.0);
+    scene
+}
+
+/// A box in a corner of three planes: one block of three chunks; a box on a belt, and a kinematic box that turns and carries another.
+fn corner() -> Scene {
+    let mut scene = Scene::new(0.4, 0.0);
+    scene.plane(Vec3::ZERO, Vec3::Y);
+    scene.plane(Vec3::ZERO, Vec3::X);
+    scene.plane(Vec3::ZERO, Vec3::Z);
+    scene.cuboid(Vec3::splat(0.5), Vec3::splat(0.5));
+    scene.world.gravity = Vec3::new(-3.0, -9.0, -2.0);
+    scene.block(Vec3::new(5.0, 0.5, 5.0), Pose::new(Vec3::new(20.0, 4.5, 20.0), Quat::IDENTITY));
+    scene.world.colliders.last_mut().unwrap().surface_velocity = Vec3::new(1.0, 0.0, 0.5);
+    scene.cuboid(Vec3::new(0.5, 0.3, 0.4), Vec3::new(20.0, 5.3, 20.0));
+    let table = scene.kinematic(Shape::cuboid(Vec3::new(2.0, 0.2, 2.0)), Vec3::new(40.0, 5.0, 40.0), Vec3::new(0.3, 0.0, 0.0));
+    scene.throw(table, Vec3::new(0.3, 0.0, 0.0), Vec3::new(0.0, 0.5, 0.0));
+    scene.cuboid(Vec3::new(0.5, 0.3, 0.4), Vec3::new(40.5, 5.5, 40.0));
+    scene
+}
+
+/// The greatest difference of a kind of number, by the greatest number of that kind.
+#[derive(Default)]
+struct Apart {
+    kinds: Vec<(&'static str, f32, f32)>,
+}
+
+impl Apart {
+    fn add(&mut self, kind: &'static str, a: &[f32], b: &[f32]) {
+        let at = self.kinds.iter().position(|known| known.0 == kind).unwrap_or_else(|| {
+            self.kinds.push((kind, 0.0, 0.0));
+            self.kinds.len() - 1
+        });
+        for (a, b) in a.iter().zip(b) {
+            assert!(a.is_finite() && b.is_finite(), "{kind}: {a} {b}");
+            self.kinds[at].1 = self.kinds[at].1.max((a - b).abs());
+            self.kinds[at].2 = self.kinds[at].2.max(a.abs());
+        }
+    }
+
+    /// The worst kind. Speeds are sums of impulses that cancel: their size is at least that of the impulses (of masses of 1 or more).
+    /// Gaps are differences of arms.
+    fn worst(&self) -> (&'static str, f32) {
+        let size = |wanted: &str| self.kinds.iter().find(|kind| kind.0 == wanted).map_or(0.0, |kind| kind.2);
+        let least = |kind: &str| match kind {
+            "gap" => size("arm"),
+            "velocity" | "spin" | "momentum" | "kicked velocity" | "kicked spin" => size("impulse"),
+            _ => 0.0,
+        };
+        let shares = self.kinds.iter().map(|(kind, apart, size)| (*kind, apart / size.max(least(kind)).max(1e-3)));
+        shares.fold(("", 0.0), |worst, next| if next.1 > worst.1 { next } else { worst })
+    }
+}
+
+fn compare(wanted: &FrameRows, found: &Outcome) -> Apart {
+    let mut apart = Apart::default();
+    for (a, b) in wanted.bodies.iter().zip(&found.bodies) {
+        apart.add("position", &a.position, &b.position);
+        apart.add("turn", &a.turn, &b.turn);
+        apart.add("velocity", &a.velocity, &b.velocity);
+        apart.add("spin", &a.spin, &b.spin);
+        apart.add("momentum", &a.momentum, &b.momentum);
+        apart.add("inertia", &[a.diagonal, a.beside].concat(), &[b.diagonal, b.beside].concat());
+        apart.add("path", &[a.path], &[b.path]);
+        apart.add("kicked velocity", &a.kicked_velocity, &b.kicked_velocity);
+        apart.add("kicked spin", &a.kicked_spin, &b.kicked_spin);
+    }
+    for (a, b) in wanted.pairs.iter().zip(&found.pairs) {
+        apart.add("normal", &a.normal, &b.normal);
+        apart.add("belt", &a.belt, &b.belt);
+        for k in a.first as usize..(a.first + (a.info & 0xff)) as usize {
+            let (a, b) = (&wanted.contacts[k], &found.contacts[k]);
+            apart.add("arm", &a.arm, &b.arm);
+            apart.add("gap", &[a.gap], &[b.gap]);
+            apart.add("impulse", &[&[a.normal][..], &a.tangent].concat(), &[&[b.normal][..], &b.tangent].concat());
+        }
+    }
+    apart
+}
+
+fn scenes() -> Vec<(&'static str, Scene, f32)> {
+    // With seconds before the frame that is compared.
+    vec![
+        ("stack", stack(10), 0.5),
+        ("pile", heap(60, 0.0), 1.0),
+        ("wall", wall(8), 0.3),
+        ("hub", hub(), 0.3),
+        ("corner", corner(), 0.4),
+    ]
+}
+
+/// Each stage from the state that the twin has before it.
+#[test]
+fn stages_agree() {
+    let Some(gpu) = open() else { return };
+    for (name, mut scene, seconds) in scenes() {
+        scene.run(seconds);
+        let mut frame = Frame::open(&scene.world, DT, 4);
+        let colours = frame.contacts.colours;
+        eprintln!("{name}: {} bodies, {} blocks, {} left over", frame.bodies.count(), colours[17], colours[17] - colours[16]);
+        let mut worst: Vec<(Part, &str, f32)> = Vec::new();
+        for substep in 0..4 {
+            for part in [Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax] {
+                let mut on_device = gpu.frame(&frame.rows(4));
+                on_device.run(if part == Part::Kick { &[Part::Begin, Part::Kick] } else { std::slice::from_ref(&part) });
+                let found = on_device.read();
+                let gravity = scene.world.gravity.into();
+                match part {
+                    Part::Kick => {
+                        frame.bodies.kick(frame.h);
+                        passes::warm_start(&mut frame.contacts, &mut frame.bodies);
+                    }
+                    Part::Biased => passes::pass(&mut frame.contacts, &mut frame.bodies, &frame.biased),
+                    Part::Drift => {
+                        frame.bodies.follow();
+                        frame.bodies.drift(frame.h, gravity);
+                    }
+                    Part::Refresh => frame.refresh(),
+                    _ => passes::pass(&mut frame.contacts, &mut frame.bodies, &frame.relax),
+                }
+                let (kind, apart) = compare(&frame.rows(4), &found).worst();
+                if part == Part::Relax {
+                    frame.bodies.follow();
+                }
+                eprintln!("  {substep} {part:?}: {apart:.1e} ({kind})");
+                worst.push((part, kind, apart));
+            }
+        }
+        for (part, kind, apart) in worst {
+            assert!(apart < 1e-5, "{name}, {part:?}: {kind} differs by {apart}");
+        }
+    }
+}
+
+fn bits(world: &RigidWorld) -> Vec<u32> {
+    let numbers = |body: &crate::rigid::world::Body| {
+        let (pose, v, l) = (body.pose, body.velocity, body.momentum);
+        [pose.position, v, l].map(|vector| vector.to_array()).concat().into_iter().chain(pose.turn.to_array())
+    };
+    world.bodies.iter().flat_map(numbers).map(f32::to_bits).collect()
+}
+
+/// The greatest distance of places and of speeds.
+fn apart(a: &RigidWorld, b: &RigidWorld) -> [f32; 2] {
+    a.bodies.iter().zip(&b.bodies).fold([0.0_f32; 2], |[place, speed], (a, b)| {
+        let moved = a.pose.position.distance(b.pose.position);
+        [place.max(moved), speed.max(a.velocity.distance(b.velocity))]
+    })
+}
+
+/// Whole frames, each from the state of the twin.
+#[test]
+fn frames_agree() {
+    let Some(gpu) = open() else { return };
+    for (name, mut scene, seconds) in scenes() {
+        scene.run(seconds);
+        let (mut place, mut speed, before) = (0.0_f32, 0.0_f32, scene.repeats);
+        let mut repeats = 0;
+        for _ in 0..20 {
+            let mut other = scene.world.clone();
+            repeats += advance_on_device(&mut other, DT, 4, &gpu, Plan::Stages).repeats;
+            scene.step();
+            let [one, two] = apart(&scene.world, &other);
+            (place, speed) = (place.max(one), speed.max(two));
+        }
+        eprintln!("{name}: frames {place:.1e} apart, speeds {speed:.1e}, repeats {repeats} and {}", scene.repeats - before);
+        assert!(place < 1e-5 && speed < 1e-3 && repeats == scene.repeats - before, "{name}");
+    }
+}
+
+/// The same bits in each run and with each plan.
+#[test]
+fn runs_have_the_same_bits() {
+    let Some(gpu) = open() else { return };
+    for (name, mut scene, seconds) in scenes() {
+        scene.run(seconds);
+        let run = |plan| {
+            let mut world = scene.world.clone();
+            (0..10).for_each(|_| _ = advance_on_device(&mut world, DT, 4, &gpu, plan));
+            world
+        };
+        let one = run(Plan::Stages);
+        assert!(bits(&one) == bits(&run(Plan::Stages)), "{name}: two runs");
+        assert!(bits(&one) == bits(&run(Plan::AllAtOnce)), "{name}: all at once");
+        (0..10).for_each(|_| scene.step());
+        let [place, speed] = apart(&scene.world, &one);
+        eprintln!("{name}: 10 frames, {place:.1e} apart, speeds {speed:.1e}");
+        assert!(place < 1e-3, "{name}");
+    }
+}
