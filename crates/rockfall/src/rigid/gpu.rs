@@ -142,7 +142,8 @@ impl RigidGpu {
                 buffer
             })
             .collect();
-        let groups = STAGES.iter().zip(&self.kernels).map(|(stage, kernel)| self.group(stage.bindings, kernel, &buffers)).collect();
+        let groups =
+            STAGES.iter().zip(&self.kernels).map(|(stage, kernel)| self.group(stage.bindings, kernel, &buffers)).collect();
         GpuFrame {
             gpu: self,
             buffers,

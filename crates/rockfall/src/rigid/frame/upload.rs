@@ -4,10 +4,10 @@ use glam::{Mat3A, Vec3A};
 
 use crate::rigid::frame::contacts::{Block, COLOURS, LEFT_OVER, Pair};
 use crate::rigid::frame::{FREQUENCY, Frame, FrameReport, History, REPEATS, report, widen};
-use crate::rigid::gpu::{Outcome, Plan, RigidGpu};
 use crate::rigid::gpu::rows::{
     BELT, BlockRow, BodyRow, ConstantRow, ContactRow, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
 };
+use crate::rigid::gpu::{Outcome, Plan, RigidGpu};
 use crate::rigid::world::RigidWorld;
 
 /// Advances all bodies by a frame as [`super::advance_or_stop`] does, with the substeps on a device.

@@ -122,11 +122,12 @@ impl Kernel {
             has_dynamic_offset: false,
             min_binding_size: None,
         };
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None };
+        let entry =
+            |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None };
         let mut entries = vec![entry(0, uniform(false)), entry(1, uniform(true))];
         entries.extend(stage.bindings.iter().map(|binding| entry(*binding, storage(binding))));
-        let layout = device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.name), entries: &entries });
+        let layout =
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.name), entries: &entries });
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(stage.name),
             bind_group_layouts: &[Some(&layout)],
@@ -141,5 +142,23 @@ impl Kernel {
             cache: None,
         });
         Self { pipeline, layout }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every stage may be joined, within the limits of the project and of WebGPU, and every file is part of one.
+    #[test]
+    fn stages_are_small() {
+        let mut all = String::new();
+        for stage in STAGES {
+            let text = join(stage.file);
+            assert!(text.lines().count() <= 1500, "{}", stage.name);
+            assert!(stage.bindings.len() <= 8, "{}", stage.name);
+            all += &text;
+        }
+        assert!(PARTS.iter().all(|part| all.contains(part.text)));
     }
 }
