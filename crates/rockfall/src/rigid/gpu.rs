@@ -13,10 +13,11 @@ pub(crate) mod rows;
 use bytemuck::{Pod, bytes_of, cast_slice};
 
 use kernels::{
-    ALL_AT_ONCE, BEGIN, BINDINGS, BLOCKS, BODIES, CONSTANTS, CONTACTS, DRIFT, KICK, Kernel, LISTS, LOADS, MEAN, PAIRS, POINTS,
-    REFRESH, REPORT, SETTLE, SOLVE, SOLVE_LEFT_OVER, STAGES,
+    ALL_AT_ONCE, BEFORE_IMPACTS, BINDINGS, BLOCKS, BODIES, CARRY, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT, FIND_LEFT_OVER,
+    IMPACTS_AT_ONCE, KICK, Kernel, LISTS, LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REPORT, SETTLE, SOLVE,
+    SOLVE_LEFT_OVER, STAGES, STRIKE, STRIKE_LEFT_OVER,
 };
-use rows::{BodyRow, ContactRow, FrameRows, PairRow};
+use rows::{BlockRow, BodyRow, ContactRow, FrameRows, PairRow};
 
 /// Threads of a workgroup, but of the stage for small scenes.
 const THREADS: u32 = 64;
@@ -27,8 +28,10 @@ const CALL: u32 = 256;
 /// Colours, without the left-over blocks.
 const COLOURS: u32 = 16;
 /// Bytes of the load of a block, and of the copies of a left-over one.
-const LOAD: usize = 48;
-const COPIES: usize = 64;
+const LOAD_BYTES: usize = 48;
+const COPIES_BYTES: usize = 128;
+/// Rounds of impacts.
+const ROUNDS: usize = 2;
 
 /// The kernels on a device.
 #[derive(Debug)]
@@ -43,23 +46,28 @@ pub(crate) struct RigidGpu {
 pub(crate) enum Plan {
     /// Each stage and each colour is a dispatch.
     Stages,
-    /// One workgroup solves all substeps.
+    /// One workgroup looks for impacts, all others are stages.
+    ImpactsAtOnce,
+    /// One workgroup looks for impacts, and one solves the rest of a substep.
     AllAtOnce,
 }
 
 /// A part of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
-    /// Geometry, and the impulses of the last frame.
-    Begin,
+    /// What the blocks add to the first warm start.
+    Load,
     /// Kick and warm start.
     Kick,
     Biased,
     Drift,
     Refresh,
     Relax,
-    /// All substeps in one dispatch.
-    AllAtOnce,
+    Impacts,
+    /// The impacts of a substep in one dispatch.
+    ImpactsAtOnce,
+    /// The rest of a substep in one dispatch.
+    RestAtOnce,
     /// Momenta and margins.
     Settle,
 }
@@ -85,6 +93,7 @@ pub(crate) struct GpuFrame<'a> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Outcome {
     pub(crate) bodies: Vec<BodyRow>,
+    pub(crate) blocks: Vec<BlockRow>,
     pub(crate) pairs: Vec<PairRow>,
     pub(crate) contacts: Vec<ContactRow>,
     /// Bodies whose path is longer than their margin.
@@ -109,7 +118,7 @@ impl RigidGpu {
     /// Uploads a frame.
     pub(crate) fn frame(&self, rows: &FrameRows) -> GpuFrame<'_> {
         let left_over = (rows.frame.blocks - rows.frame.left_over) as usize;
-        let loads = LOAD * rows.blocks.len() + COPIES * left_over;
+        let loads = LOAD_BYTES * rows.blocks.len() + COPIES_BYTES * left_over;
         let constants: Vec<u8> = [cast_slice::<_, u8>(&rows.constants), cast_slice(&rows.belts)].concat();
         // The pass is in the first word of a block of 17 calls, its colour in the second one.
         let mut calls = vec![0_u8; (2 * (COLOURS + 1) * CALL) as usize];
@@ -130,7 +139,7 @@ impl RigidGpu {
             (CONTACTS, cast_slice(&rows.contacts)),
             (LOADS, &[]),
             (LISTS, cast_slice(&rows.lists)),
-            (REPORT, &[0; 12]),
+            (REPORT, &[0; 16]),
         ];
         let buffers: Vec<_> = arrays
             .into_iter()
@@ -180,11 +189,14 @@ fn call(colour: u32, biased: bool) -> u32 {
 impl GpuFrame<'_> {
     /// Solves the frame.
     pub(crate) fn solve(&mut self, plan: Plan) {
-        let mut parts = vec![Part::Begin];
-        match plan {
-            Plan::AllAtOnce => parts.push(Part::AllAtOnce),
-            Plan::Stages => (0..self.substeps)
-                .for_each(|_| parts.extend([Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax])),
+        let rest: &[Part] = match plan {
+            Plan::AllAtOnce => &[Part::RestAtOnce],
+            Plan::Stages | Plan::ImpactsAtOnce => &[Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax],
+        };
+        let mut parts = vec![Part::Refresh, Part::Load];
+        for _ in 0..self.substeps {
+            parts.push(if plan == Plan::Stages { Part::Impacts } else { Part::ImpactsAtOnce });
+            parts.extend(rest);
         }
         parts.push(Part::Settle);
         self.run(&parts);
@@ -204,22 +216,48 @@ impl GpuFrame<'_> {
 
     fn encode(&mut self, pass: &mut wgpu::ComputePass<'_>, part: Part) {
         match part {
-            Part::Begin => self.dispatch(pass, BEGIN, self.blocks, 0),
+            Part::Load => self.dispatch(pass, LOAD, self.blocks, 0),
             Part::Kick => self.dispatch(pass, KICK, self.bodies, 0),
             Part::Biased | Part::Relax => self.encode_pass(pass, part == Part::Biased),
             Part::Drift => self.dispatch(pass, DRIFT, self.bodies, 0),
             Part::Refresh => self.dispatch(pass, REFRESH, self.blocks, 0),
-            Part::AllAtOnce => self.dispatch(pass, ALL_AT_ONCE, 1, 0),
+            Part::Impacts => self.encode_impacts(pass),
+            Part::ImpactsAtOnce => self.dispatch(pass, IMPACTS_AT_ONCE, 1, 0),
+            Part::RestAtOnce => self.dispatch(pass, ALL_AT_ONCE, 1, call(1, false)),
             Part::Settle => self.dispatch(pass, SETTLE, self.bodies, 0),
         }
     }
 
+    fn encode_impacts(&mut self, pass: &mut wgpu::ComputePass<'_>) {
+        let left_over = self.left_over();
+        self.dispatch(pass, BEFORE_IMPACTS, self.bodies, 0);
+        for _ in 0..ROUNDS {
+            for colour in 0..COLOURS {
+                self.dispatch(pass, STRIKE, self.blocks_of(colour), call(colour, false));
+            }
+            if left_over > 0 {
+                self.dispatch(pass, FIND_LEFT_OVER, left_over, 0);
+                self.dispatch(pass, COUNT_LEFT_OVER, self.bodies, 0);
+                self.dispatch(pass, STRIKE_LEFT_OVER, left_over, 0);
+                self.dispatch(pass, MEAN_OF_IMPACTS, self.bodies, 0);
+            }
+        }
+        self.dispatch(pass, CARRY, self.blocks, 0);
+    }
+
+    fn blocks_of(&self, colour: u32) -> u32 {
+        self.colours[colour as usize + 1] - self.colours[colour as usize]
+    }
+
+    fn left_over(&self) -> u32 {
+        self.blocks - self.colours[COLOURS as usize]
+    }
+
     fn encode_pass(&mut self, pass: &mut wgpu::ComputePass<'_>, biased: bool) {
         for colour in 0..COLOURS {
-            let [start, end] = [colour, colour + 1].map(|colour| self.colours[colour as usize]);
-            self.dispatch(pass, SOLVE, end - start, call(colour, biased));
+            self.dispatch(pass, SOLVE, self.blocks_of(colour), call(colour, biased));
         }
-        let left_over = self.blocks - self.colours[COLOURS as usize];
+        let left_over = self.left_over();
         if left_over > 0 {
             self.dispatch(pass, SOLVE_LEFT_OVER, left_over, call(COLOURS, biased));
             self.dispatch(pass, MEAN, self.bodies, 0);
@@ -241,10 +279,11 @@ impl GpuFrame<'_> {
 
     /// Waits for the device and reads the state.
     pub(crate) fn read(&self) -> Outcome {
-        let report: Vec<u32> = self.read_array(REPORT, 3);
+        let report: Vec<u32> = self.read_array(REPORT, 4);
         let stopped = (report[1] > 0).then(|| (report[1], u32::MAX - report[2]));
         Outcome {
             bodies: self.read_array(BODIES, self.bodies),
+            blocks: self.read_array(BLOCKS, self.blocks),
             pairs: self.read_array(PAIRS, self.pairs),
             contacts: self.read_array(CONTACTS, self.points),
             beyond: report[0],

@@ -1,4 +1,4 @@
-// requires rigid/frame/rows.wgsl rigid/frame/warm_start.wgsl physics/quaternion.wgsl
+// requires rigid/frame/rows.wgsl physics/quaternion.wgsl
 
 // The geometry of the blocks in the present pose (docs/physics.md section 11.4). Round pairs turn with body a like all others.
 
@@ -39,15 +39,5 @@ fn refresh(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups:
     let k = thread_of(group, groups, local);
     if k < frame.blocks {
         refresh_block(k);
-    }
-}
-
-// The geometry at the start of a frame, and what the blocks add to the first warm start. Later ones are formed by the relax pass.
-@compute @workgroup_size(THREADS)
-fn begin(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
-    let k = thread_of(group, groups, local);
-    if k < frame.blocks {
-        refresh_block(k);
-        put_load(k, block_at(k));
     }
 }

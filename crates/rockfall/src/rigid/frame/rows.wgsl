@@ -4,13 +4,13 @@
 //
 // | array | rows of an entry |
 // |---|---|
-// | `bodies` | x, clock; q; v, 1/m; omega, path; I^-1 xx yy zz, left-over blocks; I^-1 xy xz yz, margin; L, rho; v_0, stopped; omega_0 |
+// | `bodies` | x, clock; q; v, 1/m; omega, path; I^-1 xx yy zz, left-over blocks; I^-1 xy xz yz, margin; L, rho; v_0, stopped; omega_0, hits |
 // | `constants` | principal axes; J, width; g + F/m; torque. After all bodies: the velocities of the surfaces of the colliders, a row each |
 // | `blocks` | a, b, first pair, pairs; first point, info, time, 0 |
 // | `pairs` | n, mu; belt (2), first point, info; n in coordinates of a, e; colliders (2), 0, 0 |
 // | `points` | l_A, id; l_B, 0 |
 // | `contacts` | r_A, s; N, T_1, T_2, kappa. An entry for each point |
-// | `loads` | of each block: impulse; moment on a; moment on b. After all blocks, of each left-over block: changes of v_a, omega_a, v_b, omega_b |
+// | `loads` | of each block: impulse; moment on a; moment on b. After all blocks, of each left-over block 8 rows: changes of v_a, omega_a, v_b, omega_b; in impacts others |
 // | `lists` | of each body and one more: its first entry; then the entries: block * 2, + 1 if the body is b |
 //
 // A body has mass if 1/m > 0. The world is a body without mass that rests. Bits that are no f32 lie in arrays of u32.
@@ -53,7 +53,7 @@ const BLOCK_ROWS: u32 = 2u;
 const PAIR_ROWS: u32 = 4u;
 const POINT_ROWS: u32 = 2u;
 const LOAD_ROWS: u32 = 3u;
-const COPY_ROWS: u32 = 4u;
+const COPY_ROWS: u32 = 8u;
 const COLOURS: u32 = 16u;
 const THREADS: u32 = 64u;
 

@@ -1,9 +1,6 @@
-// requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/report.wgsl
 
 // The end of a frame (docs/physics.md sections 11.2 and 11.9): momenta after the last relax pass, and the test of margins.
-
-// Bodies whose path is longer than their margin; bodies whose state stopped being finite; 0xffffffff less the first of these.
-@group(0) @binding(10) var<storage, read_write> report: array<atomic<u32>, 3>;
 
 @compute @workgroup_size(THREADS)
 fn settle(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {

@@ -5,7 +5,8 @@ use glam::{Mat3A, Vec3A};
 use crate::rigid::frame::contacts::{Block, COLOURS, LEFT_OVER, Pair};
 use crate::rigid::frame::{FREQUENCY, Frame, FrameReport, History, REPEATS, report, widen};
 use crate::rigid::gpu::rows::{
-    BELT, BlockRow, BodyRow, ConstantRow, ContactRow, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
+    BELT, BlockRow, BodyRow, ConstantRow, ContactRow, ELASTIC, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
+    WAITS,
 };
 use crate::rigid::gpu::{Outcome, Plan, RigidGpu};
 use crate::rigid::world::RigidWorld;
@@ -167,7 +168,11 @@ fn block_row(block: &Block) -> BlockRow {
         first_pair: block.first_pair,
         pairs: block.pairs,
         first_point: block.first_point,
-        info: block.points | u32::from(block.colour) << 16 | if block.fixed { FIXED } else { 0 },
+        info: block.points
+            | u32::from(block.colour) << 16
+            | if block.fixed { FIXED } else { 0 }
+            | if block.elastic { ELASTIC } else { 0 }
+            | if block.waits { WAITS } else { 0 },
         time: block.time.to_bits(),
         unused: 0,
     }

@@ -41,3 +41,12 @@ fn gathered(body: u32, mass: Mass, motion: Motion) -> Motion {
     }
     return Motion(motion.velocity + mass.inverse * impulse, motion.spin + respond(mass, moment));
 }
+
+// What the blocks add to the first warm start of a frame. What they add to later ones is formed by the relax pass.
+@compute @workgroup_size(THREADS)
+fn load(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let k = thread_of(group, groups, local);
+    if k < frame.blocks {
+        put_load(k, block_at(k));
+    }
+}

@@ -25,7 +25,14 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/left_over.wgsl"
     "rigid/frame/drift.wgsl"
     "rigid/frame/refresh.wgsl"
+    "rigid/frame/report.wgsl"
     "rigid/frame/settle.wgsl"
+    "rigid/frame/times.wgsl"
+    "rigid/frame/reflect.wgsl"
+    "rigid/frame/carry.wgsl"
+    "rigid/frame/impacts.wgsl"
+    "rigid/frame/left_over_impacts.wgsl"
+    "rigid/frame/impacts_at_once.wgsl"
     "rigid/frame/all_at_once.wgsl"
 );
 
@@ -49,7 +56,7 @@ pub(super) struct Stage {
     pub(super) bindings: &'static [u32],
 }
 
-pub(super) const BEGIN: usize = 0;
+pub(super) const LOAD: usize = 0;
 pub(super) const KICK: usize = 1;
 pub(super) const SOLVE: usize = 2;
 pub(super) const SOLVE_LEFT_OVER: usize = 3;
@@ -58,17 +65,22 @@ pub(super) const DRIFT: usize = 5;
 pub(super) const REFRESH: usize = 6;
 pub(super) const SETTLE: usize = 7;
 pub(super) const ALL_AT_ONCE: usize = 8;
+pub(super) const BEFORE_IMPACTS: usize = 9;
+pub(super) const STRIKE: usize = 10;
+pub(super) const FIND_LEFT_OVER: usize = 11;
+pub(super) const COUNT_LEFT_OVER: usize = 12;
+pub(super) const STRIKE_LEFT_OVER: usize = 13;
+pub(super) const MEAN_OF_IMPACTS: usize = 14;
+pub(super) const CARRY: usize = 15;
+pub(super) const IMPACTS_AT_ONCE: usize = 16;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
+const ALL: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS, LISTS];
 
 /// All stages, by the numbers above.
 pub(super) const STAGES: &[Stage] = &[
-    Stage {
-        name: "begin",
-        file: "rigid/frame/refresh.wgsl",
-        bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS],
-    },
+    Stage { name: "load", file: "rigid/frame/warm_start.wgsl", bindings: SOLVER },
     Stage { name: "kick", file: "rigid/frame/kick.wgsl", bindings: &[BODIES, CONSTANTS, LOADS, LISTS] },
     Stage { name: "solve", file: "rigid/frame/pass.wgsl", bindings: SOLVER },
     Stage { name: "solve_left_over", file: "rigid/frame/left_over.wgsl", bindings: SOLVER },
@@ -76,11 +88,27 @@ pub(super) const STAGES: &[Stage] = &[
     Stage { name: "drift", file: "rigid/frame/drift.wgsl", bindings: &[BODIES, CONSTANTS] },
     Stage { name: "refresh", file: "rigid/frame/refresh.wgsl", bindings: GEOMETRY },
     Stage { name: "settle", file: "rigid/frame/settle.wgsl", bindings: &[BODIES, CONSTANTS, REPORT] },
+    Stage { name: "all_at_once", file: "rigid/frame/all_at_once.wgsl", bindings: ALL },
+    Stage { name: "before_impacts", file: "rigid/frame/impacts.wgsl", bindings: &[BODIES, CONSTANTS, REPORT] },
+    Stage { name: "strike", file: "rigid/frame/impacts.wgsl", bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, REPORT] },
     Stage {
-        name: "all_at_once",
-        file: "rigid/frame/all_at_once.wgsl",
-        bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS, LISTS],
+        name: "find_left_over",
+        file: "rigid/frame/left_over_impacts.wgsl",
+        bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, LOADS],
     },
+    Stage { name: "count_left_over", file: "rigid/frame/left_over_impacts.wgsl", bindings: &[BODIES, LOADS, LISTS] },
+    Stage {
+        name: "strike_left_over",
+        file: "rigid/frame/left_over_impacts.wgsl",
+        bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, LOADS, REPORT],
+    },
+    Stage { name: "mean_of_impacts", file: "rigid/frame/left_over_impacts.wgsl", bindings: &[BODIES, CONSTANTS, LOADS, LISTS] },
+    Stage {
+        name: "carry",
+        file: "rigid/frame/impacts.wgsl",
+        bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS, REPORT],
+    },
+    Stage { name: "impacts_at_once", file: "rigid/frame/impacts_at_once.wgsl", bindings: ALL },
 ];
 
 /// A compiled stage.

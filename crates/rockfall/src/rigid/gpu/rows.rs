@@ -4,6 +4,10 @@ use bytemuck::{Pod, Zeroable};
 
 /// A block has one side without mass.
 pub(crate) const FIXED: u32 = 1 << 24;
+/// A block has no rows in this substep.
+pub(crate) const WAITS: u32 = 1 << 26;
+/// A pair of a block has e > 0.
+pub(crate) const ELASTIC: u32 = 1 << 27;
 /// The first point of a pair opens a chunk.
 pub(crate) const OPENS: u32 = 1 << 16;
 /// The points of a pair are found anew at every refresh.

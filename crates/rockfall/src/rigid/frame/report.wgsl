@@ -1,0 +1,5 @@
+// requires
+
+// What a frame reports: bodies whose path is longer than their margin; bodies whose state stopped being finite; 0xffffffff less the
+// first of these; whether a block was reflected in this substep.
+@group(0) @binding(10) var<storage, read_write> report: array<atomic<u32>, 4>;
