@@ -206,8 +206,9 @@ fn stages_agree() {
             eprintln!("  {part:?}: {apart:.1e} ({kind})");
         }
         for (part, kind, apart) in worst {
-            // The last bit of a place, divided by a slow approach, is a part of the time of an impact, and turns normals.
-            let most = if part == Part::Impacts { 1e-4 } else { 1e-5 };
+            // The last bit of a place, divided by a slow approach, is a part of the time of an impact. It turns normals, and is a part of
+            // speeds by the field.
+            let most = if part == Part::Impacts { 1e-3 } else { 1e-5 };
             assert!(apart < most, "{name}, {part:?}: {kind} differs by {apart}");
         }
     }
