@@ -41,10 +41,11 @@ fn drift_body(body: u32) {
     let top = top_of(body);
     let there = place + (h * motion.velocity - 0.5 * share * h * h * frame.gravity);
     let q = freely_turned(top, before, momentum, h);
-    if !(is_finite(there) & is_finite(q.xyz) & is_finite(q.www) & is_finite(motion.velocity) & is_finite(momentum)) {
+    let path = bodies[at + 3u].w + h * reach_of(motion.velocity, motion.spin, radius);
+    if !(is_finite(there) & is_finite(q.xyz) & is_finite(q.www)) {
         bodies[at] = vec4f(place, 0.0);
         bodies[at + 2u] = vec4f(0.0, 0.0, 0.0, bodies[at + 2u].w);
-        bodies[at + 3u] = vec4f(0.0, 0.0, 0.0, bodies[at + 3u].w);
+        bodies[at + 3u] = vec4f(0.0, 0.0, 0.0, path);
         bodies[at + 6u] = vec4f(0.0, 0.0, 0.0, radius);
         bodies[at + 7u].w = 1.0;
         bodies[at + 8u] = vec4f(0.0);
@@ -54,7 +55,7 @@ fn drift_body(body: u32) {
     let spin = respond(mass, momentum);
     bodies[at] = vec4f(there, 0.0);
     bodies[at + 1u] = q;
-    bodies[at + 3u] = vec4f(spin, bodies[at + 3u].w + h * reach_of(motion.velocity, spin, radius));
+    bodies[at + 3u] = vec4f(spin, path);
     bodies[at + 4u] = vec4f(mass.diagonal, bodies[at + 4u].w);
     bodies[at + 5u] = vec4f(mass.beside, bodies[at + 5u].w);
     bodies[at + 8u] = vec4f(spin, 0.0);

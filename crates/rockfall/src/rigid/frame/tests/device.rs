@@ -112,10 +112,11 @@ impl Apart {
     }
 
     /// The worst kind. Speeds are sums of impulses that cancel: their size is at least that of the impulses (of masses of 1 or more).
-    /// Gaps are differences of arms. A substep of the field is 0.04.
+    /// Impulses are differences of speeds, gaps those of arms. A substep of the field is 0.04.
     fn worst(&self) -> (&'static str, f32) {
         let size = |wanted: &str| self.kinds.iter().find(|kind| kind.0 == wanted).map_or(0.0, |kind| kind.2);
         let least = |kind: &str| match kind {
+            "impulse" => size("velocity"),
             "gap" => size("arm"),
             "clock" => size("position"),
             "velocity" | "spin" | "momentum" | "kicked velocity" | "kicked spin" => size("impulse").max(0.04),
