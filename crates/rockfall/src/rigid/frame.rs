@@ -38,8 +38,6 @@ pub(crate) use energy::auto_substeps;
 #[cfg(test)]
 pub(crate) use energy::{energy, kinetic_energy, momenta};
 pub(crate) use matching::History;
-#[cfg(feature = "gpu")]
-pub(crate) use upload::advance_on_device;
 
 use crate::rigid::world::RigidWorld;
 use bodies::Bodies;

@@ -4,7 +4,8 @@ use glam::{Quat, Vec3};
 
 use super::pile::heap;
 use super::scene::{DT, Scene};
-use crate::rigid::frame::{Frame, advance_on_device, impacts, passes};
+use crate::rigid::frame::upload::advance_on_device;
+use crate::rigid::frame::{Frame, impacts, passes};
 use crate::rigid::gpu::rows::{FrameRows, WAITS};
 use crate::rigid::gpu::{Outcome, Part, Plan, RigidGpu};
 use crate::rigid::pose::Pose;
@@ -92,6 +93,17 @@ fn corner() -> Scene {
     scene
 }
 
+/// Boxes are thrown into the corner, on the belt and on the table: blocks of several pairs are hit, and those with belts.
+fn elastic_corner() -> Scene {
+    let mut scene = corner();
+    scene.world.surfaces[0].restitution = 0.5;
+    for (body, height) in [(1, 0.02), (2, 0.01), (4, 0.03)] {
+        scene.world.bodies[body].pose.position += Vec3::splat(height);
+        scene.throw(body, Vec3::new(-2.0, -1.5, -1.0), Vec3::new(0.3, -0.2, 0.1));
+    }
+    scene
+}
+
 /// The greatest difference of a kind of number, by the greatest number of that kind.
 #[derive(Default)]
 struct Apart {
@@ -172,6 +184,7 @@ fn scenes() -> Vec<(&'static str, Scene, f32)> {
         ("elastic pile", heap(60, 0.7), 0.4),
         ("elastic hub", elastic_hub(), 0.05),
         ("bullets", bullets(), 0.0),
+        ("elastic corner", elastic_corner(), 0.0),
     ]
 }
 
