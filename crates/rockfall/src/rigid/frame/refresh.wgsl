@@ -23,11 +23,11 @@ fn refresh_block(k: u32) {
             pairs[at + 1u] = vec4u(bitcast<vec2u>(belt), old.first, old.info);
         }
         for (var point = old.first; point < old.first + count_of(old); point++) {
-            let on_a = turned_vector(turn_a, bitcast<vec3f>(points[POINT_ROWS * point].xyz));
-            let on_b = apart + turned_vector(turn_b, bitcast<vec3f>(points[POINT_ROWS * point + 1u].xyz));
+            let place_a = turned_vector(turn_a, bitcast<vec3f>(points[POINT_ROWS * point].xyz));
+            let place_b = apart + turned_vector(turn_b, bitcast<vec3f>(points[POINT_ROWS * point + 1u].xyz));
             let kept = contacts[2u * point + 1u];
             let rub = kept.y * old_one + kept.z * old_two;
-            contacts[2u * point] = vec4f(0.5 * (on_a + on_b), dot(on_b - on_a, normal));
+            contacts[2u * point] = vec4f(0.5 * (place_a + place_b), dot(place_b - place_a, normal));
             contacts[2u * point + 1u] = vec4f(kept.x, dot(rub, one), dot(rub, two), 0.0);
         }
     }

@@ -15,10 +15,10 @@ fn put_load(k: u32, block: Block) {
             let kept = contacts[2u * point + 1u];
             if kept.x > 0.0 {
                 let arm = contacts[2u * point].xyz;
-                let push = kept.x * face.normal + kept.y * one + kept.z * two;
-                impulse += push;
-                moment_a -= cross(arm, push);
-                moment_b += cross(arm - apart, push);
+                let own = kept.x * face.normal + kept.y * one + kept.z * two;
+                impulse += own;
+                moment_a -= cross(arm, own);
+                moment_b += cross(arm - apart, own);
             }
         }
     }
@@ -33,9 +33,9 @@ fn gathered(body: u32, mass: Mass, motion: Motion) -> Motion {
     var moment = vec3f(0.0);
     let end = lists[body + 1u];
     for (var entry = lists[body]; entry < end; entry++) {
-        let own = lists[frame.bodies + 1u + entry];
-        let side = own & 1u;
-        let at = LOAD_ROWS * (own >> 1u);
+        let listed = lists[frame.bodies + 1u + entry];
+        let side = listed & 1u;
+        let at = LOAD_ROWS * (listed >> 1u);
         impulse += select(-1.0, 1.0, side == 1u) * loads[at].xyz;
         moment += loads[at + 1u + side].xyz;
     }

@@ -136,10 +136,20 @@ pub(super) fn join(file: &str) -> String {
 }
 
 impl Kernel {
+    #[allow(unsafe_code)]
     pub(super) fn new(device: &wgpu::Device, stage: &Stage) -> Self {
         let text = join(stage.file);
         let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
-        let module = device.create_shader_module(module);
+        // SAFETY: without run-time checks the kernels themselves must stay inside their buffers, and they must terminate. They do:
+        // - Threads whose number is not below the count of their bodies or blocks return at once. The counts and the starts of the
+        //   colours are those of the uploaded arrays (`RigidGpu::frame`).
+        // - The bodies and pairs of blocks, the points and colliders of pairs, and the entries of lists come from the contacts of a
+        //   frame of the CPU, which have the lengths of the arrays. No stage writes them.
+        // - Copies are those of left-over blocks, for which `RigidGpu::frame` makes room.
+        // - `kept` has an index below its length.
+        // - Loops run over counts from the same places, or for a fixed number of times.
+        // - Workgroup memory is written before it is read.
+        let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
         let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
             has_dynamic_offset,
@@ -166,7 +176,10 @@ impl Kernel {
             layout: Some(&pipeline_layout),
             module: &module,
             entry_point: Some(stage.name),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                zero_initialize_workgroup_memory: false,
+                ..Default::default()
+            },
             cache: None,
         });
         Self { pipeline, layout }

@@ -158,3 +158,14 @@ impl FrameRow {
         [ms, ms * (wh / h) / a1, a3, 0.0]
     }
 }
+
+/// Bytes of the rows in `rigid/frame/rows.wgsl`.
+const _: () = {
+    assert!(size_of::<BodyRow>() == 9 * 16);
+    assert!(size_of::<ConstantRow>() == 4 * 16);
+    assert!(size_of::<BlockRow>() == 2 * 16);
+    assert!(size_of::<PairRow>() == 4 * 16);
+    assert!(size_of::<PointRow>() == 2 * 16);
+    assert!(size_of::<ContactRow>() == 2 * 16);
+    assert!(size_of::<FrameRow>() == 9 * 16);
+};
