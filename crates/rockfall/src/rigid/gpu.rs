@@ -48,7 +48,7 @@ pub(crate) enum Plan {
     Stages,
     /// One workgroup looks for impacts, all others are stages.
     ImpactsAtOnce,
-    /// One workgroup looks for impacts, and one solves the rest of a substep.
+    /// One workgroup solves all substeps.
     AllAtOnce,
 }
 
@@ -66,8 +66,8 @@ pub(crate) enum Part {
     Impacts,
     /// The impacts of a substep in one dispatch.
     ImpactsAtOnce,
-    /// The rest of a substep in one dispatch.
-    RestAtOnce,
+    /// The geometry and all substeps in one dispatch.
+    AllAtOnce,
     /// Momenta and margins.
     Settle,
 }
@@ -189,14 +189,15 @@ fn call(colour: u32, biased: bool) -> u32 {
 impl GpuFrame<'_> {
     /// Solves the frame.
     pub(crate) fn solve(&mut self, plan: Plan) {
-        let rest: &[Part] = match plan {
-            Plan::AllAtOnce => &[Part::RestAtOnce],
-            Plan::Stages | Plan::ImpactsAtOnce => &[Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax],
-        };
-        let mut parts = vec![Part::Refresh, Part::Load];
-        for _ in 0..self.substeps {
-            parts.push(if plan == Plan::Stages { Part::Impacts } else { Part::ImpactsAtOnce });
-            parts.extend(rest);
+        let mut parts = Vec::new();
+        if plan == Plan::AllAtOnce {
+            parts.push(Part::AllAtOnce);
+        } else {
+            parts.extend([Part::Refresh, Part::Load]);
+            let impacts = if plan == Plan::Stages { Part::Impacts } else { Part::ImpactsAtOnce };
+            for _ in 0..self.substeps {
+                parts.extend([impacts, Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax]);
+            }
         }
         parts.push(Part::Settle);
         self.run(&parts);
@@ -223,7 +224,7 @@ impl GpuFrame<'_> {
             Part::Refresh => self.dispatch(pass, REFRESH, self.blocks, 0),
             Part::Impacts => self.encode_impacts(pass),
             Part::ImpactsAtOnce => self.dispatch(pass, IMPACTS_AT_ONCE, 1, 0),
-            Part::RestAtOnce => self.dispatch(pass, ALL_AT_ONCE, 1, call(1, false)),
+            Part::AllAtOnce => self.dispatch(pass, ALL_AT_ONCE, 1, 0),
             Part::Settle => self.dispatch(pass, SETTLE, self.bodies, 0),
         }
     }

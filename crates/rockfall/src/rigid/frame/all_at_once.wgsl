@@ -1,8 +1,6 @@
-// requires rigid/frame/rows.wgsl rigid/frame/kick.wgsl rigid/frame/pass.wgsl rigid/frame/left_over.wgsl rigid/frame/drift.wgsl rigid/frame/refresh.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/kick.wgsl rigid/frame/pass.wgsl rigid/frame/left_over.wgsl rigid/frame/drift.wgsl rigid/frame/refresh.wgsl rigid/frame/warm_start.wgsl rigid/frame/impacts_at_once.wgsl rigid/frame/group.wgsl
 
-// All substeps of a frame in one workgroup, for small scenes, or one substep after its impacts (call.colour = 1). It calls the same functions in the same order, so its results are the same.
-
-const GROUP: u32 = 256u;
+// A frame in one workgroup, but for its end.
 
 fn pass_at_once(biased: bool, local: u32) {
     for (var colour = 0u; colour < COLOURS; colour++) {
@@ -28,8 +26,14 @@ fn pass_at_once(biased: bool, local: u32) {
 
 @compute @workgroup_size(GROUP)
 fn all_at_once(@builtin(local_invocation_index) local: u32) {
-    let substeps = select(frame.substeps, 1u, call.colour == 1u);
-    for (var substep = 0u; substep < substeps; substep++) {
+    for (var k = local; k < frame.blocks; k += GROUP) {
+        refresh_block(k);
+        put_load(k, block_at(k));
+    }
+    storageBarrier();
+    for (var substep = 0u; substep < frame.substeps; substep++) {
+        strike_all_at_once(local);
+        storageBarrier();
         for (var body = local; body < frame.bodies; body += GROUP) {
             kick_body(body);
         }

@@ -1,5 +1,8 @@
 //! The kernels of a frame: each is its own file and all files that it requires.
 
+/// Most threads of a stage of one workgroup.
+const MOST_THREADS: u32 = 1024;
+
 /// A WGSL file.
 struct Part {
     file: &'static str,
@@ -32,6 +35,7 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/carry.wgsl"
     "rigid/frame/impacts.wgsl"
     "rigid/frame/left_over_impacts.wgsl"
+    "rigid/frame/group.wgsl"
     "rigid/frame/impacts_at_once.wgsl"
     "rigid/frame/all_at_once.wgsl"
 );
@@ -139,6 +143,7 @@ impl Kernel {
     #[allow(unsafe_code)]
     pub(super) fn new(device: &wgpu::Device, stage: &Stage) -> Self {
         let text = join(stage.file);
+        let has_group = text.contains("override GROUP:");
         let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
         // SAFETY: without run-time checks the kernels themselves must stay inside their buffers, and they must terminate. They do:
         // - Threads whose number is not below the count of their bodies or blocks return at once. The counts and the starts of the
@@ -171,15 +176,17 @@ impl Kernel {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
+        // Threads of the stages of one workgroup.
+        let limits = device.limits();
+        let most = limits.max_compute_invocations_per_workgroup.min(limits.max_compute_workgroup_size_x).min(MOST_THREADS);
+        let constants = [("GROUP", f64::from(most))];
+        let constants: &[_] = if has_group { &constants } else { &[] };
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(stage.name),
             layout: Some(&pipeline_layout),
             module: &module,
             entry_point: Some(stage.name),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                zero_initialize_workgroup_memory: false,
-                ..Default::default()
-            },
+            compilation_options: wgpu::PipelineCompilationOptions { zero_initialize_workgroup_memory: false, constants },
             cache: None,
         });
         Self { pipeline, layout }
