@@ -179,6 +179,7 @@ fn scenes() -> Vec<(&'static str, Scene, f32)> {
         ("stack", stack(10), 0.5),
         ("pile", heap(60, 0.0), 1.0),
         ("wall", wall(8), 0.3),
+        ("great wall", wall(30), 0.05),
         ("hub", hub(), 0.3),
         ("corner", corner(), 0.4),
         ("elastic pile", heap(60, 0.7), 0.4),
@@ -222,7 +223,8 @@ fn stages_agree() {
         for (part, kind, apart) in worst {
             // The last bit of a place, divided by a slow approach, is a part of the time of an impact. It turns normals, and is a part of
             // speeds by the field.
-            let most = if part == Part::Impacts { 1e-3 } else { 1e-5 };
+            // Of 2,600 blocks, some end their sweeps one later, or some point slides, by a last bit: 1e-3 of their own impulses.
+            let most = if part == Part::Impacts || name == "great wall" { 1e-3 } else { 1e-5 };
             assert!(apart < most, "{name}, {part:?}: {kind} differs by {apart}");
         }
     }
@@ -303,7 +305,8 @@ fn frames_agree() {
             "{name}: frames {place:.1e} apart, speeds {speed:.1e}, repeats {repeats} and {}, dispatches {dispatches:?}",
             scene.repeats - before
         );
-        assert!(place < 1e-4 && speed < 1e-2 && repeats == scene.repeats - before, "{name}");
+        let most = if name == "great wall" { 1e-3 } else { 1e-4 };
+        assert!(place < most && speed < 1e-2 && repeats == scene.repeats - before, "{name}");
     }
 }
 
