@@ -6,12 +6,6 @@ fn is_finite(v: vec3f) -> bool {
     return all((bitcast<vec3u>(v) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
 }
 
-// Speed of the fastest point of the surface at most. An infinite radius counts only if the body turns.
-fn reach_of(velocity: vec3f, spin: vec3f, radius: f32) -> f32 {
-    let turning = length(spin);
-    return length(velocity) + select(radius * turning, 0.0, turning == 0.0);
-}
-
 fn drift_body(body: u32) {
     let at = BODY_ROWS * body;
     let place = bodies[at].xyz;
@@ -41,7 +35,7 @@ fn drift_body(body: u32) {
     let top = top_of(body);
     let there = place + (h * motion.velocity - 0.5 * share * h * h * frame.gravity);
     let q = freely_turned(top, before, momentum, h);
-    let path = bodies[at + 3u].w + h * reach_of(motion.velocity, motion.spin, radius);
+    let path = bodies[at + 3u].w + h * (length(motion.velocity) + turning_speed(body, motion.spin));
     if !(is_finite(there) & is_finite(q.xyz) & is_finite(q.www)) {
         bodies[at] = vec4f(place, 0.0);
         bodies[at + 2u] = vec4f(0.0, 0.0, 0.0, bodies[at + 2u].w);

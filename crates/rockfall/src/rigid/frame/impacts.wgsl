@@ -1,4 +1,4 @@
-// requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/carry.wgsl rigid/frame/report.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/carry.wgsl rigid/frame/left_over_impacts.wgsl rigid/frame/report.wgsl
 
 // The impacts of a substep (docs/physics.md section 11.7), a dispatch for each colour and round.
 
@@ -27,5 +27,37 @@ fn carry(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: v
     let k = thread_of(group, groups, local);
     if k < frame.blocks {
         carry_block(k, atomicLoad(&report[3]) != 0u);
+    }
+}
+
+@compute @workgroup_size(THREADS)
+fn find_left_over(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let k = frame.left_over + thread_of(group, groups, local);
+    if k < frame.blocks {
+        find_copies(k);
+    }
+}
+
+@compute @workgroup_size(THREADS)
+fn count_left_over(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let body = thread_of(group, groups, local);
+    if body < frame.bodies {
+        count_hits(body);
+    }
+}
+
+@compute @workgroup_size(THREADS)
+fn strike_left_over(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let k = frame.left_over + thread_of(group, groups, local);
+    if k < frame.blocks && strike_copies(k) {
+        atomicStore(&report[3], 1u);
+    }
+}
+
+@compute @workgroup_size(THREADS)
+fn mean_of_impacts(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let body = thread_of(group, groups, local);
+    if body < frame.bodies {
+        take_impacts(body);
     }
 }

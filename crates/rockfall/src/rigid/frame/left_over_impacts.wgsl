@@ -1,4 +1,4 @@
-// requires rigid/frame/rows.wgsl rigid/frame/turn.wgsl rigid/frame/times.wgsl rigid/frame/reflect.wgsl rigid/frame/report.wgsl physics/quaternion.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/turn.wgsl rigid/frame/times.wgsl rigid/frame/reflect.wgsl physics/quaternion.wgsl
 
 // Impacts of left-over blocks (docs/physics.md section 11.7): all are found, then reflected with copies of their bodies, and each body
 // takes the mean of its copies. Rows of a copy: of a and of b each changes of x, v, L, and the rotation; beside them whether the block is
@@ -88,37 +88,5 @@ fn take_impacts(body: u32) {
     }
     if acted {
         put_after(body, after, clock);
-    }
-}
-
-@compute @workgroup_size(THREADS)
-fn find_left_over(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
-    let k = frame.left_over + thread_of(group, groups, local);
-    if k < frame.blocks {
-        find_copies(k);
-    }
-}
-
-@compute @workgroup_size(THREADS)
-fn count_left_over(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
-    let body = thread_of(group, groups, local);
-    if body < frame.bodies {
-        count_hits(body);
-    }
-}
-
-@compute @workgroup_size(THREADS)
-fn strike_left_over(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
-    let k = frame.left_over + thread_of(group, groups, local);
-    if k < frame.blocks && strike_copies(k) {
-        atomicStore(&report[3], 1u);
-    }
-}
-
-@compute @workgroup_size(THREADS)
-fn mean_of_impacts(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
-    let body = thread_of(group, groups, local);
-    if body < frame.bodies {
-        take_impacts(body);
     }
 }

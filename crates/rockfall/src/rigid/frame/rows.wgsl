@@ -137,6 +137,12 @@ fn share_of(body: u32) -> f32 {
     return bodies[BODY_ROWS * body + 4u].w;
 }
 
+// Speed of the surface of a turning body at most. An infinite radius counts only if the body turns.
+fn turning_speed(body: u32, spin: vec3f) -> f32 {
+    let rate = length(spin);
+    return select(bodies[BODY_ROWS * body + 6u].w * rate, 0.0, rate == 0.0);
+}
+
 // I^-1 times a vector.
 fn respond(mass: Mass, moment: vec3f) -> vec3f {
     let d = mass.diagonal;

@@ -101,12 +101,6 @@ fn least_radius(block: Block) -> f32 {
     return select(a, min(a, b), has_mass(block.b));
 }
 
-// Speed of the surface of a turning body at most. An infinite radius counts only if the body turns.
-fn turning_speed(body: u32, spin: vec3f) -> f32 {
-    let rate = length(spin);
-    return select(bodies[BODY_ROWS * body + 6u].w * rate, 0.0, rate == 0.0);
-}
-
 fn hit_of(block: Block) -> Hit {
     var hit = Hit(false, 0.0, 0.0, true);
     let h = frame.h;

@@ -97,16 +97,16 @@ pub(super) const STAGES: &[Stage] = &[
     Stage { name: "strike", file: "rigid/frame/impacts.wgsl", bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, REPORT] },
     Stage {
         name: "find_left_over",
-        file: "rigid/frame/left_over_impacts.wgsl",
+        file: "rigid/frame/impacts.wgsl",
         bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, LOADS],
     },
-    Stage { name: "count_left_over", file: "rigid/frame/left_over_impacts.wgsl", bindings: &[BODIES, LOADS, LISTS] },
+    Stage { name: "count_left_over", file: "rigid/frame/impacts.wgsl", bindings: &[BODIES, LOADS, LISTS] },
     Stage {
         name: "strike_left_over",
-        file: "rigid/frame/left_over_impacts.wgsl",
+        file: "rigid/frame/impacts.wgsl",
         bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, LOADS, REPORT],
     },
-    Stage { name: "mean_of_impacts", file: "rigid/frame/left_over_impacts.wgsl", bindings: &[BODIES, CONSTANTS, LOADS, LISTS] },
+    Stage { name: "mean_of_impacts", file: "rigid/frame/impacts.wgsl", bindings: &[BODIES, CONSTANTS, LOADS, LISTS] },
     Stage {
         name: "carry",
         file: "rigid/frame/impacts.wgsl",
