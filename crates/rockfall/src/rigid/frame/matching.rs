@@ -30,7 +30,7 @@ struct OldPair {
     count: u32,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct OldPoint {
     id: u32,
     on_a: Vec3A,
@@ -51,7 +51,10 @@ impl History {
             for k in pair.first as usize..(pair.first + count) as usize {
                 let (point, Impulse { normal, tangent }) = (&contacts.points[k], contacts.impulses[k]);
                 let tangent = tangent.x * pair.tangents[0] + tangent.y * pair.tangents[1];
-                history.points.push(OldPoint { id: point.id, on_a: point.on_a, normal, tangent });
+                let old = OldPoint { id: point.id, on_a: point.on_a, normal, tangent };
+                // What is not finite belongs to a body that has stopped.
+                let is_finite = normal.is_finite() && old.tangent.is_finite() && old.on_a.is_finite();
+                history.points.push(if is_finite { old } else { OldPoint::default() });
             }
         }
         history.colours = contacts.blocks.iter().map(|block| (block.bodies, block.colour)).collect();
