@@ -179,7 +179,7 @@ fn the_law_has_constants_of_its_own() {
 /// A body whose state stops being finite is an error, and nothing moves. With `keep_going` it stops, and is counted.
 #[test]
 fn bodies_that_stop_being_finite_are_reported() {
-    let text = "S 1 0 5 0 0 0 0 0 0 0 1 0.5\nS 2 9e37 1 0 3e38 0 0 0 0 0 1 0.5\n@run dt=100\n";
+    let text = "S 1 0 5 0 0 0 0 0 0 0 1 0.5\nS 2 10 1 0 3e38 0 0 0 0 0 1 0.5\n@run dt=100\n";
     let mut simulation = open(text);
     let before = simulation.spheres().expect("states");
     let error = simulation.run(1, 100.0).expect_err("it leaves the range of f32");
