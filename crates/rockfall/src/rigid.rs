@@ -6,6 +6,7 @@
 //! | [`shape`] | cores with a radius: AABB, extent, mass |
 //! | [`collide`] | the contact points of two shapes in a relative pose |
 //! | [`broad`] | pairs of AABBs that overlap |
+//! | [`history`] | what is kept from frame to frame |
 //! | [`world`] | bodies, colliders and materials of a scene |
 //! | [`frame`] | a frame: margins, pairs, blocks, colours, substeps |
 
@@ -15,6 +16,7 @@
 pub(crate) mod broad;
 pub(crate) mod collide;
 pub(crate) mod frame;
+pub(crate) mod history;
 pub(crate) mod pose;
 pub(crate) mod shape;
 pub(crate) mod world;

@@ -34,8 +34,8 @@ mod turn;
 pub(crate) use energy::auto_substeps;
 #[cfg(test)]
 pub(crate) use energy::{energy, kinetic_energy, momenta};
-pub(crate) use matching::History;
 
+use crate::rigid::history::History;
 use crate::rigid::world::RigidWorld;
 use bodies::Bodies;
 use contacts::{Contacts, for_each};

@@ -6,38 +6,7 @@ use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Block, Contacts, Impulse, LEFT_OVER, Pair};
 use crate::rigid::frame::detect::least_radius;
 use crate::rigid::frame::refresh::tangents;
-
-mod kept;
-
-/// Contacts at the end of the last frame.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct History {
-    /// Number of frames so far.
-    pub(super) frames: u32,
-    /// The substep of the impulses, in s.
-    substep: f32,
-    /// In the order of their colliders.
-    pairs: Vec<OldPair>,
-    points: Vec<OldPoint>,
-    /// In the order of their bodies: the two bodies, and the colour.
-    colours: Vec<([u32; 2], u8)>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct OldPair {
-    colliders: [u32; 2],
-    first: u32,
-    count: u32,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct OldPoint {
-    id: u32,
-    on_a: Vec3A,
-    normal: f32,
-    /// Along the axes of the world.
-    tangent: Vec3A,
-}
+use crate::rigid::history::{History, OldPair, OldPoint};
 
 impl History {
     /// Of the contacts after a frame.
@@ -101,12 +70,6 @@ impl History {
     #[cfg(test)]
     pub(super) fn left_over(&self) -> usize {
         self.colours.iter().filter(|(_, colour)| *colour == LEFT_OVER).count()
-    }
-
-    fn pair(&self, colliders: [u32; 2]) -> Option<&[OldPoint]> {
-        let place = self.pairs.binary_search_by_key(&colliders, |old| old.colliders).ok()?;
-        let OldPair { first, count, .. } = self.pairs[place];
-        Some(&self.points[first as usize..(first + count) as usize])
     }
 }
 
