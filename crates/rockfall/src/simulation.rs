@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-#[cfg(feature = "gpu")]
 use crate::error::{Error, Result};
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::exec::gpu::Gpu;
@@ -66,6 +65,7 @@ pub use flow::{Flow, Inflow, Outflow};
 use frames::Frames;
 pub use frames::HardContacts;
 pub use gauge::{GaugeReading, WallLoad};
+#[cfg(feature = "gpu")]
 use kept::Kept;
 use lists::ListPolicy;
 pub use meter::Meter;

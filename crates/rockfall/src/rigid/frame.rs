@@ -37,8 +37,8 @@ mod upload;
 pub(crate) use energy::auto_substeps;
 #[cfg(test)]
 pub(crate) use energy::{energy, kinetic_energy, momenta};
-pub(crate) use matching::History;
 
+use crate::rigid::history::History;
 use crate::rigid::world::RigidWorld;
 use bodies::Bodies;
 use contacts::{Contacts, for_each};
@@ -47,6 +47,8 @@ use times::Scope;
 
 /// Frequency of contacts times the substep; twice as stiff against a side without mass.
 const FREQUENCY: f32 = 0.18;
+/// Greatest factor of a margin.
+pub(crate) const MOST_MARGIN: f32 = 1e30;
 /// A frame is repeated at most so often.
 const REPEATS: u32 = 16;
 
@@ -78,12 +80,12 @@ pub(crate) fn advance_or_stop(world: &mut RigidWorld, dt: f32, substeps: u32, ke
         for _ in 0..substeps {
             frame.substep();
         }
-        let Frame { bodies, contacts, h, .. } = frame;
+        let Frame { mut bodies, contacts, h, .. } = frame;
         if repeats < REPEATS && widen(world, &bodies, repeats) {
             repeats += 1;
             continue;
         }
-        let stopped = bodies.stopped();
+        let stopped = bodies.stop();
         if stopped.is_some() && !keeps_going {
             return FrameReport { repeats, stopped, ..FrameReport::default() };
         }
@@ -154,7 +156,7 @@ fn widen(world: &mut RigidWorld, bodies: &Bodies, repeats: u32) -> bool {
     let mut greatest = 0.0_f32;
     for (i, body) in world.bodies.iter_mut().enumerate() {
         if let Some(beyond) = bodies.beyond(i) {
-            body.margin_scale *= 1.25 * beyond;
+            body.margin_scale = (1.25 * beyond * body.margin_scale).min(MOST_MARGIN);
             greatest = greatest.max(body.margin_scale);
         }
     }

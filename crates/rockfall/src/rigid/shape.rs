@@ -3,7 +3,7 @@
 mod bounds;
 mod hull;
 mod mass;
-mod ray;
+mod moments;
 mod rounded_hull;
 #[cfg(test)]
 pub(crate) mod tests;

@@ -2,6 +2,7 @@
 
 use glam::{Mat3, Quat, Vec3};
 
+use crate::rigid::history::History;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
 
@@ -87,7 +88,7 @@ pub(crate) struct RigidWorld {
     /// Acceleration of the uniform field, in units/s².
     pub(crate) gravity: Vec3,
     /// What the solver keeps from frame to frame.
-    pub(crate) history: crate::rigid::frame::History,
+    pub(crate) history: History,
 }
 
 impl RigidWorld {

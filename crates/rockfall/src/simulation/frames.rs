@@ -5,7 +5,8 @@ use glam::Vec3;
 use crate::error::{BadStage, Error, Result};
 use crate::fine::Fine;
 use crate::model::status::Status;
-use crate::rigid::frame::{FrameReport, History, advance_or_stop, auto_substeps};
+use crate::rigid::frame::{FrameReport, MOST_MARGIN, advance_or_stop, auto_substeps};
+use crate::rigid::history::History;
 use crate::rigid::world::RigidWorld;
 use crate::scene::{Body as Part, BodyHandles, BodyState, RunDefaults, Scene, SphereId};
 use crate::simulation::Simulation;
@@ -17,9 +18,6 @@ mod predict;
 
 pub use predict::HardContacts;
 pub(in crate::simulation) mod check;
-
-/// Greatest factor of a margin that a checkpoint may have.
-const MOST_MARGIN: f32 = 1e30;
 
 /// Who a body is in the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

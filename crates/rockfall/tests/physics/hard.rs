@@ -179,7 +179,7 @@ fn the_law_has_constants_of_its_own() {
 /// A body whose state stops being finite is an error, and nothing moves. With `keep_going` it stops, and is counted.
 #[test]
 fn bodies_that_stop_being_finite_are_reported() {
-    let text = "S 1 0 5 0 0 0 0 0 0 0 1 0.5\nS 2 9e37 1 0 3e38 0 0 0 0 0 1 0.5\n@run dt=100\n";
+    let text = "S 1 0 5 0 0 0 0 0 0 0 1 0.5\nS 2 10 1 0 3e38 0 0 0 0 0 1 0.5\n@run dt=100\n";
     let mut simulation = open(text);
     let before = simulation.spheres().expect("states");
     let error = simulation.run(1, 100.0).expect_err("it leaves the range of f32");
@@ -189,7 +189,8 @@ fn bodies_that_stop_being_finite_are_reported() {
         Simulation::with_options(scene(text), Options::new().backend(Backend::Cpu).keep_going(true)).expect("it opens");
     let report = simulation.run(1, 100.0).expect("it goes on");
     let after = simulation.spheres().expect("states");
-    assert_eq!((report.non_finite, after[1].velocity.to_array()), (1, [0.0; 3]));
+    // It stops in the first substep, and falls from rest in the others.
+    assert_eq!((report.non_finite, after[1].velocity.x, after[1].position.x), (1, 0.0, 10.0));
     assert!(after[0].position.y < -1000.0, "{:?}", after[0]);
 }
 

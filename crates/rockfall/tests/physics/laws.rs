@@ -110,5 +110,5 @@ fn a_law_switches_impulses_off_in_scene_texts() {
         assert_eq!(again.settings, scene.settings, "{text}");
     }
     let error = Scene::parse("set contact_law hertz\n", std::path::Path::new("law")).map(drop).expect_err("refused");
-    assert!(error.to_string().contains("thesis, linear, hertz-mindlin or user"), "{error}");
+    assert!(error.to_string().contains("thesis, linear, hertz-mindlin, user or rigid"), "{error}");
 }

@@ -70,9 +70,9 @@ fn greatest(count: usize, value: impl Fn(usize) -> f32, part: f32, margin: f32) 
 
 /// How far from their origins the nearest points of two lines with unit directions are; `None` if the lines are parallel.
 pub(super) fn closest_of_lines(origin: Vec3, along: Vec3, other: Vec3, across: Vec3) -> Option<(f32, f32)> {
-    // Nearly parallel lines need double precision.
-    let (origin, along) = (origin.as_dvec3(), along.as_dvec3());
-    let (other, across) = (other.as_dvec3(), across.as_dvec3());
+    // Nearly parallel lines need double precision, and directions of that length.
+    let (origin, along) = (origin.as_dvec3(), along.as_dvec3().normalize_or_zero());
+    let (other, across) = (other.as_dvec3(), across.as_dvec3().normalize_or_zero());
     let cosine = along.dot(across);
     let square = along.cross(across).length_squared();
     if square < 1e-7 {

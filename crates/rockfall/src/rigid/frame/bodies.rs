@@ -126,8 +126,17 @@ impl Bodies {
         }
     }
 
-    /// Bodies whose state stopped being finite: their number, and the first one.
-    pub(super) fn stopped(&self) -> Option<(u32, u32)> {
+    /// Stops the bodies whose motion is not finite at the end of a frame. Of all that stopped in the frame: their number, and the first.
+    pub(super) fn stop(&mut self) -> Option<(u32, u32)> {
+        for i in 0..self.count() {
+            let Motion { velocity, spin } = self.motions[i];
+            let is_finite = velocity.is_finite() && spin.is_finite() && self.momenta[i].is_finite();
+            if self.constants[i].dynamic && !is_finite {
+                self.motions[i] = Motion::default();
+                self.momenta[i] = Vec3A::ZERO;
+                self.stopped.insert(i as u32);
+            }
+        }
         self.stopped.first().map(|first| (self.stopped.len() as u32, *first))
     }
 

@@ -2,7 +2,8 @@
 
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER, Pair};
-use crate::rigid::frame::matching::{History, rank};
+use crate::rigid::frame::matching::rank;
+use crate::rigid::history::History;
 
 /// A body with more near blocks than this is a hub: its blocks are left over.
 const HUB: u32 = 64;

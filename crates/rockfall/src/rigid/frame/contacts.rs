@@ -4,6 +4,31 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3A};
 
+use crate::rigid::collide::{MOST_POINTS, Manifold};
+
+/// A pair of colliders that are within reach, a on the body with the smaller number.
+pub(super) struct Found {
+    pub(super) bodies: [u32; 2],
+    pub(super) colliders: [u32; 2],
+    pub(super) manifold: Manifold,
+}
+
+/// Where the points of a pair are: from the centre of body a, along the axes of the world.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    pub(super) normal: Vec3A,
+    pub(super) count: usize,
+    pub(super) on_a: [Vec3A; MOST_POINTS],
+    pub(super) on_b: [Vec3A; MOST_POINTS],
+    pub(super) ids: [u32; MOST_POINTS],
+}
+
+impl Place {
+    pub(super) fn gap(&self, k: usize) -> f32 {
+        (self.on_b[k] - self.on_a[k]).dot(self.normal)
+    }
+}
+
 /// A contact point in coordinates of its bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Point {

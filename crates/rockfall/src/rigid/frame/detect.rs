@@ -5,19 +5,12 @@ use rayon::prelude::*;
 use glam::{Vec3, Vec3A};
 
 use crate::rigid::broad::{self, Aabb};
-use crate::rigid::collide::{Manifold, collide};
+use crate::rigid::collide::collide;
 use crate::rigid::frame::bodies::Bodies;
-use crate::rigid::frame::contacts::{Block, Contacts, Impulse, Pair, Point, Row, is_crowd};
+use crate::rigid::frame::contacts::{Block, Contacts, Found, Impulse, Pair, Point, Row, is_crowd};
 use crate::rigid::frame::seams::{ball_side, expose};
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Collider, RigidWorld, Surface};
-
-/// A pair of colliders that are within reach, a on the body with the smaller number.
-pub(super) struct Found {
-    pub(super) bodies: [u32; 2],
-    pub(super) colliders: [u32; 2],
-    pub(super) manifold: Manifold,
-}
 
 /// All manifolds of a frame, in any order.
 pub(super) fn manifolds(world: &RigidWorld, bodies: &Bodies) -> Vec<Found> {

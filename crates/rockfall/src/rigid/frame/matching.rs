@@ -6,38 +6,7 @@ use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Block, Contacts, Impulse, LEFT_OVER, Pair};
 use crate::rigid::frame::detect::least_radius;
 use crate::rigid::frame::refresh::tangents;
-
-mod kept;
-
-/// Contacts at the end of the last frame.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct History {
-    /// Number of frames so far.
-    pub(super) frames: u32,
-    /// The substep of the impulses, in s.
-    substep: f32,
-    /// In the order of their colliders.
-    pairs: Vec<OldPair>,
-    points: Vec<OldPoint>,
-    /// In the order of their bodies: the two bodies, and the colour.
-    colours: Vec<([u32; 2], u8)>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct OldPair {
-    colliders: [u32; 2],
-    first: u32,
-    count: u32,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct OldPoint {
-    id: u32,
-    on_a: Vec3A,
-    normal: f32,
-    /// Along the axes of the world.
-    tangent: Vec3A,
-}
+use crate::rigid::history::{History, OldPair, OldPoint};
 
 impl History {
     /// Of the contacts after a frame.
@@ -51,7 +20,10 @@ impl History {
             for k in pair.first as usize..(pair.first + count) as usize {
                 let (point, Impulse { normal, tangent }) = (&contacts.points[k], contacts.impulses[k]);
                 let tangent = tangent.x * pair.tangents[0] + tangent.y * pair.tangents[1];
-                history.points.push(OldPoint { id: point.id, on_a: point.on_a, normal, tangent });
+                let old = OldPoint { id: point.id, on_a: point.on_a, normal, tangent };
+                // What is not finite belongs to a body that has stopped.
+                let is_finite = normal.is_finite() && old.tangent.is_finite() && old.on_a.is_finite();
+                history.points.push(if is_finite { old } else { OldPoint::default() });
             }
         }
         history.colours = contacts.blocks.iter().map(|block| (block.bodies, block.colour)).collect();
@@ -98,12 +70,6 @@ impl History {
     #[cfg(test)]
     pub(super) fn left_over(&self) -> usize {
         self.colours.iter().filter(|(_, colour)| *colour == LEFT_OVER).count()
-    }
-
-    fn pair(&self, colliders: [u32; 2]) -> Option<&[OldPoint]> {
-        let place = self.pairs.binary_search_by_key(&colliders, |old| old.colliders).ok()?;
-        let OldPair { first, count, .. } = self.pairs[place];
-        Some(&self.points[first as usize..(first + count) as usize])
     }
 }
 

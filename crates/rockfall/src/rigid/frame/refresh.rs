@@ -4,26 +4,10 @@ use glam::{Vec2, Vec3, Vec3A};
 
 use crate::rigid::collide::{MOST_POINTS, collide};
 use crate::rigid::frame::bodies::Bodies;
-use crate::rigid::frame::contacts::{Block, Impulse, Pair, Point, Row, View};
+use crate::rigid::frame::contacts::{Block, Impulse, Pair, Place, Point, Row, View};
 use crate::rigid::frame::seams::hidden;
 use crate::rigid::pose::Pose;
 use crate::rigid::world::RigidWorld;
-
-/// Where the points of a pair are: from the centre of body a, along the axes of the world.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Place {
-    pub(super) normal: Vec3A,
-    pub(super) count: usize,
-    pub(super) on_a: [Vec3A; MOST_POINTS],
-    pub(super) on_b: [Vec3A; MOST_POINTS],
-    pub(super) ids: [u32; MOST_POINTS],
-}
-
-impl Place {
-    pub(super) fn gap(&self, k: usize) -> f32 {
-        (self.on_b[k] - self.on_a[k]).dot(self.normal)
-    }
-}
 
 /// From the centre of a to that of b.
 pub(super) fn apart([a, b]: &[Pose; 2]) -> Vec3A {

@@ -4,9 +4,7 @@ use glam::{Quat, Vec3};
 
 use crate::rigid::collide::collide;
 use crate::rigid::frame::bodies::Bodies;
-use crate::rigid::frame::contacts::Pair;
-use crate::rigid::frame::detect::Found;
-use crate::rigid::frame::refresh::Place;
+use crate::rigid::frame::contacts::{Found, Pair, Place};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::RigidWorld;

@@ -3,9 +3,9 @@
 use glam::{Vec3, Vec3A};
 
 use crate::rigid::frame::bodies::{Bodies, Motion};
-use crate::rigid::frame::contacts::{Block, Contacts, Pair, Point, Row, View};
+use crate::rigid::frame::contacts::{Block, Contacts, Pair, Place, Point, Row, View};
 use crate::rigid::frame::detect::least_radius;
-use crate::rigid::frame::refresh::{Place, apart, place, places};
+use crate::rigid::frame::refresh::{apart, place, places};
 use crate::rigid::frame::turn::{about, unit};
 use crate::rigid::pose::Pose;
 use crate::rigid::world::RigidWorld;

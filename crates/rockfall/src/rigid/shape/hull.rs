@@ -5,7 +5,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::rigid::shape::mass::moments;
+use crate::rigid::shape::moments::moments;
 use crate::rigid::shape::{Hull, MOST_FACES};
 
 /// Thickness of a plane, as a part of the greatest coordinate about the middle.

@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
+use crate::rigid::shape::moments::{moments, outer};
 use crate::rigid::shape::rounded_hull::rounded;
 use crate::rigid::shape::{Core, Hull, Shape};
 
@@ -72,35 +73,10 @@ fn rounded_moment(h: f64, a: f64, b: f64, r: f64) -> f64 {
     middle + 2.0 * (4.0 * a * b * flat + 4.0 * (a + b) * round + PI * square)
 }
 
-/// Volume, first and second moments of a closed surface of triangles.
-pub(super) struct Moments {
-    pub(super) volume: f64,
-    pub(super) first: DVec3,
-    pub(super) second: DMat3,
-}
-
-/// Moments of the tetrahedra between the origin and triangles that run counterclockwise from outside.
-pub(super) fn moments(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Moments {
-    let mut sum = Moments { volume: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
-    for [p, q, r] in triangles {
-        let volume = p.dot(q.cross(r)) / 6.0;
-        let total = p + q + r;
-        sum.volume += volume;
-        sum.first += total * (volume / 4.0);
-        sum.second += (outer(p) + outer(q) + outer(r) + outer(total)) * (volume / 20.0);
-    }
-    sum
-}
-
 /// A fan of triangles over the faces of a hull.
 fn fan(hull: &Hull) -> impl Iterator<Item = [DVec3; 3]> {
     let corner = |number: u8| hull.vertices[number as usize].as_dvec3();
     hull.faces.iter().flat_map(move |(_, corners)| {
         (1..corners.len() - 1).map(move |k| [corner(corners[0]), corner(corners[k]), corner(corners[k + 1])])
     })
-}
-
-/// The product v v^T.
-fn outer(v: DVec3) -> DMat3 {
-    DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }

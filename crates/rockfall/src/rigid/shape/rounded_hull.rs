@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::rigid::shape::Hull;
-use crate::rigid::shape::mass::{Moments, moments};
+use crate::rigid::shape::moments::{Moments, moments};
 
 /// Parts of a wedge, and of the edges of a triangle on a ball. The volume is exact for any number, the moments to about 1e-4.
 const PARTS: usize = 8;

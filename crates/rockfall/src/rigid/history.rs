@@ -1,9 +1,38 @@
-//! The history of contacts as words, for checkpoints, and the impulses of pairs, for observers.
+//! What the solver keeps from frame to frame: impulses of points and colours of blocks.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
-use super::{History, OldPair, OldPoint};
 use crate::rigid::collide::MOST_POINTS;
+
+/// Contacts at the end of the last frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct History {
+    /// Number of frames so far.
+    pub(in crate::rigid) frames: u32,
+    /// The substep of the impulses, in s.
+    pub(in crate::rigid) substep: f32,
+    /// In the order of their colliders.
+    pub(in crate::rigid) pairs: Vec<OldPair>,
+    pub(in crate::rigid) points: Vec<OldPoint>,
+    /// In the order of their bodies: the two bodies, and the colour.
+    pub(in crate::rigid) colours: Vec<([u32; 2], u8)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::rigid) struct OldPair {
+    pub(in crate::rigid) colliders: [u32; 2],
+    pub(in crate::rigid) first: u32,
+    pub(in crate::rigid) count: u32,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::rigid) struct OldPoint {
+    pub(in crate::rigid) id: u32,
+    pub(in crate::rigid) on_a: Vec3A,
+    pub(in crate::rigid) normal: f32,
+    /// Along the axes of the world.
+    pub(in crate::rigid) tangent: Vec3A,
+}
 
 impl History {
     /// Everything as words, which [`History::from_words`] reads back to the same bits.
@@ -51,6 +80,13 @@ impl History {
             history.colours.push((bodies, colour));
         }
         words.next().is_none().then_some(history)
+    }
+
+    /// The points of a pair of colliders.
+    pub(in crate::rigid) fn pair(&self, colliders: [u32; 2]) -> Option<&[OldPoint]> {
+        let place = self.pairs.binary_search_by_key(&colliders, |old| old.colliders).ok()?;
+        let OldPair { first, count, .. } = self.pairs[place];
+        Some(&self.points[first as usize..(first + count) as usize])
     }
 
     /// The force of each point of a pair at the end of the last frame: its id, and the force on body b along the axes of the world,
