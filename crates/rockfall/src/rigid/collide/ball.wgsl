@@ -1,4 +1,4 @@
-// requires rigid/collide/manifold.wgsl
+// requires rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
 
 // A ball against everything (docs/physics.md section 11.13).
 
@@ -66,6 +66,47 @@ fn place_on_core_face(shape: Shape, point: vec3f) -> CorePlace {
     return found;
 }
 
+fn place_on_core_hull(shape: Shape, point: vec3f) -> CorePlace {
+    var least_height = NO_SEPARATION;
+    var inside = CorePlace(point, vec3f(0.0), true);
+    var best = 3e38;
+    var outside = inside;
+    for (var face = 0u; face < 32u && face < faces_of_core(shape); face++) {
+        let normal = normal_of_core(shape, face);
+        let corners = corners_of_core(shape, face);
+        let height = dot(point - vertex_of_core(shape, corner_of_core(shape, face, 0u)), normal);
+        if height > least_height {
+            least_height = height;
+            inside = CorePlace(point - height * normal, normal, true);
+        }
+        if height <= 0.0 {
+            continue;
+        }
+        let foot = point - height * normal;
+        var square = 3e38;
+        var found = CorePlace(foot, normal, true);
+        for (var k = 0u; k < 64u && k < corners; k++) {
+            let start = vertex_of_core(shape, corner_of_core(shape, face, k));
+            let end = vertex_of_core(shape, corner_of_core(shape, face, select(k + 1u, 0u, k + 1u == corners)));
+            let place = place_on_segment(start, end, point);
+            let offset = place - point;
+            if dot(foot - start, cross(end - start, normal)) > 0.0 && dot(offset, offset) < square {
+                square = dot(offset, offset);
+                found = direction_to(place, point, normal);
+            }
+        }
+        let offset = found.place - point;
+        if dot(offset, offset) < best {
+            best = dot(offset, offset);
+            outside = found;
+        }
+    }
+    if least_height > 0.0 {
+        return outside;
+    }
+    return inside;
+}
+
 fn place_on_core(shape: Shape, point: vec3f) -> CorePlace {
     switch shape.core {
         case CORE_HALF_SPACE: {
@@ -77,15 +118,15 @@ fn place_on_core(shape: Shape, point: vec3f) -> CorePlace {
         case CORE_BOX: {
             return place_on_core_box(shape.size.xyz, point);
         }
+        case CORE_HULL: {
+            return place_on_core_hull(shape, point);
+        }
         case CORE_SEGMENT: {
             let place = vec3f(0.0, clamp(point.y, -shape.size.x, shape.size.x), 0.0);
             return direction_to(place, point, vec3f(1.0, 0.0, 0.0));
         }
-        case CORE_POINT: {
-            return direction_to(vec3f(0.0), point, vec3f(0.0, 1.0, 0.0));
-        }
         default: {
-            return CorePlace(vec3f(0.0), vec3f(0.0), false);
+            return direction_to(vec3f(0.0), point, vec3f(0.0, 1.0, 0.0));
         }
     }
 }

@@ -1,5 +1,5 @@
-// requires physics/quaternion.wgsl rigid/collide/ball.wgsl rigid/collide/box_box.wgsl rigid/collide/half_space.wgsl
-// requires rigid/collide/manifold.wgsl
+// requires physics/quaternion.wgsl rigid/collide/ball.wgsl rigid/collide/box_box.wgsl rigid/collide/capsule.wgsl
+// requires rigid/collide/half_space.wgsl rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
 
 // Contacts of two shapes in a relative pose: which pair of cores is solved where (docs/physics.md section 11.13). A shape is two rows of
 // four words in memory (`Shape`).
@@ -14,11 +14,19 @@ fn collide_in_order(a: Shape, b: Shape, position: vec3f, axes: mat3x3f, reach: f
     if b.core == CORE_POINT {
         return collide_ball(a, b.radius, position, reach);
     }
+    let other = Solid(b, position, axes);
     if a.core == CORE_HALF_SPACE {
-        return collide_half_space(a, b, position, axes, reach);
+        return collide_half_space(a, other, reach);
     }
     if a.core == CORE_BOX && b.core == CORE_BOX && a.radius + b.radius <= 0.0 {
         return collide_boxes(a.size.xyz, b.size.xyz, position, axes, reach);
+    }
+    let own = Solid(a, vec3f(0.0), mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0)));
+    if a.core == CORE_SEGMENT {
+        return collide_capsules(own, other, reach);
+    }
+    if b.core == CORE_SEGMENT {
+        return collide_capsule(own, other, reach);
     }
     return no_contact();
 }

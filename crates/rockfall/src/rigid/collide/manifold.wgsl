@@ -11,6 +11,7 @@ const CORE_SEGMENT: u32 = 4u;
 const CORE_POINT: u32 = 5u;
 
 const MOST_POINTS: u32 = 4u;
+// Corners of two quadrilaterals; a kernel for hulls has 64.
 const MOST_CANDIDATES: u32 = 8u;
 const EPSILON: f32 = 1.1920929e-7;
 // Less than any separation.
@@ -42,8 +43,8 @@ struct Manifold {
 struct Candidates {
     count: u32,
     // Place on the core of the first shape, and the separation of the cores: the other place is that far along the normal.
-    places: array<vec4f, 8>,
-    ids: array<u32, 8>,
+    places: array<vec4f, MOST_CANDIDATES>,
+    ids: array<u32, MOST_CANDIDATES>,
 }
 
 fn id_of_corner(b_is_reference: bool, reference: u32, incident: u32, before: u32, after: u32) -> u32 {
@@ -131,7 +132,7 @@ fn exchange_shapes(manifold: ptr<function, Manifold>, position: vec3f, axes: mat
 }
 
 // The first of the values that are nearly the greatest, up to a part of it and a margin.
-fn first_of_greatest(values: ptr<function, array<f32, 8>>, count: u32, part: f32, margin: f32) -> u32 {
+fn first_of_greatest(values: ptr<function, array<f32, MOST_CANDIDATES>>, count: u32, part: f32, margin: f32) -> u32 {
     var most = NO_SEPARATION;
     for (var k = 0u; k < MOST_CANDIDATES && k < count; k++) {
         most = max(most, (*values)[k]);
@@ -152,7 +153,7 @@ fn reduced(candidates: ptr<function, Candidates>, normal: vec3f, along: vec3f, r
     var chosen = vec4u(0u, 1u, 2u, 3u);
     var taken = min(count, 4u);
     if count > 4u {
-        var values: array<f32, 8>;
+        var values: array<f32, MOST_CANDIDATES>;
         let origin = (*candidates).places[0].xyz;
         var spread = 0.0;
         for (var k = 0u; k < MOST_CANDIDATES && k < count; k++) {
