@@ -1,9 +1,12 @@
 // requires rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
 
-// Two boxes without radii (docs/physics.md section 11.13). The fallback on the general pair is not part of it yet.
+// Two boxes without radii (docs/physics.md section 11.13).
 //
 // An axis i is chosen by turning the coordinates in a ring (`cycled`), so that it is x and the axes i + 1 and i + 2 are y and z: no
 // vector is indexed by a variable.
+
+// Number of points of boxes that the general pair must decide.
+const UNDECIDED: u32 = 5u;
 
 // In coordinates of a: half the edges of both, the axes of b, and the way from a to b.
 struct BoxPair {
@@ -293,5 +296,9 @@ fn collide_boxes(half_a: vec3f, half_b: vec3f, way: vec3f, axes: mat3x3f, reach:
     if by_face.count > 0u {
         return by_face;
     }
-    return contact_of_edges(pair, i, j, reach, select(0.0, 1e-3 * size, is_lattice));
+    var by_edges = contact_of_edges(pair, i, j, reach, select(0.0, 1e-3 * size, is_lattice));
+    if by_edges.count == 0u && !is_lattice {
+        by_edges.count = UNDECIDED;
+    }
+    return by_edges;
 }

@@ -1,5 +1,5 @@
 // requires physics/quaternion.wgsl rigid/collide/ball.wgsl rigid/collide/box_box.wgsl rigid/collide/capsule.wgsl
-// requires rigid/collide/half_space.wgsl rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
+// requires rigid/collide/half_space.wgsl rigid/collide/manifold.wgsl rigid/collide/polyhedra.wgsl rigid/collide/solid.wgsl
 
 // Contacts of two shapes in a relative pose: which pair of cores is solved where (docs/physics.md section 11.13). A shape is two rows of
 // four words in memory (`Shape`).
@@ -19,7 +19,10 @@ fn collide_in_order(a: Shape, b: Shape, position: vec3f, axes: mat3x3f, reach: f
         return collide_half_space(a, other, reach);
     }
     if a.core == CORE_BOX && b.core == CORE_BOX && a.radius + b.radius <= 0.0 {
-        return collide_boxes(a.size.xyz, b.size.xyz, position, axes, reach);
+        let manifold = collide_boxes(a.size.xyz, b.size.xyz, position, axes, reach);
+        if manifold.count != UNDECIDED {
+            return manifold;
+        }
     }
     let own = Solid(a, vec3f(0.0), mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0)));
     if a.core == CORE_SEGMENT {
@@ -28,7 +31,7 @@ fn collide_in_order(a: Shape, b: Shape, position: vec3f, axes: mat3x3f, reach: f
     if b.core == CORE_SEGMENT {
         return collide_capsule(own, other, reach);
     }
-    return no_contact();
+    return collide_solids(own, other, reach);
 }
 
 // The contact points of two shapes with a separation of at most `reach`, in coordinates of a. There b has this position and turn.
