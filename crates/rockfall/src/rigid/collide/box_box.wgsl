@@ -287,7 +287,8 @@ fn collide_boxes(half_a: vec3f, half_b: vec3f, way: vec3f, axes: mat3x3f, reach:
     let least = least_separation(&by_face);
     let is_beside = by_face.count > 0u && best > 0.0 && least > best + 0.02 * size + noise;
     let is_lattice = by_face.count == 0u && best > -0.01 * size - noise;
-    if is_beside || is_lattice {
+    let is_apart = max(greatest_of(max(of_a, of_b)), edge) > 0.0;
+    if is_apart && (is_beside || is_lattice) {
         var closest = contact_of_closest_boxes(pair, reach, 1e-3 * size + noise);
         if closest.count > 0u && (is_lattice || least_separation(&closest) < least - 0.02 * size) {
             return closest;

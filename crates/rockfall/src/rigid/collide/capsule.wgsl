@@ -259,7 +259,7 @@ fn collide_capsule(a: Solid, b: Solid, reach: f32) -> Manifold {
     if points.apart <= noise {
         return capsule_inside(pair, points.on_b);
     }
-    let normal = normalize(points.on_b - points.on_a);
+    let normal = points.normal;
     if is_one_sided && normal.z < 1e-3 {
         return no_contact();
     }

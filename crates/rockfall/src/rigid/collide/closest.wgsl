@@ -7,6 +7,8 @@ struct ClosestPoints {
     // 0 if the sets overlap.
     apart: f32,
     on_b: vec3f,
+    // Unit vector from a to b; not defined if the sets overlap.
+    normal: vec3f,
     // The least numbers of the vertices that span the nearest features.
     of_a: u32,
     of_b: u32,
@@ -118,6 +120,22 @@ fn reduce_simplex(simplex: ptr<function, Simplex>) {
     (*simplex).weights = left;
 }
 
+// The direction of the nearest point. The edge or triangle that has it tells that better than its own few digits.
+fn normal_of_simplex(simplex: ptr<function, Simplex>, nearest: vec3f) -> vec3f {
+    let u = (*simplex).offsets[1] - (*simplex).offsets[0];
+    let v = (*simplex).offsets[2] - (*simplex).offsets[0];
+    var normal = nearest;
+    if (*simplex).count == 2u {
+        normal -= u * (dot(nearest, u) / dot(u, u));
+    } else if (*simplex).count == 3u {
+        let product = cross(u, v);
+        if dot(product, product) > 1e-6 * dot(u, u) * dot(v, v) {
+            normal = product * unit_sign(dot(product, nearest));
+        }
+    }
+    return normalize(normal);
+}
+
 fn closest_points(a: Solid, b: Solid) -> ClosestPoints {
     var simplex = Simplex();
     var direction = vertex_of(a, 0u) - vertex_of(b, 0u);
@@ -155,7 +173,7 @@ fn closest_points(a: Solid, b: Solid) -> ClosestPoints {
             break;
         }
     }
-    var points = ClosestPoints(vec3f(0.0), length(nearest), vec3f(0.0), 255u, 255u);
+    var points = ClosestPoints(vec3f(0.0), length(nearest), vec3f(0.0), normal_of_simplex(&simplex, nearest), 255u, 255u);
     for (var k = 0u; k < 4u && k < simplex.count; k++) {
         let numbers = simplex.numbers[k];
         points.on_a += simplex.weights[k] * vertex_of(a, numbers.x);

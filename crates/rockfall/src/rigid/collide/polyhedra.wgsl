@@ -144,7 +144,7 @@ fn contact_of_closest(pair: SolidPair, least: f32) -> Manifold {
     if points.apart > pair.most || points.apart <= least {
         return no_contact();
     }
-    let normal = normalize(points.on_b - points.on_a);
+    let normal = points.normal;
     return one_point(normal, points.on_a, points.on_b, pair.radii, id_of_closest(points.of_a, points.of_b));
 }
 
