@@ -222,7 +222,7 @@ fn contact_of_closest_boxes(pair: BoxPair, reach: f32, nearest: f32) -> Manifold
     if apart > reach || apart <= nearest {
         return no_contact();
     }
-    return one_point((on_b - on_a) / apart, on_a, on_b, vec2f(0.0), id);
+    return one_point(normalize(on_b - on_a), on_a, on_b, vec2f(0.0), id);
 }
 
 // The number of the lower vertex of an edge along axis i of a box, from the signs of its coordinates i + 1 and i + 2.

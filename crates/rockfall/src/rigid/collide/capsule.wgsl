@@ -246,17 +246,18 @@ fn capsule_inside(pair: CapsulePair, shared_place: vec3f) -> Manifold {
 // A face, box or hull a and a capsule b.
 fn collide_capsule(a: Solid, b: Solid, reach: f32) -> Manifold {
     let radii = vec2f(a.shape.radius, b.shape.radius);
-    let noise = 2.0 * EPSILON * (scale_of(a) + b.shape.size.x + greatest_of(abs(b.position)));
+    let noise = 2.0 * EPSILON * (extent_of_solid(a) + b.shape.size.x + greatest_of(abs(b.position)));
     let pair = CapsulePair(a, segment_of(b), radii, reach + radii.x + radii.y, noise, b.position.z < 0.0);
     let is_one_sided = a.shape.core == CORE_FACE && a.shape.more == 1u;
     if is_one_sided && pair.is_below {
         return no_contact();
     }
-    let points = closest_points(a, b);
+    let points = closest_of_solids(a, b);
     if points.apart > pair.most {
         return no_contact();
     }
-    if points.apart <= noise {
+    // Single precision tells apart no less than this.
+    if points.apart <= 4.0 * noise {
         return capsule_inside(pair, points.on_b);
     }
     let normal = points.normal;

@@ -136,7 +136,7 @@ fn normal_of_simplex(simplex: ptr<function, Simplex>, nearest: vec3f) -> vec3f {
     return normalize(normal);
 }
 
-fn closest_points(a: Solid, b: Solid) -> ClosestPoints {
+fn closest_of_solids(a: Solid, b: Solid) -> ClosestPoints {
     var simplex = Simplex();
     var direction = vertex_of(a, 0u) - vertex_of(b, 0u);
     var nearest = vec3f(0.0);
@@ -151,7 +151,9 @@ fn closest_points(a: Solid, b: Solid) -> ClosestPoints {
             is_known = is_known || all(simplex.numbers[k] == next);
             scale = max(scale, dot(simplex.offsets[k], simplex.offsets[k]));
         }
-        if round > 0u && (is_known || square <= 1e-13 * scale || square - dot(nearest, offset) <= 1e-7 * square) {
+        // The direction is a unit vector against the nearest point.
+        let is_last = is_known || square <= 1e-13 * scale || sqrt(square) + dot(direction, offset) <= 1e-7 * sqrt(square);
+        if round > 0u && is_last {
             break;
         }
         let before = simplex;
@@ -167,7 +169,7 @@ fn closest_points(a: Solid, b: Solid) -> ClosestPoints {
         }
         nearest = found;
         square = found_square;
-        direction = -found;
+        direction = -normal_of_simplex(&simplex, found);
         if simplex.count == 4u {
             nearest = vec3f(0.0);
             break;

@@ -140,7 +140,7 @@ fn contact_of_solid_edges(pair: SolidPair, axis: BestAxis) -> Manifold {
 
 // One point between the closest points of the cores, unless these are nearer than `least`.
 fn contact_of_closest(pair: SolidPair, least: f32) -> Manifold {
-    let points = closest_points(pair.a, pair.b);
+    let points = closest_of_solids(pair.a, pair.b);
     if points.apart > pair.most || points.apart <= least {
         return no_contact();
     }
@@ -289,7 +289,7 @@ fn strict_contact(pair: SolidPair) -> Manifold {
     if face.second == 1u {
         own = pair.b;
     }
-    let place = closest_points(pair.a, pair.b).on_b;
+    let place = closest_of_solids(pair.a, pair.b).on_b;
     let foot = place - dot(place - corner_of(own, face.first, 0u), face.normal) * face.normal;
     if face.second == 1u {
         return one_point(-face.normal, place, foot, pair.radii, 0u);
@@ -299,7 +299,7 @@ fn strict_contact(pair: SolidPair) -> Manifold {
 
 fn collide_solids(a: Solid, b: Solid, reach: f32) -> Manifold {
     let radii = vec2f(a.shape.radius, b.shape.radius);
-    let scales = scale_of(a) + scale_of(b) + greatest_of(abs(b.position));
+    let scales = extent_of_solid(a) + extent_of_solid(b) + greatest_of(abs(b.position));
     let size = 0.5 * min(width_of_shape(a.shape), width_of_shape(b.shape));
     let pair = SolidPair(a, b, radii, reach + radii.x + radii.y, size, 4.0 * EPSILON * scales);
     let a_is_face = a.shape.core == CORE_FACE;

@@ -153,7 +153,7 @@ fn corner_after(solid: Solid, face: u32, k: u32) -> vec3f {
 }
 
 // Greatest coordinate of a vertex about the position: the scale of rounding errors.
-fn scale_of(solid: Solid) -> f32 {
+fn extent_of_solid(solid: Solid) -> f32 {
     var scale = 0.0;
     for (var k = 0u; k < 64u && k < vertices_of_core(solid.shape); k++) {
         scale = max(scale, greatest_of(abs(solid.axes * vertex_of_core(solid.shape, k))));
