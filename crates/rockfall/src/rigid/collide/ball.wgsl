@@ -108,27 +108,22 @@ fn place_on_core_hull(shape: Shape, point: vec3f) -> CorePlace {
 }
 
 fn place_on_core(shape: Shape, point: vec3f) -> CorePlace {
-    switch shape.core {
-        case CORE_HALF_SPACE: {
-            return CorePlace(vec3f(point.x, 0.0, point.z), vec3f(0.0, 1.0, 0.0), true);
-        }
-        case CORE_FACE: {
-            return place_on_core_face(shape, point);
-        }
-        case CORE_BOX: {
-            return place_on_core_box(shape.size.xyz, point);
-        }
-        case CORE_HULL: {
-            return place_on_core_hull(shape, point);
-        }
-        case CORE_SEGMENT: {
-            let place = vec3f(0.0, clamp(point.y, -shape.size.x, shape.size.x), 0.0);
-            return direction_to(place, point, vec3f(1.0, 0.0, 0.0));
-        }
-        default: {
-            return direction_to(vec3f(0.0), point, vec3f(0.0, 1.0, 0.0));
-        }
+    if shape.core == CORE_HALF_SPACE {
+        return CorePlace(vec3f(point.x, 0.0, point.z), vec3f(0.0, 1.0, 0.0), true);
     }
+    if shape.core == CORE_FACE {
+        return place_on_core_face(shape, point);
+    }
+    if shape.core == CORE_BOX {
+        return place_on_core_box(shape.size.xyz, point);
+    }
+    if HULLS & (shape.core == CORE_HULL) {
+        return place_on_core_hull(shape, point);
+    }
+    let is_segment = shape.core == CORE_SEGMENT;
+    let half = select(0.0, shape.size.x, is_segment);
+    let otherwise = select(vec3f(0.0, 1.0, 0.0), vec3f(1.0, 0.0, 0.0), is_segment);
+    return direction_to(vec3f(0.0, clamp(point.y, -half, half), 0.0), point, otherwise);
 }
 
 // A ball b with its centre at a position in coordinates of a.

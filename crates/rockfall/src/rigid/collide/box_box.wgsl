@@ -5,7 +5,7 @@
 // An axis i is chosen by turning the coordinates in a ring (`cycled`), so that it is x and the axes i + 1 and i + 2 are y and z: no
 // vector is indexed by a variable.
 
-// Number of points of boxes that the general pair must decide.
+// As a number of points: the general pair must decide.
 const UNDECIDED: u32 = 5u;
 
 // In coordinates of a: half the edges of both, the axes of b, and the way from a to b.
@@ -38,9 +38,8 @@ fn gaps_of_edges(pair: BoxPair, column: vec3f, across: vec3f, noise: f32) -> vec
     return select(gap * inverseSqrt(max(square, vec3f(1e-6))), vec3f(NO_SEPARATION), square < vec3f(1e-6));
 }
 
-// One point between edge i of a and edge j of b. None if the nearest points of their lines are beyond the edges, or nearer than `inset` to
-// their ends.
-fn contact_of_edges(pair: BoxPair, i: u32, j: u32, reach: f32, inset: f32) -> Manifold {
+// One point between edge i of a and edge j of b. None if the nearest points of their lines are beyond the edges.
+fn contact_of_edges(pair: BoxPair, i: u32, j: u32, reach: f32) -> Manifold {
     let half_a = cycled(pair.half_a, i);
     let half_b = cycled(pair.half_b, j);
     let way = cycled(pair.way, i);
@@ -65,7 +64,7 @@ fn contact_of_edges(pair: BoxPair, i: u32, j: u32, reach: f32, inset: f32) -> Ma
     let s = dot(cross(offset, across), product) / square;
     // The product of the offset with x.
     let t = dot(vec3f(0.0, offset.z, -offset.y), product) / square;
-    if abs(s) > 1.0001 * half_a.x - inset || abs(t) > 1.0001 * half_b.x - inset {
+    if abs(s) > 1.0001 * half_a.x || abs(t) > 1.0001 * half_b.x {
         return no_contact();
     }
     let on_a = middle_a + vec3f(s, 0.0, 0.0);
@@ -204,7 +203,7 @@ fn contact_of_closest_boxes(pair: BoxPair, reach: f32, nearest: f32) -> Manifold
     for (var k = 0u; k < 9u; k++) {
         let i = k / 3u;
         let j = k - 3u * i;
-        let edges = contact_of_edges(pair, i, j, 3e38, 0.0);
+        let edges = contact_of_edges(pair, i, j, 3e38);
         let offset = edges.on_b[0] - edges.on_a[0];
         let square = dot(offset, offset);
         // Only edges that face each other: the supporting ones of the direction between them.
@@ -268,11 +267,9 @@ fn collide_boxes(half_a: vec3f, half_b: vec3f, way: vec3f, axes: mat3x3f, reach:
     let lanes = select(select(is_enough[2], is_enough[1], i == 1u), is_enough[0], i == 0u);
     let j = select(select(2u, 1u, lanes.y), 0u, lanes.x);
 
-    if edge > face + 0.05 * abs(face) + 0.01 * size {
-        let by_edges = contact_of_edges(pair, i, j, reach, 0.0);
-        if by_edges.count > 0u {
-            return by_edges;
-        }
+    var by_edges = contact_of_edges(pair, i, j, reach);
+    if by_edges.count > 0u && edge > face + 0.05 * abs(face) + 0.01 * size {
+        return by_edges;
     }
     let by_b = axis >= 3u;
     var own = pair;
@@ -297,8 +294,14 @@ fn collide_boxes(half_a: vec3f, half_b: vec3f, way: vec3f, axes: mat3x3f, reach:
     if by_face.count > 0u {
         return by_face;
     }
-    var by_edges = contact_of_edges(pair, i, j, reach, select(0.0, 1e-3 * size, is_lattice));
-    if by_edges.count == 0u && !is_lattice {
+    if is_lattice {
+        // The contact counts only if it is inside of both edges.
+        let inset = 1e-3 * size;
+        let at_a = abs(cycled(by_edges.on_a[0], i).x);
+        let at_b = abs(cycled((by_edges.on_b[0] - way) * axes, j).x);
+        let is_inside = at_a <= 1.0001 * cycled(half_a, i).x - inset && at_b <= 1.0001 * cycled(half_b, j).x - inset;
+        by_edges.count = select(0u, by_edges.count, is_inside);
+    } else if by_edges.count == 0u {
         by_edges.count = UNDECIDED;
     }
     return by_edges;

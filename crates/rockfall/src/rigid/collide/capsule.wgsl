@@ -186,8 +186,9 @@ fn capsule_inside(pair: CapsulePair, shared_place: vec3f) -> Manifold {
     let is_flat = shape.core == CORE_FACE;
     let along = unit_or_zero(pair.segment.end - pair.segment.start);
     let size = distance(pair.segment.start, pair.segment.end);
-    var enough = least_deep_face(pair, 0.02).y;
-    enough += 0.05 * abs(enough);
+    let preferred = least_deep_face(pair, 0.02);
+    let deepest = least_deep_face(pair, 0.0);
+    let enough = preferred.y + 0.05 * abs(preferred.y);
     // The best edge and face, with a preference, without one, and then without conditions.
     for (var attempt = 0u; attempt < 6u; attempt++) {
         let part = select(0.0, 0.02, attempt == 0u || attempt == 2u || attempt == 5u);
@@ -226,7 +227,7 @@ fn capsule_inside(pair: CapsulePair, shared_place: vec3f) -> Manifold {
                 return one_point(normal, start + places.x * direction, pair.segment.start + places.y * along, pair.radii, 0u);
             }
         } else {
-            let face = least_deep_face(pair, part);
+            let face = select(deepest, preferred, part > 0.0);
             var found = capsule_above_face(pair, u32(face.x));
             let most = face.y + 0.05 * abs(face.y) + pair.noise - pair.radii.x - pair.radii.y;
             if found.count > 0u && (!has_condition || is_flat || least_separation(&found) <= most) {
@@ -237,7 +238,7 @@ fn capsule_inside(pair: CapsulePair, shared_place: vec3f) -> Manifold {
     if is_flat {
         return no_contact();
     }
-    let face = u32(least_deep_face(pair, 0.0).x);
+    let face = u32(deepest.x);
     let normal = normal_of(pair.a, face);
     let height = dot(shared_place - corner_of(pair.a, face, 0u), normal);
     return one_point(normal, shared_place - height * normal, shared_place, pair.radii, 0u);

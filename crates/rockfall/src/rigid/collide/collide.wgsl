@@ -18,20 +18,27 @@ fn collide_in_order(a: Shape, b: Shape, position: vec3f, axes: mat3x3f, reach: f
     if a.core == CORE_HALF_SPACE {
         return collide_half_space(a, other, reach);
     }
-    if a.core == CORE_BOX && b.core == CORE_BOX && a.radius + b.radius <= 0.0 {
-        let manifold = collide_boxes(a.size.xyz, b.size.xyz, position, axes, reach);
-        if manifold.count != UNDECIDED {
-            return manifold;
-        }
-    }
     let own = Solid(a, vec3f(0.0), mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0)));
-    if a.core == CORE_SEGMENT {
-        return collide_capsules(own, other, reach);
-    }
-    if b.core == CORE_SEGMENT {
+    if CAPSULES & (b.core == CORE_SEGMENT) {
+        if a.core == CORE_SEGMENT {
+            return collide_capsules(own, other, reach);
+        }
         return collide_capsule(own, other, reach);
     }
-    return collide_solids(own, other, reach);
+    var manifold = no_contact();
+    if a.core == CORE_BOX && b.core == CORE_BOX && a.radius + b.radius <= 0.0 {
+        manifold = collide_boxes(a.size.xyz, b.size.xyz, position, axes, reach);
+    } else {
+        manifold.count = UNDECIDED;
+    }
+    if manifold.count == UNDECIDED {
+        manifold.count = 0u;
+        // Boxes without radii hardly ever come here.
+        if SOLIDS {
+            return collide_solids(own, other, reach);
+        }
+    }
+    return manifold;
 }
 
 // The contact points of two shapes with a separation of at most `reach`, in coordinates of a. There b has this position and turn.

@@ -10,6 +10,12 @@ const CORE_HULL: u32 = 3u;
 const CORE_SEGMENT: u32 = 4u;
 const CORE_POINT: u32 = 5u;
 
+// What is in a scene, so that kernels without it are small: hulls; capsules; pairs of faces, boxes and hulls other than two boxes without
+// radii.
+const HULLS: bool = true;
+const CAPSULES: bool = true;
+const SOLIDS: bool = true;
+
 const MOST_POINTS: u32 = 4u;
 // Corners of two quadrilaterals; a kernel for hulls has 64.
 const MOST_CANDIDATES: u32 = 8u;

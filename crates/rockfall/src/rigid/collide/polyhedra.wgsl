@@ -34,7 +34,7 @@ struct FacePolygon {
 
 fn width_of_shape(shape: Shape) -> f32 {
     var width = 2.0 * least_of(shape.size.xyz);
-    if shape.core == CORE_HULL {
+    if HULLS & (shape.core == CORE_HULL) {
         width = bitcast<f32>(hulls[shape.more].w);
     } else if shape.core == CORE_FACE {
         let u = shape.size.xy;
@@ -139,13 +139,11 @@ fn contact_of_solid_edges(pair: SolidPair, axis: BestAxis) -> Manifold {
 }
 
 // One point between the closest points of the cores, unless these are nearer than `least`.
-fn contact_of_closest(pair: SolidPair, least: f32) -> Manifold {
-    let points = closest_of_solids(pair.a, pair.b);
+fn contact_of_closest(pair: SolidPair, points: ClosestPoints, least: f32) -> Manifold {
     if points.apart > pair.most || points.apart <= least {
         return no_contact();
     }
-    let normal = points.normal;
-    return one_point(normal, points.on_a, points.on_b, pair.radii, id_of_closest(points.of_a, points.of_b));
+    return one_point(points.normal, points.on_a, points.on_b, pair.radii, id_of_closest(points.of_a, points.of_b));
 }
 
 // Removes what lies above a plane. The new edge gets a label.
@@ -266,107 +264,113 @@ fn contact_of_solid_face(pair: SolidPair, axis: BestAxis) -> Manifold {
     return reduced(&candidates, outward, unit_or_zero(along), pair.radii);
 }
 
-// The best axis of shapes that overlap, without preferences: never nothing.
-fn strict_contact(pair: SolidPair) -> Manifold {
-    let face = best_face(pair, 0.0);
-    let edges = best_edges(pair, 0.0);
-    if face.separation > pair.most || edges.separation > pair.most {
-        return no_contact();
-    }
-    let edges_first = edges.exists && edges.separation > face.separation;
-    for (var attempt = 0u; attempt < 2u; attempt++) {
-        var found = no_contact();
-        if edges_first == (attempt == 0u) {
-            found = contact_of_solid_edges(pair, edges);
-        } else {
-            found = contact_of_solid_face(pair, face);
-        }
-        if found.count > 0u {
-            return found;
-        }
-    }
+// A common point of shapes that overlap, pushed out of a face.
+fn contact_of_common_point(pair: SolidPair, face: BestAxis, place: vec3f) -> Manifold {
+    let of_b = face.second == 1u;
     var own = pair.a;
-    if face.second == 1u {
+    if of_b {
         own = pair.b;
     }
-    let place = closest_of_solids(pair.a, pair.b).on_b;
     let foot = place - dot(place - corner_of(own, face.first, 0u), face.normal) * face.normal;
-    if face.second == 1u {
-        return one_point(-face.normal, place, foot, pair.radii, 0u);
-    }
-    return one_point(face.normal, foot, place, pair.radii, 0u);
+    let outward = select(face.normal, -face.normal, of_b);
+    return one_point(outward, select(foot, place, of_b), select(place, foot, of_b), pair.radii, 0u);
 }
 
+// Compilers put the body of a function in the place of each call, so axes and contacts are computed in one place, in three rounds: with
+// preferences; the edges without, if those with are no contact but win; and the strict contact. After the second one the closest points
+// may decide.
 fn collide_solids(a: Solid, b: Solid, reach: f32) -> Manifold {
     let radii = vec2f(a.shape.radius, b.shape.radius);
+    let rounding = radii.x + radii.y;
     let scales = extent_of_solid(a) + extent_of_solid(b) + greatest_of(abs(b.position));
     let size = 0.5 * min(width_of_shape(a.shape), width_of_shape(b.shape));
-    let pair = SolidPair(a, b, radii, reach + radii.x + radii.y, size, 4.0 * EPSILON * scales);
+    let pair = SolidPair(a, b, radii, reach + rounding, size, 4.0 * EPSILON * scales);
+    let tiny = 1e-3 * size + pair.noise;
     let a_is_face = a.shape.core == CORE_FACE;
     let b_is_face = b.shape.core == CORE_FACE;
     let is_one_sided = a_is_face && a.shape.more == 1u;
-    if a_is_face && b_is_face && (is_one_sided || b.shape.more == 1u) {
+    if a_is_face && b_is_face && (is_one_sided || b.shape.more == 1u) || is_one_sided && b.position.z < 0.0 {
         return no_contact();
     }
-    if is_one_sided {
-        if b.position.z < 0.0 || lowest_of(b, vec3f(0.0, 0.0, 1.0)) > pair.most {
+
+    var found = no_contact();
+    var by_edges = no_contact();
+    var first_face = BestAxis();
+    var best = 0.0;
+    var wins = false;
+    var least = 0.0;
+    var points = ClosestPoints();
+    for (var round = 0u; round < 3u; round++) {
+        if round == 1u && !(wins && found.count == 0u) {
+            continue;
+        }
+        if round == 2u {
+            let exists = found.count > 0u;
+            least = least_separation(&found);
+            let is_round = exists && best > 0.0 && rounding > 0.0;
+            let is_beside = exists && !is_round && best > 0.0 && least > best + 20.0 * tiny;
+            let is_touch = !exists && best > -10.0 * tiny;
+            let is_inside = exists && best <= 0.0 && least + rounding > best + 0.1 * abs(best) + 20.0 * tiny;
+            if is_one_sided || exists && !is_round && !is_beside && !is_inside {
+                return found;
+            }
+            points = closest_of_solids(a, b);
+            if is_round || is_beside || is_touch {
+                var other = contact_of_closest(pair, points, select(tiny, 0.0, is_round));
+                let other_least = least_separation(&other);
+                if is_touch && other.count == 0u {
+                    return by_edges;
+                }
+                let is_same = other.count > 0u && abs(other_least - least) <= 1e-3 * (best + size) + pair.noise;
+                let is_better = other.count > 0u && other_least < least - 20.0 * tiny;
+                if is_touch || is_round && !is_same || is_beside && is_better {
+                    return other;
+                }
+                return found;
+            }
+        }
+
+        let bias = select(0.0, 1.0, round == 0u);
+        var face = BestAxis(0.0, 0u, 0u, true, vec3f(0.0, 0.0, 1.0));
+        var edges = BestAxis(NO_SEPARATION, 0u, 0u, false, vec3f(0.0));
+        if is_one_sided {
+            face.separation = lowest_of(b, face.normal);
+        } else {
+            face = best_face(pair, bias);
+            edges = best_edges(pair, bias);
+        }
+        if max(face.separation, edges.separation) > pair.most {
             return no_contact();
         }
-        return contact_of_solid_face(pair, BestAxis(0.0, 0u, 0u, true, vec3f(0.0, 0.0, 1.0)));
-    }
-
-    let face = best_face(pair, 1.0);
-    if face.separation > pair.most {
-        return no_contact();
-    }
-    let edges = best_edges(pair, 1.0);
-    if edges.separation > pair.most {
-        return no_contact();
-    }
-    let by_edges = contact_of_solid_edges(pair, edges);
-    var found = no_contact();
-    if edges.exists && edges.separation > face.separation + 0.05 * abs(face.separation) + 0.01 * size {
-        found = by_edges;
-        if found.count == 0u {
-            found = contact_of_solid_edges(pair, best_edges(pair, 0.0));
+        if round == 0u {
+            first_face = face;
+            best = max(face.separation, edges.separation);
+            wins = edges.exists && edges.separation > face.separation + 0.05 * abs(face.separation) + 0.01 * size;
+        } else if round == 1u {
+            face = first_face;
         }
-    }
-    if found.count == 0u {
-        found = contact_of_solid_face(pair, face);
-    }
-
-    let best = max(face.separation, edges.separation);
-    let least = least_separation(&found);
-    let rounding = radii.x + radii.y;
-    let tiny = 1e-3 * size + pair.noise;
-    let exists = found.count > 0u;
-    let is_round = exists && best > 0.0 && rounding > 0.0;
-    let is_beside = exists && !is_round && best > 0.0 && least > best + 20.0 * tiny;
-    let is_touch = !exists && best > -10.0 * tiny;
-    if is_round || is_beside || is_touch {
-        var other = contact_of_closest(pair, select(tiny, 0.0, is_round));
-        let other_least = least_separation(&other);
-        if is_round {
-            let is_same = abs(other_least - least) <= 1e-3 * (best + size) + pair.noise;
-            if other.count == 0u || !is_same {
-                return other;
+        let edges_first = round < 2u || edges.exists && edges.separation > face.separation;
+        var contact = no_contact();
+        for (var attempt = 0u; attempt < 2u && contact.count == 0u; attempt++) {
+            if edges_first == (attempt == 0u) {
+                contact = contact_of_solid_edges(pair, edges);
+                if round == 0u {
+                    by_edges = contact;
+                    contact.count = select(0u, contact.count, wins);
+                }
+            } else if round > 0u || !wins {
+                contact = contact_of_solid_face(pair, face);
             }
-        } else if is_touch {
-            if other.count > 0u {
-                return other;
+        }
+        if round == 2u {
+            if contact.count == 0u {
+                contact = contact_of_common_point(pair, face, points.on_b);
             }
-            return by_edges;
-        } else if other.count > 0u && other_least < least - 20.0 * tiny {
-            return other;
+            if found.count > 0u && least_separation(&contact) >= least {
+                return found;
+            }
         }
-        return found;
-    }
-    let is_inside = exists && best <= 0.0 && least + rounding > best + 0.1 * abs(best) + 20.0 * tiny;
-    if is_inside || !exists {
-        var strict = strict_contact(pair);
-        if !exists || strict.count > 0u && least_separation(&strict) < least {
-            return strict;
-        }
+        found = contact;
     }
     return found;
 }

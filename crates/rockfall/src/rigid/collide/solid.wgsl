@@ -28,51 +28,34 @@ fn vertex_of_core_face(shape: Shape, k: u32) -> vec3f {
 }
 
 fn vertices_of_core(shape: Shape) -> u32 {
-    switch shape.core {
-        case CORE_FACE: {
-            return 4u;
-        }
-        case CORE_BOX: {
-            return 8u;
-        }
-        case CORE_HULL: {
-            return hull_counts(shape).x;
-        }
-        case CORE_SEGMENT: {
-            return 2u;
-        }
-        default: {
-            return 0u;
-        }
+    if HULLS & (shape.core == CORE_HULL) {
+        return hull_counts(shape).x;
     }
+    return select(select(2u, 8u, shape.core == CORE_BOX), 4u, shape.core == CORE_FACE);
 }
 
 fn vertex_of_core(shape: Shape, k: u32) -> vec3f {
-    switch shape.core {
-        case CORE_FACE: {
-            return vertex_of_core_face(shape, k);
-        }
-        case CORE_BOX: {
-            return vertex_of_box(shape.size.xyz, k);
-        }
-        case CORE_HULL: {
-            return bitcast<vec3f>(hulls[shape.more + 1u + k].xyz);
-        }
-        default: {
-            return vec3f(0.0, select(-shape.size.x, shape.size.x, k == 1u), 0.0);
-        }
+    if HULLS & (shape.core == CORE_HULL) {
+        return bitcast<vec3f>(hulls[shape.more + 1u + k].xyz);
     }
+    if shape.core == CORE_FACE {
+        return vertex_of_core_face(shape, k);
+    }
+    // A segment has its length along y.
+    let is_box = shape.core == CORE_BOX;
+    let extent = select(vec3f(0.0, shape.size.x, 0.0), shape.size.xyz, is_box);
+    return vertex_of_box(extent, select(2u * k, k, is_box));
 }
 
 fn faces_of_core(shape: Shape) -> u32 {
-    if shape.core == CORE_HULL {
+    if HULLS & (shape.core == CORE_HULL) {
         return hull_counts(shape).y;
     }
     return 6u;
 }
 
 fn normal_of_core(shape: Shape, face: u32) -> vec3f {
-    if shape.core == CORE_HULL {
+    if HULLS & (shape.core == CORE_HULL) {
         return bitcast<vec3f>(hulls[shape.more + 1u + hull_counts(shape).x + face].xyz);
     }
     if shape.core == CORE_FACE && face >= 2u {
@@ -84,7 +67,7 @@ fn normal_of_core(shape: Shape, face: u32) -> vec3f {
 }
 
 fn corners_of_core(shape: Shape, face: u32) -> u32 {
-    if shape.core == CORE_HULL {
+    if HULLS & (shape.core == CORE_HULL) {
         return hulls[shape.more + 1u + hull_counts(shape).x + face].w >> 16u;
     }
     return select(4u, 2u, shape.core == CORE_FACE && face >= 2u);
@@ -92,7 +75,7 @@ fn corners_of_core(shape: Shape, face: u32) -> u32 {
 
 // The number of corner k of a face, counterclockwise from outside.
 fn corner_of_core(shape: Shape, face: u32, k: u32) -> u32 {
-    if shape.core == CORE_HULL {
+    if HULLS & (shape.core == CORE_HULL) {
         let counts = hull_counts(shape);
         let faces = shape.more + 1u + counts.x;
         let at = (hulls[faces + face].w & 65535u) + k;
@@ -111,7 +94,7 @@ fn corner_of_core(shape: Shape, face: u32, k: u32) -> u32 {
 }
 
 fn edges_of_core(shape: Shape) -> u32 {
-    if shape.core == CORE_HULL {
+    if HULLS & (shape.core == CORE_HULL) {
         return hull_counts(shape).z;
     }
     return select(12u, 8u, shape.core == CORE_FACE);
@@ -119,7 +102,7 @@ fn edges_of_core(shape: Shape) -> u32 {
 
 // Two vertices, and the two faces beside them.
 fn edge_of_core(shape: Shape, edge: u32) -> vec4u {
-    if shape.core == CORE_HULL {
+    if HULLS & (shape.core == CORE_HULL) {
         let counts = hull_counts(shape);
         let word = hulls[shape.more + 1u + counts.x + counts.y + (edge >> 2u)][edge & 3u];
         return (vec4u(word) >> vec4u(0u, 8u, 16u, 24u)) & vec4u(255u);
