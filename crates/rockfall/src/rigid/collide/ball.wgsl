@@ -1,0 +1,137 @@
+// requires rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
+
+// A ball against everything (docs/physics.md section 11.13).
+
+// The place of a core nearest to a point, and the unit vector from there to the point, or outwards.
+struct CorePlace {
+    place: vec3f,
+    normal: vec3f,
+    // False behind a one-sided face.
+    exists: bool,
+}
+
+// From a place to a point, or another direction if rounding errors are all that is between them.
+fn direction_to(place: vec3f, point: vec3f, otherwise: vec3f) -> CorePlace {
+    let offset = point - place;
+    let size = length(offset);
+    let is_apart = size > max(2.0 * EPSILON * greatest_of(abs(point)), 1.0842022e-19);
+    return CorePlace(place, select(otherwise, offset / size, is_apart), true);
+}
+
+fn place_on_segment(start: vec3f, end: vec3f, point: vec3f) -> vec3f {
+    let along = end - start;
+    let square = dot(along, along);
+    if square <= 0.0 {
+        return start;
+    }
+    return start + clamp(dot(point - start, along) / square, 0.0, 1.0) * along;
+}
+
+fn place_on_core_box(extent: vec3f, point: vec3f) -> CorePlace {
+    let depths = extent - abs(point);
+    let least = least_of(depths);
+    if least < 0.0 {
+        let place = clamp(point, -extent, extent);
+        let offset = point - place;
+        return CorePlace(place, normalize(offset / greatest_of(abs(offset))), true);
+    }
+    let is_x = depths.x == least;
+    let is_y = !is_x && depths.y == least;
+    let is_axis = vec3<bool>(is_x, is_y, !is_x && !is_y);
+    let sides = vec3f(unit_sign(point.x), unit_sign(point.y), unit_sign(point.z));
+    return CorePlace(select(point, sides * extent, is_axis), select(vec3f(0.0), sides, is_axis), true);
+}
+
+fn place_on_core_face(shape: Shape, point: vec3f) -> CorePlace {
+    let u = shape.size.xy;
+    let v = shape.size.zw;
+    let foot = point.xy;
+    let area = u.x * v.y - u.y * v.x;
+    let along = vec2f(foot.x * v.y - foot.y * v.x, u.x * foot.y - u.y * foot.x) / area;
+    var place = vec3f(foot, 0.0);
+    if any(abs(along) > vec2f(1.0)) {
+        var best = 3e38;
+        var corners = array<vec3f, 4>(vec3f(-u - v, 0.0), vec3f(u - v, 0.0), vec3f(u + v, 0.0), vec3f(v - u, 0.0));
+        for (var k = 0u; k < 4u; k++) {
+            let found = place_on_segment(corners[k], corners[(k + 1u) & 3u], vec3f(foot, 0.0));
+            let square = dot(found.xy - foot, found.xy - foot);
+            if square < best {
+                best = square;
+                place = found;
+            }
+        }
+    }
+    var found = direction_to(place, point, vec3f(0.0, 0.0, unit_sign(point.z)));
+    found.exists = shape.more == 0u || point.z >= 0.0;
+    return found;
+}
+
+fn place_on_core_hull(shape: Shape, point: vec3f) -> CorePlace {
+    var least_height = NO_SEPARATION;
+    var inside = CorePlace(point, vec3f(0.0), true);
+    var best = 3e38;
+    var outside = inside;
+    for (var face = 0u; face < 32u && face < faces_of_core(shape); face++) {
+        let normal = normal_of_core(shape, face);
+        let corners = corners_of_core(shape, face);
+        let height = dot(point - vertex_of_core(shape, corner_of_core(shape, face, 0u)), normal);
+        if height > least_height {
+            least_height = height;
+            inside = CorePlace(point - height * normal, normal, true);
+        }
+        if height <= 0.0 {
+            continue;
+        }
+        let foot = point - height * normal;
+        var square = 3e38;
+        var found = CorePlace(foot, normal, true);
+        for (var k = 0u; k < 64u && k < corners; k++) {
+            let start = vertex_of_core(shape, corner_of_core(shape, face, k));
+            let end = vertex_of_core(shape, corner_of_core(shape, face, select(k + 1u, 0u, k + 1u == corners)));
+            let place = place_on_segment(start, end, point);
+            let offset = place - point;
+            if dot(foot - start, cross(end - start, normal)) > 0.0 && dot(offset, offset) < square {
+                square = dot(offset, offset);
+                found = direction_to(place, point, normal);
+            }
+        }
+        let offset = found.place - point;
+        if dot(offset, offset) < best {
+            best = dot(offset, offset);
+            outside = found;
+        }
+    }
+    if least_height > 0.0 {
+        return outside;
+    }
+    return inside;
+}
+
+fn place_on_core(shape: Shape, point: vec3f) -> CorePlace {
+    if shape.core == CORE_HALF_SPACE {
+        return CorePlace(vec3f(point.x, 0.0, point.z), vec3f(0.0, 1.0, 0.0), true);
+    }
+    if shape.core == CORE_FACE {
+        return place_on_core_face(shape, point);
+    }
+    if shape.core == CORE_BOX {
+        return place_on_core_box(shape.size.xyz, point);
+    }
+    if HULLS & (shape.core == CORE_HULL) {
+        return place_on_core_hull(shape, point);
+    }
+    let is_segment = shape.core == CORE_SEGMENT;
+    let half = select(0.0, shape.size.x, is_segment);
+    let otherwise = select(vec3f(0.0, 1.0, 0.0), vec3f(1.0, 0.0, 0.0), is_segment);
+    return direction_to(vec3f(0.0, clamp(point.y, -half, half), 0.0), point, otherwise);
+}
+
+// A ball b with its centre at a position in coordinates of a.
+fn collide_ball(a: Shape, radius: f32, position: vec3f, reach: f32) -> Manifold {
+    let found = place_on_core(a, position);
+    let separation = dot(position - found.place, found.normal) - a.radius - radius;
+    if !found.exists || separation > reach {
+        return no_contact();
+    }
+    return one_point(found.normal, found.place, position, vec2f(a.radius, radius), 0u);
+}
