@@ -1,5 +1,7 @@
 //! Contacts judged by nature: against distances by trying everything, and by what swaps and moves must not change.
 
+#[cfg(feature = "gpu")]
+mod device;
 mod figures;
 mod sizes;
 

@@ -12,13 +12,12 @@ use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
 use crate::rigid::world::RigidWorld;
 
-/// A device with the limits that WebGPU guarantees. `None` where there is none.
-fn open() -> Option<RigidGpu> {
+/// A device with the limits that WebGPU guarantees.
+fn open() -> RigidGpu {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).ok()?;
-    eprintln!("{}", adapter.get_info().name);
-    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).ok()?;
-    Some(RigidGpu::new(device, queue))
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).expect("an adapter");
+    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).expect("a device");
+    RigidGpu::new(device, queue)
 }
 
 /// Bricks in bond, 1 x 0.5 x 0.5.
@@ -192,7 +191,7 @@ fn scenes() -> Vec<(&'static str, Scene, f32)> {
 /// Each stage from the state that the twin has before it.
 #[test]
 fn stages_agree() {
-    let Some(gpu) = open() else { return };
+    let gpu = open();
     for (name, mut scene, seconds) in scenes() {
         scene.run(seconds);
         let mut worst: Vec<(Part, &str, f32)> = PARTS.iter().map(|part| (*part, "", 0.0)).collect();
@@ -288,7 +287,7 @@ fn count(gpu: &RigidGpu, world: &RigidWorld) -> [u32; 3] {
 /// whether a point acts: where places differ by their last bits, the twin alone comes as far apart in a pile that collapses.
 #[test]
 fn frames_agree() {
-    let Some(gpu) = open() else { return };
+    let gpu = open();
     for (name, mut scene, seconds) in scenes() {
         scene.run(seconds);
         let (mut place, mut speed, before) = (0.0_f32, 0.0_f32, scene.repeats);
@@ -313,7 +312,7 @@ fn frames_agree() {
 /// The same bits in each run and with each plan.
 #[test]
 fn runs_have_the_same_bits() {
-    let Some(gpu) = open() else { return };
+    let gpu = open();
     for (name, mut scene, seconds) in scenes() {
         scene.run(seconds);
         let run = |plan| {
@@ -335,7 +334,7 @@ fn runs_have_the_same_bits() {
 /// Problem 19 on the device: a stack of ten sinks by 12.3 mm and stands.
 #[test]
 fn stack_stands_on_device() {
-    let Some(gpu) = open() else { return };
+    let gpu = open();
     let mut scene = stack(10);
     for _ in 0..300 {
         advance_on_device(&mut scene.world, DT, 4, &gpu, Plan::AllAtOnce);

@@ -1,0 +1,249 @@
+//! The kernels find the contacts that the twin finds.
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+use crate::rigid::collide::{Manifold, collide};
+use crate::rigid::pose::Pose;
+use crate::rigid::shape::tests::Random;
+use crate::rigid::shape::{Core, Hull, Shape};
+
+/// Pairs of a kind.
+const EACH: usize = 200;
+/// Pairs of a kind that may differ: where two axes or points are equally good, the last bit decides.
+const TIES: usize = 6;
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct ShapeRow {
+    size: [f32; 4],
+    radius: f32,
+    core: u32,
+    more: u32,
+    spare: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct PairRow {
+    a: ShapeRow,
+    b: ShapeRow,
+    position: [f32; 3],
+    reach: f32,
+    turn: [f32; 4],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct ManifoldRow {
+    normal: [f32; 3],
+    count: u32,
+    on_a: [[f32; 4]; 4],
+    on_b: [[f32; 4]; 4],
+    ids: [u32; 4],
+}
+
+struct Case {
+    kind: String,
+    shapes: [Shape; 2],
+    pose: Pose,
+    reach: f32,
+}
+
+fn shape(kind: &str, random: &mut Random) -> Shape {
+    match kind {
+        "box" => Shape::cuboid(Vec3::splat(0.55) + random.vector(0.45)),
+        "ball" => Shape::ball(random.between(0.1, 1.0)),
+        "capsule" => Shape::capsule(random.between(0.1, 1.0), random.between(0.1, 0.5)),
+        "face" => {
+            let [u, v] = [Vec3::new(0.8, 0.1, 0.0), Vec3::new(random.between(-0.3, 0.3), 0.6, 0.0)];
+            Shape { core: Core::Face { u, v, one_sided: random.between(0.0, 1.0) < 0.5 }, radius: 0.0 }
+        }
+        "hull" => {
+            let points: Vec<Vec3> = (0..8).map(|_| random.vector(0.8)).collect();
+            Shape { core: Core::Hull(Arc::new(Hull::new(&points).expect("a hull").0)), radius: 0.0 }
+        }
+        _ => Shape { core: Core::HalfSpace, radius: 0.0 },
+    }
+}
+
+fn cases() -> Vec<Case> {
+    let mut random = Random(5);
+    let mut all = Vec::new();
+    for kind in [
+        "box box",
+        "half-space box",
+        "half-space capsule",
+        "half-space ball",
+        "half-space hull",
+        "ball ball",
+        "box ball",
+        "face ball",
+        "capsule ball",
+        "hull ball",
+        "box capsule",
+        "face box",
+        "hull box",
+        "hull hull",
+    ] {
+        for _ in 0..EACH {
+            let shapes: Vec<Shape> = kind.split(' ').map(|name| shape(name, &mut random)).collect();
+            let turn = random.turn();
+            let reach = shapes.iter().map(Shape::extent).filter(|extent| extent.is_finite()).sum::<f32>();
+            let position = random.vector(1.0).normalize_or(Vec3::X) * random.between(0.2, 1.0) * reach;
+            let shapes = [shapes[0].clone(), shapes[1].clone()];
+            all.push(Case { kind: kind.into(), shapes, pose: Pose::new(position, turn), reach: random.between(0.0, 0.4) });
+        }
+    }
+    all
+}
+
+/// The row of a shape. The lists of a hull go to `words` (`collide/solid.wgsl`).
+fn row(shape: &Shape, words: &mut Vec<[u32; 4]>) -> ShapeRow {
+    let (size, core, more) = match &shape.core {
+        Core::HalfSpace => ([0.0; 4], 0, 0),
+        Core::Face { u, v, one_sided } => ([u.x, u.y, v.x, v.y], 1, u32::from(*one_sided)),
+        Core::Box { half } => ([half.x, half.y, half.z, 0.0], 2, 0),
+        Core::Hull(hull) => ([0.0; 4], 3, put_hull(hull, shape.width(), words)),
+        Core::Segment { half } => ([*half, 0.0, 0.0, 0.0], 4, 0),
+        Core::Point => ([0.0; 4], 5, 0),
+    };
+    ShapeRow { size, radius: shape.radius, core, more, spare: 0 }
+}
+
+fn put_hull(hull: &Hull, width: f32, words: &mut Vec<[u32; 4]>) -> u32 {
+    let at = words.len() as u32;
+    let [x, y, z] = [hull.vertices.len(), hull.faces.len(), hull.edges.len()].map(|count| count as u32);
+    words.push([x, y, z, width.to_bits()]);
+    let bits = |vector: Vec3, last: u32| [vector.x.to_bits(), vector.y.to_bits(), vector.z.to_bits(), last];
+    words.extend(hull.vertices.iter().map(|vertex| bits(*vertex, 0)));
+    let mut first = 0;
+    for (normal, corners) in &hull.faces {
+        words.push(bits(*normal, first | (corners.len() as u32) << 16));
+        first += corners.len() as u32;
+    }
+    let mut bytes: Vec<u8> = hull.edges.iter().flatten().copied().collect();
+    bytes.resize(bytes.len().next_multiple_of(16), 0);
+    bytes.extend(hull.faces.iter().flat_map(|(_, corners)| corners.iter().copied()));
+    bytes.resize(bytes.len().next_multiple_of(16), 0);
+    let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+    words.extend(bytes.chunks(16).map(|row| [0, 4, 8, 12].map(|place| word(&row[place..]))));
+    at
+}
+
+/// A file with all that it requires.
+fn join(name: &str, seen: &mut Vec<String>, text: &mut String) {
+    if seen.iter().any(|known| known == name) {
+        return;
+    }
+    seen.push(name.into());
+    let path = format!("{}/src/{name}", env!("CARGO_MANIFEST_DIR"));
+    let own = std::fs::read_to_string(path).expect("a file of the project");
+    for line in own.lines().map_while(|line| line.strip_prefix("// requires")) {
+        line.split_whitespace().for_each(|name| join(name, seen, text));
+    }
+    text.push_str(&own);
+}
+
+const MAIN: &str = "
+struct Input { a: Shape, b: Shape, position: vec3f, reach: f32, turn: vec4f }
+@group(0) @binding(0) var<storage, read> inputs: array<Input>;
+@group(0) @binding(1) var<storage, read_write> outputs: array<Manifold>;
+@group(0) @binding(2) var<storage, read> hulls: array<vec4u>;
+@compute @workgroup_size(64)
+fn run(@builtin(global_invocation_id) at: vec3u) {
+    if at.x < arrayLength(&inputs) {
+        let input = inputs[at.x];
+        outputs[at.x] = collide(input.a, input.b, input.position, input.turn, input.reach);
+    }
+}
+";
+
+fn on_device(cases: &[Case]) -> Vec<ManifoldRow> {
+    let (mut text, mut words) = (String::new(), Vec::new());
+    join("rigid/collide/collide.wgsl", &mut Vec::new(), &mut text);
+    // Kernels for hulls have room for more corners.
+    let text = text.replace("const MOST_CANDIDATES: u32 = 8u;", "const MOST_CANDIDATES: u32 = 64u;") + MAIN;
+    let input = |case: &Case, words: &mut Vec<[u32; 4]>| {
+        let [a, b] = [0, 1].map(|side: usize| row(&case.shapes[side], words));
+        let Pose { position, turn } = case.pose;
+        PairRow { a, b, position: position.to_array(), reach: case.reach, turn: turn.to_array() }
+    };
+    let inputs: Vec<PairRow> = cases.iter().map(|case| input(case, &mut words)).collect();
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).expect("an adapter");
+    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).expect("a device");
+    let module = device
+        .create_shader_module(wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(text.into()) });
+    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: None,
+        layout: None,
+        module: &module,
+        entry_point: Some("run"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    let buffer = |size: usize, usage: wgpu::BufferUsages| {
+        device.create_buffer(&wgpu::BufferDescriptor { label: None, size: size as u64, usage, mapped_at_creation: false })
+    };
+    let filled = |bytes: &[u8]| {
+        let buffer = buffer(bytes.len(), wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
+        queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    };
+    let size = inputs.len() * size_of::<ManifoldRow>();
+    let output = buffer(size, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
+    let back = buffer(size, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+    let (inputs, hulls) = (filled(bytemuck::cast_slice(&inputs)), filled(bytemuck::cast_slice(&words)));
+    let entry = |binding: usize, buffer: &wgpu::Buffer| (binding as u32, buffer.clone());
+    let buffers = [entry(0, &inputs), entry(1, &output), entry(2, &hulls)];
+    let entries = buffers
+        .each_ref()
+        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding: *binding, resource: buffer.as_entire_binding() });
+    let layout = pipeline.get_bind_group_layout(0);
+    let group = device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &layout, entries: &entries });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&pipeline);
+        pass.set_bind_group(0, &group, &[]);
+        pass.dispatch_workgroups((cases.len() as u32).div_ceil(64), 1, 1);
+    }
+    encoder.copy_buffer_to_buffer(&output, 0, &back, 0, size as u64);
+    let submission = queue.submit([encoder.finish()]);
+    back.map_async(wgpu::MapMode::Read, .., |result| result.expect("mapped"));
+    device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None }).expect("it runs");
+    let bytes = back.get_mapped_range(..).expect("a range");
+    bytemuck::cast_slice(&bytes).to_vec()
+}
+
+fn agrees(twin: Option<&Manifold>, found: &ManifoldRow, size: f32) -> bool {
+    let Some(twin) = twin else { return found.count == 0 };
+    let near = |row: [f32; 4], point: Vec3| Vec3::new(row[0], row[1], row[2]).distance(point) < 1e-4 * size;
+    let same = |k: usize| {
+        let point = &twin.points[k];
+        found.ids[k] == point.id && near(found.on_a[k], point.on_a) && near(found.on_b[k], point.on_b)
+    };
+    found.count as usize == twin.count
+        && Vec3::from_array(found.normal).distance(twin.normal) < 2e-4
+        && (0..twin.count).all(same)
+}
+
+#[test]
+fn contacts_on_a_device_are_those_of_the_twin() {
+    let cases = cases();
+    let found = on_device(&cases);
+    for (cases, found) in cases.chunks(EACH).zip(found.chunks(EACH)) {
+        let kind = &cases[0].kind;
+        let twins: Vec<Option<Manifold>> =
+            cases.iter().map(|Case { shapes: [a, b], pose, reach, .. }| collide(a, b, pose, *reach)).collect();
+        let touching = twins.iter().flatten().count();
+        assert!(touching > EACH / 10, "{kind}: {touching} of {EACH} touch");
+        let all = cases.iter().zip(&twins).zip(found);
+        let others = all.filter(|((case, twin), found)| !agrees(twin.as_ref(), found, 1.0 + case.pose.position.length()));
+        let others = others.count();
+        assert!(others <= TIES, "{kind}: {others} of {EACH} differ");
+    }
+}
