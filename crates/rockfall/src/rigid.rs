@@ -17,7 +17,7 @@
 pub(crate) mod broad;
 pub(crate) mod collide;
 pub(crate) mod frame;
-#[cfg(feature = "gpu")]
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(crate) mod gpu;
 pub(crate) mod history;
 pub(crate) mod pose;

@@ -31,7 +31,7 @@ mod seams;
 mod tests;
 mod times;
 mod turn;
-#[cfg(feature = "gpu")]
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod upload;
 
 pub(crate) use energy::auto_substeps;

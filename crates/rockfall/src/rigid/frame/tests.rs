@@ -1,7 +1,7 @@
 //! Problems with answers from nature: closed forms and conservation. Their numbers are those of docs/physics.md section 11.11.
 
 mod conservation;
-#[cfg(feature = "gpu")]
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
 mod fast;
 mod flight;
