@@ -10,6 +10,7 @@ pub(super) fn check(simulation: &Simulation, state: &Checkpoint) -> Result<()> {
     let Checkpoint { scene, options, .. } = state;
     let counts = scene.counts();
     let refused = [
+        (scene.is_rigid(), "the contact law rigid"),
         (counts.bodies > 0, "a scene with rigid bodies"),
         (counts.capsules > 0, "a scene with capsules"),
         (counts.rods > 0, "a scene with rods"),

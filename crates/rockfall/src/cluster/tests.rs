@@ -300,6 +300,9 @@ fn what_cannot_be_shared_is_refused_by_name() {
     let mut scene = Scene::new();
     scene.add_sphere(Sphere::new([0.0; 3], 1.0)).unwrap();
     assert!(refused(scene.clone(), euler()).starts_with("a scene with impulses of collisions"));
+    scene.settings.contact_law = ContactLaw::Rigid;
+    assert_eq!(refused(scene.clone(), euler()), "the contact law rigid");
+    scene.settings.contact_law = ContactLaw::Thesis;
     scene.settings.collisions = false;
     assert_eq!(refused(scene.clone(), options(Integrator::Rk4)), "the integrator rk4");
     let ends = [1.0, 2.0].map(|x| scene.add_sphere(Sphere::new([x, 0.0, 0.0], 0.1)).unwrap());

@@ -41,7 +41,9 @@ pub(crate) struct RigidGpu {
     kernels: Vec<Kernel>,
 }
 
-/// How the substeps of a frame are dispatched. All give the same bits.
+/// How the substeps of a frame are dispatched. All give the same bits on software Vulkan. A driver may fuse products in one kernel
+/// and not in another: on an H200 two runs with one plan have the same bits, but two plans have not. So the plan has to follow from
+/// the scene alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Plan {
     /// Each stage and each colour is a dispatch.
