@@ -150,7 +150,7 @@ impl Rapier {
         let gravity = scene.settings.gravity * scene.settings.gravity_direction;
         world.gravity = Vector::new(gravity.x, gravity.y, gravity.z);
         world.integration_parameters.num_solver_iterations = 4;
-        world.integration_parameters.set_dt(dt);
+        world.integration_parameters.dt = dt;
         let surface = (scene.settings.restitution, scene.settings.coulomb_friction);
         for (id, sphere) in scene.sphere_ids().zip(scene.spheres()) {
             if scene.body_of_sphere(id).is_none() {
