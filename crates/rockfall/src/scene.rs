@@ -71,6 +71,7 @@ pub(crate) use shape::Kinetics;
 pub(crate) use shape::{BOX_SPHERES, Core};
 pub use shape::{BoxPart, MassProperties, Shape, ShapeBox, ShapeId, ShapeMass, ShapeRod, ShapeSphere};
 pub use shear::Shear;
+pub(crate) use statics::upright;
 pub use statics::{BoxId, Cuboid, Polygon, PolygonId};
 pub use surface::{ConeAxis, Surface};
 pub(crate) use tag::shared;

@@ -34,7 +34,7 @@ mod turn;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod upload;
 
-pub(crate) use energy::auto_substeps;
+pub(crate) use energy::{auto_substeps, least_width};
 #[cfg(test)]
 pub(crate) use energy::{energy, kinetic_energy, momenta};
 

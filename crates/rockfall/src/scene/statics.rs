@@ -1,6 +1,6 @@
 //! Static objects: boxes and polygons.
 
-use glam::Vec3;
+use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use crate::error::{Error, Result};
 use crate::scene::checks::{finite, invalid};
@@ -70,6 +70,13 @@ impl Cuboid {
         self
     }
 
+    /// Its centre, the turn that takes the axes to the directions of its edges, and half their lengths.
+    pub(crate) fn frame(&self) -> (DVec3, DQuat, DVec3) {
+        let [i, j, k] = self.edges.map(|edge| edge.as_dvec3());
+        let half = 0.5 * DVec3::new(i.length(), j.length(), k.length());
+        (self.corner.as_dvec3() + 0.5 * (i + j + k), upright(i, j), half)
+    }
+
     pub(crate) fn validate(&self) -> Result<()> {
         finite("box.corner", self.corner)?;
         finite("box.surface_velocity", self.surface_velocity)?;
@@ -91,6 +98,13 @@ impl Cuboid {
             expected: "three edges at right angles to each other",
         })
     }
+}
+
+/// The turn that takes the axes x and y to the directions of two edges. Edges may be off right angles by rounding, and left-handed.
+pub(crate) fn upright(i: DVec3, j: DVec3) -> DQuat {
+    let x = i.normalize();
+    let y = (j - x * j.dot(x)).normalize();
+    DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))).normalize()
 }
 
 /// A surface, static or moving on a prescribed path, given by a corner and two edges: a parallelogram, a triangle, or a smooth wall (plane, cone,

@@ -43,10 +43,14 @@ const MOST_SUBSTEPS: u32 = 32;
 /// Greatest h sqrt(g / a) for the least edge a of a body.
 const GREATEST_FALL: f32 = 0.0135;
 
+/// The least edge or diameter of a body that moves; infinite without one.
+pub(crate) fn least_width(world: &RigidWorld) -> f32 {
+    loose(world).map(|body| body.width).filter(|width| *width > 0.0).fold(f32::INFINITY, f32::min)
+}
+
 /// The substeps of a frame of `dt` seconds for the smallest body that moves. It ignores masses, since one pebble under a
 /// lorry would set them for all.
 pub(crate) fn auto_substeps(world: &RigidWorld, dt: f32) -> u32 {
-    let least = loose(world).map(|body| body.width).filter(|width| *width > 0.0).fold(f32::INFINITY, f32::min);
-    let needed = dt * (world.gravity.length() / least).sqrt() / GREATEST_FALL;
+    let needed = dt * (world.gravity.length() / least_width(world)).sqrt() / GREATEST_FALL;
     (needed.ceil() as u32).clamp(LEAST_SUBSTEPS, MOST_SUBSTEPS)
 }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 
 use super::solid::Part;
 use super::{Shape, ShapeRod, ShapeSphere};
@@ -84,14 +84,9 @@ impl ShapeBox {
 
     /// The core, with the rounding of the shape.
     pub(crate) fn core(&self, rounding: f32) -> Core {
-        let [i, j, k] = self.cuboid.edges.map(|edge| edge.as_dvec3());
-        let x = i.normalize();
-        // Edges may be off right angles by rounding, and left-handed.
-        let y = (j - x * j.dot(x)).normalize();
-        let turn = DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))).normalize();
+        let (centre, turn, half) = self.cuboid.frame();
         let radius = f64::from(if rounding > 0.0 { rounding } else { ROUNDING * self.shortest_edge() });
-        let half = 0.5 * DVec3::new(i.length(), j.length(), k.length()) - radius;
-        Core { centre: self.cuboid.corner.as_dvec3() + 0.5 * (i + j + k), turn, half, radius }
+        Core { centre, turn, half: half - radius, radius }
     }
 
     /// Volume of the sharp box, in units³.

@@ -2,14 +2,16 @@
 
 use std::collections::HashMap;
 
-use glam::{DMat3, DQuat, DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 
 use super::Owner;
 use crate::error::Result;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
-use crate::scene::{AnyForm, BOX_SPHERES, Body as Part, Cuboid, MaterialId, Polygon, Scene, Surface as WallSurface, WholeBody};
+use crate::scene::{
+    AnyForm, BOX_SPHERES, Body as Part, MaterialId, Polygon, Scene, Surface as WallSurface, WholeBody, upright,
+};
 
 /// A world under construction, and who its bodies are in the scene.
 pub(super) struct Builder<'a> {
@@ -56,8 +58,9 @@ impl<'a> Builder<'a> {
     /// Colliders of the world: boxes, polygons and fixed spheres.
     fn walls(&mut self) -> Result<()> {
         for (id, cuboid) in self.scene.box_ids().zip(self.scene.boxes()) {
-            let (half, place) = half_and_place(cuboid);
-            let shape = self.shape(Core::Box { half }, 0.0);
+            let (centre, turn, half) = cuboid.frame();
+            let place = Pose::new(centre.as_vec3(), turn.as_quat());
+            let shape = self.shape(Core::Box { half: half.as_vec3() }, 0.0);
             let collider = self.collider(Part::Box(id), 0, shape, place, (cuboid.group, cuboid.material))?;
             collider.surface_velocity = cuboid.surface_velocity;
         }
@@ -214,21 +217,6 @@ impl<'a> Builder<'a> {
         let body = &mut self.world.bodies[body as usize];
         (body.radius, body.width) = (radius, width);
     }
-}
-
-/// Half the edges of a box, and where it lies.
-fn half_and_place(cuboid: &Cuboid) -> (Vec3, Pose) {
-    let [i, j, k] = cuboid.edges.map(|edge| edge.as_dvec3());
-    let half = 0.5 * DVec3::new(i.length(), j.length(), k.length());
-    let centre = cuboid.corner.as_dvec3() + 0.5 * (i + j + k);
-    (half.as_vec3(), Pose::new(centre.as_vec3(), upright(i, j).as_quat()))
-}
-
-/// The turn that takes the axes x and y to the directions of two vectors at right angles.
-fn upright(i: DVec3, j: DVec3) -> DQuat {
-    let x = i.normalize();
-    let y = (j - x * j.dot(x)).normalize();
-    DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))).normalize()
 }
 
 /// A segment between two points: half its length, and its place. Its own axis is y.

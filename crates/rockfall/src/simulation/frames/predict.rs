@@ -8,8 +8,7 @@ use super::check::check;
 use crate::error::Result;
 use crate::options::Options;
 use crate::report::short_number;
-use crate::rigid::frame::auto_substeps;
-use crate::rigid::world::Kind;
+use crate::rigid::frame::{auto_substeps, least_width};
 use crate::scene::Scene;
 
 /// How the solver of the contact law `rigid` takes a scene (docs/physics.md section 11).
@@ -39,8 +38,7 @@ impl Scene {
         scene.imply_bodies();
         check(&scene, &Options::default())?;
         let world = Frames::of(&scene)?.world;
-        let moving = world.bodies.iter().filter(|body| body.kind == Kind::Dynamic);
-        let width = moving.map(|body| body.width).fold(f32::INFINITY, f32::min);
+        let width = least_width(&world);
         let auto_substeps = auto_substeps(&world, dt);
         let substeps = self.run.substeps.unwrap_or(auto_substeps);
         // The frequency of contacts is 0.18 per substep, twice that with a body without mass.
