@@ -3,18 +3,20 @@
 //! | room | what it knows |
 //! |---|---|
 //! | [`rows`] | rows of the arrays |
+//! | [`shapes`] | rows of colliders, lists of hulls |
 //! | `kernels` | the kernels and their bindings |
 //!
 //! A frame begins with the contacts that the CPU has found ([`FrameRows`]). The device solves all substeps of it.
 
 mod kernels;
 pub(crate) mod rows;
+pub(crate) mod shapes;
 
 use bytemuck::{Pod, bytes_of, cast_slice};
 
 use kernels::{
-    ALL_AT_ONCE, BEFORE_IMPACTS, BINDINGS, BLOCKS, BODIES, CARRY, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT, FIND_LEFT_OVER,
-    IMPACTS_AT_ONCE, KICK, Kernel, LISTS, LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REPORT, SETTLE, SOLVE,
+    ALL_AT_ONCE, BEFORE_IMPACTS, BINDINGS, BLOCKS, BODIES, CARRY, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT,
+    FIND_LEFT_OVER, HULLS, IMPACTS_AT_ONCE, KICK, Kernel, LISTS, LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REPORT, SETTLE, SOLVE,
     SOLVE_LEFT_OVER, STAGES, STRIKE, STRIKE_LEFT_OVER,
 };
 use rows::{BlockRow, BodyRow, ContactRow, FrameRows, PairRow};
@@ -142,6 +144,8 @@ impl RigidGpu {
             (LOADS, &[]),
             (LISTS, cast_slice(&rows.lists)),
             (REPORT, &[0; 16]),
+            (COLLIDERS, cast_slice(&rows.colliders)),
+            (HULLS, cast_slice(&rows.hulls)),
         ];
         let buffers: Vec<_> = arrays
             .into_iter()

@@ -8,6 +8,7 @@ use crate::rigid::gpu::rows::{
     BELT, BlockRow, BodyRow, ConstantRow, ContactRow, ELASTIC, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
     WAITS,
 };
+use crate::rigid::gpu::shapes::collider_rows;
 use crate::rigid::gpu::{Outcome, Plan, RigidGpu};
 use crate::rigid::world::RigidWorld;
 
@@ -39,6 +40,7 @@ impl Frame<'_> {
         let mut colours = [0; 20];
         colours[..COLOURS + 2].copy_from_slice(&contacts.colours);
         let count = self.bodies.count();
+        let (colliders, hulls) = collider_rows(self.world);
         let entries = contacts.list.iter().map(|(block, second)| 2 * block + u32::from(*second));
         FrameRows {
             frame: FrameRow {
@@ -63,6 +65,8 @@ impl Frame<'_> {
                 .collect(),
             contacts: (0..contacts.points.len()).map(|k| self.contact_row(k)).collect(),
             lists: contacts.lists.iter().copied().chain(entries).collect(),
+            colliders,
+            hulls,
         }
     }
 
@@ -121,7 +125,7 @@ impl Frame<'_> {
             inner_normal: pair.inner_normal.to_array(),
             restitution: pair.restitution,
             colliders: pair.colliders,
-            unused: [0; 2],
+            bodies: pair.colliders.map(|collider| self.world.colliders[collider as usize].body),
         }
     }
 

@@ -18,6 +18,16 @@ macro_rules! parts {
 const PARTS: &[Part] = parts!(
     "physics/quaternion.wgsl"
     "physics/sine.wgsl"
+    "rigid/collide/manifold.wgsl"
+    "rigid/collide/solid.wgsl"
+    "rigid/collide/closest.wgsl"
+    "rigid/collide/ball.wgsl"
+    "rigid/collide/capsule.wgsl"
+    "rigid/collide/half_space.wgsl"
+    "rigid/collide/box_box.wgsl"
+    "rigid/collide/polyhedra.wgsl"
+    "rigid/collide/collide.wgsl"
+    "rigid/frame/colliders.wgsl"
     "rigid/frame/rows.wgsl"
     "rigid/frame/turn.wgsl"
     "rigid/frame/follow.wgsl"
@@ -50,8 +60,10 @@ pub(super) const CONTACTS: u32 = 7;
 pub(super) const LOADS: u32 = 8;
 pub(super) const LISTS: u32 = 9;
 pub(super) const REPORT: u32 = 10;
-/// One more than the last binding.
-pub(super) const BINDINGS: u32 = 11;
+pub(super) const COLLIDERS: u32 = 11;
+pub(super) const HULLS: u32 = 12;
+/// One more than the last binding of a frame that the CPU has begun.
+pub(super) const BINDINGS: u32 = 13;
 
 /// An entry point.
 pub(super) struct Stage {

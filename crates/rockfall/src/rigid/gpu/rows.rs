@@ -2,6 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::rigid::gpu::shapes::ColliderRow;
+
 /// A block has one side without mass.
 pub(crate) const FIXED: u32 = 1 << 24;
 /// A block has no rows in this substep.
@@ -87,7 +89,7 @@ pub(crate) struct PairRow {
     pub(crate) inner_normal: [f32; 3],
     pub(crate) restitution: f32,
     pub(crate) colliders: [u32; 2],
-    pub(crate) unused: [u32; 2],
+    pub(crate) bodies: [u32; 2],
 }
 
 /// The places of a contact point on both bodies, in coordinates of the bodies.
@@ -144,6 +146,8 @@ pub(crate) struct FrameRows {
     pub(crate) contacts: Vec<ContactRow>,
     /// First entry of each body, their end, and the entries: block * 2, + 1 if the body is b.
     pub(crate) lists: Vec<u32>,
+    pub(crate) colliders: Vec<ColliderRow>,
+    pub(crate) hulls: Vec<[u32; 4]>,
 }
 
 impl FrameRow {

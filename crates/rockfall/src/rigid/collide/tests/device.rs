@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::rigid::collide::{Manifold, collide};
+use crate::rigid::gpu::shapes::{ShapeRow, shape_row};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::tests::Random;
 use crate::rigid::shape::{Core, Hull, Shape};
@@ -14,16 +15,6 @@ use crate::rigid::shape::{Core, Hull, Shape};
 const EACH: usize = 200;
 /// Pairs of a kind that may differ: where two axes or points are equally good, the last bit decides.
 const TIES: usize = 6;
-
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-struct ShapeRow {
-    size: [f32; 4],
-    radius: f32,
-    core: u32,
-    more: u32,
-    spare: u32,
-}
 
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -100,39 +91,6 @@ fn cases() -> Vec<Case> {
     all
 }
 
-/// The row of a shape. The lists of a hull go to `words` (`collide/solid.wgsl`).
-fn row(shape: &Shape, words: &mut Vec<[u32; 4]>) -> ShapeRow {
-    let (size, core, more) = match &shape.core {
-        Core::HalfSpace => ([0.0; 4], 0, 0),
-        Core::Face { u, v, one_sided } => ([u.x, u.y, v.x, v.y], 1, u32::from(*one_sided)),
-        Core::Box { half } => ([half.x, half.y, half.z, 0.0], 2, 0),
-        Core::Hull(hull) => ([0.0; 4], 3, put_hull(hull, shape.width(), words)),
-        Core::Segment { half } => ([*half, 0.0, 0.0, 0.0], 4, 0),
-        Core::Point => ([0.0; 4], 5, 0),
-    };
-    ShapeRow { size, radius: shape.radius, core, more, spare: 0 }
-}
-
-fn put_hull(hull: &Hull, width: f32, words: &mut Vec<[u32; 4]>) -> u32 {
-    let at = words.len() as u32;
-    let [x, y, z] = [hull.vertices.len(), hull.faces.len(), hull.edges.len()].map(|count| count as u32);
-    words.push([x, y, z, width.to_bits()]);
-    let bits = |vector: Vec3, last: u32| [vector.x.to_bits(), vector.y.to_bits(), vector.z.to_bits(), last];
-    words.extend(hull.vertices.iter().map(|vertex| bits(*vertex, 0)));
-    let mut first = 0;
-    for (normal, corners) in &hull.faces {
-        words.push(bits(*normal, first | (corners.len() as u32) << 16));
-        first += corners.len() as u32;
-    }
-    let mut bytes: Vec<u8> = hull.edges.iter().flatten().copied().collect();
-    bytes.resize(bytes.len().next_multiple_of(16), 0);
-    bytes.extend(hull.faces.iter().flat_map(|(_, corners)| corners.iter().copied()));
-    bytes.resize(bytes.len().next_multiple_of(16), 0);
-    let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-    words.extend(bytes.chunks(16).map(|row| [0, 4, 8, 12].map(|place| word(&row[place..]))));
-    at
-}
-
 /// A file with all that it requires.
 fn join(name: &str, seen: &mut Vec<String>, text: &mut String) {
     if seen.iter().any(|known| known == name) {
@@ -167,7 +125,7 @@ fn on_device(cases: &[Case]) -> Vec<ManifoldRow> {
     // Kernels for hulls have room for more corners.
     let text = text.replace("const MOST_CANDIDATES: u32 = 8u;", "const MOST_CANDIDATES: u32 = 64u;") + MAIN;
     let input = |case: &Case, words: &mut Vec<[u32; 4]>| {
-        let [a, b] = [0, 1].map(|side: usize| row(&case.shapes[side], words));
+        let [a, b] = [0, 1].map(|side: usize| shape_row(&case.shapes[side], words));
         let Pose { position, turn } = case.pose;
         PairRow { a, b, position: position.to_array(), reach: case.reach, turn: turn.to_array() }
     };
