@@ -41,16 +41,20 @@ pub(crate) use energy::{energy, kinetic_energy, momenta};
 use crate::rigid::history::History;
 use crate::rigid::world::RigidWorld;
 use bodies::Bodies;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub(in crate::rigid) use contacts::LEFT_OVER;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub(in crate::rigid) use upload::bodies_alone;
 use contacts::{Contacts, for_each};
 use rows::{Pass, Softness};
 use times::Scope;
 
 /// Frequency of contacts times the substep; twice as stiff against a side without mass.
-const FREQUENCY: f32 = 0.18;
+pub(in crate::rigid) const FREQUENCY: f32 = 0.18;
 /// Greatest factor of a margin.
 pub(crate) const MOST_MARGIN: f32 = 1e30;
 /// A frame is repeated at most so often.
-const REPEATS: u32 = 16;
+pub(in crate::rigid) const REPEATS: u32 = 16;
 
 /// What a frame did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -114,11 +118,15 @@ impl<'a> Frame<'a> {
         let mut contacts = detect::blocks(world, &bodies, found, dt);
         world.history.recall(&mut contacts, &bodies, h);
         colours::colour(&mut contacts, &bodies, &world.history);
-        let biased = Pass { biased: true, softness: [Softness::new(FREQUENCY, h), Softness::new(2.0 * FREQUENCY, h)] };
-        let relax = Pass { biased: false, ..biased };
-        let mut frame = Self { world, bodies, contacts, h, biased, relax };
+        let mut frame = Self::new(world, bodies, contacts, h);
         frame.refresh();
         frame
+    }
+
+    fn new(world: &'a RigidWorld, bodies: Bodies, contacts: Contacts, h: f32) -> Self {
+        let biased = Pass { biased: true, softness: [Softness::new(FREQUENCY, h), Softness::new(2.0 * FREQUENCY, h)] };
+        let relax = Pass { biased: false, ..biased };
+        Self { world, bodies, contacts, h, biased, relax }
     }
 
     fn substep(&mut self) {

@@ -3,25 +3,33 @@
 //! | room | what it knows |
 //! |---|---|
 //! | [`rows`] | rows of the arrays |
+//! | `arrays` | arrays by binding, dispatches over them |
 //! | [`shapes`] | rows of colliders, lists of hulls |
 //! | `kernels` | the kernels and their bindings |
 //!
 //! A frame begins with the contacts that the CPU has found ([`FrameRows`]). The device solves all substeps of it.
 
+mod arrays;
+mod assemble;
 mod kernels;
+mod past;
 pub(crate) mod rows;
 pub(crate) mod shapes;
+pub(crate) mod world;
+
+use std::sync::{Arc, OnceLock};
 
 use bytemuck::{Pod, bytes_of, cast_slice};
 
+use arrays::Arrays;
 use kernels::{
-    ALL_AT_ONCE, BEFORE_IMPACTS, BINDINGS, BLOCKS, BODIES, CARRY, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT,
+    ALL_AT_ONCE, BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT,
     FIND_LEFT_OVER, HULLS, IMPACTS_AT_ONCE, KICK, Kernel, LISTS, LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REPORT, SETTLE, SOLVE,
     SOLVE_LEFT_OVER, STAGES, STRIKE, STRIKE_LEFT_OVER,
 };
-use rows::{BlockRow, BodyRow, ContactRow, FrameRows, PairRow};
+use rows::{BlockRow, BodyRow, ContactRow, FrameRow, FrameRows, PairRow};
 
-/// Threads of a workgroup, but of the stage for small scenes.
+/// Threads of a workgroup, but of the stages that say so.
 const THREADS: u32 = 64;
 /// Most workgroups along one dimension of a dispatch.
 const MOST_GROUPS: u32 = 65_535;
@@ -29,18 +37,22 @@ const MOST_GROUPS: u32 = 65_535;
 const CALL: u32 = 256;
 /// Colours, without the left-over blocks.
 const COLOURS: u32 = 16;
+/// Most rounds in which blocks take colours.
+const MOST_ROUNDS: u32 = 255;
 /// Bytes of the load of a block, and of the copies of a left-over one.
 const LOAD_BYTES: usize = 48;
 const COPIES_BYTES: usize = 128;
+/// Words of the report.
+const REPORT_WORDS: u32 = 8;
 /// Rounds of impacts.
 const ROUNDS: usize = 2;
 
-/// The kernels on a device.
+/// The kernels on a device, each compiled at its first use.
 #[derive(Debug)]
 pub(crate) struct RigidGpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    kernels: Vec<Kernel>,
+    kernels: Vec<OnceLock<Kernel>>,
 }
 
 /// How the substeps of a frame are dispatched. All give the same bits on software Vulkan. A driver may fuse products in one kernel
@@ -76,21 +88,16 @@ pub(crate) enum Part {
     Settle,
 }
 
-/// The arrays of a frame on the device.
+/// A frame on the device.
 #[derive(Debug)]
-pub(crate) struct GpuFrame<'a> {
-    gpu: &'a RigidGpu,
-    /// By binding.
-    buffers: Vec<wgpu::Buffer>,
-    groups: Vec<wgpu::BindGroup>,
+pub(crate) struct GpuFrame {
+    arrays: Arrays,
     bodies: u32,
     blocks: u32,
     points: u32,
     pairs: u32,
     colours: [u32; 20],
     substeps: u32,
-    /// Dispatches so far.
-    pub(crate) dispatches: u32,
 }
 
 /// What a frame has come to.
@@ -108,8 +115,12 @@ pub(crate) struct Outcome {
 
 impl RigidGpu {
     pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        let kernels = STAGES.iter().map(|stage| Kernel::new(&device, stage)).collect();
+        let kernels = STAGES.iter().map(|_| OnceLock::new()).collect();
         Self { device, queue, kernels }
+    }
+
+    fn kernel(&self, stage: usize) -> &Kernel {
+        self.kernels[stage].get_or_init(|| Kernel::new(&self.device, &STAGES[stage]))
     }
 
     fn buffer(&self, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
@@ -119,72 +130,77 @@ impl RigidGpu {
         self.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
     }
 
-    /// Uploads a frame.
-    pub(crate) fn frame(&self, rows: &FrameRows) -> GpuFrame<'_> {
+    fn storage(&self, bytes: u64) -> wgpu::Buffer {
+        self.buffer("rigid", bytes, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC)
+    }
+
+    /// Submits commands that write a staging buffer, waits for them and reads its first bytes.
+    fn submit_and_read<T: Pod>(&self, encoder: wgpu::CommandEncoder, staging: &wgpu::Buffer, size: u64) -> Result<Vec<T>, String> {
+        let submission = self.queue.submit([encoder.finish()]);
+        let (sender, receiver) = std::sync::mpsc::channel();
+        staging.map_async(wgpu::MapMode::Read, ..size, move |result| sender.send(result).unwrap_or_default());
+        let until = wgpu::PollType::Wait { submission_index: Some(submission), timeout: None };
+        // wgpu panics when it polls a lost device. That must not abort the host program.
+        let polled = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| self.device.poll(until)));
+        polled.map_err(|_| "the device was lost".to_owned())?.map_err(|error| error.to_string())?;
+        let mapped = receiver.recv().map_err(|error| error.to_string())?;
+        mapped.map_err(|error| error.to_string())?;
+        let view = staging.get_mapped_range(..size).map_err(|error| error.to_string())?;
+        let values = view.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect();
+        drop(view);
+        staging.unmap();
+        Ok(values)
+    }
+
+    /// Uploads a frame that the CPU has begun.
+    pub(crate) fn frame(self: &Arc<Self>, rows: &FrameRows) -> GpuFrame {
         let left_over = (rows.frame.blocks - rows.frame.left_over) as usize;
-        let loads = LOAD_BYTES * rows.blocks.len() + COPIES_BYTES * left_over;
-        let constants: Vec<u8> = [cast_slice::<_, u8>(&rows.constants), cast_slice(&rows.belts)].concat();
-        // The pass is in the first word of a block of 17 calls, its colour in the second one.
-        let mut calls = vec![0_u8; (2 * (COLOURS + 1) * CALL) as usize];
-        for biased in 0..2 {
-            for colour in 0..=COLOURS {
-                let at = (call(colour, biased == 1)) as usize;
-                calls[at..at + 8].copy_from_slice(cast_slice(&[colour, biased]));
-            }
-        }
-        let arrays: [(u32, &[u8]); BINDINGS as usize] = [
-            (0, bytes_of(&rows.frame)),
-            (1, &calls),
-            (BODIES, cast_slice(&rows.bodies)),
-            (CONSTANTS, &constants),
-            (BLOCKS, cast_slice(&rows.blocks)),
-            (PAIRS, cast_slice(&rows.pairs)),
-            (POINTS, cast_slice(&rows.points)),
-            (CONTACTS, cast_slice(&rows.contacts)),
-            (LOADS, &[]),
-            (LISTS, cast_slice(&rows.lists)),
-            (REPORT, &[0; 16]),
-            (COLLIDERS, cast_slice(&rows.colliders)),
-            (HULLS, cast_slice(&rows.hulls)),
-        ];
-        let buffers: Vec<_> = arrays
-            .into_iter()
-            .map(|(binding, bytes)| {
-                let usage = if binding < BODIES { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
-                let size = if binding == LOADS { loads } else { bytes.len() };
-                let buffer = self.buffer("rigid", size as u64, usage | wgpu::BufferUsages::COPY_SRC);
-                self.queue.write_buffer(&buffer, 0, bytes);
-                buffer
-            })
-            .collect();
-        let groups =
-            STAGES.iter().zip(&self.kernels).map(|(stage, kernel)| self.group(stage.bindings, kernel, &buffers)).collect();
+        let mut arrays = Arrays::new(Arc::clone(self));
+        arrays.upload_uniform(0, bytes_of(&rows.frame));
+        arrays.upload_uniform(1, &calls());
+        arrays.upload(BODIES, cast_slice(&rows.bodies));
+        arrays.upload(CONSTANTS, &constants(rows));
+        arrays.upload(BLOCKS, cast_slice(&rows.blocks));
+        arrays.upload(PAIRS, cast_slice(&rows.pairs));
+        arrays.upload(POINTS, cast_slice(&rows.points));
+        arrays.upload(CONTACTS, cast_slice(&rows.contacts));
+        arrays.make(LOADS, (LOAD_BYTES * rows.blocks.len() + COPIES_BYTES * left_over) as u64);
+        arrays.upload(LISTS, cast_slice(&rows.lists));
+        arrays.upload(REPORT, &[0; 4 * REPORT_WORDS as usize]);
+        arrays.upload(COLLIDERS, cast_slice(&rows.colliders));
+        arrays.upload(HULLS, cast_slice(&rows.hulls));
         GpuFrame {
-            gpu: self,
-            buffers,
-            groups,
+            arrays,
             bodies: rows.frame.bodies,
             blocks: rows.frame.blocks,
             points: rows.contacts.len() as u32,
             pairs: rows.pairs.len() as u32,
             colours: rows.frame.colours,
             substeps: rows.frame.substeps,
-            dispatches: 0,
         }
     }
+}
 
-    fn group(&self, bindings: &[u32], kernel: &Kernel, buffers: &[wgpu::Buffer]) -> wgpu::BindGroup {
-        let call = wgpu::BufferBinding { buffer: &buffers[1], offset: 0, size: wgpu::BufferSize::new(8) };
-        let mut entries = vec![
-            wgpu::BindGroupEntry { binding: 0, resource: buffers[0].as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Buffer(call) },
-        ];
-        entries.extend(bindings.iter().map(|binding| wgpu::BindGroupEntry {
-            binding: *binding,
-            resource: buffers[*binding as usize].as_entire_binding(),
-        }));
-        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout: &kernel.layout, entries: &entries })
+/// The uniform blocks of all calls: the colour in the first word, 1 for the biased pass in the second one. Then the rounds in which
+/// blocks take colours, from 1 on.
+fn calls() -> Vec<u8> {
+    let mut calls = vec![0_u8; round_call(MOST_ROUNDS) as usize];
+    for round in 0..MOST_ROUNDS {
+        let at = round_call(round) as usize;
+        calls[at..at + 4].copy_from_slice(&(round + 1).to_ne_bytes());
     }
+    for biased in 0..2 {
+        for colour in 0..=COLOURS {
+            let at = (call(colour, biased == 1)) as usize;
+            calls[at..at + 8].copy_from_slice(cast_slice(&[colour, biased]));
+        }
+    }
+    calls
+}
+
+/// Constants of the bodies, then the velocities of the surfaces of the colliders.
+fn constants(rows: &FrameRows) -> Vec<u8> {
+    [cast_slice::<_, u8>(&rows.constants), cast_slice(&rows.belts)].concat()
 }
 
 /// Offset of the uniform block of a call.
@@ -192,9 +208,24 @@ fn call(colour: u32, biased: bool) -> u32 {
     CALL * (colour + (COLOURS + 1) * u32::from(biased))
 }
 
-impl GpuFrame<'_> {
+/// Offset of the uniform block of a round in which blocks take colours, counted from 0.
+fn round_call(round: u32) -> u32 {
+    CALL * (2 * (COLOURS + 1) + round)
+}
+
+impl GpuFrame {
+    /// Takes over the numbers of a frame that the device has begun.
+    fn begin(&mut self, row: &FrameRow) {
+        (self.blocks, self.colours, self.substeps) = (row.blocks, row.colours, row.substeps);
+    }
+
     /// Solves the frame.
-    pub(crate) fn solve(&mut self, plan: Plan) {
+    pub(crate) fn solve(&self, plan: Plan) {
+        self.run(&self.parts(plan));
+    }
+
+    /// The parts of all substeps.
+    fn parts(&self, plan: Plan) -> Vec<Part> {
         let mut parts = Vec::new();
         if plan == Plan::AllAtOnce {
             parts.push(Part::AllAtOnce);
@@ -206,22 +237,23 @@ impl GpuFrame<'_> {
             }
         }
         parts.push(Part::Settle);
-        self.run(&parts);
+        parts
     }
 
     /// Runs parts of a frame in order.
-    pub(crate) fn run(&mut self, parts: &[Part]) {
-        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    pub(crate) fn run(&self, parts: &[Part]) {
+        let gpu = &self.arrays.gpu;
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             for part in parts {
                 self.encode(&mut pass, *part);
             }
         }
-        self.gpu.queue.submit([encoder.finish()]);
+        gpu.queue.submit([encoder.finish()]);
     }
 
-    fn encode(&mut self, pass: &mut wgpu::ComputePass<'_>, part: Part) {
+    fn encode(&self, pass: &mut wgpu::ComputePass<'_>, part: Part) {
         match part {
             Part::Load => self.dispatch(pass, LOAD, self.blocks, 0),
             Part::Kick => self.dispatch(pass, KICK, self.bodies, 0),
@@ -235,7 +267,7 @@ impl GpuFrame<'_> {
         }
     }
 
-    fn encode_impacts(&mut self, pass: &mut wgpu::ComputePass<'_>) {
+    fn encode_impacts(&self, pass: &mut wgpu::ComputePass<'_>) {
         let left_over = self.left_over();
         self.dispatch(pass, BEFORE_IMPACTS, self.bodies, 0);
         for _ in 0..ROUNDS {
@@ -260,7 +292,7 @@ impl GpuFrame<'_> {
         self.blocks - self.colours[COLOURS as usize]
     }
 
-    fn encode_pass(&mut self, pass: &mut wgpu::ComputePass<'_>, biased: bool) {
+    fn encode_pass(&self, pass: &mut wgpu::ComputePass<'_>, biased: bool) {
         for colour in 0..COLOURS {
             self.dispatch(pass, SOLVE, self.blocks_of(colour), call(colour, biased));
         }
@@ -271,47 +303,29 @@ impl GpuFrame<'_> {
         }
     }
 
-    /// A dispatch of at least so many threads; none for 0.
-    fn dispatch(&mut self, pass: &mut wgpu::ComputePass<'_>, stage: usize, threads: u32, offset: u32) {
-        if threads == 0 {
-            return;
-        }
-        let groups = threads.div_ceil(THREADS);
-        let rows = groups.div_ceil(MOST_GROUPS);
-        pass.set_pipeline(&self.gpu.kernels[stage].pipeline);
-        pass.set_bind_group(0, &self.groups[stage], &[offset]);
-        pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
-        self.dispatches += 1;
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, stage: usize, threads: u32, offset: u32) {
+        self.arrays.dispatch(pass, stage, threads, offset);
+    }
+
+    /// Dispatches so far.
+    pub(crate) fn dispatches(&self) -> u32 {
+        self.arrays.dispatches.get()
     }
 
     /// Waits for the device and reads the state.
-    pub(crate) fn read(&self) -> Outcome {
-        let report: Vec<u32> = self.read_array(REPORT, 4);
+    ///
+    /// # Errors
+    /// What the device says if it is lost.
+    pub(crate) fn read(&self) -> Result<Outcome, String> {
+        let report: Vec<u32> = self.arrays.read(REPORT, REPORT_WORDS)?;
         let stopped = (report[1] > 0).then(|| (report[1], u32::MAX - report[2]));
-        Outcome {
-            bodies: self.read_array(BODIES, self.bodies),
-            blocks: self.read_array(BLOCKS, self.blocks),
-            pairs: self.read_array(PAIRS, self.pairs),
-            contacts: self.read_array(CONTACTS, self.points),
+        Ok(Outcome {
+            bodies: self.arrays.read(BODIES, self.bodies)?,
+            blocks: self.arrays.read(BLOCKS, self.blocks)?,
+            pairs: self.arrays.read(PAIRS, self.pairs)?,
+            contacts: self.arrays.read(CONTACTS, self.points)?,
             beyond: report[0],
             stopped,
-        }
-    }
-
-    fn read_array<T: Pod>(&self, binding: u32, count: u32) -> Vec<T> {
-        let size = u64::from(count) * size_of::<T>() as u64;
-        if size == 0 {
-            return Vec::new();
-        }
-        let device = &self.gpu.device;
-        let usage = wgpu::BufferUsages::MAP_READ;
-        let staging = self.gpu.buffer("rigid read", size, usage);
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        encoder.copy_buffer_to_buffer(&self.buffers[binding as usize], 0, &staging, 0, size);
-        self.gpu.queue.submit([encoder.finish()]);
-        staging.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("the device maps a buffer"));
-        device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
-        let view = staging.slice(..size).get_mapped_range();
-        view.expect("a mapped buffer").chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
+        })
     }
 }

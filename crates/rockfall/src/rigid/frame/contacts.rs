@@ -143,7 +143,7 @@ pub(super) struct Block {
 /// Number of colours.
 pub(super) const COLOURS: usize = 16;
 /// The colour of blocks without one.
-pub(super) const LEFT_OVER: u8 = COLOURS as u8;
+pub(in crate::rigid) const LEFT_OVER: u8 = COLOURS as u8;
 
 impl Block {
     pub(super) fn pair_range(&self) -> Range<usize> {

@@ -32,12 +32,12 @@ impl History {
     }
 
     /// Whether there are colours to keep.
-    pub(super) fn is_fresh(&self) -> bool {
+    pub(in crate::rigid) fn is_fresh(&self) -> bool {
         self.frames.is_multiple_of(1024)
     }
 
     /// The colour of a block in the last frame.
-    pub(super) fn colour(&self, bodies: [u32; 2]) -> Option<u8> {
+    pub(in crate::rigid) fn colour(&self, bodies: [u32; 2]) -> Option<u8> {
         let place = self.colours.binary_search_by_key(&bodies, |(old, _)| *old).ok()?;
         Some(self.colours[place].1).filter(|colour| *colour != LEFT_OVER)
     }
@@ -64,6 +64,19 @@ impl History {
                 }
             }
         }
+    }
+
+    /// Whether two blocks of a body with mass have one colour, which no frame leaves behind.
+    #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+    pub(in crate::rigid) fn clashes(&self, has_mass: impl Fn(u32) -> bool) -> bool {
+        let mut taken: Vec<(u32, u8)> = self
+            .colours
+            .iter()
+            .filter(|(_, colour)| *colour < LEFT_OVER)
+            .flat_map(|(bodies, colour)| bodies.iter().filter(|body| has_mass(**body)).map(|body| (*body, *colour)))
+            .collect();
+        taken.sort_unstable();
+        taken.windows(2).any(|two| two[0] == two[1])
     }
 
     /// Number of left-over blocks.

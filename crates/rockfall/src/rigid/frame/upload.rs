@@ -1,9 +1,12 @@
 //! The rows of a frame for the device, and the state that comes back.
 
+use std::sync::Arc;
+
 use glam::{Mat3A, Vec3A};
 
-use crate::rigid::frame::contacts::{Block, COLOURS, LEFT_OVER, Pair};
-use crate::rigid::frame::{FREQUENCY, Frame, FrameReport, History, REPEATS, report, widen};
+use crate::rigid::frame::bodies::Bodies;
+use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER, Pair};
+use crate::rigid::frame::{Frame, FrameReport, History, REPEATS, report, widen};
 use crate::rigid::gpu::rows::{
     BELT, BlockRow, BodyRow, ConstantRow, ContactRow, ELASTIC, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
     WAITS,
@@ -13,13 +16,13 @@ use crate::rigid::gpu::{Outcome, Plan, RigidGpu};
 use crate::rigid::world::RigidWorld;
 
 /// Advances all bodies by a frame as [`super::advance_or_stop`] does, with the substeps on a device.
-pub(crate) fn advance_on_device(world: &mut RigidWorld, dt: f32, substeps: u32, gpu: &RigidGpu, plan: Plan) -> FrameReport {
+pub(crate) fn advance_on_device(world: &mut RigidWorld, dt: f32, substeps: u32, gpu: &Arc<RigidGpu>, plan: Plan) -> FrameReport {
     let mut repeats = 0;
     loop {
         let mut frame = Frame::open(world, dt, substeps);
-        let mut on_device = gpu.frame(&frame.rows(substeps));
+        let on_device = gpu.frame(&frame.rows(substeps));
         on_device.solve(plan);
-        let outcome = on_device.read();
+        let outcome = on_device.read().expect("the device answers");
         frame.take(&outcome);
         let Frame { bodies, contacts, h, .. } = frame;
         if repeats < REPEATS && outcome.beyond > 0 && widen(world, &bodies, repeats) {
@@ -31,6 +34,14 @@ pub(crate) fn advance_on_device(world: &mut RigidWorld, dt: f32, substeps: u32, 
         world.history = History::new(&contacts, world.history.frames.wrapping_add(1), h);
         return FrameReport { stopped, ..report(&contacts, repeats) };
     }
+}
+
+/// The rows of a world whose contacts are not known.
+pub(in crate::rigid) fn bodies_alone(world: &RigidWorld) -> FrameRows {
+    let bodies = Bodies::load(world, 1.0);
+    let mut contacts = Contacts::default();
+    contacts.list_by_body(bodies.count());
+    Frame::new(world, bodies, contacts, 1.0).rows(1)
 }
 
 impl Frame<'_> {
@@ -50,7 +61,7 @@ impl Frame<'_> {
                 blocks: contacts.blocks.len() as u32,
                 left_over: contacts.colours[COLOURS],
                 substeps,
-                soft: [FrameRow::softness(FREQUENCY, self.h), FrameRow::softness(2.0 * FREQUENCY, self.h)],
+                soft: FrameRow::softness_of_both(self.h),
                 colours,
             },
             bodies: (0..count).map(|i| self.body_row(i)).collect(),

@@ -48,6 +48,20 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/group.wgsl"
     "rigid/frame/impacts_at_once.wgsl"
     "rigid/frame/all_at_once.wgsl"
+    "rigid/frame/found.wgsl"
+    "rigid/frame/sort.wgsl"
+    "rigid/frame/lay.wgsl"
+    "rigid/frame/gather.wgsl"
+    "rigid/frame/enlist.wgsl"
+    "rigid/frame/past.wgsl"
+    "rigid/frame/recall.wgsl"
+    "rigid/frame/colours.wgsl"
+    "rigid/frame/keep.wgsl"
+    "rigid/frame/take.wgsl"
+    "rigid/frame/arrange.wgsl"
+    "rigid/frame/relist.wgsl"
+    "rigid/frame/store.wgsl"
+    "rigid/frame/margins.wgsl"
 );
 
 /// Bindings of the arrays. 0 and 1 are uniform.
@@ -62,8 +76,26 @@ pub(super) const LISTS: u32 = 9;
 pub(super) const REPORT: u32 = 10;
 pub(super) const COLLIDERS: u32 = 11;
 pub(super) const HULLS: u32 = 12;
-/// One more than the last binding of a frame that the CPU has begun.
-pub(super) const BINDINGS: u32 = 13;
+pub(super) const FOUND: u32 = 17;
+pub(super) const COUNTS: u32 = 18;
+pub(super) const OWNED: u32 = 19;
+pub(super) const SCALES: u32 = 22;
+pub(super) const ORDER: u32 = 33;
+pub(super) const SORTED: u32 = 27;
+pub(super) const TALLIES: u32 = 28;
+pub(super) const MARKS: u32 = 29;
+pub(super) const STATES: u32 = 30;
+pub(super) const RANKS: u32 = 31;
+pub(super) const TABLE: u32 = 32;
+pub(super) const OLD_STARTS: u32 = 34;
+pub(super) const OLD_PAIRS: u32 = 35;
+pub(super) const OLD_POINTS: u32 = 36;
+pub(super) const SURFACES: u32 = 37;
+pub(super) const RAW: u32 = 38;
+/// One more than the last binding.
+pub(super) const BINDINGS: u32 = 39;
+/// Rows of an entry of [`FOUND`].
+pub(super) const FOUND_ROWS: u32 = 10;
 
 /// An entry point.
 pub(super) struct Stage {
@@ -89,6 +121,22 @@ pub(super) const STRIKE_LEFT_OVER: usize = 13;
 pub(super) const MEAN_OF_IMPACTS: usize = 14;
 pub(super) const CARRY: usize = 15;
 pub(super) const IMPACTS_AT_ONCE: usize = 16;
+pub(super) const BUCKET: usize = 17;
+pub(super) const RANK: usize = 18;
+pub(super) const LAY: usize = 19;
+pub(super) const GATHER: usize = 20;
+pub(super) const ENLIST: usize = 21;
+pub(super) const RECALL: usize = 22;
+pub(super) const KEEP: usize = 23;
+pub(super) const TAKE: usize = 24;
+pub(super) const COUNT_COLOURS: usize = 25;
+pub(super) const ARRANGE: usize = 26;
+pub(super) const RELIST: usize = 27;
+pub(super) const SUM_UP: usize = 28;
+pub(super) const STORE: usize = 29;
+pub(super) const CALM: usize = 30;
+pub(super) const WIDEN: usize = 31;
+pub(super) const WIDEN_ALL: usize = 32;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
@@ -125,7 +173,53 @@ pub(super) const STAGES: &[Stage] = &[
         bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS, REPORT],
     },
     Stage { name: "impacts_at_once", file: "rigid/frame/impacts_at_once.wgsl", bindings: ALL },
+    Stage { name: "bucket", file: "rigid/frame/sort.wgsl", bindings: &[BODIES, FOUND, COUNTS, OWNED, ORDER] },
+    Stage { name: "rank", file: "rigid/frame/sort.wgsl", bindings: &[BODIES, FOUND, COUNTS, OWNED, ORDER, SORTED, TALLIES] },
+    Stage {
+        name: "lay",
+        file: "rigid/frame/lay.wgsl",
+        bindings: &[BODIES, PAIRS, POINTS, COLLIDERS, FOUND, COUNTS, SORTED, SURFACES],
+    },
+    Stage {
+        name: "gather",
+        file: "rigid/frame/gather.wgsl",
+        bindings: &[BODIES, PAIRS, LISTS, COUNTS, SORTED, TALLIES, MARKS, RAW],
+    },
+    Stage { name: "enlist", file: "rigid/frame/enlist.wgsl", bindings: &[BODIES, LISTS, TALLIES, RAW] },
+    Stage {
+        name: "recall",
+        file: "rigid/frame/recall.wgsl",
+        bindings: &[BODIES, PAIRS, POINTS, CONTACTS, COUNTS, OLD_STARTS, OLD_PAIRS, OLD_POINTS],
+    },
+    Stage {
+        name: "keep",
+        file: "rigid/frame/keep.wgsl",
+        bindings: &[BODIES, TALLIES, MARKS, STATES, RANKS, OLD_STARTS, OLD_PAIRS, RAW],
+    },
+    Stage { name: "take", file: "rigid/frame/take.wgsl", bindings: &[BODIES, LISTS, TALLIES, STATES, RANKS, RAW] },
+    Stage { name: "count_colours", file: "rigid/frame/arrange.wgsl", bindings: &[COUNTS, TALLIES, STATES, TABLE] },
+    Stage {
+        name: "arrange",
+        file: "rigid/frame/arrange.wgsl",
+        bindings: &[BLOCKS, PAIRS, COUNTS, TALLIES, STATES, RANKS, TABLE, RAW],
+    },
+    Stage { name: "relist", file: "rigid/frame/relist.wgsl", bindings: &[BODIES, LISTS, COUNTS, RANKS] },
+    Stage { name: "sum_up", file: "rigid/frame/store.wgsl", bindings: &[PAIRS, CONTACTS, REPORT, COUNTS] },
+    Stage {
+        name: "store",
+        file: "rigid/frame/store.wgsl",
+        bindings: &[PAIRS, POINTS, CONTACTS, COUNTS, OWNED, OLD_STARTS, OLD_PAIRS, OLD_POINTS],
+    },
+    Stage { name: "calm", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, SCALES] },
+    Stage { name: "widen", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, REPORT, SCALES] },
+    Stage { name: "widen_all", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, REPORT, SCALES] },
 ];
+
+/// Whether a stage only reads an array. All stages bind the same arrays in the same way, but for the lists and the colliders.
+fn is_read_only(stage: &Stage, binding: u32) -> bool {
+    let makes_lists = [GATHER, ENLIST, TAKE, RELIST].iter().any(|number| STAGES[*number].name == stage.name);
+    [CONSTANTS, COLLIDERS, HULLS].contains(&binding) || (binding == LISTS && !makes_lists)
+}
 
 /// A compiled stage.
 #[derive(Debug)]
@@ -173,7 +267,7 @@ impl Kernel {
             min_binding_size: None,
         };
         let storage = |binding: &u32| wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: [CONSTANTS, LISTS].contains(binding) },
+            ty: wgpu::BufferBindingType::Storage { read_only: is_read_only(stage, *binding) },
             has_dynamic_offset: false,
             min_binding_size: None,
         };

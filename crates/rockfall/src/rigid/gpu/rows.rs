@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::rigid::frame::FREQUENCY;
 use crate::rigid::gpu::shapes::ColliderRow;
 
 /// A block has one side without mass.
@@ -151,8 +152,13 @@ pub(crate) struct FrameRows {
 }
 
 impl FrameRow {
+    /// The softness of blocks with two masses, and of fixed ones, which are twice as stiff.
+    pub(crate) fn softness_of_both(h: f32) -> [[f32; 4]; 2] {
+        [FREQUENCY, 2.0 * FREQUENCY].map(|frequency| Self::softness(frequency, h))
+    }
+
     /// `m_s`, r and `i_s` for a frequency times the substep (docs/physics.md section 11.8).
-    pub(crate) fn softness(frequency_h: f32, h: f32) -> [f32; 4] {
+    fn softness(frequency_h: f32, h: f32) -> [f32; 4] {
         const DAMPING: f32 = 10.0;
         let wh = 2.0 * std::f32::consts::PI * frequency_h;
         let a1 = 2.0 * DAMPING + wh;

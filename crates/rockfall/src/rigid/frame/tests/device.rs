@@ -1,5 +1,7 @@
 //! The device solves a frame as the twin does.
 
+use std::sync::Arc;
+
 use glam::{Quat, Vec3};
 
 use super::pile::heap;
@@ -13,11 +15,11 @@ use crate::rigid::shape::Shape;
 use crate::rigid::world::RigidWorld;
 
 /// A device with the limits that WebGPU guarantees.
-fn open() -> RigidGpu {
+fn open() -> Arc<RigidGpu> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).expect("an adapter");
     let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).expect("a device");
-    RigidGpu::new(device, queue)
+    Arc::new(RigidGpu::new(device, queue))
 }
 
 /// Bricks in bond, 1 x 0.5 x 0.5.
@@ -239,10 +241,10 @@ fn stages_agree() {
 const PARTS: [Part; 6] = [Part::Impacts, Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax];
 
 /// Brings the twin through a stage, and returns what the device has most apart.
-fn stage(gpu: &RigidGpu, frame: &mut Frame<'_>, part: Part) -> (&'static str, f32) {
-    let mut on_device = gpu.frame(&frame.rows(4));
+fn stage(gpu: &Arc<RigidGpu>, frame: &mut Frame<'_>, part: Part) -> (&'static str, f32) {
+    let on_device = gpu.frame(&frame.rows(4));
     on_device.run(if part == Part::Kick { &[Part::Load, Part::Kick] } else { std::slice::from_ref(&part) });
-    let found = on_device.read();
+    let found = on_device.read().unwrap();
     match part {
         Part::Impacts => impacts::impacts(frame.world, &mut frame.contacts, &mut frame.bodies, frame.h),
         Part::Kick => {
@@ -281,12 +283,12 @@ fn apart(a: &RigidWorld, b: &RigidWorld) -> [f32; 2] {
 }
 
 /// The dispatches of a frame with each plan.
-fn count(gpu: &RigidGpu, world: &RigidWorld) -> [u32; 3] {
+fn count(gpu: &Arc<RigidGpu>, world: &RigidWorld) -> [u32; 3] {
     let rows = Frame::open(world, DT, 4).rows(4);
     [Plan::Stages, Plan::ImpactsAtOnce, Plan::AllAtOnce].map(|plan| {
-        let mut on_device = gpu.frame(&rows);
+        let on_device = gpu.frame(&rows);
         on_device.solve(plan);
-        on_device.dispatches
+        on_device.dispatches()
     })
 }
 

@@ -1,0 +1,101 @@
+//! From the manifolds that the search has found to the blocks, pairs, points and lists of a frame.
+
+use crate::rigid::gpu::arrays::Arrays;
+use crate::rigid::gpu::kernels::{
+    ARRANGE, BLOCKS, BUCKET, CONTACTS, COUNT_COLOURS, ENLIST, FOUND, FOUND_ROWS, GATHER, KEEP, LAY, LISTS, MARKS,
+    ORDER, OWNED, PAIRS, POINTS, RANK, RANKS, RAW, RECALL, RELIST, SORTED, STATES, TABLE, TAKE, TALLIES,
+};
+use crate::rigid::gpu::rows::{BlockRow, ContactRow, PairRow, PointRow};
+use crate::rigid::gpu::scan::Scan;
+use crate::rigid::gpu::{COLOURS, round_call};
+
+/// Rounds in which blocks take colours; in a frame that colours all anew, as often as it takes.
+pub(super) const ROUNDS: u32 = 16;
+/// Blocks that a workgroup arranges.
+const TILE: u32 = 256;
+/// Points of a pair.
+const POINTS_OF_PAIR: u64 = 4;
+
+/// The stages between the search and the solver, and how many pairs there is room for.
+#[derive(Debug)]
+pub(super) struct Assembly {
+    bodies: u32,
+    pub(super) room: u32,
+    of_owners: Scan,
+    of_blocks: Scan,
+    of_colours: Scan,
+}
+
+impl Assembly {
+    /// Makes the arrays whose length is that of the bodies or of the room for pairs. What is kept of the last frame is not copied.
+    pub(super) fn new(arrays: &mut Arrays, bodies: u32, room: u32) -> Self {
+        let pairs = u64::from(room);
+        let bytes = |size: usize| pairs * size as u64;
+        arrays.make(FOUND, 16 * u64::from(FOUND_ROWS) * pairs);
+        arrays.make(OWNED, 4 * u64::from(bodies + 1));
+        arrays.make(ORDER, 4 * pairs);
+        arrays.make(SORTED, 4 * pairs);
+        arrays.make(TALLIES, 8 * u64::from(bodies + 1));
+        arrays.make(MARKS, 8 * u64::from(bodies));
+        arrays.make(STATES, 4 * pairs);
+        arrays.make(RANKS, 4 * pairs);
+        let tiles = room.div_ceil(TILE);
+        let table = (COLOURS + 1) * tiles + 1;
+        arrays.make(TABLE, 4 * u64::from(table));
+        arrays.make(RAW, bytes(size_of::<BlockRow>()));
+        arrays.make(BLOCKS, bytes(size_of::<BlockRow>()));
+        arrays.make(PAIRS, bytes(size_of::<PairRow>()));
+        arrays.make(POINTS, POINTS_OF_PAIR * bytes(size_of::<PointRow>()));
+        arrays.make(CONTACTS, POINTS_OF_PAIR * bytes(size_of::<ContactRow>()));
+        // The starts, then twice the two entries of each block.
+        arrays.make(LISTS, 4 * (u64::from(bodies + 1) + 4 * pairs));
+        let scan = |binding: u32, length: u32| Scan::new(&arrays.gpu, arrays.get(binding), length);
+        Self {
+            bodies,
+            room,
+            of_owners: scan(OWNED, bodies + 1),
+            of_blocks: scan(TALLIES, 2 * (bodies + 1)),
+            of_colours: scan(TABLE, table),
+        }
+    }
+
+    /// Clears what is counted.
+    pub(super) fn clear(&self, arrays: &Arrays, encoder: &mut wgpu::CommandEncoder) {
+        for binding in [TALLIES, MARKS] {
+            encoder.clear_buffer(arrays.get(binding), 0, None);
+        }
+    }
+
+    /// Orders the manifolds and gathers the blocks, which keep their colours or wait.
+    pub(super) fn encode_blocks(&self, arrays: &Arrays, pass: &mut wgpu::ComputePass<'_>) {
+        self.of_owners.encode(pass);
+        arrays.dispatch(pass, BUCKET, self.room, 0);
+        arrays.dispatch(pass, RANK, self.room, 0);
+        self.of_blocks.encode(pass);
+        arrays.dispatch(pass, LAY, self.room, 0);
+        arrays.dispatch(pass, GATHER, self.room, 0);
+        arrays.dispatch(pass, ENLIST, self.room.max(self.bodies + 1), 0);
+        arrays.dispatch(pass, RECALL, self.room, 0);
+        arrays.dispatch(pass, KEEP, self.room, 0);
+    }
+
+    /// Rounds in which blocks take colours.
+    pub(super) fn encode_rounds(&self, arrays: &Arrays, pass: &mut wgpu::ComputePass<'_>, rounds: std::ops::Range<u32>) {
+        for round in rounds {
+            arrays.dispatch(pass, TAKE, self.room, round_call(round));
+        }
+    }
+
+    /// Counts the blocks of each colour and those that wait.
+    pub(super) fn encode_count(&self, arrays: &Arrays, pass: &mut wgpu::ComputePass<'_>) {
+        arrays.dispatch_groups(pass, COUNT_COLOURS, self.room.div_ceil(TILE), 0);
+    }
+
+    /// Arranges the blocks by colour.
+    pub(super) fn encode_order(&self, arrays: &Arrays, pass: &mut wgpu::ComputePass<'_>) {
+        self.encode_count(arrays, pass);
+        self.of_colours.encode(pass);
+        arrays.dispatch_groups(pass, ARRANGE, self.room.div_ceil(TILE), 0);
+        arrays.dispatch(pass, RELIST, self.bodies, 0);
+    }
+}

@@ -1,0 +1,337 @@
+//! A world that stays on a device from frame to frame.
+
+use std::sync::Arc;
+
+use bytemuck::{bytes_of, cast_slice};
+use glam::{Mat3, Quat, Vec3};
+
+use crate::rigid::frame::{FrameReport, REPEATS, bodies_alone};
+use crate::rigid::gpu::arrays::Arrays;
+use crate::rigid::gpu::assemble::{Assembly, ROUNDS};
+use crate::rigid::gpu::kernels::{
+    BODIES, CALM, COUNTS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES, STORE, SUM_UP, SURFACES, WIDEN, WIDEN_ALL,
+};
+use crate::rigid::gpu::past::Past;
+use crate::rigid::gpu::rows::{BodyRow, FrameRow};
+use crate::rigid::gpu::search::Search;
+use crate::rigid::gpu::{COLOURS, COPIES_BYTES, GpuFrame, LOAD_BYTES, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu};
+use crate::rigid::world::{Kind, RigidWorld};
+
+/// Words of the counts of a frame.
+const COUNT_WORDS: u32 = 64;
+/// Least room for pairs, and for left-over blocks.
+const LEAST_ROOM: u32 = 256;
+/// Bytes of what is kept of a pair, and of its points.
+const OLD_PAIR_BYTES: u64 = 32;
+const OLD_POINTS_BYTES: u64 = 4 * 32;
+
+/// The bodies and the contacts of a world on a device.
+#[derive(Debug)]
+pub(crate) struct GpuWorld {
+    frame: GpuFrame,
+    search: Search,
+    assembly: Assembly,
+    /// The bodies at the start of the frame.
+    backup: wgpu::Buffer,
+    counts: wgpu::Buffer,
+    report: wgpu::Buffer,
+    row: FrameRow,
+    /// Room for left-over blocks.
+    left_over: u32,
+    /// Frames so far, and the substep of the impulses that are kept, in s.
+    frames: u32,
+    substep: f32,
+    /// Pairs that are kept.
+    kept: u32,
+}
+
+/// What the search of a frame came to.
+#[derive(Clone, Copy, Debug)]
+struct Counts {
+    candidates: u32,
+    pairs: u32,
+    /// Blocks without a colour after the last round.
+    waiting: u32,
+    /// First block of each colour, of the left-over ones, and their end.
+    colours: [u32; COLOURS as usize + 2],
+}
+
+impl GpuWorld {
+    /// Uploads a world with what it remembers.
+    pub(crate) fn new(gpu: &Arc<RigidGpu>, world: &RigidWorld) -> Self {
+        let past = Past::of(world);
+        let bodies = world.bodies.len() as u32;
+        let room = (2 * bodies).max(past.pairs.len() as u32).max(LEAST_ROOM);
+        let mut frame = gpu.frame(&bodies_alone(world));
+        let arrays = &mut frame.arrays;
+        arrays.upload(SCALES, cast_slice(&world.bodies.iter().map(|body| body.margin_scale).collect::<Vec<_>>()));
+        arrays.upload(SURFACES, cast_slice(&surface_rows(world)));
+        arrays.make(COUNTS, 4 * u64::from(COUNT_WORDS));
+        arrays.upload(OLD_STARTS, cast_slice(&past.starts));
+        let assembly = Assembly::new(arrays, bodies, room);
+        let search = Search::new(arrays, world);
+        arrays.make(OLD_PAIRS, OLD_PAIR_BYTES * u64::from(room));
+        arrays.make(OLD_POINTS, OLD_POINTS_BYTES * u64::from(room));
+        gpu.queue.write_buffer(arrays.get(OLD_PAIRS), 0, cast_slice(&past.pairs));
+        gpu.queue.write_buffer(arrays.get(OLD_POINTS), 0, cast_slice(&past.points));
+        let left_over = LEAST_ROOM;
+        arrays.make(LOADS, loads_bytes(room, left_over));
+        let reading = |words: u32| gpu.buffer(4 * u64::from(words), wgpu::BufferUsages::MAP_READ);
+        Self {
+            backup: gpu.storage(u64::from(bodies) * size_of::<BodyRow>() as u64),
+            counts: reading(COUNT_WORDS),
+            report: reading(REPORT_WORDS),
+            row: FrameRow { gravity: world.gravity.to_array(), bodies, ..FrameRow::default() },
+            left_over,
+            frames: world.history.frames,
+            substep: world.history.substep,
+            kept: past.pairs.len() as u32,
+            frame,
+            search,
+            assembly,
+        }
+    }
+
+    fn gpu(&self) -> &Arc<RigidGpu> {
+        &self.frame.arrays.gpu
+    }
+
+    /// Advances all bodies by a frame of `dt` seconds in `substeps` substeps, as [`crate::rigid::frame::advance_or_stop`] does.
+    ///
+    /// # Errors
+    /// What the device says if it is lost.
+    pub(crate) fn advance(&mut self, dt: f32, substeps: u32, keeps_going: bool) -> Result<FrameReport, String> {
+        let h = dt / substeps as f32;
+        let mut repeats = 0;
+        loop {
+            let counts = self.search(dt, substeps)?;
+            let words = self.solve(&counts)?;
+            if repeats < REPEATS && words[0] > 0 {
+                self.widen(repeats);
+                repeats += 1;
+                continue;
+            }
+            let stopped = (words[1] > 0).then(|| (words[1], u32::MAX - words[2]));
+            if stopped.is_some() && !keeps_going {
+                self.restore();
+                return Ok(FrameReport { repeats, stopped, ..FrameReport::default() });
+            }
+            self.keep(&counts, h);
+            return Ok(FrameReport { repeats, contacts: words[4], max_overlap: f32::from_bits(words[5]), stopped });
+        }
+    }
+
+    /// Finds the contacts of a frame. Where there is too little room, there will be more.
+    fn search(&mut self, dt: f32, substeps: u32) -> Result<Counts, String> {
+        let h = dt / substeps as f32;
+        let fresh = self.frames.is_multiple_of(1024);
+        let scale = if self.substep > 0.0 && self.substep != h { h / self.substep } else { 1.0 };
+        let mut soft = FrameRow::softness_of_both(h);
+        (soft[0][3], soft[1][3]) = (scale, f32::from(u8::from(fresh)));
+        self.row = FrameRow { h, substeps, soft, ..self.row };
+        self.put_row();
+        self.save();
+        loop {
+            self.search.begin(&self.frame.arrays, dt, self.assembly.room);
+            let counts = self.find(fresh)?;
+            if counts.candidates > self.search.room() {
+                self.search.grow(&mut self.frame.arrays, with_spare(counts.candidates));
+            } else if counts.pairs > self.assembly.room {
+                self.make_room(with_spare(counts.pairs));
+            } else {
+                return if fresh { self.colour(counts.waiting) } else { Ok(counts) };
+            }
+        }
+    }
+
+    /// The search and the assembly. In a frame that gives all colours anew, the blocks are not yet in order.
+    fn find(&self, fresh: bool) -> Result<Counts, String> {
+        let arrays = &self.frame.arrays;
+        let mut encoder = self.encoder();
+        encoder.clear_buffer(arrays.get(COUNTS), 0, None);
+        self.search.clear(arrays, &mut encoder);
+        self.assembly.clear(arrays, &mut encoder);
+        self.encode(&mut encoder, |pass| {
+            self.search.encode(arrays, pass);
+            self.assembly.encode_blocks(arrays, pass);
+            self.assembly.encode_rounds(arrays, pass, 0..ROUNDS);
+            if fresh {
+                self.assembly.encode_count(arrays, pass);
+            } else {
+                self.assembly.encode_order(arrays, pass);
+            }
+        });
+        self.read_counts(encoder)
+    }
+
+    /// As many more rounds of colours as it takes, then the order that comes of them.
+    fn colour(&self, mut waiting: u32) -> Result<Counts, String> {
+        let arrays = &self.frame.arrays;
+        let mut rounds = ROUNDS;
+        loop {
+            let more = if waiting > 0 { (rounds + ROUNDS).min(MOST_ROUNDS) } else { rounds };
+            let mut encoder = self.encoder();
+            encoder.clear_buffer(arrays.get(COUNTS), 4 * 8, Some(4));
+            self.encode(&mut encoder, |pass| {
+                self.assembly.encode_rounds(arrays, pass, rounds..more);
+                if more == rounds {
+                    self.assembly.encode_order(arrays, pass);
+                } else {
+                    self.assembly.encode_count(arrays, pass);
+                }
+            });
+            let counts = self.read_counts(encoder)?;
+            if more == rounds {
+                return Ok(counts);
+            }
+            (rounds, waiting) = (more, counts.waiting);
+        }
+    }
+
+    fn read_counts(&self, mut encoder: wgpu::CommandEncoder) -> Result<Counts, String> {
+        let size = 4 * u64::from(COUNT_WORDS);
+        encoder.copy_buffer_to_buffer(self.frame.arrays.get(COUNTS), 0, &self.counts, 0, size);
+        let words: Vec<u32> = self.gpu().submit_and_read(encoder, &self.counts, size)?;
+        let mut colours = [0; COLOURS as usize + 2];
+        colours.copy_from_slice(&words[16..16 + COLOURS as usize + 2]);
+        Ok(Counts { candidates: words[0], pairs: words[1], waiting: words[8], colours })
+    }
+
+    /// Solves all substeps and reads the report.
+    fn solve(&mut self, counts: &Counts) -> Result<Vec<u32>, String> {
+        let blocks = counts.colours[COLOURS as usize + 1];
+        self.row.blocks = blocks;
+        self.row.left_over = counts.colours[COLOURS as usize];
+        self.row.colours[..COLOURS as usize + 2].copy_from_slice(&counts.colours);
+        let left_over = blocks - self.row.left_over;
+        if left_over > self.left_over {
+            self.left_over = with_spare(left_over);
+            self.frame.arrays.make(LOADS, loads_bytes(self.assembly.room, self.left_over));
+        }
+        self.put_row();
+        self.frame.begin(&self.row);
+        let mut encoder = self.encoder();
+        encoder.clear_buffer(self.frame.arrays.get(REPORT), 0, None);
+        self.encode(&mut encoder, |pass| {
+            for part in self.frame.parts(Plan::Stages) {
+                self.frame.encode(pass, part);
+            }
+            self.frame.arrays.dispatch(pass, SUM_UP, counts.pairs, 0);
+        });
+        let size = 4 * u64::from(REPORT_WORDS);
+        encoder.copy_buffer_to_buffer(self.frame.arrays.get(REPORT), 0, &self.report, 0, size);
+        self.gpu().submit_and_read(encoder, &self.report, size)
+    }
+
+    /// Keeps what a frame has come to.
+    fn keep(&mut self, counts: &Counts, h: f32) {
+        let arrays = &self.frame.arrays;
+        let mut encoder = self.encoder();
+        self.encode(&mut encoder, |pass| {
+            arrays.dispatch(pass, CALM, self.row.bodies, 0);
+            arrays.dispatch(pass, STORE, counts.pairs.max(self.row.bodies + 1), 0);
+        });
+        self.gpu().queue.submit([encoder.finish()]);
+        self.frames = self.frames.wrapping_add(1);
+        (self.substep, self.kept) = (h, counts.pairs);
+    }
+
+    /// Widens the margins of bodies whose path has left them, and goes back to the start of the frame.
+    fn widen(&mut self, repeats: u32) {
+        let arrays = &self.frame.arrays;
+        let mut encoder = self.encoder();
+        self.encode(&mut encoder, |pass| {
+            arrays.dispatch(pass, WIDEN, self.row.bodies, 0);
+            if repeats >= 3 {
+                arrays.dispatch(pass, WIDEN_ALL, self.row.bodies, 0);
+            }
+        });
+        self.gpu().queue.submit([encoder.finish()]);
+        self.restore();
+    }
+
+    fn save(&self) {
+        self.copy(self.frame.arrays.get(BODIES), &self.backup);
+    }
+
+    fn restore(&self) {
+        self.copy(&self.backup, self.frame.arrays.get(BODIES));
+    }
+
+    fn copy(&self, from: &wgpu::Buffer, to: &wgpu::Buffer) {
+        let mut encoder = self.encoder();
+        encoder.copy_buffer_to_buffer(from, 0, to, 0, from.size().min(to.size()));
+        self.gpu().queue.submit([encoder.finish()]);
+    }
+
+    fn put_row(&self) {
+        self.gpu().queue.write_buffer(self.frame.arrays.get(0), 0, bytes_of(&self.row));
+    }
+
+    fn encoder(&self) -> wgpu::CommandEncoder {
+        self.gpu().device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder, stages: impl FnOnce(&mut wgpu::ComputePass<'_>)) {
+        stages(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()));
+    }
+
+    /// More room for pairs.
+    fn make_room(&mut self, room: u32) {
+        let arrays = &mut self.frame.arrays;
+        let old = [OLD_PAIRS, OLD_POINTS].map(|binding| arrays.get(binding).clone());
+        self.assembly = Assembly::new(arrays, self.row.bodies, room);
+        arrays.make(OLD_PAIRS, OLD_PAIR_BYTES * u64::from(room));
+        arrays.make(OLD_POINTS, OLD_POINTS_BYTES * u64::from(room));
+        arrays.make(LOADS, loads_bytes(room, self.left_over));
+        for (old, binding) in old.iter().zip([OLD_PAIRS, OLD_POINTS]) {
+            self.copy(old, self.frame.arrays.get(binding));
+        }
+    }
+
+    /// Writes the states of the bodies to a world, and what is kept of their contacts.
+    ///
+    /// # Errors
+    /// What the device says if it is lost.
+    pub(crate) fn download(&self, world: &mut RigidWorld) -> Result<(), String> {
+        let arrays = &self.frame.arrays;
+        let rows: Vec<BodyRow> = arrays.read(BODIES, self.row.bodies)?;
+        let scales: Vec<f32> = arrays.read(SCALES, self.row.bodies)?;
+        for ((body, row), scale) in world.bodies.iter_mut().zip(&rows).zip(scales).filter(|((body, _), _)| body.kind != Kind::World) {
+            body.pose.position = Vec3::from_array(row.position);
+            body.pose.turn = Quat::from_array(row.turn);
+            if body.inverse_mass > 0.0 && body.kind == Kind::Dynamic {
+                (body.velocity, body.spin, body.momentum) = (row.velocity.into(), row.spin.into(), row.momentum.into());
+                body.inverse_inertia = tensor(row);
+                body.margin_scale = scale;
+            }
+        }
+        let past = Past {
+            starts: arrays.read(OLD_STARTS, self.row.bodies + 1)?,
+            pairs: arrays.read(OLD_PAIRS, self.kept)?,
+            points: arrays.read(OLD_POINTS, 4 * self.kept)?,
+        };
+        world.history = past.history(self.frames, self.substep);
+        Ok(())
+    }
+}
+
+fn tensor(row: &BodyRow) -> Mat3 {
+    let ([xx, yy, zz], [xy, xz, yz]) = (row.diagonal, row.beside);
+    Mat3::from_cols(Vec3::new(xx, xy, xz), Vec3::new(xy, yy, yz), Vec3::new(xz, yz, zz))
+}
+
+/// A quarter more, so that there is seldom need for more.
+fn with_spare(count: u32) -> u32 {
+    count.saturating_add(count / 4).max(LEAST_ROOM)
+}
+
+fn loads_bytes(room: u32, left_over: u32) -> u64 {
+    LOAD_BYTES as u64 * u64::from(room) + COPIES_BYTES as u64 * u64::from(left_over)
+}
+
+/// The number of materials, 0; then the constants of each two materials.
+fn surface_rows(world: &RigidWorld) -> Vec<[f32; 2]> {
+    let surfaces = world.surfaces.iter().map(|surface| [surface.friction, surface.restitution]);
+    std::iter::once([world.materials as f32, 0.0]).chain(surfaces).collect()
+}
