@@ -5,11 +5,15 @@
 //! | [`rows`] | rows of the arrays |
 //! | [`shapes`] | rows of colliders, lists of hulls |
 //! | `kernels` | the kernels and their bindings |
+//! | [`search`] | the manifolds of a frame |
+//! | [`scan`] | sums of all earlier words of an array |
 //!
 //! A frame begins with the contacts that the CPU has found ([`FrameRows`]). The device solves all substeps of it.
 
 mod kernels;
 pub(crate) mod rows;
+pub(crate) mod scan;
+pub(crate) mod search;
 pub(crate) mod shapes;
 
 use bytemuck::{Pod, bytes_of, cast_slice};
