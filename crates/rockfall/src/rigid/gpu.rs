@@ -6,6 +6,8 @@
 //! | `arrays` | arrays by binding, dispatches over them |
 //! | [`shapes`] | rows of colliders, lists of hulls |
 //! | `kernels` | the kernels and their bindings |
+//! | [`search`] | the manifolds of a frame |
+//! | [`scan`] | sums of all earlier words of an array |
 //!
 //! A frame begins with the contacts that the CPU has found ([`FrameRows`]). The device solves all substeps of it.
 
@@ -14,6 +16,8 @@ mod assemble;
 mod kernels;
 mod past;
 pub(crate) mod rows;
+pub(crate) mod scan;
+pub(crate) mod search;
 pub(crate) mod shapes;
 pub(crate) mod world;
 
@@ -27,6 +31,7 @@ use kernels::{
     FIND_LEFT_OVER, HULLS, IMPACTS_AT_ONCE, KICK, Kernel, LISTS, LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REPORT, SETTLE, SOLVE,
     SOLVE_LEFT_OVER, STAGES, STRIKE, STRIKE_LEFT_OVER,
 };
+use scan::ScanKernels;
 use rows::{BlockRow, BodyRow, ContactRow, FrameRow, FrameRows, PairRow};
 
 /// Threads of a workgroup, but of the stages that say so.
@@ -53,6 +58,7 @@ pub(crate) struct RigidGpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     kernels: Vec<OnceLock<Kernel>>,
+    scans: OnceLock<ScanKernels>,
 }
 
 /// How the substeps of a frame are dispatched. All give the same bits on software Vulkan. A driver may fuse products in one kernel
@@ -116,11 +122,15 @@ pub(crate) struct Outcome {
 impl RigidGpu {
     pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let kernels = STAGES.iter().map(|_| OnceLock::new()).collect();
-        Self { device, queue, kernels }
+        Self { device, queue, kernels, scans: OnceLock::new() }
     }
 
     fn kernel(&self, stage: usize) -> &Kernel {
         self.kernels[stage].get_or_init(|| Kernel::new(&self.device, &STAGES[stage]))
+    }
+
+    fn scans(&self) -> &ScanKernels {
+        self.scans.get_or_init(|| ScanKernels::new(&self.device))
     }
 
     fn buffer(&self, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {

@@ -5,7 +5,7 @@
 //
 // | array | entry |
 // |---|---|
-// | `found` | 10 rows of a manifold: colliders (2), a, b; n in coordinates of a, info; then of each point: l_A, id; l_B, and of the first one its place among those of the owner |
+// | `found` | 10 rows of a manifold: colliders (2), a, b; n in coordinates of a, info; then of each point: l_A, id; l_B, its place among those of the owner |
 // | `counts` | 1: manifolds; 8: blocks that wait for a colour; from 16 on: first block of each colour, of the left-over ones, their end |
 // | `owned` | of each body its first manifold, and the end |
 // | `order` | manifolds by owner |

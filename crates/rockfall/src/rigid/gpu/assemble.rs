@@ -2,11 +2,12 @@
 
 use crate::rigid::gpu::arrays::Arrays;
 use crate::rigid::gpu::kernels::{
-    ARRANGE, BLOCKS, BUCKET, CONTACTS, COUNT_COLOURS, ENLIST, FOUND, FOUND_ROWS, GATHER, KEEP, LAY, LISTS, MARKS,
-    ORDER, OWNED, PAIRS, POINTS, RANK, RANKS, RAW, RECALL, RELIST, SORTED, STATES, TABLE, TAKE, TALLIES,
+    ARRANGE, BLOCKS, BUCKET, CONTACTS, COUNT_COLOURS, COUNTS, ENLIST, FOUND, GATHER, KEEP, LAY, LISTS, MARKS,
+    ORDER, OWNED, PAIRS, POINTS, RANK, RANKS, RAW, RECALL, RELIST, SCALES, SORTED, STATES, TABLE, TAKE, TALLIES,
 };
 use crate::rigid::gpu::rows::{BlockRow, ContactRow, PairRow, PointRow};
 use crate::rigid::gpu::scan::Scan;
+use crate::rigid::gpu::search::Search;
 use crate::rigid::gpu::{COLOURS, round_call};
 
 /// Rounds in which blocks take colours; in a frame that colours all anew, as often as it takes.
@@ -27,12 +28,16 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
-    /// Makes the arrays whose length is that of the bodies or of the room for pairs. What is kept of the last frame is not copied.
-    pub(super) fn new(arrays: &mut Arrays, bodies: u32, room: u32) -> Self {
+    /// Makes the arrays whose length is that of the bodies or of the room for pairs, which is that of the manifolds of the search. What
+    /// is kept of the last frame is not copied.
+    pub(super) fn new(arrays: &mut Arrays, search: &Search, bodies: u32) -> Self {
+        let [_, room] = search.rooms();
         let pairs = u64::from(room);
         let bytes = |size: usize| pairs * size as u64;
-        arrays.make(FOUND, 16 * u64::from(FOUND_ROWS) * pairs);
-        arrays.make(OWNED, 4 * u64::from(bodies + 1));
+        arrays.put(FOUND, search.found.clone());
+        arrays.put(COUNTS, search.counts.clone());
+        arrays.put(OWNED, search.owned.clone());
+        arrays.put(SCALES, search.scales.clone());
         arrays.make(ORDER, 4 * pairs);
         arrays.make(SORTED, 4 * pairs);
         arrays.make(TALLIES, 8 * u64::from(bodies + 1));
@@ -49,7 +54,8 @@ impl Assembly {
         arrays.make(CONTACTS, POINTS_OF_PAIR * bytes(size_of::<ContactRow>()));
         // The starts, then twice the two entries of each block.
         arrays.make(LISTS, 4 * (u64::from(bodies + 1) + 4 * pairs));
-        let scan = |binding: u32, length: u32| Scan::new(&arrays.gpu, arrays.get(binding), length);
+        let kernels = arrays.gpu.scans();
+        let scan = |binding: u32, length: u32| Scan::new(&arrays.gpu.device, kernels, arrays.get(binding), length);
         Self {
             bodies,
             room,

@@ -27,6 +27,7 @@ const PARTS: &[Part] = parts!(
     "rigid/collide/box_box.wgsl"
     "rigid/collide/polyhedra.wgsl"
     "rigid/collide/collide.wgsl"
+    "rigid/collide/exchange.wgsl"
     "rigid/frame/colliders.wgsl"
     "rigid/frame/rows.wgsl"
     "rigid/frame/turn.wgsl"
@@ -62,6 +63,15 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/relist.wgsl"
     "rigid/frame/store.wgsl"
     "rigid/frame/margins.wgsl"
+    "rigid/broad/search.wgsl"
+    "rigid/broad/open.wgsl"
+    "rigid/broad/bound.wgsl"
+    "rigid/broad/scan.wgsl"
+    "rigid/broad/pair_up.wgsl"
+    "rigid/broad/narrow.wgsl"
+    "rigid/broad/narrow_round.wgsl"
+    "rigid/broad/narrow_boxes.wgsl"
+    "rigid/broad/narrow_solids.wgsl"
 );
 
 /// Bindings of the arrays. 0 and 1 are uniform.
@@ -76,10 +86,6 @@ pub(super) const LISTS: u32 = 9;
 pub(super) const REPORT: u32 = 10;
 pub(super) const COLLIDERS: u32 = 11;
 pub(super) const HULLS: u32 = 12;
-pub(super) const FOUND: u32 = 17;
-pub(super) const COUNTS: u32 = 18;
-pub(super) const OWNED: u32 = 19;
-pub(super) const SCALES: u32 = 22;
 pub(super) const ORDER: u32 = 33;
 pub(super) const SORTED: u32 = 27;
 pub(super) const TALLIES: u32 = 28;
@@ -96,11 +102,34 @@ pub(super) const RAW: u32 = 38;
 pub(super) const BINDINGS: u32 = 39;
 /// Rows of an entry of [`FOUND`].
 pub(super) const FOUND_ROWS: u32 = 10;
+pub(super) const BOUNDS: u32 = 13;
+pub(super) const CELLS: u32 = 14;
+pub(super) const MEMBERS: u32 = 15;
+pub(super) const CANDIDATES: u32 = 16;
+pub(super) const FOUND: u32 = 17;
+pub(super) const COUNTS: u32 = 18;
+pub(super) const OWNED: u32 = 19;
+/// Uniform.
+pub(super) const SEARCH: u32 = 21;
+pub(super) const SCALES: u32 = 22;
+pub(super) const SCANNED: u32 = 23;
+pub(super) const SUMS: u32 = 24;
+/// Uniform.
+pub(super) const SCAN: u32 = 25;
+/// The array of `CELLS`, where it is only read.
+pub(super) const ENDS: u32 = 26;
+
+/// Arrays that are only read, but by the stages of [`WRITERS`].
+const READ: &[u32] = &[CONSTANTS, LISTS, COLLIDERS, HULLS, SCALES, ENDS];
+
+/// The stages that write an array that the others only read.
+const WRITERS: &[&str] = &["gather", "enlist", "take", "relist", "calm", "widen", "widen_all"];
 
 /// An entry point.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Stage {
     pub(super) name: &'static str,
-    file: &'static str,
+    pub(super) file: &'static str,
     pub(super) bindings: &'static [u32],
 }
 
@@ -215,14 +244,47 @@ pub(super) const STAGES: &[Stage] = &[
     Stage { name: "widen_all", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, REPORT, SCALES] },
 ];
 
-/// Whether a stage only reads an array. All stages bind the same arrays in the same way, but for the lists and the colliders.
+pub(super) const OPEN: usize = 0;
+pub(super) const BOUND: usize = 1;
+pub(super) const SCATTER: usize = 2;
+pub(super) const PAIR_UP: usize = 3;
+pub(super) const NARROW_BOXES: usize = 4;
+pub(super) const NARROW_SOLIDS: usize = 5;
+pub(super) const NARROW_ROUND: usize = 6;
+
+const NARROW: &[u32] = &[BODIES, COLLIDERS, HULLS, CANDIDATES, FOUND, COUNTS, OWNED];
+
+/// The stages of the search, by the numbers above.
+pub(super) const SEARCH_STAGES: &[Stage] = &[
+    Stage { name: "open", file: "rigid/broad/open.wgsl", bindings: &[BODIES, CONSTANTS, SCALES] },
+    Stage {
+        name: "bound",
+        file: "rigid/broad/bound.wgsl",
+        bindings: &[BODIES, COLLIDERS, HULLS, BOUNDS, CELLS, MEMBERS, COUNTS],
+    },
+    Stage { name: "scatter", file: "rigid/broad/bound.wgsl", bindings: &[BOUNDS, CELLS, MEMBERS] },
+    Stage {
+        name: "pair_up",
+        file: "rigid/broad/pair_up.wgsl",
+        bindings: &[BODIES, COLLIDERS, BOUNDS, ENDS, MEMBERS, CANDIDATES, COUNTS],
+    },
+    Stage { name: "narrow", file: "rigid/broad/narrow_boxes.wgsl", bindings: NARROW },
+    Stage { name: "narrow", file: "rigid/broad/narrow_solids.wgsl", bindings: NARROW },
+    Stage { name: "narrow", file: "rigid/broad/narrow_round.wgsl", bindings: NARROW },
+];
+
+/// The two stages of a scan.
+pub(super) const SCAN_STAGES: &[Stage] = &[
+    Stage { name: "scan_tiles", file: "rigid/broad/scan.wgsl", bindings: &[SCANNED, SUMS] },
+    Stage { name: "add_tiles", file: "rigid/broad/scan.wgsl", bindings: &[SCANNED, SUMS] },
+];
+
 fn is_read_only(stage: &Stage, binding: u32) -> bool {
-    let makes_lists = [GATHER, ENLIST, TAKE, RELIST].iter().any(|number| STAGES[*number].name == stage.name);
-    [CONSTANTS, COLLIDERS, HULLS].contains(&binding) || (binding == LISTS && !makes_lists)
+    READ.contains(&binding) && !([LISTS, SCALES].contains(&binding) && WRITERS.contains(&stage.name))
 }
 
 /// A compiled stage.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Kernel {
     pub(super) pipeline: wgpu::ComputePipeline,
     pub(super) layout: wgpu::BindGroupLayout,
@@ -246,9 +308,14 @@ pub(super) fn join(file: &str) -> String {
 }
 
 impl Kernel {
-    #[allow(unsafe_code)]
+    /// A stage of a frame.
     pub(super) fn new(device: &wgpu::Device, stage: &Stage) -> Self {
-        let text = join(stage.file);
+        Self::build(device, stage, join(stage.file), &[(0, false), (1, true)])
+    }
+
+    /// A stage with this text and with uniform blocks at these bindings. They may have a dynamic offset.
+    #[allow(unsafe_code)]
+    pub(super) fn build(device: &wgpu::Device, stage: &Stage, text: String, uniforms: &[(u32, bool)]) -> Self {
         let has_group = text.contains("override GROUP:");
         let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
         // SAFETY: without run-time checks the kernels themselves must stay inside their buffers, and they must terminate. They do:
@@ -260,6 +327,12 @@ impl Kernel {
         // - `kept` has an index below its length.
         // - Loops run over counts from the same places, or for a fixed number of times.
         // - Workgroup memory is written before it is read.
+        // - In the search, bodies of colliders and lists of hulls come from the world. Its numbers of colliders are those of the arrays
+        //   (`Search::new`). A slot is taken modulo the length of the table. The starts and ends of slots are sums of the numbers of
+        //   their colliders, which are as many as `bound` has counted, and `scatter` puts as many. The large colliders are at most
+        //   all, and have their own half of `members`. Candidates and manifolds are written below the room, and read below both the
+        //   count and the room. Of a manifold at most four points are written.
+        // - A scan reads and writes below its length (`Scan::new`), and has a sum for each tile.
         let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
         let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
@@ -273,7 +346,7 @@ impl Kernel {
         };
         let entry =
             |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::COMPUTE, ty, count: None };
-        let mut entries = vec![entry(0, uniform(false)), entry(1, uniform(true))];
+        let mut entries: Vec<_> = uniforms.iter().map(|(binding, has_offset)| entry(*binding, uniform(*has_offset))).collect();
         entries.extend(stage.bindings.iter().map(|binding| entry(*binding, storage(binding))));
         let layout =
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stage.name), entries: &entries });
@@ -307,9 +380,9 @@ mod tests {
     #[test]
     fn stages_are_small() {
         let mut all = String::new();
-        for stage in STAGES {
+        for stage in [STAGES, SEARCH_STAGES, SCAN_STAGES].concat() {
             let text = join(stage.file);
-            assert!(text.lines().count() <= 1500, "{}", stage.name);
+            assert!(text.lines().count() <= 1500, "{}", stage.file);
             assert!(stage.bindings.len() <= 8, "{}", stage.name);
             all += &text;
         }

@@ -9,17 +9,15 @@ use crate::rigid::frame::{FrameReport, REPEATS, bodies_alone};
 use crate::rigid::gpu::arrays::Arrays;
 use crate::rigid::gpu::assemble::{Assembly, ROUNDS};
 use crate::rigid::gpu::kernels::{
-    BODIES, CALM, COUNTS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES, STORE, SUM_UP, SURFACES, WIDEN, WIDEN_ALL,
+    BODIES, CALM, COLLIDERS, CONSTANTS, COUNTS, HULLS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES, STORE, SUM_UP, SURFACES, WIDEN, WIDEN_ALL,
 };
 use crate::rigid::gpu::past::Past;
 use crate::rigid::gpu::rows::{BodyRow, FrameRow};
-use crate::rigid::gpu::search::Search;
+use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search};
 use crate::rigid::gpu::{COLOURS, COPIES_BYTES, GpuFrame, LOAD_BYTES, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu};
 use crate::rigid::world::{Kind, RigidWorld};
 
-/// Words of the counts of a frame.
-const COUNT_WORDS: u32 = 64;
-/// Least room for pairs, and for left-over blocks.
+/// Least room for left-over blocks.
 const LEAST_ROOM: u32 = 256;
 /// Bytes of what is kept of a pair, and of its points.
 const OLD_PAIR_BYTES: u64 = 32;
@@ -59,37 +57,59 @@ struct Counts {
 impl GpuWorld {
     /// Uploads a world with what it remembers.
     pub(crate) fn new(gpu: &Arc<RigidGpu>, world: &RigidWorld) -> Self {
-        let past = Past::of(world);
         let bodies = world.bodies.len() as u32;
-        let room = (2 * bodies).max(past.pairs.len() as u32).max(LEAST_ROOM);
         let mut frame = gpu.frame(&bodies_alone(world));
         let arrays = &mut frame.arrays;
-        arrays.upload(SCALES, cast_slice(&world.bodies.iter().map(|body| body.margin_scale).collect::<Vec<_>>()));
         arrays.upload(SURFACES, cast_slice(&surface_rows(world)));
-        arrays.make(COUNTS, 4 * u64::from(COUNT_WORDS));
-        arrays.upload(OLD_STARTS, cast_slice(&past.starts));
-        let assembly = Assembly::new(arrays, bodies, room);
-        let search = Search::new(arrays, world);
-        arrays.make(OLD_PAIRS, OLD_PAIR_BYTES * u64::from(room));
-        arrays.make(OLD_POINTS, OLD_POINTS_BYTES * u64::from(room));
-        gpu.queue.write_buffer(arrays.get(OLD_PAIRS), 0, cast_slice(&past.pairs));
-        gpu.queue.write_buffer(arrays.get(OLD_POINTS), 0, cast_slice(&past.points));
-        let left_over = LEAST_ROOM;
-        arrays.make(LOADS, loads_bytes(room, left_over));
-        let reading = |words: u32| gpu.buffer(4 * u64::from(words), wgpu::BufferUsages::MAP_READ);
-        Self {
+        arrays.make(OLD_STARTS, 4 * u64::from(bodies + 1));
+        let mut search = Search::new(gpu, world, 1.0 / 60.0, inputs(arrays));
+        let [candidates, found] = search.rooms();
+        search.make_room(candidates.into(), found.max(world.history.pairs.len() as u32).into());
+        let reading = |words: u32| gpu.buffer("rigid counts", 4 * u64::from(words), wgpu::BufferUsages::MAP_READ);
+        let mut this = Self {
             backup: gpu.storage(u64::from(bodies) * size_of::<BodyRow>() as u64),
             counts: reading(COUNT_WORDS),
             report: reading(REPORT_WORDS),
             row: FrameRow { gravity: world.gravity.to_array(), bodies, ..FrameRow::default() },
-            left_over,
-            frames: world.history.frames,
-            substep: world.history.substep,
-            kept: past.pairs.len() as u32,
+            left_over: LEAST_ROOM,
+            frames: 0,
+            substep: 0.0,
+            kept: 0,
+            assembly: Assembly::new(arrays, &search, bodies),
             frame,
             search,
-            assembly,
-        }
+        };
+        this.make_arrays();
+        this.put(world);
+        this
+    }
+
+    /// The arrays that grow with the room for pairs, but for those of the search and the assembly.
+    fn make_arrays(&mut self) {
+        let room = u64::from(self.assembly.room);
+        let arrays = &mut self.frame.arrays;
+        arrays.make(OLD_PAIRS, OLD_PAIR_BYTES * room);
+        arrays.make(OLD_POINTS, OLD_POINTS_BYTES * room);
+        arrays.make(LOADS, LOAD_BYTES as u64 * room + COPIES_BYTES as u64 * u64::from(self.left_over));
+    }
+
+    /// Takes over the states of the bodies of a world and what it remembers. Its bodies, colliders and shapes are those of the start.
+    ///
+    /// # Panics
+    /// If the world remembers more pairs than there is room for.
+    pub(crate) fn put(&mut self, world: &RigidWorld) {
+        let past = Past::of(world);
+        assert!(past.pairs.len() <= self.assembly.room as usize, "room for what is remembered");
+        let rows = bodies_alone(world);
+        let scales: Vec<f32> = world.bodies.iter().map(|body| body.margin_scale).collect();
+        let write = |binding: u32, bytes: &[u8]| self.gpu().queue.write_buffer(self.frame.arrays.get(binding), 0, bytes);
+        write(BODIES, cast_slice(&rows.bodies));
+        write(CONSTANTS, cast_slice(&rows.constants));
+        write(SCALES, cast_slice(&scales));
+        write(OLD_STARTS, cast_slice(&past.starts));
+        write(OLD_PAIRS, cast_slice(&past.pairs));
+        write(OLD_POINTS, cast_slice(&past.points));
+        (self.frames, self.substep, self.kept) = (world.history.frames, world.history.substep, past.pairs.len() as u32);
     }
 
     fn gpu(&self) -> &Arc<RigidGpu> {
@@ -130,29 +150,25 @@ impl GpuWorld {
         (soft[0][3], soft[1][3]) = (scale, f32::from(u8::from(fresh)));
         self.row = FrameRow { h, substeps, soft, ..self.row };
         self.put_row();
+        self.search.set_dt(dt);
         self.save();
         loop {
-            self.search.begin(&self.frame.arrays, dt, self.assembly.room);
             let counts = self.find(fresh)?;
-            if counts.candidates > self.search.room() {
-                self.search.grow(&mut self.frame.arrays, with_spare(counts.candidates));
-            } else if counts.pairs > self.assembly.room {
-                self.make_room(with_spare(counts.pairs));
-            } else {
+            let [candidates, pairs] = self.search.rooms();
+            if counts.candidates <= candidates && counts.pairs <= pairs {
                 return if fresh { self.colour(counts.waiting) } else { Ok(counts) };
             }
+            self.make_room(&counts)?;
         }
     }
 
     /// The search and the assembly. In a frame that gives all colours anew, the blocks are not yet in order.
-    fn find(&self, fresh: bool) -> Result<Counts, String> {
-        let arrays = &self.frame.arrays;
+    fn find(&mut self, fresh: bool) -> Result<Counts, String> {
         let mut encoder = self.encoder();
-        encoder.clear_buffer(arrays.get(COUNTS), 0, None);
-        self.search.clear(arrays, &mut encoder);
+        self.search.encode(&mut encoder);
+        let arrays = &self.frame.arrays;
         self.assembly.clear(arrays, &mut encoder);
         self.encode(&mut encoder, |pass| {
-            self.search.encode(arrays, pass);
             self.assembly.encode_blocks(arrays, pass);
             self.assembly.encode_rounds(arrays, pass, 0..ROUNDS);
             if fresh {
@@ -206,7 +222,8 @@ impl GpuWorld {
         let left_over = blocks - self.row.left_over;
         if left_over > self.left_over {
             self.left_over = with_spare(left_over);
-            self.frame.arrays.make(LOADS, loads_bytes(self.assembly.room, self.left_over));
+            let bytes = LOAD_BYTES as u64 * u64::from(self.assembly.room) + COPIES_BYTES as u64 * u64::from(self.left_over);
+            self.frame.arrays.make(LOADS, bytes);
         }
         self.put_row();
         self.frame.begin(&self.row);
@@ -276,17 +293,19 @@ impl GpuWorld {
         stages(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()));
     }
 
-    /// More room for pairs.
-    fn make_room(&mut self, room: u32) {
+    /// Room for what the search of this frame has found.
+    fn make_room(&mut self, counts: &Counts) -> Result<(), String> {
+        if !self.search.grow(counts.candidates, counts.pairs) {
+            return Err(format!("it has no buffers for {} contacts", counts.candidates.max(counts.pairs)));
+        }
         let arrays = &mut self.frame.arrays;
         let old = [OLD_PAIRS, OLD_POINTS].map(|binding| arrays.get(binding).clone());
-        self.assembly = Assembly::new(arrays, self.row.bodies, room);
-        arrays.make(OLD_PAIRS, OLD_PAIR_BYTES * u64::from(room));
-        arrays.make(OLD_POINTS, OLD_POINTS_BYTES * u64::from(room));
-        arrays.make(LOADS, loads_bytes(room, self.left_over));
+        self.assembly = Assembly::new(arrays, &self.search, self.row.bodies);
+        self.make_arrays();
         for (old, binding) in old.iter().zip([OLD_PAIRS, OLD_POINTS]) {
             self.copy(old, self.frame.arrays.get(binding));
         }
+        Ok(())
     }
 
     /// Writes the states of the bodies to a world, and what is kept of their contacts.
@@ -316,6 +335,12 @@ impl GpuWorld {
     }
 }
 
+fn inputs(arrays: &Arrays) -> Inputs {
+    let [frame, bodies, constants, colliders, hulls] =
+        [0, BODIES, CONSTANTS, COLLIDERS, HULLS].map(|binding| arrays.get(binding).clone());
+    Inputs { frame, bodies, constants, colliders, hulls }
+}
+
 fn tensor(row: &BodyRow) -> Mat3 {
     let ([xx, yy, zz], [xy, xz, yz]) = (row.diagonal, row.beside);
     Mat3::from_cols(Vec3::new(xx, xy, xz), Vec3::new(xy, yy, yz), Vec3::new(xz, yz, zz))
@@ -324,10 +349,6 @@ fn tensor(row: &BodyRow) -> Mat3 {
 /// A quarter more, so that there is seldom need for more.
 fn with_spare(count: u32) -> u32 {
     count.saturating_add(count / 4).max(LEAST_ROOM)
-}
-
-fn loads_bytes(room: u32, left_over: u32) -> u64 {
-    LOAD_BYTES as u64 * u64::from(room) + COPIES_BYTES as u64 * u64::from(left_over)
 }
 
 /// The number of materials, 0; then the constants of each two materials.

@@ -15,7 +15,7 @@ use crate::rigid::shape::Shape;
 use crate::rigid::world::RigidWorld;
 
 /// A device with the limits that WebGPU guarantees.
-fn open() -> Arc<RigidGpu> {
+pub(super) fn open() -> Arc<RigidGpu> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).expect("an adapter");
     let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).expect("a device");
@@ -174,7 +174,7 @@ fn compare(wanted: &FrameRows, found: &Outcome) -> Apart {
     apart
 }
 
-fn scenes() -> Vec<(&'static str, Scene, f32)> {
+pub(super) fn scenes() -> Vec<(&'static str, Scene, f32)> {
     // With seconds before the frame that is compared.
     vec![
         ("stack", stack(10), 0.5),
@@ -266,7 +266,7 @@ fn stage(gpu: &Arc<RigidGpu>, frame: &mut Frame<'_>, part: Part) -> (&'static st
     worst
 }
 
-fn bits(world: &RigidWorld) -> Vec<u32> {
+pub(super) fn bits(world: &RigidWorld) -> Vec<u32> {
     let numbers = |body: &crate::rigid::world::Body| {
         let (pose, v, l) = (body.pose, body.velocity, body.momentum);
         [pose.position, v, l].map(|vector| vector.to_array()).concat().into_iter().chain(pose.turn.to_array())
@@ -275,7 +275,7 @@ fn bits(world: &RigidWorld) -> Vec<u32> {
 }
 
 /// The greatest distance of places and of speeds.
-fn apart(a: &RigidWorld, b: &RigidWorld) -> [f32; 2] {
+pub(super) fn apart(a: &RigidWorld, b: &RigidWorld) -> [f32; 2] {
     a.bodies.iter().zip(&b.bodies).fold([0.0_f32; 2], |[place, speed], (a, b)| {
         let moved = a.pose.position.distance(b.pose.position);
         [place.max(moved), speed.max(a.velocity.distance(b.velocity))]

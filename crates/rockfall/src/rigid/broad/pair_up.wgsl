@@ -1,0 +1,138 @@
+// requires rigid/broad/search.wgsl rigid/frame/colliders.wgsl rigid/frame/rows.wgsl
+
+// Pairs of colliders whose AABBs overlap and that may touch (docs/physics.md section 11.3). A collider looks for others in the cells of its
+// own level and of all coarser ones, and at the large ones.
+//
+// The pairs of a workgroup are written together: its threads keep up to MOST_KEPT each, and one of them takes room for all.
+
+// Where the colliders of each slot end: `cells`.
+@group(0) @binding(26) var<storage, read> ends: array<u32>;
+
+struct Own {
+    collider: u32,
+    body: u32,
+    group: u32,
+    has_mass: bool,
+    least: vec3f,
+    most: vec3f,
+}
+
+const MOST_KEPT: u32 = 16u;
+
+var<workgroup> wanted: atomic<u32>;
+var<workgroup> start: u32;
+var<private> kept: array<vec2u, MOST_KEPT>;
+var<private> kept_count: u32;
+
+fn put_candidate(at: u32, pair: vec2u) {
+    if at < search.candidates {
+        candidates[at] = pair;
+    }
+}
+
+// A collider whose AABB overlaps.
+fn take(own: Own, other: u32) {
+    let body = body_of_collider(other);
+    if body == own.body || marks_of_collider(other).x != own.group || !(own.has_mass || has_mass(body)) {
+        return;
+    }
+    let pair = select(vec2u(other, own.collider), vec2u(own.collider, other), own.body < body);
+    if kept_count < MOST_KEPT {
+        kept[kept_count] = pair;
+        kept_count++;
+    } else {
+        put_candidate(atomicAdd(&counts[0], 1u), pair);
+    }
+}
+
+fn overlaps(own: Own, least: vec4u, most: vec4u) -> bool {
+    return all(own.least <= bitcast<vec3f>(most.xyz)) && all(bitcast<vec3f>(least.xyz) <= own.most);
+}
+
+// A cell. Slots are shared with other cells. Of its own cell a collider takes the greater numbers.
+fn look_into(own: Own, key: vec2u, is_own: bool) {
+    let slot = slot_of(key);
+    var at = 0u;
+    if slot > 0u {
+        at = ends[slot - 1u];
+    }
+    for (let end = ends[slot]; at < end; at++) {
+        let other = members[at];
+        let least = bounds[2u * other];
+        let most = bounds[2u * other + 1u];
+        let is_there = least.w == key.x && most.w == key.y && (!is_own || other > own.collider);
+        if is_there && overlaps(own, least, most) {
+            take(own, other);
+        }
+    }
+}
+
+// The cells of a level. Of its own level a collider looks at its own cell and at those after it.
+fn look_around(own: Own, level: u32, cell: vec3i, is_own_level: bool) {
+    let fineness = fineness_of(level);
+    let low = vec3i(floor(own.least * fineness - vec3f(0.5)));
+    let high = vec3i(floor(own.most * fineness + vec3f(0.5)));
+    for (var z = select(low.z, cell.z, is_own_level); z <= high.z; z++) {
+        let is_layer = is_own_level && z == cell.z;
+        for (var y = select(low.y, cell.y, is_layer); y <= high.y; y++) {
+            let is_row = is_layer && y == cell.y;
+            for (var x = select(low.x, cell.x, is_row); x <= high.x; x++) {
+                look_into(own, key_of(level, vec3i(x, y, z)), is_row && x == cell.x);
+            }
+        }
+    }
+}
+
+fn look_at_large(own: Own, is_large: bool) {
+    let count = atomicLoad(&counts[3]);
+    for (var k = 0u; k < count; k++) {
+        let other = members[search.colliders + k];
+        if (!is_large || other > own.collider) && overlaps(own, bounds[2u * other], bounds[2u * other + 1u]) {
+            take(own, other);
+        }
+    }
+}
+
+fn find_pairs(k: u32) {
+    // The colliders in the order of their cells, then the large ones.
+    let in_cells = ends[search.slots - 1u];
+    let collider = members[select(search.colliders + k - in_cells, k, k < in_cells)];
+    let least = bounds[2u * collider];
+    let most = bounds[2u * collider + 1u];
+    let body = body_of_collider(collider);
+    let group = marks_of_collider(collider).x;
+    let own = Own(collider, body, group, has_mass(body), bitcast<vec3f>(least.xyz), bitcast<vec3f>(most.xyz));
+    let key = vec2u(least.w, most.w);
+    if k < in_cells {
+        let first = level_of_key(key);
+        let used = atomicLoad(&counts[2]);
+        for (var level = first; level < LEVELS; level++) {
+            if ((used >> level) & 1u) == 1u {
+                look_around(own, level, cell_of_key(key), level == first);
+            }
+        }
+    }
+    look_at_large(own, k >= in_cells);
+}
+
+@compute @workgroup_size(THREADS)
+fn pair_up(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    kept_count = 0u;
+    let k = thread_of(group, groups, local);
+    if k < search.colliders {
+        find_pairs(k);
+    }
+    if local == 0u {
+        atomicStore(&wanted, 0u);
+    }
+    workgroupBarrier();
+    let place = atomicAdd(&wanted, kept_count);
+    workgroupBarrier();
+    if local == 0u {
+        start = atomicAdd(&counts[0], atomicLoad(&wanted));
+    }
+    workgroupBarrier();
+    for (var k = 0u; k < kept_count; k++) {
+        put_candidate(start + place + k, kept[k]);
+    }
+}

@@ -1,0 +1,71 @@
+//! A world on a device does what the twin does, from the search for contacts to what it remembers.
+
+use super::device::{apart, bits, open, scenes};
+use super::scene::DT;
+use crate::rigid::gpu::world::GpuWorld;
+
+/// Whole frames, each from the state of the twin.
+#[test]
+fn worlds_agree() {
+    let gpu = open();
+    for (name, mut scene, seconds) in scenes() {
+        scene.run(seconds);
+        let (mut place, mut speed, before, mut repeats) = (0.0_f32, 0.0_f32, scene.repeats, 0);
+        let mut on_device = GpuWorld::new(&gpu, &scene.world);
+        for number in 0..20 {
+            let mut other = scene.world.clone();
+            on_device.put(&scene.world);
+            let report = on_device.advance(DT, 4, true).unwrap();
+            on_device.download(&mut other).unwrap();
+            repeats += report.repeats;
+            scene.step();
+            let [one, two] = apart(&scene.world, &other);
+            (place, speed) = (place.max(one), speed.max(two));
+            let (twin, own) = (&scene.world.history, &other.history);
+            if number < 3 {
+                eprintln!(
+                    "{name} {number}: {one:.1e} {two:.1e}, contacts {} {}, pairs {} {}, colours {} {}",
+                    scene.last.contacts,
+                    report.contacts,
+                    twin.pairs.len(),
+                    own.pairs.len(),
+                    twin.colours.len(),
+                    own.colours.iter().zip(&twin.colours).filter(|(a, b)| a == b).count(),
+                );
+            }
+        }
+        eprintln!("{name}: frames {place:.1e} apart, speeds {speed:.1e}, repeats {repeats} and {}", scene.repeats - before);
+        // The points of a contact differ by their last bits, too.
+        let (most, fastest) = match name {
+            "great wall" => (1e-3, 5e-2),
+            "elastic pile" => (1e-2, 1.0),
+            _ => (1e-4, 1e-2),
+        };
+        assert!(place < most && speed < fastest && repeats == scene.repeats - before, "{name}");
+    }
+}
+
+/// Two runs have the same bits, and so has a run that goes on from what another one has come to.
+#[test]
+fn runs_and_resumed_runs_have_the_same_bits() {
+    let gpu = open();
+    for (name, mut scene, seconds) in scenes() {
+        scene.run(seconds);
+        let run = |split: bool| {
+            let mut world = scene.world.clone();
+            let mut on_device = GpuWorld::new(&gpu, &world);
+            for _ in 0..10 {
+                on_device.advance(DT, 4, true).unwrap();
+                if split {
+                    on_device.download(&mut world).unwrap();
+                    on_device.put(&world);
+                }
+            }
+            on_device.download(&mut world).unwrap();
+            world
+        };
+        let one = run(false);
+        assert!(bits(&one) == bits(&run(false)), "{name}: two runs");
+        assert!(bits(&one) == bits(&run(true)), "{name}: resumed");
+    }
+}

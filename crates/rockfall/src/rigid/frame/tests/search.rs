@@ -1,0 +1,1 @@
+//! The device finds the manifolds that the twin finds.
