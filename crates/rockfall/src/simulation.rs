@@ -185,7 +185,6 @@ impl Simulation {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
     ) -> Result<Self> {
-        frames::check::refuse_gpu(&scene)?;
         let mut world = prepare(&scene, &options, dt)?;
         kept.put(&mut world, &scene);
         let (engine, info) = Engine::on_device(device, queue, &world)?;
@@ -196,7 +195,6 @@ impl Simulation {
     #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
     pub(crate) fn on_gpu(scene: Scene, options: Options, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
         let scene = resolve(scene, &options)?;
-        frames::check::refuse_gpu(&scene)?;
         let world = prepare(&scene, &options, scene.first_time_step())?;
         let engine = Engine::on(gpu, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info.clone()))
@@ -314,7 +312,7 @@ impl Simulation {
         if self.scene.is_rigid() {
             frames::check::check(&self.scene, &self.options)?;
         }
-        if self.engine.dispatches() { frames::check::refuse_gpu(&self.scene) } else { Ok(()) }
+        self.engine.check_frames(self.scene.is_rigid())
     }
 
     /// The report on all steps so far.

@@ -319,7 +319,7 @@ impl GpuFrame {
 
     /// Dispatches so far.
     pub(crate) fn dispatches(&self) -> u32 {
-        self.arrays.dispatches.get()
+        self.arrays.dispatches.load(std::sync::atomic::Ordering::Relaxed)
     }
 
     /// Waits for the device and reads the state.

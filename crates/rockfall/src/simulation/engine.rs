@@ -27,8 +27,8 @@ use crate::model::buffer::Buffer;
 /// The backend that runs the stages.
 #[derive(Debug)]
 pub(super) enum Engine {
-    /// Runs on the host, on the simulation's own [`World`].
-    Cpu,
+    /// Runs on the host, on the simulation's own [`World`]. The frames of the contact law `rigid` may run on a device.
+    Cpu(FrameDevice),
     /// Runs on a device, on buffers of the same layout.
     #[cfg(feature = "gpu")]
     Gpu(Box<GpuWorld>),
@@ -62,11 +62,18 @@ pub(super) type Waiter = Option<wgpu::Device>;
 #[cfg(not(feature = "gpu"))]
 pub(super) type Waiter = Option<std::convert::Infallible>;
 
+/// The device on which frames of the contact law `rigid` run, if one does.
+#[cfg(feature = "gpu")]
+pub(super) type FrameDevice = Option<Gpu>;
+/// The device on which frames of the contact law `rigid` run: none without the GPU.
+#[cfg(not(feature = "gpu"))]
+pub(super) type FrameDevice = Option<std::convert::Infallible>;
+
 /// Runs an action on the device. The CPU backend runs on the host's world itself and has nothing to do.
 macro_rules! on_gpu {
     ($engine:expr, $input:ident, $gpu:ident => $action:expr) => {{
         match $engine {
-            Self::Cpu => {}
+            Self::Cpu(_) => {}
             #[cfg(feature = "gpu")]
             Self::Gpu($gpu) => $action,
         }
@@ -81,19 +88,24 @@ macro_rules! on_gpu {
 /// that a GPU has finished, and pages run a few steps per picture (docs/browser.md).
 #[cfg(feature = "gpu")]
 const FEW: u32 = if cfg!(target_family = "wasm") { 128 } else { 64 };
+/// The same for the contact law `rigid`. A box of a body counts as its spheres and rods.
+#[cfg(feature = "gpu")]
+const FEW_OF_RIGID: u32 = 2000;
 
 impl Engine {
     #[cfg(feature = "gpu")]
     pub(super) async fn open(options: &Options, world: &World) -> Result<(Self, BackendInfo)> {
-        if world.step.layout.law == ContactLaw::Rigid.number() {
-            return Ok((Self::Cpu, cpu_info("the contact law rigid")));
+        let is_rigid = world.step.layout.law == ContactLaw::Rigid.number();
+        let few = if is_rigid { FEW_OF_RIGID } else { FEW };
+        if options.backend == Backend::Auto && (1..=few).contains(&world.movers()) {
+            return Ok((Self::Cpu(None), cpu_info(&format!("it is faster than a GPU for up to {few} spheres and rods"))));
         }
-        if options.backend == Backend::Auto && (1..=FEW).contains(&world.movers()) {
-            return Ok((Self::Cpu, cpu_info(&format!("it is faster than a GPU for up to {FEW} spheres and rods"))));
+        if is_rigid && cfg!(target_family = "wasm") {
+            return Ok((Self::Cpu(None), cpu_info("the contact law rigid in a browser")));
         }
         match open_device(options).await? {
             (Some(gpu), info) => Ok((Self::on(&gpu, world)?, info)),
-            (None, info) => Ok((Self::Cpu, info)),
+            (None, info) => Ok((Self::Cpu(None), info)),
         }
     }
 
@@ -101,8 +113,8 @@ impl Engine {
     pub(super) async fn open(options: &Options, _world: &World) -> Result<(Self, BackendInfo)> {
         const WITHOUT: &str = "this build of rockfall does not have the gpu feature";
         match options.backend {
-            Backend::Cpu => Ok((Self::Cpu, cpu_info("requested"))),
-            Backend::Auto => Ok((Self::Cpu, cpu_info(WITHOUT))),
+            Backend::Cpu => Ok((Self::Cpu(None), cpu_info("requested"))),
+            Backend::Auto => Ok((Self::Cpu(None), cpu_info(WITHOUT))),
             Backend::Gpu => Err(crate::Error::NoAdapter(WITHOUT.to_owned())),
         }
     }
@@ -115,15 +127,42 @@ impl Engine {
 
     #[cfg(feature = "gpu")]
     pub(super) fn on(gpu: &Gpu, world: &World) -> Result<Self> {
+        if world.step.layout.law == ContactLaw::Rigid.number() {
+            return Ok(Self::Cpu(Some(gpu.clone())));
+        }
         Ok(Self::Gpu(Box::new(GpuWorld::new(gpu, world)?)))
+    }
+
+    /// The device on which frames of the contact law `rigid` run, if one does.
+    #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+    pub(super) fn frame_device(&self) -> Option<&Gpu> {
+        match self {
+            Self::Cpu(device) => device.as_ref(),
+            Self::Gpu(_) => None,
+        }
     }
 
     pub(super) fn waiter(&self) -> Waiter {
         match self {
-            Self::Cpu => None,
+            Self::Cpu(_) => None,
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => Some(gpu.gpu().device().clone()),
         }
+    }
+
+    /// Checks that this backend was opened for frames of the contact law `rigid`, or for steps.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`](crate::Error::Invalid) if a device was opened for the others.
+    pub(super) fn check_frames(&self, is_rigid: bool) -> Result<()> {
+        let fits = match self {
+            Self::Cpu(device) => is_rigid || device.is_none(),
+            #[cfg(feature = "gpu")]
+            Self::Gpu(_) => !is_rigid,
+        };
+        let expected = "the law of the start: on a GPU, rigid and other laws do not replace each other";
+        let value = if is_rigid { "rigid" } else { "another law after rigid" }.to_owned();
+        if fits { Ok(()) } else { Err(crate::Error::Invalid { field: "contact_law", value, expected }) }
     }
 
     /// Checks that this backend can evaluate the program's laws.
@@ -133,7 +172,7 @@ impl Engine {
 
     /// Whether a stage costs a dispatch even when it has no work.
     pub(super) fn dispatches(&self) -> bool {
-        !matches!(self, Self::Cpu)
+        !matches!(self, Self::Cpu(_))
     }
 
     /// Gives the world on the device the rows that other processes need.
@@ -148,7 +187,7 @@ impl Engine {
     #[cfg(feature = "gpu")]
     pub(super) fn gpu_world(&self) -> Option<&GpuWorld> {
         match self {
-            Self::Cpu => None,
+            Self::Cpu(_) => None,
             Self::Gpu(gpu) => Some(gpu),
         }
     }
@@ -180,7 +219,7 @@ impl Engine {
         recorder: Option<&mut Recorder>,
     ) -> Result<PendingStatus> {
         match (self, recorder) {
-            (Self::Cpu, recorder) => {
+            (Self::Cpu(_), recorder) => {
                 run_on_cpu(world, stages, steps, recorder);
                 Ok(PendingStatus::Known(Box::new(world.status)))
             }
@@ -200,7 +239,7 @@ impl Engine {
     /// Adds to a world the scratch arrays of the CPU backend. A device has scratch buffers of its own.
     pub(super) fn complete(&self, world: &mut World) {
         match self {
-            Self::Cpu => world.add_scratch(),
+            Self::Cpu(_) => world.add_scratch(),
             #[cfg(feature = "gpu")]
             Self::Gpu(_) => {}
         }

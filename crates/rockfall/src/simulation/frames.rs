@@ -13,6 +13,8 @@ use crate::simulation::Simulation;
 use crate::step::schedule::Phase;
 
 mod build;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+mod device;
 mod observe;
 mod predict;
 
@@ -40,13 +42,21 @@ pub(in crate::simulation) struct Frames {
     handles: BodyHandles,
     /// Substeps of a frame; 0 before the first frame.
     substeps: u32,
+    device: Device,
 }
+
+/// The world on a device, if frames run on one.
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+type Device = Option<Box<device::OnDevice>>;
+/// The world on a device: none without the GPU.
+#[cfg(not(all(feature = "gpu", not(target_family = "wasm"))))]
+type Device = Option<std::convert::Infallible>;
 
 impl Frames {
     fn of(scene: &Scene) -> Result<Self> {
         check::check_rods(scene)?;
         let build::Builder { world, owners, parts, .. } = build::Builder::build(scene)?;
-        Ok(Self { world, owners, parts, handles: BodyHandles::of(scene), substeps: 0 })
+        Ok(Self { world, owners, parts, handles: BodyHandles::of(scene), substeps: 0, device: None })
     }
 
     /// What a checkpoint keeps beside the scene: the substeps, and of each body its spin and the factor of its margin, then the contacts.
@@ -88,6 +98,33 @@ impl Frames {
             }
         }
         self.substeps = before.substeps;
+    }
+
+    /// Advances all bodies by a frame, on the device if there is one.
+    fn advance(&mut self, dt: f32, keeps_going: bool) -> Result<FrameReport> {
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        if let Some(device) = &mut self.device {
+            return device.advance(dt, self.substeps, keeps_going);
+        }
+        Ok(advance_or_stop(&mut self.world, dt, self.substeps, keeps_going))
+    }
+
+    /// Reads the states of the bodies from the device.
+    fn fetch(&mut self) -> Result<()> {
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        if let Some(device) = &self.device {
+            device.fetch(&mut self.world)?;
+        }
+        Ok(())
+    }
+
+    /// Reads what is remembered of the contacts from the device.
+    fn fetch_history(&mut self) -> Result<()> {
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        if let Some(device) = &mut self.device {
+            device.fetch_history(&mut self.world)?;
+        }
+        Ok(())
     }
 
     /// Writes the states of all bodies to the scene.
@@ -150,6 +187,10 @@ impl Simulation {
             self.renew_frames()?;
         }
         let Some(mut frames) = self.frames.take() else { return Ok(()) };
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        if let (None, Some(gpu)) = (&frames.device, self.engine.frame_device()) {
+            frames.device = Some(Box::new(device::OnDevice::new(gpu, &frames.world)?));
+        }
         let dt = self.time_step;
         if frames.substeps == 0 {
             frames.substeps = self.scene.run.substeps.unwrap_or_else(|| auto_substeps(&frames.world, dt));
@@ -157,13 +198,14 @@ impl Simulation {
         let keeps_going = self.options.keep_going;
         let mut failed = None;
         for _ in 0..count {
-            let report = advance_or_stop(&mut frames.world, dt, frames.substeps, keeps_going);
+            let report = frames.advance(dt, keeps_going)?;
             if let Some((_, first)) = report.stopped.filter(|_| !keeps_going) {
                 failed = Some(frames.first_sphere(first, &self.scene));
                 break;
             }
             self.book_frame(report);
         }
+        frames.fetch()?;
         frames.put(&mut self.scene)?;
         self.frames = Some(frames);
         self.world.set_spheres(&self.scene);
@@ -177,7 +219,8 @@ impl Simulation {
     /// Makes the bodies anew from the scene. What is known of their contacts stays if the colliders are the same.
     fn renew_frames(&mut self) -> Result<()> {
         let mut frames = Frames::of(&self.scene)?;
-        if let Some(before) = self.frames.take() {
+        if let Some(mut before) = self.frames.take() {
+            before.fetch_history()?;
             frames.keep(*before);
         }
         (self.frames, self.frames_due) = (Some(Box::new(frames)), false);
@@ -185,8 +228,13 @@ impl Simulation {
     }
 
     /// What a checkpoint keeps of the bodies of the law `rigid`; empty before the first frame.
-    pub(in crate::simulation) fn frame_words(&self) -> Vec<u32> {
-        self.frames.as_ref().filter(|frames| frames.substeps > 0).map(|frames| frames.words()).unwrap_or_default()
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device fails.
+    pub(in crate::simulation) fn frame_words(&mut self) -> Result<Vec<u32>> {
+        let Some(frames) = self.frames.as_mut().filter(|frames| frames.substeps > 0) else { return Ok(Vec::new()) };
+        frames.fetch_history()?;
+        Ok(frames.words())
     }
 
     /// Goes on with what a checkpoint keeps of the bodies of the law `rigid`.

@@ -14,7 +14,6 @@ use crate::options::Options;
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
-use crate::simulation::frames::check::refuse_gpu;
 use crate::simulation::kept::Kept;
 use crate::simulation::lists::ListPolicy;
 use crate::simulation::order::Disorder;
@@ -79,7 +78,7 @@ impl Simulation {
             springs,
             rates,
             residues,
-            frames: self.frame_words(),
+            frames: self.frame_words()?,
             fronts: self.planes.bases().to_vec(),
             kept_laws: Vec::new(),
             kept_contact_law: None,
@@ -144,7 +143,6 @@ impl Simulation {
         let mut world = prepare(&checkpoint.scene, &options, checkpoint.time_step)?;
         kept(&checkpoint).put(&mut world, &checkpoint.scene);
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
-        refuse_gpu(&checkpoint.scene)?;
         let engine = Engine::on(gpu, &world)?;
         let simulation = Self::assemble(take(&mut checkpoint.scene), options, world, engine, info.clone());
         simulation.with_history(&checkpoint)
@@ -164,6 +162,7 @@ impl Simulation {
         let forces = checkpoint.restored_laws(&self.options.force_laws)?;
         let contact = checkpoint.restored_contact_law(self.options.contact_force_law.as_ref())?;
         check_contact_law(&checkpoint.scene, self.integrator(), contact.as_ref())?;
+        self.engine.check_frames(checkpoint.scene.is_rigid())?;
         // The contact law may name materials of the checkpoint.
         let laws = UserLaws::new(&forces, contact.as_ref())?;
         laws.values(&checkpoint.scene.material_names())?;

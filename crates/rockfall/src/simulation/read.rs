@@ -41,7 +41,7 @@ impl Simulation {
     /// Spheres are stored in the order described at [`Simulation::slot`].
     pub fn cpu_view(&self) -> Option<&World> {
         match self.engine {
-            engine::Engine::Cpu => Some(&self.world),
+            engine::Engine::Cpu(_) => Some(&self.world),
             #[cfg(feature = "gpu")]
             engine::Engine::Gpu(_) => None,
         }

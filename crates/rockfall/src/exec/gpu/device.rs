@@ -2,6 +2,8 @@
 
 use std::cmp::Reverse;
 use std::collections::HashMap;
+#[cfg(not(target_family = "wasm"))]
+use std::sync::OnceLock;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::error::{Error, Result};
@@ -11,6 +13,8 @@ use crate::exec::gpu::kernel::Kernel;
 #[cfg(not(target_family = "wasm"))]
 use crate::exec::gpu::sharing::{share, shared};
 use crate::model::layout::WORKGROUP;
+#[cfg(not(target_family = "wasm"))]
+use crate::rigid::gpu::RigidGpu;
 use crate::step::stage::Stage;
 use crate::step::wgsl::Variant;
 use crate::user_laws::set::KernelLaws;
@@ -29,6 +33,9 @@ struct Inner {
     kernels: Mutex<HashMap<KernelKey, KernelSlot>>,
     /// By the first of their entry points.
     copiers: Mutex<HashMap<&'static str, Arc<Copiers>>>,
+    /// The kernels of the contact law `rigid`.
+    #[cfg(not(target_family = "wasm"))]
+    rigid: OnceLock<Arc<RigidGpu>>,
 }
 
 /// Name of the stage, variant, number of chunks of each array, text of the program's laws.
@@ -230,7 +237,18 @@ impl Gpu {
 
     fn with(device: wgpu::Device, queue: wgpu::Queue, faults: Faults) -> Self {
         let (kernels, copiers) = (Mutex::default(), Mutex::default());
-        Self { inner: Arc::new(Inner { device, queue, faults, kernels, copiers }) }
+        #[cfg(not(target_family = "wasm"))]
+        let rigid = OnceLock::new();
+        let inner = Inner {
+            device,
+            queue,
+            faults,
+            kernels,
+            copiers,
+            #[cfg(not(target_family = "wasm"))]
+            rigid,
+        };
+        Self { inner: Arc::new(inner) }
     }
 
     /// The device.
@@ -268,6 +286,13 @@ impl Gpu {
 
     pub(crate) fn faults(&self) -> &Faults {
         &self.inner.faults
+    }
+
+    /// The kernels of the contact law `rigid`, each compiled at its first use.
+    #[cfg(not(target_family = "wasm"))]
+    pub(crate) fn rigid(&self) -> Arc<RigidGpu> {
+        let new = || Arc::new(RigidGpu::new(self.device().clone(), self.queue().clone()));
+        Arc::clone(self.inner.rigid.get_or_init(new))
     }
 
     /// The kernels of [`Table`](crate::exec::gpu::Table), compiled at their first use.

@@ -1,7 +1,7 @@
 //! The arrays of a frame on a device by binding, and dispatches over them.
 
-use std::cell::{Cell, OnceCell};
-use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use bytemuck::Pod;
 
@@ -13,15 +13,15 @@ use crate::rigid::gpu::kernels::{BINDINGS, STAGES};
 pub(super) struct Arrays {
     pub(super) gpu: Arc<RigidGpu>,
     buffers: Vec<Option<wgpu::Buffer>>,
-    groups: Vec<OnceCell<wgpu::BindGroup>>,
+    groups: Vec<OnceLock<wgpu::BindGroup>>,
     /// Dispatches so far.
-    pub(super) dispatches: Cell<u32>,
+    pub(super) dispatches: AtomicU32,
 }
 
 impl Arrays {
     pub(super) fn new(gpu: Arc<RigidGpu>) -> Self {
-        let groups = STAGES.iter().map(|_| OnceCell::new()).collect();
-        Self { gpu, buffers: vec![None; BINDINGS as usize], groups, dispatches: Cell::new(0) }
+        let groups = STAGES.iter().map(|_| OnceLock::new()).collect();
+        Self { gpu, buffers: vec![None; BINDINGS as usize], groups, dispatches: AtomicU32::new(0) }
     }
 
     pub(super) fn get(&self, binding: u32) -> &wgpu::Buffer {
@@ -86,7 +86,7 @@ impl Arrays {
         pass.set_pipeline(&self.gpu.kernel(stage).pipeline);
         pass.set_bind_group(0, self.group(stage), &[offset]);
         pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
-        self.dispatches.set(self.dispatches.get() + 1);
+        self.dispatches.fetch_add(1, Ordering::Relaxed);
     }
 
     /// Waits for the device and reads the start of an array.

@@ -308,7 +308,7 @@ impl GpuWorld {
         Ok(())
     }
 
-    /// Writes the states of the bodies to a world, and what is kept of their contacts.
+    /// Writes the states of the bodies to a world.
     ///
     /// # Errors
     /// What the device says if it is lost.
@@ -325,6 +325,15 @@ impl GpuWorld {
                 body.margin_scale = scale;
             }
         }
+        Ok(())
+    }
+
+    /// Writes to a world what is remembered of its contacts.
+    ///
+    /// # Errors
+    /// What the device says if it is lost.
+    pub(crate) fn download_history(&self, world: &mut RigidWorld) -> Result<(), String> {
+        let arrays = &self.frame.arrays;
         let past = Past {
             starts: arrays.read(OLD_STARTS, self.row.bodies + 1)?,
             pairs: arrays.read(OLD_PAIRS, self.kept)?,

@@ -1,7 +1,7 @@
 //! What the law `rigid` takes of a scene. Everything else is refused by name.
 
 use crate::error::{Error, Result};
-use crate::options::{Backend, Options};
+use crate::options::Options;
 use crate::scene::{Scene, Surface};
 
 fn refused(value: &str) -> Result<()> {
@@ -43,14 +43,5 @@ pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<(
     if let Some((_, what)) = has.into_iter().find(|(has, _)| *has) {
         return refused(what);
     }
-    if options.backend == Backend::Gpu { refuse_gpu(scene) } else { Ok(()) }
-}
-
-/// Refuses the law `rigid` where only a GPU is used.
-pub(in crate::simulation) fn refuse_gpu(scene: &Scene) -> Result<()> {
-    if !scene.is_rigid() {
-        return Ok(());
-    }
-    let expected = "auto or cpu: the contact law rigid does not run on a GPU yet";
-    Err(Error::Invalid { field: "backend", value: "gpu".to_owned(), expected })
+    Ok(())
 }

@@ -63,7 +63,8 @@ impl Simulation {
         if self.frames_due || self.frames.is_none() {
             self.renew_frames()?;
         }
-        let Some(frames) = &self.frames else { unreachable!("they were renewed") };
+        let Some(frames) = &mut self.frames else { unreachable!("they were renewed") };
+        frames.fetch_history()?;
         Ok((frames, &self.scene))
     }
 

@@ -17,6 +17,7 @@ fn worlds_agree() {
             on_device.put(&scene.world);
             let report = on_device.advance(DT, 4, true).unwrap();
             on_device.download(&mut other).unwrap();
+            on_device.download_history(&mut other).unwrap();
             repeats += report.repeats;
             scene.step();
             let [one, two] = apart(&scene.world, &other);
@@ -58,6 +59,7 @@ fn runs_and_resumed_runs_have_the_same_bits() {
                 on_device.advance(DT, 4, true).unwrap();
                 if split {
                     on_device.download(&mut world).unwrap();
+                    on_device.download_history(&mut world).unwrap();
                     on_device.put(&world);
                 }
             }

@@ -1,0 +1,48 @@
+//! Frames of the contact law `rigid` on a device.
+
+use crate::error::{Error, Result};
+use crate::exec::gpu::{Gpu, catch};
+use crate::rigid::frame::FrameReport;
+use crate::rigid::gpu::world::GpuWorld;
+use crate::rigid::world::RigidWorld;
+
+/// A world on a device. The host has the states of its bodies after each call of the simulation; what is remembered of contacts is
+/// read when something asks for it.
+#[derive(Debug)]
+pub(super) struct OnDevice {
+    gpu: Gpu,
+    world: GpuWorld,
+    history_due: bool,
+}
+
+impl OnDevice {
+    /// # Errors
+    /// [`Error::Device`] when the device fails or has too little memory.
+    pub(super) fn new(gpu: &Gpu, world: &RigidWorld) -> Result<Self> {
+        gpu.check_limits()?;
+        let world = catch(gpu.device(), || GpuWorld::new(&gpu.rigid(), world))?;
+        Ok(Self { gpu: gpu.clone(), world, history_due: false })
+    }
+
+    /// Advances all bodies by a frame.
+    pub(super) fn advance(&mut self, dt: f32, substeps: u32, keeps_going: bool) -> Result<FrameReport> {
+        let world = &mut self.world;
+        let report = catch(self.gpu.device(), || world.advance(dt, substeps, keeps_going))?.map_err(Error::Device)?;
+        self.gpu.faults().check()?;
+        self.history_due = true;
+        Ok(report)
+    }
+
+    /// Reads the states of the bodies.
+    pub(super) fn fetch(&self, world: &mut RigidWorld) -> Result<()> {
+        self.world.download(world).map_err(Error::Device)
+    }
+
+    /// Reads what is remembered of the contacts, if that has changed.
+    pub(super) fn fetch_history(&mut self, world: &mut RigidWorld) -> Result<()> {
+        if std::mem::take(&mut self.history_due) {
+            self.world.download_history(world).map_err(Error::Device)?;
+        }
+        Ok(())
+    }
+}
