@@ -56,6 +56,8 @@ const _: () = assert!(size_of::<FoundRow>() == 10 * 16 && size_of::<SearchRow>()
 /// Bytes of a row of CANDIDATES and of FOUND.
 const CANDIDATE_BYTES: u64 = 8;
 const FOUND_BYTES: u64 = size_of::<FoundRow>() as u64;
+/// Level of the boxes of the usual size, of 32.
+const USUAL_LEVEL: u32 = 16;
 /// Words of COUNTS: candidates, manifolds, then others.
 pub(crate) const COUNT_WORDS: u32 = 16;
 
@@ -165,7 +167,7 @@ impl Search {
         let kernels = SEARCH_STAGES.iter().enumerate().map(kernel).collect();
         // At most half of the slots are in use.
         let slots = (2 * colliders.max(1)).next_power_of_two();
-        let fineness = (1.0 / usual_size(world, dt)) as f32;
+        let fineness = (f64::from(1 << USUAL_LEVEL) / usual_size(world, dt)) as f32;
         let row = SearchRow { dt, colliders, slots, fineness, ..SearchRow::default() };
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         let words = |label, count: u64| gpu.buffer(label, 4 * count, storage);

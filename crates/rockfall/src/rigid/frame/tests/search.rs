@@ -19,10 +19,16 @@ use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Hull, Shape};
 use crate::rigid::world::RigidWorld;
 
-/// A device, and a search on it.
-struct Bench {
+/// A device.
+struct Device {
     device: wgpu::Device,
     queue: wgpu::Queue,
+    gpu: RigidGpu,
+}
+
+/// A search on a device.
+struct Bench<'a> {
+    on: &'a Device,
     bodies: wgpu::Buffer,
     search: Search,
     count: usize,
@@ -37,13 +43,20 @@ struct Outcome {
     bodies: Vec<BodyRow>,
 }
 
-impl Bench {
-    fn new(world: &RigidWorld) -> Self {
+impl Device {
+    fn open() -> Self {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).expect("an adapter");
         let (device, queue) =
             pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).expect("a device");
         let gpu = RigidGpu::new(device.clone(), queue.clone());
+        Self { device, queue, gpu }
+    }
+}
+
+impl<'a> Bench<'a> {
+    fn new(on: &'a Device, world: &RigidWorld) -> Self {
+        let Device { device, queue, gpu } = on;
         let mut rows = Frame::open(&mut world.clone(), DT, 4).rows(4);
         // The search must set these.
         for row in &mut rows.bodies {
@@ -64,8 +77,8 @@ impl Bench {
             hulls: filled(cast_slice(&rows.hulls), BufferUsages::STORAGE),
         };
         let bodies = inputs.bodies.clone();
-        let search = Search::new(&gpu, world, DT, inputs);
-        Self { device, queue, bodies, search, count: world.bodies.len() }
+        let search = Search::new(gpu, world, DT, inputs);
+        Self { on, bodies, search, count: world.bodies.len() }
     }
 
     fn read<T: Pod>(&self, buffer: &wgpu::Buffer, count: usize) -> Vec<T> {
@@ -74,21 +87,21 @@ impl Bench {
             return Vec::new();
         }
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-        let back = self.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let back = self.on.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
+        let mut encoder = self.on.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &back, 0, size);
-        self.queue.submit([encoder.finish()]);
+        self.on.queue.submit([encoder.finish()]);
         back.map_async(wgpu::MapMode::Read, .., |result| result.expect("mapped"));
-        self.device.poll(wgpu::PollType::wait_indefinitely()).expect("it runs");
+        self.on.device.poll(wgpu::PollType::wait_indefinitely()).expect("it runs");
         let bytes = back.get_mapped_range(..).expect("a range");
         bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect()
     }
 
     /// The search, without more room.
     fn run(&mut self) -> Outcome {
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self.on.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.search.encode(&mut encoder);
-        self.queue.submit([encoder.finish()]);
+        self.on.queue.submit([encoder.finish()]);
         let counts: Vec<u32> = self.read(&self.search.counts, COUNT_WORDS as usize);
         let mut rows: Vec<FoundRow> = self.read(&self.search.found, counts[1].min(self.search.rooms()[1]) as usize);
         // Other points are not written.
@@ -137,9 +150,12 @@ fn difference(world: &RigidWorld, bodies: &Bodies, twin: &Found, row: &FoundRow)
 }
 
 /// Compares a search with the twin, and gives the number of manifolds. A few may differ: the last bit decides ties.
-fn compare(name: &str, world: &RigidWorld, ties: usize) -> usize {
-    let mut bench = Bench::new(world);
+fn compare(on: &Device, name: &str, world: &RigidWorld, ties: usize) -> usize {
+    let clock = std::time::Instant::now();
+    let mut bench = Bench::new(on, world);
+    let made = clock.elapsed();
     let outcome = bench.run_with_room();
+    eprintln!("{made:.1?} {:.1?}", clock.elapsed());
     let bodies = Bodies::load(world, DT);
     let twins = detect::manifolds(world, &bodies);
     let wanted: BTreeMap<_, _> = twins.iter().map(|twin| (twin.colliders, twin)).collect();
@@ -285,43 +301,47 @@ fn hulls() -> Scene {
 
 #[test]
 fn manifolds_are_those_of_the_twin() {
+    let on = Device::open();
     let mut pile = heap(150, 0.0);
     pile.run(1.5);
-    assert!(compare("pile", &pile.world, 2) > 200);
-    assert!(compare("mixture", &mixture().world, 12) > 400);
-    assert!(compare("sizes", &sizes().world, 12) > 300);
-    assert!(compare("parts", &parts().world, 12) > 300);
-    assert!(compare("hulls", &hulls().world, 12) > 200);
+    assert!(compare(&on, "pile", &pile.world, 2) > 200);
+    assert!(compare(&on, "mixture", &mixture().world, 12) > 400);
+    assert!(compare(&on, "sizes", &sizes().world, 12) > 300);
+    assert!(compare(&on, "parts", &parts().world, 12) > 300);
+    assert!(compare(&on, "hulls", &hulls().world, 12) > 200);
 }
 
 /// Far from the origin, at rest and with a half-space alone, and without anything.
 #[test]
 fn odd_scenes() {
+    let on = Device::open();
     let mut far = heap(150, 0.0);
     far.run(1.0);
     far.world.bodies.iter_mut().skip(1).for_each(|body| body.pose.position += Vec3::new(1024.0, 0.0, -2048.0));
-    assert!(compare("far", &far.world, 6) > 150);
+    assert!(compare(&on, "far", &far.world, 6) > 150);
     let mut alone = Scene::new(0.5, 0.0);
-    assert!(compare("nothing", &alone.world, 0) == 0);
+    assert!(compare(&on, "nothing", &alone.world, 0) == 0);
     alone.floor();
-    assert!(compare("floor", &alone.world, 0) == 0);
+    assert!(compare(&on, "floor", &alone.world, 0) == 0);
     alone.ball(0.5, Vec3::new(0.0, 0.49, 0.0));
-    assert!(compare("ball", &alone.world, 0) == 1);
+    assert!(compare(&on, "ball", &alone.world, 0) == 1);
 }
 
 #[test]
 fn large_heap() {
+    let on = Device::open();
     let mut scene = heap(5000, 0.0);
     // Pressed together, so that boxes touch.
     scene.world.bodies.iter_mut().for_each(|body| body.pose.position *= 0.6);
-    assert!(compare("large heap", &scene.world, 60) > 8000);
+    assert!(compare(&on, "large heap", &scene.world, 60) > 8000);
 }
 
 #[test]
 fn search_asks_for_room_and_repeats() {
+    let on = Device::open();
     let mut scene = heap(300, 0.0);
     scene.world.bodies.iter_mut().for_each(|body| body.pose.position *= 0.6);
-    let mut bench = Bench::new(&scene.world);
+    let mut bench = Bench::new(&on, &scene.world);
     let whole = bench.run_with_room();
     let again = bench.run();
     assert!(whole.found == again.found && whole.owned == again.owned, "two runs");
