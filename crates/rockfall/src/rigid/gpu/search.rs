@@ -140,7 +140,11 @@ impl Content {
     /// The text of a kernel without what the scene does not have.
     fn text(self, file: &str) -> String {
         let without = |text: String, name: &str, is_there: bool| {
-            if is_there { text } else { text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = false;")) }
+            if is_there {
+                text
+            } else {
+                text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = false;"))
+            }
         };
         let text = without(join(file), "HULLS", self.hulls);
         let text = without(without(text, "CAPSULES", self.capsules), "SOLIDS", self.solids);
@@ -238,7 +242,11 @@ impl Search {
         }
         [self.row.candidates, self.row.found] = rooms;
         self.write_row();
-        self.groups = SEARCH_STAGES.iter().zip(&self.kernels).map(|(stage, kernel)| self.group(stage.bindings, kernel.as_ref()?)).collect();
+        self.groups = SEARCH_STAGES
+            .iter()
+            .zip(&self.kernels)
+            .map(|(stage, kernel)| self.group(stage.bindings, kernel.as_ref()?))
+            .collect();
     }
 
     /// Sets the length of the frames, in s.

@@ -46,9 +46,9 @@ struct Outcome {
 impl Device {
     fn open() -> Self {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).expect("an adapter");
-        let (device, queue) =
-            pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).expect("a device");
+        let adapter =
+            pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).expect("an adapter");
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).expect("a device");
         let gpu = RigidGpu::new(device.clone(), queue.clone());
         Self { device, queue, gpu }
     }
@@ -87,7 +87,8 @@ impl<'a> Bench<'a> {
             return Vec::new();
         }
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-        let back = self.on.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
+        let back =
+            self.on.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
         let mut encoder = self.on.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &back, 0, size);
         self.on.queue.submit([encoder.finish()]);
@@ -168,8 +169,7 @@ fn compare(on: &Device, name: &str, world: &RigidWorld, ties: usize) -> usize {
     let missing: Vec<_> = wanted.keys().filter(|pair| !outcome.found.contains_key(*pair)).collect();
     let more: Vec<_> = outcome.found.keys().filter(|pair| !wanted.contains_key(*pair)).collect();
     let both = wanted.iter().filter_map(|(pair, twin)| Some((pair, twin, outcome.found.get(pair)?)));
-    let others: Vec<_> =
-        both.filter_map(|(pair, twin, row)| Some((pair, difference(world, &bodies, twin, row)?))).collect();
+    let others: Vec<_> = both.filter_map(|(pair, twin, row)| Some((pair, difference(world, &bodies, twin, row)?))).collect();
     eprintln!(
         "{name}: {} candidates, {} manifolds, levels {:x}, {} large; {} missing, {} more, {} others; {} dispatches",
         outcome.counts[0],
