@@ -39,22 +39,22 @@ struct Search {
 @group(0) @binding(21) var<uniform> search: Search;
 @group(0) @binding(22) var<storage, read> scales: array<f32>;
 
-const LEVELS: u32 = 16u;
+const LEVELS: u32 = 32u;
 const FOUND_ROWS: u32 = 10u;
 const LEFT: u32 = 0x80000000u;
 // Stands for an infinite coordinate.
 const FAR: f32 = 3.4e38;
-// What rounding may add to a box, relative to its greatest coordinate. So a coordinate of a cell is at most 2^18.
-const ROUNDING: f32 = 3.8147e-6;
+// What rounding may add to a box, relative to its greatest coordinate: 2^-17. So a coordinate of a cell is at most 2^17.
+const ROUNDING: f32 = 7.62939453125e-6;
 // Half the range of a coordinate of a cell.
-const MIDDLE: i32 = 524288;
+const MIDDLE: i32 = 262144;
 // No key of a cell.
 const LARGE: u32 = 0xffffffffu;
 
 // The level of a box of this size; LEVELS or more if it is large. Sizes that are no numbers are large.
 fn level_of(size: f32) -> u32 {
     let ratio = size * search.fineness;
-    if !(ratio <= 32768.0) {
+    if !(ratio <= 2147483648.0) {
         return LEVELS;
     }
     return ((bitcast<u32>(max(ratio, 1.0)) + 0x7fffffu) >> 23u) - 127u;
@@ -65,26 +65,26 @@ fn fineness_of(level: u32) -> f32 {
     return search.fineness * bitcast<f32>((127u - level) << 23u);
 }
 
-// A cell of a level: 20 bits of each coordinate, and 4 of the level.
+// A cell of a level: 19 bits of each coordinate, and 5 of the level.
 fn key_of(level: u32, cell: vec3i) -> vec2u {
-    let at = vec3u(cell + vec3i(MIDDLE)) & vec3u(0xfffffu);
-    return vec2u(at.x | (at.y << 20u), (at.y >> 12u) | (at.z << 8u) | (level << 28u));
+    let at = vec3u(cell + vec3i(MIDDLE)) & vec3u(0x7ffffu);
+    return vec2u(at.x | (at.y << 19u), (at.y >> 13u) | (at.z << 6u) | (level << 25u));
 }
 
 fn level_of_key(key: vec2u) -> u32 {
-    return key.y >> 28u;
+    return key.y >> 25u;
 }
 
 fn cell_of_key(key: vec2u) -> vec3i {
-    let at = vec3u(key.x & 0xfffffu, (key.x >> 20u) | ((key.y & 0xffu) << 12u), (key.y >> 8u) & 0xfffffu);
+    let at = vec3u(key.x & 0x7ffffu, (key.x >> 19u) | ((key.y & 0x3fu) << 13u), (key.y >> 6u) & 0x7ffffu);
     return vec3i(at) - vec3i(MIDDLE);
 }
 
 // The slot of a cell. Cells in a row along x have slots in a row.
 fn slot_of(key: vec2u) -> u32 {
-    var hash = ((key.x >> 20u) * 0x9e3779b9u) ^ (key.y * 0x85ebca6bu);
+    var hash = ((key.x >> 19u) * 0x9e3779b9u) ^ (key.y * 0x85ebca6bu);
     hash = (hash ^ (hash >> 16u)) * 0x85ebca6bu;
     hash = (hash ^ (hash >> 13u)) * 0xc2b2ae35u;
     hash = hash ^ (hash >> 16u);
-    return (hash + (key.x & 0xfffffu)) & (search.slots - 1u);
+    return (hash + (key.x & 0x7ffffu)) & (search.slots - 1u);
 }

@@ -113,7 +113,7 @@ fn is_ball(shape: &Shape) -> bool {
     matches!(shape.core, Core::Point)
 }
 
-fn pair(world: &RigidWorld, found: &Found, first: usize) -> Pair {
+pub(super) fn pair(world: &RigidWorld, found: &Found, first: usize) -> Pair {
     let [a, b] = found.colliders.map(|k| &world.colliders[k as usize]);
     let Surface { friction, restitution } = world.surface(a.material, b.material);
     let [near, far] = [a, b].map(|collider| &world.shapes[collider.shape as usize]);
@@ -134,7 +134,7 @@ fn pair(world: &RigidWorld, found: &Found, first: usize) -> Pair {
 }
 
 /// The points of a pair, in coordinates of the bodies.
-fn add_points(world: &RigidWorld, bodies: &Bodies, contacts: &mut Contacts, found: &Found, room: u8) {
+pub(super) fn add_points(world: &RigidWorld, bodies: &Bodies, contacts: &mut Contacts, found: &Found, room: u8) {
     let place = &world.colliders[found.colliders[0] as usize].place;
     let [a, b] = found.bodies.map(|body| &bodies.poses[body as usize]);
     let (apart, back) = (Vec3A::from(b.position - a.position), b.turn.inverse());

@@ -12,4 +12,6 @@ mod impact;
 mod pile;
 mod rest;
 mod scene;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+mod search;
 mod stack;

@@ -79,9 +79,8 @@ mod tests {
     /// The sums that a device finds.
     fn scanned(device: &wgpu::Device, queue: &wgpu::Queue, kernels: &ScanKernels, words: &[u32]) -> Vec<u32> {
         let size = 4 * words.len() as u64;
-        let buffer = |usage| {
-            device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
-        };
+        let buffer =
+            |usage| device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false });
         let array = buffer(BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC);
         let back = buffer(BufferUsages::MAP_READ | BufferUsages::COPY_DST);
         queue.write_buffer(&array, 0, bytemuck::cast_slice(words));
@@ -99,7 +98,8 @@ mod tests {
     #[test]
     fn words_become_sums_of_all_before() {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-        let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).expect("an adapter");
+        let adapter =
+            pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).expect("an adapter");
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).expect("a device");
         let kernels = ScanKernels::new(&device);
         // The last one has more than 1000 tiles.

@@ -56,6 +56,8 @@ const _: () = assert!(size_of::<FoundRow>() == 10 * 16 && size_of::<SearchRow>()
 /// Bytes of a row of CANDIDATES and of FOUND.
 const CANDIDATE_BYTES: u64 = 8;
 const FOUND_BYTES: u64 = size_of::<FoundRow>() as u64;
+/// Level of the boxes of the usual size, of 32.
+const USUAL_LEVEL: u32 = 16;
 /// Words of COUNTS: candidates, manifolds, then others.
 pub(crate) const COUNT_WORDS: u32 = 64;
 
@@ -139,7 +141,11 @@ impl Content {
     /// The text of a kernel without what the scene does not have.
     fn text(self, file: &str) -> String {
         let without = |text: String, name: &str, is_there: bool| {
-            if is_there { text } else { text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = false;")) }
+            if is_there {
+                text
+            } else {
+                text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = false;"))
+            }
         };
         let text = without(join(file), "HULLS", self.hulls);
         let text = without(without(text, "CAPSULES", self.capsules), "SOLIDS", self.solids);
@@ -166,7 +172,7 @@ impl Search {
         let kernels = SEARCH_STAGES.iter().enumerate().map(kernel).collect();
         // At most half of the slots are in use.
         let slots = (2 * colliders.max(1)).next_power_of_two();
-        let fineness = (1.0 / usual_size(world, dt)) as f32;
+        let fineness = (f64::from(1 << USUAL_LEVEL) / usual_size(world, dt)) as f32;
         let row = SearchRow { dt, colliders, slots, fineness, ..SearchRow::default() };
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         let words = |label, count: u64| gpu.buffer(label, 4 * count, storage);
@@ -237,7 +243,11 @@ impl Search {
         }
         [self.row.candidates, self.row.found] = rooms;
         self.write_row();
-        self.groups = SEARCH_STAGES.iter().zip(&self.kernels).map(|(stage, kernel)| self.group(stage.bindings, kernel.as_ref()?)).collect();
+        self.groups = SEARCH_STAGES
+            .iter()
+            .zip(&self.kernels)
+            .map(|(stage, kernel)| self.group(stage.bindings, kernel.as_ref()?))
+            .collect();
     }
 
     /// Sets the length of the frames, in s.
