@@ -15,6 +15,7 @@ use crate::output;
 
 mod chart;
 mod drum;
+mod frames;
 mod json;
 mod measure;
 mod phases;
@@ -33,6 +34,7 @@ enum Other {
     Worlds(worlds::Arguments),
     Drum(drum::Arguments),
     Repeat(repeat::Arguments),
+    Frames(frames::Arguments),
 }
 
 #[derive(Debug, clap::Args)]
@@ -90,6 +92,7 @@ pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
         Some(Other::Drum(arguments)) if shared::bench(arguments)? => return Ok(()),
         Some(Other::Drum(arguments)) => return drum::bench(arguments),
         Some(Other::Repeat(arguments)) => return repeat::bench(arguments),
+        Some(Other::Frames(arguments)) => return frames::bench(arguments),
         None => {}
     }
     if let Some(path) = &arguments.plot {

@@ -28,7 +28,7 @@ use bytemuck::{Pod, bytes_of, cast_slice};
 use arrays::Arrays;
 use kernels::{
     ALL_AT_ONCE, BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT,
-    FIND_LEFT_OVER, HULLS, IMPACTS_AT_ONCE, KICK, Kernel, LISTS, LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REPORT, SETTLE, SOLVE,
+    FIND_LEFT_OVER, HULLS, IMPACTS_AT_ONCE, KICK, Kernel, LISTS, LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REPORT, SEEK, SETTLE, SOLVE,
     SOLVE_LEFT_OVER, STAGES, STRIKE, STRIKE_LEFT_OVER,
 };
 use scan::ScanKernels;
@@ -68,6 +68,8 @@ pub(crate) struct RigidGpu {
 pub(crate) enum Plan {
     /// Each stage and each colour is a dispatch.
     Stages,
+    /// The same without impacts. The report says whether a block was hit: then the frame begins anew with another plan.
+    Calm,
     /// One workgroup looks for impacts, all others are stages.
     ImpactsAtOnce,
     /// One workgroup solves all substeps.
@@ -86,6 +88,8 @@ pub(crate) enum Part {
     Refresh,
     Relax,
     Impacts,
+    /// Whether there are impacts.
+    Seek,
     /// The impacts of a substep in one dispatch.
     ImpactsAtOnce,
     /// The geometry and all substeps in one dispatch.
@@ -241,7 +245,11 @@ impl GpuFrame {
             parts.push(Part::AllAtOnce);
         } else {
             parts.extend([Part::Refresh, Part::Load]);
-            let impacts = if plan == Plan::Stages { Part::Impacts } else { Part::ImpactsAtOnce };
+            let impacts = match plan {
+                Plan::Stages => Part::Impacts,
+                Plan::Calm => Part::Seek,
+                _ => Part::ImpactsAtOnce,
+            };
             for _ in 0..self.substeps {
                 parts.extend([impacts, Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax]);
             }
@@ -271,6 +279,7 @@ impl GpuFrame {
             Part::Drift => self.dispatch(pass, DRIFT, self.bodies, 0),
             Part::Refresh => self.dispatch(pass, REFRESH, self.blocks, 0),
             Part::Impacts => self.encode_impacts(pass),
+            Part::Seek => self.dispatch(pass, SEEK, self.blocks, 0),
             Part::ImpactsAtOnce => self.dispatch(pass, IMPACTS_AT_ONCE, 1, 0),
             Part::AllAtOnce => self.dispatch(pass, ALL_AT_ONCE, 1, 0),
             Part::Settle => self.dispatch(pass, SETTLE, self.bodies, 0),

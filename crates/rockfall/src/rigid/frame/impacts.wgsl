@@ -61,3 +61,12 @@ fn mean_of_impacts(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups)
         take_impacts(body);
     }
 }
+
+// Whether any block is hit at the start of a substep. If none is, there are no impacts in it.
+@compute @workgroup_size(THREADS)
+fn seek(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let k = thread_of(group, groups, local);
+    if k < frame.blocks && hit_of(block_at(k)).found {
+        atomicStore(&report[7], 1u);
+    }
+}

@@ -166,6 +166,7 @@ pub(super) const STORE: usize = 29;
 pub(super) const CALM: usize = 30;
 pub(super) const WIDEN: usize = 31;
 pub(super) const WIDEN_ALL: usize = 32;
+pub(super) const SEEK: usize = 33;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
@@ -242,6 +243,7 @@ pub(super) const STAGES: &[Stage] = &[
     Stage { name: "calm", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, SCALES] },
     Stage { name: "widen", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, REPORT, SCALES] },
     Stage { name: "widen_all", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, REPORT, SCALES] },
+    Stage { name: "seek", file: "rigid/frame/impacts.wgsl", bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, REPORT] },
 ];
 
 pub(super) const OPEN: usize = 0;

@@ -17,6 +17,8 @@ use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search};
 use crate::rigid::gpu::{COLOURS, COPIES_BYTES, GpuFrame, LOAD_BYTES, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu};
 use crate::rigid::world::{Kind, RigidWorld};
 
+/// Frames with impacts after one that began anew because of an impact.
+const STORM: u32 = 64;
 /// Least room for left-over blocks.
 const LEAST_ROOM: u32 = 256;
 /// Bytes of what is kept of a pair, and of its points.
@@ -36,6 +38,9 @@ pub(crate) struct GpuWorld {
     row: FrameRow,
     /// Room for left-over blocks.
     left_over: u32,
+    /// Frames that are still solved with impacts. Without any, a block that is hit makes the frame begin anew, so that nothing depends
+    /// on this number.
+    stormy: u32,
     /// Frames so far, and the substep of the impulses that are kept, in s.
     frames: u32,
     substep: f32,
@@ -72,6 +77,7 @@ impl GpuWorld {
             report: reading(REPORT_WORDS),
             row: FrameRow { gravity: world.gravity.to_array(), bodies, ..FrameRow::default() },
             left_over: LEAST_ROOM,
+            stormy: 0,
             frames: 0,
             substep: 0.0,
             kept: 0,
@@ -125,7 +131,13 @@ impl GpuWorld {
         let mut repeats = 0;
         loop {
             let counts = self.search(dt, substeps)?;
-            let words = self.solve(&counts)?;
+            let is_calm = self.stormy == 0;
+            let words = self.solve(&counts, if is_calm { Plan::Calm } else { Plan::Stages })?;
+            if is_calm && words[7] > 0 {
+                self.stormy = STORM;
+                self.restore();
+                continue;
+            }
             if repeats < REPEATS && words[0] > 0 {
                 self.widen(repeats);
                 repeats += 1;
@@ -136,6 +148,7 @@ impl GpuWorld {
                 self.restore();
                 return Ok(FrameReport { repeats, stopped, ..FrameReport::default() });
             }
+            self.stormy = self.stormy.saturating_sub(1);
             self.keep(&counts, h);
             return Ok(FrameReport { repeats, contacts: words[4], max_overlap: f32::from_bits(words[5]), stopped });
         }
@@ -214,7 +227,7 @@ impl GpuWorld {
     }
 
     /// Solves all substeps and reads the report.
-    fn solve(&mut self, counts: &Counts) -> Result<Vec<u32>, String> {
+    fn solve(&mut self, counts: &Counts, plan: Plan) -> Result<Vec<u32>, String> {
         let blocks = counts.colours[COLOURS as usize + 1];
         self.row.blocks = blocks;
         self.row.left_over = counts.colours[COLOURS as usize];
@@ -230,7 +243,7 @@ impl GpuWorld {
         let mut encoder = self.encoder();
         encoder.clear_buffer(self.frame.arrays.get(REPORT), 0, None);
         self.encode(&mut encoder, |pass| {
-            for part in self.frame.parts(Plan::Stages) {
+            for part in self.frame.parts(plan) {
                 self.frame.encode(pass, part);
             }
             self.frame.arrays.dispatch(pass, SUM_UP, counts.pairs, 0);

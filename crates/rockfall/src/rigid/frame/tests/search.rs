@@ -73,6 +73,7 @@ impl<'a> Bench<'a> {
         let inputs = Inputs {
             frame: filled(bytemuck::bytes_of(&rows.frame), BufferUsages::UNIFORM),
             bodies: filled(cast_slice(&rows.bodies), BufferUsages::STORAGE),
+            constants: filled(cast_slice(&rows.constants), BufferUsages::STORAGE),
             colliders: filled(cast_slice(&rows.colliders), BufferUsages::STORAGE),
             hulls: filled(cast_slice(&rows.hulls), BufferUsages::STORAGE),
         };
@@ -107,6 +108,8 @@ impl<'a> Bench<'a> {
         let mut rows: Vec<FoundRow> = self.read(&self.search.found, counts[1].min(self.search.rooms()[1]) as usize);
         // Other points are not written.
         rows.iter_mut().for_each(|row| row.points[(row.info & 255) as usize..].fill(FoundPoint::default()));
+        // The place among those of the owner depends on who comes first.
+        rows.iter_mut().for_each(|row| row.points[0].unused = 0);
         let found: BTreeMap<_, _> = rows.iter().map(|row| (row.colliders, *row)).collect();
         assert!(found.len() == rows.len(), "each pair once");
         let (owned, bodies) = (self.read(&self.search.owned, self.count), self.read(&self.bodies, self.count));
