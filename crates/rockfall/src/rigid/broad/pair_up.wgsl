@@ -67,16 +67,20 @@ fn look_into(own: Own, key: vec2u, is_own: bool) {
     }
 }
 
-// The cells of a level. Of its own level a collider looks at its own cell and at those after it.
+// The cells of a level: at most three along each axis, whatever the box. Of its own level a collider looks at its own cell and at those after
+// it.
 fn look_around(own: Own, level: u32, cell: vec3i, is_own_level: bool) {
     let fineness = fineness_of(level);
     let low = vec3i(floor(own.least * fineness - vec3f(0.5)));
     let high = vec3i(floor(own.most * fineness + vec3f(0.5)));
-    for (var z = select(low.z, cell.z, is_own_level); z <= high.z; z++) {
+    let start_z = select(low.z, cell.z, is_own_level);
+    for (var z = start_z; z <= min(high.z, start_z + 2); z++) {
         let is_layer = is_own_level && z == cell.z;
-        for (var y = select(low.y, cell.y, is_layer); y <= high.y; y++) {
+        let start_y = select(low.y, cell.y, is_layer);
+        for (var y = start_y; y <= min(high.y, start_y + 2); y++) {
             let is_row = is_layer && y == cell.y;
-            for (var x = select(low.x, cell.x, is_row); x <= high.x; x++) {
+            let start_x = select(low.x, cell.x, is_row);
+            for (var x = start_x; x <= min(high.x, start_x + 2); x++) {
                 look_into(own, key_of(level, vec3i(x, y, z)), is_row && x == cell.x);
             }
         }

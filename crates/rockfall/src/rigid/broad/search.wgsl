@@ -7,7 +7,7 @@
 // | `bounds` | two rows for each collider: least corner of its grown AABB, key; greatest corner, key |
 // | `cells` | of each slot of a table of hashed cells: first the number of its colliders, then where they start, then where they end |
 // | `members` | colliders in the order of their slots; after as many words as there are colliders: the large ones |
-// | `candidates` | pairs of colliders whose AABBs overlap and that may touch; LEFT marks two boxes that the general pair must decide |
+// | `candidates` | pairs of colliders whose AABBs overlap and that may touch; LEFT: two boxes left to the general pair |
 // | `found` | ten rows for each manifold: colliders a and b, bodies a and b; normal in coordinates of body a, info; four points as in `points` |
 // | `counts` | candidates, manifolds, levels in use (bits), large colliders. The first two go on beyond the room |
 // | `owned` | of each body the number of manifolds that it owns |

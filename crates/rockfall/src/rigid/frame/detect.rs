@@ -14,19 +14,24 @@ use crate::rigid::world::{Collider, RigidWorld, Surface};
 
 /// All manifolds of a frame, in any order.
 pub(super) fn manifolds(world: &RigidWorld, bodies: &Bodies) -> Vec<Found> {
-    let boxes: Vec<Aabb> = world.colliders.iter().map(|collider| bounds(world, bodies, collider)).collect();
-    let may_touch = |i: usize, j: usize| {
-        let [a, b] = [i, j].map(|k| &world.colliders[k]);
-        let [heavy, light] = [a, b].map(|collider| bodies.masses[collider.body as usize].inverse_mass);
-        a.body != b.body && a.group == b.group && (heavy > 0.0 || light > 0.0)
-    };
-    let pairs = broad::pairs(&boxes, may_touch);
+    let pairs = candidates(world, bodies);
     // Few pairs are done by one thread: tasks would cost more than they do.
     if !is_crowd(pairs.len()) {
         pairs.iter().filter_map(|pair| manifold(world, bodies, *pair)).collect()
     } else {
         pairs.par_iter().with_min_len(64).filter_map(|pair| manifold(world, bodies, *pair)).collect()
     }
+}
+
+/// Pairs of colliders that may touch and whose AABBs overlap.
+pub(super) fn candidates(world: &RigidWorld, bodies: &Bodies) -> Vec<(u32, u32)> {
+    let boxes: Vec<Aabb> = world.colliders.iter().map(|collider| bounds(world, bodies, collider)).collect();
+    let may_touch = |i: usize, j: usize| {
+        let [a, b] = [i, j].map(|k| &world.colliders[k]);
+        let [heavy, light] = [a, b].map(|collider| bodies.masses[collider.body as usize].inverse_mass);
+        a.body != b.body && a.group == b.group && (heavy > 0.0 || light > 0.0)
+    };
+    broad::pairs(&boxes, may_touch)
 }
 
 /// The AABB of a collider, grown by the margin of its body.

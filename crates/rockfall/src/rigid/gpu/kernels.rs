@@ -333,7 +333,7 @@ impl Kernel {
         //   (`Search::new`). A slot is taken modulo the length of the table. The starts and ends of slots are sums of the numbers of
         //   their colliders, which are as many as `bound` has counted, and `scatter` puts as many. The large colliders are at most
         //   all, and have their own half of `members`. Candidates and manifolds are written below the room, and read below both the
-        //   count and the room. Of a manifold at most four points are written.
+        //   count and the room. Of a manifold at most four points are written. A collider looks into at most 27 cells of a level.
         // - A scan reads and writes below its length (`Scan::new`), and has a sum for each tile.
         let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
         let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {

@@ -104,7 +104,7 @@ mod tests {
         let kernels = ScanKernels::new(&device);
         // The last one has more than 1000 tiles.
         for length in [0, 1, 15, 16, 17, 255, 256, 257, 4095, 4096, 4097, 100_000, 4_500_001] {
-            let words: Vec<u32> = (0..=length).map(|k| (k * 2_654_435_761_u64 >> 7) as u32 % 5).collect();
+            let words: Vec<u32> = (0..=length).map(|k| ((k * 2_654_435_761_u64) >> 7) as u32 % 5).collect();
             let mut wanted = words.clone();
             let mut sum = 0;
             for word in &mut wanted[..length as usize] {
