@@ -9,7 +9,7 @@
 //! | [`history`] | what is kept from frame to frame |
 //! | [`world`] | bodies, colliders and materials of a scene |
 //! | [`frame`] | a frame: margins, pairs, blocks, colours, substeps |
-//! | `gpu` | the substeps of a frame on a device; simulations do not use it yet |
+//! | `gpu` | all of it on a device |
 
 // Hulls and the masses of shapes have no door yet.
 #![allow(dead_code)]

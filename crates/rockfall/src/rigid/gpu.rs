@@ -3,13 +3,18 @@
 //! | room | what it knows |
 //! |---|---|
 //! | [`rows`] | rows of the arrays |
+//! | [`world`] | a world that stays on the device |
+//! | `assemble` | blocks, pairs, points and lists from manifolds |
+//! | `past` | what is kept from frame to frame |
 //! | `arrays` | arrays by binding, dispatches over them |
 //! | [`shapes`] | rows of colliders, lists of hulls |
 //! | `kernels` | the kernels and their bindings |
 //! | [`search`] | the manifolds of a frame |
 //! | [`scan`] | sums of all earlier words of an array |
 //!
-//! A frame begins with the contacts that the CPU has found ([`FrameRows`]). The device solves all substeps of it.
+//! A [`world::GpuWorld`] does all of a frame on the device: it finds the manifolds (`search`), orders them into blocks, pairs and points
+//! (`assemble`), and solves the substeps ([`GpuFrame`]). For tests, a frame may also begin with the contacts that the CPU has found
+//! ([`FrameRows`]).
 
 mod arrays;
 mod assemble;
