@@ -26,7 +26,8 @@ pub(crate) mod search;
 pub(crate) mod shapes;
 pub(crate) mod world;
 
-use std::sync::{Arc, OnceLock};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock};
 
 use bytemuck::{Pod, bytes_of, cast_slice};
 
@@ -64,6 +65,7 @@ pub(crate) struct RigidGpu {
     queue: wgpu::Queue,
     kernels: Vec<OnceLock<Kernel>>,
     scans: OnceLock<ScanKernels>,
+    search_kernels: Mutex<HashMap<(usize, search::Content), Kernel>>,
 }
 
 /// How the substeps of a frame are dispatched. All give the same bits on software Vulkan. A driver may fuse products in one kernel
@@ -131,7 +133,7 @@ pub(crate) struct Outcome {
 impl RigidGpu {
     pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let kernels = STAGES.iter().map(|_| OnceLock::new()).collect();
-        Self { device, queue, kernels, scans: OnceLock::new() }
+        Self { device, queue, kernels, scans: OnceLock::new(), search_kernels: Mutex::default() }
     }
 
     fn kernel(&self, stage: usize) -> &Kernel {

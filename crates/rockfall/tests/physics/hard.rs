@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use rockfall::{Backend, Checkpoint, ContactAction, Error, Options, Scene, Simulation};
+use rockfall::{Backend, Checkpoint, ContactAction, ContactLaw, Error, Options, Scene, Settings, Simulation};
 
 const FRAME: f32 = 1.0 / 60.0;
 
@@ -12,7 +12,23 @@ fn scene(text: &str) -> Scene {
 }
 
 fn open(text: &str) -> Simulation {
-    Simulation::with_options(scene(text), Options::new().backend(Backend::Cpu)).expect("it opens")
+    open_on(text, Backend::Cpu)
+}
+
+fn open_on(text: &str, backend: Backend) -> Simulation {
+    Simulation::with_options(scene(text), Options::new().backend(backend)).expect("it opens")
+}
+
+both! {
+    a_stack_of_cubes_stands_and_sinks_as_its_springs_say,
+    a_ball_returns_as_its_restitution_says,
+    bodies_of_all_kinds_come_to_rest,
+    split_and_resumed_runs_have_the_same_bits,
+    contacts_of_another_scene_in_a_checkpoint_are_refused,
+    edits_between_frames_are_felt,
+    bodies_that_stop_being_finite_are_reported,
+    substeps_of_the_scene_make_contacts_stiffer,
+    other_laws_do_not_replace_it_on_a_gpu,
 }
 
 const FLOOR: &str = "B -20 -1 -20 40 0 0 0 1 0 0 0 40\n";
@@ -24,8 +40,7 @@ fn stack(count: usize) -> String {
 }
 
 /// Cubes of 1 m in a stack sink by N (N - 1) / 2 of 0.266 mm, and N of 0.033 mm on the floor (section 11).
-#[test]
-fn a_stack_of_cubes_stands_and_sinks_as_its_springs_say() {
+fn a_stack_of_cubes_stands_and_sinks_as_its_springs_say(backend: Backend) {
     let mut simulation = open(&stack(10));
     simulation.run(600, FRAME).expect("10 s");
     assert_eq!(simulation.substeps(), Some(4));
@@ -45,9 +60,8 @@ fn a_stack_of_cubes_stands_and_sinks_as_its_springs_say() {
 }
 
 /// A ball with e = 0.5 that falls from 1 m returns to 0.25 m.
-#[test]
-fn a_ball_returns_as_its_restitution_says() {
-    let mut simulation = open(&format!("set restitution 0.5\n{FLOOR}S 1 0 1.5 0 0 0 0 0 0 0 1 0.5\n"));
+fn a_ball_returns_as_its_restitution_says(backend: Backend) {
+    let mut simulation = open_on(&format!("set restitution 0.5\n{FLOOR}S 1 0 1.5 0 0 0 0 0 0 0 1 0.5\n"), backend);
     let mut apex = 0.0_f32;
     for frame in 0..60 {
         simulation.run(1, FRAME).expect("a frame");
@@ -60,14 +74,13 @@ fn a_ball_returns_as_its_restitution_says() {
 }
 
 /// Loose spheres, capsules, clumps and bodies of boxes meet planes, boxes and each other, and none is lost.
-#[test]
-fn bodies_of_all_kinds_come_to_rest() {
+fn bodies_of_all_kinds_come_to_rest(backend: Backend) {
     let text = format!(
         "{FLOOR}P -20 -2 -20 0 0 40 40 0 0\n{CUBE}@body jack mass=1\nS 1 -0.4 0 0 0 0 0 0 0 0 - 0.2\nS 2 0.4 0 0 0 0 0 0 0 0 - 0.2\n\
          S 3 0 0.4 0 0 0 0 0 0 0 - 0.2\n@end\n@place cube at=0,1,0 axis=1,2,3 turn=40\n@place jack at=0.1,3,0.2\n\
          S 1 3 2 0 0 0 0 0 0 0 1 0.5\nC -3 2 0 -2 2.2 0 0 0 0 2 0.3\n"
     );
-    let mut simulation = open(&text);
+    let mut simulation = open_on(&text, backend);
     simulation.run(600, FRAME).expect("10 s");
     let energy = simulation.energy().expect("energies");
     assert!(energy.kinetic < 1e-4, "{energy:?}");
@@ -76,8 +89,7 @@ fn bodies_of_all_kinds_come_to_rest() {
 }
 
 /// Split runs, and runs through the bytes of a checkpoint, have the same bits.
-#[test]
-fn split_and_resumed_runs_have_the_same_bits() {
+fn split_and_resumed_runs_have_the_same_bits(backend: Backend) {
     let bits = |simulation: &mut Simulation| {
         let scene = simulation.sync().expect("states");
         let of = |body: &rockfall::RigidBody| {
@@ -86,15 +98,15 @@ fn split_and_resumed_runs_have_the_same_bits() {
         scene.bodies().iter().map(of).collect::<Vec<_>>()
     };
     let text = format!("set restitution 0.3\n{}@place cube at=0.3,8,0.2 axis=1,2,3 turn=30\n", stack(3));
-    let mut whole = open(&text);
+    let mut whole = open_on(&text, backend);
     whole.run(90, FRAME).expect("frames");
-    let mut split = open(&text);
+    let mut split = open_on(&text, backend);
     for _ in 0..9 {
         split.run(10, FRAME).expect("frames");
     }
     assert_eq!(bits(&mut whole), bits(&mut split));
     for frames in [0, 1, 47, 70] {
-        let mut first = open(&text);
+        let mut first = open_on(&text, backend);
         first.run(frames, FRAME).expect("frames");
         let bytes = first.checkpoint().expect("a checkpoint").to_bytes();
         let mut resumed = Simulation::resume(Checkpoint::from_bytes(&bytes, "test").expect("it reads")).expect("it resumes");
@@ -104,9 +116,8 @@ fn split_and_resumed_runs_have_the_same_bits() {
 }
 
 /// Words of a checkpoint that do not fit the bodies are refused.
-#[test]
-fn contacts_of_another_scene_in_a_checkpoint_are_refused() {
-    let mut simulation = open(&stack(2));
+fn contacts_of_another_scene_in_a_checkpoint_are_refused(backend: Backend) {
+    let mut simulation = open_on(&stack(2), backend);
     simulation.run(3, FRAME).expect("frames");
     let good = simulation.checkpoint().expect("a checkpoint").to_bytes();
     // Substeps, then the number of bodies: the world and two cubes.
@@ -124,9 +135,8 @@ fn contacts_of_another_scene_in_a_checkpoint_are_refused() {
 }
 
 /// Edits between frames are felt, and what is known of other contacts stays.
-#[test]
-fn edits_between_frames_are_felt() {
-    let mut simulation = open(&format!("{}S 1 5 0.5 0 0 0 0 0 0 0 1 0.5\n", stack(2)));
+fn edits_between_frames_are_felt(backend: Backend) {
+    let mut simulation = open_on(&format!("{}S 1 5 0.5 0 0 0 0 0 0 0 1 0.5\n", stack(2)), backend);
     simulation.run(60, FRAME).expect("frames");
     let ball = simulation.scene().sphere_ids().find(|id| simulation.scene().body_of_sphere(*id).is_none()).expect("a ball");
     simulation.set_velocity(ball, [0.0, 5.0, 0.0]).expect("an edit");
@@ -157,10 +167,21 @@ fn other_objects_are_refused_by_name() {
         let error = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).expect_err(name);
         assert!(error.to_string().contains(&format!("rigid with {name}")), "{error}");
     }
-    let error = Simulation::with_options(scene(ball), Options::new().backend(Backend::Gpu)).expect_err("no GPU");
-    assert!(matches!(error, Error::Invalid { field: "backend", .. }), "{error}");
     let mut simulation = open(ball);
     assert!(simulation.update_aabbs().is_err(), "a frame has no phases");
+}
+
+/// A device was opened for frames or for steps, and cannot do the others.
+fn other_laws_do_not_replace_it_on_a_gpu(backend: Backend) {
+    let ball = "S 1 0 1 0 0 0 0 0 0 0 1 0.5\n";
+    let thesis = Scene::parse(ball, Path::new("test")).expect("a scene").scene;
+    for (scene, law) in [(scene(ball), ContactLaw::Thesis), (thesis, ContactLaw::Rigid)] {
+        let mut simulation = Simulation::with_options(scene, Options::new().backend(backend)).expect("it opens");
+        let settings = Settings { contact_law: law, ..*simulation.settings() };
+        let changed = simulation.set_settings(settings).and_then(|()| simulation.run(1, FRAME).map(drop));
+        let refused = matches!(changed, Err(Error::Invalid { field: "contact_law", .. }));
+        assert_eq!(refused, backend == Backend::Gpu, "{changed:?}");
+    }
 }
 
 /// The law sets restitution and friction, wherever the lines that set them stand.
@@ -177,16 +198,15 @@ fn the_law_has_constants_of_its_own() {
 }
 
 /// A body whose state stops being finite is an error, and nothing moves. With `keep_going` it stops, and is counted.
-#[test]
-fn bodies_that_stop_being_finite_are_reported() {
+fn bodies_that_stop_being_finite_are_reported(backend: Backend) {
     let text = "S 1 0 5 0 0 0 0 0 0 0 1 0.5\nS 2 10 1 0 3e38 0 0 0 0 0 1 0.5\n@run dt=100\n";
-    let mut simulation = open(text);
+    let mut simulation = open_on(text, backend);
     let before = simulation.spheres().expect("states");
     let error = simulation.run(1, 100.0).expect_err("it leaves the range of f32");
     assert!(matches!(error, Error::NonFinite { sphere: 1, step: 1, .. }), "{error}");
     assert_eq!(simulation.spheres().expect("states"), before);
     let mut simulation =
-        Simulation::with_options(scene(text), Options::new().backend(Backend::Cpu).keep_going(true)).expect("it opens");
+        Simulation::with_options(scene(text), Options::new().backend(backend).keep_going(true)).expect("it opens");
     let report = simulation.run(1, 100.0).expect("it goes on");
     let after = simulation.spheres().expect("states");
     // It stops in the first substep, and falls from rest in the others.
@@ -195,10 +215,9 @@ fn bodies_that_stop_being_finite_are_reported() {
 }
 
 /// Two frames of the same length and other substeps: the overlap of bodies at rest falls with the square of their number.
-#[test]
-fn substeps_of_the_scene_make_contacts_stiffer() {
+fn substeps_of_the_scene_make_contacts_stiffer(backend: Backend) {
     let overlap = |substeps: &str| {
-        let mut simulation = open(&format!("@run substeps={substeps}\n{}", stack(5)));
+        let mut simulation = open_on(&format!("@run substeps={substeps}\n{}", stack(5)), backend);
         simulation.run(300, FRAME).expect("5 s");
         (simulation.substeps(), simulation.max_overlap().expect("overlaps").units)
     };

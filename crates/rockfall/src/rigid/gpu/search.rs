@@ -2,15 +2,16 @@
 //! order. `rigid/broad/search.wgsl` tells what its arrays have.
 
 use std::mem::size_of;
+use std::sync::PoisonError;
 
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use wgpu::BufferUsages;
 
 use crate::rigid::gpu::kernels::{
     BODIES, BOUND, BOUNDS, CANDIDATES, CELLS, COLLIDERS, CONSTANTS, COUNTS, ENDS, FOUND, HULLS, Kernel, MEMBERS, NARROW_BOXES,
-    NARROW_ROUND, NARROW_SOLIDS, OPEN, OWNED, PAIR_UP, SCALES, SCATTER, SEARCH, SEARCH_STAGES, join,
+    NARROW_ROUND, NARROW_SOLIDS, OPEN, OWNED, PAIR_UP, SCALES, SCATTER, SEARCH, SEARCH_STAGES, Stage, join,
 };
-use crate::rigid::gpu::scan::{Scan, ScanKernels};
+use crate::rigid::gpu::scan::Scan;
 use crate::rigid::gpu::{MOST_GROUPS, RigidGpu, THREADS};
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Kind, RigidWorld};
@@ -73,8 +74,8 @@ pub(crate) struct Inputs {
 }
 
 /// What shapes a scene has, so that its kernels have no more than they need.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Content {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(super) struct Content {
     /// Balls or capsules.
     round: bool,
     capsules: bool,
@@ -154,6 +155,15 @@ impl Content {
     }
 }
 
+impl RigidGpu {
+    /// A kernel of the search for scenes with this content, compiled at its first use.
+    fn search_kernel(&self, number: usize, stage: &Stage, content: Content) -> Kernel {
+        let mut kernels = self.search_kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        let build = || Kernel::build(&self.device, stage, content.text(stage.file), &[(0, false), (SEARCH, false)]);
+        kernels.entry((number, content)).or_insert_with(build).clone()
+    }
+}
+
 impl Search {
     /// The search of a world in frames of `dt` seconds. The inputs have the rows of all its bodies and colliders.
     ///
@@ -165,9 +175,8 @@ impl Search {
         let (bodies, colliders) = (world.bodies.len() as u32, world.colliders.len() as u32);
         assert!(inputs.bodies.size() >= 144 * u64::from(bodies) && inputs.colliders.size() >= 80 * u64::from(colliders));
         let content = Content::of(world);
-        let kernel = |(number, stage): (usize, &crate::rigid::gpu::kernels::Stage)| {
-            let build = || Kernel::build(&device, stage, content.text(stage.file), &[(0, false), (SEARCH, false)]);
-            content.needs(number).then(build)
+        let kernel = |(number, stage): (usize, &Stage)| {
+            content.needs(number).then(|| gpu.search_kernel(number, stage, content))
         };
         let kernels = SEARCH_STAGES.iter().enumerate().map(kernel).collect();
         // At most half of the slots are in use.
@@ -178,7 +187,7 @@ impl Search {
         let words = |label, count: u64| gpu.buffer(label, 4 * count, storage);
         let [wide_bodies, wide_colliders] = [bodies, colliders].map(u64::from);
         let cells = words("rigid cells", u64::from(slots));
-        let scan = Scan::new(&device, &ScanKernels::new(&device), &cells, slots);
+        let scan = Scan::new(&device, gpu.scans(), &cells, slots);
         let scales = words("rigid scales", wide_bodies);
         let factors: Vec<f32> = world.bodies.iter().map(|body| body.margin_scale).collect();
         queue.write_buffer(&scales, 0, cast_slice(&factors));
