@@ -41,7 +41,7 @@ fn stack(count: usize) -> String {
 
 /// Cubes of 1 m in a stack sink by N (N - 1) / 2 of 0.266 mm, and N of 0.033 mm on the floor (section 11).
 fn a_stack_of_cubes_stands_and_sinks_as_its_springs_say(backend: Backend) {
-    let mut simulation = open(&stack(10));
+    let mut simulation = open_on(&stack(10), backend);
     simulation.run(600, FRAME).expect("10 s");
     assert_eq!(simulation.substeps(), Some(4));
     let top = simulation.sync().expect("states").bodies().last().expect("ten cubes").clone();
