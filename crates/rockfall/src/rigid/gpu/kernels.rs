@@ -335,6 +335,11 @@ impl Kernel {
         //   all, and have their own half of `members`. Candidates and manifolds are written below the room, and read below both the
         //   count and the room. Of a manifold at most four points are written. A collider looks into at most 27 cells of a level.
         // - A scan reads and writes below its length (`Scan::new`), and has a sum for each tile.
+        // - In the assembly, threads return beyond the count of the manifolds, which is 0 if there was no room for all (`pair_count`), and
+        //   beyond that of the blocks. Owners have as many manifolds as `narrow` has counted, so the sums of these counts are places
+        //   below the room, and each place is taken once. A block has at least one pair, so there are not more blocks than pairs, and
+        //   the lists have two entries for each. Places in the order of colours are sums of what `count_colours` has counted. What is
+        //   remembered has the same form: `Past` makes it from colliders that exist, with four points for each pair.
         let module = unsafe { device.create_shader_module_trusted(module, wgpu::ShaderRuntimeChecks::unchecked()) };
         let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,
