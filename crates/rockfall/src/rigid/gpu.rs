@@ -12,14 +12,17 @@ mod kernels;
 pub(crate) mod rows;
 pub(crate) mod shapes;
 
+use std::sync::OnceLock;
+
 use bytemuck::{Pod, bytes_of, cast_slice};
 
 use kernels::{
-    ALL_AT_ONCE, BEFORE_IMPACTS, BINDINGS, BLOCKS, BODIES, CARRY, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT,
-    FIND_LEFT_OVER, HULLS, IMPACTS_AT_ONCE, KICK, Kernel, LISTS, LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REPORT, SETTLE, SOLVE,
-    SOLVE_LEFT_OVER, STAGES, STRIKE, STRIKE_LEFT_OVER,
+    ALL_AT_ONCE, BEFORE_IMPACTS, BINDINGS, BLOCKS, BODIES, CARRY, CARRY_ROUND, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER,
+    DRIFT, EXPOSE, FIND_ALL_ROUND, FIND_LEFT_OVER, FIND_LEFT_OVER_ROUND, FIND_ROUND, HULLS, IMPACTS_AT_ONCE, KICK, Kernel, Kinds,
+    LISTS, LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REFRESH_ROUND, REPORT, SETTLE, SOLVE, SOLVE_LEFT_OVER,
+    SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND,
 };
-use rows::{BlockRow, BodyRow, ContactRow, FrameRows, PairRow};
+use rows::{BlockRow, BodyRow, ContactRow, FrameRows, PairRow, PointRow, ROUND};
 
 /// Threads of a workgroup, but of the stage for small scenes.
 const THREADS: u32 = 64;
@@ -40,7 +43,8 @@ const ROUNDS: usize = 2;
 pub(crate) struct RigidGpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    kernels: Vec<Kernel>,
+    /// By stage and kinds of shapes, compiled when they are first used.
+    kernels: Vec<OnceLock<Kernel>>,
 }
 
 /// How the substeps of a frame are dispatched. All give the same bits on software Vulkan. A driver may fuse products in one kernel
@@ -59,10 +63,14 @@ pub(crate) enum Plan {
 /// A part of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
+    /// Points that another static shape covers.
+    Expose,
     /// What the blocks add to the first warm start.
     Load,
     /// Kick and warm start.
     Kick,
+    /// Spare gaps of round pairs.
+    Spare,
     Biased,
     Drift,
     Refresh,
@@ -82,7 +90,11 @@ pub(crate) struct GpuFrame<'a> {
     gpu: &'a RigidGpu,
     /// By binding.
     buffers: Vec<wgpu::Buffer>,
-    groups: Vec<wgpu::BindGroup>,
+    /// By stage.
+    groups: Vec<OnceLock<wgpu::BindGroup>>,
+    kinds: Kinds,
+    /// It has pairs with balls or capsules.
+    is_round: bool,
     bodies: u32,
     blocks: u32,
     points: u32,
@@ -99,6 +111,7 @@ pub(crate) struct Outcome {
     pub(crate) bodies: Vec<BodyRow>,
     pub(crate) blocks: Vec<BlockRow>,
     pub(crate) pairs: Vec<PairRow>,
+    pub(crate) points: Vec<PointRow>,
     pub(crate) contacts: Vec<ContactRow>,
     /// Bodies whose path is longer than their margin.
     pub(crate) beyond: u32,
@@ -108,8 +121,14 @@ pub(crate) struct Outcome {
 
 impl RigidGpu {
     pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        let kernels = STAGES.iter().map(|stage| Kernel::new(&device, stage)).collect();
+        let kernels = (0..STAGES.len() * Kinds::COUNT).map(|_| OnceLock::new()).collect();
         Self { device, queue, kernels }
+    }
+
+    fn kernel(&self, stage: usize, kinds: Kinds) -> &Kernel {
+        let kinds = if STAGES[stage].bindings.contains(&COLLIDERS) { kinds } else { Kinds::default() };
+        let slot = &self.kernels[Kinds::COUNT * stage + kinds.number()];
+        slot.get_or_init(|| Kernel::new(&self.device, &STAGES[stage], kinds))
     }
 
     fn buffer(&self, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
@@ -122,7 +141,10 @@ impl RigidGpu {
     /// Uploads a frame.
     pub(crate) fn frame(&self, rows: &FrameRows) -> GpuFrame<'_> {
         let left_over = (rows.frame.blocks - rows.frame.left_over) as usize;
-        let loads = LOAD_BYTES * rows.blocks.len() + COPIES_BYTES * left_over;
+        let is_round = rows.pairs.iter().any(|pair| pair.info & ROUND != 0);
+        // What is found of impacts: a row of each block, and two of each point.
+        let found = if is_round { rows.blocks.len() + 2 * rows.points.len() } else { 0 };
+        let loads = LOAD_BYTES * rows.blocks.len() + COPIES_BYTES * left_over + 16 * found;
         let constants: Vec<u8> = [cast_slice::<_, u8>(&rows.constants), cast_slice(&rows.belts)].concat();
         // The pass is in the first word of a block of 17 calls, its colour in the second one.
         let mut calls = vec![0_u8; (2 * (COLOURS + 1) * CALL) as usize];
@@ -157,12 +179,13 @@ impl RigidGpu {
                 buffer
             })
             .collect();
-        let groups =
-            STAGES.iter().zip(&self.kernels).map(|(stage, kernel)| self.group(stage.bindings, kernel, &buffers)).collect();
+        let has = |core: u32| rows.colliders.iter().any(|collider| collider.shape.core == core);
         GpuFrame {
             gpu: self,
             buffers,
-            groups,
+            groups: STAGES.iter().map(|_| OnceLock::new()).collect(),
+            kinds: Kinds { capsules: has(4), hulls: has(3) },
+            is_round,
             bodies: rows.frame.bodies,
             blocks: rows.frame.blocks,
             points: rows.contacts.len() as u32,
@@ -196,13 +219,15 @@ impl GpuFrame<'_> {
     /// Solves the frame.
     pub(crate) fn solve(&mut self, plan: Plan) {
         let mut parts = Vec::new();
+        // The stages of one workgroup know no round pairs.
+        let plan = if self.is_round { Plan::Stages } else { plan };
         if plan == Plan::AllAtOnce {
             parts.push(Part::AllAtOnce);
         } else {
             parts.extend([Part::Refresh, Part::Load]);
             let impacts = if plan == Plan::Stages { Part::Impacts } else { Part::ImpactsAtOnce };
             for _ in 0..self.substeps {
-                parts.extend([impacts, Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax]);
+                parts.extend([impacts, Part::Kick, Part::Spare, Part::Biased, Part::Drift, Part::Refresh, Part::Relax]);
             }
         }
         parts.push(Part::Settle);
@@ -223,11 +248,15 @@ impl GpuFrame<'_> {
 
     fn encode(&mut self, pass: &mut wgpu::ComputePass<'_>, part: Part) {
         match part {
+            Part::Expose => self.dispatch(pass, EXPOSE, self.blocks, 0),
             Part::Load => self.dispatch(pass, LOAD, self.blocks, 0),
             Part::Kick => self.dispatch(pass, KICK, self.bodies, 0),
+            Part::Spare if self.is_round => self.dispatch(pass, SPARE_ROUND, self.blocks, 0),
+            Part::Spare => (),
             Part::Biased | Part::Relax => self.encode_pass(pass, part == Part::Biased),
             Part::Drift => self.dispatch(pass, DRIFT, self.bodies, 0),
-            Part::Refresh => self.dispatch(pass, REFRESH, self.blocks, 0),
+            Part::Refresh => self.dispatch(pass, if self.is_round { REFRESH_ROUND } else { REFRESH }, self.blocks, 0),
+            Part::Impacts if self.is_round => self.encode_round_impacts(pass),
             Part::Impacts => self.encode_impacts(pass),
             Part::ImpactsAtOnce => self.dispatch(pass, IMPACTS_AT_ONCE, 1, 0),
             Part::AllAtOnce => self.dispatch(pass, ALL_AT_ONCE, 1, 0),
@@ -250,6 +279,29 @@ impl GpuFrame<'_> {
             }
         }
         self.dispatch(pass, CARRY, self.blocks, 0);
+    }
+
+    /// Each block is first searched for its hit, with the geometry there, and then reflected.
+    fn encode_round_impacts(&mut self, pass: &mut wgpu::ComputePass<'_>) {
+        let left_over = self.left_over();
+        self.dispatch(pass, BEFORE_IMPACTS, self.bodies, 0);
+        for _ in 0..ROUNDS {
+            for colour in 0..COLOURS {
+                self.dispatch(pass, FIND_ROUND, self.blocks_of(colour), call(colour, false));
+                self.dispatch(pass, STRIKE_ROUND, self.blocks_of(colour), call(colour, false));
+            }
+            if left_over > 0 {
+                self.dispatch(pass, FIND_ROUND, left_over, call(COLOURS, false));
+                self.dispatch(pass, FIND_LEFT_OVER_ROUND, left_over, 0);
+                self.dispatch(pass, COUNT_LEFT_OVER, self.bodies, 0);
+                self.dispatch(pass, STRIKE_LEFT_OVER_ROUND, left_over, 0);
+                self.dispatch(pass, MEAN_OF_IMPACTS, self.bodies, 0);
+            }
+        }
+        self.dispatch(pass, FIND_ALL_ROUND, self.blocks, 0);
+        self.dispatch(pass, WAIT_ROUND, self.blocks, 0);
+        self.dispatch(pass, CARRY_ROUND, self.blocks, 0);
+        self.dispatch(pass, LOAD, self.blocks, 0);
     }
 
     fn blocks_of(&self, colour: u32) -> u32 {
@@ -278,8 +330,10 @@ impl GpuFrame<'_> {
         }
         let groups = threads.div_ceil(THREADS);
         let rows = groups.div_ceil(MOST_GROUPS);
-        pass.set_pipeline(&self.gpu.kernels[stage].pipeline);
-        pass.set_bind_group(0, &self.groups[stage], &[offset]);
+        let kernel = self.gpu.kernel(stage, self.kinds);
+        let group = self.groups[stage].get_or_init(|| self.gpu.group(STAGES[stage].bindings, kernel, &self.buffers));
+        pass.set_pipeline(&kernel.pipeline);
+        pass.set_bind_group(0, group, &[offset]);
         pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
         self.dispatches += 1;
     }
@@ -292,6 +346,7 @@ impl GpuFrame<'_> {
             bodies: self.read_array(BODIES, self.bodies),
             blocks: self.read_array(BLOCKS, self.blocks),
             pairs: self.read_array(PAIRS, self.pairs),
+            points: self.read_array(POINTS, self.points),
             contacts: self.read_array(CONTACTS, self.points),
             beyond: report[0],
             stopped,

@@ -3,6 +3,8 @@
 mod conservation;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+mod device_round;
 mod fast;
 mod flight;
 mod friction;

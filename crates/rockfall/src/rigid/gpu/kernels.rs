@@ -19,10 +19,12 @@ const PARTS: &[Part] = parts!(
     "physics/quaternion.wgsl"
     "physics/sine.wgsl"
     "rigid/collide/manifold.wgsl"
+    "rigid/collide/reduce.wgsl"
     "rigid/collide/solid.wgsl"
     "rigid/collide/closest.wgsl"
     "rigid/collide/ball.wgsl"
     "rigid/collide/capsule.wgsl"
+    "rigid/collide/round.wgsl"
     "rigid/collide/half_space.wgsl"
     "rigid/collide/box_box.wgsl"
     "rigid/collide/polyhedra.wgsl"
@@ -40,6 +42,7 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/refresh.wgsl"
     "rigid/frame/report.wgsl"
     "rigid/frame/settle.wgsl"
+    "rigid/frame/states.wgsl"
     "rigid/frame/times.wgsl"
     "rigid/frame/reflect.wgsl"
     "rigid/frame/carry.wgsl"
@@ -48,6 +51,16 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/group.wgsl"
     "rigid/frame/impacts_at_once.wgsl"
     "rigid/frame/all_at_once.wgsl"
+    "rigid/frame/scratch.wgsl"
+    "rigid/frame/places.wgsl"
+    "rigid/frame/renew.wgsl"
+    "rigid/frame/search.wgsl"
+    "rigid/frame/find.wgsl"
+    "rigid/frame/known.wgsl"
+    "rigid/frame/impacts_round.wgsl"
+    "rigid/frame/wait.wgsl"
+    "rigid/frame/spare.wgsl"
+    "rigid/frame/expose.wgsl"
 );
 
 /// Bindings of the arrays. 0 and 1 are uniform.
@@ -89,9 +102,23 @@ pub(super) const STRIKE_LEFT_OVER: usize = 13;
 pub(super) const MEAN_OF_IMPACTS: usize = 14;
 pub(super) const CARRY: usize = 15;
 pub(super) const IMPACTS_AT_ONCE: usize = 16;
+pub(super) const REFRESH_ROUND: usize = 17;
+pub(super) const FIND_ROUND: usize = 18;
+pub(super) const FIND_ALL_ROUND: usize = 19;
+pub(super) const STRIKE_ROUND: usize = 20;
+pub(super) const FIND_LEFT_OVER_ROUND: usize = 21;
+pub(super) const STRIKE_LEFT_OVER_ROUND: usize = 22;
+pub(super) const WAIT_ROUND: usize = 23;
+pub(super) const CARRY_ROUND: usize = 24;
+pub(super) const SPARE_ROUND: usize = 25;
+pub(super) const EXPOSE: usize = 26;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
+/// Of stages that find closest points anew.
+const CLOSEST: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, COLLIDERS, HULLS];
+const SEARCH: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, LOADS, COLLIDERS, HULLS];
+const STRUCK: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, LOADS, REPORT];
 const ALL: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS, LISTS];
 
 /// All stages, by the numbers above.
@@ -125,7 +152,44 @@ pub(super) const STAGES: &[Stage] = &[
         bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS, REPORT],
     },
     Stage { name: "impacts_at_once", file: "rigid/frame/impacts_at_once.wgsl", bindings: ALL },
+    Stage { name: "refresh_round", file: "rigid/frame/renew.wgsl", bindings: CLOSEST },
+    Stage { name: "find_round", file: "rigid/frame/find.wgsl", bindings: SEARCH },
+    Stage { name: "find_all_round", file: "rigid/frame/find.wgsl", bindings: SEARCH },
+    Stage { name: "strike", file: "rigid/frame/impacts_round.wgsl", bindings: STRUCK },
+    Stage { name: "find_left_over", file: "rigid/frame/impacts_round.wgsl", bindings: &[BLOCKS, LOADS] },
+    Stage { name: "strike_left_over", file: "rigid/frame/impacts_round.wgsl", bindings: STRUCK },
+    Stage { name: "wait_round", file: "rigid/frame/wait.wgsl", bindings: &[BLOCKS, PAIRS, CONTACTS, LOADS, REPORT] },
+    Stage { name: "carry_round", file: "rigid/frame/renew.wgsl", bindings: CLOSEST },
+    Stage { name: "spare_round", file: "rigid/frame/spare.wgsl", bindings: CLOSEST },
+    Stage {
+        name: "expose",
+        file: "rigid/frame/expose.wgsl",
+        bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, COLLIDERS, HULLS],
+    },
 ];
+
+/// What shapes a scene has. Kernels leave out the others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Kinds {
+    pub(super) capsules: bool,
+    pub(super) hulls: bool,
+}
+
+impl Kinds {
+    /// How many there are.
+    pub(super) const COUNT: usize = 4;
+
+    pub(super) fn number(self) -> usize {
+        usize::from(self.capsules) + 2 * usize::from(self.hulls)
+    }
+
+    fn write(self, text: &str) -> String {
+        let constant = |name: &str, value: bool| format!("const {name}: bool = {value};");
+        [("CAPSULES", self.capsules), ("HULLS", self.hulls)]
+            .iter()
+            .fold(text.to_string(), |text, (name, value)| text.replace(&constant(name, true), &constant(name, *value)))
+    }
+}
 
 /// A compiled stage.
 #[derive(Debug)]
@@ -134,7 +198,13 @@ pub(super) struct Kernel {
     pub(super) layout: wgpu::BindGroupLayout,
 }
 
-/// The text of a kernel.
+/// A text without its empty lines and those that are comments.
+fn code(text: &str) -> String {
+    let is_code = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
+    text.split_inclusive('\n').filter(is_code).collect()
+}
+
+/// The text of a kernel. A part may stand instead of another one that is required later.
 pub(super) fn join(file: &str) -> String {
     fn add(file: &str, taken: &mut Vec<&'static str>, text: &mut String) {
         let part = PARTS.iter().find(|part| part.file == file).unwrap_or_else(|| panic!("{file} is no part of a kernel"));
@@ -142,9 +212,10 @@ pub(super) fn join(file: &str) -> String {
             return;
         }
         taken.push(part.file);
+        taken.extend(part.text.lines().filter_map(|line| line.strip_prefix("// instead of ")));
         let lines = part.text.lines().map_while(|line| line.strip_prefix("// requires "));
         lines.flat_map(str::split_whitespace).for_each(|file| add(file, taken, text));
-        text.push_str(part.text);
+        text.push_str(&code(part.text));
     }
     let (mut taken, mut text) = (Vec::new(), String::new());
     add(file, &mut taken, &mut text);
@@ -153,8 +224,8 @@ pub(super) fn join(file: &str) -> String {
 
 impl Kernel {
     #[allow(unsafe_code)]
-    pub(super) fn new(device: &wgpu::Device, stage: &Stage) -> Self {
-        let text = join(stage.file);
+    pub(super) fn new(device: &wgpu::Device, stage: &Stage, kinds: Kinds) -> Self {
+        let text = kinds.write(&join(stage.file));
         let has_group = text.contains("override GROUP:");
         let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
         // SAFETY: without run-time checks the kernels themselves must stay inside their buffers, and they must terminate. They do:
@@ -173,7 +244,7 @@ impl Kernel {
             min_binding_size: None,
         };
         let storage = |binding: &u32| wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: [CONSTANTS, LISTS].contains(binding) },
+            ty: wgpu::BufferBindingType::Storage { read_only: [CONSTANTS, LISTS, COLLIDERS, HULLS].contains(binding) },
             has_dynamic_offset: false,
             min_binding_size: None,
         };
@@ -219,6 +290,6 @@ mod tests {
             assert!(stage.bindings.len() <= 8, "{}", stage.name);
             all += &text;
         }
-        assert!(PARTS.iter().all(|part| all.contains(part.text)));
+        assert!(PARTS.iter().all(|part| all.contains(&code(part.text))));
     }
 }

@@ -13,7 +13,7 @@ use crate::rigid::shape::Shape;
 use crate::rigid::world::RigidWorld;
 
 /// A device with the limits that WebGPU guarantees.
-fn open() -> RigidGpu {
+pub(super) fn open() -> RigidGpu {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).expect("an adapter");
     let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default())).expect("a device");
@@ -105,7 +105,7 @@ fn elastic_corner() -> Scene {
 
 /// The greatest difference of a kind of number, by the greatest number of that kind.
 #[derive(Default)]
-struct Apart {
+pub(super) struct Apart {
     kinds: Vec<(&'static str, f32, f32)>,
 }
 
@@ -124,11 +124,11 @@ impl Apart {
 
     /// The worst kind. Speeds are sums of impulses that cancel: their size is at least that of the impulses (of masses of 1 or more).
     /// Impulses are differences of speeds, gaps those of arms. A substep of the field is 0.04.
-    fn worst(&self) -> (&'static str, f32) {
+    pub(super) fn worst(&self) -> (&'static str, f32) {
         let size = |wanted: &str| self.kinds.iter().find(|kind| kind.0 == wanted).map_or(0.0, |kind| kind.2);
         let least = |kind: &str| match kind {
             "impulse" => size("velocity"),
-            "gap" => size("arm"),
+            "gap" | "spare" => size("arm"),
             "clock" => size("position"),
             "velocity" | "spin" | "momentum" | "kicked velocity" | "kicked spin" => size("impulse").max(0.04),
             _ => 0.0,
@@ -138,7 +138,7 @@ impl Apart {
     }
 }
 
-fn compare(wanted: &FrameRows, found: &Outcome) -> Apart {
+pub(super) fn compare(wanted: &FrameRows, found: &Outcome) -> Apart {
     let mut apart = Apart::default();
     // The least speed of an impact: what a time differs by is the difference of a place divided by a speed.
     let least = wanted.frame.h * Vec3::from_array(wanted.frame.gravity).length();
@@ -167,6 +167,8 @@ fn compare(wanted: &FrameRows, found: &Outcome) -> Apart {
             apart.add("arm", &a.arm, &b.arm);
             apart.add("gap", &[a.gap], &[b.gap]);
             apart.add("impulse", &[&[a.normal][..], &a.tangent].concat(), &[&[b.normal][..], &b.tangent].concat());
+            // Marks of the relax pass are negative.
+            apart.add("spare", &[a.spare], &[b.spare.max(0.0)]);
         }
     }
     apart
@@ -239,7 +241,7 @@ fn stages_agree() {
 const PARTS: [Part; 6] = [Part::Impacts, Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax];
 
 /// Brings the twin through a stage, and returns what the device has most apart.
-fn stage(gpu: &RigidGpu, frame: &mut Frame<'_>, part: Part) -> (&'static str, f32) {
+pub(super) fn stage(gpu: &RigidGpu, frame: &mut Frame<'_>, part: Part) -> (&'static str, f32) {
     let mut on_device = gpu.frame(&frame.rows(4));
     on_device.run(if part == Part::Kick { &[Part::Load, Part::Kick] } else { std::slice::from_ref(&part) });
     let found = on_device.read();
@@ -249,6 +251,7 @@ fn stage(gpu: &RigidGpu, frame: &mut Frame<'_>, part: Part) -> (&'static str, f3
             frame.bodies.kick(frame.h);
             passes::warm_start(&mut frame.contacts, &mut frame.bodies);
         }
+        Part::Spare => frame.spare(),
         Part::Biased => passes::pass(&mut frame.contacts, &mut frame.bodies, &frame.biased),
         Part::Drift => {
             frame.bodies.follow();
@@ -264,7 +267,7 @@ fn stage(gpu: &RigidGpu, frame: &mut Frame<'_>, part: Part) -> (&'static str, f3
     worst
 }
 
-fn bits(world: &RigidWorld) -> Vec<u32> {
+pub(super) fn bits(world: &RigidWorld) -> Vec<u32> {
     let numbers = |body: &crate::rigid::world::Body| {
         let (pose, v, l) = (body.pose, body.velocity, body.momentum);
         [pose.position, v, l].map(|vector| vector.to_array()).concat().into_iter().chain(pose.turn.to_array())
@@ -273,7 +276,7 @@ fn bits(world: &RigidWorld) -> Vec<u32> {
 }
 
 /// The greatest distance of places and of speeds.
-fn apart(a: &RigidWorld, b: &RigidWorld) -> [f32; 2] {
+pub(super) fn apart(a: &RigidWorld, b: &RigidWorld) -> [f32; 2] {
     a.bodies.iter().zip(&b.bodies).fold([0.0_f32; 2], |[place, speed], (a, b)| {
         let moved = a.pose.position.distance(b.pose.position);
         [place.max(moved), speed.max(a.velocity.distance(b.velocity))]
