@@ -4,9 +4,10 @@ use glam::{Quat, Vec3};
 
 use super::pile::heap;
 use super::scene::{DT, Scene, close};
+use crate::rigid::frame::refresh::tangents;
 use crate::rigid::frame::upload::advance_on_device;
 use crate::rigid::frame::{Frame, impacts, passes};
-use crate::rigid::gpu::rows::{FrameRows, WAITS};
+use crate::rigid::gpu::rows::{FrameRows, PairRow, WAITS};
 use crate::rigid::gpu::{Outcome, Part, Plan, RigidGpu};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
@@ -138,6 +139,12 @@ impl Apart {
     }
 }
 
+/// Along the axes of the world: the tangents of a normal jump where its z changes its sign.
+fn along(pair: &PairRow, parts: [f32; 2]) -> [f32; 3] {
+    let [one, two] = tangents(pair.normal.into());
+    (parts[0] * one + parts[1] * two).to_array()
+}
+
 pub(super) fn compare(wanted: &FrameRows, found: &Outcome) -> Apart {
     let mut apart = Apart::default();
     // The least speed of an impact: what a time differs by is the difference of a place divided by a speed.
@@ -161,12 +168,14 @@ pub(super) fn compare(wanted: &FrameRows, found: &Outcome) -> Apart {
     }
     for (a, b) in wanted.pairs.iter().zip(&found.pairs) {
         apart.add("normal", &a.normal, &b.normal);
-        apart.add("belt", &a.belt, &b.belt);
+        apart.add("count", &[(a.info & 0xff) as f32], &[(b.info & 0xff) as f32]);
+        apart.add("belt", &along(a, a.belt), &along(b, b.belt));
         for k in a.first as usize..(a.first + (a.info & 0xff)) as usize {
+            let rubs = [along(a, wanted.contacts[k].tangent), along(b, found.contacts[k].tangent)];
             let (a, b) = (&wanted.contacts[k], &found.contacts[k]);
             apart.add("arm", &a.arm, &b.arm);
             apart.add("gap", &[a.gap], &[b.gap]);
-            apart.add("impulse", &[&[a.normal][..], &a.tangent].concat(), &[&[b.normal][..], &b.tangent].concat());
+            apart.add("impulse", &[&[a.normal][..], &rubs[0]].concat(), &[&[b.normal][..], &rubs[1]].concat());
             // Marks of the relax pass are negative.
             apart.add("spare", &[a.spare], &[b.spare.max(0.0)]);
         }
