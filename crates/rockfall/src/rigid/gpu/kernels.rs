@@ -117,7 +117,7 @@ const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
 /// Of stages that find closest points anew.
 const CLOSEST: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, COLLIDERS, HULLS];
-const SEARCH: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, LOADS, COLLIDERS, HULLS];
+const HITS: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, LOADS, COLLIDERS, HULLS];
 const STRUCK: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, LOADS, REPORT];
 const ALL: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS, LISTS];
 
@@ -153,8 +153,8 @@ pub(super) const STAGES: &[Stage] = &[
     },
     Stage { name: "impacts_at_once", file: "rigid/frame/impacts_at_once.wgsl", bindings: ALL },
     Stage { name: "refresh_round", file: "rigid/frame/renew.wgsl", bindings: CLOSEST },
-    Stage { name: "find_round", file: "rigid/frame/find.wgsl", bindings: SEARCH },
-    Stage { name: "find_all_round", file: "rigid/frame/find.wgsl", bindings: SEARCH },
+    Stage { name: "find_round", file: "rigid/frame/find.wgsl", bindings: HITS },
+    Stage { name: "find_all_round", file: "rigid/frame/find.wgsl", bindings: HITS },
     Stage { name: "strike", file: "rigid/frame/impacts_round.wgsl", bindings: STRUCK },
     Stage { name: "find_left_over", file: "rigid/frame/impacts_round.wgsl", bindings: &[BLOCKS, LOADS] },
     Stage { name: "strike_left_over", file: "rigid/frame/impacts_round.wgsl", bindings: STRUCK },
@@ -231,8 +231,11 @@ impl Kernel {
         // SAFETY: without run-time checks the kernels themselves must stay inside their buffers, and they must terminate. They do:
         // - Threads whose number is not below the count of their bodies or blocks return at once. The counts and the starts of the
         //   colours are those of the uploaded arrays (`RigidGpu::frame`).
-        // - The bodies and pairs of blocks, the points and colliders of pairs, and the entries of lists come from the contacts of a
-        //   frame of the CPU, which have the lengths of the arrays. No stage writes them.
+        // - The bodies and pairs of blocks, the first points and colliders of pairs, and the entries of lists come from the contacts of a
+        //   frame of the CPU, which have the lengths of the arrays. No stage writes them. The number of points of a pair stays within
+        //   its room: round pairs have at most so many as there is room for, and others only lose points.
+        // - What is found of impacts has a row of each block and two of each point, for which `RigidGpu::frame` makes room.
+        // - Lists of hulls are those of the shapes of the colliders. Arrays of hidden pairs have an index below their length.
         // - Copies are those of left-over blocks, for which `RigidGpu::frame` makes room.
         // - `kept` has an index below its length.
         // - Loops run over counts from the same places, or for a fixed number of times.
