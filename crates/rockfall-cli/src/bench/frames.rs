@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use rockfall::generate::Benchmark;
-use rockfall::{BackendInfo, ContactLaw, Simulation};
+use rockfall::{BackendInfo, ContactLaw, Scene, Simulation};
 use serde_json::json;
 
 use crate::bench::spread::Spread;
@@ -85,13 +85,9 @@ impl Arguments {
         scene.settings.set("contact_law", ContactLaw::Rigid.name())?;
         self.physics.change(&mut scene.settings)?;
         let dt = self.physics.dt_or(1.0 / 60.0);
-        let lowest = |simulation: &Simulation| {
-            let heights = simulation.scene().spheres().iter().map(|sphere| sphere.position.y - sphere.radius);
-            heights.fold(f32::INFINITY, f32::min)
-        };
+        let bottom = bottom(&scene);
         let started = Instant::now();
         let mut simulation = Simulation::with_options(scene, self.engine.options(&self.physics))?;
-        let bottom = lowest(&simulation);
         simulation.run(1, dt)?;
         let first = started.elapsed().as_secs_f64();
         simulation.run(self.warmup.saturating_sub(1), dt)?;
@@ -122,6 +118,17 @@ impl Arguments {
             lost: depth,
         })
     }
+}
+
+/// The lowest point of all boxes, polygons and bodies.
+fn bottom(scene: &Scene) -> f32 {
+    let boxes = scene.boxes().iter().flat_map(|cuboid| cuboid.vertices().map(|corner| corner.y));
+    let polygons = scene.polygons().iter().flat_map(|polygon| {
+        let [left, right] = [polygon.left, polygon.right].map(|edge| edge.y.min(0.0));
+        [polygon.corner.y + left + right]
+    });
+    let spheres = scene.spheres().iter().map(|sphere| sphere.position.y - sphere.radius);
+    boxes.chain(polygons).chain(spheres).fold(f32::INFINITY, f32::min)
 }
 
 impl Measured {

@@ -33,12 +33,13 @@ use bytemuck::{Pod, bytes_of, cast_slice};
 
 use arrays::Arrays;
 use kernels::{
-    ALL_AT_ONCE, BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT,
-    FIND_LEFT_OVER, HULLS, IMPACTS_AT_ONCE, KICK, Kernel, LISTS, LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REPORT, SEEK, SETTLE, SOLVE,
-    SOLVE_LEFT_OVER, STAGES, STRIKE, STRIKE_LEFT_OVER,
+    ALL_AT_ONCE, BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, CARRY_ROUND, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT,
+    EXPOSE, FIND_ALL_ROUND, FIND_LEFT_OVER, FIND_LEFT_OVER_ROUND, FIND_ROUND, HULLS, IMPACTS_AT_ONCE, KICK, Kernel, Kinds, LISTS,
+    LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REFRESH_ROUND, REPORT, SEEK, SEEK_ROUND, SETTLE, SOLVE, SOLVE_LEFT_OVER,
+    SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND,
 };
+use rows::{BlockRow, BodyRow, ContactRow, FrameRow, FrameRows, PairRow, PointRow, ROUND};
 use scan::ScanKernels;
-use rows::{BlockRow, BodyRow, ContactRow, FrameRow, FrameRows, PairRow};
 
 /// Threads of a workgroup, but of the stages that say so.
 const THREADS: u32 = 64;
@@ -63,6 +64,7 @@ const ROUNDS: usize = 2;
 pub(crate) struct RigidGpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
+    /// By stage and kinds of shapes.
     kernels: Vec<OnceLock<Kernel>>,
     scans: OnceLock<ScanKernels>,
     search_kernels: Mutex<HashMap<(usize, search::Content), Kernel>>,
@@ -86,10 +88,14 @@ pub(crate) enum Plan {
 /// A part of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Part {
+    /// Points that another static shape covers.
+    Expose,
     /// What the blocks add to the first warm start.
     Load,
     /// Kick and warm start.
     Kick,
+    /// Spare gaps of round pairs.
+    Spare,
     Biased,
     Drift,
     Refresh,
@@ -109,6 +115,8 @@ pub(crate) enum Part {
 #[derive(Debug)]
 pub(crate) struct GpuFrame {
     arrays: Arrays,
+    /// It has pairs with balls or capsules.
+    is_round: bool,
     bodies: u32,
     blocks: u32,
     points: u32,
@@ -123,6 +131,7 @@ pub(crate) struct Outcome {
     pub(crate) bodies: Vec<BodyRow>,
     pub(crate) blocks: Vec<BlockRow>,
     pub(crate) pairs: Vec<PairRow>,
+    pub(crate) points: Vec<PointRow>,
     pub(crate) contacts: Vec<ContactRow>,
     /// Bodies whose path is longer than their margin.
     pub(crate) beyond: u32,
@@ -132,16 +141,18 @@ pub(crate) struct Outcome {
 
 impl RigidGpu {
     pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        let kernels = STAGES.iter().map(|_| OnceLock::new()).collect();
+        let kernels = (0..STAGES.len() * Kinds::COUNT).map(|_| OnceLock::new()).collect();
         Self { device, queue, kernels, scans: OnceLock::new(), search_kernels: Mutex::default() }
-    }
-
-    fn kernel(&self, stage: usize) -> &Kernel {
-        self.kernels[stage].get_or_init(|| Kernel::new(&self.device, &STAGES[stage]))
     }
 
     fn scans(&self) -> &ScanKernels {
         self.scans.get_or_init(|| ScanKernels::new(&self.device))
+    }
+
+    fn kernel(&self, stage: usize, kinds: Kinds) -> &Kernel {
+        let kinds = if STAGES[stage].bindings.contains(&COLLIDERS) { kinds } else { Kinds::default() };
+        let slot = &self.kernels[Kinds::COUNT * stage + kinds.number()];
+        slot.get_or_init(|| Kernel::new(&self.device, &STAGES[stage], kinds))
     }
 
     fn buffer(&self, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
@@ -176,7 +187,9 @@ impl RigidGpu {
     /// Uploads a frame that the CPU has begun.
     pub(crate) fn frame(self: &Arc<Self>, rows: &FrameRows) -> GpuFrame {
         let left_over = (rows.frame.blocks - rows.frame.left_over) as usize;
-        let mut arrays = Arrays::new(Arc::clone(self));
+        let is_round = rows.pairs.iter().any(|pair| pair.info & ROUND != 0);
+        let has = |core: u32| rows.colliders.iter().any(|collider| collider.shape.core == core);
+        let mut arrays = Arrays::new(Arc::clone(self), Kinds { capsules: has(4), hulls: has(3) });
         arrays.upload_uniform(0, bytes_of(&rows.frame));
         arrays.upload_uniform(1, &calls());
         arrays.upload(BODIES, cast_slice(&rows.bodies));
@@ -185,13 +198,14 @@ impl RigidGpu {
         arrays.upload(PAIRS, cast_slice(&rows.pairs));
         arrays.upload(POINTS, cast_slice(&rows.points));
         arrays.upload(CONTACTS, cast_slice(&rows.contacts));
-        arrays.make(LOADS, (LOAD_BYTES * rows.blocks.len() + COPIES_BYTES * left_over) as u64);
+        arrays.make(LOADS, loads_bytes(rows.blocks.len(), left_over, if is_round { rows.points.len() } else { 0 }));
         arrays.upload(LISTS, cast_slice(&rows.lists));
         arrays.upload(REPORT, &[0; 4 * REPORT_WORDS as usize]);
         arrays.upload(COLLIDERS, cast_slice(&rows.colliders));
         arrays.upload(HULLS, cast_slice(&rows.hulls));
         GpuFrame {
             arrays,
+            is_round,
             bodies: rows.frame.bodies,
             blocks: rows.frame.blocks,
             points: rows.contacts.len() as u32,
@@ -200,6 +214,13 @@ impl RigidGpu {
             substeps: rows.frame.substeps,
         }
     }
+}
+
+/// Bytes of the loads of blocks, the copies of left-over ones, and of what is found of impacts with round pairs: a row of each block and
+/// two of each point, of which there are none without round pairs.
+fn loads_bytes(blocks: usize, left_over: usize, round_points: usize) -> u64 {
+    let found = if round_points > 0 { blocks + 2 * round_points } else { 0 };
+    (LOAD_BYTES * blocks + COPIES_BYTES * left_over + 16 * found) as u64
 }
 
 /// The uniform blocks of all calls: the colour in the first word, 1 for the biased pass in the second one. Then the rounds in which
@@ -248,6 +269,8 @@ impl GpuFrame {
     /// The parts of all substeps.
     fn parts(&self, plan: Plan) -> Vec<Part> {
         let mut parts = Vec::new();
+        // The stages of one workgroup know no round pairs.
+        let plan = if self.is_round && plan != Plan::Calm { Plan::Stages } else { plan };
         if plan == Plan::AllAtOnce {
             parts.push(Part::AllAtOnce);
         } else {
@@ -258,7 +281,7 @@ impl GpuFrame {
                 _ => Part::ImpactsAtOnce,
             };
             for _ in 0..self.substeps {
-                parts.extend([impacts, Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax]);
+                parts.extend([impacts, Part::Kick, Part::Spare, Part::Biased, Part::Drift, Part::Refresh, Part::Relax]);
             }
         }
         parts.push(Part::Settle);
@@ -280,12 +303,20 @@ impl GpuFrame {
 
     fn encode(&self, pass: &mut wgpu::ComputePass<'_>, part: Part) {
         match part {
+            Part::Expose => self.dispatch(pass, EXPOSE, self.blocks, 0),
             Part::Load => self.dispatch(pass, LOAD, self.blocks, 0),
             Part::Kick => self.dispatch(pass, KICK, self.bodies, 0),
+            Part::Spare if self.is_round => self.dispatch(pass, SPARE_ROUND, self.blocks, 0),
+            Part::Spare => (),
             Part::Biased | Part::Relax => self.encode_pass(pass, part == Part::Biased),
             Part::Drift => self.dispatch(pass, DRIFT, self.bodies, 0),
-            Part::Refresh => self.dispatch(pass, REFRESH, self.blocks, 0),
+            Part::Refresh => self.dispatch(pass, if self.is_round { REFRESH_ROUND } else { REFRESH }, self.blocks, 0),
+            Part::Impacts if self.is_round => self.encode_round_impacts(pass),
             Part::Impacts => self.encode_impacts(pass),
+            Part::Seek if self.is_round => {
+                self.dispatch(pass, FIND_ALL_ROUND, self.blocks, 0);
+                self.dispatch(pass, SEEK_ROUND, self.blocks, 0);
+            }
             Part::Seek => self.dispatch(pass, SEEK, self.blocks, 0),
             Part::ImpactsAtOnce => self.dispatch(pass, IMPACTS_AT_ONCE, 1, 0),
             Part::AllAtOnce => self.dispatch(pass, ALL_AT_ONCE, 1, 0),
@@ -308,6 +339,29 @@ impl GpuFrame {
             }
         }
         self.dispatch(pass, CARRY, self.blocks, 0);
+    }
+
+    /// Each block is first searched for its hit, with the geometry there, and then reflected.
+    fn encode_round_impacts(&self, pass: &mut wgpu::ComputePass<'_>) {
+        let left_over = self.left_over();
+        self.dispatch(pass, BEFORE_IMPACTS, self.bodies, 0);
+        for _ in 0..ROUNDS {
+            for colour in 0..COLOURS {
+                self.dispatch(pass, FIND_ROUND, self.blocks_of(colour), call(colour, false));
+                self.dispatch(pass, STRIKE_ROUND, self.blocks_of(colour), call(colour, false));
+            }
+            if left_over > 0 {
+                self.dispatch(pass, FIND_ROUND, left_over, call(COLOURS, false));
+                self.dispatch(pass, FIND_LEFT_OVER_ROUND, left_over, 0);
+                self.dispatch(pass, COUNT_LEFT_OVER, self.bodies, 0);
+                self.dispatch(pass, STRIKE_LEFT_OVER_ROUND, left_over, 0);
+                self.dispatch(pass, MEAN_OF_IMPACTS, self.bodies, 0);
+            }
+        }
+        self.dispatch(pass, FIND_ALL_ROUND, self.blocks, 0);
+        self.dispatch(pass, WAIT_ROUND, self.blocks, 0);
+        self.dispatch(pass, CARRY_ROUND, self.blocks, 0);
+        self.dispatch(pass, LOAD, self.blocks, 0);
     }
 
     fn blocks_of(&self, colour: u32) -> u32 {
@@ -349,6 +403,7 @@ impl GpuFrame {
             bodies: self.arrays.read(BODIES, self.bodies)?,
             blocks: self.arrays.read(BLOCKS, self.blocks)?,
             pairs: self.arrays.read(PAIRS, self.pairs)?,
+            points: self.arrays.read(POINTS, self.points)?,
             contacts: self.arrays.read(CONTACTS, self.points)?,
             beyond: report[0],
             stopped,

@@ -29,7 +29,8 @@ fn info_of(a: u32, b: u32, count: u32) -> u32 {
     // A capsule may come to lie with its second end.
     let room = select(count, max(count, 2u), is_round && all(cores != vec2u(CORE_POINT)));
     let moves = (marks_of_collider(a).z | marks_of_collider(b).z) != 0u;
-    return count | (room << 8u) | select(0u, ROUND, is_round) | select(0u, BELT, moves);
+    return count | (room << 8u) | select(0u, ROUND, is_round) | select(0u, BELT, moves)
+        | select(0u, BALL, any(cores == vec2u(CORE_POINT)));
 }
 
 // Writes a manifold with its places in coordinates of the bodies.

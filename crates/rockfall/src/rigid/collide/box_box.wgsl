@@ -1,4 +1,4 @@
-// requires rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
+// requires rigid/collide/manifold.wgsl rigid/collide/reduce.wgsl rigid/collide/solid.wgsl
 
 // Two boxes without radii (docs/physics.md section 11.13).
 //

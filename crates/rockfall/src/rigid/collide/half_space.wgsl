@@ -1,4 +1,4 @@
-// requires rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
+// requires rigid/collide/manifold.wgsl rigid/collide/reduce.wgsl rigid/collide/solid.wgsl
 
 // A half-space against what has vertices (docs/physics.md section 11.13).
 

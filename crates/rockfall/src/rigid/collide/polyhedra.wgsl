@@ -1,4 +1,4 @@
-// requires rigid/collide/closest.wgsl rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
+// requires rigid/collide/closest.wgsl rigid/collide/manifold.wgsl rigid/collide/reduce.wgsl rigid/collide/solid.wgsl
 
 // Any two of face, box and hull, with radii (docs/physics.md section 11.13).
 

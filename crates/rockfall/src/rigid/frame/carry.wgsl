@@ -5,7 +5,7 @@
 // Reflects a block that is hit. Returns whether it was reflected.
 fn strike_block(k: u32) -> bool {
     let block = block_at(k);
-    let hit = hit_of(block);
+    let hit = hit_of(k, block);
     if !hit.found {
         return false;
     }
@@ -27,7 +27,7 @@ fn carry_block(k: u32, any_reflected: bool) {
     let block = block_at(k);
     var waits = false;
     if any_reflected {
-        let hit = hit_of(block);
+        let hit = hit_of(k, block);
         waits = hit.found && hit.waits;
     }
     let start = max(clock_of(block.a), clock_of(block.b));

@@ -54,11 +54,22 @@ fn manifold(world: &RigidWorld, bodies: &Bodies, (i, j): (u32, u32)) -> Option<F
 }
 
 /// Blocks of the manifolds, in the order (a, b), with their pairs and points in the order of their colliders.
-pub(super) fn blocks(world: &RigidWorld, bodies: &Bodies, mut found: Vec<Found>, dt: f32) -> Contacts {
+pub(super) fn blocks(world: &RigidWorld, bodies: &Bodies, found: Vec<Found>, dt: f32) -> Contacts {
+    blocks_with(world, bodies, found, dt, expose)
+}
+
+/// The same with what is done to all pairs of two bodies first.
+pub(super) fn blocks_with(
+    world: &RigidWorld,
+    bodies: &Bodies,
+    mut found: Vec<Found>,
+    dt: f32,
+    prepare: impl Fn(&RigidWorld, &Bodies, &mut [Found]),
+) -> Contacts {
     found.sort_unstable_by_key(|pair| (pair.bodies, pair.colliders));
     let mut contacts = Contacts::default();
     for same in found.chunk_by_mut(|one, other| one.bodies == other.bodies) {
-        expose(world, bodies, same);
+        prepare(world, bodies, same);
         let mut block = Block {
             bodies: same[0].bodies,
             first_pair: contacts.pairs.len() as u32,

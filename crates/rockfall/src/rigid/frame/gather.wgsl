@@ -13,8 +13,6 @@
 @group(0) @binding(29) var<storage, read_write> marks: array<atomic<u32>>;
 @group(0) @binding(38) var<storage, read_write> raw: array<vec4u>;
 
-const NEAR: u32 = 0x00100000u;
-const ELASTIC: u32 = 0x08000000u;
 
 fn block_count() -> u32 {
     return tallies[frame.bodies];
@@ -38,9 +36,10 @@ fn bodies_of(pair: u32) -> vec2u {
     return pairs[PAIR_ROWS * pair + 3u].zw;
 }
 
-// Gathers the pairs of a block and marks where its chunks begin. Returns the number of pairs, and whether it is elastic and near.
-fn gather_pairs(first: u32, end: u32, both: vec2u) -> vec3u {
-    var gathered = vec3u(0u);
+// Gathers the pairs of a block and marks where its chunks begin. Returns the number of pairs, whether it is elastic and near, and the
+// number of pairs with a ball.
+fn gather_pairs(first: u32, end: u32, both: vec2u) -> vec4u {
+    var gathered = vec4u(0u);
     var filled = 0u;
     for (var pair = first; pair < end; pair++) {
         if any(bodies_of(pair) != both) {
@@ -55,6 +54,7 @@ fn gather_pairs(first: u32, end: u32, both: vec2u) -> vec3u {
         gathered.x++;
         gathered.y |= u32(bitcast<f32>(pairs[PAIR_ROWS * pair + 2u].w) > 0.0);
         gathered.z |= u32((info & NEAR) != 0u);
+        gathered.w += u32((info & BALL) != 0u);
     }
     return gathered;
 }
@@ -79,7 +79,8 @@ fn gather(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: 
     }
     let k = tallies[owner] + own;
     let fixed = !(has_mass(both.x) && has_mass(both.y));
-    let flags = select(0u, FIXED, fixed) | select(0u, ELASTIC, gathered.y == 1u);
+    let flags = select(0u, FIXED, fixed) | select(0u, ELASTIC, gathered.y == 1u)
+        | select(0u, SEAMS, fixed && gathered.w > 1u);
     raw[BLOCK_ROWS * k] = vec4u(both, p, gathered.x);
     raw[BLOCK_ROWS * k + 1u] = vec4u(4u * p, min(4u * gathered.x, 0xffffu) | flags, bitcast<u32>(frame.h), gathered.z);
     entries[frame.bodies + 1u + list_start(owner) + own] = 2u * k + u32(owner == both.y);

@@ -66,7 +66,7 @@ fn mean_of_impacts(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups)
 @compute @workgroup_size(THREADS)
 fn seek(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
     let k = thread_of(group, groups, local);
-    if k < frame.blocks && hit_of(block_at(k)).found {
+    if k < frame.blocks && hit_of(k, block_at(k)).found {
         atomicStore(&report[7], 1u);
     }
 }

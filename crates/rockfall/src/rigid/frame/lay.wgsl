@@ -5,8 +5,6 @@
 // The number of materials, 0; then friction and restitution of each two materials.
 @group(0) @binding(37) var<storage, read_write> surfaces: array<vec2f>;
 
-// The pair matters without a hit by a third body.
-const NEAR: u32 = 0x00100000u;
 
 // How far apart two bodies may be to touch in this frame without a hit by a third one.
 fn reach_of(a: u32, b: u32) -> f32 {

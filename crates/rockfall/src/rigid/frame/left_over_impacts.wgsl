@@ -9,7 +9,7 @@ fn copies_of(k: u32) -> u32 {
 }
 
 fn find_copies(k: u32) {
-    let hit = hit_of(block_at(k));
+    let hit = hit_of(k, block_at(k));
     let at = copies_of(k);
     loads[at].w = f32(hit.found);
     loads[at + 1u].w = hit.time;

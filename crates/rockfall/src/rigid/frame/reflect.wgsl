@@ -21,13 +21,6 @@ struct Reflected {
     b: After,
 }
 
-// A point of an impact: the common point from the centre of a, and the gap.
-fn met(sight: Sight, normal: vec3f, point: u32) -> vec4f {
-    let place_a = on_a(sight, point);
-    let place_b = on_b(sight, point);
-    return vec4f(0.5 * (place_a + place_b), dot(place_b - place_a, normal));
-}
-
 fn mass_seen(body: u32, state: State, share: f32) -> Mass {
     if !has_mass(body) {
         return Mass(0.0, vec3f(0.0), vec3f(0.0));
@@ -69,8 +62,8 @@ fn reflect(block: Block, hit: Hit, share_a: f32, share_b: f32) -> Reflected {
         var k = 0u;
         for (var pair = block.first_pair; pair < end; pair++) {
             let face = face_at(pair);
-            let normal = turned_vector(sight.a.turn, inner_normal(pair));
-            for (var point = face.first; point < face.first + count_of(face) && k < MOST_POINTS; point++) {
+            let normal = normal_met(sight, pair, face.first);
+            for (var point = face.first; point < face.first + count_met(face) && k < MOST_POINTS; point++) {
                 let at = met(sight, normal, point);
                 if at.w <= hit.depth {
                     let u = -dot(opening(&sides, at.xyz), normal);
@@ -96,9 +89,9 @@ fn reflect(block: Block, hit: Hit, share_a: f32, share_b: f32) -> Reflected {
     var k = 0u;
     for (var pair = block.first_pair; pair < end; pair++) {
         let face = face_at(pair);
-        let normal = turned_vector(sight.a.turn, inner_normal(pair));
+        let normal = normal_met(sight, pair, face.first);
         let restitution = bitcast<f32>(pairs[PAIR_ROWS * pair + 2u].w);
-        for (var point = face.first; point < face.first + count_of(face) && k < MOST_POINTS; point++) {
+        for (var point = face.first; point < face.first + count_met(face) && k < MOST_POINTS; point++) {
             let at = met(sight, normal, point);
             if at.w <= hit.depth {
                 let own = kept[k];
@@ -123,9 +116,9 @@ fn reflect(block: Block, hit: Hit, share_a: f32, share_b: f32) -> Reflected {
         k = 0u;
         for (var pair = block.first_pair; pair < end; pair++) {
             let face = face_at(pair);
-            let normal = turned_vector(sight.a.turn, inner_normal(pair));
+            let normal = normal_met(sight, pair, face.first);
             let axes = Axes(normal, tangent_one(normal), tangent_two(normal), face.friction, belt_in(sight, pair, normal));
-            for (var point = face.first; point < face.first + count_of(face) && k < MOST_POINTS; point++) {
+            for (var point = face.first; point < face.first + count_met(face) && k < MOST_POINTS; point++) {
                 let at = met(sight, normal, point);
                 if at.w <= hit.depth {
                     let own = kept[k];

@@ -60,10 +60,15 @@ const THREADS: u32 = 64u;
 // Flags of a block.
 const FIXED: u32 = 0x01000000u;
 const WAITS: u32 = 0x04000000u;
+const ELASTIC: u32 = 0x08000000u;
+const SEAMS: u32 = 0x10000000u;
 // Flags of a pair.
 const OPENS: u32 = 0x00010000u;
 const ROUND: u32 = 0x00020000u;
 const BELT: u32 = 0x00040000u;
+const BALL: u32 = 0x00080000u;
+// The pair matters without a hit by a third body.
+const NEAR: u32 = 0x00100000u;
 
 struct Motion {
     velocity: vec3f,

@@ -5,6 +5,8 @@ mod conservation;
 mod device;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device_world;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+mod device_round;
 mod fast;
 mod flight;
 mod friction;

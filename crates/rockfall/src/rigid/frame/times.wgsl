@@ -1,118 +1,14 @@
-// requires rigid/frame/rows.wgsl rigid/frame/turn.wgsl physics/quaternion.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/states.wgsl rigid/frame/turn.wgsl physics/quaternion.wgsl
 
-// States of bodies within a substep, and the times of contact (docs/physics.md section 11.7). Round pairs are taken as all others.
+// The times of contact of blocks without round pairs, and the geometry at them (docs/physics.md section 11.7). `known.wgsl` has the same
+// functions for blocks with round pairs.
 
-const ELASTIC: u32 = 0x08000000u;
-
-struct State {
-    place: vec3f,
-    turn: vec4f,
-    motion: Motion,
-}
-
-// Both bodies of a block at a time.
-struct Sight {
-    a: State,
-    b: State,
-    // x_b - x_a.
-    apart: vec3f,
-}
-
-struct Hit {
-    found: bool,
-    time: f32,
-    // delta.
-    depth: f32,
-    // All hit points may wait.
-    waits: bool,
-}
-
-fn clock_of(body: u32) -> f32 {
-    return bodies[BODY_ROWS * body].w;
-}
-
-fn momentum_of(body: u32) -> vec3f {
-    return bodies[BODY_ROWS * body + 6u].xyz;
-}
-
-fn field_of(body: u32) -> vec3f {
-    return select(vec3f(0.0), frame.gravity, has_mass(body));
-}
-
-fn state_at(body: u32, time: f32) -> State {
-    var state = State(place_of(body), turn_of(body), motion_of(body));
-    if time == 0.0 {
-        return state;
-    }
-    let before = state.motion;
-    if !has_mass(body) {
-        state.place += time * before.velocity;
-        let turn = time * before.spin;
-        if any(turn != vec3f(0.0)) {
-            state.turn = unit_turn(multiply(rotation_by(turn), state.turn));
-        }
-        return state;
-    }
-    let top = top_of(body);
-    let momentum = momentum_of(body);
-    state.place += time * before.velocity + (0.5 * time * time) * frame.gravity;
-    state.turn = freely_turned(top, state.turn, momentum, time);
-    state.motion.velocity += time * frame.gravity;
-    state.motion.spin = respond(mass_in(top, state.turn, 0.0), momentum);
-    return state;
-}
-
-fn sight_at(block: Block, time: f32) -> Sight {
-    let a = state_at(block.a, time);
-    let b = state_at(block.b, time);
-    return Sight(a, b, b.place - a.place);
-}
-
-fn inner_normal(pair: u32) -> vec3f {
-    return bitcast<vec3f>(pairs[PAIR_ROWS * pair + 2u].xyz);
-}
-
-// The places of a point on both bodies, from the centre of a.
-fn on_a(sight: Sight, point: u32) -> vec3f {
-    return turned_vector(sight.a.turn, bitcast<vec3f>(points[POINT_ROWS * point].xyz));
-}
-
-fn on_b(sight: Sight, point: u32) -> vec3f {
-    return sight.apart + turned_vector(sight.b.turn, bitcast<vec3f>(points[POINT_ROWS * point + 1u].xyz));
-}
-
-fn belt_in(sight: Sight, pair: u32, normal: vec3f) -> vec2f {
-    let at = PAIR_ROWS * pair;
-    if (pairs[at + 1u].w & BELT) == 0u {
-        return vec2f(0.0);
-    }
-    let sides = pairs[at + 3u].xy + vec2u(CONSTANT_ROWS * frame.bodies);
-    let slip = turned_vector(sight.b.turn, constants[sides.y].xyz) - turned_vector(sight.a.turn, constants[sides.x].xyz);
-    return vec2f(dot(slip, tangent_one(normal)), dot(slip, tangent_two(normal)));
-}
-
-// Radius of the smaller body with mass.
-fn least_radius(block: Block) -> f32 {
-    let a = bodies[BODY_ROWS * block.a + 6u].w;
-    let b = bodies[BODY_ROWS * block.b + 6u].w;
-    if !has_mass(block.a) {
-        return b;
-    }
-    return select(a, min(a, b), has_mass(block.b));
-}
-
-fn hit_of(block: Block) -> Hit {
+fn hit_of(k: u32, block: Block) -> Hit {
     var hit = Hit(false, 0.0, 0.0, true);
     let h = frame.h;
     let fall = length(frame.gravity) * h;
-    let least = select(0.1 * least_radius(block) / h, 0.0, (block.info & ELASTIC) != 0u);
-    let a = motion_of(block.a);
-    let b = motion_of(block.b);
-    var bound = 1.5 * (length(b.velocity - a.velocity) + turning_speed(block.a, a.spin) + turning_speed(block.b, b.spin));
-    if (block.info & FIXED) != 0u {
-        bound += fall;
-    }
-    if bound <= max(least, fall) {
+    let least = least_speed_of(block, fall);
+    if least < 0.0 {
         return hit;
     }
     let start = max(clock_of(block.a), clock_of(block.b));
@@ -128,10 +24,7 @@ fn hit_of(block: Block) -> Hit {
             let place_a = on_a(sight, point);
             let place_b = on_b(sight, point);
             let gap = dot(place_b - place_a, normal);
-            let arm = 0.5 * (place_a + place_b);
-            let speed = sight.b.motion.velocity + cross(sight.b.motion.spin, arm - sight.apart)
-                - sight.a.motion.velocity - cross(sight.a.motion.spin, arm);
-            let u = -dot(speed, normal);
+            let u = approach_at(sight, 0.5 * (place_a + place_b), normal);
             if u <= least || u + max(pull, 0.0) * rest <= fall {
                 continue;
             }
@@ -141,12 +34,8 @@ fn hit_of(block: Block) -> Hit {
                     continue;
                 }
             } else {
-                let square = u * u + 2.0 * pull * gap;
-                if square < 0.0 {
-                    continue;
-                }
-                time = 2.0 * gap / (u + sqrt(square));
-                if !(time >= 0.0 && time <= rest && u + pull * time > fall) {
+                time = root_of(gap, u, pull, rest, fall);
+                if time < 0.0 {
                     continue;
                 }
             }
@@ -158,4 +47,19 @@ fn hit_of(block: Block) -> Hit {
     }
     hit.time = start + first;
     return hit;
+}
+
+// At an impact: the normal of a pair, how many points it may have, and of a point the common place from the centre of a, and the gap.
+fn normal_met(sight: Sight, pair: u32, first: u32) -> vec3f {
+    return turned_vector(sight.a.turn, inner_normal(pair));
+}
+
+fn count_met(face: Face) -> u32 {
+    return count_of(face);
+}
+
+fn met(sight: Sight, normal: vec3f, point: u32) -> vec4f {
+    let place_a = on_a(sight, point);
+    let place_b = on_b(sight, point);
+    return vec4f(0.5 * (place_a + place_b), dot(place_b - place_a, normal));
 }

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use glam::{Mat3A, Vec3A};
 
 use crate::rigid::frame::bodies::Bodies;
-use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER, Pair};
+use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER, Pair, Point};
 use crate::rigid::frame::{Frame, FrameReport, History, REPEATS, report, widen};
+use crate::rigid::frame::refresh::tangents;
 use crate::rigid::gpu::rows::{
     BELT, BlockRow, BodyRow, ConstantRow, ContactRow, ELASTIC, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
-    WAITS,
+    SEAMS, WAITS,
 };
 use crate::rigid::gpu::shapes::collider_rows;
 use crate::rigid::gpu::{Outcome, Plan, RigidGpu};
@@ -167,7 +168,13 @@ impl Frame<'_> {
         }
         for (pair, row) in self.contacts.pairs.iter_mut().zip(&outcome.pairs) {
             pair.normal = row.normal.into();
+            pair.tangents = tangents(pair.normal);
             pair.belt = row.belt.into();
+            pair.inner_normal = row.inner_normal.into();
+            pair.count = row.info as u8;
+        }
+        for (point, row) in self.contacts.points.iter_mut().zip(&outcome.points) {
+            *point = Point { on_a: row.on_a.into(), on_b: row.on_b.into(), id: row.id };
         }
         for (k, row) in outcome.contacts.iter().enumerate() {
             self.contacts.impulses[k].normal = row.normal;
@@ -187,7 +194,8 @@ fn block_row(block: &Block) -> BlockRow {
             | u32::from(block.colour) << 16
             | if block.fixed { FIXED } else { 0 }
             | if block.elastic { ELASTIC } else { 0 }
-            | if block.waits { WAITS } else { 0 },
+            | if block.waits { WAITS } else { 0 }
+            | if block.seams { SEAMS } else { 0 },
         time: block.time.to_bits(),
         unused: 0,
     }

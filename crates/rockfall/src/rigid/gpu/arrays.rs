@@ -6,12 +6,14 @@ use std::sync::{Arc, OnceLock};
 use bytemuck::Pod;
 
 use crate::rigid::gpu::{MOST_GROUPS, RigidGpu, THREADS};
-use crate::rigid::gpu::kernels::{BINDINGS, STAGES};
+use crate::rigid::gpu::kernels::{BINDINGS, Kinds, STAGES};
 
 /// Arrays by binding, and a bind group for each stage that was used.
 #[derive(Debug)]
 pub(super) struct Arrays {
     pub(super) gpu: Arc<RigidGpu>,
+    /// Kinds of shapes of the scene.
+    kinds: Kinds,
     buffers: Vec<Option<wgpu::Buffer>>,
     groups: Vec<OnceLock<wgpu::BindGroup>>,
     /// Dispatches so far.
@@ -19,9 +21,14 @@ pub(super) struct Arrays {
 }
 
 impl Arrays {
-    pub(super) fn new(gpu: Arc<RigidGpu>) -> Self {
+    pub(super) fn new(gpu: Arc<RigidGpu>, kinds: Kinds) -> Self {
         let groups = STAGES.iter().map(|_| OnceLock::new()).collect();
-        Self { gpu, buffers: vec![None; BINDINGS as usize], groups, dispatches: AtomicU32::new(0) }
+        Self { gpu, kinds, buffers: vec![None; BINDINGS as usize], groups, dispatches: AtomicU32::new(0) }
+    }
+
+    /// No arrays yet, of the same scene.
+    pub(super) fn beside(&self) -> Self {
+        Self::new(Arc::clone(&self.gpu), self.kinds)
     }
 
     pub(super) fn get(&self, binding: u32) -> &wgpu::Buffer {
@@ -67,7 +74,7 @@ impl Arrays {
                 resource: self.get(*binding).as_entire_binding(),
             };
             entries.extend(STAGES[stage].bindings.iter().map(entry));
-            let layout = &self.gpu.kernel(stage).layout;
+            let layout = &self.gpu.kernel(stage, self.kinds).layout;
             self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
         })
     }
@@ -83,7 +90,7 @@ impl Arrays {
             return;
         }
         let rows = groups.div_ceil(MOST_GROUPS);
-        pass.set_pipeline(&self.gpu.kernel(stage).pipeline);
+        pass.set_pipeline(&self.gpu.kernel(stage, self.kinds).pipeline);
         pass.set_bind_group(0, self.group(stage), &[offset]);
         pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
         self.dispatches.fetch_add(1, Ordering::Relaxed);

@@ -2,13 +2,14 @@
 
 use crate::rigid::gpu::arrays::Arrays;
 use crate::rigid::gpu::kernels::{
-    ARRANGE, BLOCKS, BUCKET, CONTACTS, COUNT_COLOURS, COUNTS, ENLIST, FOUND, GATHER, KEEP, LAY, LISTS, MARKS,
+    ARRANGE, BLOCKS, BODIES, BUCKET, COLLIDERS, CONSTANTS, CONTACTS, COUNT_COLOURS, COUNTS, ENLIST, EXPOSE, FOUND, GATHER, HULLS, KEEP, LAY, LISTS, MARKS,
     ORDER, OWNED, PAIRS, POINTS, RANK, RANKS, RAW, RECALL, RELIST, SCALES, SORTED, STATES, TABLE, TAKE, TALLIES,
 };
 use crate::rigid::gpu::rows::{BlockRow, ContactRow, PairRow, PointRow};
 use crate::rigid::gpu::scan::Scan;
 use crate::rigid::gpu::search::Search;
 use crate::rigid::gpu::{COLOURS, round_call};
+use crate::rigid::world::RigidWorld;
 
 /// Rounds in which blocks take colours; in a frame that colours all anew, as often as it takes.
 pub(super) const ROUNDS: u32 = 16;
@@ -17,11 +18,31 @@ const TILE: u32 = 256;
 /// Points of a pair.
 const POINTS_OF_PAIR: u64 = 4;
 
+/// What the assembly has to know of a world.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Content {
+    bodies: u32,
+    /// A body without mass has several colliders, of which some may cover points on others.
+    covers: bool,
+}
+
+impl Content {
+    pub(super) fn of(world: &RigidWorld) -> Self {
+        let mut counts = vec![0_u32; world.bodies.len()];
+        world.colliders.iter().for_each(|collider| counts[collider.body as usize] += 1);
+        let mut all = world.bodies.iter().zip(&counts);
+        let covers = all.any(|(body, count)| body.inverse_mass == 0.0 && *count > 1);
+        Self { bodies: counts.len() as u32, covers }
+    }
+}
+
 /// The stages between the search and the solver, and how many pairs there is room for.
 #[derive(Debug)]
 pub(super) struct Assembly {
-    bodies: u32,
+    pub(super) content: Content,
     pub(super) room: u32,
+    /// The arrays with the blocks by owner.
+    by_owner: Arrays,
     of_owners: Scan,
     of_blocks: Scan,
     of_colours: Scan,
@@ -30,8 +51,8 @@ pub(super) struct Assembly {
 impl Assembly {
     /// Makes the arrays whose length is that of the bodies or of the room for pairs, which is that of the manifolds of the search. What
     /// is kept of the last frame is not copied.
-    pub(super) fn new(arrays: &mut Arrays, search: &Search, bodies: u32) -> Self {
-        let [_, room] = search.rooms();
+    pub(super) fn new(arrays: &mut Arrays, search: &Search, content: Content) -> Self {
+        let ([_, room], bodies) = (search.rooms(), content.bodies);
         let pairs = u64::from(room);
         let bytes = |size: usize| pairs * size as u64;
         arrays.put(FOUND, search.found.clone());
@@ -56,18 +77,24 @@ impl Assembly {
         arrays.make(LISTS, 4 * (u64::from(bodies + 1) + 4 * pairs));
         let kernels = arrays.gpu.scans();
         let scan = |binding: u32, length: u32| Scan::new(&arrays.gpu.device, kernels, arrays.get(binding), length);
+        let mut by_owner = arrays.beside();
+        for binding in [0, 1, BODIES, CONSTANTS, PAIRS, POINTS, COLLIDERS, HULLS] {
+            by_owner.put(binding, arrays.get(binding).clone());
+        }
+        by_owner.put(BLOCKS, arrays.get(RAW).clone());
         Self {
-            bodies,
+            content,
             room,
+            by_owner,
             of_owners: scan(OWNED, bodies + 1),
             of_blocks: scan(TALLIES, 2 * (bodies + 1)),
             of_colours: scan(TABLE, table),
         }
     }
 
-    /// Clears what is counted.
+    /// Clears what is counted, and the blocks.
     pub(super) fn clear(&self, arrays: &Arrays, encoder: &mut wgpu::CommandEncoder) {
-        for binding in [TALLIES, MARKS] {
+        for binding in [TALLIES, MARKS, RAW] {
             encoder.clear_buffer(arrays.get(binding), 0, None);
         }
     }
@@ -80,7 +107,10 @@ impl Assembly {
         self.of_blocks.encode(pass);
         arrays.dispatch(pass, LAY, self.room, 0);
         arrays.dispatch(pass, GATHER, self.room, 0);
-        arrays.dispatch(pass, ENLIST, self.room.max(self.bodies + 1), 0);
+        arrays.dispatch(pass, ENLIST, self.room.max(self.content.bodies + 1), 0);
+        if self.content.covers {
+            self.by_owner.dispatch(pass, EXPOSE, self.room, 0);
+        }
         arrays.dispatch(pass, RECALL, self.room, 0);
         arrays.dispatch(pass, KEEP, self.room, 0);
     }
@@ -102,6 +132,6 @@ impl Assembly {
         self.encode_count(arrays, pass);
         self.of_colours.encode(pass);
         arrays.dispatch_groups(pass, ARRANGE, self.room.div_ceil(TILE), 0);
-        arrays.dispatch(pass, RELIST, self.bodies, 0);
+        arrays.dispatch(pass, RELIST, self.content.bodies, 0);
     }
 }

@@ -19,14 +19,15 @@ const PARTS: &[Part] = parts!(
     "physics/quaternion.wgsl"
     "physics/sine.wgsl"
     "rigid/collide/manifold.wgsl"
+    "rigid/collide/reduce.wgsl"
     "rigid/collide/solid.wgsl"
     "rigid/collide/closest.wgsl"
     "rigid/collide/ball.wgsl"
     "rigid/collide/capsule.wgsl"
+    "rigid/collide/round.wgsl"
     "rigid/collide/half_space.wgsl"
     "rigid/collide/box_box.wgsl"
     "rigid/collide/polyhedra.wgsl"
-    "rigid/collide/collide.wgsl"
     "rigid/collide/exchange.wgsl"
     "rigid/frame/colliders.wgsl"
     "rigid/frame/rows.wgsl"
@@ -41,6 +42,7 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/refresh.wgsl"
     "rigid/frame/report.wgsl"
     "rigid/frame/settle.wgsl"
+    "rigid/frame/states.wgsl"
     "rigid/frame/times.wgsl"
     "rigid/frame/reflect.wgsl"
     "rigid/frame/carry.wgsl"
@@ -72,6 +74,16 @@ const PARTS: &[Part] = parts!(
     "rigid/broad/narrow_round.wgsl"
     "rigid/broad/narrow_boxes.wgsl"
     "rigid/broad/narrow_solids.wgsl"
+    "rigid/frame/scratch.wgsl"
+    "rigid/frame/places.wgsl"
+    "rigid/frame/renew.wgsl"
+    "rigid/frame/search.wgsl"
+    "rigid/frame/find.wgsl"
+    "rigid/frame/known.wgsl"
+    "rigid/frame/impacts_round.wgsl"
+    "rigid/frame/wait.wgsl"
+    "rigid/frame/spare.wgsl"
+    "rigid/frame/expose.wgsl"
 );
 
 /// Bindings of the arrays. 0 and 1 are uniform.
@@ -167,9 +179,24 @@ pub(super) const CALM: usize = 30;
 pub(super) const WIDEN: usize = 31;
 pub(super) const WIDEN_ALL: usize = 32;
 pub(super) const SEEK: usize = 33;
+pub(super) const REFRESH_ROUND: usize = 34;
+pub(super) const FIND_ROUND: usize = 35;
+pub(super) const FIND_ALL_ROUND: usize = 36;
+pub(super) const STRIKE_ROUND: usize = 37;
+pub(super) const FIND_LEFT_OVER_ROUND: usize = 38;
+pub(super) const STRIKE_LEFT_OVER_ROUND: usize = 39;
+pub(super) const WAIT_ROUND: usize = 40;
+pub(super) const CARRY_ROUND: usize = 41;
+pub(super) const SPARE_ROUND: usize = 42;
+pub(super) const EXPOSE: usize = 43;
+pub(super) const SEEK_ROUND: usize = 44;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
+/// Of stages that find closest points anew.
+const CLOSEST: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, COLLIDERS, HULLS];
+const HITS: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, LOADS, COLLIDERS, HULLS];
+const STRUCK: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, LOADS, REPORT];
 const ALL: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS, LISTS];
 
 /// All stages, by the numbers above.
@@ -244,6 +271,21 @@ pub(super) const STAGES: &[Stage] = &[
     Stage { name: "widen", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, REPORT, SCALES] },
     Stage { name: "widen_all", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, REPORT, SCALES] },
     Stage { name: "seek", file: "rigid/frame/impacts.wgsl", bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, REPORT] },
+    Stage { name: "refresh_round", file: "rigid/frame/renew.wgsl", bindings: CLOSEST },
+    Stage { name: "find_round", file: "rigid/frame/find.wgsl", bindings: HITS },
+    Stage { name: "find_all_round", file: "rigid/frame/find.wgsl", bindings: HITS },
+    Stage { name: "strike", file: "rigid/frame/impacts_round.wgsl", bindings: STRUCK },
+    Stage { name: "find_left_over", file: "rigid/frame/impacts_round.wgsl", bindings: &[BLOCKS, LOADS] },
+    Stage { name: "strike_left_over", file: "rigid/frame/impacts_round.wgsl", bindings: STRUCK },
+    Stage { name: "wait_round", file: "rigid/frame/wait.wgsl", bindings: &[BLOCKS, PAIRS, CONTACTS, LOADS, REPORT] },
+    Stage { name: "carry_round", file: "rigid/frame/renew.wgsl", bindings: CLOSEST },
+    Stage { name: "spare_round", file: "rigid/frame/spare.wgsl", bindings: CLOSEST },
+    Stage {
+        name: "expose",
+        file: "rigid/frame/expose.wgsl",
+        bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, COLLIDERS, HULLS],
+    },
+    Stage { name: "seek_round", file: "rigid/frame/wait.wgsl", bindings: &[LOADS, REPORT] },
 ];
 
 pub(super) const OPEN: usize = 0;
@@ -281,6 +323,29 @@ pub(super) const SCAN_STAGES: &[Stage] = &[
     Stage { name: "add_tiles", file: "rigid/broad/scan.wgsl", bindings: &[SCANNED, SUMS] },
 ];
 
+/// What shapes a scene has. Kernels leave out the others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Kinds {
+    pub(super) capsules: bool,
+    pub(super) hulls: bool,
+}
+
+impl Kinds {
+    /// How many there are.
+    pub(super) const COUNT: usize = 4;
+
+    pub(super) fn number(self) -> usize {
+        usize::from(self.capsules) + 2 * usize::from(self.hulls)
+    }
+
+    fn write(self, text: &str) -> String {
+        let constant = |name: &str, value: bool| format!("const {name}: bool = {value};");
+        [("CAPSULES", self.capsules), ("HULLS", self.hulls)]
+            .iter()
+            .fold(text.to_string(), |text, (name, value)| text.replace(&constant(name, true), &constant(name, *value)))
+    }
+}
+
 fn is_read_only(stage: &Stage, binding: u32) -> bool {
     READ.contains(&binding) && !([LISTS, SCALES].contains(&binding) && WRITERS.contains(&stage.name))
 }
@@ -292,7 +357,13 @@ pub(super) struct Kernel {
     pub(super) layout: wgpu::BindGroupLayout,
 }
 
-/// The text of a kernel.
+/// A text without its empty lines and those that are comments.
+fn code(text: &str) -> String {
+    let is_code = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
+    text.split_inclusive('\n').filter(is_code).collect()
+}
+
+/// The text of a kernel. A part may stand instead of another one that is required later.
 pub(super) fn join(file: &str) -> String {
     fn add(file: &str, taken: &mut Vec<&'static str>, text: &mut String) {
         let part = PARTS.iter().find(|part| part.file == file).unwrap_or_else(|| panic!("{file} is no part of a kernel"));
@@ -300,9 +371,10 @@ pub(super) fn join(file: &str) -> String {
             return;
         }
         taken.push(part.file);
+        taken.extend(part.text.lines().filter_map(|line| line.strip_prefix("// instead of ")));
         let lines = part.text.lines().map_while(|line| line.strip_prefix("// requires "));
         lines.flat_map(str::split_whitespace).for_each(|file| add(file, taken, text));
-        text.push_str(part.text);
+        text.push_str(&code(part.text));
     }
     let (mut taken, mut text) = (Vec::new(), String::new());
     add(file, &mut taken, &mut text);
@@ -311,8 +383,8 @@ pub(super) fn join(file: &str) -> String {
 
 impl Kernel {
     /// A stage of a frame.
-    pub(super) fn new(device: &wgpu::Device, stage: &Stage) -> Self {
-        Self::build(device, stage, join(stage.file), &[(0, false), (1, true)])
+    pub(super) fn new(device: &wgpu::Device, stage: &Stage, kinds: Kinds) -> Self {
+        Self::build(device, stage, kinds.write(&join(stage.file)), &[(0, false), (1, true)])
     }
 
     /// A stage with this text and with uniform blocks at these bindings. They may have a dynamic offset.
@@ -323,8 +395,11 @@ impl Kernel {
         // SAFETY: without run-time checks the kernels themselves must stay inside their buffers, and they must terminate. They do:
         // - Threads whose number is not below the count of their bodies or blocks return at once. The counts and the starts of the
         //   colours are those of the uploaded arrays (`RigidGpu::frame`).
-        // - The bodies and pairs of blocks, the points and colliders of pairs, and the entries of lists come from the contacts of a
-        //   frame of the CPU, which have the lengths of the arrays. No stage writes them.
+        // - The bodies and pairs of blocks, the first points and colliders of pairs, and the entries of lists come from the contacts of a
+        //   frame of the CPU, which have the lengths of the arrays. No stage writes them. The number of points of a pair stays within
+        //   its room: round pairs have at most so many as there is room for, and others only lose points.
+        // - What is found of impacts has a row of each block and two of each point, for which `RigidGpu::frame` makes room.
+        // - Lists of hulls are those of the shapes of the colliders. Arrays of hidden pairs have an index below their length.
         // - Copies are those of left-over blocks, for which `RigidGpu::frame` makes room.
         // - `kept` has an index below its length.
         // - Loops run over counts from the same places, or for a fixed number of times.
@@ -393,6 +468,8 @@ mod tests {
             assert!(stage.bindings.len() <= 8, "{}", stage.name);
             all += &text;
         }
-        assert!(PARTS.iter().all(|part| all.contains(part.text)));
+        for part in PARTS {
+            assert!(all.contains(&code(part.text)), "{} is part of no stage", part.file);
+        }
     }
 }

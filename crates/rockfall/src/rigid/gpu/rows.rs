@@ -11,6 +11,8 @@ pub(crate) const FIXED: u32 = 1 << 24;
 pub(crate) const WAITS: u32 = 1 << 26;
 /// A pair of a block has e > 0.
 pub(crate) const ELASTIC: u32 = 1 << 27;
+/// Balls of a block may touch several static shapes.
+pub(crate) const SEAMS: u32 = 1 << 28;
 /// The first point of a pair opens a chunk.
 pub(crate) const OPENS: u32 = 1 << 16;
 /// The points of a pair are found anew at every refresh.

@@ -5,16 +5,18 @@ use std::sync::Arc;
 use bytemuck::{bytes_of, cast_slice};
 use glam::{Mat3, Quat, Vec3};
 
+use crate::rigid::collide::MOST_POINTS;
 use crate::rigid::frame::{FrameReport, REPEATS, bodies_alone};
 use crate::rigid::gpu::arrays::Arrays;
-use crate::rigid::gpu::assemble::{Assembly, ROUNDS};
+use crate::rigid::gpu::assemble::{Assembly, Content, ROUNDS};
 use crate::rigid::gpu::kernels::{
     BODIES, CALM, COLLIDERS, CONSTANTS, COUNTS, HULLS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES, STORE, SUM_UP, SURFACES, WIDEN, WIDEN_ALL,
 };
 use crate::rigid::gpu::past::Past;
 use crate::rigid::gpu::rows::{BodyRow, FrameRow};
 use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search};
-use crate::rigid::gpu::{COLOURS, COPIES_BYTES, GpuFrame, LOAD_BYTES, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu};
+use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, loads_bytes};
+use crate::rigid::shape::Shape;
 use crate::rigid::world::{Kind, RigidWorld};
 
 /// Frames with impacts after one that began anew because of an impact.
@@ -64,6 +66,7 @@ impl GpuWorld {
     pub(crate) fn new(gpu: &Arc<RigidGpu>, world: &RigidWorld) -> Self {
         let bodies = world.bodies.len() as u32;
         let mut frame = gpu.frame(&bodies_alone(world));
+        frame.is_round = world.shapes.iter().any(Shape::is_round);
         let arrays = &mut frame.arrays;
         arrays.upload(SURFACES, cast_slice(&surface_rows(world)));
         arrays.make(OLD_STARTS, 4 * u64::from(bodies + 1));
@@ -81,7 +84,7 @@ impl GpuWorld {
             frames: 0,
             substep: 0.0,
             kept: 0,
-            assembly: Assembly::new(arrays, &search, bodies),
+            assembly: Assembly::new(arrays, &search, Content::of(world)),
             frame,
             search,
         };
@@ -96,7 +99,13 @@ impl GpuWorld {
         let arrays = &mut self.frame.arrays;
         arrays.make(OLD_PAIRS, OLD_PAIR_BYTES * room);
         arrays.make(OLD_POINTS, OLD_POINTS_BYTES * room);
-        arrays.make(LOADS, LOAD_BYTES as u64 * room + COPIES_BYTES as u64 * u64::from(self.left_over));
+        self.make_loads();
+    }
+
+    fn make_loads(&mut self) {
+        let room = self.assembly.room as usize;
+        let round_points = if self.frame.is_round { MOST_POINTS * room } else { 0 };
+        self.frame.arrays.make(LOADS, loads_bytes(room, self.left_over as usize, round_points));
     }
 
     /// Takes over the states of the bodies of a world and what it remembers. Its bodies, colliders and shapes are those of the start.
@@ -161,7 +170,8 @@ impl GpuWorld {
         let scale = if self.substep > 0.0 && self.substep != h { h / self.substep } else { 1.0 };
         let mut soft = FrameRow::softness_of_both(h);
         (soft[0][3], soft[1][3]) = (scale, f32::from(u8::from(fresh)));
-        self.row = FrameRow { h, substeps, soft, ..self.row };
+        // The assembly does not know yet how many blocks there are.
+        self.row = FrameRow { h, substeps, soft, blocks: self.assembly.room, ..self.row };
         self.put_row();
         self.search.set_dt(dt);
         self.save();
@@ -235,8 +245,7 @@ impl GpuWorld {
         let left_over = blocks - self.row.left_over;
         if left_over > self.left_over {
             self.left_over = with_spare(left_over);
-            let bytes = LOAD_BYTES as u64 * u64::from(self.assembly.room) + COPIES_BYTES as u64 * u64::from(self.left_over);
-            self.frame.arrays.make(LOADS, bytes);
+            self.make_loads();
         }
         self.put_row();
         self.frame.begin(&self.row);
@@ -313,7 +322,7 @@ impl GpuWorld {
         }
         let arrays = &mut self.frame.arrays;
         let old = [OLD_PAIRS, OLD_POINTS].map(|binding| arrays.get(binding).clone());
-        self.assembly = Assembly::new(arrays, &self.search, self.row.bodies);
+        self.assembly = Assembly::new(arrays, &self.search, self.assembly.content);
         self.make_arrays();
         for (old, binding) in old.iter().zip([OLD_PAIRS, OLD_POINTS]) {
             self.copy(old, self.frame.arrays.get(binding));

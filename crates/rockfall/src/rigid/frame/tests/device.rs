@@ -6,9 +6,10 @@ use glam::{Quat, Vec3};
 
 use super::pile::heap;
 use super::scene::{DT, Scene, close};
+use crate::rigid::frame::refresh::tangents;
 use crate::rigid::frame::upload::advance_on_device;
 use crate::rigid::frame::{Frame, impacts, passes};
-use crate::rigid::gpu::rows::{FrameRows, WAITS};
+use crate::rigid::gpu::rows::{FrameRows, PairRow, WAITS};
 use crate::rigid::gpu::{Outcome, Part, Plan, RigidGpu};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
@@ -107,7 +108,7 @@ fn elastic_corner() -> Scene {
 
 /// The greatest difference of a kind of number, by the greatest number of that kind.
 #[derive(Default)]
-struct Apart {
+pub(super) struct Apart {
     kinds: Vec<(&'static str, f32, f32)>,
 }
 
@@ -126,11 +127,11 @@ impl Apart {
 
     /// The worst kind. Speeds are sums of impulses that cancel: their size is at least that of the impulses (of masses of 1 or more).
     /// Impulses are differences of speeds, gaps those of arms. A substep of the field is 0.04.
-    fn worst(&self) -> (&'static str, f32) {
+    pub(super) fn worst(&self) -> (&'static str, f32) {
         let size = |wanted: &str| self.kinds.iter().find(|kind| kind.0 == wanted).map_or(0.0, |kind| kind.2);
         let least = |kind: &str| match kind {
             "impulse" => size("velocity"),
-            "gap" => size("arm"),
+            "gap" | "spare" => size("arm"),
             "clock" => size("position"),
             "velocity" | "spin" | "momentum" | "kicked velocity" | "kicked spin" => size("impulse").max(0.04),
             _ => 0.0,
@@ -140,7 +141,13 @@ impl Apart {
     }
 }
 
-fn compare(wanted: &FrameRows, found: &Outcome) -> Apart {
+/// Along the axes of the world: the tangents of a normal jump where its z changes its sign.
+fn along(pair: &PairRow, parts: [f32; 2]) -> [f32; 3] {
+    let [one, two] = tangents(pair.normal.into());
+    (parts[0] * one + parts[1] * two).to_array()
+}
+
+pub(super) fn compare(wanted: &FrameRows, found: &Outcome) -> Apart {
     let mut apart = Apart::default();
     // The least speed of an impact: what a time differs by is the difference of a place divided by a speed.
     let least = wanted.frame.h * Vec3::from_array(wanted.frame.gravity).length();
@@ -163,12 +170,16 @@ fn compare(wanted: &FrameRows, found: &Outcome) -> Apart {
     }
     for (a, b) in wanted.pairs.iter().zip(&found.pairs) {
         apart.add("normal", &a.normal, &b.normal);
-        apart.add("belt", &a.belt, &b.belt);
+        apart.add("count", &[(a.info & 0xff) as f32], &[(b.info & 0xff) as f32]);
+        apart.add("belt", &along(a, a.belt), &along(b, b.belt));
         for k in a.first as usize..(a.first + (a.info & 0xff)) as usize {
+            let rubs = [along(a, wanted.contacts[k].tangent), along(b, found.contacts[k].tangent)];
             let (a, b) = (&wanted.contacts[k], &found.contacts[k]);
             apart.add("arm", &a.arm, &b.arm);
             apart.add("gap", &[a.gap], &[b.gap]);
-            apart.add("impulse", &[&[a.normal][..], &a.tangent].concat(), &[&[b.normal][..], &b.tangent].concat());
+            apart.add("impulse", &[&[a.normal][..], &rubs[0]].concat(), &[&[b.normal][..], &rubs[1]].concat());
+            // Marks of the relax pass are negative.
+            apart.add("spare", &[a.spare], &[b.spare.max(0.0)]);
         }
     }
     apart
@@ -241,7 +252,7 @@ fn stages_agree() {
 const PARTS: [Part; 6] = [Part::Impacts, Part::Kick, Part::Biased, Part::Drift, Part::Refresh, Part::Relax];
 
 /// Brings the twin through a stage, and returns what the device has most apart.
-fn stage(gpu: &Arc<RigidGpu>, frame: &mut Frame<'_>, part: Part) -> (&'static str, f32) {
+pub(super) fn stage(gpu: &Arc<RigidGpu>, frame: &mut Frame<'_>, part: Part) -> (&'static str, f32) {
     let on_device = gpu.frame(&frame.rows(4));
     on_device.run(if part == Part::Kick { &[Part::Load, Part::Kick] } else { std::slice::from_ref(&part) });
     let found = on_device.read().unwrap();
@@ -251,6 +262,7 @@ fn stage(gpu: &Arc<RigidGpu>, frame: &mut Frame<'_>, part: Part) -> (&'static st
             frame.bodies.kick(frame.h);
             passes::warm_start(&mut frame.contacts, &mut frame.bodies);
         }
+        Part::Spare => frame.spare(),
         Part::Biased => passes::pass(&mut frame.contacts, &mut frame.bodies, &frame.biased),
         Part::Drift => {
             frame.bodies.follow();

@@ -1,0 +1,75 @@
+// requires physics/quaternion.wgsl rigid/frame/places.wgsl rigid/frame/rows.wgsl rigid/frame/states.wgsl rigid/frame/turn.wgsl
+
+// The search for the touch of a round pair along the paths of its bodies (docs/physics.md section 11.7).
+
+const SEARCH_STEPS: u32 = 8u;
+// A round pair touches at a gap of this share of the radius.
+const TOUCH: f32 = 1e-4;
+
+struct Search {
+    touches: bool,
+    // Of the touch.
+    time: f32,
+    speed: f32,
+    // The least gap on the way.
+    least: f32,
+}
+
+// A body with its motion after the kick, on the parabola whose kick is in its velocity.
+fn kicked_state_at(body: u32, time: f32) -> State {
+    var state = State(place_of(body), turn_of(body), motion_of(body));
+    let field = field_of(body);
+    state.motion.velocity -= (frame.h - time) * field;
+    state.place += time * state.motion.velocity - (0.5 * time * time) * field;
+    let turn = time * state.motion.spin;
+    if any(turn != vec3f(0.0)) {
+        state.turn = unit_turn(multiply(rotation_by(turn), state.turn));
+    }
+    return state;
+}
+
+fn path_at(block: Block, time: f32, is_kicked: bool) -> Sight {
+    if !is_kicked {
+        return sight_at(block, time);
+    }
+    let a = kicked_state_at(block.a, time);
+    let b = kicked_state_at(block.b, time);
+    return Sight(a, b, b.place - a.place);
+}
+
+// The gap of a convex pair is convex along straight paths, so the steps come from below.
+fn search(block: Block, pair: u32, start: f32, is_kicked: bool) -> Search {
+    let rest = frame.h - start;
+    let touch = TOUCH * least_radius(block);
+    var found = Search(false, 0.0, 0.0, 3e38);
+    var time = 0.0;
+    for (var step = 0u; step < SEARCH_STEPS; step++) {
+        let sight = path_at(block, start + time, is_kicked);
+        let place = place_in(sight, pair);
+        var gap = 3e38;
+        var speed = 0.0;
+        for (var k = 0u; k < MOST_POINTS && k < place.count; k++) {
+            let spot = spot_in(sight, place, k);
+            if gap_of(spot, place.normal) < gap {
+                gap = gap_of(spot, place.normal);
+                speed = approach_at(sight, 0.5 * (spot.on_a + spot.on_b), place.normal);
+            }
+        }
+        found.least = min(found.least, gap);
+        if gap < touch {
+            found.touches = true;
+            found.time = time;
+            found.speed = speed;
+            return found;
+        }
+        if speed <= 0.0 {
+            break;
+        }
+        if time + gap / speed > rest {
+            found.least = min(found.least, gap - speed * (rest - time));
+            break;
+        }
+        time += gap / speed;
+    }
+    return found;
+}
