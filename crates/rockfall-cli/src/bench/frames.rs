@@ -122,11 +122,8 @@ impl Arguments {
 
 /// The lowest point of all boxes, polygons and bodies.
 fn bottom(scene: &Scene) -> f32 {
-    let boxes = scene.boxes().iter().flat_map(|cuboid| cuboid.vertices().map(|corner| corner.y));
-    let polygons = scene.polygons().iter().flat_map(|polygon| {
-        let [left, right] = [polygon.left, polygon.right].map(|edge| edge.y.min(0.0));
-        [polygon.corner.y + left + right]
-    });
+    let boxes = scene.boxes().iter().map(|cuboid| cuboid.edges.iter().fold(cuboid.corner.y, |low, edge| low + edge.y.min(0.0)));
+    let polygons = scene.polygons().iter().map(|polygon| polygon.corner.y + polygon.left.y.min(0.0) + polygon.right.y.min(0.0));
     let spheres = scene.spheres().iter().map(|sphere| sphere.position.y - sphere.radius);
     boxes.chain(polygons).chain(spheres).fold(f32::INFINITY, f32::min)
 }

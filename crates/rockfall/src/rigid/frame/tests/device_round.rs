@@ -179,7 +179,7 @@ fn ground(restitution: f32) -> Scene {
     scene
 }
 
-fn scenes() -> Vec<(&'static str, Scene, f32)> {
+pub(super) fn scenes() -> Vec<(&'static str, Scene, f32)> {
     // With seconds before the frame that is compared.
     vec![
         ("rolling", rolling(), 0.15),

@@ -1,8 +1,13 @@
 //! A world on a device does what the twin does, from the search for contacts to what it remembers.
 
-use super::device::{apart, bits, open, scenes};
-use super::scene::DT;
+use super::device::{apart, bits, open};
+use super::scene::{DT, Scene};
+use super::{device, device_round};
 use crate::rigid::gpu::world::GpuWorld;
+
+fn scenes() -> impl Iterator<Item = (&'static str, Scene, f32)> {
+    device::scenes().into_iter().chain(device_round::scenes())
+}
 
 /// Whole frames, each from the state of the twin.
 #[test]
