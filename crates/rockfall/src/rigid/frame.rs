@@ -161,17 +161,15 @@ impl<'a> Frame<'a> {
 
 /// Widens the margins of bodies whose path has left them. False if there are none.
 fn widen(world: &mut RigidWorld, bodies: &Bodies, repeats: u32) -> bool {
-    let mut greatest = 0.0_f32;
+    let factor = if repeats < 3 { 1.25 } else { 2.5 };
+    let mut any = false;
     for (i, body) in world.bodies.iter_mut().enumerate() {
         if let Some(beyond) = bodies.beyond(i) {
-            body.margin_scale = (1.25 * beyond * body.margin_scale).min(MOST_MARGIN);
-            greatest = greatest.max(body.margin_scale);
+            body.margin_scale = (factor * beyond * body.margin_scale).min(MOST_MARGIN);
+            any = true;
         }
     }
-    if repeats >= 3 {
-        world.bodies.iter_mut().for_each(|body| body.margin_scale = body.margin_scale.max(greatest));
-    }
-    greatest > 0.0
+    any
 }
 
 fn report(contacts: &Contacts, repeats: u32) -> FrameReport {

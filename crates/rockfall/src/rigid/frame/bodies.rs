@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{Mat3A, Vec3, Vec3A};
 
+use crate::rigid::frame::MOST_MARGIN;
 use crate::rigid::frame::turn::{Moments, about, unit};
 use crate::rigid::pose::Pose;
 use crate::rigid::world::{Body, Kind, RigidWorld};
@@ -121,7 +122,8 @@ impl Bodies {
                 let Motion { velocity, spin } = self.motions[i];
                 (body.velocity, body.spin, body.momentum) = (velocity.into(), spin.into(), self.momenta[i].into());
                 body.inverse_inertia = self.masses[i].inverse_inertia.into();
-                body.margin_scale = (0.99 * body.margin_scale).max(1.0);
+                let wanted = 1.25 * body.margin_scale * self.paths[i] / self.constants[i].margin;
+                body.margin_scale = (0.99 * body.margin_scale).max(wanted).clamp(1.0, MOST_MARGIN);
             }
         }
     }

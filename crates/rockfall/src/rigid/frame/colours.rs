@@ -7,6 +7,8 @@ use crate::rigid::history::History;
 
 /// A body with more near blocks than this is a hub: its blocks are left over.
 const HUB: u32 = 64;
+/// Blocks keep colours below this one. Others look for a smaller colour in each frame.
+const KEPT: u8 = 8;
 /// Blocks that need more rounds are left over for this frame.
 const ROUNDS: u8 = 16;
 
@@ -55,7 +57,7 @@ fn keep(contacts: &mut Contacts, bodies: &Bodies, history: &History, uses: &mut 
         }
         // A body that has got mass may have several blocks of one colour: the first keeps it.
         let free = |colour: &u8| heavy(block, bodies).all(|body| uses[body].colours & (1 << *colour) == 0);
-        match history.colour(block.bodies).filter(|_| !history.is_fresh()).filter(free) {
+        match history.colour(block.bodies).filter(|colour| !history.is_fresh() && *colour < KEPT).filter(free) {
             Some(colour) => {
                 block.colour = colour;
                 heavy(block, bodies).for_each(|body| uses[body].colours |= 1 << colour);

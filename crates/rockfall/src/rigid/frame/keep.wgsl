@@ -4,6 +4,8 @@
 // all colours are given anew.
 
 const HUB: u32 = 64u;
+// Blocks keep colours below this one. Others look for a smaller colour in each frame.
+const KEPT: u32 = 8u;
 
 fn is_crowded(body: u32, is_near: bool) -> bool {
     let all = list_start(body + 1u) - list_start(body);
@@ -40,7 +42,7 @@ fn keep(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     if !(is_crowded(both.x, is_near) || is_crowded(both.y, is_near)) {
         state = LEFT_OVER | WAITING;
         let colour = old_colour(both);
-        if frame.soft[1].w == 0.0 && colour < LEFT_OVER {
+        if frame.soft[1].w == 0.0 && colour < KEPT {
             state = colour;
         }
     }

@@ -66,15 +66,15 @@ fn reflect(block: Block, hit: Hit, share_a: f32, share_b: f32) -> Reflected {
             for (var point = face.first; point < face.first + count_met(face) && k < MOST_POINTS; point++) {
                 let at = met(sight, normal, point);
                 if at.w <= hit.depth {
-                    let u = -dot(opening(&sides, at.xyz), normal);
+                    let along = along_of(&sides, at.xyz, normal);
+                    let u = -speed_along(&sides, normal, along);
                     if sweep == 0u {
                         kept[k] = vec4f(0.0, 0.0, 0.0, u);
                     } else {
-                        let mass = sides.mass_a.inverse + sides.mass_b.inverse;
                         let old = kept[k].x;
-                        let next = max(old + u / (mass + coupling_of_sides(&sides, at.xyz, normal, normal)), 0.0);
+                        let next = max(old + u / (inverse_masses(&sides) + coupling(along, along)), 0.0);
                         kept[k].x = next;
-                        push(&sides, at.xyz, (next - old) * normal);
+                        push(&sides, normal, along, next - old);
                     }
                 }
                 k++;
@@ -95,7 +95,7 @@ fn reflect(block: Block, hit: Hit, share_a: f32, share_b: f32) -> Reflected {
             let at = met(sight, normal, point);
             if at.w <= hit.depth {
                 let own = kept[k];
-                loss += own.x * (own.w + dot(opening(&sides, at.xyz), normal));
+                loss += own.x * (own.w + speed_along(&sides, normal, along_of(&sides, at.xyz, normal)));
                 work += own.x * own.w;
                 sum += own.x;
                 bounce += own.x * restitution;
@@ -122,11 +122,10 @@ fn reflect(block: Block, hit: Hit, share_a: f32, share_b: f32) -> Reflected {
                 let at = met(sight, normal, point);
                 if at.w <= hit.depth {
                     let own = kept[k];
-                    var contact = Contact(at.xyz, at.w, scale * own.x, own.yz, 0.0, 0.0, vec3f(0.0), 0.0, true);
-                    friction_row(&contact, &sides, axes);
-                    kept[k] = vec4f(own.x, contact.tangent, own.w);
+                    let tangent = friction_row(&sides, grip_of(&sides, at.xyz, axes), axes, scale * own.x, own.yz);
+                    kept[k] = vec4f(own.x, tangent, own.w);
                     if sweep == FRICTION_SWEEPS - 1u {
-                        let impulse = contact.normal * normal + contact.tangent.x * axes.one + contact.tangent.y * axes.two;
+                        let impulse = (scale * own.x) * normal + tangent.x * axes.one + tangent.y * axes.two;
                         moment_a -= cross(at.xyz, impulse);
                         moment_b += cross(at.xyz - sight.apart, impulse);
                     }

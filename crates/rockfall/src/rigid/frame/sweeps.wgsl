@@ -25,21 +25,38 @@ struct Rule {
     time: f32,
 }
 
-// A point while its block is solved.
-struct Contact {
-    arm: vec3f,
-    gap: f32,
-    normal: f32,
-    tangent: vec2f,
-    spare: f32,
-    // 1 / K_n; 0 as long as the rest is not formed. Most points of a frame never act.
-    inverse_normal: f32,
+// How an impulse of 1 along a direction turns both bodies: its moments, and the changes of the spins.
+struct Along {
+    turn_a: vec3f,
+    turn_b: vec3f,
+    response_a: vec3f,
+    response_b: vec3f,
+}
+
+// The normal row of a point: N becomes kept N - (gain v_n + bias) / K_n, but not negative.
+struct Press {
+    along: Along,
+    inverse: f32,
+    kept: f32,
+    gain: f32,
+    bias: f32,
+}
+
+// The friction row of a point.
+struct Grip {
+    one: Along,
+    two: Along,
     // Inverse of K_t: xx, yy, xy.
-    inverse_tangent: vec3f,
+    inverse: vec3f,
     // 1 / k_max.
-    inverse_slip: f32,
-    // It has a normal row in this pass.
-    live: bool,
+    slip: f32,
+}
+
+// A point while its block is solved: N, T_1, T_2, kappa, and its rows.
+struct Contact {
+    kept: vec4f,
+    press: Press,
+    grip: Grip,
 }
 
 // The directions of the rows of a pair.
@@ -55,105 +72,114 @@ fn axes_of(face: Face) -> Axes {
     return Axes(face.normal, tangent_one(face.normal), tangent_two(face.normal), face.friction, face.belt);
 }
 
-fn contact_at(k: u32, rule: Rule) -> Contact {
-    let one = contacts[2u * k];
-    let two = contacts[2u * k + 1u];
-    let live = rule.biased | (one.w <= 0.0) | (two.x > 0.0);
-    return Contact(one.xyz, one.w, two.x, two.yz, two.w, 0.0, vec3f(0.0), 0.0, live);
+fn along_of(sides: ptr<function, Sides>, arm: vec3f, direction: vec3f) -> Along {
+    let turn_a = cross(arm, direction);
+    let turn_b = cross(arm - (*sides).apart, direction);
+    return Along(turn_a, turn_b, respond((*sides).mass_a, turn_a), respond((*sides).mass_b, turn_b));
 }
 
-fn put_contact(k: u32, contact: Contact) {
-    contacts[2u * k + 1u] = vec4f(contact.normal, contact.tangent, contact.spare);
+fn inverse_masses(sides: ptr<function, Sides>) -> f32 {
+    return (*sides).mass_a.inverse + (*sides).mass_b.inverse;
 }
 
-// K for two directions, of one side.
-fn coupling(mass: Mass, arm: vec3f, one: vec3f, two: vec3f) -> f32 {
-    return dot(cross(arm, one), respond(mass, cross(arm, two)));
+// What two directions have in common in K, without the masses.
+fn coupling(one: Along, two: Along) -> f32 {
+    return dot(one.turn_a, two.response_a) + dot(one.turn_b, two.response_b);
 }
 
-fn coupling_of_sides(sides: ptr<function, Sides>, arm: vec3f, one: vec3f, two: vec3f) -> f32 {
-    return coupling((*sides).mass_a, arm, one, two) + coupling((*sides).mass_b, arm - (*sides).apart, one, two);
+// Velocity of b relative to a at a point, along a direction.
+fn speed_along(sides: ptr<function, Sides>, direction: vec3f, along: Along) -> f32 {
+    let straight = dot(direction, (*sides).b.velocity - (*sides).a.velocity);
+    return straight + (dot(along.turn_b, (*sides).b.spin) - dot(along.turn_a, (*sides).a.spin));
 }
 
-fn form(contact: ptr<function, Contact>, sides: ptr<function, Sides>, axes: Axes) {
-    let arm = (*contact).arm;
-    let mass = (*sides).mass_a.inverse + (*sides).mass_b.inverse;
-    (*contact).inverse_normal = 1.0 / (mass + coupling_of_sides(sides, arm, axes.normal, axes.normal));
-    let k_one = mass + coupling_of_sides(sides, arm, axes.one, axes.one);
-    let k_two = mass + coupling_of_sides(sides, arm, axes.two, axes.two);
-    let k_both = coupling_of_sides(sides, arm, axes.one, axes.two);
-    let apart = 0.5 * (k_one - k_two);
-    (*contact).inverse_tangent = vec3f(k_two, k_one, -k_both) / (k_one * k_two - k_both * k_both);
-    (*contact).inverse_slip = 1.0 / (0.5 * (k_one + k_two) + sqrt(apart * apart + k_both * k_both));
+fn push(sides: ptr<function, Sides>, direction: vec3f, along: Along, impulse: f32) {
+    (*sides).a.velocity -= ((*sides).mass_a.inverse * impulse) * direction;
+    (*sides).a.spin -= impulse * along.response_a;
+    (*sides).b.velocity += ((*sides).mass_b.inverse * impulse) * direction;
+    (*sides).b.spin += impulse * along.response_b;
 }
 
-// Velocity of b relative to a at a point.
-fn opening(sides: ptr<function, Sides>, arm: vec3f) -> vec3f {
-    let a = (*sides).a;
-    let b = (*sides).b;
-    return b.velocity + cross(b.spin, arm - (*sides).apart) - a.velocity - cross(a.spin, arm);
+// Whether a point has a normal row in this pass.
+fn is_live(rule: Rule, gap: f32, normal: f32) -> bool {
+    return rule.biased | (gap <= 0.0) | (normal > 0.0);
 }
 
-fn push(sides: ptr<function, Sides>, arm: vec3f, impulse: vec3f) {
-    (*sides).a.velocity -= (*sides).mass_a.inverse * impulse;
-    (*sides).a.spin -= respond((*sides).mass_a, cross(arm, impulse));
-    (*sides).b.velocity += (*sides).mass_b.inverse * impulse;
-    (*sides).b.spin += respond((*sides).mass_b, cross(arm - (*sides).apart, impulse));
-}
-
-// A normal row. Returns the change of the impulse.
-fn normal_row(contact: ptr<function, Contact>, sides: ptr<function, Sides>, axes: Axes, rule: Rule) -> f32 {
-    if !(*contact).live {
-        return 0.0;
-    }
-    let speed = dot(opening(sides, (*contact).arm), axes.normal);
-    let gap = (*contact).gap;
-    let old = (*contact).normal;
-    var wanted = speed;
-    var kept = 1.0;
-    if rule.biased & (gap <= 0.0) {
-        wanted = rule.soft.x * speed + max(rule.soft.y * gap, -PUSH_OUT);
-        kept = 1.0 - rule.soft.z;
+fn press_of(sides: ptr<function, Sides>, place: vec4f, spare: f32, live: bool, axes: Axes, rule: Rule) -> Press {
+    let along = along_of(sides, place.xyz, axes.normal);
+    let inverse = 1.0 / (inverse_masses(sides) + coupling(along, along));
+    var press = Press(along, select(0.0, inverse, live), 1.0, 1.0, 0.0);
+    if rule.biased & (place.w <= 0.0) {
+        press.kept = 1.0 - rule.soft.z;
+        press.gain = rule.soft.x;
+        press.bias = max(rule.soft.y * place.w, -PUSH_OUT);
     } else if rule.biased {
-        wanted = speed + (gap + max((*contact).spare, 0.0)) / rule.time;
+        press.bias = (place.w + max(spare, 0.0)) / rule.time;
     }
-    if (old == 0.0) & (wanted >= 0.0) {
-        return 0.0;
-    }
-    if (*contact).inverse_normal == 0.0 {
-        form(contact, sides, axes);
-    }
-    let normal = max(kept * old - wanted * (*contact).inverse_normal, 0.0);
-    (*contact).normal = normal;
-    push(sides, (*contact).arm, (normal - old) * axes.normal);
-    return abs(normal - old);
+    return press;
 }
 
-// A friction row. Returns the change of the impulse.
-fn friction_row(contact: ptr<function, Contact>, sides: ptr<function, Sides>, axes: Axes) -> f32 {
-    let old = (*contact).tangent;
-    if !(((*contact).normal > 0.0) | any(old != vec2f(0.0))) {
-        return 0.0;
+fn grip_of(sides: ptr<function, Sides>, arm: vec3f, axes: Axes) -> Grip {
+    let one = along_of(sides, arm, axes.one);
+    let two = along_of(sides, arm, axes.two);
+    let mass = inverse_masses(sides);
+    let k_one = mass + coupling(one, one);
+    let k_two = mass + coupling(two, two);
+    let k_both = coupling(one, two);
+    let apart = 0.5 * (k_one - k_two);
+    let inverse = vec3f(k_two, k_one, -k_both) / (k_one * k_two - k_both * k_both);
+    return Grip(one, two, inverse, 1.0 / (0.5 * (k_one + k_two) + sqrt(apart * apart + k_both * k_both)));
+}
+
+// A normal row. Returns the new impulse.
+fn normal_row(sides: ptr<function, Sides>, press: Press, axes: Axes, old: f32) -> f32 {
+    let speed = speed_along(sides, axes.normal, press.along);
+    let next = max(press.kept * old - (press.gain * speed + press.bias) * press.inverse, 0.0);
+    push(sides, axes.normal, press.along, next - old);
+    return next;
+}
+
+// A friction row. Returns the new impulse.
+fn friction_row(sides: ptr<function, Sides>, grip: Grip, axes: Axes, normal: f32, old: vec2f) -> vec2f {
+    if !((normal > 0.0) | any(old != vec2f(0.0))) {
+        return old;
     }
-    if (*contact).inverse_normal == 0.0 {
-        form(contact, sides, axes);
-    }
-    let open = opening(sides, (*contact).arm);
-    let slip = vec2f(dot(open, axes.one), dot(open, axes.two)) + axes.belt;
-    let bound = axes.friction * (*contact).normal;
-    let k = (*contact).inverse_tangent;
+    let slip = vec2f(speed_along(sides, axes.one, grip.one), speed_along(sides, axes.two, grip.two)) + axes.belt;
+    let bound = axes.friction * normal;
+    let k = grip.inverse;
     var next = old - vec2f(k.x * slip.x + k.z * slip.y, k.z * slip.x + k.y * slip.y);
     if length(next) > bound {
-        next = old - (*contact).inverse_slip * slip;
+        next = old - grip.slip * slip;
         let size = length(next);
         if size > bound {
             next *= bound / size;
         }
     }
-    let change = next - old;
-    (*contact).tangent = next;
-    push(sides, (*contact).arm, change.x * axes.one + change.y * axes.two);
-    return length(change);
+    push(sides, axes.one, grip.one, next.x - old.x);
+    push(sides, axes.two, grip.two, next.y - old.y);
+    return next;
+}
+
+fn contact_at(sides: ptr<function, Sides>, k: u32, axes: Axes, rule: Rule) -> Contact {
+    let place = contacts[2u * k];
+    let kept = contacts[2u * k + 1u];
+    let press = press_of(sides, place, kept.w, is_live(rule, place.w, kept.x), axes, rule);
+    return Contact(kept, press, grip_of(sides, place.xyz, axes));
+}
+
+// The normal row of a point, and its friction row. Both return the change of the impulse.
+fn press_point(sides: ptr<function, Sides>, contact: ptr<function, Contact>, axes: Axes) -> f32 {
+    let old = (*contact).kept.x;
+    (*contact).kept.x = normal_row(sides, (*contact).press, axes, old);
+    return abs((*contact).kept.x - old);
+}
+
+fn grip_point(sides: ptr<function, Sides>, contact: ptr<function, Contact>, axes: Axes) -> f32 {
+    let old = (*contact).kept.yz;
+    let next = friction_row(sides, (*contact).grip, axes, (*contact).kept.x, old);
+    (*contact).kept.y = next.x;
+    (*contact).kept.z = next.y;
+    return length(next - old);
 }
 
 // Sweeps over a block with one pair: its points stay in registers. Returns whether an impulse has changed.
@@ -164,44 +190,44 @@ fn sweep_pair(face: Face, sides: ptr<function, Sides>, rule: Rule) -> bool {
     if count == 0u {
         return false;
     }
-    var one = contact_at(first, rule);
+    var one = contact_at(sides, first, axes, rule);
     var two = one;
     var three = one;
     var four = one;
     if count > 1u {
-        two = contact_at(first + 1u, rule);
+        two = contact_at(sides, first + 1u, axes, rule);
     }
     if count > 2u {
-        three = contact_at(first + 2u, rule);
+        three = contact_at(sides, first + 2u, axes, rule);
     }
     if count > 3u {
-        four = contact_at(first + 3u, rule);
+        four = contact_at(sides, first + 3u, axes, rule);
     }
     var acted = false;
     for (var sweep = 0u; sweep < SWEEPS; sweep++) {
-        var change = normal_row(&one, sides, axes, rule);
-        var largest = one.normal;
+        var change = press_point(sides, &one, axes);
+        var largest = one.kept.x;
         if count > 1u {
-            change = max(change, normal_row(&two, sides, axes, rule));
-            largest = max(largest, two.normal);
+            change = max(change, press_point(sides, &two, axes));
+            largest = max(largest, two.kept.x);
         }
         if count > 2u {
-            change = max(change, normal_row(&three, sides, axes, rule));
-            largest = max(largest, three.normal);
+            change = max(change, press_point(sides, &three, axes));
+            largest = max(largest, three.kept.x);
         }
         if count > 3u {
-            change = max(change, normal_row(&four, sides, axes, rule));
-            largest = max(largest, four.normal);
+            change = max(change, press_point(sides, &four, axes));
+            largest = max(largest, four.kept.x);
         }
-        change = max(change, friction_row(&one, sides, axes));
+        change = max(change, grip_point(sides, &one, axes));
         if count > 1u {
-            change = max(change, friction_row(&two, sides, axes));
+            change = max(change, grip_point(sides, &two, axes));
         }
         if count > 2u {
-            change = max(change, friction_row(&three, sides, axes));
+            change = max(change, grip_point(sides, &three, axes));
         }
         if count > 3u {
-            change = max(change, friction_row(&four, sides, axes));
+            change = max(change, grip_point(sides, &four, axes));
         }
         acted |= change > 0.0;
         if change <= LAST_CHANGE * largest {
@@ -211,15 +237,15 @@ fn sweep_pair(face: Face, sides: ptr<function, Sides>, rule: Rule) -> bool {
     if !acted {
         return false;
     }
-    put_contact(first, one);
+    contacts[2u * first + 1u] = one.kept;
     if count > 1u {
-        put_contact(first + 1u, two);
+        contacts[2u * first + 3u] = two.kept;
     }
     if count > 2u {
-        put_contact(first + 2u, three);
+        contacts[2u * first + 5u] = three.kept;
     }
     if count > 3u {
-        put_contact(first + 3u, four);
+        contacts[2u * first + 7u] = four.kept;
     }
     return true;
 }
@@ -232,7 +258,7 @@ fn sweep_pairs(block: Block, sides: ptr<function, Sides>, rule: Rule) -> bool {
         for (var pair = block.first_pair; pair < end; pair++) {
             let face = face_at(pair);
             for (var k = face.first; k < face.first + count_of(face); k++) {
-                contacts[2u * k + 1u].w = select(-1.0, 0.0, contact_at(k, rule).live);
+                contacts[2u * k + 1u].w = select(-1.0, 0.0, is_live(rule, contacts[2u * k].w, contacts[2u * k + 1u].x));
             }
         }
     }
@@ -251,17 +277,21 @@ fn sweep_pairs(block: Block, sides: ptr<function, Sides>, rule: Rule) -> bool {
                     let face = face_at(pair);
                     let axes = axes_of(face);
                     for (var k = face.first; k < face.first + count_of(face); k++) {
-                        var contact = contact_at(k, rule);
-                        contact.live = rule.biased | (contact.spare >= 0.0);
-                        var moved = 0.0;
+                        let place = contacts[2u * k];
+                        var kept = contacts[2u * k + 1u];
+                        let old = kept.xyz;
                         if row == 0u {
-                            moved = normal_row(&contact, sides, axes, rule);
-                            largest = max(largest, contact.normal);
+                            let live = rule.biased | (kept.w >= 0.0);
+                            kept.x = normal_row(sides, press_of(sides, place, kept.w, live, axes, rule), axes, old.x);
+                            largest = max(largest, kept.x);
                         } else {
-                            moved = friction_row(&contact, sides, axes);
+                            let next = friction_row(sides, grip_of(sides, place.xyz, axes), axes, old.x, old.yz);
+                            kept.y = next.x;
+                            kept.z = next.y;
                         }
+                        let moved = length(kept.xyz - old);
                         if moved > 0.0 {
-                            put_contact(k, contact);
+                            contacts[2u * k + 1u] = kept;
                             change = max(change, moved);
                         }
                     }

@@ -135,7 +135,7 @@ pub(super) const ENDS: u32 = 26;
 const READ: &[u32] = &[CONSTANTS, LISTS, COLLIDERS, HULLS, SCALES, ENDS];
 
 /// The stages that write an array that the others only read.
-const WRITERS: &[&str] = &["gather", "enlist", "take", "relist", "calm", "widen", "widen_all"];
+const WRITERS: &[&str] = &["gather", "enlist", "take", "relist", "calm", "widen"];
 
 /// An entry point.
 #[derive(Clone, Copy, Debug)]
@@ -177,19 +177,18 @@ pub(super) const SUM_UP: usize = 28;
 pub(super) const STORE: usize = 29;
 pub(super) const CALM: usize = 30;
 pub(super) const WIDEN: usize = 31;
-pub(super) const WIDEN_ALL: usize = 32;
-pub(super) const SEEK: usize = 33;
-pub(super) const REFRESH_ROUND: usize = 34;
-pub(super) const FIND_ROUND: usize = 35;
-pub(super) const FIND_ALL_ROUND: usize = 36;
-pub(super) const STRIKE_ROUND: usize = 37;
-pub(super) const FIND_LEFT_OVER_ROUND: usize = 38;
-pub(super) const STRIKE_LEFT_OVER_ROUND: usize = 39;
-pub(super) const WAIT_ROUND: usize = 40;
-pub(super) const CARRY_ROUND: usize = 41;
-pub(super) const SPARE_ROUND: usize = 42;
-pub(super) const EXPOSE: usize = 43;
-pub(super) const SEEK_ROUND: usize = 44;
+pub(super) const SEEK: usize = 32;
+pub(super) const REFRESH_ROUND: usize = 33;
+pub(super) const FIND_ROUND: usize = 34;
+pub(super) const FIND_ALL_ROUND: usize = 35;
+pub(super) const STRIKE_ROUND: usize = 36;
+pub(super) const FIND_LEFT_OVER_ROUND: usize = 37;
+pub(super) const STRIKE_LEFT_OVER_ROUND: usize = 38;
+pub(super) const WAIT_ROUND: usize = 39;
+pub(super) const CARRY_ROUND: usize = 40;
+pub(super) const SPARE_ROUND: usize = 41;
+pub(super) const EXPOSE: usize = 42;
+pub(super) const SEEK_ROUND: usize = 43;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
@@ -268,8 +267,7 @@ pub(super) const STAGES: &[Stage] = &[
         bindings: &[PAIRS, POINTS, CONTACTS, COUNTS, OWNED, OLD_STARTS, OLD_PAIRS, OLD_POINTS],
     },
     Stage { name: "calm", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, SCALES] },
-    Stage { name: "widen", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, REPORT, SCALES] },
-    Stage { name: "widen_all", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, REPORT, SCALES] },
+    Stage { name: "widen", file: "rigid/frame/margins.wgsl", bindings: &[BODIES, SCALES] },
     Stage { name: "seek", file: "rigid/frame/impacts.wgsl", bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, REPORT] },
     Stage { name: "refresh_round", file: "rigid/frame/renew.wgsl", bindings: CLOSEST },
     Stage { name: "find_round", file: "rigid/frame/find.wgsl", bindings: HITS },

@@ -10,17 +10,19 @@ use crate::rigid::frame::{FrameReport, REPEATS, bodies_alone};
 use crate::rigid::gpu::arrays::Arrays;
 use crate::rigid::gpu::assemble::{Assembly, Content, ROUNDS};
 use crate::rigid::gpu::kernels::{
-    BODIES, CALM, COLLIDERS, CONSTANTS, COUNTS, HULLS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES, STORE, SUM_UP, SURFACES, WIDEN, WIDEN_ALL,
+    BODIES, CALM, COLLIDERS, CONSTANTS, COUNTS, HULLS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES, STORE, SUM_UP, SURFACES, WIDEN,
 };
 use crate::rigid::gpu::past::Past;
 use crate::rigid::gpu::rows::{BodyRow, FrameRow};
 use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search};
-use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, loads_bytes};
+use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, call, loads_bytes};
 use crate::rigid::shape::Shape;
 use crate::rigid::world::{Kind, RigidWorld};
 
 /// Frames with impacts after one that began anew because of an impact.
 const STORM: u32 = 64;
+/// Parts of a frame that are submitted together: two substeps.
+const PARTS: usize = 14;
 /// Least room for left-over blocks.
 const LEAST_ROOM: u32 = 256;
 /// Bytes of what is kept of a pair, and of its points.
@@ -174,7 +176,6 @@ impl GpuWorld {
         self.row = FrameRow { h, substeps, soft, blocks: self.assembly.room, ..self.row };
         self.put_row();
         self.search.set_dt(dt);
-        self.save();
         loop {
             let counts = self.find(fresh)?;
             let [candidates, pairs] = self.search.rooms();
@@ -188,7 +189,10 @@ impl GpuWorld {
     /// The search and the assembly. In a frame that gives all colours anew, the blocks are not yet in order.
     fn find(&mut self, fresh: bool) -> Result<Counts, String> {
         let mut encoder = self.encoder();
+        encoder.copy_buffer_to_buffer(self.frame.arrays.get(BODIES), 0, &self.backup, 0, self.backup.size());
         self.search.encode(&mut encoder);
+        self.gpu().queue.submit([encoder.finish()]);
+        let mut encoder = self.encoder();
         let arrays = &self.frame.arrays;
         self.assembly.clear(arrays, &mut encoder);
         self.encode(&mut encoder, |pass| {
@@ -251,12 +255,13 @@ impl GpuWorld {
         self.frame.begin(&self.row);
         let mut encoder = self.encoder();
         encoder.clear_buffer(self.frame.arrays.get(REPORT), 0, None);
-        self.encode(&mut encoder, |pass| {
-            for part in self.frame.parts(plan) {
-                self.frame.encode(pass, part);
-            }
-            self.frame.arrays.dispatch(pass, SUM_UP, counts.pairs, 0);
-        });
+        for parts in self.frame.parts(plan).chunks(PARTS) {
+            // The device begins while the rest is encoded.
+            self.encode(&mut encoder, |pass| parts.iter().for_each(|part| self.frame.encode(pass, *part)));
+            let done = std::mem::replace(&mut encoder, self.encoder());
+            self.gpu().queue.submit([done.finish()]);
+        }
+        self.encode(&mut encoder, |pass| self.frame.arrays.dispatch(pass, SUM_UP, counts.pairs, 0));
         let size = 4 * u64::from(REPORT_WORDS);
         encoder.copy_buffer_to_buffer(self.frame.arrays.get(REPORT), 0, &self.report, 0, size);
         self.gpu().submit_and_read(encoder, &self.report, size)
@@ -280,17 +285,10 @@ impl GpuWorld {
         let arrays = &self.frame.arrays;
         let mut encoder = self.encoder();
         self.encode(&mut encoder, |pass| {
-            arrays.dispatch(pass, WIDEN, self.row.bodies, 0);
-            if repeats >= 3 {
-                arrays.dispatch(pass, WIDEN_ALL, self.row.bodies, 0);
-            }
+            arrays.dispatch(pass, WIDEN, self.row.bodies, call(0, repeats >= 3));
         });
         self.gpu().queue.submit([encoder.finish()]);
         self.restore();
-    }
-
-    fn save(&self) {
-        self.copy(self.frame.arrays.get(BODIES), &self.backup);
     }
 
     fn restore(&self) {

