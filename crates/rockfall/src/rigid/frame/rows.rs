@@ -8,7 +8,7 @@ use crate::rigid::frame::contacts::{Along, Impulse, Pair, Row, View};
 /// Greatest speed at which an overlap is pushed out, in units/s.
 const PUSH_OUT: f32 = 3.0;
 /// Inner sweeps over the points of a block.
-const SWEEPS: usize = 4;
+const SWEEPS: usize = 2;
 /// A sweep that changes impulses by less than this share of the largest one is the last.
 const CALM: f32 = 1e-3;
 

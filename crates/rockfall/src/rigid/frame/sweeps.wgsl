@@ -2,7 +2,7 @@
 
 // The rows of a block (docs/physics.md section 11.8).
 
-const SWEEPS: u32 = 4u;
+const SWEEPS: u32 = 2u;
 const LAST_CHANGE: f32 = 1e-3;
 const PUSH_OUT: f32 = 3.0;
 
