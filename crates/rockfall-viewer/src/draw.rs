@@ -236,6 +236,9 @@ impl Renderer {
             None if self.walls.is_empty() => (),
             None => self.walls.set_bodies(&Survey::new(simulation.scene())),
         }
+        if simulation.gpu_view().is_none() && simulation.cpu_view().is_none() {
+            simulation.sync()?;
+        }
         self.step = self.buffers.update(&self.device, &self.queue, simulation)?;
         self.update_values(simulation, style)?;
         self.motion.update(simulation)?;

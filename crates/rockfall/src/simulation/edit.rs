@@ -456,6 +456,9 @@ impl Simulation {
 
     /// Reads the state of the spheres back into the scene.
     pub(super) async fn pull(&mut self) -> Result<()> {
+        if !self.synced && self.pull_frames()? {
+            self.synced = true;
+        }
         if !self.synced {
             self.engine.download_spheres(&mut self.world).await?;
             self.world.read_spheres(&mut self.scene, &self.packed);

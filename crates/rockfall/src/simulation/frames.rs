@@ -137,11 +137,15 @@ impl Frames {
                 momentum: body.momentum,
                 orientation: body.pose.turn,
             };
-            match *owner {
-                Owner::World => {}
-                Owner::Sphere(id) => scene.put_sphere(id, &state)?,
-                Owner::Body(number) if number < declared.len() => scene.put_body(declared[number], state)?,
-                Owner::Body(number) => scene.put_implied(implied[number - declared.len()], state)?,
+            let put = match *owner {
+                Owner::World => Ok(()),
+                Owner::Sphere(id) => scene.put_sphere(id, &state),
+                Owner::Body(number) if number < declared.len() => scene.put_body(declared[number], state),
+                Owner::Body(number) => scene.put_implied(implied[number - declared.len()], state),
+            };
+            // It may have been removed since the last frame.
+            if !matches!(put, Err(Error::StaleHandle { .. })) {
+                put?;
             }
         }
         Ok(())
@@ -205,19 +209,29 @@ impl Simulation {
             }
             self.book_frame(report);
         }
-        frames.fetch()?;
-        frames.put(&mut self.scene)?;
+        // The states on a device are read when something asks for them.
+        let on_device = frames.device.is_some();
         self.frames = Some(frames);
-        self.world.set_spheres(&self.scene);
-        (self.synced, self.observation) = (true, None);
+        (self.synced, self.observation) = (!on_device && self.pull_frames()?, None);
         match failed {
             Some(sphere) => Err(Error::NonFinite { sphere, step: self.report.steps + 1, stage: BadStage::from_number(0) }),
             None => Ok(()),
         }
     }
 
+    /// Takes over the states of the bodies. Returns whether the contact law is `rigid`.
+    pub(in crate::simulation) fn pull_frames(&mut self) -> Result<bool> {
+        let Some(mut frames) = self.frames.take().filter(|_| self.has_frames()) else { return Ok(false) };
+        let pulled = frames.fetch().and_then(|()| frames.put(&mut self.scene));
+        self.frames = Some(frames);
+        pulled?;
+        self.world.set_spheres(&self.scene);
+        Ok(true)
+    }
+
     /// Makes the bodies anew from the scene. What is known of their contacts stays if the colliders are the same.
     fn renew_frames(&mut self) -> Result<()> {
+        self.synced = self.synced || self.pull_frames()?;
         let mut frames = Frames::of(&self.scene)?;
         if let Some(mut before) = self.frames.take() {
             before.fetch_history()?;

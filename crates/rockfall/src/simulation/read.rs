@@ -37,11 +37,12 @@ impl Simulation {
         self.engine.gpu_world()
     }
 
-    /// The arrays that the CPU backend runs on, with the same layout as the buffers on the GPU; `None` on the GPU backend.
+    /// The arrays that the CPU backend runs on, with the same layout as the buffers on the GPU; `None` on the GPU backend. Frames of the
+    /// contact law `rigid` on a GPU leave their states on the device until the next [`Simulation::sync`]; `None` until then.
     /// Spheres are stored in the order described at [`Simulation::slot`].
     pub fn cpu_view(&self) -> Option<&World> {
         match self.engine {
-            engine::Engine::Cpu(_) => Some(&self.world),
+            engine::Engine::Cpu(ref device) => (device.is_none() || self.synced).then_some(&self.world),
             #[cfg(feature = "gpu")]
             engine::Engine::Gpu(_) => None,
         }
