@@ -64,7 +64,9 @@ impl Scan {
             return;
         }
         let rows = self.tiles.div_ceil(MOST_GROUPS);
-        for (kernel, group) in self.kernels.kernels.iter().zip(&self.groups) {
+        // One tile has no earlier ones.
+        let stages = if self.tiles > 1 { 2 } else { 1 };
+        for (kernel, group) in self.kernels.kernels.iter().zip(&self.groups).take(stages) {
             pass.set_pipeline(&kernel.pipeline);
             pass.set_bind_group(0, group, &[]);
             pass.dispatch_workgroups(self.tiles.div_ceil(rows), rows, 1);

@@ -23,6 +23,8 @@ use crate::rigid::world::{Kind, RigidWorld};
 const STORM: u32 = 64;
 /// Parts of a frame that are submitted together: two substeps.
 const PARTS: usize = 14;
+/// Bodies up to which a frame without impacts is solved by one workgroup.
+const FEW: u32 = 1500;
 /// Least room for left-over blocks.
 const LEAST_ROOM: u32 = 256;
 /// Bytes of what is kept of a pair, and of its points.
@@ -40,6 +42,8 @@ pub(crate) struct GpuWorld {
     counts: wgpu::Buffer,
     report: wgpu::Buffer,
     row: FrameRow,
+    /// How frames without impacts are solved.
+    calm: Plan,
     /// Room for left-over blocks.
     left_over: u32,
     /// Frames that are still solved with impacts. Without any, a block that is hit makes the frame begin anew, so that nothing depends
@@ -81,6 +85,7 @@ impl GpuWorld {
             counts: reading(COUNT_WORDS),
             report: reading(REPORT_WORDS),
             row: FrameRow { gravity: world.gravity.to_array(), bodies, ..FrameRow::default() },
+            calm: if bodies <= FEW { Plan::CalmAtOnce } else { Plan::Calm },
             left_over: LEAST_ROOM,
             stormy: 0,
             frames: 0,
@@ -129,6 +134,12 @@ impl GpuWorld {
         (self.frames, self.substep, self.kept) = (world.history.frames, world.history.substep, past.pairs.len() as u32);
     }
 
+    /// The same world, whose calm frames are solved by stages.
+    #[cfg(test)]
+    pub(crate) fn by_stages(self) -> Self {
+        Self { calm: Plan::Calm, ..self }
+    }
+
     fn gpu(&self) -> &Arc<RigidGpu> {
         &self.frame.arrays.gpu
     }
@@ -139,13 +150,14 @@ impl GpuWorld {
     /// What the device says if it is lost.
     pub(crate) fn advance(&mut self, dt: f32, substeps: u32, keeps_going: bool) -> Result<FrameReport, String> {
         let h = dt / substeps as f32;
-        let mut repeats = 0;
+        let (mut repeats, mut is_stormy) = (0, false);
         loop {
             let counts = self.search(dt, substeps)?;
-            let is_calm = self.stormy == 0;
-            let words = self.solve(&counts, if is_calm { Plan::Calm } else { Plan::Stages })?;
+            // One workgroup rounds in another way on some devices, so it has to be tried in every frame.
+            let is_calm = self.stormy == 0 || (self.calm == Plan::CalmAtOnce && !is_stormy);
+            let words = self.solve(&counts, if is_calm { self.calm } else { Plan::Stages })?;
             if is_calm && words[7] > 0 {
-                self.stormy = STORM;
+                (self.stormy, is_stormy) = (STORM, true);
                 self.restore();
                 continue;
             }
