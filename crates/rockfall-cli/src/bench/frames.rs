@@ -105,7 +105,7 @@ impl Arguments {
         let mut overlaps: Vec<f64> = contacts.iter().map(|contact| f64::from(contact.overlap) / width).collect();
         overlaps.sort_by(f64::total_cmp);
         let rank = |share: f64| overlaps.get((share * overlaps.len() as f64) as usize).or(overlaps.last()).copied();
-        let depth = simulation.scene().spheres().iter().filter(|sphere| !(sphere.position.y >= bottom)).count();
+        let lost = simulation.sync()?.spheres().iter().filter(|sphere| !(sphere.position.y >= bottom)).count();
         Ok(Measured {
             bodies,
             backend: simulation.backend().clone(),
@@ -115,7 +115,7 @@ impl Arguments {
             repeats: [before, during],
             contacts: contacts.len(),
             overlaps: [rank(0.99).unwrap_or_default(), rank(1.0).unwrap_or_default()],
-            lost: depth,
+            lost,
         })
     }
 }
@@ -149,7 +149,8 @@ impl Measured {
     fn json(&self, scene: Benchmark) -> String {
         let Spread { median, min, max, .. } = self.seconds;
         json!({
-            "scene": scene.name(), "bodies": self.bodies, "device": self.backend.device, "substeps": self.substeps,
+            "scene": scene.name(), "bodies": self.bodies, "device": self.backend.device,
+            "commit": option_env!("ROCKFALL_COMMIT"), "substeps": self.substeps,
             "seconds_per_frame": { "median": median, "min": min, "max": max }, "first_frame_seconds": self.first,
             "repeats_before": self.repeats[0], "repeats": self.repeats[1], "contacts": self.contacts,
             "overlap_p99": self.overlaps[0], "overlap_most": self.overlaps[1], "lost": self.lost,

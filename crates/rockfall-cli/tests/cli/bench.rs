@@ -219,6 +219,21 @@ fn states_and_schedules_repeat_on_the_gpu() {
     bench("repeat pile --runs 1", 2);
 }
 
+/// Forty bricks fall for a second, on both backends.
+#[test]
+fn frames_of_hard_contacts_are_measured() {
+    for backend in ["cpu", "gpu"] {
+        let arguments = format!("frames --bodies 40 --warmup 50 --frames 5 --runs 2 --backend {backend}");
+        let table = bench(&arguments, 0);
+        assert!(table.contains("substeps") && table.lines().any(|line| line.starts_with("40        8 ")), "{table}");
+        let object: Value = serde_json::from_str(&bench(&format!("{arguments} --json"), 0)).expect("an object");
+        assert!(object["bodies"] == 40 && object["substeps"] == 8 && object["lost"] == 0, "{object}");
+        assert!(object["contacts"].as_u64() > Some(20) && object["overlap_p99"].as_f64() < Some(0.05), "{object}");
+    }
+    bench("frames --bodies 0", 2);
+    bench("frames heap", 2);
+}
+
 #[test]
 fn wrong_arguments_exit_with_code_2() {
     for arguments in [
