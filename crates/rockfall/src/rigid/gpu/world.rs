@@ -69,16 +69,17 @@ struct Counts {
 
 impl GpuWorld {
     /// Uploads a world with what it remembers.
-    pub(crate) fn new(gpu: &Arc<RigidGpu>, world: &RigidWorld) -> Self {
+    ///
+    /// # Errors
+    /// If the device has no buffers of that size.
+    pub(crate) fn new(gpu: &Arc<RigidGpu>, world: &RigidWorld) -> Result<Self, String> {
         let bodies = world.bodies.len() as u32;
         let mut frame = gpu.frame(&bodies_alone(world));
         frame.is_round = world.shapes.iter().any(Shape::is_round);
         let arrays = &mut frame.arrays;
         arrays.upload(SURFACES, cast_slice(&surface_rows(world)));
         arrays.make(OLD_STARTS, 4 * u64::from(bodies + 1));
-        let mut search = Search::new(gpu, world, 1.0 / 60.0, inputs(arrays));
-        let [candidates, found] = search.rooms();
-        search.make_room(candidates.into(), found.max(world.history.pairs.len() as u32).into());
+        let search = Search::new(gpu, world, 1.0 / 60.0, inputs(arrays));
         let reading = |words: u32| gpu.buffer("rigid counts", 4 * u64::from(words), wgpu::BufferUsages::MAP_READ);
         let mut this = Self {
             backup: gpu.storage(u64::from(bodies) * size_of::<BodyRow>() as u64),
@@ -96,8 +97,8 @@ impl GpuWorld {
             search,
         };
         this.make_arrays();
-        this.put(world);
-        this
+        this.put(world)?;
+        Ok(this)
     }
 
     /// The arrays that grow with the room for pairs, but for those of the search and the assembly.
@@ -117,11 +118,13 @@ impl GpuWorld {
 
     /// Takes over the states of the bodies of a world and what it remembers. Its bodies, colliders and shapes are those of the start.
     ///
-    /// # Panics
-    /// If the world remembers more pairs than there is room for.
-    pub(crate) fn put(&mut self, world: &RigidWorld) {
+    /// # Errors
+    /// If the device has no buffers for what the world remembers.
+    pub(crate) fn put(&mut self, world: &RigidWorld) -> Result<(), String> {
         let past = Past::of(world);
-        assert!(past.pairs.len() <= self.assembly.room as usize, "room for what is remembered");
+        if past.pairs.len() > self.assembly.room as usize {
+            self.make_room(0, past.pairs.len() as u32)?;
+        }
         let rows = bodies_alone(world);
         let scales: Vec<f32> = world.bodies.iter().map(|body| body.margin_scale).collect();
         let write = |binding: u32, bytes: &[u8]| self.gpu().queue.write_buffer(self.frame.arrays.get(binding), 0, bytes);
@@ -132,6 +135,7 @@ impl GpuWorld {
         write(OLD_PAIRS, cast_slice(&past.pairs));
         write(OLD_POINTS, cast_slice(&past.points));
         (self.frames, self.substep, self.kept) = (world.history.frames, world.history.substep, past.pairs.len() as u32);
+        Ok(())
     }
 
     /// The same world, whose calm frames are solved by stages.
@@ -194,7 +198,7 @@ impl GpuWorld {
             if counts.candidates <= candidates && counts.pairs <= pairs {
                 return if fresh { self.colour(counts.waiting) } else { Ok(counts) };
             }
-            self.make_room(&counts)?;
+            self.make_room(counts.candidates, counts.pairs)?;
         }
     }
 
@@ -325,10 +329,10 @@ impl GpuWorld {
         stages(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()));
     }
 
-    /// Room for what the search of this frame has found.
-    fn make_room(&mut self, counts: &Counts) -> Result<(), String> {
-        if !self.search.grow(counts.candidates, counts.pairs) {
-            return Err(format!("it has no buffers for {} contacts", counts.candidates.max(counts.pairs)));
+    /// Room for so many candidates and pairs.
+    fn make_room(&mut self, candidates: u32, pairs: u32) -> Result<(), String> {
+        if !self.search.grow(candidates, pairs) {
+            return Err(format!("it has no buffers for {} contacts", candidates.max(pairs)));
         }
         let arrays = &mut self.frame.arrays;
         let old = [OLD_PAIRS, OLD_POINTS].map(|binding| arrays.get(binding).clone());

@@ -20,7 +20,7 @@ impl OnDevice {
     /// [`Error::Device`] when the device fails or has too little memory.
     pub(super) fn new(gpu: &Gpu, world: &RigidWorld) -> Result<Self> {
         gpu.check_limits()?;
-        let world = catch(gpu.device(), || GpuWorld::new(&gpu.rigid(), world))?;
+        let world = catch(gpu.device(), || GpuWorld::new(&gpu.rigid(), world))?.map_err(Error::Device)?;
         Ok(Self { gpu: gpu.clone(), world, history_due: false })
     }
 

@@ -16,11 +16,11 @@ fn worlds_agree() {
     for (name, mut scene, seconds) in scenes() {
         scene.run(seconds);
         let (mut place, mut speed, before, mut repeats) = (0.0_f32, 0.0_f32, scene.repeats, 0);
-        let (mut on_device, mut by_stages) = (GpuWorld::new(&gpu, &scene.world), GpuWorld::new(&gpu, &scene.world).by_stages());
+        let (mut on_device, mut by_stages) = (GpuWorld::new(&gpu, &scene.world).unwrap(), GpuWorld::new(&gpu, &scene.world).unwrap().by_stages());
         for number in 0..20 {
             let mut other = scene.world.clone();
             let on_device = if number % 2 == 0 { &mut on_device } else { &mut by_stages };
-            on_device.put(&scene.world);
+            on_device.put(&scene.world).unwrap();
             let report = on_device.advance(DT, 4, true).unwrap();
             on_device.download(&mut other).unwrap();
             on_device.download_history(&mut other).unwrap();
@@ -62,13 +62,13 @@ fn runs_and_resumed_runs_have_the_same_bits() {
         scene.run(seconds);
         let run = |split: bool| {
             let mut world = scene.world.clone();
-            let mut on_device = GpuWorld::new(&gpu, &world);
+            let mut on_device = GpuWorld::new(&gpu, &world).unwrap();
             for _ in 0..10 {
                 on_device.advance(DT, 4, true).unwrap();
                 if split {
                     on_device.download(&mut world).unwrap();
                     on_device.download_history(&mut world).unwrap();
-                    on_device.put(&world);
+                    on_device.put(&world).unwrap();
                 }
             }
             on_device.download(&mut world).unwrap();
