@@ -33,7 +33,7 @@ use bytemuck::{Pod, bytes_of, cast_slice};
 
 use arrays::Arrays;
 use kernels::{
-    ALL_AT_ONCE, BEFORE_IMPACTS, BLOCKS, BODIES, CALM_AT_ONCE, CARRY, CARRY_ROUND, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT,
+    ALL_AT_ONCE, BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, CARRY_ROUND, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT,
     EXPOSE, FIND_ALL_ROUND, FIND_LEFT_OVER, FIND_LEFT_OVER_ROUND, FIND_ROUND, HULLS, IMPACTS_AT_ONCE, KICK, Kernel, Kinds, LISTS,
     LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REFRESH_ROUND, REPORT, SEEK, SEEK_ROUND, SETTLE, SOLVE, SOLVE_LEFT_OVER,
     SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND,
@@ -79,8 +79,6 @@ pub(crate) enum Plan {
     Stages,
     /// The same without impacts. The report says whether a block was hit: then the frame begins anew with another plan.
     Calm,
-    /// The same in one workgroup.
-    CalmAtOnce,
     /// One workgroup looks for impacts, all others are stages.
     ImpactsAtOnce,
     /// One workgroup solves all substeps.
@@ -109,8 +107,6 @@ pub(crate) enum Part {
     ImpactsAtOnce,
     /// The geometry and all substeps in one dispatch.
     AllAtOnce,
-    /// The geometry and all substeps without impacts in one dispatch.
-    CalmAtOnce,
     /// Momenta and margins.
     Settle,
 }
@@ -274,15 +270,9 @@ impl GpuFrame {
     fn parts(&self, plan: Plan) -> Vec<Part> {
         let mut parts = Vec::new();
         // The stages of one workgroup know no round pairs.
-        let plan = match plan {
-            Plan::CalmAtOnce if self.is_round => Plan::Calm,
-            Plan::AllAtOnce | Plan::ImpactsAtOnce if self.is_round => Plan::Stages,
-            plan => plan,
-        };
+        let plan = if self.is_round && plan != Plan::Calm { Plan::Stages } else { plan };
         if plan == Plan::AllAtOnce {
             parts.push(Part::AllAtOnce);
-        } else if plan == Plan::CalmAtOnce {
-            parts.push(Part::CalmAtOnce);
         } else {
             parts.extend([Part::Refresh, Part::Load]);
             let impacts = match plan {
@@ -330,7 +320,6 @@ impl GpuFrame {
             Part::Seek => self.dispatch(pass, SEEK, self.blocks, 0),
             Part::ImpactsAtOnce => self.dispatch(pass, IMPACTS_AT_ONCE, 1, 0),
             Part::AllAtOnce => self.dispatch(pass, ALL_AT_ONCE, 1, 0),
-            Part::CalmAtOnce => self.dispatch(pass, CALM_AT_ONCE, 1, 0),
             Part::Settle => self.dispatch(pass, SETTLE, self.bodies, 0),
         }
     }

@@ -1,6 +1,28 @@
-// requires rigid/frame/rows.wgsl rigid/frame/kick.wgsl rigid/frame/pass_at_once.wgsl rigid/frame/drift.wgsl rigid/frame/refresh.wgsl rigid/frame/warm_start.wgsl rigid/frame/impacts_at_once.wgsl rigid/frame/group.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/kick.wgsl rigid/frame/pass.wgsl rigid/frame/left_over.wgsl rigid/frame/drift.wgsl rigid/frame/refresh.wgsl rigid/frame/warm_start.wgsl rigid/frame/impacts_at_once.wgsl rigid/frame/group.wgsl
 
 // A frame in one workgroup, but for its end.
+
+fn pass_at_once(biased: bool, local: u32) {
+    for (var colour = 0u; colour < COLOURS; colour++) {
+        let end = colour_start(colour + 1u);
+        if colour_start(colour) < end {
+            for (var k = colour_start(colour) + local; k < end; k += GROUP) {
+                solve_block(k, biased);
+            }
+            storageBarrier();
+        }
+    }
+    if frame.left_over < frame.blocks {
+        for (var k = frame.left_over + local; k < frame.blocks; k += GROUP) {
+            solve_copies(k, biased);
+        }
+        storageBarrier();
+        for (var body = local; body < frame.bodies; body += GROUP) {
+            take_mean(body);
+        }
+        storageBarrier();
+    }
+}
 
 @compute @workgroup_size(GROUP)
 fn all_at_once(@builtin(local_invocation_index) local: u32) {

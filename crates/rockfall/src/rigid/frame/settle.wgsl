@@ -5,9 +5,6 @@
 @compute @workgroup_size(THREADS)
 fn settle(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
     let body = thread_of(group, groups, local);
-    if body == 0u && bodies[7].w > 0.0 {
-        atomicStore(&report[7], 1u);
-    }
     if body >= frame.bodies || !has_mass(body) {
         return;
     }

@@ -50,9 +50,7 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/left_over_impacts.wgsl"
     "rigid/frame/group.wgsl"
     "rigid/frame/impacts_at_once.wgsl"
-    "rigid/frame/pass_at_once.wgsl"
     "rigid/frame/all_at_once.wgsl"
-    "rigid/frame/calm_at_once.wgsl"
     "rigid/frame/found.wgsl"
     "rigid/frame/sort.wgsl"
     "rigid/frame/lay.wgsl"
@@ -191,7 +189,6 @@ pub(super) const CARRY_ROUND: usize = 40;
 pub(super) const SPARE_ROUND: usize = 41;
 pub(super) const EXPOSE: usize = 42;
 pub(super) const SEEK_ROUND: usize = 43;
-pub(super) const CALM_AT_ONCE: usize = 44;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
@@ -287,7 +284,6 @@ pub(super) const STAGES: &[Stage] = &[
         bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, COLLIDERS, HULLS],
     },
     Stage { name: "seek_round", file: "rigid/frame/wait.wgsl", bindings: &[LOADS, REPORT] },
-    Stage { name: "calm_at_once", file: "rigid/frame/calm_at_once.wgsl", bindings: ALL },
 ];
 
 pub(super) const OPEN: usize = 0;

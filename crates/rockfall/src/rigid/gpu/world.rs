@@ -23,8 +23,6 @@ use crate::rigid::world::{Kind, RigidWorld};
 const STORM: u32 = 64;
 /// Parts of a frame that are submitted together: two substeps.
 const PARTS: usize = 14;
-/// Bodies up to which a frame without impacts is solved by one workgroup.
-const FEW: u32 = 1500;
 /// Least room for left-over blocks.
 const LEAST_ROOM: u32 = 256;
 /// Bytes of what is kept of a pair, and of its points.
@@ -42,8 +40,6 @@ pub(crate) struct GpuWorld {
     counts: wgpu::Buffer,
     report: wgpu::Buffer,
     row: FrameRow,
-    /// How frames without impacts are solved.
-    calm: Plan,
     /// Room for left-over blocks.
     left_over: u32,
     /// Frames that are still solved with impacts. Without any, a block that is hit makes the frame begin anew, so that nothing depends
@@ -86,7 +82,6 @@ impl GpuWorld {
             counts: reading(COUNT_WORDS),
             report: reading(REPORT_WORDS),
             row: FrameRow { gravity: world.gravity.to_array(), bodies, ..FrameRow::default() },
-            calm: if bodies <= FEW { Plan::CalmAtOnce } else { Plan::Calm },
             left_over: LEAST_ROOM,
             stormy: 0,
             frames: 0,
@@ -138,12 +133,6 @@ impl GpuWorld {
         Ok(())
     }
 
-    /// The same world, whose calm frames are solved by stages.
-    #[cfg(test)]
-    pub(crate) fn by_stages(self) -> Self {
-        Self { calm: Plan::Calm, ..self }
-    }
-
     fn gpu(&self) -> &Arc<RigidGpu> {
         &self.frame.arrays.gpu
     }
@@ -154,14 +143,13 @@ impl GpuWorld {
     /// What the device says if it is lost.
     pub(crate) fn advance(&mut self, dt: f32, substeps: u32, keeps_going: bool) -> Result<FrameReport, String> {
         let h = dt / substeps as f32;
-        let (mut repeats, mut is_stormy) = (0, false);
+        let mut repeats = 0;
         loop {
             let counts = self.search(dt, substeps)?;
-            // One workgroup rounds in another way on some devices, so it has to be tried in every frame.
-            let is_calm = self.stormy == 0 || (self.calm == Plan::CalmAtOnce && !is_stormy);
-            let words = self.solve(&counts, if is_calm { self.calm } else { Plan::Stages })?;
+            let is_calm = self.stormy == 0;
+            let words = self.solve(&counts, if is_calm { Plan::Calm } else { Plan::Stages })?;
             if is_calm && words[7] > 0 {
-                (self.stormy, is_stormy) = (STORM, true);
+                self.stormy = STORM;
                 self.restore();
                 continue;
             }

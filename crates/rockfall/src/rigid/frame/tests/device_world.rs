@@ -16,10 +16,9 @@ fn worlds_agree() {
     for (name, mut scene, seconds) in scenes() {
         scene.run(seconds);
         let (mut place, mut speed, before, mut repeats) = (0.0_f32, 0.0_f32, scene.repeats, 0);
-        let (mut on_device, mut by_stages) = (GpuWorld::new(&gpu, &scene.world).unwrap(), GpuWorld::new(&gpu, &scene.world).unwrap().by_stages());
+        let mut on_device = GpuWorld::new(&gpu, &scene.world).unwrap();
         for number in 0..20 {
             let mut other = scene.world.clone();
-            let on_device = if number % 2 == 0 { &mut on_device } else { &mut by_stages };
             on_device.put(&scene.world).unwrap();
             let report = on_device.advance(DT, 4, true).unwrap();
             on_device.download(&mut other).unwrap();
