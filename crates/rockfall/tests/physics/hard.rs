@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use rockfall::{Backend, Checkpoint, ContactAction, ContactLaw, Error, Options, Scene, Settings, Simulation};
+use rockfall::{Backend, Checkpoint, ContactAction, ContactLaw, Error, Options, Scene, Simulation};
 
 const FRAME: f32 = 1.0 / 60.0;
 
@@ -177,7 +177,8 @@ fn other_laws_do_not_replace_it_on_a_gpu(backend: Backend) {
     let thesis = Scene::parse(ball, Path::new("test")).expect("a scene").scene;
     for (scene, law) in [(scene(ball), ContactLaw::Thesis), (thesis, ContactLaw::Rigid)] {
         let mut simulation = Simulation::with_options(scene, Options::new().backend(backend)).expect("it opens");
-        let settings = Settings { contact_law: law, ..*simulation.settings() };
+        let mut settings = *simulation.settings();
+        settings.contact_law = law;
         let changed = simulation.set_settings(settings).and_then(|()| simulation.run(1, FRAME).map(drop));
         let refused = matches!(changed, Err(Error::Invalid { field: "contact_law", .. }));
         assert_eq!(refused, backend == Backend::Gpu, "{changed:?}");
