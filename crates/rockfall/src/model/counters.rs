@@ -18,6 +18,10 @@ pub(crate) struct Tally {
     escaped: u32,
     bad_count: u32,
     bad_body: u32,
+    /// Whether some sphere is so fast that it may pass a wall.
+    pub(crate) fast: bool,
+    passages: u32,
+    passing: u32,
 }
 
 impl Default for Tally {
@@ -31,6 +35,9 @@ impl Default for Tally {
             escaped: 0,
             bad_count: 0,
             bad_body: NO_BODY,
+            fast: false,
+            passages: 0,
+            passing: NO_BODY,
         }
     }
 }
@@ -46,6 +53,9 @@ impl Tally {
             escaped: self.escaped | other.escaped,
             bad_count: self.bad_count + other.bad_count,
             bad_body: self.bad_body.min(other.bad_body),
+            fast: self.fast | other.fast,
+            passages: self.passages + other.passages,
+            passing: self.passing.min(other.passing),
         }
     }
 
@@ -69,6 +79,12 @@ impl Tally {
         self.bad_body = self.bad_body.min((stage as u32) << BAD_STAGE_SHIFT | insertion_index);
     }
 
+    /// Counts a sphere whose centre has passed a wall.
+    pub(crate) fn count_passage(&mut self, insertion_index: u32) {
+        self.passages += 1;
+        self.passing = self.passing.min(insertion_index);
+    }
+
     /// Adds the tally to the counters of the current step.
     pub(crate) fn add_to(self, status: &mut Status) {
         let counters = Counters {
@@ -81,6 +97,9 @@ impl Tally {
         status.collides |= u32::from(self.collisions > 0);
         status.bad_count += self.bad_count;
         status.bad_body = status.bad_body.min(self.bad_body);
+        status.fast |= u32::from(self.fast);
+        status.passages += self.passages;
+        status.passing = status.passing.min(self.passing);
         if self.rebuild {
             status.rebuild |= REBUILD_REQUESTED;
         }

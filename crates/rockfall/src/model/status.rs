@@ -176,6 +176,18 @@ words! {
             pub repeats: u32,
             /// 1 while the current step is repeated in this way. If it is rejected again, the host repeats it.
             pub repeated: u32,
+            /// 1 when a sphere of the current step is so fast that it may pass a wall.
+            pub fast: u32 => atomic,
+            /// Number of spheres whose centres have passed a wall in the current step.
+            pub passages: u32 => atomic,
+            /// The least insertion index of these spheres, or [`NO_BODY`].
+            pub passing: u32 => atomic,
+            /// Sum of `passages` over all completed steps.
+            pub total_passages: u32,
+            /// Value of `passing` in the first step with a passage, or [`NO_BODY`].
+            pub first_passing: u32,
+            /// Value of `steps` after that step; 0 while there is none.
+            pub passage_step: u32,
             /// Value of `escape_ratio` in the last step that was repeated in this way, stored in the same form.
             pub repeat_escape: u32,
         }
@@ -191,6 +203,8 @@ impl Default for Status {
             rebuild: REBUILD_REQUESTED,
             bad_body: NO_BODY,
             first_bad: NO_BODY,
+            passing: NO_BODY,
+            first_passing: NO_BODY,
             ..Zeroable::zeroed()
         }
     }
@@ -229,6 +243,9 @@ impl Status {
             escape_ratio: 0,
             bad_count: 0,
             bad_body: NO_BODY,
+            fast: 0,
+            passages: 0,
+            passing: NO_BODY,
             collided: self.collided.min(1),
             ..self
         }

@@ -438,7 +438,8 @@ pub(crate) fn sweep(
 /// Clusters of two collisions (section 3.7): no other collision touches a body of theirs, and none of these is a network.
 fn couples(all: &[&Contact], colliding: &[&Contact]) -> Vec<[usize; 2]> {
     let meets = |k: &Contact, l: &Contact| {
-        let pairs = bodies_of(k).into_iter().flat_map(|(_, body)| bodies_of(l).into_iter().map(move |(_, other)| body == other));
+        let pairs =
+            bodies_of(k).into_iter().flat_map(|(_, body)| bodies_of(l).into_iter().map(move |(_, other)| body == other));
         pairs.filter(|is_same| *is_same).count()
     };
     let has_one_neighbour = |k: &Contact| {
