@@ -31,7 +31,7 @@ pub struct Report {
     pub non_finite: u64,
     /// Number of times that the centre of a sphere passed a polygon, a triangle or a plane within a step (docs/physics.md section
     /// 2.20): an impact deeper than the radius, or a way longer than that. Not counted with `continuous_collisions`, with the contact
-    /// law `rigid`, for bodies with boxes, and for worlds in one dispatch.
+    /// law `rigid`, for bodies with boxes, for worlds in one dispatch, and in scenes that several processes share.
     pub passages: u64,
     /// The first of them.
     pub first_passage: Option<Passage>,
