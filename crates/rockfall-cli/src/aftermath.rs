@@ -2,7 +2,7 @@
 
 use rockfall::placement::DEEP;
 use rockfall::stability::Remedy;
-use rockfall::{Energy, Integrator, Passage, Precision, Scene, Simulation, short_number};
+use rockfall::{Body, Energy, Integrator, Passage, Precision, Scene, Simulation, short_number};
 
 use crate::failure::Failure;
 use crate::output;
@@ -103,8 +103,9 @@ pub(crate) fn warn_of_passages(name: &str, simulation: &Simulation, parts: u64) 
     let Some(Passage { sphere, step }) = report.first_passage else { return };
     let scene = simulation.scene();
     // Where spheres come and go, another one may have its number.
-    let keeps_numbers = scene.inlets().is_empty() && scene.outlets().is_empty() && sphere < scene.spheres().len();
-    let sphere = if keeps_numbers { scene.name_of_sphere(sphere) } else { format!("sphere number {sphere}") };
+    let keeps_numbers = scene.inlets().is_empty() && scene.outlets().is_empty();
+    let id = scene.sphere_ids().nth(sphere).filter(|_| keeps_numbers);
+    let sphere = id.map_or_else(|| format!("sphere number {sphere}"), |id| scene.name_of(Body::Sphere(id)));
     let times = if report.passages == 1 { "once".to_owned() } else { format!("{} times", report.passages) };
     output::note(&format!(
         "warning: {name}: the centre of a sphere passed a polygon, triangle or plane {times}, first that of {sphere} in step {}; \
