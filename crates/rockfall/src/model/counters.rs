@@ -21,6 +21,7 @@ pub(crate) struct Tally {
     /// Whether some sphere is so fast that it may pass a wall.
     pub(crate) fast: bool,
     passages: u32,
+    /// The complement of the least insertion index.
     passing: u32,
 }
 
@@ -37,7 +38,7 @@ impl Default for Tally {
             bad_body: NO_BODY,
             fast: false,
             passages: 0,
-            passing: NO_BODY,
+            passing: 0,
         }
     }
 }
@@ -55,7 +56,7 @@ impl Tally {
             bad_body: self.bad_body.min(other.bad_body),
             fast: self.fast | other.fast,
             passages: self.passages + other.passages,
-            passing: self.passing.min(other.passing),
+            passing: self.passing.max(other.passing),
         }
     }
 
@@ -82,7 +83,7 @@ impl Tally {
     /// Counts a sphere whose centre has passed a wall.
     pub(crate) fn count_passage(&mut self, insertion_index: u32) {
         self.passages += 1;
-        self.passing = self.passing.min(insertion_index);
+        self.passing = self.passing.max(!insertion_index);
     }
 
     /// Adds the tally to the counters of the current step.
@@ -91,15 +92,15 @@ impl Tally {
             contacts: self.contacts,
             max_overlap: self.max_overlap.to_bits(),
             collisions: self.collisions,
+            fast: self.fast.into(),
+            passages: self.passages,
+            passing: self.passing,
             ..Counters::default()
         };
         status.counters[0] = status.counters[0].and(counters);
         status.collides |= u32::from(self.collisions > 0);
         status.bad_count += self.bad_count;
         status.bad_body = status.bad_body.min(self.bad_body);
-        status.fast |= u32::from(self.fast);
-        status.passages += self.passages;
-        status.passing = status.passing.min(self.passing);
         if self.rebuild {
             status.rebuild |= REBUILD_REQUESTED;
         }

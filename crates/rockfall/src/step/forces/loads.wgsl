@@ -42,7 +42,10 @@ fn check_place(i: u32, velocity: vec4f) {
     }
     if PASSAGES {
         if is_watched(i) & is_fast(place.w, velocity) {
-            atomicStore(&status.fast, 1u);
+            // A load is cheaper than an atomic write, and most find the word set.
+            if atomicLoad(&status.counters[0].fast) == 0u {
+                atomicStore(&status.counters[0].fast, 1u);
+            }
         }
     }
 }

@@ -32,7 +32,7 @@ fn repeat_step() {
     atomicStore(&status.listed, 0u);
     atomicStore(&status.bad_count, 0u);
     atomicStore(&status.bad_body, NO_BODY);
-    atomicStore(&status.fast, 0u);
+    atomicStore(&status.counters[0].fast, 0u);
     if atomicLoad(&status.collided) == 0u {
         atomicStore(&status.collides, 0u);
         atomicStore(&status.clustered, 0u);
@@ -83,14 +83,14 @@ fn count_step() {
 
 // Adds the passages of the step, and records the first of all.
 fn count_passages() {
-    let passages = atomicExchange(&status.passages, 0u);
-    let passing = atomicExchange(&status.passing, NO_BODY);
+    let passages = atomicExchange(&status.counters[0].passages, 0u);
+    let passing = atomicExchange(&status.counters[0].passing, 0u);
     status.total_passages += passages;
     if (passages != 0u) & (status.first_passing == NO_BODY) {
-        status.first_passing = passing;
+        status.first_passing = ~passing;
         status.passage_step = status.steps;
     }
-    atomicStore(&status.fast, 0u);
+    atomicStore(&status.counters[0].fast, 0u);
 }
 
 // Records the first body whose state stopped being finite. Rejects the steps after this one unless FLAG_CONTINUE is set.

@@ -41,7 +41,7 @@ pub(crate) const STAGE: Stage = Stage {
 
 pub(crate) fn find_passages(world: &mut World, _pass: u32) {
     let deepest = f32::from_bits(world.status.last_max_overlap);
-    if world.status.rejected != 0 || (world.status.fast == 0 && !is_deep(deepest, world.step.layout.least_radius)) {
+    if world.status.rejected != 0 || (world.status.counters[0].fast == 0 && !is_deep(deepest, world.step.layout.least_radius)) {
         return;
     }
     let view = View::new(&world.step, &world.topology, &world.states[0]);

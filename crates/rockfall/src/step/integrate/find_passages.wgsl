@@ -99,7 +99,7 @@ fn find_passages(
     }
     // In most steps nothing is fast or deep, and no more is read.
     let deepest = bitcast<f32>(status.last_max_overlap);
-    if (atomicLoad(&status.fast) == 0u) & !is_deep(deepest, step.least_radius) {
+    if (atomicLoad(&status.counters[0].fast) == 0u) & !is_deep(deepest, step.least_radius) {
         return;
     }
     let radius = state[position_at(i)].w;
@@ -109,8 +109,8 @@ fn find_passages(
     }
     if is_own(i) {
         if passes_a_wall(i) {
-            atomicAdd(&status.passages, 1u);
-            atomicMin(&status.passing, insertion_index(i));
+            atomicAdd(&status.counters[0].passages, 1u);
+            atomicMax(&status.counters[0].passing, ~insertion_index(i));
         }
     }
 }
