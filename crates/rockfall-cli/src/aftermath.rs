@@ -2,7 +2,7 @@
 
 use rockfall::placement::DEEP;
 use rockfall::stability::Remedy;
-use rockfall::{Energy, Integrator, Precision, Scene, Simulation, short_number};
+use rockfall::{Body, Energy, Integrator, Passage, Precision, Scene, Simulation, short_number};
 
 use crate::failure::Failure;
 use crate::output;
@@ -65,6 +65,7 @@ fn causes(simulation: &Simulation, before: &Energy) -> String {
 #[cfg(feature = "view")]
 pub(crate) fn warn(name: &str, simulation: &mut Simulation, before: Option<&Energy>, step: u64) -> Result<(), Failure> {
     warn_of_overlaps(name, simulation, step)?;
+    warn_of_passages(name, simulation, 1);
     if let Some(Growth { message, .. }) = grown(name, simulation, before)? {
         output::note(&format!("warning: {message}"));
     }
@@ -94,6 +95,23 @@ pub(crate) fn warn_of_overlaps(name: &str, simulation: &mut Simulation, step: u6
         ));
     }
     Ok(())
+}
+
+/// Warns of spheres that have passed walls. `parts` is the number of parts of a step, which the simulation counts as steps.
+pub(crate) fn warn_of_passages(name: &str, simulation: &Simulation, parts: u64) {
+    let report = simulation.report();
+    let Some(Passage { sphere, step }) = report.first_passage else { return };
+    let scene = simulation.scene();
+    // Where spheres come and go, another one may have its number.
+    let keeps_numbers = scene.inlets().is_empty() && scene.outlets().is_empty();
+    let id = scene.sphere_ids().nth(sphere).filter(|_| keeps_numbers);
+    let sphere = id.map_or_else(|| format!("sphere number {sphere}"), |id| scene.name_of(Body::Sphere(id)));
+    let times = if report.passages == 1 { "once".to_owned() } else { format!("{} times", report.passages) };
+    output::note(&format!(
+        "warning: {name}: the centre of a sphere passed a polygon, triangle or plane {times}, first that of {sphere} in step {}; \
+         try a smaller dt, a stiffer contact law, or boxes as thick as the impacts are deep",
+        step.div_ceil(parts.max(1))
+    ));
 }
 
 /// How much the energy grew, if that is too much and nothing in the scene explains it.

@@ -235,6 +235,7 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
     if !stopped {
         aftermath::warn_of_overlaps(&past.scene, &mut simulation, step)?;
     }
+    aftermath::warn_of_passages(&past.scene, &simulation, past.parts().into());
     match grown {
         Some(grown) if arguments.strict => return Err(Failure::Run(grown.message)),
         Some(grown) => output::note(&format!("warning: {}", grown.message)),

@@ -89,6 +89,7 @@ impl Summary<'_> {
             "collisions": report.total_collisions,
             "replays": report.replays,
             "non_finite": report.non_finite,
+            "passages": report.passages,
             "flow": options::flow_json(&simulation.flow()),
         });
         format!("{object}\n")
@@ -141,6 +142,9 @@ impl Summary<'_> {
         }
         if report.non_finite > 0 {
             row("not finite", format!("a body with non-finite values was stopped {} times", report.non_finite));
+        }
+        if report.passages > 0 {
+            row("passages", format!("{} through polygons, triangles or planes", report.passages));
         }
         let scene: &Scene = simulation.sync()?;
         let left = picture::Left::of(scene);

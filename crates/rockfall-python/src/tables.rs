@@ -18,6 +18,9 @@ pub(crate) struct Report {
     replays: u64,
     list_builds: u64,
     non_finite: u64,
+    passages: u64,
+    /// Sphere and step.
+    first_passage: Option<(usize, u64)>,
 }
 
 impl From<rockfall::Report> for Report {
@@ -32,6 +35,8 @@ impl From<rockfall::Report> for Report {
             replays: report.replays,
             list_builds: report.list_builds,
             non_finite: report.non_finite,
+            passages: report.passages,
+            first_passage: report.first_passage.map(|first| (first.sphere, first.step)),
         }
     }
 }

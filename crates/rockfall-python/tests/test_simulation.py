@@ -60,6 +60,18 @@ def test_options_reach_the_simulation(scene: rf.Scene) -> None:
     assert explode(True).run(100).non_finite > 0
 
 
+def test_spheres_that_pass_a_wall_are_counted() -> None:
+    scene = rf.Scene()
+    scene.settings.gravity = 0
+    scene.settings.collisions = False
+    scene.add_polygons([-1, 0, -1], [0, 0, 4], [4, 0, 0])
+    scene.add_spheres([[5, 1, 0], [0, 1, 0]], 0.1, velocity=[0, -40, 0])
+    sim = rf.Simulation(scene, dt=0.02, backend="cpu")
+    assert (sim.report.passages, sim.report.first_passage) == (0, None)
+    report = sim.run(3)
+    assert (report.passages, report.first_passage) == (1, (1, 2))
+
+
 @pytest.mark.filterwarnings("error")
 def test_the_first_steps_warn_of_an_unsuitable_time_step() -> None:
     scene = rf.Scene()

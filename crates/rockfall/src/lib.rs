@@ -112,7 +112,7 @@ pub use glam;
 pub use mesh::{Mesh, MeshFormat};
 pub use options::{Backend, BackendInfo, Optimization, Options};
 pub use profile::{BufferSize, Clock, Profile, StageTime};
-pub use report::{Energy, Report, SphereState, decimal_time, short_number};
+pub use report::{Energy, Passage, Report, SphereState, decimal_time, short_number};
 pub use scene::{
     Body, BoxId, BoxPart, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, ConeAxis, Counts, Cuboid, Facets, Gauge,
     Gauged, GrainMass, Inlet, LineWarning, Loaded, Look, MassProperties, Material, MaterialId, Motion, MotionId, MotionTerm,

@@ -18,6 +18,7 @@ pub(crate) mod laws;
 pub(crate) mod lengths;
 pub(crate) mod motions;
 pub(crate) mod pairs;
+pub(crate) mod passage;
 pub(crate) mod rigid;
 pub(crate) mod rigid_box;
 pub(crate) mod rod_polygon;

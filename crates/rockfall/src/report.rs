@@ -29,6 +29,21 @@ pub struct Report {
     pub list_builds: u64,
     /// Number of times that a body was stopped because its state was no longer finite.
     pub non_finite: u64,
+    /// Number of times that the centre of a sphere passed a polygon, a triangle or a plane within a step (docs/physics.md section
+    /// 2.20): an impact deeper than the radius, or a way longer than that. Not counted with `continuous_collisions`, with the contact
+    /// law `rigid`, for bodies with boxes, for worlds in one dispatch, and in scenes that several processes share.
+    pub passages: u64,
+    /// The first of them.
+    pub first_passage: Option<Passage>,
+}
+
+/// A sphere whose centre passed a wall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Passage {
+    /// Index of the sphere.
+    pub sphere: usize,
+    /// The step, counted from 1.
+    pub step: u64,
 }
 
 /// Time in s after `steps` steps of `dt` seconds that began at `start`, for output that people read.

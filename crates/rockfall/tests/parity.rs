@@ -42,6 +42,8 @@ mod keys;
 mod narrow;
 #[path = "parity/order.rs"]
 mod order;
+#[path = "parity/passages.rs"]
+mod passages;
 #[path = "parity/random.rs"]
 mod random;
 #[path = "parity/repeat.rs"]

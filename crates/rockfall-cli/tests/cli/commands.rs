@@ -57,7 +57,7 @@ fn json_is_one_object_with_all_keys() {
     let mut keys: Vec<&str> = object.as_object().unwrap().keys().map(String::as_str).collect();
     keys.sort_unstable();
     let expected = "backend broad_phase collisions comments contacts device dt energy_end energy_growth_without_cause energy_start \
-                    flow integrator max_overlap max_overlap_radii non_finite objects precision replays scene seconds settings steps steps_per_second substeps time";
+                    flow integrator max_overlap max_overlap_radii non_finite objects passages precision replays scene seconds settings steps steps_per_second substeps time";
     assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
     assert_eq!(object["scene"], "scene.txt");
     assert_eq!(object["backend"], "cpu");

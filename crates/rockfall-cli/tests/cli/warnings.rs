@@ -27,6 +27,27 @@ fn ten_balls() -> String {
     text
 }
 
+/// A grain that goes through a soft floor: the run names it at its end, and a slower one is not named.
+#[test]
+fn run_warns_of_spheres_that_passed_a_wall() {
+    let text = |speed: f32| {
+        format!(
+            "set contact_law hertz-mindlin\nset gravity 9.81\n@material p density=2500 young=1e7 poisson=0.2\n\
+             @pair p p restitution=0.8 friction=0.4\n@use p\n@triangle -0.1 0 -0.1  0.2 0 0  0.2 0 0.2\n\
+             @triangle -0.1 0 -0.1  0.2 0 0.2  0 0 0.2\nS 1 0.01 0.003 0.013 0 -{speed} 0 0 0 0 - 0.002\n"
+        )
+    };
+    let warning = "warning: scene.txt: the centre of a sphere passed a polygon, triangle or plane once, first that of sphere 1";
+    let rockfall = Rockfall::with(&text(60.0));
+    let (out, err) = rockfall.run("run scene.txt --backend cpu --dt 1e-6 --steps 200", 0);
+    assert!(err.contains(warning) && err.contains(" in step ") && err.contains("smaller dt, a stiffer contact law"), "{err}");
+    assert!(out.contains("passages    1 through"), "{out}");
+    let (out, _) = rockfall.run("run scene.txt --backend cpu --dt 1e-6 --steps 200 --json", 0);
+    assert!(out.contains("\"passages\":1,"), "{out}");
+    let (out, err) = Rockfall::with(&text(1.0)).run("run scene.txt --backend cpu --dt 1e-6 --steps 2000", 0);
+    assert!(!err.contains("passed") && !out.contains("passages"), "{out}{err}");
+}
+
 #[test]
 fn run_warns_of_an_unstable_step_and_of_energy_that_grew() {
     let rockfall = Rockfall::with("");

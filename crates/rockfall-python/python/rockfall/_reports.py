@@ -116,6 +116,10 @@ class Report:
     list_builds: int
     #: Number of times that a body was stopped because its state was no longer finite.
     non_finite: int
+    #: Number of times that the centre of a sphere passed a polygon, a triangle or a plane within a step.
+    passages: int
+    #: Index of the first of these spheres, and the step; ``None`` if there was none.
+    first_passage: tuple[int, int] | None
 
 
 @dataclass(frozen=True)

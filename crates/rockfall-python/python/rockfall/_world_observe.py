@@ -62,8 +62,9 @@ class ObservedWorlds(WorldStates):
         found = self._native.reports(limits)
         table = np.zeros(len(found), WORLD_REPORTS)
         for row, (report, on_device, escaped, stopped, sleeping) in zip(table, found, strict=True):
-            for name, value in report.items():
-                row[name] = value
+            # Worlds in one dispatch do not count passages.
+            for name in report.keys() & set(WORLD_REPORTS.names or ()):
+                row[name] = report[name]
             row["workgroup"] = on_device
             row["escaped"] = -1 if escaped is None else escaped
             row["stopped"] = stopped is not None

@@ -8,7 +8,7 @@ use super::{gauges, motions, periods, run};
 use crate::model::layout::{most_pair_rows, words_of_rows};
 use crate::model::muscles::MuscleClock;
 use crate::options::Options;
-use crate::report::Report;
+use crate::report::{Passage, Report};
 use crate::scene::{Counts, FlowState, Material, Pair, Scene};
 use crate::settings::Settings;
 use crate::user_laws::{ForceLaw, PairParameter};
@@ -58,16 +58,32 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     head.u32(pair_capacity.unwrap_or(0).min(most_pair_capacity(&scene.counts())));
     head.u32(u32::from(*keep_going));
 
-    let Report { steps, time, contacts, max_overlap, collisions, total_collisions, replays, list_builds, non_finite } = report;
+    let Report {
+        steps,
+        time,
+        contacts,
+        max_overlap,
+        collisions,
+        total_collisions,
+        replays,
+        list_builds,
+        non_finite,
+        passages,
+        first_passage,
+    } = report;
     head.f32(*time_step);
     head.u64(*steps);
     head.f64(*time);
     head.u32(*contacts);
     head.f32(*max_overlap);
     head.u32(*collisions);
-    for count in [total_collisions, replays, list_builds, non_finite] {
+    for count in [total_collisions, replays, list_builds, non_finite, passages] {
         head.u64(*count);
     }
+    // The step is 0 where there was none.
+    let (sphere, step) = first_passage.map_or((0, 0), |Passage { sphere, step }| (sphere as u64, step));
+    head.u64(step);
+    head.u64(sphere);
 
     let History { lengths_due, margin_scale, lookahead, clock } = history;
     head.u32(u32::from(*lengths_due));
@@ -92,6 +108,15 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let given = contact_force_law.as_ref().map(KeptContactLaw::of);
     contact_law(&mut head, given.as_ref().or(kept_contact_law.as_ref()));
     head.bytes
+}
+
+fn read_passage(words: &mut Words) -> Result<Option<Passage>, Damage> {
+    let (step, sphere) = (words.u64()?, words.u64()?);
+    let sphere = usize::try_from(sphere).map_err(|_| Damage::new("its first passage is of a sphere beyond all numbers"))?;
+    if step == 0 && sphere > 0 {
+        return Err(Damage::new(format!("its first passage, of sphere number {sphere}, is before the first step")));
+    }
+    Ok((step > 0).then_some(Passage { sphere, step }))
 }
 
 /// Words of pair lists that a file may ask for.
@@ -126,7 +151,12 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         replays: words.u64()?,
         list_builds: words.u64()?,
         non_finite: words.u64()?,
+        passages: words.u64()?,
+        first_passage: read_passage(words)?,
     };
+    if (report.passages > 0) != report.first_passage.is_some() {
+        return Err(Damage::new(format!("it has {} passages through walls without a first one", report.passages)));
+    }
     if !(is_time(report.time) && report.max_overlap >= 0.0) {
         return Err(Damage::new(format!("its time is {} s and its deepest overlap {}", report.time, report.max_overlap)));
     }

@@ -18,6 +18,11 @@ pub(crate) struct Tally {
     escaped: u32,
     bad_count: u32,
     bad_body: u32,
+    /// Whether some sphere is so fast that it may pass a wall.
+    pub(crate) fast: bool,
+    passages: u32,
+    /// The complement of the least insertion index.
+    passing: u32,
 }
 
 impl Default for Tally {
@@ -31,6 +36,9 @@ impl Default for Tally {
             escaped: 0,
             bad_count: 0,
             bad_body: NO_BODY,
+            fast: false,
+            passages: 0,
+            passing: 0,
         }
     }
 }
@@ -46,6 +54,9 @@ impl Tally {
             escaped: self.escaped | other.escaped,
             bad_count: self.bad_count + other.bad_count,
             bad_body: self.bad_body.min(other.bad_body),
+            fast: self.fast | other.fast,
+            passages: self.passages + other.passages,
+            passing: self.passing.max(other.passing),
         }
     }
 
@@ -69,12 +80,21 @@ impl Tally {
         self.bad_body = self.bad_body.min((stage as u32) << BAD_STAGE_SHIFT | insertion_index);
     }
 
+    /// Counts a sphere whose centre has passed a wall.
+    pub(crate) fn count_passage(&mut self, insertion_index: u32) {
+        self.passages += 1;
+        self.passing = self.passing.max(!insertion_index);
+    }
+
     /// Adds the tally to the counters of the current step.
     pub(crate) fn add_to(self, status: &mut Status) {
         let counters = Counters {
             contacts: self.contacts,
             max_overlap: self.max_overlap.to_bits(),
             collisions: self.collisions,
+            fast: self.fast.into(),
+            passages: self.passages,
+            passing: self.passing,
             ..Counters::default()
         };
         status.counters[0] = status.counters[0].and(counters);

@@ -154,6 +154,13 @@ constants! {
     pub const SURFACE_CONE: u32 = 3;
     /// Surface of a polygon: a ball that is touched from outside. The next number is that of one that is touched from inside.
     pub const SURFACE_BALL: u32 = 5;
+    /// A sphere whose way in a step is longer than this, in radii, may pass a wall (docs/physics.md section 2.20).
+    pub const FAST_WAY: f32 = 0.25;
+    /// Overlap, in radii, from which the centre of a slower sphere may be near a wall.
+    pub const DEEP_OVERLAP: f32 = 0.5;
+    /// How far the place at which a centre passes the plane of a polygon may be outside of its outline, as a share of its edges, so that no
+    /// seam has a gap.
+    pub const OUTLINE_SLACK: f32 = 1e-4;
     /// Half the edge of the bounding box of a plane, in units.
     pub const UNBOUNDED: f32 = 1e15;
     /// Words of the rates of a sphere: acceleration x, y, z, torque x, y, z.

@@ -71,6 +71,12 @@ words! {
             pub max_overlap: u32 => atomic,
             /// Collisions in the step.
             pub collisions: u32 => atomic,
+            /// 1 when a sphere is so fast that it may pass a wall. Like the next two words, only in the first block.
+            pub fast: u32 => atomic,
+            /// Number of spheres whose centres have passed a wall in the step.
+            pub passages: u32 => atomic,
+            /// The bitwise complement of the least insertion index of these spheres; 0 without passages.
+            pub passing: u32 => atomic,
         }
         after {
             /// Padding to 32 bytes.
@@ -81,7 +87,7 @@ words! {
 
 impl Counters {
     /// Words of padding.
-    pub(crate) const PADDING: usize = 5;
+    pub(crate) const PADDING: usize = 2;
 
     /// Returns the counts of both together.
     pub fn and(self, other: Self) -> Self {
@@ -89,6 +95,9 @@ impl Counters {
             contacts: self.contacts + other.contacts,
             max_overlap: self.max_overlap.max(other.max_overlap),
             collisions: self.collisions + other.collisions,
+            fast: self.fast | other.fast,
+            passages: self.passages + other.passages,
+            passing: self.passing.max(other.passing),
             pad: self.pad,
         }
     }
@@ -176,6 +185,12 @@ words! {
             pub repeats: u32,
             /// 1 while the current step is repeated in this way. If it is rejected again, the host repeats it.
             pub repeated: u32,
+            /// Number of spheres whose centres have passed a wall, in all completed steps.
+            pub total_passages: u32,
+            /// The least insertion index of these spheres in the first step with a passage, or [`NO_BODY`].
+            pub first_passing: u32,
+            /// Value of `steps` after that step; 0 while there is none.
+            pub passage_step: u32,
             /// Value of `escape_ratio` in the last step that was repeated in this way, stored in the same form.
             pub repeat_escape: u32,
         }
@@ -191,6 +206,7 @@ impl Default for Status {
             rebuild: REBUILD_REQUESTED,
             bad_body: NO_BODY,
             first_bad: NO_BODY,
+            first_passing: NO_BODY,
             ..Zeroable::zeroed()
         }
     }

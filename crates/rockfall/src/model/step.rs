@@ -150,6 +150,8 @@ block! {
         /// Size of the grid's cells at level [`LEVEL_BIAS`](crate::model::layout::LEVEL_BIAS), in units. It is a little more
         /// than the size of most bodies.
         pub cell_size: f32,
+        /// The smallest radius of a sphere, without the parts of boxes, in units.
+        pub least_radius: f32,
         /// Lowest level of the grid that objects are put on, however small they are.
         pub least_level: u32,
         /// Cells of the grid's table, a power of two and a multiple of [`CELL_BLOCK`](crate::model::layout::CELL_BLOCK).

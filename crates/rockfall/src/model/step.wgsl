@@ -14,6 +14,8 @@ const MUSCLES: bool = true;
 const WALLS: bool = true;
 const RIGID_BODIES: bool = true;
 const BODY_BOXES: bool = true;
+// Whether passages of spheres through polygons are counted.
+const PASSAGES: bool = true;
 const TRIANGLES: bool = true;
 const SMOOTH: bool = true;
 // Whether the scene has rods and polygons.

@@ -41,6 +41,8 @@ pub struct Traits {
     pub rigid: bool,
     /// Some rigid bodies have boxes.
     pub body_boxes: bool,
+    /// There are polygons.
+    pub polygons: bool,
     /// Some polygons are triangles.
     pub triangles: bool,
     /// Some polygons are smooth walls.
@@ -94,6 +96,7 @@ impl Step {
             servos: has(FLAG_SERVOS),
             rigid: layout.rigid_bodies > 0,
             body_boxes: layout.rigid_parts_at > 0,
+            polygons: layout.polygons > 0,
             triangles: has(FLAG_TRIANGLES),
             smooth: has(FLAG_SMOOTH),
             rod_polygons: layout.rods > 0 && layout.polygons > 0,
@@ -117,6 +120,11 @@ impl Traits {
     /// Orientations are updated by stages after the integration, so that it leaves them the mean spins.
     pub const fn turns_late(&self) -> bool {
         self.rods || self.rigid
+    }
+
+    /// Passages of spheres through walls are counted. Contacts that begin and end within a step take such spheres back.
+    pub const fn counts_passages(&self) -> bool {
+        self.polygons && !self.continuous
     }
 
     /// Bodies may have long lists.

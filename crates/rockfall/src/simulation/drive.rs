@@ -9,6 +9,7 @@ use crate::model::status::{
     REJECTED_MANY, REJECTED_NETWORKS, REJECTED_NON_FINITE, REJECTED_PAIRS, Status,
 };
 use crate::profile::Recorder;
+use crate::report::Passage;
 use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
 use crate::step::schedule::Phase;
@@ -159,5 +160,11 @@ impl Simulation {
         self.report.collisions = status.last_collisions;
         self.report.total_collisions += total(status) - total(before);
         self.report.non_finite += u64::from(status.total_bad.wrapping_sub(before.total_bad));
+        self.report.passages += u64::from(status.total_passages.wrapping_sub(before.total_passages));
+        let has_begun = self.report.passages > 0 && self.report.first_passage.is_none();
+        if has_begun && status.first_passing != NO_BODY {
+            let step = self.report.steps - done + u64::from(status.passage_step.wrapping_sub(before.steps));
+            self.report.first_passage = Some(Passage { sphere: status.first_passing as usize, step });
+        }
     }
 }

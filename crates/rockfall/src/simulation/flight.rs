@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 
 use crate::error::Result;
-use crate::model::status::{REBUILD_REQUESTED, Status};
+use crate::model::status::{NO_BODY, REBUILD_REQUESTED, Status};
 use crate::options::Optimization;
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
@@ -199,6 +199,9 @@ fn resumed(status: Status) -> Status {
         total_collisions_low: 0,
         total_collisions_high: 0,
         total_bad: 0,
+        total_passages: 0,
+        first_passing: NO_BODY,
+        passage_step: 0,
         history_blocks: 0,
         history_needed: 0,
         repeats: 0,

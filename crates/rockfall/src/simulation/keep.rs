@@ -196,6 +196,8 @@ impl Simulation {
         self.muscle_clock = history.clock;
         self.status.lengths_due = u32::from(history.lengths_due);
         self.status.forces_due = self.world.status.forces_due;
+        // Passages are looked for after deep overlaps.
+        self.status.last_max_overlap = checkpoint.report.max_overlap.to_bits();
         self.lists = ListPolicy::new(history.lookahead, history.margin_scale);
     }
 }

@@ -14,13 +14,13 @@ use crate::step::collisions::{
 };
 use crate::step::forces::{loads, rod_loads};
 use crate::step::fused::run_worlds;
-use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, symplectic_euler, turn};
+use crate::step::integrate::{advance, constrain, drift, end_step, find_passages, finish, kick, symplectic_euler, turn};
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
 use crate::step::walls::{drive_servos, move_walls, servo_loads};
 
 /// All stages, each once.
-pub const ALL: [&Stage; 50] = [
+pub const ALL: [&Stage; 51] = [
     &drive_servos::STAGE,
     &move_walls::STAGE,
     &update_aabbs::STAGE,
@@ -64,6 +64,7 @@ pub const ALL: [&Stage; 50] = [
     &constrain::STAGE,
     &turn::STAGE,
     &move_bodies::STAGE,
+    &find_passages::STAGE,
     &end_step::STAGE,
     &key_spheres::STAGE,
     &count_digits::STAGE,

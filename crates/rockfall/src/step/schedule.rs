@@ -21,7 +21,7 @@ use crate::step::collisions::{
     gather_impulses, project_networks, sweep_at_once, sweep_collisions, synchronise, weigh_collisions, weigh_networks,
 };
 use crate::step::forces::{loads, rod_loads};
-use crate::step::integrate::{advance, constrain, drift, end_step, finish, kick, symplectic_euler, turn};
+use crate::step::integrate::{advance, constrain, drift, end_step, find_passages, finish, kick, symplectic_euler, turn};
 use crate::step::reorder::{count_digits, key_spheres, measure_order, permute_spheres, scatter_digits, settle_spheres};
 use crate::step::stage::Stage;
 use crate::step::walls::{drive_servos, move_walls, servo_loads};
@@ -55,6 +55,8 @@ pub enum When {
     Walls,
     /// Scenes in which walls follow servos.
     Servos,
+    /// Scenes in which passages through walls are counted.
+    Passages,
     /// Scenes with rigid bodies.
     Rigid,
     /// Scenes that several processes share, on a GPU.
@@ -96,6 +98,7 @@ impl Run {
             When::LongMovers => traits.long_movers,
             When::Walls => traits.walls,
             When::Servos => traits.servos,
+            When::Passages => traits.counts_passages(),
             When::Rigid => traits.rigid,
             When::Shared => step.layout.sent > 0,
             When::Turned => traits.turns_late(),
@@ -242,6 +245,7 @@ impl Phase {
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Turned),
                         bodies(3),
+                        pass(&find_passages::STAGE, 3).when(When::Passages),
                         servos(SERVO_END),
                         run(&end_step::STAGE),
                     ]
@@ -261,6 +265,7 @@ impl Phase {
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Turned),
                         bodies(AFTER_EULER),
+                        pass(&find_passages::STAGE, 3).when(When::Passages),
                         servos(SERVO_END),
                         run(&end_step::STAGE),
                     ]
@@ -285,6 +290,7 @@ impl Phase {
                         run(&constrain::STAGE),
                         run(&turn::STAGE).when(When::Turned),
                         bodies(AFTER_KICK),
+                        pass(&find_passages::STAGE, 3).when(When::Passages),
                         servos(SERVO_END),
                         run(&end_step::STAGE),
                     ]

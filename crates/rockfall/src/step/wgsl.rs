@@ -119,6 +119,7 @@ const SHARED: &[Part] = &[
     part!("physics/motion.wgsl"),
     part!("physics/pair_damping.wgsl"),
     part!("physics/pairs.wgsl"),
+    part!("physics/passage.wgsl"),
     part!("physics/period.wgsl"),
     part!("physics/product.wgsl"),
     part!("physics/residue.wgsl"),
@@ -246,6 +247,8 @@ pub struct Variant {
     pub rigid: bool,
     /// Rigid bodies may have boxes.
     pub body_boxes: bool,
+    /// Passages through polygons are counted.
+    pub passages: bool,
     /// There may be triangles.
     pub triangles: bool,
     /// There may be smooth walls.
@@ -292,6 +295,7 @@ impl Variant {
             walls: traits.walls,
             rigid: traits.rigid,
             body_boxes: traits.body_boxes,
+            passages: traits.counts_passages(),
             triangles: traits.triangles,
             smooth: traits.smooth,
             rod_polygons: traits.rod_polygons,
@@ -321,6 +325,7 @@ impl Variant {
             ("WALLS", self.walls),
             ("RIGID_BODIES", self.rigid),
             ("BODY_BOXES", self.body_boxes),
+            ("PASSAGES", self.passages & self.worlds.is_none()),
             ("TRIANGLES", self.triangles),
             ("SMOOTH", self.smooth),
             ("ROD_POLYGONS", self.rod_polygons),

@@ -22,7 +22,7 @@ use crate::decisions::entries;
 use crate::device::{GPU, on_gpu, open};
 use crate::trace::{Only, Plan, Scenario, Trace, trace};
 use crate::verdicts::{Key, Verdicts};
-use crate::{assert_scenario_matches, keys, plan, rigid, rod_walls, servos, shear, walls, with_law};
+use crate::{assert_scenario_matches, keys, passages, plan, rigid, rod_walls, servos, shear, walls, with_law};
 
 /// A mistake in a kernel: the stage and its pass, the WGSL file, the correct text, the wrong text, and the buffer that must
 /// differ.
@@ -441,6 +441,26 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Topology,
     ),
     Mistake("measure_order", 0, "measure_order.wgsl", "32u - count", "31u - count", Buffer::Status),
+    Mistake("loads", 0, "passage.wgsl", "> FAST_WAY * radius", "> 999.0 * radius", Buffer::Status),
+    Mistake("find_passages", 3, "find_passages.wgsl", "& (heights.x < 0.0))", "& (heights.x >= 0.0))", Buffer::Status),
+    Mistake(
+        "find_passages",
+        3,
+        "find_passages.wgsl",
+        "select(max(left, right), left + right,",
+        "select(max(left, right), left,",
+        Buffer::Status,
+    ),
+    Mistake("find_passages", 3, "find_passages.wgsl", "+ 0.5 * step.dt * y2", "- 0.5 * step.dt * y2", Buffer::Status),
+    Mistake("find_passages", 3, "find_passages.wgsl", "along -= step.dt", "along += step.dt", Buffer::Status),
+    Mistake(
+        "end_step",
+        0,
+        "close_step.wgsl",
+        "status.total_passages += passages",
+        "status.total_passages = 0u",
+        Buffer::Status,
+    ),
     Mistake("end_step", 0, "close_step.wgsl", "atomicLoad(&max_overlap)", "atomicLoad(&contacts)", Buffer::Status),
     Mistake("synchronise", 0, "synchronise.wgsl", "0.5 * step.dt", "step.dt", Buffer::Start),
     Mistake("synchronise", 0, "synchronise.wgsl", "length(acceleration)", "acceleration.x", Buffer::Topology),
@@ -502,6 +522,8 @@ static MISTAKES: &[Mistake] = &[
     Mistake("sweep_at_once", 0, "sweep_at_once.wgsl", "sweeps < SWEEPS;", "sweeps < SWEEPS / 2u;", Buffer::Start),
     Mistake("sweep_at_once", 0, "cluster.wgsl", "max(0.0, fma(fma", "max(-1e9, fma(fma", Buffer::Start),
     Mistake("sweep_at_once", 0, "cluster.wgsl", "SWEEP_SIZES[sweeps / 2u]", "SWEEP_SIZES[3u - sweeps / 2u]", Buffer::Start),
+    Mistake("sweep_at_once", 0, "cluster.wgsl", "-(by * their_wanted)) / margin", "by * their_wanted) / margin", Buffer::Start),
+    Mistake("sweep_at_once", 0, "cluster.wgsl", "fma(own, their, -(by * by))", "fma(own, their, by * by)", Buffer::Start),
     Mistake("sweep_at_once", 0, "cluster.wgsl", "place + 1u < count", "place + 1u < 0u", Buffer::Start),
     Mistake(
         "weigh_collisions",
@@ -851,6 +873,8 @@ fn every_kernel_with_a_mistake_is_rejected() {
     traces.push(rigid::trace_of_collisions(6, Integrator::Rk4, rigid::Parts::Balls));
     traces.push(rigid::trace_of_collisions(13, Integrator::SymplecticEuler, rigid::Parts::Rods));
     traces.push(rigid::trace_of_collisions(7, Integrator::Rk4, rigid::Parts::Boxes));
+    traces.push(rigid::trace_of_gathered(8));
+    traces.push(passages::trace(1, Integrator::Rk4, false));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();
     let verdicts = Verdicts::of("parity");

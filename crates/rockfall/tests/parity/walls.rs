@@ -15,9 +15,9 @@ use crate::decisions::Findings;
 use crate::trace::{Scenario, Trace, with_step_settings};
 
 /// Number of motions.
-const BODIES: usize = 3;
+pub(crate) const BODIES: usize = 3;
 /// Number of rows of the table of poses: the start, the middle and the end of a step.
-const ROWS: u32 = 3;
+pub(crate) const ROWS: u32 = 3;
 
 fn vector(random: &mut Pcg64Mcg, most: f32) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| random.random_range(-most..most)))
@@ -101,7 +101,7 @@ fn scene(seed: u64, rods: bool, coulomb: f32) -> Scene {
 }
 
 /// A table of poses: small turns and displacements, and velocities and accelerations of any direction.
-fn poses(seed: u64) -> Vec<f32> {
+pub(crate) fn poses(seed: u64) -> Vec<f32> {
     let mut random = Pcg64Mcg::seed_from_u64(seed ^ 0x5ea);
     let mut table = Vec::new();
     for _ in 0..ROWS as usize * BODIES {

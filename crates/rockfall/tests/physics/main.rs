@@ -20,6 +20,7 @@ mod gauges;
 mod hard;
 mod laws;
 mod meshes;
+mod passages;
 mod periodic;
 mod ray;
 mod rod_walls;

@@ -186,6 +186,7 @@ impl DeviceWorlds {
             walls: false,
             rigid: false,
             body_boxes: false,
+            passages: false,
             triangles: false,
             smooth: false,
             sheared: false,

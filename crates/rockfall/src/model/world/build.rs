@@ -121,6 +121,7 @@ impl World {
     /// twice as many cells as objects, so that rows of cells seldom share places in the table.
     fn set_grid(&mut self, scene: &Scene) {
         (self.step.layout.cell_size, self.step.layout.least_level) = typical_cell(scene);
+        self.step.layout.least_radius = least_radius(scene);
         self.place_cells(2 * self.objects(), has_long_movers(scene, self.step.layout.cell_size));
     }
 
@@ -251,6 +252,13 @@ fn typical_cell(scene: &Scene) -> (f32, u32) {
     let (size, least_level) =
         if large < 2.0 * median { (CELL_OF_ALL * large, LEVEL_BIAS) } else { (CELL_PER_RADIUS * median, 0) };
     (size.clamp(1e-20, 1e20), least_level)
+}
+
+/// The smallest radius of a sphere that is no part of a box.
+fn least_radius(scene: &Scene) -> f32 {
+    let parts = parts_of_boxes(scene);
+    let spheres = scene.spheres().iter().enumerate().filter(|(index, _)| !matches!(parts.get(*index), Some(Some(_))));
+    spheres.map(|(_, sphere)| sphere.radius).fold(f32::INFINITY, f32::min)
 }
 
 /// Whether some sphere or rod at rest is so large that it belongs to [`LONG_LEVEL`](crate::model::layout::LONG_LEVEL) or above.

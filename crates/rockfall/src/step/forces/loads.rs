@@ -29,6 +29,7 @@ use crate::model::world::World;
 use crate::physics::forces::attached::add_attached;
 use crate::physics::forces::contacts::{Contacts, Load};
 use crate::physics::laws::history::{BLOCK_WORDS, Chains, Histories, Owned, Record};
+use crate::physics::passage::{is_fast, is_watched};
 use crate::physics::travel::{escape_ratio, needs_rebuild};
 use crate::step::moves::{FORCES, Moves};
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
@@ -160,4 +161,5 @@ fn check_places(world: &mut World, pass: u32) {
 pub(crate) fn note_place(view: &View, aabbs: &[Aabb], pass: u32, sphere: u32, tally: &mut Tally) {
     tally.note_escape(ESCAPED_IN_LOADS + pass, escape_ratio(view, aabbs, sphere));
     tally.rebuild |= pass == 3 && needs_rebuild(view, aabbs, sphere, view.position(sphere), view.velocity(sphere));
+    tally.fast |= is_fast(view, sphere) && is_watched(view, sphere) && view.step.traits().counts_passages();
 }

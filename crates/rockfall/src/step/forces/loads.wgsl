@@ -1,5 +1,5 @@
 // requires model/counters.wgsl model/early.wgsl model/load_rows.wgsl model/one_state.wgsl model/step.wgsl physics/collision/hidden_crossing.wgsl physics/escape.wgsl physics/forces/due.wgsl
-// requires physics/forces/load.wgsl physics/forces/net_force.wgsl physics/forces/rates.wgsl physics/forces/user.wgsl physics/rigid.wgsl step/large_spheres/large_sphere_load.wgsl step/large_spheres/workgroup_per_sphere.wgsl
+// requires physics/forces/load.wgsl physics/forces/net_force.wgsl physics/passage.wgsl physics/forces/rates.wgsl physics/forces/user.wgsl physics/rigid.wgsl step/large_spheres/large_sphere_load.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -39,6 +39,14 @@ fn check_place(i: u32, velocity: vec4f) {
     }
     if evaluation() == 3u {
         request_rebuild(i, place, velocity);
+    }
+    if PASSAGES {
+        if is_watched(i) & is_fast(place.w, velocity) {
+            // A load is cheaper than an atomic write, and most find the word set.
+            if atomicLoad(&status.counters[0].fast) == 0u {
+                atomicStore(&status.counters[0].fast, 1u);
+            }
+        }
     }
 }
 

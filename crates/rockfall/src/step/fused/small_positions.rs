@@ -21,9 +21,9 @@ use crate::physics::laws::history::{Histories, Owned};
 use crate::settings::{BroadPhase, Integrator};
 use crate::step::forces::loads::note_place;
 use crate::step::integrate::advance::next_state;
-use crate::step::integrate::end_step;
 use crate::step::integrate::finish::finished;
 use crate::step::integrate::turn::turn_for;
+use crate::step::integrate::{end_step, find_passages};
 use crate::step::schedule::{Phase, Run};
 
 /// Whether [`update_positions`] computes the phase of positions of a scene. The stages of larger scenes are divided among threads.
@@ -60,6 +60,9 @@ pub(crate) fn update_positions(world: &mut World) {
         }
     }
     finish(world, &mut springs);
+    if world.step.traits().counts_passages() {
+        find_passages::find_passages(world, 3);
+    }
     end_step::end_step(world, 0);
 }
 

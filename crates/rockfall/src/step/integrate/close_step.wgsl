@@ -32,6 +32,7 @@ fn repeat_step() {
     atomicStore(&status.listed, 0u);
     atomicStore(&status.bad_count, 0u);
     atomicStore(&status.bad_body, NO_BODY);
+    atomicStore(&status.counters[0].fast, 0u);
     if atomicLoad(&status.collided) == 0u {
         atomicStore(&status.collides, 0u);
         atomicStore(&status.clustered, 0u);
@@ -80,6 +81,18 @@ fn count_step() {
     }
 }
 
+// Adds the passages of the step, and records the first of all.
+fn count_passages() {
+    let passages = atomicExchange(&status.counters[0].passages, 0u);
+    let passing = atomicExchange(&status.counters[0].passing, 0u);
+    status.total_passages += passages;
+    if (passages != 0u) & (status.first_passing == NO_BODY) {
+        status.first_passing = ~passing;
+        status.passage_step = status.steps;
+    }
+    atomicStore(&status.counters[0].fast, 0u);
+}
+
 // Records the first body whose state stopped being finite. Rejects the steps after this one unless FLAG_CONTINUE is set.
 fn note_bad_body() {
     let bad_body = atomicLoad(&status.bad_body);
@@ -120,6 +133,7 @@ fn close_step(local: u32) {
         return;
     }
     count_step();
+    count_passages();
     note_bad_body();
     atomicStore(&status.collides, 0u);
     atomicStore(&status.bad_count, 0u);

@@ -59,6 +59,11 @@ pub(crate) fn end_step(world: &mut World, _pass: u32) {
     status.total_collisions_low = low;
     status.total_collisions_high += u32::from(carry);
     status.total_bad += std::mem::take(&mut status.bad_count);
+    status.total_passages += counters.passages;
+    if counters.passages > 0 && status.first_passing == NO_BODY {
+        status.first_passing = !counters.passing;
+        status.passage_step = status.steps;
+    }
     let bad = std::mem::replace(&mut status.bad_body, NO_BODY);
     if bad != NO_BODY {
         if status.first_bad == NO_BODY {
