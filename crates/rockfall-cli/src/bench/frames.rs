@@ -74,7 +74,8 @@ pub(crate) fn bench(arguments: &Arguments) -> Result<(), Failure> {
     }
     let device = sizes.first().map_or("", |size| &size.backend.device);
     let mut text = format!("rockfall bench frames {scene}: {device}\n\n");
-    text += "bodies    substeps  ms per frame (least, most)   repeats (before)   contacts  overlap p99, most   lost  first frame\n";
+    text +=
+        "bodies    substeps  ms per frame (least, most)   repeats (before)   contacts  overlap p99, most   lost  first frame\n";
     sizes.iter().for_each(|size| text += &size.line());
     output::print(&text)
 }

@@ -43,11 +43,11 @@ use crate::rigid::world::RigidWorld;
 use bodies::Bodies;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(in crate::rigid) use contacts::LEFT_OVER;
-#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
-pub(in crate::rigid) use upload::bodies_alone;
 use contacts::{Contacts, for_each};
 use rows::{Pass, Softness};
 use times::Scope;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub(in crate::rigid) use upload::bodies_alone;
 
 /// Frequency of contacts times the substep; twice as stiff against a side without mass.
 pub(in crate::rigid) const FREQUENCY: f32 = 0.18;

@@ -4,9 +4,9 @@ mod conservation;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
-mod device_world;
-#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device_round;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+mod device_world;
 mod fast;
 mod flight;
 mod friction;

@@ -6,8 +6,8 @@ use glam::{Mat3A, Vec3A};
 
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER, Pair, Point};
-use crate::rigid::frame::{Frame, FrameReport, History, REPEATS, report, widen};
 use crate::rigid::frame::refresh::tangents;
+use crate::rigid::frame::{Frame, FrameReport, History, REPEATS, report, widen};
 use crate::rigid::gpu::rows::{
     BELT, BlockRow, BodyRow, ConstantRow, ContactRow, ELASTIC, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
     SEAMS, WAITS,
@@ -17,7 +17,13 @@ use crate::rigid::gpu::{Outcome, Plan, RigidGpu};
 use crate::rigid::world::RigidWorld;
 
 /// Advances all bodies by a frame as [`super::advance_or_stop`] does, with the substeps on a device.
-pub(crate) fn advance_on_device(world: &mut RigidWorld, dt: f32, substeps: u32, gpu: &Arc<RigidGpu>, plan: Plan) -> FrameReport {
+pub(crate) fn advance_on_device(
+    world: &mut RigidWorld,
+    dt: f32,
+    substeps: u32,
+    gpu: &Arc<RigidGpu>,
+    plan: Plan,
+) -> FrameReport {
     let mut repeats = 0;
     loop {
         let mut frame = Frame::open(world, dt, substeps);

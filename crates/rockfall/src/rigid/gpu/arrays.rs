@@ -5,8 +5,8 @@ use std::sync::{Arc, OnceLock};
 
 use bytemuck::Pod;
 
-use crate::rigid::gpu::{MOST_GROUPS, RigidGpu, THREADS};
 use crate::rigid::gpu::kernels::{BINDINGS, Kinds, STAGES};
+use crate::rigid::gpu::{MOST_GROUPS, RigidGpu, THREADS};
 
 /// Arrays by binding, and a bind group for each stage that was used.
 #[derive(Debug)]
@@ -69,10 +69,8 @@ impl Arrays {
                 wgpu::BindGroupEntry { binding: 0, resource: self.get(0).as_entire_binding() },
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Buffer(call) },
             ];
-            let entry = |binding: &u32| wgpu::BindGroupEntry {
-                binding: *binding,
-                resource: self.get(*binding).as_entire_binding(),
-            };
+            let entry =
+                |binding: &u32| wgpu::BindGroupEntry { binding: *binding, resource: self.get(*binding).as_entire_binding() };
             entries.extend(STAGES[stage].bindings.iter().map(entry));
             let layout = &self.gpu.kernel(stage, self.kinds).layout;
             self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })

@@ -175,9 +175,8 @@ impl Search {
         let (bodies, colliders) = (world.bodies.len() as u32, world.colliders.len() as u32);
         assert!(inputs.bodies.size() >= 144 * u64::from(bodies) && inputs.colliders.size() >= 80 * u64::from(colliders));
         let content = Content::of(world);
-        let kernel = |(number, stage): (usize, &Stage)| {
-            content.needs(number).then(|| gpu.search_kernel(number, stage, content))
-        };
+        let kernel =
+            |(number, stage): (usize, &Stage)| content.needs(number).then(|| gpu.search_kernel(number, stage, content));
         let kernels = SEARCH_STAGES.iter().enumerate().map(kernel).collect();
         // At most half of the slots are in use.
         let slots = (2 * colliders.max(1)).next_power_of_two();

@@ -10,7 +10,8 @@ use crate::rigid::frame::{FrameReport, REPEATS, bodies_alone};
 use crate::rigid::gpu::arrays::Arrays;
 use crate::rigid::gpu::assemble::{Assembly, Content, ROUNDS};
 use crate::rigid::gpu::kernels::{
-    BODIES, CALM, COLLIDERS, CONSTANTS, COUNTS, HULLS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES, STORE, SUM_UP, SURFACES, WIDEN,
+    BODIES, CALM, COLLIDERS, CONSTANTS, COUNTS, HULLS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES, STORE, SUM_UP,
+    SURFACES, WIDEN,
 };
 use crate::rigid::gpu::past::Past;
 use crate::rigid::gpu::rows::{BodyRow, FrameRow};
@@ -340,7 +341,9 @@ impl GpuWorld {
         let arrays = &self.frame.arrays;
         let rows: Vec<BodyRow> = arrays.read(BODIES, self.row.bodies)?;
         let scales: Vec<f32> = arrays.read(SCALES, self.row.bodies)?;
-        for ((body, row), scale) in world.bodies.iter_mut().zip(&rows).zip(scales).filter(|((body, _), _)| body.kind != Kind::World) {
+        for ((body, row), scale) in
+            world.bodies.iter_mut().zip(&rows).zip(scales).filter(|((body, _), _)| body.kind != Kind::World)
+        {
             body.pose.position = Vec3::from_array(row.position);
             body.pose.turn = Quat::from_array(row.turn);
             if body.inverse_mass > 0.0 && body.kind == Kind::Dynamic {
