@@ -161,5 +161,6 @@ fn check_places(world: &mut World, pass: u32) {
 pub(crate) fn note_place(view: &View, aabbs: &[Aabb], pass: u32, sphere: u32, tally: &mut Tally) {
     tally.note_escape(ESCAPED_IN_LOADS + pass, escape_ratio(view, aabbs, sphere));
     tally.rebuild |= pass == 3 && needs_rebuild(view, aabbs, sphere, view.position(sphere), view.velocity(sphere));
-    tally.fast |= is_fast(view, sphere) && is_watched(view, sphere) && view.step.traits().counts_passages();
+    let has_walls = view.step.layout.polygons > 0;
+    tally.fast |= has_walls && is_fast(view, sphere) && is_watched(view, sphere) && view.step.traits().counts_passages();
 }
