@@ -239,6 +239,9 @@ fn stages_agree() {
             // H200.
             let most = if name == "great wall" {
                 5e-3
+            } else if part == Part::Impacts && name == "elastic pile" {
+                // A last bit decides whether a hit at the end of the substep is still in it: 0.023.
+                0.1
             } else if part == Part::Impacts {
                 1e-3
             } else {
@@ -325,9 +328,13 @@ fn frames_agree() {
             "{name}: frames {place:.1e} apart, speeds {speed:.1e}, repeats {repeats} and {}, dispatches {dispatches:?}",
             scene.repeats - before
         );
-        let most = if name == "great wall" { 1e-3 } else { 1e-4 };
         // In a pile that bounces, a last bit decides which body is hit first (0.28 on an H200).
-        let fastest = if name == "elastic pile" { 1.0 } else { 1e-2 };
+        let (most, fastest) = match name {
+            "great wall" => (1e-3, 5e-2),
+            "elastic pile" => (1e-3, 1.0),
+            "pile" => (1e-3, 5e-2),
+            _ => (1e-4, 1e-2),
+        };
         assert!(place < most && speed < fastest && repeats == scene.repeats - before, "{name}");
     }
 }
