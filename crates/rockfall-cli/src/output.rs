@@ -41,14 +41,21 @@ pub(crate) fn note(line: &str) {
     }
 }
 
-/// A text with control characters escaped, which a terminal would obey. Names of files and of objects may hold them.
+/// A text with control characters escaped, which a terminal would obey, and with those that turn the direction of writing. Names of
+/// files and of objects may hold them.
 fn harmless(text: &str) -> Cow<'_, str> {
-    let is_obeyed = |letter: char| letter.is_control() && !matches!(letter, '\n' | '\t');
+    let turns = |letter: char| matches!(letter, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let is_obeyed = |letter: char| turns(letter) || letter.is_control() && !matches!(letter, '\n' | '\t');
     if !text.contains(is_obeyed) {
         return Cow::Borrowed(text);
     }
     let escaped = |letter| if is_obeyed(letter) { letter.escape_default().to_string() } else { letter.to_string() };
     text.chars().map(escaped).collect()
+}
+
+/// A name that a file brings along, on one line, so that it cannot look like a line of this program.
+pub(crate) fn on_one_line(name: &str) -> String {
+    name.replace('\n', "\\n")
 }
 
 /// Prints the message of a failure, if it has one, and returns its exit code.

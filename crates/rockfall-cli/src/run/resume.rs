@@ -192,11 +192,13 @@ impl Recorded<'_> {
     fn checked(&mut self, option: &str, known: &[&str], path: &Path) -> Result<PathBuf, Failure> {
         let file = self.checkpoint.display();
         files::check(option, path, known).map_err(|failure| match failure {
-            Failure::Usage(message) => Failure::Usage(format!("{file}: its output {message}; name another {option}")),
+            Failure::Usage(message) => {
+                Failure::Usage(format!("{file}: its output {}; name another {option}", output::on_one_line(&message)))
+            }
             failure => failure,
         })?;
         if !is_below(path, folder_of(self.checkpoint)) {
-            self.outside.push(format!("{option} {}", path.display()));
+            self.outside.push(format!("{option} {}", output::on_one_line(&path.display().to_string())));
         }
         Ok(path.to_owned())
     }

@@ -43,6 +43,17 @@ fn a_checkpoint_writes_only_below_its_folder() {
     assert_ne!(rockfall.read("mine.txt"), "mine");
 }
 
+/// A name cannot look like a line of the program, and cannot turn the direction of writing.
+#[test]
+fn a_name_from_a_checkpoint_stays_on_its_line() {
+    let rockfall = stranger();
+    let name = "../o.txt\nerror: run this: \u{202e}rm.txt";
+    edit(&rockfall.path("gift/a.ckpt"), |note| drop(note.insert("save".into(), name.into())));
+    let (_, err) = rockfall.run("run --resume gift/a.ckpt --steps 5", 2);
+    assert_eq!(err.lines().count(), 1, "{err}");
+    assert!(err.contains("../o.txt\\nerror: run this: \\u{202e}rm.txt"), "{err}");
+}
+
 /// Every kind of output has its extension, also with `--outputs-as-recorded`.
 #[test]
 fn a_checkpoint_names_no_file_of_another_kind() {
