@@ -5,6 +5,7 @@
 //! | [`pose`] | where a frame lies, and one pose relative to another |
 //! | [`shape`] | cores with a radius: AABB, extent, mass |
 //! | [`collide`] | the contact points of two shapes in a relative pose |
+//! | [`common`] | constants and the report of a frame, for the CPU and a device |
 //! | [`broad`] | pairs of AABBs that overlap |
 //! | [`history`] | what is kept from frame to frame |
 //! | [`world`] | bodies, colliders and materials of a scene |
@@ -16,6 +17,7 @@
 
 pub(crate) mod broad;
 pub(crate) mod collide;
+pub(crate) mod common;
 pub(crate) mod frame;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(crate) mod gpu;

@@ -106,7 +106,8 @@ impl Arguments {
         let mut overlaps: Vec<f64> = contacts.iter().map(|contact| f64::from(contact.overlap) / width).collect();
         overlaps.sort_by(f64::total_cmp);
         let rank = |share: f64| overlaps.get((share * overlaps.len() as f64) as usize).or(overlaps.last()).copied();
-        let lost = simulation.sync()?.spheres().iter().filter(|sphere| !(sphere.position.y >= bottom)).count();
+        let spheres = simulation.sync()?.spheres();
+        let lost = spheres.len() - spheres.iter().filter(|sphere| sphere.position.y >= bottom).count();
         Ok(Measured {
             bodies,
             backend: simulation.backend().clone(),

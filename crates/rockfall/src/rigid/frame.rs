@@ -38,36 +38,16 @@ pub(crate) use energy::{auto_substeps, least_width};
 #[cfg(test)]
 pub(crate) use energy::{energy, kinetic_energy, momenta};
 
+use crate::rigid::common::{FREQUENCY, REPEATS};
+pub(crate) use crate::rigid::common::{FrameReport, MOST_MARGIN};
 use crate::rigid::history::History;
 use crate::rigid::world::RigidWorld;
 use bodies::Bodies;
-#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
-pub(in crate::rigid) use contacts::LEFT_OVER;
 use contacts::{Contacts, for_each};
 use rows::{Pass, Softness};
 use times::Scope;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
-pub(in crate::rigid) use upload::bodies_alone;
-
-/// Frequency of contacts times the substep; twice as stiff against a side without mass.
-pub(in crate::rigid) const FREQUENCY: f32 = 0.18;
-/// Greatest factor of a margin.
-pub(crate) const MOST_MARGIN: f32 = 1e30;
-/// A frame is repeated at most so often.
-pub(in crate::rigid) const REPEATS: u32 = 16;
-
-/// What a frame did.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct FrameReport {
-    /// Times that the frame was repeated because a path left its margin.
-    pub(crate) repeats: u32,
-    /// Contact points that touch or whose impulse is not 0 at the end.
-    pub(crate) contacts: u32,
-    /// Greatest overlap of a point, in units.
-    pub(crate) max_overlap: f32,
-    /// Bodies whose state stopped being finite: their number, and the first one.
-    pub(crate) stopped: Option<(u32, u32)>,
-}
+pub(crate) use upload::bodies_alone;
 
 /// Advances all bodies by a frame of `dt` seconds in `substeps` substeps.
 #[cfg(test)]

@@ -18,6 +18,8 @@
 
 mod arrays;
 mod assemble;
+#[cfg(test)]
+mod contacts;
 mod kernels;
 mod past;
 pub(crate) mod rows;

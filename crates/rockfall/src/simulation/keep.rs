@@ -13,7 +13,6 @@ use crate::options::BackendInfo;
 use crate::options::Options;
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
-#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::simulation::kept::Kept;
 use crate::simulation::lists::ListPolicy;
 use crate::simulation::order::Disorder;

@@ -1,7 +1,5 @@
 //! Contacts judged by nature: against distances by trying everything, and by what swaps and moves must not change.
 
-#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
-mod device;
 mod figures;
 mod sizes;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{Mat3A, Vec3, Vec3A};
 
-use crate::rigid::frame::MOST_MARGIN;
+use crate::rigid::common::MOST_MARGIN;
 use crate::rigid::frame::turn::{Moments, about, unit};
 use crate::rigid::pose::Pose;
 use crate::rigid::world::{Body, Kind, RigidWorld};

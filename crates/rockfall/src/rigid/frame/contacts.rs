@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::{Vec2, Vec3A};
 
 use crate::rigid::collide::{MOST_POINTS, Manifold};
+pub(super) use crate::rigid::common::{COLOURS, LEFT_OVER};
 
 /// A pair of colliders that are within reach, a on the body with the smaller number.
 pub(super) struct Found {
@@ -139,11 +140,6 @@ pub(super) struct Block {
     /// What is left of the substep after its clocks, in s.
     pub(super) time: f32,
 }
-
-/// Number of colours.
-pub(super) const COLOURS: usize = 16;
-/// The colour of blocks without one.
-pub(in crate::rigid) const LEFT_OVER: u8 = COLOURS as u8;
 
 impl Block {
     pub(super) fn pair_range(&self) -> Range<usize> {

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use glam::{Mat3A, Vec3A};
 
+use crate::rigid::common::{FrameReport, REPEATS};
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER, Pair, Point};
 use crate::rigid::frame::refresh::tangents;
-use crate::rigid::frame::{Frame, FrameReport, History, REPEATS, report, widen};
+use crate::rigid::frame::{Frame, History, report, widen};
 use crate::rigid::gpu::rows::{
     BELT, BlockRow, BodyRow, ConstantRow, ContactRow, ELASTIC, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
     SEAMS, WAITS,
@@ -44,7 +45,7 @@ pub(crate) fn advance_on_device(
 }
 
 /// The rows of a world whose contacts are not known.
-pub(in crate::rigid) fn bodies_alone(world: &RigidWorld) -> FrameRows {
+pub(crate) fn bodies_alone(world: &RigidWorld) -> FrameRows {
     let bodies = Bodies::load(world, 1.0);
     let mut contacts = Contacts::default();
     contacts.list_by_body(bodies.count());

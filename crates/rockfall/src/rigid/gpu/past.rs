@@ -3,7 +3,7 @@
 use glam::Vec3A;
 
 use crate::rigid::collide::MOST_POINTS;
-use crate::rigid::frame::LEFT_OVER;
+use crate::rigid::common::LEFT_OVER;
 use crate::rigid::history::{History, OldPair, OldPoint};
 use crate::rigid::world::RigidWorld;
 

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::rigid::frame::FREQUENCY;
+use crate::rigid::common::FREQUENCY;
 use crate::rigid::gpu::shapes::ColliderRow;
 
 /// A block has one side without mass.

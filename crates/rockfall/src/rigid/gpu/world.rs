@@ -6,7 +6,7 @@ use bytemuck::{bytes_of, cast_slice};
 use glam::{Mat3, Quat, Vec3};
 
 use crate::rigid::collide::MOST_POINTS;
-use crate::rigid::frame::{FrameReport, REPEATS, bodies_alone};
+use crate::rigid::common::{FrameReport, REPEATS};
 use crate::rigid::gpu::arrays::Arrays;
 use crate::rigid::gpu::assemble::{Assembly, Content, ROUNDS};
 use crate::rigid::gpu::kernels::{
@@ -14,7 +14,7 @@ use crate::rigid::gpu::kernels::{
     SURFACES, WIDEN,
 };
 use crate::rigid::gpu::past::Past;
-use crate::rigid::gpu::rows::{BodyRow, FrameRow};
+use crate::rigid::gpu::rows::{BodyRow, FrameRow, FrameRows};
 use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search};
 use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, call, loads_bytes};
 use crate::rigid::shape::Shape;
@@ -65,13 +65,13 @@ struct Counts {
 }
 
 impl GpuWorld {
-    /// Uploads a world with what it remembers.
+    /// Uploads a world with what it remembers. `rows` has its bodies and colliders, without contacts.
     ///
     /// # Errors
     /// If the device has no buffers of that size.
-    pub(crate) fn new(gpu: &Arc<RigidGpu>, world: &RigidWorld) -> Result<Self, String> {
+    pub(crate) fn new(gpu: &Arc<RigidGpu>, world: &RigidWorld, rows: &FrameRows) -> Result<Self, String> {
         let bodies = world.bodies.len() as u32;
-        let mut frame = gpu.frame(&bodies_alone(world));
+        let mut frame = gpu.frame(rows);
         frame.is_round = world.shapes.iter().any(Shape::is_round);
         let arrays = &mut frame.arrays;
         arrays.upload(SURFACES, cast_slice(&surface_rows(world)));
@@ -93,7 +93,7 @@ impl GpuWorld {
             search,
         };
         this.make_arrays();
-        this.put(world)?;
+        this.put(world, rows)?;
         Ok(this)
     }
 
@@ -116,12 +116,11 @@ impl GpuWorld {
     ///
     /// # Errors
     /// If the device has no buffers for what the world remembers.
-    pub(crate) fn put(&mut self, world: &RigidWorld) -> Result<(), String> {
+    pub(crate) fn put(&mut self, world: &RigidWorld, rows: &FrameRows) -> Result<(), String> {
         let past = Past::of(world);
         if past.pairs.len() > self.assembly.room as usize {
             self.make_room(0, past.pairs.len() as u32)?;
         }
-        let rows = bodies_alone(world);
         let scales: Vec<f32> = world.bodies.iter().map(|body| body.margin_scale).collect();
         let write = |binding: u32, bytes: &[u8]| self.gpu().queue.write_buffer(self.frame.arrays.get(binding), 0, bytes);
         write(BODIES, cast_slice(&rows.bodies));
@@ -138,7 +137,7 @@ impl GpuWorld {
         &self.frame.arrays.gpu
     }
 
-    /// Advances all bodies by a frame of `dt` seconds in `substeps` substeps, as [`crate::rigid::frame::advance_or_stop`] does.
+    /// Advances all bodies by a frame of `dt` seconds in `substeps` substeps, as the frames of the CPU do.
     ///
     /// # Errors
     /// What the device says if it is lost.

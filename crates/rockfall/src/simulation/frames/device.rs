@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::exec::gpu::{Gpu, catch};
-use crate::rigid::frame::FrameReport;
+use crate::rigid::frame::{FrameReport, bodies_alone};
 use crate::rigid::gpu::world::GpuWorld;
 use crate::rigid::world::RigidWorld;
 
@@ -20,7 +20,7 @@ impl OnDevice {
     /// [`Error::Device`] when the device fails or has too little memory.
     pub(super) fn new(gpu: &Gpu, world: &RigidWorld) -> Result<Self> {
         gpu.check_limits()?;
-        let world = catch(gpu.device(), || GpuWorld::new(&gpu.rigid(), world))?.map_err(Error::Device)?;
+        let world = catch(gpu.device(), || GpuWorld::new(&gpu.rigid(), world, &bodies_alone(world)))?.map_err(Error::Device)?;
         Ok(Self { gpu: gpu.clone(), world, history_due: false })
     }
 

@@ -3,6 +3,7 @@
 use super::device::{apart, bits, open};
 use super::scene::{DT, Scene};
 use super::{device, device_round};
+use crate::rigid::frame::bodies_alone;
 use crate::rigid::gpu::world::GpuWorld;
 
 fn scenes() -> impl Iterator<Item = (&'static str, Scene, f32)> {
@@ -16,10 +17,10 @@ fn worlds_agree() {
     for (name, mut scene, seconds) in scenes() {
         scene.run(seconds);
         let (mut place, mut speed, before, mut repeats) = (0.0_f32, 0.0_f32, scene.repeats, 0);
-        let mut on_device = GpuWorld::new(&gpu, &scene.world).unwrap();
+        let mut on_device = GpuWorld::new(&gpu, &scene.world, &bodies_alone(&scene.world)).unwrap();
         for number in 0..20 {
             let mut other = scene.world.clone();
-            on_device.put(&scene.world).unwrap();
+            on_device.put(&scene.world, &bodies_alone(&scene.world)).unwrap();
             let report = on_device.advance(DT, 4, true).unwrap();
             on_device.download(&mut other).unwrap();
             on_device.download_history(&mut other).unwrap();
@@ -61,13 +62,13 @@ fn runs_and_resumed_runs_have_the_same_bits() {
         scene.run(seconds);
         let run = |split: bool| {
             let mut world = scene.world.clone();
-            let mut on_device = GpuWorld::new(&gpu, &world).unwrap();
+            let mut on_device = GpuWorld::new(&gpu, &world, &bodies_alone(&world)).unwrap();
             for _ in 0..10 {
                 on_device.advance(DT, 4, true).unwrap();
                 if split {
                     on_device.download(&mut world).unwrap();
                     on_device.download_history(&mut world).unwrap();
-                    on_device.put(&world).unwrap();
+                    on_device.put(&world, &bodies_alone(&world)).unwrap();
                 }
             }
             on_device.download(&mut world).unwrap();
