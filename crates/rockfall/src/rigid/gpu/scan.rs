@@ -2,12 +2,11 @@
 
 use wgpu::BufferUsages;
 
+use crate::rigid::gpu::MOST_GROUPS;
 use crate::rigid::gpu::kernels::{Kernel, SCAN, SCAN_STAGES, SCANNED, SUMS, join};
 
 /// Words of a tile, in `rigid/broad/scan.wgsl`.
 const TILE: u32 = 4096;
-/// Most workgroups along one dimension of a dispatch.
-const MOST_GROUPS: u32 = 65_535;
 
 /// The kernels of all scans on a device.
 #[derive(Clone, Debug)]
