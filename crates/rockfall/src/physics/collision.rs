@@ -10,6 +10,7 @@ mod cluster;
 pub(crate) mod crossing;
 mod lone;
 mod networks;
+mod pair;
 mod turning;
 
 use glam::Vec3;

@@ -522,6 +522,8 @@ static MISTAKES: &[Mistake] = &[
     Mistake("sweep_at_once", 0, "sweep_at_once.wgsl", "sweeps < SWEEPS;", "sweeps < SWEEPS / 2u;", Buffer::Start),
     Mistake("sweep_at_once", 0, "cluster.wgsl", "max(0.0, fma(fma", "max(-1e9, fma(fma", Buffer::Start),
     Mistake("sweep_at_once", 0, "cluster.wgsl", "SWEEP_SIZES[sweeps / 2u]", "SWEEP_SIZES[3u - sweeps / 2u]", Buffer::Start),
+    Mistake("sweep_at_once", 0, "cluster.wgsl", "-(by * their_wanted)) / margin", "by * their_wanted) / margin", Buffer::Start),
+    Mistake("sweep_at_once", 0, "cluster.wgsl", "fma(own, their, -(by * by))", "fma(own, their, by * by)", Buffer::Start),
     Mistake("sweep_at_once", 0, "cluster.wgsl", "place + 1u < count", "place + 1u < 0u", Buffer::Start),
     Mistake(
         "weigh_collisions",
@@ -871,6 +873,7 @@ fn every_kernel_with_a_mistake_is_rejected() {
     traces.push(rigid::trace_of_collisions(6, Integrator::Rk4, rigid::Parts::Balls));
     traces.push(rigid::trace_of_collisions(13, Integrator::SymplecticEuler, rigid::Parts::Rods));
     traces.push(rigid::trace_of_collisions(7, Integrator::Rk4, rigid::Parts::Boxes));
+    traces.push(rigid::trace_of_gathered(8));
     traces.push(passages::trace(1, Integrator::Rk4, false));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();

@@ -18,6 +18,10 @@ const ITERATIONS: usize = 4;
 /// Factor of each sweep of a cluster (section 3.7).
 const SWEEP_SIZES: [f64; 8] = [1.25098, 1.25098, 2.66852, 2.66852, 1.81611, 1.81611, 1.0, 1.0];
 
+/// Two collisions are at one place if the determinant of their couplings, divided by the product of the two with themselves, is at
+/// most this (section 3.7).
+const ONE_PLACE: f64 = 1e-3;
+
 /// Share of a sphere in a unit impulse: momentum and angular momentum.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Share {
@@ -412,10 +416,70 @@ pub(crate) fn sweep(
         });
         impulses = next.collect();
     }
+    for members in couples(all, colliding) {
+        findings.count("two collisions".to_owned());
+        let couplings = couplings(bodies, all, members);
+        let [[own, by], [back, their]] = couplings;
+        let apart = 1.0 - by * back / (own * their);
+        findings.decide("at one place", all[members[0]].a, apart - ONE_PLACE);
+        if apart > ONE_PLACE {
+            let wanted = members.map(|k| (1.0 + bodies.restitution) * all[k].u);
+            let solved = couple_impulses(couplings, wanted);
+            members.into_iter().zip(solved).for_each(|(k, j)| impulses[k] = j);
+        }
+    }
     for (ball, change) in changes_by(bodies, all, &impulses) {
         let sum = changes.entry(ball).or_default();
         sum.v += change.v;
         sum.l += change.l;
+    }
+}
+
+/// Clusters of two collisions (section 3.7): no other collision touches a body of theirs, and none of these is a network.
+fn couples(all: &[&Contact], colliding: &[&Contact]) -> Vec<[usize; 2]> {
+    let meets = |k: &Contact, l: &Contact| {
+        let pairs =
+            bodies_of(k).into_iter().flat_map(|(_, body)| bodies_of(l).into_iter().map(move |(_, other)| body == other));
+        pairs.filter(|is_same| *is_same).count()
+    };
+    let has_one_neighbour = |k: &Contact| {
+        let others: usize = colliding.iter().filter(|l| !std::ptr::eq(**l, k)).map(|l| meets(k, l)).sum();
+        others == 1 && !bodies_of(k).iter().any(|(_, body)| matches!(body, Body::Network(_)))
+    };
+    let mut found = Vec::new();
+    for (one, k) in all.iter().enumerate().filter(|(_, k)| has_one_neighbour(k)) {
+        let others = all.iter().enumerate().skip(one + 1).filter(|(_, l)| has_one_neighbour(l) && meets(k, l) == 1);
+        found.extend(others.map(|(other, _)| [one, other]));
+    }
+    found
+}
+
+/// What unit impulses of two collisions take from the approach velocities of both: the row is the collision that is slowed.
+fn couplings(bodies: &Bodies, all: &[&Contact], members: [usize; 2]) -> [[f64; 2]; 2] {
+    let units = members.map(|k| {
+        let mut impulses = vec![0.0; all.len()];
+        impulses[k] = 1.0;
+        changes_by(bodies, all, &impulses)
+    });
+    members.map(|k| {
+        units.each_ref().map(|changes| {
+            let of = |share: &Share| {
+                let change = changes.get(&share.ball).copied().unwrap_or_default();
+                change.v.dot(share.g) + bodies.balls[share.ball].i * change.l.dot(share.h)
+            };
+            all[k].shares.iter().map(of).sum()
+        })
+    })
+}
+
+/// The impulses that are not negative and leave no approach velocity above the wanted one, and exactly that where they are positive.
+fn couple_impulses([[own, by], [back, their]]: [[f64; 2]; 2], [one, two]: [f64; 2]) -> [f64; 2] {
+    let determinant = own * their - by * back;
+    let both = [(their * one - by * two) / determinant, (own * two - back * one) / determinant];
+    match both {
+        [j, _] if j < 0.0 => [0.0, two / their],
+        [_, j] if j < 0.0 => [one / own, 0.0],
+        _ => both,
     }
 }
 

@@ -11,7 +11,7 @@ use rockfall::{
 };
 
 use crate::assert_scenario_matches;
-use crate::decisions::Findings;
+use crate::decisions::{Findings, entries};
 use crate::trace::{Scenario, Trace, grouped, with_step_settings};
 
 fn vector(random: &mut Pcg64Mcg, most: f32) -> Vec3 {
@@ -173,6 +173,25 @@ fn falling(seed: u64, parts: Parts) -> Scene {
     scene
 }
 
+/// Plates of 25 balls that fall on floors. Each plate has more collisions than a record has neighbours, so that impulses are gathered.
+pub(crate) fn trace_of_gathered(seed: u64) -> Trace {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let mut scene = Scene::new();
+    (scene.settings.gravity, scene.settings.activation_threshold) = (3.0, 0.1);
+    for group in 0..4_u16 {
+        let mut shape = Shape::new().group(group).density(1000.0);
+        for place in 0..25_u8 {
+            let at = 0.25 * Vec3::new(f32::from(place / 5) - 2.0, 0.0, f32::from(place % 5) - 2.0);
+            shape = shape.sphere(at + vector(&mut random, 0.002), 0.1);
+        }
+        let shape = scene.add_shape(shape).unwrap();
+        let placed = Placement::new(shape).at(DVec3::new(0.0, 0.09, 0.0)).velocity(vector(&mut random, 0.2) - 2.0 * Vec3::Y);
+        scene.add_body(placed.spin(vector(&mut random, 1.0))).unwrap();
+        scene.add_box(Cuboid::between([-2.0, -1.0, -2.0], [2.0, 0.0, 2.0]).group(group)).unwrap();
+    }
+    traced(&scene, Integrator::Rk4, 16)
+}
+
 /// The collision phase of a scene in which bodies collide, some of them held by tethers.
 pub(crate) fn trace_of_collisions(seed: u64, integrator: Integrator, parts: Parts) -> Trace {
     let mut scene = falling(seed, parts);
@@ -182,10 +201,15 @@ pub(crate) fn trace_of_collisions(seed: u64, integrator: Integrator, parts: Part
             scene.add_tether(Tether::new(sphere, [0.1, 0.2, 0.0], stiffness).length(0.1)).unwrap();
         }
     }
-    let mut world = World::build(&scene).unwrap();
+    traced(&scene, integrator, if parts == Parts::Boxes { 16 } else { 4 })
+}
+
+/// The collision phase of a scene, with a number of rows of pairs per mover.
+fn traced(scene: &Scene, integrator: Integrator, rows: u32) -> Trace {
+    let mut world = World::build(scene).unwrap();
     world.set_integrator(integrator);
     let mut world = with_step_settings(world);
-    world.set_pair_rows(world.movers() * if parts == Parts::Boxes { 16 } else { 4 });
+    world.set_pair_rows(world.movers() * rows);
     world.step.constants.dt = 0.02;
     world.status.lengths_due = 0;
     let runs = Phase::STEP[..3].iter().flat_map(|phase| phase.stages(integrator, BroadPhase::BruteForce));
@@ -232,6 +256,15 @@ fn backends_agree_on_collisions_of_rods_in_bodies() {
 #[test]
 fn backends_agree_on_collisions_of_boxes_of_bodies() {
     check_collisions(7, Integrator::Rk4, Parts::Boxes);
+}
+
+#[test]
+fn backends_agree_on_impulses_that_bodies_gather() {
+    let trace = trace_of_gathered(8);
+    let [.., last] = &trace.scenarios[..] else { panic!("no scenario") };
+    let colliding = entries(&last.before).len();
+    assert!(colliding >= 4 * 20, "{colliding} entries");
+    trace.scenarios.iter().for_each(|scenario| assert_scenario_matches(8, scenario));
 }
 
 fn check(seed: u64, integrator: Integrator, law: ContactLaw, parts: Parts, passes: &[u32]) {

@@ -11,6 +11,8 @@ use crate::world::{Body, Mistake, World};
 const PRESSED: f64 = 1e-5;
 /// Contacts whose normals have at most this scalar product do not influence each other.
 const ACROSS: f64 = 0.001;
+/// Two contacts are at one place if 1 - G_kl^2 / (G_kk G_ll) is at most this.
+const ONE_PLACE: f64 = 1e-3;
 /// Sweeps over the contacts of a cluster.
 const SWEEPS: [f64; 8] = [1.25098, 1.25098, 2.66852, 2.66852, 1.81611, 1.81611, 1.0, 1.0];
 /// If the inverse mass of a network is less than this fraction of that of its spheres without rods, the contact cannot
@@ -285,22 +287,45 @@ impl World {
             .iter()
             .map(|contact| units.iter().map(|unit| -self.approach(&contact.pair, &contact.line, unit)).collect())
             .collect();
+        let wanted: Vec<f64> = speed.iter().map(|speed| (1.0 + self.elasticity()) * speed).collect();
         let only: Vec<bool> = members.iter().map(|contact| self.is_only(&contact.pair, &contact.line, &colliding)).collect();
         let sweeps = if self.made(Mistake::OneSweep) { 1 } else { SWEEPS.len() };
         let mut j = vec![0.0_f64; members.len()];
         for size in &SWEEPS[..sweeps] {
             let next = (0..j.len()).map(|k| {
                 let slowed: f64 = coupling[k].iter().zip(&j).map(|(by, j)| by * j).sum();
-                let wanted = (1.0 + self.elasticity()) * speed[k] - slowed;
                 let size = if only[k] { 1.0 } else { *size };
-                if scales[k] > 0.0 { (j[k] + size * wanted / scales[k]).max(0.0) } else { 0.0 }
+                if scales[k] > 0.0 { (j[k] + size * (wanted[k] - slowed) / scales[k]).max(0.0) } else { 0.0 }
             });
             j = next.collect();
+        }
+        let lines: Vec<(Pair, Line)> = members.iter().map(|contact| (contact.pair, contact.line)).collect();
+        for [k, l] in self.couples(&lines, &colliding) {
+            let ([own, by], [back, their]) = ([coupling[k][k], coupling[k][l]], [coupling[l][k], coupling[l][l]]);
+            if own * their - by * back > ONE_PLACE * own * their && !self.made(Mistake::OneSweep) {
+                (j[k], j[l]) = pair_impulses([own, by, back, their], [wanted[k], wanted[l]]);
+            }
         }
         for ((contact, unit), j) in members.iter_mut().zip(&units).zip(j) {
             contact.j = j;
             change.add(unit, j);
         }
+    }
+
+    /// The clusters of two contacts: those that share a body, and have no other colliding contact on their bodies, none of
+    /// which is a network.
+    fn couples(&self, members: &[(Pair, Line)], colliding: &[(Pair, Line)]) -> Vec<[usize; 2]> {
+        let bodies: Vec<Vec<Body>> = members.iter().map(|(pair, line)| self.touched(pair, line)).collect();
+        let has_one_other = |own: &Vec<Body>| {
+            let others = own.iter().map(|body| {
+                let all = colliding.iter().flat_map(|(pair, line)| self.touched(pair, line));
+                all.filter(|touched| touched == body).count() - 1
+            });
+            others.sum::<usize>() == 1 && !own.iter().any(|body| matches!(body, Body::Network(_)))
+        };
+        let lonely: Vec<usize> = (0..members.len()).filter(|k| has_one_other(&bodies[*k])).collect();
+        let pairs = lonely.iter().flat_map(|k| lonely.iter().filter(move |l| k < l).map(move |l| [*k, *l]));
+        pairs.filter(|[k, l]| bodies[*k].iter().any(|body| bodies[*l].contains(body))).collect()
     }
 
     /// Whether this is the only colliding contact on its bodies.
@@ -346,6 +371,19 @@ impl World {
         });
         all.sum()
     }
+}
+
+/// The impulses of two contacts in closed form. The couplings are those of the first with itself and with the second, then
+/// those of the second with the first and with itself.
+fn pair_impulses([own, by, back, their]: [f64; 4], [one, two]: [f64; 2]) -> (f64, f64) {
+    if their * one <= by * two {
+        return (0.0, two / their);
+    }
+    if own * two <= back * one {
+        return (one / own, 0.0);
+    }
+    let margin = own * their - by * back;
+    ((their * one - by * two) / margin, (own * two - back * one) / margin)
 }
 
 /// Axis, velocity of end 2 relative to end 1, and velocity of the centre of a capsule after it has moved along its

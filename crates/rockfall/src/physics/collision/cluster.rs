@@ -1,4 +1,5 @@
-//! Solves the collisions that share bodies, and those on networks, by sweeps (docs/physics.md sections 3.7 and 3.8).
+//! Solves the collisions that share bodies, and those on networks, by sweeps (docs/physics.md sections 3.7 and 3.8). A cluster
+//! of two collisions has a closed form.
 //!
 //! A sweep computes all impulses from those of the sweep before, so the order of the collisions does not matter:
 //! `j <- max(0, j + s ((1 + e) u - du) / Gt)`. Here u is the approach velocity before all impulses, and du is what all impulses
@@ -14,7 +15,7 @@ use crate::model::layout::{SWEEP_SIZES, SWEEPS};
 use crate::model::view::{RigidRecord, View};
 use crate::physics::collision::body::{Body, Capsule, Part};
 use crate::physics::collision::networks::Network;
-use crate::physics::collision::{Change, Collision};
+use crate::physics::collision::{Change, Collision, pair};
 use crate::physics::pairs::Surface;
 
 /// Rods keep a contact from moving when its inverse mass is less than this fraction of the value before the projection. It
@@ -193,6 +194,16 @@ impl Row<'_> {
     fn parts(&self) -> impl Iterator<Item = (&Part, usize)> {
         self.collision.parts().iter().zip(self.bodies)
     }
+
+    /// What the changes of the bodies have taken from the approach velocity.
+    fn reduction(&self, moved: &[Moved]) -> f32 {
+        self.parts().map(|(part, place)| part.sign * moved[place].velocity(part, self.collision.touch.normal)).sum()
+    }
+
+    /// What the impulses have to take from the approach velocity, where this one is not 0.
+    fn wanted(&self) -> f32 {
+        (1.0 + self.restitution) * self.collision.approach
+    }
 }
 
 /// Solves a cluster. `members` are the numbers of its collisions in `all`.
@@ -215,16 +226,11 @@ pub(super) fn solve(view: &View, all: &[Collision], touching: &[Touching], membe
             row
         })
         .collect();
-    moved.iter_mut().for_each(|body| {
-        body.clear();
-        body.update();
-    });
-    for number in 0..SWEEPS as usize {
-        let has_changed = sweep(&mut rows, &moved, SWEEP_SIZES[number / 2]);
-        if !has_changed {
-            break;
-        }
+    if let Some(impulses) = pair_impulses(&rows, &mut moved, touching) {
+        rows.iter_mut().zip(impulses).for_each(|(row, impulse)| row.impulse = impulse);
         update_bodies(&rows, &mut moved);
+    } else {
+        sweep_all(&mut rows, &mut moved);
     }
     let of = |row: &Row| Impulse { key: row.collision.key(view), size: row.impulse, direction: row.collision.touch.normal };
     let mut outcome = Outcome { impulses: rows.iter().map(of).collect(), ..Outcome::default() };
@@ -233,6 +239,42 @@ pub(super) fn solve(view: &View, all: &[Collision], touching: &[Touching], membe
         outcome.is_unsolved |= matches!(body, Moved::Network { network, .. } if network.is_unsolved);
     }
     outcome
+}
+
+/// The impulses of two collisions that are the only ones on their bodies, none of which is a network, and share one of these
+/// bodies.
+fn pair_impulses(rows: &[Row], moved: &mut [Moved], touching: &[Touching]) -> Option<[f32; 2]> {
+    let [one, other] = rows else { return None };
+    let has_one_neighbour = |row: &Row| {
+        let others = row.collision.parts().iter().map(|part| of_body(part.body, touching).count() - 1);
+        others.sum::<usize>() == 1
+    };
+    let is_network = |body: &Moved| matches!(body, Moved::Network { .. });
+    if moved.iter().any(is_network) || !(has_one_neighbour(one) && has_one_neighbour(other)) {
+        return None;
+    }
+    let by_unit = [one, other].map(|row| {
+        moved.iter_mut().for_each(Moved::clear);
+        row.parts().for_each(|(part, place)| moved[place].push(part, row.collision.touch.normal, part.sign));
+        [one.reduction(moved), other.reduction(moved)]
+    });
+    let coupling = [[by_unit[0][0], by_unit[1][0]], [by_unit[0][1], by_unit[1][1]]];
+    pair::impulses(coupling, [one.wanted(), other.wanted()])
+}
+
+/// Solves the collisions by sweeps.
+fn sweep_all(rows: &mut [Row], moved: &mut [Moved]) {
+    moved.iter_mut().for_each(|body| {
+        body.clear();
+        body.update();
+    });
+    for number in 0..SWEEPS as usize {
+        let has_changed = sweep(rows, moved, SWEEP_SIZES[number / 2]);
+        if !has_changed {
+            break;
+        }
+        update_bodies(rows, moved);
+    }
 }
 
 /// The scale Gt of a collision, or 0 if rods keep the contact from moving.
@@ -257,11 +299,8 @@ fn of_body(body: Body, touching: &[Touching]) -> impl Iterator<Item = &Touching>
 fn sweep(rows: &mut [Row], moved: &[Moved], factor: f32) -> bool {
     let mut has_changed = false;
     for row in rows.iter_mut().filter(|row| row.scale > 0.0) {
-        let n = row.collision.touch.normal;
-        let reduction: f32 = row.parts().map(|(part, place)| part.sign * moved[place].velocity(part, n)).sum();
-        let approach = row.collision.approach;
         let factor = if row.is_only { 1.0 } else { factor };
-        let impulse = (row.impulse + ((1.0 + row.restitution) * approach - reduction) * factor / row.scale).max(0.0);
+        let impulse = (row.impulse + (row.wanted() - row.reduction(moved)) * factor / row.scale).max(0.0);
         has_changed |= impulse != row.impulse;
         row.impulse = impulse;
     }

@@ -37,6 +37,46 @@ fn change_by_neighbours(r: u32, most: u32, sweeps: u32) -> f32 {
     return change;
 }
 
+// Two collisions are at one place, for the sweeps, if 1 - G_kl^2 / (G_kk G_ll) is at most this. The closed form would divide by
+// it.
+const ONE_PLACE: f32 = 1e-3;
+
+// The only neighbour of a collision that is left to the sweeps, if there is just one and its changes are not gathered;
+// otherwise NONE.
+fn only_neighbour_of(r: u32) -> u32 {
+    let info = collisions[row_at(r, 2u)];
+    let has_one = ((info.x & (GATHERED_A | GATHERED_B)) == 0u) & (info.z == 1u) & is_shared(r);
+    return select(NONE, collisions[row_at(r, 4u)].x, has_one);
+}
+
+// What the impulses have to take from the approach velocity of a collision, where its own one is not 0.
+fn wanted_of(r: u32) -> f32 {
+    let restitution = select(step.restitution, bitcast<f32>(collisions[row_at(r, 2u)].w), MATERIALS);
+    return (1.0 + restitution) * bitcast<f32>(collisions[row_at(r, 0u)].w);
+}
+
+// The impulse of a collision that has one neighbour, which has no other one either. `swept` is the impulse by the sweeps, which
+// holds where both are at one place.
+fn pair_impulse(r: u32, neighbour: u32, swept: f32) -> f32 {
+    let own = -bitcast<f32>(collisions[row_at(r, 2u)].y);
+    let their = -bitcast<f32>(collisions[row_at(neighbour, 2u)].y);
+    let by = -bitcast<f32>(collisions[row_at(r, 4u)].y);
+    let wanted = wanted_of(r);
+    let their_wanted = wanted_of(neighbour);
+    let margin = fma(own, their, -(by * by));
+    if margin <= ONE_PLACE * own * their {
+        return swept;
+    }
+    if their * wanted <= by * their_wanted {
+        // The other impulse alone takes enough.
+        return 0.0;
+    }
+    if own * their_wanted <= by * wanted {
+        return wanted / own;
+    }
+    return fma(their, wanted, -(by * their_wanted)) / margin;
+}
+
 // Stores the next impulse. `change` is the change of the approach velocity by all impulses.
 fn put_sweep(r: u32, sweeps: u32, change: f32) {
     let impulse = impulse_at(r);
@@ -46,7 +86,13 @@ fn put_sweep(r: u32, sweeps: u32, change: f32) {
     let size = select(SWEEP_SIZES[sweeps / 2u], 1.0, is_only) * impulse.inverse;
     // The operations are explicit `fma`s, so that the results of all kernels that sweep are bitwise identical.
     let restitution = select(step.restitution, bitcast<f32>(collisions[row_at(r, 2u)].w), MATERIALS);
-    let after = max(0.0, fma(fma(1.0 + restitution, approach, change), size, before));
+    var after = max(0.0, fma(fma(1.0 + restitution, approach, change), size, before));
+    let neighbour = only_neighbour_of(r);
+    if neighbour != NONE {
+        if only_neighbour_of(neighbour) == r {
+            after = pair_impulse(r, neighbour, after);
+        }
+    }
     let is_even = (sweeps & 1u) == 0u;
     let row = vec4f(select(after, before, is_even), select(before, after, is_even), impulse.inverse, impulse.tau);
     collisions[row_at(r, 3u)] = bitcast<vec4u>(row);

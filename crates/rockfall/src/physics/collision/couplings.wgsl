@@ -4,7 +4,7 @@
 
 // Finds the neighbours of a collision, which are other collisions that share a body with it, and the couplings
 // (docs/physics.md section 3.7). A coupling is the change of the approach velocity of the collision per unit of the
-// neighbour's impulse. They are collected in the order of the lists, those of side A first.
+// neighbour's impulse. They are collected in the order of the lists: on rigid bodies first, and those of side A first.
 
 // Record numbers and couplings of the neighbours.
 var<private> near: array<vec2u, NEIGHBOURS>;
@@ -105,7 +105,7 @@ fn couple_body(k: Record, number: u32, body: Coupled) {
 }
 
 // Whether the change of velocity of a sphere is gathered even if there is room for all neighbours. This is so for spheres
-// of networks only, and for the sides of rigid bodies. It must not depend on whether a sphere is large: the brute-force broad phase does not know large
+// of networks only. It must not depend on whether a sphere is large: the brute-force broad phase does not know large
 // spheres, and the results must be bitwise identical.
 fn is_gathered(sphere: u32) -> bool {
     if !RODS | (inverse_mass(sphere) <= 0.0) {
@@ -122,7 +122,7 @@ fn couple_side(k: Record, number: u32, half: ContactSide, side: f32) {
     let is_rod = RODS & (half.kind == ROD);
     if RIGID_BODIES {
         if half.kind == BODY {
-            gathered |= select(GATHERED_B, GATHERED_A, side > 0.0);
+            // They were collected with the weight.
             return;
         }
     }
@@ -156,9 +156,8 @@ fn side_of_record(k: Record, side: u32) -> ContactSide {
     return touched_side(ids.x, at.x, ids.y, at.y);
 }
 
-// Finds and writes all couplings of a collision that is left to the sweeps.
+// Finds and writes all couplings of a collision that is left to the sweeps. Those on rigid bodies have been collected.
 fn find_couplings(k: Record, number: u32, is_only: bool) {
-    begin_couplings();
     for (var side = 0u; side < 2u; side++) {
         couple_side(k, number, side_of_record(k, side), select(1.0, -1.0, side == 1u));
     }

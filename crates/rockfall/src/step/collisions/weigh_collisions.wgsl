@@ -82,7 +82,7 @@ fn weigh_bodies(k: Record, r: u32) -> Weight {
         // A sphere has one end, and both ends of a capsule have the same rows.
         let ends = select(u32(half.kind != STATIC), 2u, (half.kind == ROD) && !is_of_network(half));
         for (var end = 0u; end < ends; end++) {
-            let one = weight_of_end(k, r, half, end, network_weight(r, 2u * side + end));
+            let one = weight_of_end(k, r, half, side, end, network_weight(r, 2u * side + end));
             sum.weight += one.weight;
             sum.inverse_mass += one.inverse_mass;
             sum.is_undisturbed &= one.is_undisturbed;
@@ -98,10 +98,10 @@ fn is_of_network(rod: ContactSide) -> bool {
 }
 
 // What one end of a side adds. `of_network` is the `network_weight` of the end.
-fn weight_of_end(k: Record, number: u32, half: ContactSide, end: u32, of_network: vec3f) -> Weight {
+fn weight_of_end(k: Record, number: u32, half: ContactSide, side: u32, end: u32, of_network: vec3f) -> Weight {
     if RIGID_BODIES {
         if half.kind == BODY {
-            return weight_of_body(k, number, half);
+            return weight_of_body(k, number, half, select(1.0, -1.0, side == 1u));
         }
     }
     if (half.kind == ROD) && is_of_network(half) {
@@ -128,8 +128,8 @@ fn weight_of_end(k: Record, number: u32, half: ContactSide, end: u32, of_network
 }
 
 // What a rigid body adds: the sum of the absolute couplings with all collisions on it. It is undisturbed when no other pressed contact
-// touches it.
-fn weight_of_body(k: Record, number: u32, half: ContactSide) -> Weight {
+// touches it. Also collects the couplings. `sign` is 1 for side A, -1 for side B.
+fn weight_of_body(k: Record, number: u32, half: ContactSide, sign: f32) -> Weight {
     let body = rigid_body_of(half.id);
     let hold = hold_of(half, side_motion(half), k.n);
     // Contacts that do not collide decide only whether a collision is lone, and parts of boxes have none.
@@ -144,14 +144,14 @@ fn weight_of_body(k: Record, number: u32, half: ContactSide) -> Weight {
                 continue;
             }
             if may_be_lone | has_collisions(row) {
-                add_couplings_of_row(k, number, hold, row, &sum);
+                add_couplings_of_row(k, number, hold, row, sign, &sum);
             }
         }
     }
     return sum;
 }
 
-fn add_couplings_of_row(k: Record, number: u32, hold: Hold, row: u32, sum: ptr<function, Weight>) {
+fn add_couplings_of_row(k: Record, number: u32, hold: Hold, row: u32, sign: f32, sum: ptr<function, Weight>) {
     let count = count_of(row);
     let first = first_of(row);
     for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
@@ -165,8 +165,10 @@ fn add_couplings_of_row(k: Record, number: u32, hold: Hold, row: u32, sum: ptr<f
             let r = record_of(slot);
             let l = record_at(r);
             let torque = cross(lever_of_record(hold.record, row, l), l.n);
-            (*sum).weight += abs(float_at(hold.record + 3u) * dot(k.n, l.n) + dot(hold.turning, torque));
+            let along = float_at(hold.record + 3u) * dot(k.n, l.n) + dot(hold.turning, torque);
+            (*sum).weight += abs(along);
             (*sum).others += u32(r != number);
+            put_coupling(r, number, sign * select(1.0, -1.0, l.a_id == row) * along);
         }
     }
 }
@@ -252,6 +254,7 @@ fn weigh_plain(r: u32) {
 
 fn weigh(r: u32) {
     let k = record_at(r);
+    begin_couplings();
     let sum = weigh_bodies(k, r);
     if sum.is_undisturbed {
         let solved = solve_lone(k.a_id, k.b_id, k.feature, touch(k.a_id, k.b_id, k.feature));
