@@ -1,4 +1,4 @@
-//! Rotations in `f32` with the same bits on every processor. Those of glam depend on its vector instructions, and the sine in `f32` on the
+//! Rotations in `f32` with the same bits on every processor. Those of glam depend on its vector instructions and on the sine of the
 //! system.
 
 use glam::{Quat, Vec3};
@@ -23,9 +23,9 @@ pub(crate) fn by(turn: Vec3) -> Quat {
     if angle == 0.0 {
         return Quat::IDENTITY;
     }
-    let (sine, cosine) = (0.5 * f64::from(angle)).sin_cos();
-    let axis = turn * (sine as f32 / angle);
-    Quat::from_xyzw(axis.x, axis.y, axis.z, cosine as f32)
+    let (sine, cosine) = libm::sincosf(0.5 * angle);
+    let axis = turn * (sine / angle);
+    Quat::from_xyzw(axis.x, axis.y, axis.z, cosine)
 }
 
 /// The quaternion of length 1 in the direction of another one.

@@ -98,7 +98,7 @@ impl ServoRecord {
         let (axis, rate) = (self.axis, self.rate * self.axis);
         let vectors = if self.turns {
             // R - 1 = sin q [a] + (1 - cos q) [a]^2 with the matrix [a] of the cross product with the axis.
-            let (sine, cosine) = (0.5 * self.place()).sin_cos();
+            let (sine, cosine) = libm::sincos(0.5 * self.place());
             let (across, twice) = ((2.0 * sine * cosine) as f32, (2.0 * sine * sine) as f32);
             // Columns of the transpose are rows.
             let row = |unit: Vec3| twice * (axis.dot(unit) * axis - unit) - across * axis.cross(unit);

@@ -163,7 +163,7 @@ fn sort(boxes: &[Aabb]) -> (Vec<Grid>, Vec<u32>) {
     let rank = known.len() * 9 / 10;
     let base = *known.select_nth_unstable_by(rank, f64::total_cmp).1;
     let mut levels: BTreeMap<i32, Vec<u32>> = BTreeMap::new();
-    let level = |size: &f64| (size / (1.01 * base)).log2().ceil().clamp(-20.0, 200.0);
+    let level = |size: &f64| libm::log2(size / (1.01 * base)).ceil().clamp(-20.0, 200.0);
     let places: Vec<f64> = sizes.par_iter().map(level).collect();
     for (number, (size, level)) in sizes.iter().zip(places).enumerate() {
         if size.is_finite() {

@@ -35,10 +35,10 @@ use bytemuck::{Pod, bytes_of, cast_slice};
 
 use arrays::Arrays;
 use kernels::{
-    ALL_AT_ONCE, BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, CARRY_ROUND, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT,
-    EXPOSE, FIND_ALL_ROUND, FIND_LEFT_OVER, FIND_LEFT_OVER_ROUND, FIND_ROUND, HULLS, IMPACTS_AT_ONCE, KICK, Kernel, Kinds,
-    LISTS, LOAD, LOADS, MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REFRESH_ROUND, REPORT, SEEK, SEEK_ROUND, SETTLE, SOLVE,
-    SOLVE_LEFT_OVER, SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND,
+    BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, CARRY_ROUND, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT, EXPOSE,
+    FIND_ALL_ROUND, FIND_LEFT_OVER, FIND_LEFT_OVER_ROUND, FIND_ROUND, HULLS, KICK, Kernel, Kinds, LISTS, LOAD, LOADS, MEAN,
+    MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REFRESH_ROUND, REPORT, SEEK, SEEK_ROUND, SETTLE, SOLVE, SOLVE_LEFT_OVER,
+    SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND,
 };
 use rows::{BlockRow, BodyRow, ContactRow, FrameRow, FrameRows, PairRow, PointRow, ROUND};
 use scan::ScanKernels;
@@ -72,19 +72,13 @@ pub(crate) struct RigidGpu {
     search_kernels: Mutex<HashMap<(usize, search::Content), Kernel>>,
 }
 
-/// How the substeps of a frame are dispatched. All give the same bits on software Vulkan. A driver may fuse products in one kernel
-/// and not in another: on an H200 two runs with one plan have the same bits, but two plans have not. So the plan has to follow from
-/// the scene alone.
+/// How the substeps of a frame are dispatched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Plan {
-    /// Each stage and each colour is a dispatch.
+    /// All stages.
     Stages,
     /// The same without impacts. The report says whether a block was hit: then the frame begins anew with another plan.
     Calm,
-    /// One workgroup looks for impacts, all others are stages.
-    ImpactsAtOnce,
-    /// One workgroup solves all substeps.
-    AllAtOnce,
 }
 
 /// A part of a frame.
@@ -105,10 +99,6 @@ pub(crate) enum Part {
     Impacts,
     /// Whether there are impacts.
     Seek,
-    /// The impacts of a substep in one dispatch.
-    ImpactsAtOnce,
-    /// The geometry and all substeps in one dispatch.
-    AllAtOnce,
     /// Momenta and margins.
     Settle,
 }
@@ -275,21 +265,10 @@ impl GpuFrame {
 
     /// The parts of all substeps.
     fn parts(&self, plan: Plan) -> Vec<Part> {
-        let mut parts = Vec::new();
-        // The stages of one workgroup know no round pairs.
-        let plan = if self.is_round && plan != Plan::Calm { Plan::Stages } else { plan };
-        if plan == Plan::AllAtOnce {
-            parts.push(Part::AllAtOnce);
-        } else {
-            parts.extend([Part::Refresh, Part::Load]);
-            let impacts = match plan {
-                Plan::Stages => Part::Impacts,
-                Plan::Calm => Part::Seek,
-                _ => Part::ImpactsAtOnce,
-            };
-            for _ in 0..self.substeps {
-                parts.extend([impacts, Part::Kick, Part::Spare, Part::Biased, Part::Drift, Part::Refresh, Part::Relax]);
-            }
+        let impacts = if plan == Plan::Calm { Part::Seek } else { Part::Impacts };
+        let mut parts = vec![Part::Refresh, Part::Load];
+        for _ in 0..self.substeps {
+            parts.extend([impacts, Part::Kick, Part::Spare, Part::Biased, Part::Drift, Part::Refresh, Part::Relax]);
         }
         parts.push(Part::Settle);
         parts
@@ -325,8 +304,6 @@ impl GpuFrame {
                 self.dispatch(pass, SEEK_ROUND, self.blocks, 0);
             }
             Part::Seek => self.dispatch(pass, SEEK, self.blocks, 0),
-            Part::ImpactsAtOnce => self.dispatch(pass, IMPACTS_AT_ONCE, 1, 0),
-            Part::AllAtOnce => self.dispatch(pass, ALL_AT_ONCE, 1, 0),
             Part::Settle => self.dispatch(pass, SETTLE, self.bodies, 0),
         }
     }
@@ -392,11 +369,6 @@ impl GpuFrame {
 
     fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, stage: usize, threads: u32, offset: u32) {
         self.arrays.dispatch(pass, stage, threads, offset);
-    }
-
-    /// Dispatches so far.
-    pub(crate) fn dispatches(&self) -> u32 {
-        self.arrays.dispatches.load(std::sync::atomic::Ordering::Relaxed)
     }
 
     /// Waits for the device and reads the state.

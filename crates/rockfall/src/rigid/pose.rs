@@ -2,6 +2,8 @@
 
 use glam::{Quat, Vec3};
 
+use crate::model::rotate::product;
+
 /// Where the origin of a frame lies, and how its axes are turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pose {
@@ -30,12 +32,12 @@ impl Pose {
 
     /// A frame that is given in this one, in outer coordinates.
     pub(crate) fn compose(&self, inner: &Pose) -> Self {
-        Self { position: self.point(inner.position), turn: self.turn * inner.turn }
+        Self { position: self.point(inner.position), turn: product(self.turn, inner.turn) }
     }
 
     /// Another frame in coordinates of this one.
     pub(crate) fn relative(&self, other: &Pose) -> Self {
         let back = self.turn.inverse();
-        Self { position: back * (other.position - self.position), turn: back * other.turn }
+        Self { position: back * (other.position - self.position), turn: product(back, other.turn) }
     }
 }

@@ -2,6 +2,7 @@
 
 use glam::{Mat3, Quat, Vec3};
 
+use crate::model::rotate::product;
 use crate::rigid::history::History;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
@@ -134,7 +135,7 @@ impl Body {
 
     /// The tensor with these principal values along the axes of the world.
     fn inertia_with(&self, values: Vec3) -> Mat3 {
-        let axes = Mat3::from_quat(self.pose.turn * self.axes);
+        let axes = Mat3::from_quat(product(self.pose.turn, self.axes));
         axes * Mat3::from_diagonal(values) * axes.transpose()
     }
 }

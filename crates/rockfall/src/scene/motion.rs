@@ -137,9 +137,10 @@ impl MotionTerm {
         let axis = self.axis.normalize_or(DVec3::Z);
         let turn = Pose::about(axis, [self.spin * s, on * self.spin], self.through);
         let (rate, angle) = (TAU * self.frequency, TAU * (self.frequency * s + self.phase));
-        let shift = self.velocity * s + self.amplitude * (angle.sin() - (TAU * self.phase).sin());
-        let velocity = on * (self.velocity + self.amplitude * rate * angle.cos());
-        let acceleration = on * (-rate * rate * angle.sin() * self.amplitude);
+        let (sin, cos) = libm::sincos(angle);
+        let shift = self.velocity * s + self.amplitude * (sin - libm::sin(TAU * self.phase));
+        let velocity = on * (self.velocity + self.amplitude * rate * cos);
+        let acceleration = on * (-rate * rate * sin * self.amplitude);
         let [place, moving, bending] = turn.shift;
         Pose { shift: [place + shift, velocity + moving, acceleration + bending], ..turn }
     }

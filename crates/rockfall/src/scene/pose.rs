@@ -9,12 +9,18 @@ pub(crate) struct Pose {
     pub(super) shift: [DVec3; 3],
 }
 
+/// The rotation about a unit vector by an angle, in rad, with the same bits on every system.
+fn turn_about(axis: DVec3, angle: f64) -> DQuat {
+    let (sin, cos) = libm::sincos(0.5 * angle);
+    DQuat::from_vec4((sin * axis).extend(cos))
+}
+
 impl Pose {
     pub(super) const REST: Self = Self { turn: [DMat3::IDENTITY, DMat3::ZERO, DMat3::ZERO], shift: [DVec3::ZERO; 3] };
 
     /// A turn about a unit vector through a point, by an angle at a rate.
     pub(super) fn about(axis: DVec3, [angle, rate]: [f64; 2], through: DVec3) -> Self {
-        let turn = DMat3::from_axis_angle(axis, angle);
+        let turn = DMat3::from_quat(turn_about(axis, angle));
         let across = cross_matrix(rate * axis);
         let (turn1, turn2) = (across * turn, across * across * turn);
         Self { turn: [turn, turn1, turn2], shift: [through - turn * through, -turn1 * through, -turn2 * through] }

@@ -2,5 +2,6 @@
 
 mod citations;
 mod kernels;
+mod portable;
 mod wgsl;
 mod writers;

@@ -39,7 +39,7 @@ impl World {
             constants.coulomb_friction = 0.0;
         }
         constants.gravity = (gravity * gravity_direction).to_array();
-        constants.mesh_cosine = f64::from(settings.mesh_angle).to_radians().cos() as f32;
+        constants.mesh_cosine = libm::cos(f64::from(settings.mesh_angle).to_radians()) as f32;
         constants.gravity_size = gravity.abs() * gravity_direction.length();
         let bit = |on: bool, flag: u32| if on { flag } else { 0 };
         let chosen = bit(collisions, FLAG_COLLISIONS)

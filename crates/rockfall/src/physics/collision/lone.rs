@@ -223,7 +223,7 @@ fn turned(d: Vec3, q: Vec3, time: f32) -> (Vec3, Vec3) {
     if rate == 0.0 {
         return (d, q);
     }
-    let (sin, cos) = (time * rate).sin_cos();
+    let (sin, cos) = libm::sincosf(time * rate);
     (cos * d + sin / rate * q, cos * q - sin * rate * d)
 }
 

@@ -39,7 +39,7 @@ impl Bond {
 /// The unit h of the overlap; `None` for a pair without this model.
 fn unit_of(constants: &Constants, effective_radius: f32) -> Option<f32> {
     let k = -constants.cohesion;
-    (k > 0.0).then(|| k * k * effective_radius.cbrt())
+    (k > 0.0).then(|| k * k * libm::cbrtf(effective_radius))
 }
 
 /// The distance up to which a contact persists when its objects are apart, 3 h; `None` for a pair without this model.
@@ -69,7 +69,7 @@ pub(super) fn energy(constants: &Constants, effective_radius: f32, overlap: f32)
     let u = 1.0 + f64::from(excess(overlap / unit));
     let (unit, radius) = (f64::from(unit), f64::from(effective_radius));
     let polynomial = u.powi(4) * (8.0 / 15.0 * u.powi(6) - 16.0 / 3.0 * u.powi(3) + 8.0);
-    Some(f64::from(constants.normal) * radius.sqrt() * unit.powf(2.5) * polynomial)
+    Some(f64::from(constants.normal) * radius.sqrt() * unit * unit * unit.sqrt() * polynomial)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ pub(super) fn stiffness(constants: &Constants, effective_radius: f32, reduced_ma
         [constants.normal, constants.tangential]
     } else {
         let elastic = 16.0 / 15.0 * effective_radius.sqrt() * -constants.normal;
-        let normal = elastic * (reduced_mass * constants.tangential.powi(2) / elastic).powf(0.2);
+        let normal = elastic * libm::powf(reduced_mass * constants.tangential.powi(2) / elastic, 0.2);
         [normal, TANGENTIAL_RATIO * normal]
     };
     Stiffness { normal, tangential, share: 1.0, energy_share: 0.5, unloading: 1.0 }

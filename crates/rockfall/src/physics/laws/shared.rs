@@ -50,7 +50,7 @@ pub(crate) fn shared(
     let all: f32 = others.iter().map(lost).sum();
     let is_fed = gain > 0.0 && all > 0.0;
     let shift = if is_fed { ((part - gain) * own.shift + gain / all * brought) / part } else { own.shift };
-    let root = |x: f32| if is_hertz { x.cbrt() } else { 1.0 };
+    let root = |x: f32| if is_hertz { libm::cbrtf(x) } else { 1.0 };
     let share = Share { stiffness: part / root(part), unloading: root((now / before).min(1.0)) };
     Some((shift, share))
 }

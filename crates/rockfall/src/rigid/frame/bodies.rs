@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use glam::{Mat3A, Vec3, Vec3A};
 
+use crate::model::rotate::{product, unit};
 use crate::rigid::common::MOST_MARGIN;
-use crate::rigid::frame::turn::{Moments, about, unit};
+use crate::rigid::frame::turn::{Moments, about};
 use crate::rigid::pose::Pose;
 use crate::rigid::world::{Body, Kind, RigidWorld};
 
@@ -188,7 +189,7 @@ impl Bodies {
             if !fixed.dynamic {
                 self.poses[i].position += Vec3::from(h * motion.velocity);
                 if motion.spin != Vec3A::ZERO {
-                    self.poses[i].turn = unit(about(h * motion.spin) * self.poses[i].turn);
+                    self.poses[i].turn = unit(product(about(h * motion.spin), self.poses[i].turn));
                 }
                 continue;
             }
@@ -219,7 +220,7 @@ impl Bodies {
         }
         let fixed = &self.constants[i];
         if !fixed.dynamic {
-            let turn = if motion.spin == Vec3A::ZERO { pose.turn } else { unit(about(time * motion.spin) * pose.turn) };
+            let turn = if motion.spin == Vec3A::ZERO { pose.turn } else { unit(product(about(time * motion.spin), pose.turn)) };
             return (Pose::new(pose.position + Vec3::from(time * motion.velocity), turn), motion);
         }
         let position = pose.position + Vec3::from(time * motion.velocity + 0.5 * time * time * gravity);

@@ -3,6 +3,7 @@
 use glam::{Quat, Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 
+use crate::model::rotate::{product, unit};
 use crate::rigid::frame::bodies::{Bodies, Mass};
 use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, Impulse, Pair, Row, View, for_each, is_crowd};
 use crate::rigid::frame::refresh::{apart, belt, places, renew_block, tangents};
@@ -95,11 +96,11 @@ fn left_over(scope: &Scope<'_>, contacts: &Contacts, bodies: &mut Bodies) -> boo
 /// Adds the change of a copy at its share to the present state of a body.
 fn mean(bodies: &Bodies, before: &Bodies, i: usize, copy: &After, share: f32) -> After {
     let (pose, old) = (bodies.poses[i], before.poses[i]);
-    let mut change = copy.pose.turn * old.turn.inverse();
+    let mut change = product(copy.pose.turn, old.turn.conjugate());
     change = if change.w < 0.0 { -change } else { change };
     let part = Quat::from_xyzw(share * change.x, share * change.y, share * change.z, 1.0);
     After {
-        pose: Pose::new(pose.position + share * (copy.pose.position - old.position), (part * pose.turn).normalize()),
+        pose: Pose::new(pose.position + share * (copy.pose.position - old.position), unit(product(part, pose.turn))),
         velocity: bodies.motions[i].velocity + share * (copy.velocity - before.motions[i].velocity),
         momentum: bodies.momenta[i] + share * (copy.momentum - before.momenta[i]),
     }

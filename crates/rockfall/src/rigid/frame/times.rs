@@ -2,11 +2,12 @@
 
 use glam::{Vec3, Vec3A};
 
+use crate::model::rotate::{product, unit};
 use crate::rigid::frame::bodies::{Bodies, Motion};
 use crate::rigid::frame::contacts::{Block, Contacts, Pair, Place, Point, Row, View};
 use crate::rigid::frame::detect::least_radius;
 use crate::rigid::frame::refresh::{apart, place, places};
-use crate::rigid::frame::turn::{about, unit};
+use crate::rigid::frame::turn::about;
 use crate::rigid::pose::Pose;
 use crate::rigid::world::RigidWorld;
 
@@ -187,7 +188,7 @@ impl Scope<'_> {
             let field = if bodies.constants[i].dynamic { gravity } else { Vec3A::ZERO };
             let velocity = motion.velocity - (self.h - time) * field;
             let position = pose.position + Vec3::from(time * velocity - 0.5 * time * time * field);
-            let turn = if motion.spin == Vec3A::ZERO { pose.turn } else { unit(about(time * motion.spin) * pose.turn) };
+            let turn = if motion.spin == Vec3A::ZERO { pose.turn } else { unit(product(about(time * motion.spin), pose.turn)) };
             (Pose::new(position, turn), Motion { velocity, ..motion })
         });
         ([pose_a, pose_b], [a, b])

@@ -2,6 +2,8 @@
 
 use glam::{Mat3A, Quat, Vec3, Vec3A};
 
+use crate::model::rotate::{product, unit};
+
 /// The principal moments of a body, ready for use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Moments {
@@ -34,7 +36,7 @@ impl Moments {
         if self.ball {
             return middle;
         }
-        let axes = Mat3A::from_quat(orientation * self.axes);
+        let axes = Mat3A::from_quat(product(orientation, self.axes));
         let [p, q, r] = [0, 1, 2].map(|k| (axes.col(k), self.excess[k] * axes.col(k)));
         let sum = |i: usize, j: usize| p.1[i] * p.0[j] + q.1[i] * q.0[j] + r.1[i] * r.0[j];
         let (xy, xz, yz) = (sum(0, 1), sum(0, 2), sum(1, 2));
@@ -46,18 +48,19 @@ impl Moments {
         if self.ball {
             return self.moments.x * spin;
         }
-        let axes = Mat3A::from_quat(orientation * self.axes);
+        let axes = Mat3A::from_quat(product(orientation, self.axes));
         axes * (self.moments * (axes.transpose() * spin))
     }
 
     /// Phi: the orientation after a free rotation for a time, in s, which may be negative.
     pub(super) fn turned(&self, orientation: Quat, momentum: Vec3A, time: f32) -> Quat {
-        let mut orientation = about(time * self.middle * momentum) * orientation;
+        let mut orientation = product(about(time * self.middle * momentum), orientation);
         if !self.ball {
             for (k, share) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
                 if self.excess[k] != 0.0 {
                     let axis = orientation * (self.axes * Vec3A::AXES[k]);
-                    orientation = about(share * time * self.excess[k] * axis.dot(momentum) * axis) * orientation;
+                    let turn = share * time * self.excess[k] * axis.dot(momentum) * axis;
+                    orientation = product(about(turn), orientation);
                 }
             }
         }
@@ -73,12 +76,7 @@ pub(super) fn about(turn: Vec3A) -> Quat {
         return Quat::from_xyzw(0.5 * turn.x, 0.5 * turn.y, 0.5 * turn.z, 1.0 - 0.125 * squared);
     }
     let angle = squared.sqrt();
-    let (sine, cosine) = (0.5 * angle).sin_cos();
+    let (sine, cosine) = libm::sincosf(0.5 * angle);
     let part = turn * (sine / angle);
     Quat::from_xyzw(part.x, part.y, part.z, cosine)
-}
-
-/// The quaternion with the length 1, and itself where it is not finite.
-pub(super) fn unit(q: Quat) -> Quat {
-    q * (1.0 / q.length_squared().sqrt())
 }

@@ -1,6 +1,5 @@
 //! The arrays of a frame on a device by binding, and dispatches over them.
 
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use bytemuck::Pod;
@@ -16,14 +15,12 @@ pub(super) struct Arrays {
     kinds: Kinds,
     buffers: Vec<Option<wgpu::Buffer>>,
     groups: Vec<OnceLock<wgpu::BindGroup>>,
-    /// Dispatches so far.
-    pub(super) dispatches: AtomicU32,
 }
 
 impl Arrays {
     pub(super) fn new(gpu: Arc<RigidGpu>, kinds: Kinds) -> Self {
         let groups = STAGES.iter().map(|_| OnceLock::new()).collect();
-        Self { gpu, kinds, buffers: vec![None; BINDINGS as usize], groups, dispatches: AtomicU32::new(0) }
+        Self { gpu, kinds, buffers: vec![None; BINDINGS as usize], groups }
     }
 
     /// No arrays yet, of the same scene.
@@ -91,7 +88,6 @@ impl Arrays {
         pass.set_pipeline(&self.gpu.kernel(stage, self.kinds).pipeline);
         pass.set_bind_group(0, self.group(stage), &[offset]);
         pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
-        self.dispatches.fetch_add(1, Ordering::Relaxed);
     }
 
     /// Waits for the device and reads the start of an array.

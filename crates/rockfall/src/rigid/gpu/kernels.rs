@@ -1,8 +1,5 @@
 //! The kernels of a frame: each is its own file and all files that it requires.
 
-/// Most threads of a stage of one workgroup.
-const MOST_THREADS: u32 = 256;
-
 /// A WGSL file.
 struct Part {
     file: &'static str,
@@ -48,9 +45,6 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/carry.wgsl"
     "rigid/frame/impacts.wgsl"
     "rigid/frame/left_over_impacts.wgsl"
-    "rigid/frame/group.wgsl"
-    "rigid/frame/impacts_at_once.wgsl"
-    "rigid/frame/all_at_once.wgsl"
     "rigid/frame/found.wgsl"
     "rigid/frame/sort.wgsl"
     "rigid/frame/lay.wgsl"
@@ -153,42 +147,40 @@ pub(super) const MEAN: usize = 4;
 pub(super) const DRIFT: usize = 5;
 pub(super) const REFRESH: usize = 6;
 pub(super) const SETTLE: usize = 7;
-pub(super) const ALL_AT_ONCE: usize = 8;
-pub(super) const BEFORE_IMPACTS: usize = 9;
-pub(super) const STRIKE: usize = 10;
-pub(super) const FIND_LEFT_OVER: usize = 11;
-pub(super) const COUNT_LEFT_OVER: usize = 12;
-pub(super) const STRIKE_LEFT_OVER: usize = 13;
-pub(super) const MEAN_OF_IMPACTS: usize = 14;
-pub(super) const CARRY: usize = 15;
-pub(super) const IMPACTS_AT_ONCE: usize = 16;
-pub(super) const BUCKET: usize = 17;
-pub(super) const RANK: usize = 18;
-pub(super) const LAY: usize = 19;
-pub(super) const GATHER: usize = 20;
-pub(super) const ENLIST: usize = 21;
-pub(super) const RECALL: usize = 22;
-pub(super) const KEEP: usize = 23;
-pub(super) const TAKE: usize = 24;
-pub(super) const COUNT_COLOURS: usize = 25;
-pub(super) const ARRANGE: usize = 26;
-pub(super) const RELIST: usize = 27;
-pub(super) const SUM_UP: usize = 28;
-pub(super) const STORE: usize = 29;
-pub(super) const CALM: usize = 30;
-pub(super) const WIDEN: usize = 31;
-pub(super) const SEEK: usize = 32;
-pub(super) const REFRESH_ROUND: usize = 33;
-pub(super) const FIND_ROUND: usize = 34;
-pub(super) const FIND_ALL_ROUND: usize = 35;
-pub(super) const STRIKE_ROUND: usize = 36;
-pub(super) const FIND_LEFT_OVER_ROUND: usize = 37;
-pub(super) const STRIKE_LEFT_OVER_ROUND: usize = 38;
-pub(super) const WAIT_ROUND: usize = 39;
-pub(super) const CARRY_ROUND: usize = 40;
-pub(super) const SPARE_ROUND: usize = 41;
-pub(super) const EXPOSE: usize = 42;
-pub(super) const SEEK_ROUND: usize = 43;
+pub(super) const BEFORE_IMPACTS: usize = 8;
+pub(super) const STRIKE: usize = 9;
+pub(super) const FIND_LEFT_OVER: usize = 10;
+pub(super) const COUNT_LEFT_OVER: usize = 11;
+pub(super) const STRIKE_LEFT_OVER: usize = 12;
+pub(super) const MEAN_OF_IMPACTS: usize = 13;
+pub(super) const CARRY: usize = 14;
+pub(super) const BUCKET: usize = 15;
+pub(super) const RANK: usize = 16;
+pub(super) const LAY: usize = 17;
+pub(super) const GATHER: usize = 18;
+pub(super) const ENLIST: usize = 19;
+pub(super) const RECALL: usize = 20;
+pub(super) const KEEP: usize = 21;
+pub(super) const TAKE: usize = 22;
+pub(super) const COUNT_COLOURS: usize = 23;
+pub(super) const ARRANGE: usize = 24;
+pub(super) const RELIST: usize = 25;
+pub(super) const SUM_UP: usize = 26;
+pub(super) const STORE: usize = 27;
+pub(super) const CALM: usize = 28;
+pub(super) const WIDEN: usize = 29;
+pub(super) const SEEK: usize = 30;
+pub(super) const REFRESH_ROUND: usize = 31;
+pub(super) const FIND_ROUND: usize = 32;
+pub(super) const FIND_ALL_ROUND: usize = 33;
+pub(super) const STRIKE_ROUND: usize = 34;
+pub(super) const FIND_LEFT_OVER_ROUND: usize = 35;
+pub(super) const STRIKE_LEFT_OVER_ROUND: usize = 36;
+pub(super) const WAIT_ROUND: usize = 37;
+pub(super) const CARRY_ROUND: usize = 38;
+pub(super) const SPARE_ROUND: usize = 39;
+pub(super) const EXPOSE: usize = 40;
+pub(super) const SEEK_ROUND: usize = 41;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
@@ -196,7 +188,6 @@ const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
 const CLOSEST: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, COLLIDERS, HULLS];
 const HITS: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, LOADS, COLLIDERS, HULLS];
 const STRUCK: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, LOADS, REPORT];
-const ALL: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS, LISTS];
 
 /// All stages, by the numbers above.
 pub(super) const STAGES: &[Stage] = &[
@@ -208,7 +199,6 @@ pub(super) const STAGES: &[Stage] = &[
     Stage { name: "drift", file: "rigid/frame/drift.wgsl", bindings: &[BODIES, CONSTANTS] },
     Stage { name: "refresh", file: "rigid/frame/refresh.wgsl", bindings: GEOMETRY },
     Stage { name: "settle", file: "rigid/frame/settle.wgsl", bindings: &[BODIES, CONSTANTS, REPORT] },
-    Stage { name: "all_at_once", file: "rigid/frame/all_at_once.wgsl", bindings: ALL },
     Stage { name: "before_impacts", file: "rigid/frame/impacts.wgsl", bindings: &[BODIES, CONSTANTS, REPORT] },
     Stage { name: "strike", file: "rigid/frame/impacts.wgsl", bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, REPORT] },
     Stage {
@@ -228,7 +218,6 @@ pub(super) const STAGES: &[Stage] = &[
         file: "rigid/frame/impacts.wgsl",
         bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, LOADS, REPORT],
     },
-    Stage { name: "impacts_at_once", file: "rigid/frame/impacts_at_once.wgsl", bindings: ALL },
     Stage { name: "bucket", file: "rigid/frame/sort.wgsl", bindings: &[BODIES, FOUND, COUNTS, OWNED, ORDER] },
     Stage { name: "rank", file: "rigid/frame/sort.wgsl", bindings: &[BODIES, FOUND, COUNTS, OWNED, ORDER, SORTED, TALLIES] },
     Stage {
@@ -388,7 +377,6 @@ impl Kernel {
     /// A stage with this text and with uniform blocks at these bindings. They may have a dynamic offset.
     #[allow(unsafe_code)]
     pub(super) fn build(device: &wgpu::Device, stage: &Stage, text: String, uniforms: &[(u32, bool)]) -> Self {
-        let has_group = text.contains("override GROUP:");
         let module = wgpu::ShaderModuleDescriptor { label: Some(stage.name), source: wgpu::ShaderSource::Wgsl(text.into()) };
         // SAFETY: without run-time checks the kernels themselves must stay inside their buffers, and they must terminate. They do:
         // - Threads whose number is not below the count of their bodies or blocks return at once. The counts and the starts of the
@@ -436,16 +424,12 @@ impl Kernel {
             immediate_size: 0,
         });
         // Threads of the stages of one workgroup.
-        let limits = device.limits();
-        let most = limits.max_compute_invocations_per_workgroup.min(limits.max_compute_workgroup_size_x).min(MOST_THREADS);
-        let constants = [("GROUP", f64::from(most))];
-        let constants: &[_] = if has_group { &constants } else { &[] };
         let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(stage.name),
             layout: Some(&pipeline_layout),
             module: &module,
             entry_point: Some(stage.name),
-            compilation_options: wgpu::PipelineCompilationOptions { zero_initialize_workgroup_memory: false, constants },
+            compilation_options: wgpu::PipelineCompilationOptions { zero_initialize_workgroup_memory: false, constants: &[] },
             cache: None,
         });
         Self { pipeline, layout }

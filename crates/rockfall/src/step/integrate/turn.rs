@@ -27,6 +27,7 @@ use crate::fine::Fine;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::part::part;
+use crate::model::rotate::{self, product, unit};
 use crate::model::view::View;
 use crate::model::world::World;
 use crate::physics::geometry::scale;
@@ -89,7 +90,7 @@ fn turn(world: &mut World, _pass: u32) {
 
 /// Rotates an orientation by a spin, in rad/s, for a time, in s.
 pub(crate) fn turn_for(orientation: &mut Vec4, spin: Vec3, time: f32) {
-    turn_by(orientation, Quat::from_scaled_axis(spin * time));
+    turn_by(orientation, rotate::by(spin * time));
 }
 
 /// Rotates an orientation. A rotation by the angle 0, or one whose result is not finite, leaves it unchanged.
@@ -97,7 +98,7 @@ fn turn_by(orientation: &mut Vec4, rotation: Quat) {
     if rotation.xyz() == Vec3::ZERO {
         return;
     }
-    let turned = (rotation * Quat::from_vec4(*orientation)).normalize();
+    let turned = unit(product(rotation, Quat::from_vec4(*orientation)));
     if turned.is_finite() {
         *orientation = turned.into();
     }
@@ -158,8 +159,8 @@ fn turned_capsule(view: &View, ends: [u32; 2], d_old: Vec3) -> Capsule {
     let momentum = reduced_mass * (turn.cross(moved) + velocity.dot(axis) * moved_axis - velocity);
 
     let old_axis = d_old.try_normalize().unwrap_or(axis);
-    let rotation =
-        shortest_arc(old_axis, moved_axis) * Quat::from_axis_angle(old_axis, roll.dot(moved_axis) * view.step.constants.dt);
+    let rolled = rotate::by(roll.dot(moved_axis) * view.step.constants.dt * old_axis);
+    let rotation = product(shortest_arc(old_axis, moved_axis), rolled);
     let share = |end: u32| reduced_mass * view.inverse_mass(end) * (moved - d);
     let pushed = |end: u32, momentum: Vec3| view.velocity(end) + view.inverse_mass(end) * momentum;
     Capsule {
@@ -185,5 +186,5 @@ fn shortest_arc(from: Vec3, to: Vec3) -> Quat {
         // The vectors are opposite. Any perpendicular axis will do.
         return Quat::from_rotation_arc(from, to);
     }
-    Quat::from_vec4(from.cross(to).extend(real)).normalize()
+    unit(Quat::from_vec4(from.cross(to).extend(real)))
 }
