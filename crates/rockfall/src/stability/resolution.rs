@@ -122,7 +122,8 @@ impl fmt::Display for ChosenPrecision {
 impl Scene {
     /// The precision of the settings. For [`Precision::Auto`] it is chosen: [`Precision::Double`] for contact laws with history, and where
     /// the distance between neighbouring f32 numbers at the largest coordinate of the scene exceeds 0.1 % of the radius or 5 % of the
-    /// overlap at rest of a moving sphere (as in [`Scene::coarse`], with smaller bounds).
+    /// overlap at rest of a moving sphere (as in [`Scene::coarse`], with smaller bounds). Frames of the contact law `rigid` are in single
+    /// precision.
     pub fn chosen_precision(&self) -> ChosenPrecision {
         if self.settings.precision != Precision::Auto {
             return ChosenPrecision { precision: self.settings.precision, reason: None };
@@ -133,6 +134,9 @@ impl Scene {
     }
 
     fn needs_double(&self) -> Option<PrecisionReason> {
+        if self.is_rigid() {
+            return None;
+        }
         if self.settings.contact_law.has_history() {
             return Some(PrecisionReason::History);
         }

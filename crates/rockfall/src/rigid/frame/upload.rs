@@ -1,48 +1,18 @@
 //! The rows of a frame for the device, and the state that comes back.
 
-use std::sync::Arc;
-
 use glam::{Mat3A, Vec3A};
 
-use crate::rigid::common::{FrameReport, REPEATS};
+use crate::rigid::frame::Frame;
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER, Pair, Point};
 use crate::rigid::frame::refresh::tangents;
-use crate::rigid::frame::{Frame, History, report, widen};
+use crate::rigid::gpu::Outcome;
 use crate::rigid::gpu::rows::{
     BELT, BlockRow, BodyRow, ConstantRow, ContactRow, ELASTIC, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
     SEAMS, WAITS,
 };
 use crate::rigid::gpu::shapes::collider_rows;
-use crate::rigid::gpu::{Outcome, Plan, RigidGpu};
 use crate::rigid::world::RigidWorld;
-
-/// Advances all bodies by a frame as [`super::advance_or_stop`] does, with the substeps on a device.
-pub(crate) fn advance_on_device(
-    world: &mut RigidWorld,
-    dt: f32,
-    substeps: u32,
-    gpu: &Arc<RigidGpu>,
-    plan: Plan,
-) -> FrameReport {
-    let mut repeats = 0;
-    loop {
-        let mut frame = Frame::open(world, dt, substeps);
-        let on_device = gpu.frame(&frame.rows(substeps));
-        on_device.solve(plan);
-        let outcome = on_device.read().expect("the device answers");
-        frame.take(&outcome);
-        let Frame { bodies, contacts, h, .. } = frame;
-        if repeats < REPEATS && outcome.beyond > 0 && widen(world, &bodies, repeats) {
-            repeats += 1;
-            continue;
-        }
-        let stopped = outcome.stopped;
-        bodies.store(&mut world.bodies);
-        world.history = History::new(&contacts, world.history.frames.wrapping_add(1), h);
-        return FrameReport { stopped, ..report(&contacts, repeats) };
-    }
-}
 
 /// The rows of a world whose contacts are not known.
 pub(crate) fn bodies_alone(world: &RigidWorld) -> FrameRows {

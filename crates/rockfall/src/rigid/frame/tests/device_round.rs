@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 
-use super::device::{apart, bits, open, stage};
+use super::device::{apart, open, run, stage};
 use super::scene::{DT, Random, Scene, close};
 use crate::rigid::frame::bodies::Bodies;
-use crate::rigid::frame::upload::advance_on_device;
-use crate::rigid::frame::{Frame, detect, energy};
-use crate::rigid::gpu::{Part, Plan, RigidGpu};
+use crate::rigid::frame::{Frame, bodies_alone, detect, energy};
+use crate::rigid::gpu::Part;
+use crate::rigid::gpu::world::GpuWorld;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Hull, Shape};
 use crate::rigid::world::RigidWorld;
@@ -304,53 +304,13 @@ fn exposed_points_agree() {
     assert!(left_out > 100 && of_second > 10 && kept > 100);
 }
 
-fn step_on_device(world: &mut RigidWorld, gpu: &Arc<RigidGpu>) -> u32 {
-    advance_on_device(world, DT, 4, gpu, Plan::Stages).repeats
-}
-
-/// Whole frames, each from the state of the twin.
-#[test]
-fn round_frames_agree() {
-    let gpu = open();
-    for (name, mut scene, seconds) in scenes() {
-        scene.run(seconds);
-        let (mut place, mut speed, mut repeats, before) = (0.0_f32, 0.0_f32, 0, scene.repeats);
-        for _ in 0..12 {
-            let mut other = scene.world.clone();
-            repeats += step_on_device(&mut other, &gpu);
-            scene.step();
-            let [one, two] = apart(&scene.world, &other);
-            (place, speed) = (place.max(one), speed.max(two));
-        }
-        eprintln!("{name}: frames {place:.1e} apart, speeds {speed:.1e}, repeats {repeats} and {}", scene.repeats - before);
-        // A path may end at its margin up to rounding.
-        let more = (scene.repeats - before).abs_diff(repeats);
-        assert!(place < 1e-4 && speed < 1e-2 && more <= 1, "{name}");
-    }
-}
-
-/// The same bits in each run.
-#[test]
-fn round_runs_have_the_same_bits() {
-    let gpu = open();
-    for (name, mut scene, seconds) in scenes() {
-        scene.run(seconds);
-        let run = || {
-            let mut world = scene.world.clone();
-            (0..2).for_each(|_| _ = advance_on_device(&mut world, DT, 4, &gpu, Plan::Stages));
-            bits(&world)
-        };
-        assert!(run() == run(), "{name}");
-    }
-}
-
 /// Problem 35 on the device.
 #[test]
 fn what_passes_on_device_is_not_deflected() {
     let gpu = open();
     for (e, step) in [0.0, 1.0].into_iter().flat_map(|e| (0..20).step_by(3).map(move |step| (e, step))) {
         let mut scene = passing(e, step);
-        (0..12).for_each(|_| _ = step_on_device(&mut scene.world, &gpu));
+        run(&mut scene.world, 12, &gpu);
         for pair in scene.world.bodies[1..].chunks(2) {
             let change = (pair[1].velocity - Vec3::new(20.0, 0.0, 0.0)).length() + pair[0].velocity.length();
             assert!(change < 1e-4, "e {e}, start {step}: {change}");
@@ -370,7 +330,7 @@ fn oblique_bounce_on_device_has_the_friction_of_the_closed_form() {
             let ball = scene.ball(0.05, Vec3::new(0.0, 0.3 + 0.004 * step as f32, step as f32));
             scene.throw(ball, Vec3::new(5.0, -10.0, 0.0), Vec3::ZERO);
         }
-        (0..6).for_each(|_| _ = step_on_device(&mut scene.world, &gpu));
+        run(&mut scene.world, 6, &gpu);
         for ball in 1..=20 {
             let j = (mu * (1.0 + e) * 10.0).min(2.0 / 7.0 * 5.0);
             close(scene.velocity(ball).x, 5.0 - j, 1e-3);
@@ -384,6 +344,7 @@ fn oblique_bounce_on_device_has_the_friction_of_the_closed_form() {
 #[test]
 fn round_scenes_run_as_the_twin() {
     let gpu = open();
+    let on_device = |world: &RigidWorld| GpuWorld::new(&gpu, world, &bodies_alone(world)).unwrap();
     let mut wrong = false;
     // Bounds of places and of energies, as a part of the kinetic energy at the start and that of a fall by 1.
     for (name, mut scene, frames, most) in [
@@ -392,10 +353,11 @@ fn round_scenes_run_as_the_twin() {
         ("tiles", tiles(0.0), 60, 1e-4),
         ("passing", passing(1.0, 7), 20, 1e-4),
     ] {
-        let mut other = scene.world.clone();
+        let (mut other, mut on_device) = (scene.world.clone(), on_device(&scene.world));
         let mut worst = 0.0_f32;
         for _ in 0..frames {
-            step_on_device(&mut other, &gpu);
+            on_device.advance(DT, 4, true).unwrap();
+            on_device.download(&mut other).unwrap();
             scene.step();
             worst = worst.max(apart(&scene.world, &other)[0]);
         }
@@ -406,11 +368,12 @@ fn round_scenes_run_as_the_twin() {
     assert!(!wrong);
     // Heaps are chaotic: their energies stay together, and both come to rest.
     for (name, mut scene) in [("pile", heap(40, 0.0, ball_or_box)), ("capsules", heap(40, 0.0, any_shape))] {
-        let mut other = scene.world.clone();
+        let (mut other, mut on_device) = (scene.world.clone(), on_device(&scene.world));
         let start = energy(&other);
         let mut before = start;
         for _ in 0..120 {
-            step_on_device(&mut other, &gpu);
+            on_device.advance(DT, 4, true).unwrap();
+            on_device.download(&mut other).unwrap();
             scene.step();
             let now = energy(&other);
             assert!(now < before + 1e-3 * start, "{name}: {now} after {before}");

@@ -18,7 +18,7 @@ fn worlds_agree() {
         scene.run(seconds);
         let (mut place, mut speed, before, mut repeats) = (0.0_f32, 0.0_f32, scene.repeats, 0);
         let mut on_device = GpuWorld::new(&gpu, &scene.world, &bodies_alone(&scene.world)).unwrap();
-        for number in 0..20 {
+        for number in 0..8 {
             let mut other = scene.world.clone();
             on_device.put(&scene.world, &bodies_alone(&scene.world)).unwrap();
             let report = on_device.advance(DT, 4, true).unwrap();
@@ -63,7 +63,7 @@ fn runs_and_resumed_runs_have_the_same_bits() {
         let run = |split: bool| {
             let mut world = scene.world.clone();
             let mut on_device = GpuWorld::new(&gpu, &world, &bodies_alone(&world)).unwrap();
-            for _ in 0..10 {
+            for _ in 0..5 {
                 on_device.advance(DT, 4, true).unwrap();
                 if split {
                     on_device.download(&mut world).unwrap();
