@@ -5,7 +5,9 @@ const named = (title, file, about, dt = 0.01) => ({ title, file: `scenes/${file}
 export const GALLERY = [
     { title: "Grains", grains: true, about: "As many grains as this device can simulate in real time fall into a box.", dt: 0.02 },
     named("Rockfall", "rockfall", "Rocks and two boulders come down a stair and knock over ten pins."),
-    named("Dominoes", "dominoes", "A row of boxes around a bend: each knocks over the next.", 0.02),
+    named("Dominoes", "dominoes", "A row of boxes around a bend: each knocks over the next.", 1 / 60),
+    named("Tower of bricks", "tower", "A ball hits a tower of thirty bricks.", 1 / 60),
+    named("House of cards", "cards", "A ball rolls into a house of cards of three storeys.", 1 / 60),
     named("Tower of capsules", "capsules", "A heavy ball hits a tower of logs."),
     named("Conveyor", "conveyor", "Logs slide down a slope, ride on a belt and drop into a bin."),
     named("Hanging bridge", "bridge", "Balls drop on a bridge of rods of fixed length."),

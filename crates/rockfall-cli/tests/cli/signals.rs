@@ -84,7 +84,7 @@ fn a_run_with_a_huge_time_step_ends() {
 #[test]
 fn a_signal_ends_a_film_which_keeps_its_pictures() {
     let rockfall = Rockfall::with(&mixed(16));
-    let arguments = "render scene.txt --out film.gif --steps 1000000 --dt 0.01 --size 32x24 --plain --backend cpu";
+    let arguments = "render scene.txt --out film.gif --steps 1000000 --dt 0.01 --size 200x150 --plain --backend cpu";
     let mut child = spawn(&rockfall, arguments);
     let start = Instant::now();
     while std::fs::metadata(rockfall.path(".film.gif.part")).map_or(0, |file| file.len()) < 1000 {
