@@ -119,8 +119,7 @@ impl Kind {
             Self::Pile => pile(spheres, &mut random),
             Self::Mixed => bodies::mixed(spheres, &mut random),
             Self::Clumps => clumps::clumps(spheres, &mut random),
-            Self::Boxes => boxes::boxes(spheres, &mut random),
-            Self::Dominoes => boxes::dominoes(spheres, &mut random),
+            Self::Boxes | Self::Dominoes => boxes::hard(self, spheres, &mut random),
             Self::Soft => bodies::soft(spheres, &mut random),
             Self::Chain => bodies::chain(spheres, &mut random),
             Self::Hopper => hopper::hopper(spheres, &mut random),
@@ -151,7 +150,7 @@ impl Kind {
             Self::Drum => Drum::STEP,
             Self::Column => grains::COLUMN_STEP,
             Self::Vibrated | Self::ShearCell | Self::Mixer | Self::Screw => machines::MACHINE_STEP,
-            Self::Boxes | Self::Dominoes => boxes::STEP,
+            Self::Boxes | Self::Dominoes => boxes::FRAME,
             _ => 0.02,
         }
     }
@@ -163,7 +162,7 @@ impl Kind {
         let seconds = match self {
             Self::Drum | Self::Vibrated | Self::ShearCell => 0.5,
             Self::Column | Self::Mixer | Self::Screw => 1.0,
-            Self::Boxes => 4.0,
+            Self::Boxes => 5.0,
             Self::Chain => 10.0,
             // Bodies come to rest.
             _ => 20.0,

@@ -8,7 +8,7 @@ use glam::{IVec3, Vec3};
 use rand::SeedableRng as _;
 use rand_pcg::Pcg64Mcg;
 
-use super::boxes::{SPHERES, boxes};
+use super::boxes::{self, SPHERES};
 use super::{Random, ball_within, check_count, walled_box};
 use crate::error::{Error, Result, quoted};
 use crate::scene::{Capsule, Cuboid, Rod, Scene, Sphere, Spring};
@@ -75,7 +75,7 @@ impl Benchmark {
             Self::Shuffled => pile(bodies, seed, shuffled(bodies, seed).into_iter()),
             Self::Mixed => mixed(bodies, seed),
             Self::Radii => radii(bodies, seed),
-            Self::Boxes => boxes(bodies.saturating_mul(SPHERES), &mut Random::new(seed)),
+            Self::Boxes => boxes::soft(bodies.saturating_mul(SPHERES), &mut Random::new(seed)),
         }
     }
 }

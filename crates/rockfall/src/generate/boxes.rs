@@ -3,7 +3,7 @@
 use glam::{DVec3, Quat, Vec3};
 
 use super::clumps::turn;
-use super::{Cells, Random, ball, tank};
+use super::{Cells, Kind, Random, ball, tank};
 use crate::error::Result;
 use crate::scene::{Cuboid, Placement, Scene, Shape, ShapeId, Sphere};
 use crate::settings::Integrator;
@@ -23,16 +23,25 @@ const TURN: f64 = 1.6;
 const RADIUS: f64 = 1.5;
 /// Height of the dominoes above the floor at the start.
 const CLEARANCE: f32 = 1e-3;
-/// The time step that suits these scenes, in s.
-pub(super) const STEP: f32 = 0.001;
+/// The time of a frame, in s.
+pub(super) const FRAME: f32 = 1.0 / 60.0;
 
-/// Sets a law that keeps overlaps below the rounding of the boxes, and an integrator with one evaluation per step.
-fn settle(scene: &mut Scene) -> Result<()> {
+/// Boxes or dominoes with hard contacts.
+pub(super) fn hard(kind: Kind, spheres: u32, random: &mut Random) -> Result<Scene> {
+    let mut scene = if kind == Kind::Dominoes { dominoes(spheres, random) } else { boxes(spheres, random) }?;
+    scene.settings.set("contact_law", "rigid")?;
+    (scene.settings.gravity, scene.settings.coulomb_friction) = (10.0, 0.4);
+    Ok(scene)
+}
+
+/// Boxes with the contact law of the thesis, with overlaps below the rounding of the boxes, and an integrator with one evaluation per step.
+pub(super) fn soft(spheres: u32, random: &mut Random) -> Result<Scene> {
+    let mut scene = boxes(spheres, random)?;
     let settings = &mut scene.settings;
     settings.set("resting_overlap", "0.02")?;
     (settings.gravity, settings.coulomb_friction, settings.collision_friction) = (10.0, 0.4, 0.4);
     scene.run.integrator = Some(Integrator::SymplecticEuler.into());
-    Ok(())
+    Ok(scene)
 }
 
 /// A box around the origin, with a rounding radius of a tenth of its shortest edge.
@@ -41,9 +50,8 @@ fn block(edges: Vec3) -> Shape {
 }
 
 /// Boxes that fall into a walled box. Spheres that are left over are balls.
-pub(super) fn boxes(spheres: u32, random: &mut Random) -> Result<Scene> {
+fn boxes(spheres: u32, random: &mut Random) -> Result<Scene> {
     let mut scene = Scene::new();
-    settle(&mut scene)?;
     let (bricks, balls) = (spheres / SPHERES, spheres % SPHERES);
     let cells = Cells::new(bricks + balls, CELL, 0.2);
     if bricks > 0 {
@@ -64,9 +72,8 @@ pub(super) fn boxes(spheres: u32, random: &mut Random) -> Result<Scene> {
 }
 
 /// Dominoes along a spiral, and a ball that is thrown at the outer one. Spheres that are left over are left out.
-pub(super) fn dominoes(spheres: u32, random: &mut Random) -> Result<Scene> {
+fn dominoes(spheres: u32, random: &mut Random) -> Result<Scene> {
     let mut scene = Scene::new();
-    settle(&mut scene)?;
     let dominoes = (spheres - 1) / SPHERES;
     let shape = if dominoes > 0 { Some(scene.add_shape(block(DOMINO).name("domino").mass(1.0))?) } else { None };
     // The spiral r = RADIUS + TURN angle / (2 pi), from its end inwards.
