@@ -160,7 +160,8 @@ fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
                 largest = largest.max(impulse.normal);
             }
         }
-        for pair in chunk {
+        // The speeds of the biased pass are not those of the bodies: friction against them would move the bodies.
+        for pair in chunk.iter().filter(|_| !pass.biased) {
             let first = (pair.first - base) as usize;
             for k in first..first + usize::from(pair.count) {
                 let (row, impulse) = (&view.rows[k], &mut view.impulses[k]);

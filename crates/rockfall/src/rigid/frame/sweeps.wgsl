@@ -164,7 +164,11 @@ fn contact_at(sides: ptr<function, Sides>, k: u32, axes: Axes, rule: Rule) -> Co
     let place = contacts[2u * k];
     let kept = contacts[2u * k + 1u];
     let press = press_of(sides, place, kept.w, is_live(rule, place.w, kept.x), axes, rule);
-    return Contact(kept, press, grip_of(sides, place.xyz, axes));
+    var grip: Grip;
+    if !rule.biased {
+        grip = grip_of(sides, place.xyz, axes);
+    }
+    return Contact(kept, press, grip);
 }
 
 // The normal row of a point, and its friction row. Both return the change of the impulse.
@@ -219,15 +223,17 @@ fn sweep_pair(face: Face, sides: ptr<function, Sides>, rule: Rule) -> bool {
             change = max(change, press_point(sides, &four, axes));
             largest = max(largest, four.kept.x);
         }
-        change = max(change, grip_point(sides, &one, axes));
-        if count > 1u {
-            change = max(change, grip_point(sides, &two, axes));
-        }
-        if count > 2u {
-            change = max(change, grip_point(sides, &three, axes));
-        }
-        if count > 3u {
-            change = max(change, grip_point(sides, &four, axes));
+        if !rule.biased {
+            change = max(change, grip_point(sides, &one, axes));
+            if count > 1u {
+                change = max(change, grip_point(sides, &two, axes));
+            }
+            if count > 2u {
+                change = max(change, grip_point(sides, &three, axes));
+            }
+            if count > 3u {
+                change = max(change, grip_point(sides, &four, axes));
+            }
         }
         acted |= change > 0.0;
         if change <= LAST_CHANGE * largest {
@@ -272,7 +278,8 @@ fn sweep_pairs(block: Block, sides: ptr<function, Sides>, rule: Rule) -> bool {
             while next < end && (face_at(next).info & OPENS) == 0u {
                 next++;
             }
-            for (var row = 0u; row < 2u; row++) {
+            // No friction in the biased pass.
+            for (var row = 0u; row < select(2u, 1u, rule.biased); row++) {
                 for (var pair = chunk; pair < next; pair++) {
                     let face = face_at(pair);
                     let axes = axes_of(face);
