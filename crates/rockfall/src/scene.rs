@@ -69,7 +69,7 @@ pub use run::RunDefaults;
 pub use servo::{Servo, Sought};
 pub(crate) use shape::Kinetics;
 pub(crate) use shape::{BOX_SPHERES, Core};
-pub use shape::{BoxPart, MassProperties, Shape, ShapeBox, ShapeId, ShapeMass, ShapeRod, ShapeSphere};
+pub use shape::{BoxPart, MassProperties, Shape, ShapeBox, ShapeHull, ShapeId, ShapeMass, ShapeRod, ShapeSphere};
 pub use shear::Shear;
 pub(crate) use statics::upright;
 pub use statics::{BoxId, Cuboid, Polygon, PolygonId};

@@ -12,6 +12,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+pub(crate) use hull::BadHull;
+
 /// What a shape is about. A shape is all points within its radius of the core.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Core {
