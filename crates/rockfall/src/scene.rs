@@ -138,6 +138,8 @@ pub struct Counts {
     pub polygons: usize,
     /// Rigid bodies.
     pub bodies: usize,
+    /// Hulls of rigid bodies.
+    pub hulls: usize,
 }
 
 impl Scene {
@@ -334,6 +336,7 @@ impl Scene {
             boxes: self.boxes.len(),
             polygons: self.polygons.len(),
             bodies: self.bodies.len(),
+            hulls: self.hull_count(),
         }
     }
 }

@@ -5,9 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 use super::shape::{BOX_SPHERES, BoxPart, Kinetics, ShapeId};
-use super::{
-    Body, Cuboid, Handle, ObjectId, Rod, RodId, Scene, Shape, ShapeHull, ShapeSphere, Sphere, SphereId, Tag, shared,
-};
+use super::{Body, Cuboid, Handle, ObjectId, Rod, RodId, Scene, Shape, ShapeHull, ShapeSphere, Sphere, SphereId, Tag, shared};
 use crate::error::{self, Result};
 use crate::fine::Fine;
 use crate::scene::checks::{finite, invalid};
@@ -425,6 +423,15 @@ impl Scene {
         // The spheres of a body follow each other in the scene.
         let first = self.spheres.index(*body.spheres.first()?).ok()?;
         shape.box_of_sphere(self.spheres.index(id).ok()? - first)
+    }
+
+    /// Number of hulls of all rigid bodies.
+    pub(super) fn hull_count(&self) -> usize {
+        if self.shapes().iter().all(|shape| shape.hulls.is_empty()) {
+            return 0;
+        }
+        let of_body = |body: &RigidBody| self.shapes.get(body.shape).map_or(0, |shape| shape.hulls.len());
+        self.bodies().iter().map(of_body).sum()
     }
 
     /// The hull of a rigid body that a sphere stands for: `None` for other spheres. The sphere contains the hull, and has the centre of its

@@ -51,6 +51,14 @@ impl ShapeHull {
         self.material
     }
 
+    /// The planes of the faces: outward unit normals, and points on them from the centre.
+    pub(crate) fn planes(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
+        let plane = |(normal, corners): &(Vec3, Vec<u8>)| {
+            (normal.as_dvec3().normalize(), self.hull.vertices[usize::from(corners[0])].as_dvec3())
+        };
+        self.hull.faces.iter().map(plane)
+    }
+
     /// Volume in units³.
     pub(crate) fn volume(&self) -> f64 {
         self.hull.moments().0
@@ -92,9 +100,9 @@ impl Shape {
     }
 
     pub(crate) fn push_hull(&mut self, mut points: Vec<Vec3>) -> Result<()> {
-        let refused = |BadHull { value, expected }| Error::Invalid { field: "shape.hull", value, expected };
+        let refused = |BadHull { value, expected }| Error::Invalid { field: "shape.hull.points", value, expected };
         if let Some(point) = points.iter().find(|point| point.is_finite() && point.abs().max_element() > GREATEST) {
-            return Err(invalid("shape.hull", point.to_array(), "coordinates of at most 1e15"));
+            return Err(invalid("shape.hull.points", point.to_array(), "coordinates of at most 1e15"));
         }
         // The hull of a part of the points may differ in the last digit, and a saved scene has the vertices alone.
         let (hull, centre) = loop {
@@ -130,3 +138,7 @@ impl Shape {
         points.map(|point| point.as_dvec3().distance(centre)).fold(0.0, f64::max)
     }
 }
+
+#[cfg(test)]
+#[path = "hull_tests.rs"]
+mod tests;
