@@ -41,6 +41,19 @@ fn a_hull_that_is_a_box_has_its_mass_alone_and_in_overlaps() {
     near(&twice, &solid(Shape::new().density(3.0)).mass_properties_of().unwrap(), 1e-4);
 }
 
+/// Points inside shift the middle of all points, so that sums round differently. The hull of the vertices alone has the same digits.
+#[test]
+fn points_inside_do_not_count() {
+    let share = |number: u32| (number.wrapping_mul(2_654_435_761) >> 8) as f32 / (1 << 24) as f32;
+    for round in 0..100 {
+        let inside = (0..5).map(|k| 0.7 * Vec3::from_array([0, 1, 2].map(|axis| share(15 * round + 3 * k + axis))));
+        let whole = Shape::new().add_hull(inside.chain(corners(0.7)).map(|point| point + Vec3::splat(0.1))).unwrap();
+        let points = whole.hulls[0].points().to_vec();
+        assert_eq!(points.len(), 8);
+        assert_eq!(Shape::new().add_hull(points).unwrap().hulls, whole.hulls, "round {round}");
+    }
+}
+
 #[test]
 fn a_hull_is_a_sphere_of_the_scene_with_its_share_of_the_mass() {
     let mut scene = Scene::new();
