@@ -244,6 +244,7 @@ pub(crate) fn counts_json(counts: &rockfall::Counts) -> serde_json::Value {
         "boxes": counts.boxes,
         "polygons": counts.polygons,
         "bodies": counts.bodies,
+        "hulls": counts.hulls,
     })
 }
 
