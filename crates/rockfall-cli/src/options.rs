@@ -244,6 +244,7 @@ pub(crate) fn counts_json(counts: &rockfall::Counts) -> serde_json::Value {
         "boxes": counts.boxes,
         "polygons": counts.polygons,
         "bodies": counts.bodies,
+        "hulls": counts.hulls,
     })
 }
 
@@ -284,6 +285,7 @@ impl fmt::Display for InWords {
             (counts.boxes, "box", "boxes"),
             (counts.polygons, "polygon", "polygons"),
             (counts.bodies, "rigid body", "rigid bodies"),
+            (counts.hulls, "hull", "hulls"),
         ];
         let present: Vec<String> =
             kinds.into_iter().filter(|(count, ..)| *count > 0).map(|(count, one, many)| counted(count, one, many)).collect();

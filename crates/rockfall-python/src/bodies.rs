@@ -20,6 +20,8 @@ type ShapeSphere = ([f32; 3], f32, u16, i64);
 type ShapeRod = (usize, usize, f32, u16, i64);
 /// Corner, edges, group and material of a box.
 type ShapeBox = ([f32; 3], [[f32; 3]; 3], u16, i64);
+/// Points, group and material of a hull.
+type ShapeHull = (Vec<[f32; 3]>, u16, i64);
 /// Mass, density, and centre with inertia.
 type Mass = (Option<f32>, Option<f32>, Option<([f32; 3], [f32; 6])>);
 
@@ -32,6 +34,7 @@ pub(crate) fn add_shape(
     spheres: Vec<ShapeSphere>,
     rods: Vec<ShapeRod>,
     boxes: Vec<ShapeBox>,
+    hulls: Vec<ShapeHull>,
     rounding: f32,
 ) -> PyResult<usize> {
     with(target, |doors, ids| {
@@ -54,6 +57,14 @@ pub(crate) fn add_shape(
                 let material = materials_of(ids, &[material])?.pop().flatten();
                 (part.cuboid.group, part.cuboid.material) = (group, material);
             }
+        }
+        for (points, group, material) in hulls {
+            let part = Shape::new().group(group);
+            let part = match materials_of(ids, &[material])?.pop().flatten() {
+                Some(material) => part.material(material),
+                None => part,
+            };
+            shape.hulls.extend(part.add_hull(points).or_raise()?.hulls);
         }
         shape = match mass {
             (mass, _, Some((centre, inertia))) => shape.mass_properties(mass.unwrap_or(1.0), centre, inertia),

@@ -117,8 +117,8 @@ pub use scene::{
     Body, BoxId, BoxPart, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, ConeAxis, Counts, Cuboid, Facets, Gauge,
     Gauged, GrainMass, Inlet, LineWarning, Loaded, Look, MassProperties, Material, MaterialId, Motion, MotionId, MotionTerm,
     Muscle, ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Radii, Rate, RigidBody, RigidBodyId, Rod, RodId,
-    RollingModel, RunDefaults, Scene, Servo, Shape, ShapeBox, ShapeId, ShapeMass, ShapeRod, ShapeSphere, Shear, SizedBy,
-    Sought, Sphere, SphereId, Spring, SpringId, Surface, Tag, Tether, TetherId,
+    RollingModel, RunDefaults, Scene, Servo, Shape, ShapeBox, ShapeHull, ShapeId, ShapeMass, ShapeRod, ShapeSphere, Shear,
+    SizedBy, Sought, Sphere, SphereId, Spring, SpringId, Surface, Tag, Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{

@@ -11,6 +11,7 @@ use crate::physics::surface::visible_row;
 use crate::report::short_number;
 use crate::scene::{Body, Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator};
+use crate::simulation::frames::observe::overlaps_of_hulls;
 use crate::simulation::observe::{body, smaller_radius};
 use crate::simulation::observed::{observe, view_and_lists};
 use crate::user_laws::set::UserLaws;
@@ -91,6 +92,10 @@ impl Scene {
             })
         };
         let mut overlaps: Vec<Overlap> = (0..world.movers()).into_par_iter().flat_map_iter(of_mover).collect();
+        let is_hull = |body: &Body| matches!(body, Body::Sphere(id) if self.hull_of_sphere(*id).is_some());
+        overlaps.retain(|overlap| !overlap.bodies.iter().any(is_hull));
+        let of_hulls = overlaps_of_hulls(self)?.into_iter();
+        overlaps.extend(of_hulls.map(|(bodies, units, radii)| Overlap { bodies, units, radii, what: Inside::Surface }));
         found.deepest = overlaps.iter().map(|overlap| overlap.radii).fold(0.0, f32::max);
         overlaps.retain(|overlap| overlap.radii > DEEP);
         // A stable sort keeps the order of addition among equals.

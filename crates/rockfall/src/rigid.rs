@@ -12,7 +12,7 @@
 //! | [`frame`] | a frame: margins, pairs, blocks, colours, substeps |
 //! | `gpu` | all of it on a device |
 
-// Hulls and the masses of shapes have no door yet.
+// The masses of shapes other than hulls have no door yet.
 #![allow(dead_code)]
 
 pub(crate) mod broad;

@@ -69,7 +69,7 @@ pub use run::RunDefaults;
 pub use servo::{Servo, Sought};
 pub(crate) use shape::Kinetics;
 pub(crate) use shape::{BOX_SPHERES, Core};
-pub use shape::{BoxPart, MassProperties, Shape, ShapeBox, ShapeId, ShapeMass, ShapeRod, ShapeSphere};
+pub use shape::{BoxPart, MassProperties, Shape, ShapeBox, ShapeHull, ShapeId, ShapeMass, ShapeRod, ShapeSphere};
 pub use shear::Shear;
 pub(crate) use statics::upright;
 pub use statics::{BoxId, Cuboid, Polygon, PolygonId};
@@ -138,6 +138,8 @@ pub struct Counts {
     pub polygons: usize,
     /// Rigid bodies.
     pub bodies: usize,
+    /// Hulls of rigid bodies.
+    pub hulls: usize,
 }
 
 impl Scene {
@@ -334,6 +336,7 @@ impl Scene {
             boxes: self.boxes.len(),
             polygons: self.polygons.len(),
             bodies: self.bodies.len(),
+            hulls: self.hull_count(),
         }
     }
 }

@@ -30,7 +30,7 @@ mod exchange;
 mod flight;
 mod flow;
 mod force_laws;
-mod frames;
+pub(crate) mod frames;
 mod gauge;
 mod keep;
 mod kept;

@@ -37,6 +37,15 @@ fn bodies_are_counted() {
     assert!(err.contains("note: --bodies: the scene has no rigid bodies and no motions"), "{err}");
 }
 
+#[test]
+fn hulls_are_counted_and_other_laws_refuse_them() {
+    let body = "@body t mass=1\n@hull 0,0,0 1,0,0 0,1,0 0,0,1\n@end\n@place t at=0,1,0\n@place t at=3,1,0\n";
+    let (out, _) = Rockfall::with(&format!("set contact_law rigid\n{body}")).run("check scene.txt", 0);
+    assert!(out.contains("2 spheres, 2 rigid bodies, 2 hulls"), "{out}");
+    let (_, err) = Rockfall::with(&format!("set contact_law thesis\n{body}")).run("run scene.txt --backend cpu", 2);
+    assert!(err.contains("hulls need `set contact_law rigid`"), "{err}");
+}
+
 /// A plate that turns about an axis through 1,0,0 and one that oscillates follow the bodies.
 #[test]
 fn moving_walls_are_bodies_too() {

@@ -50,6 +50,7 @@ class Counts(NamedTuple):
     boxes: int
     polygons: int
     bodies: int = 0
+    hulls: int = 0
 
 
 class Objects(StaticBodies, Flows, Periodic, Strict):

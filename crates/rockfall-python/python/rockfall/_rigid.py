@@ -20,7 +20,7 @@ _UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 
 class Shape:
-    """What rigid bodies are made of: spheres, rods between them, and boxes, in coordinates of the shape.
+    """What rigid bodies are made of: spheres, rods between them, boxes, and convex hulls, in coordinates of the shape.
 
     Parts may overlap. The matter fills them evenly, and counts once where parts overlap. Each method returns the shape, so that
     calls can follow each other: ``rf.Shape(density=2).sphere([0, 0, 0], 0.5).sphere([0.7, 0, 0], 0.4)``.
@@ -70,6 +70,7 @@ class Shape:
         self._spheres: list[tuple[list[float], float, int, Any]] = []
         self._rods: list[tuple[int, int, float, int, Any]] = []
         self._boxes: list[tuple[list[float], list[list[float]], int, Any]] = []
+        self._hulls: list[tuple[list[list[float]], int, Any]] = []
 
     def sphere(self, centre: npt.ArrayLike, radius: float, *, group: int = 0, material: Materials = None) -> Shape:
         """Add a sphere. Centre and radius are in units."""
@@ -114,6 +115,24 @@ class Shape:
             Material, by number or by name; none by default.
         """
         self._boxes.append((_row("corner", corner, (3,)), _row("edges", edges, (3, 3)), _group(group), material))
+        return self
+
+    def add_hull(self, points: npt.ArrayLike, *, group: int = 0, material: Materials = None) -> Shape:
+        """Add the convex hull of points. Only the contact law ``rigid`` takes shapes with hulls.
+
+        A body has one sphere for each hull, after all others: the sphere about the centre of its volume that contains it. Edges and corners
+        are sharp; the rounding of the shape has no effect on them.
+
+        Parameters
+        ----------
+        points : array_like, shape (N, 3)
+            From 4 to 100,000 points, in units. Their hull has at most 32 faces; points that are none of its vertices are left out.
+        group : int, optional
+            Collision group from 0 to 65535.
+        material : int or str, optional
+            Material, by number or by name; none by default.
+        """
+        self._hulls.append((floats("points", points, (3,)).tolist(), _group(group), material))
         return self
 
 
@@ -228,7 +247,7 @@ class Rigid(Bodies):
         ValueError
             For a shape without spheres and boxes or with more than 1000 parts, a mass, density or radius that is not positive, a rod
             without two different spheres, a box whose edges are not at right angles, a rounding that is not less than half the shortest
-            edge, an inertia that no body has, and a name that another shape has.
+            edge, points in one plane, a hull with more than 32 faces, an inertia that no body has, and a name that another shape has.
         LookupError
             For a material that does not exist.
         """
@@ -238,8 +257,9 @@ class Rigid(Bodies):
         spheres = [(*sphere[:3], material(sphere[3])) for sphere in shape._spheres]
         rods = [(*rod[:4], material(rod[4])) for rod in shape._rods]
         boxes = [(*box[:3], material(box[3])) for box in shape._boxes]
+        hulls = [(*hull[:2], material(hull[2])) for hull in shape._hulls]
         self._edited()
-        return int(_rockfall.add_shape(self._native, shape._name, shape._mass, spheres, rods, boxes, shape._rounding))
+        return int(_rockfall.add_shape(self._native, shape._name, shape._mass, spheres, rods, boxes, hulls, shape._rounding))
 
     def _single_material(self, material: Materials) -> int:
         return int(np.atleast_1d(self._material_numbers("material", material))[0])

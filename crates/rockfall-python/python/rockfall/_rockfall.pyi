@@ -266,6 +266,7 @@ def add_shape(
     spheres: list[tuple[list[float], float, int, int]],
     rods: list[tuple[int, int, float, int, int]],
     boxes: list[tuple[list[float], list[list[float]], int, int]],
+    hulls: list[tuple[list[list[float]], int, int]],
     rounding: float,
 ) -> int: ...
 def shape_mass(

@@ -29,6 +29,8 @@ pub(crate) struct SceneBuffers {
     pub(crate) has_looks: bool,
     /// Whether an object is of glass.
     pub(crate) has_glass: bool,
+    /// Most corners of triangles of a box or hull of a rigid body.
+    pub(crate) block_corners: u32,
     /// Memory version of the simulation when the buffers were allocated.
     allocated_version: Option<u64>,
     /// Memory version of the simulation when `old` was copied.
@@ -67,6 +69,8 @@ impl SceneBuffers {
             scene.sphere_ids().zip(0..).filter(|(id, _)| ends.contains(id)).for_each(|(_, index)| mark(0, index));
             scene.rod_ids().zip(0..).filter(|(id, _)| rods.contains(id)).for_each(|(_, index)| mark(rods_at, index));
         }
+        let of_hulls = scene.shapes().iter().flat_map(|shape| &shape.hulls).map(|hull| 3 * hull.triangles().count());
+        self.block_corners = of_hulls.fold(36, usize::max) as u32;
         let looks = Looks::of(scene);
         (self.has_looks, self.has_glass) = (!looks.words.is_empty(), looks.glass);
         bits.extend(looks.words);

@@ -38,7 +38,7 @@ impl Renderer {
         let step = &self.step;
         [
             (boxes, Shape::Triangles(36), step.layout.boxes),
-            (blocks, Shape::Triangles(36), self.spheres_for_boxes()),
+            (blocks, Shape::Triangles(self.buffers.block_corners), self.spheres_for_boxes()),
             (polygons, Shape::Triangles(6), step.layout.polygons),
             (capsules, Shape::Around, step.layout.rods),
             (spring, Shape::Coil, springs(step)),
@@ -47,7 +47,7 @@ impl Renderer {
         ]
     }
 
-    /// The spheres, if some of them stand for boxes of rigid bodies.
+    /// The spheres, if some of them stand for boxes or hulls of rigid bodies.
     fn spheres_for_boxes(&self) -> u32 {
         let layout = &self.step.layout;
         if layout.rigid_parts_at > 0 { layout.spheres } else { 0 }
@@ -171,7 +171,8 @@ impl Renderer {
             return;
         }
         let layout = &self.step.layout;
-        let counts = [(14, layout.rods), (36, layout.boxes), (6, layout.polygons), (36, self.spheres_for_boxes())];
+        let blocks = (self.buffers.block_corners, self.spheres_for_boxes());
+        let counts = [(14, layout.rods), (36, layout.boxes), (6, layout.polygons), blocks];
         for (pipeline, (vertices, count)) in self.pipelines.glass.iter().zip(counts).filter(|(_, (_, count))| *count > 0) {
             pass.set_pipeline(pipeline);
             pass.draw(0..vertices, 0..count);

@@ -5,5 +5,6 @@ mod common;
 mod far;
 mod frames;
 mod golden;
+mod hulls;
 mod looks;
 mod shapes;

@@ -1,11 +1,12 @@
 //! Shapes and rigid bodies in a checkpoint: the length of what follows in bytes, 0 if there are none; the number of shapes, each with its
-//! mass, spheres, rods and boxes; the number of bodies, each with its shape, its first sphere, its first rod and its state. Mass properties
+//! mass, spheres, rods, boxes and hulls; the number of bodies, each with its shape, its first sphere, its first rod and its state. Mass properties
 //! follow from the shapes.
 
 use glam::Quat;
 
 use super::tags;
 use super::words::{Damage, Head, Words};
+use crate::rigid::shape::MOST_VERTICES;
 use crate::scene::{Cuboid, MaterialId, RigidBody, Scene, Shape, ShapeBox, ShapeMass, ShapeRod, ShapeSphere, Tag, shared};
 
 pub(super) fn bytes(scene: &Scene) -> Vec<u8> {
@@ -67,6 +68,12 @@ fn put_shape(head: &mut Head, scene: &Scene, shape: &Shape) {
         vectors.flat_map(|v| v.to_array()).for_each(|number| head.f32(number));
         put_part(head, scene, cuboid.group, cuboid.material, tag.as_deref());
     }
+    head.u32(shape.hulls.len() as u32);
+    for hull in &shape.hulls {
+        head.u32(hull.points().len() as u32);
+        hull.points().iter().flat_map(|point| point.to_array()).for_each(|number| head.f32(number));
+        put_part(head, scene, hull.group(), hull.material(), hull.tag.as_deref());
+    }
 }
 
 fn read_shape(words: &mut Words, scene: &Scene) -> Result<Shape, Damage> {
@@ -96,6 +103,15 @@ fn read_shape(words: &mut Words, scene: &Scene) -> Result<Shape, Damage> {
     for _ in 0..words.u32()? {
         let [corner, i, j, k] = [words.vec3()?, words.vec3()?, words.vec3()?, words.vec3()?];
         shape = read_part(shape, words, scene)?.cuboid(Cuboid::new(corner, i, j, k));
+    }
+    for _ in 0..words.u32()? {
+        let count = words.u32()?;
+        if count > MOST_VERTICES {
+            return Err(Damage::new(format!("a hull has {count} vertices, expected at most {MOST_VERTICES}")));
+        }
+        let points = (0..count).map(|_| words.vec3()).collect::<Result<_, _>>()?;
+        shape = read_part(shape, words, scene)?;
+        shape.push_hull(points)?;
     }
     Ok(shape)
 }

@@ -43,6 +43,9 @@ constants! {
     pub const SHAPE_BOX_WORDS: u32 = 11;
     /// Bit of the word of a part of a box: a vertex or an edge, and not the solid.
     pub const BOX_RIM: u32 = 1 << 31;
+    /// Bit of the word of a sphere that stands for a hull. The other bits are the first word of its triangles: their number, then the
+    /// corners x, y, z of each from the centre of the sphere. No stage reads them, only the viewer.
+    pub const HULL_PART: u32 = 1 << 30;
     /// Words of a shape before the places of its spheres, x, y, z from the centre of mass: 1 / J_m, kappa x, y, z (docs/physics.md section
     /// 5.9), and the rotation from the principal axes to the coordinates of the shape, x, y, z, w.
     pub const SHAPE_WORDS: u32 = 8;

@@ -12,6 +12,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+pub(crate) use hull::BadHull;
+
 /// What a shape is about. A shape is all points within its radius of the core.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Core {
@@ -56,6 +58,9 @@ pub(crate) struct Hull {
 
 /// Greatest number of faces of a hull.
 pub(crate) const MOST_FACES: usize = 32;
+
+/// Greatest number of vertices of a hull: each has at least 3 edges, and the numbers follow Euler's formula.
+pub(crate) const MOST_VERTICES: u32 = 2 * MOST_FACES as u32 - 4;
 
 /// A core and a radius.
 #[derive(Clone, Debug, PartialEq)]

@@ -35,10 +35,13 @@ impl Scene {
     /// [`Error::Invalid`], which names the first object or pair of materials without a constant.
     pub fn check_contact_law(&self, integrator: Integrator) -> Result<()> {
         let law = self.settings.contact_law;
+        let refused = |value: String, expected: &'static str| Err(Error::Invalid { field: "contact_law", value, expected });
+        if law != ContactLaw::Rigid && self.shapes().iter().any(|shape| !shape.hulls.is_empty()) {
+            return refused(format!("{law} with a hull"), "rigid: hulls need `set contact_law rigid`");
+        }
         if !law.has_history() {
             return Ok(());
         }
-        let refused = |value: String, expected: &'static str| Err(Error::Invalid { field: "contact_law", value, expected });
         if integrator == Integrator::Rk4 {
             return refused(
                 format!("{law} with the integrator rk4"),

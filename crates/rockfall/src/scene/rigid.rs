@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 use super::shape::{BOX_SPHERES, BoxPart, Kinetics, ShapeId};
-use super::{Body, Cuboid, Handle, ObjectId, Rod, RodId, Scene, Shape, ShapeSphere, Sphere, SphereId, Tag, shared};
+use super::{Body, Cuboid, Handle, ObjectId, Rod, RodId, Scene, Shape, ShapeHull, ShapeSphere, Sphere, SphereId, Tag, shared};
 use crate::error::{self, Result};
 use crate::fine::Fine;
 use crate::scene::checks::{finite, invalid};
@@ -294,7 +294,7 @@ pub(super) fn wide(orientation: Quat) -> DQuat {
 
 impl Scene {
     /// Adds a rigid body: its spheres, its rods, and the body that they follow. A sphere gets the share of the mass that its volume has
-    /// of that of all spheres and boxes. The 9 spheres of a box share its part.
+    /// of that of all spheres, boxes and hulls. The 9 spheres of a box share its part, and one sphere stands for a hull.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) for numbers that are not finite, an orientation that is not a unit quaternion, and a
@@ -425,6 +425,24 @@ impl Scene {
         shape.box_of_sphere(self.spheres.index(id).ok()? - first)
     }
 
+    /// Number of hulls of all rigid bodies.
+    pub(super) fn hull_count(&self) -> usize {
+        if self.shapes().iter().all(|shape| shape.hulls.is_empty()) {
+            return 0;
+        }
+        let of_body = |body: &RigidBody| self.shapes.get(body.shape).map_or(0, |shape| shape.hulls.len());
+        self.bodies().iter().map(of_body).sum()
+    }
+
+    /// The hull of a rigid body that a sphere stands for: `None` for other spheres. The sphere contains the hull, and has the centre of its
+    /// volume and the orientation of the body.
+    pub fn hull_of_sphere(&self, id: SphereId) -> Option<&ShapeHull> {
+        let body = self.bodies.get(self.body_of_sphere(id)?).ok()?;
+        let shape = self.shapes.get(body.shape).ok().filter(|shape| !shape.hulls.is_empty())?;
+        let first = self.spheres.index(*body.spheres.first()?).ok()?;
+        Some(&shape.hulls[shape.hull_of_sphere(self.spheres.index(id).ok()? - first)?])
+    }
+
     /// Whether a rod is an edge of a box of a rigid body.
     pub(crate) fn is_edge_of_box(&self, id: RodId) -> bool {
         let ends = self.rod(id).map(|rod| [rod.end1, rod.end2]);
@@ -513,6 +531,7 @@ fn members(shape: &Shape, parts: &[ShapeSphere], body: &RigidBody, kinetics: &Ki
     // The spheres of a box share what it weighs.
     let volume = |(number, part): (usize, &ShapeSphere)| match shape.box_of_sphere(number) {
         Some(BoxPart::Solid(of) | BoxPart::Rim(of)) => shape.boxes[of].volume() / BOX_SPHERES as f64,
+        None if shape.hull_of_sphere(number).is_some() => shape.hulls[number - shape.first_hull()].volume(),
         None => 4.0 / 3.0 * std::f64::consts::PI * f64::from(part.radius).powi(3),
     };
     let volumes: Vec<f64> = parts.iter().enumerate().map(volume).collect();

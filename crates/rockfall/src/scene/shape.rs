@@ -1,4 +1,4 @@
-//! Shapes of rigid bodies: spheres, rods and boxes in coordinates of their own, with mass, centre and inertia.
+//! Shapes of rigid bodies: spheres, rods, boxes and convex hulls in coordinates of their own, with mass, centre and inertia.
 
 use std::sync::Arc;
 
@@ -10,21 +10,23 @@ use crate::error::{Error, Result, quoted};
 use crate::scene::checks::{finite, invalid, positive};
 
 mod boxes;
+mod hulls;
 mod mass;
 mod solid;
 
 pub(crate) use boxes::{BOX_SPHERES, Core};
 pub use boxes::{BoxPart, ShapeBox};
+pub use hulls::ShapeHull;
 pub use mass::MassProperties;
 use solid::{Part, Solid};
 
 /// Handle of a [`Shape`].
 pub type ShapeId = Handle<Shape>;
 
-/// Greatest number of spheres, rods and boxes of a shape.
+/// Greatest number of spheres, rods, boxes and hulls of a shape.
 const MOST_PARTS: usize = 1_000;
 
-/// What rigid bodies are made of: spheres, rods between them, and boxes. Many bodies share one shape.
+/// What rigid bodies are made of: spheres, rods between them, boxes, and convex hulls. Many bodies share one shape.
 ///
 /// Parts have coordinates of the shape, in units. They may overlap. The matter of the shape fills the parts evenly; where
 /// parts overlap, it counts once.
@@ -51,6 +53,8 @@ pub struct Shape {
     pub rods: Vec<ShapeRod>,
     /// The boxes.
     pub boxes: Vec<ShapeBox>,
+    /// The convex hulls.
+    pub hulls: Vec<ShapeHull>,
     /// Radius of the rounding of the edges and corners of all boxes in units. It goes inward, so that faces stay where they are. 0: 2 % of
     /// the shortest edge of each box.
     pub rounding: f32,
@@ -140,8 +144,8 @@ impl Shape {
     /// Creates a shape of mass 1 without parts.
     pub fn new() -> Self {
         let mass = ShapeMass::Mass(1.0);
-        let (spheres, rods, boxes) = (Vec::new(), Vec::new(), Vec::new());
-        Self { name: None, spheres, rods, boxes, rounding: 0.0, mass, group: 0, material: None, tag: None }
+        let (spheres, rods, boxes, hulls) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { name: None, spheres, rods, boxes, hulls, rounding: 0.0, mass, group: 0, material: None, tag: None }
     }
 
     /// Sets the name.
@@ -257,7 +261,8 @@ impl Shape {
         let centre = |sphere: usize| self.spheres[sphere].centre.as_dvec3();
         let spheres = self.spheres.iter().map(|sphere| Part::sphere(sphere.centre.as_dvec3(), sphere.radius.into()));
         let rods = self.rods.iter().map(|rod| Part::cylinder(centre(rod.end1), centre(rod.end2), rod.radius.into()));
-        Solid::new(spheres.chain(rods).chain(self.boxes.iter().map(ShapeBox::part)).collect())
+        let (boxes, hulls) = (self.boxes.iter().map(ShapeBox::part), self.hulls.iter().map(ShapeHull::part));
+        Solid::new(spheres.chain(rods).chain(boxes).chain(hulls).collect())
     }
 
     /// Checks the sphere, the rod and the box that were added last.
@@ -283,16 +288,17 @@ impl Shape {
         if let Some(name) = &self.name {
             check_name("shape.name", name)?;
         }
-        let parts = self.spheres.len() + self.rods.len() + self.boxes.len();
-        if self.spheres.is_empty() && self.boxes.is_empty() || parts > MOST_PARTS {
-            let expected = "at least one sphere or box, and at most 1000 spheres, rods and boxes";
+        let solids = self.spheres.len() + self.boxes.len() + self.hulls.len();
+        let parts = solids + self.rods.len();
+        if solids == 0 || parts > MOST_PARTS {
+            let expected = "at least one sphere, box or hull, and at most 1000 spheres, rods, boxes and hulls";
             return Err(invalid("shape.parts", parts, expected));
         }
         self.spheres.iter().try_for_each(ShapeSphere::validate)?;
         self.rods.iter().try_for_each(|rod| self.validate_rod(rod))?;
         self.boxes.iter().try_for_each(|part| part.validate(self.rounding))?;
         let tags = self.spheres.iter().map(|sphere| &sphere.tag).chain(self.rods.iter().map(|rod| &rod.tag));
-        let tags = tags.chain(self.boxes.iter().map(|part| &part.tag));
+        let tags = tags.chain(self.boxes.iter().map(|part| &part.tag)).chain(self.hulls.iter().map(|hull| &hull.tag));
         tags.flatten().try_for_each(|tag| tag.validate())
     }
 }
@@ -320,6 +326,7 @@ impl Scene {
     pub fn add_shape(&mut self, shape: Shape) -> Result<ShapeId> {
         let materials = shape.spheres.iter().map(|sphere| sphere.material).chain(shape.rods.iter().map(|rod| rod.material));
         let materials = materials.chain(shape.boxes.iter().map(|part| part.cuboid.material));
+        let materials = materials.chain(shape.hulls.iter().map(ShapeHull::material));
         for material in materials {
             self.material_number(material)?;
         }
@@ -346,7 +353,8 @@ impl Scene {
         let reach = |(number, radius): (usize, f32)| place(number).distance(centre) + f64::from(radius);
         let cores = shape.boxes.iter().map(|part| part.core(shape.rounding));
         let corners = cores.flat_map(|core| core.vertices(core.sharp()));
-        Ok(spheres.chain(rods).map(reach).chain(corners.map(|corner| corner.distance(centre))).fold(0.0, f64::max))
+        let of_boxes = corners.map(|corner| corner.distance(centre));
+        Ok(spheres.chain(rods).map(reach).chain(of_boxes).fold(shape.reach_of_hulls(centre), f64::max))
     }
 
     /// How bodies of a shape move.

@@ -16,9 +16,13 @@ impl Scene {
     ///
     /// # Errors
     /// As for [`Scene::add_body`], and [`Error::Invalid`](crate::Error::Invalid) for a velocity or spin of the placement: only a motion moves
-    /// such a body. [`Error::StaleHandle`](crate::Error::StaleHandle) for a motion that is not in the scene. Nothing is added then.
+    /// such a body, and for a shape with hulls. [`Error::StaleHandle`](crate::Error::StaleHandle) for a motion that is not in the scene. Nothing is added then.
     pub fn add_static_body(&mut self, placement: Placement, motion: Option<MotionId>) -> Result<Vec<ObjectId>> {
         let (body, _) = self.laid(placement)?;
+        if let count @ 1.. = self.shapes.get(body.shape)?.hulls.len() {
+            let expected = "a shape without hulls: bodies with hulls cannot be fixed and do not follow motions yet";
+            return Err(invalid("placement.shape", format_args!("a shape with {count} hulls"), expected));
+        }
         if body.velocity != Vec3::ZERO || body.angular_momentum != Vec3::ZERO {
             let value = [body.velocity, body.angular_momentum];
             return Err(invalid(

@@ -38,6 +38,8 @@
 //! | `@inlet name=N box=x0,y0,z0,x1,y1,z1 rate=PER_S radius=r by=number density=D velocity=x,y,z from=S to=S limit=COUNT seed=N` | nothing: spheres of the material in use come in while a simulation runs ([`Inlet`](crate::Inlet)). `mass_rate=` or `volume_rate=` may replace `rate=`, `mass=` may replace `density=`, `radius=` also takes `a..b` and `lognormal:median,sigma`, `by=mass` weights radii by mass |
 //! | `@outlet name=N box=x0,y0,z0,x1,y1,z1` | nothing: spheres that enter the box are removed ([`Outlet`](crate::Outlet)) |
 //! | `@body NAME mass=M centre=x,y,z inertia=xx,yy,zz,xy,xz,yz` ... `@end` | nothing: the `S`, `R` and `C` lines between are the parts of a shape in coordinates of its own ([`Shape`](crate::Shape)), with velocities of 0 and any mass. `density=D` may replace `mass=`. References, `@group`, `@use`, `@name`, `@colour`, `@look` and `@label` in a block hold up to its `@end` |
+//! | `@hull x,y,z x,y,z ...` | within `@body`: the convex hull of the points |
+//! | `@hull FILE scale=s at=x,y,z axis=x,y,z turn=degrees` | within `@body`: the convex hull of the vertices of a mesh file |
 //! | `@place NAME at=x,y,z axis=x,y,z turn=degrees velocity=x,y,z spin=x,y,z name=N first=REFERENCE` | a rigid body of that shape ([`Placement`](crate::Placement)). Its spheres have references that count on from `first`. `centre=` may replace `at=`, `orientation=w,x,y,z` may replace `axis=` and `turn=`, and `momentum=` may replace `spin=` |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
@@ -62,6 +64,7 @@ use glam::Vec3;
 mod body;
 mod comment;
 mod gauge;
+mod hull;
 mod inlet;
 mod line;
 mod materials;
@@ -78,7 +81,7 @@ mod tags;
 mod values;
 
 use comment::{Title, has_number_sign, is_extension, looks_like, may_be_prose, without_comment};
-use line::{BALL, CONE, CYLINDER, GROUP, Line, PLANE, TETHER, Wrong};
+use line::{BALL, CONE, CYLINDER, GROUP, HULL, Line, PLANE, TETHER, Wrong};
 
 use repeat::{Block, Copy};
 
@@ -170,7 +173,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 31] = [
+const AT_WORDS: [&str; 32] = [
     "@group",
     "@orientation",
     "@force",
@@ -199,6 +202,7 @@ const AT_WORDS: [&str; 31] = [
     "@inlet",
     "@outlet",
     "@body",
+    "@hull",
     "@place",
     "@repeat",
     "@end",
@@ -315,6 +319,9 @@ impl<'a> Reader<'a> {
             "@outlet" => self.outlet(line, number),
             "@body" => self.begin_body(line, number),
             "@place" => self.place(line, number),
+            "@hull" => {
+                self.not_understood(number, HULL.wrong("line", "not possible here, expected between `@body` and `@end`"))
+            }
             "@end" => {
                 let message = "no `@repeat` or `@body` above, expected one before the lines of its block".to_owned();
                 self.not_understood(number, Wrong { field: "@end".to_owned(), message })

@@ -15,7 +15,7 @@ use crate::step::schedule::Phase;
 mod build;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
-mod observe;
+pub(crate) mod observe;
 mod predict;
 
 pub use predict::HardContacts;

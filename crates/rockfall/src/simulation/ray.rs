@@ -1,10 +1,10 @@
 //! Ray queries: the first body that a ray meets.
 
-use glam::{DVec3, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::scene::{Body, BoxPart, Cuboid, Polygon, Rod, Scene, Surface, finite};
+use crate::scene::{Body, BoxPart, Cuboid, Polygon, Rod, Scene, ShapeHull, Surface, finite};
 use crate::simulation::Simulation;
 
 /// The point at which a ray enters a body.
@@ -72,7 +72,10 @@ impl Ray {
             let centre = sphere.position.as_dvec3();
             let way = scene.way_into_box(centre);
             match scene.box_of_sphere(scene.spheres.handle_at(index)) {
-                None => self.sphere(centre + way, sphere.radius.into()),
+                None => match scene.hull_of_sphere(scene.spheres.handle_at(index)) {
+                    Some(hull) => self.hull(hull, centre + way, sphere.orientation.as_dquat().normalize()),
+                    None => self.sphere(centre + way, sphere.radius.into()),
+                },
                 // The solid stands for its vertices.
                 Some(BoxPart::Rim(_)) => None,
                 Some(BoxPart::Solid(_)) => {
@@ -178,6 +181,24 @@ impl Ray {
             leave = leave.min((far - place) / rate);
         }
         (enter.0 >= 0.0 && enter.0 <= leave).then_some(enter)
+    }
+
+    /// Intersects the half-spaces of the faces of a hull about its centre.
+    fn hull(&self, hull: &ShapeHull, centre: DVec3, turn: DQuat) -> Option<Entry> {
+        let back = turn.inverse();
+        let (origin, direction) = (back * (self.origin - centre), back * self.direction);
+        let (mut enter, mut leave) = ((f64::NEG_INFINITY, DVec3::ZERO), f64::INFINITY);
+        for (normal, anchor) in hull.planes() {
+            let (height, rate) = (normal.dot(origin - anchor), normal.dot(direction));
+            if rate < 0.0 && -height / rate > enter.0 {
+                enter = (-height / rate, normal);
+            } else if rate > 0.0 {
+                leave = leave.min(-height / rate);
+            } else if rate == 0.0 && height > 0.0 {
+                return None;
+            }
+        }
+        (enter.0 >= 0.0 && enter.0 <= leave).then_some((enter.0, turn * enter.1))
     }
 
     /// Intersects the plane, then computes the oblique parameters along both edges (physics.md section 2).

@@ -250,7 +250,7 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     let mut newer = good;
     for version in [0, 19, 21] {
         newer[8] = version;
-        let expected = format!("it has version {version} of the format, this rockfall reads version 20");
+        let expected = format!("it has version {version} of the format, this rockfall reads version 21");
         assert!(assert_rejected(&newer).contains(&expected));
     }
 }
@@ -282,6 +282,14 @@ fn bodies() -> Scene {
 
 fn small_with_bodies() -> Vec<u8> {
     let mut simulation = Simulation::with_options(bodies(), Options::new().backend(Backend::Cpu)).expect("it opens");
+    simulation.checkpoint().expect("a checkpoint").to_bytes()
+}
+
+fn small_with_hulls() -> Vec<u8> {
+    let text = "set contact_law rigid\n@body stone density=2\n@hull 0,0,0 1,0,0 0,1,0 0,0,1\n@group 2\n@colour red\n\
+                @hull 5,0,0 6,0,0 5,1,0 5,0,1 4,0,0.5\n@end\n@place stone at=0,3,0 spin=1,2,3\n@place stone at=9,3,0\n";
+    let scene = Scene::parse(text, "a.txt".as_ref()).expect("a scene").scene;
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).expect("it opens");
     simulation.checkpoint().expect("a checkpoint").to_bytes()
 }
 
@@ -331,7 +339,7 @@ fn muscles_are_kept() {
 /// the checksum. The file is then rejected or accepted, but nothing panics and nothing allocates all memory.
 #[test]
 fn invalid_numbers_with_a_correct_checksum_cause_no_panic() {
-    for good in [small(), small_with_materials(), small_with_bodies()] {
+    for good in [small(), small_with_materials(), small_with_bodies(), small_with_hulls()] {
         assert_no_panic(&good);
     }
 }

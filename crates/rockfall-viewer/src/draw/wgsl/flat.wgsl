@@ -139,13 +139,19 @@ fn box_corner(index: u32, number: u32) -> FlatVertex {
     return vertex;
 }
 
-/// Whether a sphere stands for the solid of a box of a rigid body.
-fn is_solid(slot: u32) -> bool {
+/// Number of corners of the triangles of the box or hull that a sphere stands for; 0 if it stands for none.
+fn block_corners(slot: u32) -> u32 {
     let word = box_word(slot);
-    return word != 0u && (word & BOX_RIM) == 0u;
+    if word == 0u || (word & BOX_RIM) != 0u {
+        return 0u;
+    }
+    if (word & HULL_PART) == 0u {
+        return 36u;
+    }
+    return 3u * topology[word & ~HULL_PART];
 }
 
-/// Boxes of rigid bodies. The instances are the spheres; those that stand for solids are drawn as boxes.
+/// Boxes and hulls of rigid bodies. The instances are the spheres; those that stand for one are drawn as it.
 @vertex
 fn block_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) slot: u32) -> FlatVertex {
     return block_of(index, slot, false);
@@ -157,7 +163,7 @@ fn glass_block_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index
 }
 
 fn block_of(index: u32, slot: u32, of_glass: bool) -> FlatVertex {
-    if !is_solid(slot) || (sphere_look(slot) == LOOK_GLASS) != of_glass {
+    if index >= block_corners(slot) || (sphere_look(slot) == LOOK_GLASS) != of_glass {
         var nothing: FlatVertex;
         nothing.place = NOWHERE;
         return nothing;
@@ -170,7 +176,44 @@ fn from_body(q: vec4f, v: vec3f) -> vec3f {
     return to_body(vec4f(-q.xyz, q.w), v);
 }
 
+/// Share of the width of a face of a hull that is a triangle: the rim is far outside, because a face would have lines across it.
+const FACE_OF_HULL: f32 = 0.01;
+
+/// A corner of a triangle of the hull that a sphere stands for.
+fn hull_corner(index: u32, slot: u32) -> FlatVertex {
+    let triangle = (box_word(slot) & ~HULL_PART) + 1u + 9u * (index / 3u);
+    let first = topology_vector(triangle);
+    let along = topology_vector(triangle + 3u) - first;
+    let normal = normalize(cross(along, topology_vector(triangle + 6u) - first));
+    let place = topology_vector(triangle + 3u * (index % 3u));
+    let turn = orientation(slot);
+    let ball = ball(slot);
+    var vertex: FlatVertex;
+    vertex.point = ball.xyz + from_body(turn, place);
+    vertex.place = frame.view_projection * vec4f(vertex.point, 1.0);
+    vertex.normal = from_body(turn, normal);
+    vertex.sides = vec2f(2.0 * ball.w / FACE_OF_HULL);
+    let across = normalize(along);
+    vertex.on_face = 0.5 * vertex.sides + vec2f(dot(place, across), dot(place, cross(normal, across)));
+    vertex.unit = 0.5 * ball.w;
+    vertex.local = in_pattern(place, vec3f(2.0 * ball.w), vertex.unit, insertion_index(slot));
+    return vertex;
+}
+
 fn block_corner(index: u32, slot: u32) -> FlatVertex {
+    var vertex: FlatVertex;
+    if (box_word(slot) & HULL_PART) != 0u {
+        vertex = hull_corner(index, slot);
+    } else {
+        vertex = solid_corner(index, slot);
+    }
+    vertex.colour = sphere_colour(slot);
+    let look = sphere_look(slot);
+    vertex.look = select(look, LOOK_PLAIN, look == LOOK_USUAL);
+    return vertex;
+}
+
+fn solid_corner(index: u32, slot: u32) -> FlatVertex {
     let word = box_word(slot);
     let size = 2.0 * (topology_vector(word + 4u) + topology_float(word + 3u));
     let own = vec4f(topology_vector(word + 7u), topology_float(word + 10u));
@@ -182,11 +225,7 @@ fn block_corner(index: u32, slot: u32) -> FlatVertex {
     );
     let least = ball(slot).xyz - 0.5 * (edges[0] + edges[1] + edges[2]);
     let number = insertion_index(slot);
-    var vertex = corner_between(index, least, edges, 0.5 * min(size.x, min(size.y, size.z)), number);
-    vertex.colour = sphere_colour(slot);
-    let look = sphere_look(slot);
-    vertex.look = select(look, LOOK_PLAIN, look == LOOK_USUAL);
-    return vertex;
+    return corner_between(index, least, edges, 0.5 * min(size.x, min(size.y, size.z)), number);
 }
 
 /// A corner of a face of the box between edges that meet at `least`. `unit` is the length that patterns are measured in.

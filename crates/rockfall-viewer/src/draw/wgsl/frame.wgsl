@@ -143,8 +143,10 @@ fn insertion_index(slot: u32) -> u32 {
 
 /// The bit of the word of a vertex or an edge of a box of a rigid body.
 const BOX_RIM: u32 = 0x80000000u;
+const HULL_PART: u32 = 0x40000000u;
 
-/// What a sphere is of a box of a rigid body: 0 for nothing, otherwise the first word of the box, with BOX_RIM for a vertex.
+/// What a sphere is of a box or hull of a rigid body: 0 for nothing, otherwise the first word of the box, with BOX_RIM for a vertex, or that
+/// of the hull, with HULL_PART.
 fn box_word(slot: u32) -> u32 {
     if frame.rigid_parts_at == 0u {
         return 0u;

@@ -114,7 +114,7 @@ fn box_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index)
 
 @vertex
 fn block_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) slot: u32) -> FlatShadow {
-    if !is_solid(slot) {
+    if index >= block_corners(slot) {
         return FlatShadow(NOWHERE, 1.0, 0u);
     }
     let corner = block_corner(index, slot);

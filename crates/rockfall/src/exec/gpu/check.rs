@@ -3,9 +3,9 @@
 use crate::error::{Error, Result};
 use crate::model::buffer::Buffer;
 use crate::model::layout::{
-    BOX_RIM, BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE, LINK_KEY,
-    LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_RIGID, NO_ROD, PAIR_WORDS,
-    POLYGON_WORDS, POSE_FLOATS, RIGID_ROWS, RIGID_WORDS, ROD_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS, SLICE, SOME_RODS,
+    BOX_RIM, BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, HULL_PART, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER,
+    LINE, LINK_KEY, LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_RIGID, NO_ROD,
+    PAIR_WORDS, POLYGON_WORDS, POSE_FLOATS, RIGID_ROWS, RIGID_WORDS, ROD_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS, SLICE, SOME_RODS,
     SPRING_WORDS, TETHER_WORDS, WALL_BODY, WALL_WORDS, words_of_rows,
 };
 use crate::model::status::REJECTED_PAIRS;
@@ -102,9 +102,7 @@ fn check_bodies(world: &World) -> Result<()> {
     }
     if rigid_parts_at > 0 {
         for part in slice(world, rigid_parts_at, u64::from(spheres) + u64::from(rods), "the parts of boxes")? {
-            if *part != 0 {
-                slice(world, part & !BOX_RIM, SHAPE_BOX_WORDS.into(), "a box of a body")?;
-            }
+            check_part(world, *part)?;
         }
     }
     for record in
@@ -115,9 +113,19 @@ fn check_bodies(world: &World) -> Result<()> {
         let members = slice(world, members, 3 * u64::from(count), "the spheres of a body")?;
         let (members, of_members) = members.split_at(count as usize);
         ensure(count > 0 && members.iter().all(|sphere| *sphere < spheres), "a sphere of a body")?;
-        for part in of_members[count as usize..].iter().filter(|part| **part != 0) {
-            slice(world, part & !BOX_RIM, SHAPE_BOX_WORDS.into(), "a box of a member of a body")?;
-        }
+        of_members[count as usize..].iter().try_for_each(|part| check_part(world, *part))?;
+    }
+    Ok(())
+}
+
+/// Checks the word of a part of a box or of a hull.
+fn check_part(world: &World, part: u32) -> Result<()> {
+    if part & HULL_PART != 0 {
+        let at = part & !HULL_PART;
+        let triangles = slice(world, at, 1, "a hull of a body")?[0];
+        slice(world, at, 1 + 9 * u64::from(triangles), "the triangles of a hull")?;
+    } else if part != 0 {
+        slice(world, part & !BOX_RIM, SHAPE_BOX_WORDS.into(), "a box of a body")?;
     }
     Ok(())
 }

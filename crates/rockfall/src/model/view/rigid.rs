@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{Quat, Vec3, Vec4};
 
-use crate::model::layout::{BOX_RIM, NO_RIGID, RIGID_PRESSED, RIGID_WORDS, SHAPE_WORDS};
+use crate::model::layout::{BOX_RIM, HULL_PART, NO_RIGID, RIGID_PRESSED, RIGID_WORDS, SHAPE_WORDS};
 use crate::model::rigid::{Moments, Pose, times};
 use crate::model::rotate::{product, rotated};
 use crate::model::step::Layout;
@@ -71,12 +71,13 @@ impl View<'_> {
     /// The word of an object in the table of parts of boxes.
     fn box_word(&self, object: Object) -> u32 {
         let Layout { rigid_parts_at: at, spheres, .. } = self.step.layout;
-        match object {
+        let word = match object {
             _ if at == 0 => 0,
             Object::Sphere(sphere) => self.topology[(at + self.insertion_index(sphere)) as usize],
             Object::Rod(rod) => self.topology[(at + spheres + rod) as usize],
             Object::Cuboid(_) | Object::Polygon(_) => 0,
-        }
+        };
+        if word & (BOX_RIM | HULL_PART) == HULL_PART { 0 } else { word }
     }
 
     /// What an object is of a box of a rigid body, if it is part of one.

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3, Quat, Vec3, Vec4};
 
 use crate::error::Result;
-use crate::model::layout::{BOX_RIM, NO_RIGID, RIGID_ROWS, RIGID_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS};
+use crate::model::layout::{BOX_RIM, HULL_PART, NO_RIGID, RIGID_ROWS, RIGID_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS};
 use crate::model::rigid::{Moments, Pose};
 use crate::model::step::Layout;
 use crate::model::view::{PartOfBox, View};
 use crate::model::world::World;
-use crate::scene::{AnyForm, BodyHandles, BoxPart, Core, Form, Kinetics, Scene, Shape, ShapeId, WholeBody};
+use crate::scene::{AnyForm, BodyHandles, BoxPart, Core, Form, Kinetics, Scene, Shape, ShapeHull, ShapeId, WholeBody};
 
 /// The moments as kernels use them.
 fn moments_of(kinetics: &Kinetics) -> Moments {
@@ -35,7 +35,8 @@ fn places(body: &WholeBody) -> Vec<DVec3> {
     }
 }
 
-/// The words of a form: its moments, the rotation of its principal axes, the places of its spheres from its centre of mass, and its boxes.
+/// The words of a form: its moments, the rotation of its principal axes, the places of its spheres from its centre of mass, its boxes, and
+/// the triangles of its hulls.
 fn form_words(body: &WholeBody) -> Vec<u32> {
     let Moments { middle, excess, axes } = moments_of(body.kinetics);
     let mut words = vec![middle];
@@ -51,7 +52,21 @@ fn form_words(body: &WholeBody) -> Vec<u32> {
             words.extend(turn.as_quat().to_array());
         }
     }
-    words.into_iter().map(f32::to_bits).collect()
+    let mut words: Vec<u32> = words.into_iter().map(f32::to_bits).collect();
+    if let AnyForm::Shape(_, shape) = body.form {
+        shape.hulls.iter().for_each(|hull| put_triangles(hull, &mut words));
+    }
+    words
+}
+
+/// Appends the triangles of a hull: their number, then their corners from the centre of the hull.
+fn put_triangles(hull: &ShapeHull, words: &mut Vec<u32>) {
+    let number_at = words.len();
+    words.push(0);
+    for corner in hull.hull.triangles().flatten() {
+        words.extend(corner.to_array().map(f32::to_bits));
+    }
+    words[number_at] = ((words.len() - number_at - 1) / 9) as u32;
 }
 
 /// What bodies with the same words have in common.
@@ -83,7 +98,11 @@ pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec
     topology.resize(topology.len() + count * RIGID_WORDS as usize, 0);
     layout.rigid_of_at = topology.len() as u32;
     topology.resize(topology.len() + scene.spheres().len(), NO_RIGID);
-    if scene.bodies().iter().any(|body| scene.shape(body.shape).is_ok_and(|shape| !shape.boxes.is_empty())) {
+    if scene
+        .bodies()
+        .iter()
+        .any(|body| scene.shape(body.shape).is_ok_and(|shape| !(shape.boxes.is_empty() && shape.hulls.is_empty())))
+    {
         layout.rigid_parts_at = topology.len() as u32;
         topology.resize(topology.len() + scene.spheres().len() + scene.rods().len(), 0);
     }
@@ -154,11 +173,16 @@ fn reach(scene: &Scene, body: &WholeBody, places: &[u32]) -> Result<f32> {
     Ok(reach)
 }
 
-/// Writes which spheres and rods of a body are parts of boxes. `at` is the first word of its form.
+/// Writes which spheres and rods of a body are parts of boxes and hulls. `at` is the first word of its form.
 fn put_parts(scene: &Scene, body: &WholeBody, shape: &Shape, at: u32, layout: &Layout, topology: &mut [u32]) -> Result<()> {
     let boxes_at = at + SHAPE_WORDS + 3 * shape.sphere_count() as u32;
     let box_at = |number: usize| boxes_at + SHAPE_BOX_WORDS * number as u32;
     let table = layout.rigid_parts_at as usize;
+    let mut hull_at = box_at(shape.boxes.len());
+    for sphere in body.spheres.iter().skip(shape.first_hull()) {
+        topology[table + scene.spheres.index(*sphere)?] = hull_at | HULL_PART;
+        hull_at += 1 + 9 * topology[hull_at as usize];
+    }
     for (number, sphere) in body.spheres.iter().enumerate() {
         let word = match shape.box_of_sphere(number) {
             None => continue,

@@ -3,6 +3,8 @@
 //! An incremental hull in double precision: points are added one by one, the farthest from a face first, and replace the
 //! triangles that they see by a fan over the horizon. Then triangles of one plane become one face.
 
+use std::fmt;
+
 use glam::{DVec3, Vec3};
 
 use crate::rigid::shape::moments::moments;
@@ -10,6 +12,39 @@ use crate::rigid::shape::{Hull, MOST_FACES};
 
 /// Thickness of a plane, as a part of the greatest coordinate about the middle.
 const THICKNESS: f64 = 1e-6;
+/// Greatest number of points. The search takes time in proportion to it.
+const MOST_POINTS: usize = 100_000;
+/// Greatest number of triangles while a hull grows. A hull with [`MOST_FACES`] faces has 116 at most; the others lie in their planes.
+const MOST_TRIANGLES: usize = 512;
+
+/// Why points have no hull that the solver takes.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct BadHull {
+    /// What is wrong with the points.
+    pub(crate) value: String,
+    /// What is expected in its place.
+    pub(crate) expected: &'static str,
+}
+
+impl BadHull {
+    fn new(value: impl Into<String>, expected: &'static str) -> Self {
+        Self { value: value.into(), expected }
+    }
+
+    fn flat() -> Self {
+        Self::new("points that lie in one plane", "points on all sides of a volume")
+    }
+
+    fn close_to_flat() -> Self {
+        Self::new("points that are too close to one plane", "points on all sides of a volume")
+    }
+}
+
+impl fmt::Display for BadHull {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, expected {}", self.value, self.expected)
+    }
+}
 
 /// A triangle of the growing hull: vertices counterclockwise from outside, and its plane.
 #[derive(Clone, Copy, Debug)]
@@ -38,12 +73,18 @@ impl Triangle {
 
 impl Hull {
     /// The convex hull of points, and its centre of mass in their coordinates. The vertices of the hull are relative to it.
-    pub(crate) fn new(points: &[Vec3]) -> Result<(Self, Vec3), String> {
-        if let Some(point) = points.iter().find(|point| !point.is_finite()) {
-            return Err(format!("the hull has a point that is not finite: {point}"));
+    pub(crate) fn new(points: &[Vec3]) -> Result<(Self, Vec3), BadHull> {
+        let (hull, centre, _) = Self::with_numbers(points)?;
+        Ok((hull, centre))
+    }
+
+    /// As [`Hull::new`], with the numbers of the points that are its vertices, ascending.
+    pub(crate) fn with_numbers(points: &[Vec3]) -> Result<(Self, Vec3, Vec<usize>), BadHull> {
+        if let Some(number) = points.iter().position(|point| !point.is_finite()) {
+            return Err(BadHull::new(format!("{:?} of point {number}", points[number].to_array()), "three finite numbers"));
         }
-        if points.len() < 4 {
-            return Err(format!("a hull needs at least 4 points, not {}", points.len()));
+        if points.len() < 4 || points.len() > MOST_POINTS {
+            return Err(BadHull::new(format!("{} points", points.len()), "4 to 100000 points"));
         }
         let middle = points.iter().map(|point| point.as_dvec3()).sum::<DVec3>() / points.len() as f64;
         let points: Vec<DVec3> = points.iter().map(|point| point.as_dvec3() - middle).collect();
@@ -52,16 +93,17 @@ impl Hull {
         let triangles = grow(&points, thickness)?;
         let sum = moments(triangles.iter().map(|triangle| triangle.corners.map(|number| points[number])));
         if sum.volume <= 0.0 {
-            return Err("the points of the hull lie in one plane".into());
+            return Err(BadHull::flat());
         }
         let centre = sum.first / sum.volume;
         let faces = merge(&points, &triangles, thickness)?;
-        Ok((assemble(&points, centre, faces)?, (middle + centre).as_vec3()))
+        let (hull, numbers) = assemble(&points, centre, faces)?;
+        Ok((hull, (middle + centre).as_vec3(), numbers))
     }
 }
 
 /// Triangles around all points, up to the thickness of a plane.
-fn grow(points: &[DVec3], thickness: f64) -> Result<Vec<Triangle>, String> {
+fn grow(points: &[DVec3], thickness: f64) -> Result<Vec<Triangle>, BadHull> {
     let mut triangles = first(points, thickness)?;
     // Each round adds one point, so more rounds than points never end well.
     for _ in 0..points.len() {
@@ -69,22 +111,25 @@ fn grow(points: &[DVec3], thickness: f64) -> Result<Vec<Triangle>, String> {
             return Ok(triangles);
         };
         add(points, &mut triangles, farthest, thickness);
+        if triangles.len() > MOST_TRIANGLES {
+            let count = triangles.len() / 2 + 2;
+            return Err(BadHull::new(format!("a hull of at least {count} vertices"), "a hull with at most 32 faces"));
+        }
     }
     Ok(triangles)
 }
 
 /// A tetrahedron of points that are far from each other.
-fn first(points: &[DVec3], thickness: f64) -> Result<Vec<Triangle>, String> {
-    let flat = || "the points of the hull lie in one plane".to_string();
+fn first(points: &[DVec3], thickness: f64) -> Result<Vec<Triangle>, BadHull> {
     let p = greatest(points, |point| -point.x);
     let q = greatest(points, |point| point.distance_squared(points[p]));
-    let along = (points[q] - points[p]).try_normalize().ok_or_else(flat)?;
+    let along = (points[q] - points[p]).try_normalize().ok_or_else(BadHull::flat)?;
     let r = greatest(points, |point| (point - points[p]).reject_from_normalized(along).length_squared());
-    let normal = along.cross(points[r] - points[p]).try_normalize().ok_or_else(flat)?;
+    let normal = along.cross(points[r] - points[p]).try_normalize().ok_or_else(BadHull::flat)?;
     let s = greatest(points, |point| (point - points[p]).dot(normal).abs());
     let height = (points[s] - points[p]).dot(normal);
     if height.abs() <= 4.0 * thickness || (points[r] - points[p]).reject_from_normalized(along).length() <= 4.0 * thickness {
-        return Err(flat());
+        return Err(BadHull::flat());
     }
     let (q, r) = if height > 0.0 { (r, q) } else { (q, r) };
     Ok([[p, q, r], [p, s, q], [q, s, r], [r, s, p]].map(|corners| Triangle::new(points, corners)).to_vec())
@@ -151,7 +196,7 @@ fn add(points: &[DVec3], triangles: &mut Vec<Triangle>, point: usize, thickness:
 type Face = (DVec3, Vec<usize>);
 
 /// Faces of triangles in one plane. The largest triangle decides on the plane.
-fn merge(points: &[DVec3], triangles: &[Triangle], thickness: f64) -> Result<Vec<Face>, String> {
+fn merge(points: &[DVec3], triangles: &[Triangle], thickness: f64) -> Result<Vec<Face>, BadHull> {
     let area = |triangle: &Triangle| {
         let [p, q, r] = triangle.corners.map(|number| points[number]);
         (q - p).cross(r - p).length()
@@ -185,13 +230,13 @@ fn merge(points: &[DVec3], triangles: &[Triangle], thickness: f64) -> Result<Vec
     }
     straighten(points, &mut faces, thickness);
     if faces.len() > MOST_FACES {
-        return Err(format!("the hull has {} faces, at most {MOST_FACES} are possible", faces.len()));
+        return Err(BadHull::new(format!("a hull with {} faces", faces.len()), "a hull with at most 32 faces"));
     }
     Ok(faces)
 }
 
 /// The vertices around some triangles.
-fn outline(triangles: &[Triangle], members: &[usize]) -> Result<Vec<usize>, String> {
+fn outline(triangles: &[Triangle], members: &[usize]) -> Result<Vec<usize>, BadHull> {
     let edges: Vec<(usize, usize)> = members.iter().flat_map(|member| triangles[*member].edges()).collect();
     let border: Vec<(usize, usize)> = edges.iter().copied().filter(|(from, to)| !edges.contains(&(*to, *from))).collect();
     let mut corners = Vec::new();
@@ -199,10 +244,10 @@ fn outline(triangles: &[Triangle], members: &[usize]) -> Result<Vec<usize>, Stri
     for _ in 0..border.len() {
         corners.push(at);
         let next = border.iter().find(|edge| edge.0 == at);
-        at = next.ok_or("the points of the hull are too close to one plane")?.1;
+        at = next.ok_or_else(BadHull::close_to_flat)?.1;
     }
     if border.is_empty() || at != corners[0] {
-        return Err("the points of the hull are too close to one plane".into());
+        return Err(BadHull::close_to_flat());
     }
     Ok(corners)
 }
@@ -219,7 +264,7 @@ fn straighten(points: &[DVec3], faces: &mut Vec<Face>, _thickness: f64) {
 }
 
 /// Vertices that are used, about the centre of mass; faces; edges with the faces beside them.
-fn assemble(points: &[DVec3], centre: DVec3, faces: Vec<Face>) -> Result<Hull, String> {
+fn assemble(points: &[DVec3], centre: DVec3, faces: Vec<Face>) -> Result<(Hull, Vec<usize>), BadHull> {
     let used: Vec<usize> =
         (0..points.len()).filter(|number| faces.iter().any(|(_, corners)| corners.contains(number))).collect();
     let place = |number: usize| used.binary_search(&number).unwrap_or(0) as u8;
@@ -232,14 +277,14 @@ fn assemble(points: &[DVec3], centre: DVec3, faces: Vec<Face>) -> Result<Hull, S
     for face in 0..loops.len() {
         for (from, to) in directed(face).filter(|(from, to)| from < to) {
             let beside = (0..loops.len()).find(|other| directed(*other).any(|edge| edge == (to, from)));
-            let beside = beside.ok_or("the points of the hull are too close to one plane")?;
+            let beside = beside.ok_or_else(BadHull::close_to_flat)?;
             edges.push([from, to, face as u8, beside as u8]);
         }
     }
     if used.len() + loops.len() != edges.len() + 2 {
-        return Err("the points of the hull are too close to one plane".into());
+        return Err(BadHull::close_to_flat());
     }
     let vertices = used.iter().map(|number| (points[*number] - centre).as_vec3()).collect();
     let faces = faces.iter().zip(loops).map(|((normal, _), corners)| (normal.as_vec3().normalize(), corners)).collect();
-    Ok(Hull { vertices, faces, edges })
+    Ok((Hull { vertices, faces, edges }, used))
 }

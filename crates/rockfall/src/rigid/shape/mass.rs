@@ -1,6 +1,6 @@
 //! Mass properties of shapes of density 1.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use crate::rigid::shape::moments::{moments, outer};
 use crate::rigid::shape::rounded_hull::rounded;
@@ -27,6 +27,22 @@ impl Shape {
             }
             Core::Face { .. } | Core::HalfSpace => (0.0, DMat3::ZERO),
         }
+    }
+}
+
+impl Hull {
+    /// Its volume, and the integrals of x and of x x^T over it.
+    pub(crate) fn moments(&self) -> (f64, DVec3, DMat3) {
+        let sum = moments(fan(self));
+        (sum.volume, sum.first, sum.second)
+    }
+
+    /// Triangles that are its surface, counterclockwise from outside.
+    pub(crate) fn triangles(&self) -> impl Iterator<Item = [Vec3; 3]> {
+        let corner = |number: u8| self.vertices[number as usize];
+        self.faces.iter().flat_map(move |(_, corners)| {
+            (1..corners.len() - 1).map(move |k| [corner(corners[0]), corner(corners[k]), corner(corners[k + 1])])
+        })
     }
 }
 
@@ -73,10 +89,7 @@ fn rounded_moment(h: f64, a: f64, b: f64, r: f64) -> f64 {
     middle + 2.0 * (4.0 * a * b * flat + 4.0 * (a + b) * round + PI * square)
 }
 
-/// A fan of triangles over the faces of a hull.
+/// The triangles of a hull in double precision.
 fn fan(hull: &Hull) -> impl Iterator<Item = [DVec3; 3]> {
-    let corner = |number: u8| hull.vertices[number as usize].as_dvec3();
-    hull.faces.iter().flat_map(move |(_, corners)| {
-        (1..corners.len() - 1).map(move |k| [corner(corners[0]), corner(corners[k]), corner(corners[k + 1])])
-    })
+    hull.triangles().map(|triangle| triangle.map(|corner| corner.as_dvec3()))
 }

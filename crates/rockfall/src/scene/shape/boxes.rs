@@ -134,9 +134,10 @@ impl ShapeBox {
 }
 
 impl Shape {
-    /// All spheres of a body of this shape: those of the shape, then 9 for each box.
+    /// All spheres of a body of this shape: those of the shape, then 9 for each box, then one for each hull.
     pub(crate) fn all_spheres(&self) -> Vec<ShapeSphere> {
-        self.spheres.iter().cloned().chain(self.boxes.iter().flat_map(|part| part.spheres(self.rounding))).collect()
+        let of_boxes = self.boxes.iter().flat_map(|part| part.spheres(self.rounding));
+        self.spheres.iter().cloned().chain(of_boxes).chain(self.spheres_of_hulls()).collect()
     }
 
     /// All rods of a body of this shape: those of the shape, then 12 for each box.
@@ -146,9 +147,9 @@ impl Shape {
         self.rods.iter().cloned().chain(of_boxes).collect()
     }
 
-    /// Number of spheres of a body of this shape: those of the shape, and 9 for each box.
+    /// Number of spheres of a body of this shape: those of the shape, 9 for each box, and one for each hull.
     pub fn sphere_count(&self) -> usize {
-        self.spheres.len() + BOX_SPHERES * self.boxes.len()
+        self.first_hull() + self.hulls.len()
     }
 
     /// Number of rods of a body of this shape: those of the shape, and 12 for each box.
@@ -160,6 +161,9 @@ impl Shape {
     pub(crate) fn box_of_sphere(&self, sphere: usize) -> Option<BoxPart> {
         let place = sphere.checked_sub(self.spheres.len())?;
         let number = place / BOX_SPHERES;
+        if number >= self.boxes.len() {
+            return None;
+        }
         Some(if place % BOX_SPHERES == 0 { BoxPart::Solid(number) } else { BoxPart::Rim(number) })
     }
 

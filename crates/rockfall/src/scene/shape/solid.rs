@@ -1,4 +1,4 @@
-//! The volume of a union of balls, cylinders and boxes, with its first and second moments.
+//! The volume of a union of balls, cylinders, boxes and convex hulls, with its first and second moments.
 //!
 //! The moments of each part alone are closed forms. Where parts overlap, each of the n parts at a point gets 1/n of the matter there.
 //! What a part loses this way is an integral over lines through the part, parallel to its axis: on a line, every part is an interval,
@@ -10,23 +10,33 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat3, DQuat, DVec3};
 
 use super::mass::MassProperties;
+use crate::rigid::shape::Hull;
 
 /// Number of intervals to compute for all lines. A part has at most 256² and at least 16² lines.
 const INTERVALS: usize = 1 << 25;
 /// Share of the size of a shape below which a coordinate of its centre counts as 0. The inertia is treated in the same way.
 const ROUNDING: f64 = 1e-13;
 
-/// A ball, a cylinder with flat ends, or a box.
+/// A ball, a cylinder with flat ends, a box, or a convex hull.
 pub(super) struct Part {
     middle: DVec3,
     /// Unit vector along a cylinder or box.
     axis: DVec3,
     /// Half the length along the axis; 0 for a ball.
     half: f64,
-    /// 0 for a box.
+    /// 0 for a box and a hull.
     radius: f64,
-    /// Half the edges of a box across its axis.
+    /// Half the edges of a box across its axis. A hull has those of a box around it.
     sides: Option<[DVec3; 2]>,
+    hull: Option<Polyhedron>,
+}
+
+/// What is inside of some planes.
+struct Polyhedron {
+    /// Outward normals, and the distances of the planes from the middle of the part.
+    planes: Vec<(DVec3, f64)>,
+    /// Moments about the middle of the part.
+    moments: Moments,
 }
 
 /// A union of parts of density 1.
@@ -44,18 +54,32 @@ struct Moments {
 
 impl Part {
     pub(super) fn sphere(centre: DVec3, radius: f64) -> Self {
-        Self { middle: centre, axis: DVec3::Z, half: 0.0, radius, sides: None }
+        Self { middle: centre, axis: DVec3::Z, half: 0.0, radius, sides: None, hull: None }
     }
 
     pub(super) fn cylinder(a: DVec3, b: DVec3, radius: f64) -> Self {
         let length = a.distance(b);
-        Self { middle: 0.5 * (a + b), axis: (b - a) / length, half: 0.5 * length, radius, sides: None }
+        Self { middle: 0.5 * (a + b), axis: (b - a) / length, half: 0.5 * length, radius, sides: None, hull: None }
     }
 
     /// A box with half the lengths of its edges, which `turn` turns from the coordinate axes.
     pub(super) fn cuboid(middle: DVec3, turn: DQuat, half: DVec3) -> Self {
         let [x, y, z] = DVec3::AXES.map(|axis| turn * axis);
-        Self { middle, axis: z, half: half.z, radius: 0.0, sides: Some([half.x * x, half.y * y]) }
+        Self { middle, axis: z, half: half.z, radius: 0.0, sides: Some([half.x * x, half.y * y]), hull: None }
+    }
+
+    /// A convex hull whose vertices are relative to a point.
+    pub(super) fn hull(hull: &Hull, middle: DVec3) -> Self {
+        let corner = |number: u8| hull.vertices[number as usize].as_dvec3();
+        let plane = |(normal, corners): &(glam::Vec3, Vec<u8>)| {
+            let normal = normal.as_dvec3().normalize();
+            (normal, normal.dot(corner(corners[0])))
+        };
+        let half = hull.vertices.iter().fold(DVec3::ZERO, |half, vertex| half.max(vertex.as_dvec3().abs()));
+        let (volume, first, second) = hull.moments();
+        let planes = hull.faces.iter().map(plane).collect();
+        let hull = Some(Polyhedron { planes, moments: Moments { volume, first, second } });
+        Self { hull, ..Self::cuboid(middle, DQuat::IDENTITY, half) }
     }
 
     fn is_sphere(&self) -> bool {
@@ -70,6 +94,9 @@ impl Part {
 
     /// Moments about the middle.
     fn moments(&self) -> Moments {
+        if let Some(hull) = &self.hull {
+            return hull.moments;
+        }
         if let Some([u, v]) = self.sides {
             let volume = 8.0 * u.length() * v.length() * self.half;
             let second = outer(u, u) + outer(v, v) + outer(self.axis, self.axis) * self.half * self.half;
@@ -90,6 +117,9 @@ impl Part {
     /// The part of the line point + t direction that is inside.
     fn interval(&self, point: DVec3, direction: DVec3) -> Option<[f64; 2]> {
         let from = point - self.middle;
+        if let Some(hull) = &self.hull {
+            return hull.interval(from, direction);
+        }
         if let Some([u, v]) = self.sides {
             let slabs = [u / u.length_squared(), v / v.length_squared(), self.axis / self.half];
             return slabs.into_iter().try_fold([f64::NEG_INFINITY, f64::INFINITY], |inside, across| {
@@ -150,6 +180,24 @@ impl Part {
         let (u, v) = self.axis.any_orthonormal_pair();
         let (rho, (sin, cos)) = (self.radius * one.sqrt(), (TAU * other).sin_cos());
         u * (rho * cos) + v * (rho * sin)
+    }
+}
+
+impl Polyhedron {
+    /// The part of the line from + t direction that is inside.
+    fn interval(&self, from: DVec3, direction: DVec3) -> Option<[f64; 2]> {
+        let mut inside = [f64::NEG_INFINITY, f64::INFINITY];
+        for (normal, distance) in &self.planes {
+            let (left, rate) = (distance - normal.dot(from), normal.dot(direction));
+            if rate > 1e-12 {
+                inside[1] = inside[1].min(left / rate);
+            } else if rate < -1e-12 {
+                inside[0] = inside[0].max(left / rate);
+            } else if left <= 0.0 {
+                return None;
+            }
+        }
+        (inside[0] < inside[1]).then_some(inside)
     }
 }
 

@@ -54,9 +54,10 @@ impl Reader<'_> {
             "C" => self.body_capsule(line),
             "@capsule" => self.body_mark(line),
             "B" => self.body_box(line),
+            "@hull" => self.body_hull(line),
             "@end" => self.end_body(line),
             _ => {
-                let message = format!("not possible between @body and @end, expected S, R, C, B, {}", STATE.join(", "));
+                let message = format!("not possible between @body and @end, expected S, R, C, B, @hull, {}", STATE.join(", "));
                 Err(Wrong { field: quoted(word), message })
             }
         }
@@ -79,7 +80,7 @@ impl Reader<'_> {
     }
 
     /// Changes the shape of the block. The part that is added next gets what holds for the present line.
-    fn change_shape(&mut self, change: impl FnOnce(Shape) -> Shape) {
+    pub(super) fn change_shape(&mut self, change: impl FnOnce(Shape) -> Shape) {
         let (group, material, tag) = (self.group, self.material, self.tag.clone());
         if let Some(block) = &mut self.body {
             block.shape = change(std::mem::take(&mut block.shape).with(group, material, tag));

@@ -189,10 +189,10 @@ fn wrong_lines_name_the_field_and_what_was_expected() {
         (bodies("@body x centre=0,0,0"), "7: @body centre: given without inertia, expected both"),
         (bodies("@body x inertia=1,1,1 centre=0,0,0"), "7: @body inertia: '1,1,1' is not allowed, expected six numbers"),
         (bodies("@body x"), "7: @body line: no `@end` below"),
-        (bodies("@body x\n@end"), "7: @body parts: 0 is not allowed, expected at least one sphere or box"),
+        (bodies("@body x\n@end"), "7: @body parts: 0 is not allowed, expected at least one sphere, box or hull"),
         (bodies(&format!("@body x mass=0\n{ball}\n@end")), "7: @body mass: 0 is not allowed, expected a finite number"),
         (bodies(&format!("@body 3\n{ball}\n@end")), "7: @body name: '3' is not allowed, expected one word"),
-        (body("@body y"), "4: '@body': not possible between @body and @end, expected S, R, C, B, @group"),
+        (body("@body y"), "4: '@body': not possible between @body and @end, expected S, R, C, B, @hull, @group"),
         (body("B 0 0 0 1 0 0 0 1 0 0 0.1 1"), "4: B edges: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.1, 1.0]] with 84.2894"),
         (
             bodies("@body x rounding=0.5\nB 0 0 0 1 0 0 0 1 0 0 0 1\n@end"),

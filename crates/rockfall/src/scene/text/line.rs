@@ -118,6 +118,12 @@ pub(super) const MESH: Kind = Kind {
     numbers: &["scale=s", "at=x,y,z", "axis=x,y,z", "turn=degrees", "name=N"],
     last_is_optional: false,
 };
+pub(super) const HULL: Kind = Kind {
+    word: "@hull",
+    references: &["x,y,z", "x,y,z", "...|FILE"],
+    numbers: &["scale=s", "at=x,y,z", "axis=x,y,z", "turn=degrees"],
+    last_is_optional: false,
+};
 pub(super) const PLANE: Kind =
     Kind { word: "@plane", references: &[], numbers: &["at=x,y,z", "normal=x,y,z", "name=N"], last_is_optional: true };
 pub(super) const CYLINDER: Kind = Kind {

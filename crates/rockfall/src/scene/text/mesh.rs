@@ -24,18 +24,7 @@ impl Reader<'_> {
             return Err(MESH.wrong(&quoted(word), message));
         }
         let values = Values::read(&MESH, &KEYS, words())?;
-        let (axis, turn) = (values.vector("axis")?, values.number("turn")?);
-        match (axis, turn) {
-            (Some(_), None) => return Err(MESH.wrong("axis", "given without turn, expected both")),
-            (None, Some(_)) => return Err(MESH.wrong("turn", "given without axis, expected both")),
-            _ => {}
-        }
-        let path = self.folder.join(Path::new(file));
-        let mesh = Mesh::read(&path).map_err(|error| MESH.wrong("FILE", error.to_string()))?;
-        let at = values.vector("at")?.unwrap_or_default() + self.offset();
-        let scale = values.number("scale")?.unwrap_or(1.0);
-        let turned = mesh.transformed(scale, axis.unwrap_or(DVec3::Z), turn.unwrap_or(0.0), at);
-        let mesh = turned.map_err(|error| MESH.refused(&error))?;
+        let mesh = self.read_mesh(file, &values)?;
         let tag = self.tag_with_name(&MESH, &values)?;
         let (group, material, motion, surface_velocity) = (self.group, self.material, self.motion, self.surface);
         let with = |triangle| Polygon { group, material, motion, surface_velocity, ..triangle };
@@ -50,6 +39,23 @@ impl Reader<'_> {
             self.warnings.push(LineWarning { line: number, text });
         }
         Ok(())
+    }
+
+    /// Reads the file of a line with the keys `scale`, `at`, `axis` and `turn`.
+    pub(super) fn read_mesh(&self, file: &str, values: &Values) -> Line<Mesh> {
+        let kind = values.kind;
+        let (axis, turn) = (values.vector("axis")?, values.number("turn")?);
+        match (axis, turn) {
+            (Some(_), None) => return Err(kind.wrong("axis", "given without turn, expected both")),
+            (None, Some(_)) => return Err(kind.wrong("turn", "given without axis, expected both")),
+            _ => {}
+        }
+        let path = self.folder.join(Path::new(file));
+        let mesh = Mesh::read(&path).map_err(|error| kind.wrong("FILE", error.to_string()))?;
+        let at = values.vector("at")?.unwrap_or_default() + self.offset();
+        let scale = values.number("scale")?.unwrap_or(1.0);
+        let turned = mesh.transformed(scale, axis.unwrap_or(DVec3::Z), turn.unwrap_or(0.0), at);
+        turned.map_err(|error| kind.refused(&error))
     }
 
     /// The tag of the following objects, with the name of the line if it has one.

@@ -62,6 +62,12 @@ impl Writer<'_> {
                 let numbers: Vec<String> = vectors.flat_map(|v| v.to_array()).map(|x| x.to_string()).collect();
                 let _ = writeln!(self.text, "B {}", numbers.join(" "));
             }
+            for hull in &shape.hulls {
+                self.set_group(hull.group(), hull.material());
+                self.set_tag(hull.tag.as_ref());
+                let points: Vec<String> = hull.points().iter().map(|point| vector(*point)).collect();
+                let _ = writeln!(self.text, "@hull {}", points.join(" "));
+            }
             self.text.push_str("@end\n");
             (self.group, self.material, self.tag) = (group, material, Tag::default());
         }

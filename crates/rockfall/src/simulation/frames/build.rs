@@ -1,6 +1,7 @@
 //! Makes the bodies and colliders of the law `rigid` from a scene.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{DQuat, DVec3, Vec3};
 
@@ -10,7 +11,7 @@ use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
 use crate::scene::{
-    AnyForm, BOX_SPHERES, Body as Part, MaterialId, Polygon, Scene, Surface as WallSurface, WholeBody, upright,
+    AnyForm, BOX_SPHERES, Body as Part, MaterialId, Polygon, Scene, ShapeHull, Surface as WallSurface, WholeBody, upright,
 };
 
 /// A world under construction, and who its bodies are in the scene.
@@ -20,7 +21,7 @@ pub(super) struct Builder<'a> {
     pub(super) owners: Vec<Owner>,
     /// What each collider is in the scene.
     pub(super) parts: Vec<Part>,
-    /// Numbers of the shapes that are known, by the bits of their sizes.
+    /// Numbers of the shapes that are known, by the bits of their sizes; of hulls, by their place in memory.
     shapes: HashMap<[u32; 8], u32>,
 }
 
@@ -142,11 +143,19 @@ impl<'a> Builder<'a> {
         }
         // A box of a body goes by the name of the sphere that stands for its solid.
         let solids = whole.spheres[places.len()..].iter().step_by(BOX_SPHERES);
+        let hulls: &[ShapeHull] = if let AnyForm::Shape(_, shape) = whole.form { &shape.hulls } else { &[] };
         for (part, solid) in boxes.iter().zip(solids) {
             let core = part.core(0.0);
             let shape = self.shape(Core::Box { half: core.sharp().as_vec3() }, 0.0);
             let place = Pose::new((core.centre - kinetics.centre).as_vec3(), core.turn.as_quat());
             self.collider(Part::Sphere(*solid), number, shape, place, (part.cuboid.group, part.cuboid.material))?;
+        }
+        // So does a hull.
+        let of_hulls = &whole.spheres[whole.spheres.len() - hulls.len()..];
+        for (part, id) in hulls.iter().zip(of_hulls) {
+            let shape = self.shape(Core::Hull(Arc::clone(&part.hull)), 0.0);
+            let place = Pose::new((part.centre.as_dvec3() - kinetics.centre).as_vec3(), glam::Quat::IDENTITY);
+            self.collider(Part::Sphere(*id), number, shape, place, (part.group(), part.material()))?;
         }
         self.measure(number);
         Ok(())
@@ -183,7 +192,11 @@ impl<'a> Builder<'a> {
             Core::Hull(_) => 5,
             Core::HalfSpace => 6,
         };
-        let [a, b, c, d, e, f] = sizes.map(f32::to_bits);
+        let [mut a, mut b, c, d, e, f] = sizes.map(f32::to_bits);
+        if let Core::Hull(hull) = &core {
+            let place = Arc::as_ptr(hull) as u64;
+            (a, b) = (place as u32, (place >> 32) as u32);
+        }
         let shapes = &mut self.world.shapes;
         *self.shapes.entry([kind, radius.to_bits(), a, b, c, d, e, f]).or_insert_with(|| {
             shapes.push(Shape { core, radius });

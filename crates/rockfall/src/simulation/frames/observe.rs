@@ -54,6 +54,45 @@ impl Frames {
         }
         found
     }
+
+    /// An overlap in half the least edge or diameter of the smaller body.
+    fn share(&self, touch: &Touch) -> f32 {
+        let widths = touch.colliders.map(|at| {
+            let body = &self.world.bodies[self.world.colliders[at as usize].body as usize];
+            if body.inverse_mass > 0.0 { body.width } else { f32::INFINITY }
+        });
+        touch.overlap / (0.5 * widths[0].min(widths[1]))
+    }
+}
+
+/// Overlaps in which a hull takes part, the deepest point of each pair: both bodies, and the depth in units and in half the least edge or
+/// diameter of the smaller body.
+///
+/// # Errors
+/// [`Error::Invalid`](crate::Error::Invalid) for objects that the law `rigid` does not know.
+pub(crate) fn overlaps_of_hulls(scene: &Scene) -> Result<Vec<([Part; 2], f32, f32)>> {
+    if scene.shapes().iter().all(|shape| shape.hulls.is_empty()) {
+        return Ok(Vec::new());
+    }
+    let mut implied = scene.clone();
+    implied.imply_bodies();
+    let frames = Frames::of(&implied)?;
+    let is_hull = |part: &Part| matches!(part, Part::Sphere(id) if scene.hull_of_sphere(*id).is_some());
+    let mut found: Vec<([Part; 2], f32, f32)> = Vec::new();
+    for touch in frames.touches() {
+        let mut parts = touch.colliders.map(|at| frames.parts[at as usize]);
+        if !parts.iter().any(is_hull) || touch.overlap <= 0.0 {
+            continue;
+        }
+        parts.sort_by_key(|part| rank(scene, *part));
+        let share = frames.share(&touch);
+        // The points of a pair follow each other.
+        match found.last_mut().filter(|(before, ..)| *before == parts) {
+            Some((_, depth, radii)) => (*depth, *radii) = (depth.max(touch.overlap), radii.max(share)),
+            None => found.push((parts, touch.overlap, share)),
+        }
+    }
+    Ok(found)
 }
 
 impl Simulation {
@@ -88,11 +127,7 @@ impl Simulation {
         let (frames, _) = self.present_frames()?;
         let mut deepest = MaxOverlap::default();
         for touch in frames.touches() {
-            let widths = touch.colliders.map(|at| {
-                let body = &frames.world.bodies[frames.world.colliders[at as usize].body as usize];
-                if body.inverse_mass > 0.0 { body.width } else { f32::INFINITY }
-            });
-            let share = touch.overlap / (0.5 * widths[0].min(widths[1]));
+            let share = frames.share(&touch);
             deepest.units = deepest.units.max(touch.overlap);
             if share > deepest.radii {
                 deepest.radii = share;

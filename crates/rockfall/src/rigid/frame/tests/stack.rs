@@ -112,9 +112,13 @@ fn brick_wall_stands() {
 /// Problem 23. The upper body is at rest at any ratio of masses.
 #[test]
 fn heavy_on_light() {
-    for (ratio, substeps, wanted, within) in
-        [(10.0, 8, 0.00046, 0.00005), (100.0, 8, 0.0042, 0.0004), (100.0, 4, 0.0168, 0.0015), (1000.0, 8, 0.0416, 0.003), (1000.0, 13, 0.0158, 0.001)]
-    {
+    for (ratio, substeps, wanted, within) in [
+        (10.0, 8, 0.00046, 0.00005),
+        (100.0, 8, 0.0042, 0.0004),
+        (100.0, 4, 0.0168, 0.0015),
+        (1000.0, 8, 0.0416, 0.003),
+        (1000.0, 13, 0.0158, 0.001),
+    ] {
         let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
         scene.floor();
         scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, 0.5, 0.0));
