@@ -93,6 +93,7 @@ pub mod placement;
 pub mod profile;
 pub mod report;
 mod rigid;
+mod rotate;
 pub mod scene;
 pub mod settings;
 pub mod simulation;

@@ -30,7 +30,6 @@ pub(crate) mod period;
 pub(crate) mod residue;
 pub(crate) mod rest;
 pub(crate) mod rigid;
-pub(crate) mod rotate;
 pub(crate) mod servo;
 #[cfg(any(test, feature = "mpi"))]
 pub(crate) mod shared;

@@ -3,7 +3,7 @@
 use glam::{Mat3, Quat, Vec3, Vec4};
 
 use crate::fine::Fine;
-use crate::model::rotate::{by, product, rotated, unit};
+use crate::rotate::{by, product, rotated, unit};
 
 /// The principal moments of a body.
 #[derive(Clone, Copy, Debug)]

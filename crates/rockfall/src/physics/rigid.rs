@@ -3,11 +3,11 @@
 use glam::Vec3;
 
 use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_THESIS};
-use crate::model::rotate::rotated;
 use crate::model::view::{Object, RigidRecord, View};
 use crate::physics::motions::{Motions, Touch};
 use crate::physics::rigid_box::{core_point, has_box, is_solid, solid_and_ball};
 use crate::physics::side::{Side, side};
+use crate::rotate::rotated;
 
 /// The side of an object in a contact with another one, with the mass and inertia of the rigid body that it belongs to, if any. `parameter`
 /// is that of the contact on a rod.

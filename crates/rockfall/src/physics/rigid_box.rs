@@ -3,11 +3,11 @@
 use glam::Vec3;
 
 use crate::fine::Fine;
-use crate::model::rotate::{back, rotated};
 use crate::model::view::{BodyBox, Object, PartOfBox, TINY, View};
 use crate::physics::corners;
 use crate::physics::geometry::SegmentPair;
 use crate::physics::motions::{Motions, Touch};
+use crate::rotate::{back, rotated};
 
 /// Length over which an edge gives way to the vertices at its ends, in rounding radii.
 const TAPER: f32 = 4.0;

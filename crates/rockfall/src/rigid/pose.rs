@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 
-use crate::model::rotate::product;
+use crate::rotate::product;
 
 /// Where the origin of a frame lies, and how its axes are turned.
 #[derive(Clone, Copy, Debug, PartialEq)]

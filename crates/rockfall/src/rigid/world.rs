@@ -2,10 +2,10 @@
 
 use glam::{Mat3, Quat, Vec3};
 
-use crate::model::rotate::product;
 use crate::rigid::history::History;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
+use crate::rotate::product;
 
 /// What moves a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

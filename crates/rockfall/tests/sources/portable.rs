@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folders and files of the crate that a step runs.
-const OF_STEPS: [&str; 10] = [
+const OF_STEPS: [&str; 11] = [
+    "rotate.rs",
     "physics",
     "step",
     "model",

@@ -6,9 +6,9 @@ use glam::{Quat, Vec3, Vec4};
 
 use crate::model::layout::{BOX_RIM, HULL_PART, NO_RIGID, RIGID_PRESSED, RIGID_WORDS, SHAPE_WORDS};
 use crate::model::rigid::{Moments, Pose, times};
-use crate::model::rotate::{product, rotated};
 use crate::model::step::Layout;
 use crate::model::view::{Object, View};
+use crate::rotate::{product, rotated};
 
 /// A rigid body in the state that forces are evaluated in.
 #[derive(Clone, Copy, Debug)]

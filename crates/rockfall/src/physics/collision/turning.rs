@@ -4,11 +4,11 @@ use glam::{Quat, Vec3};
 
 use crate::model::impulse::{BodyMove, BodyPush};
 use crate::model::rigid::Moments;
-use crate::model::rotate::{product, rotated};
 use crate::model::view::{Object, RigidRecord, View};
 use crate::physics::collision::body::Part;
 use crate::physics::forces::attached::attached_force;
 use crate::physics::rigid::{lever, velocity_of};
+use crate::rotate::{product, rotated};
 
 /// A rigid body in the present state, and the part of it that is touched.
 #[derive(Clone, Copy, Debug)]

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use glam::{Mat3A, Vec3, Vec3A};
 
-use crate::model::rotate::{product, unit};
 use crate::rigid::common::MOST_MARGIN;
 use crate::rigid::frame::turn::{Moments, about};
 use crate::rigid::pose::Pose;
 use crate::rigid::world::{Body, Kind, RigidWorld};
+use crate::rotate::{product, unit};
 
 /// Velocity and angular velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -3,7 +3,6 @@
 use glam::{Quat, Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 
-use crate::model::rotate::{product, unit};
 use crate::rigid::frame::bodies::{Bodies, Mass};
 use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, Impulse, Pair, Row, View, for_each, is_crowd};
 use crate::rigid::frame::refresh::{apart, belt, places, renew_block, tangents};
@@ -11,6 +10,7 @@ use crate::rigid::frame::rows::{Sides, friction_row};
 use crate::rigid::frame::times::{Hit, Scope, State};
 use crate::rigid::pose::Pose;
 use crate::rigid::world::RigidWorld;
+use crate::rotate::{product, unit};
 
 /// Rounds over the colours in a substep.
 const ROUNDS: usize = 2;

@@ -138,7 +138,7 @@ fn wake(view: &mut View<'_>, pass: &Pass) -> bool {
     let mut any = false;
     for (row, impulse) in view.rows.iter_mut().zip(view.impulses.iter()) {
         row.live = row.gap <= 0.0 || impulse.normal > 0.0;
-        any |= row.live;
+        any |= row.live || impulse.tangent != Vec2::ZERO;
     }
     any
 }
@@ -164,8 +164,9 @@ fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
         for pair in chunk.iter().filter(|_| !pass.biased) {
             let first = (pair.first - base) as usize;
             for k in first..first + usize::from(pair.count) {
-                let (row, impulse) = (&view.rows[k], &mut view.impulses[k]);
+                let (row, impulse) = (&mut view.rows[k], &mut view.impulses[k]);
                 if impulse.normal > 0.0 || impulse.tangent != Vec2::ZERO {
+                    sides.form(pair, row);
                     let bound = pair.friction * impulse.normal;
                     change = change.max(friction_row(pair, row, &mut impulse.tangent, sides, bound));
                 }

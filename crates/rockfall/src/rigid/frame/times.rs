@@ -2,7 +2,6 @@
 
 use glam::{Vec3, Vec3A};
 
-use crate::model::rotate::{product, unit};
 use crate::rigid::frame::bodies::{Bodies, Motion};
 use crate::rigid::frame::contacts::{Block, Contacts, Pair, Place, Point, Row, View};
 use crate::rigid::frame::detect::least_radius;
@@ -10,6 +9,7 @@ use crate::rigid::frame::refresh::{apart, place, places};
 use crate::rigid::frame::turn::about;
 use crate::rigid::pose::Pose;
 use crate::rigid::world::RigidWorld;
+use crate::rotate::{product, unit};
 
 /// Newton steps of a search.
 const STEPS: usize = 8;

@@ -2,7 +2,7 @@
 
 use glam::{Mat3A, Quat, Vec3, Vec3A};
 
-use crate::model::rotate::{product, unit};
+use crate::rotate::{product, unit};
 
 /// The principal moments of a body, ready for use.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -24,13 +24,13 @@ use crate::model::layout::{
 use crate::model::part::part;
 use crate::model::residue::{Increased, increased};
 use crate::model::rigid::{Moments, Pose};
-use crate::model::rotate::rotated;
 use crate::model::step::{Constants, Step};
 use crate::model::view::{RigidRecord, View};
 use crate::model::world::World;
 use crate::physics::forces::contacts::Load;
 use crate::physics::forces::rates::Rates;
 use crate::physics::travel::needs_rebuild;
+use crate::rotate::rotated;
 use crate::step::moves::NONE;
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
 use crate::step::wgsl::Wgsl;
