@@ -56,6 +56,7 @@ experiments! {
     shear: "A sheared box",
     bodies: "Rigid bodies",
     blocks: "Boxes that move",
+    hard: "Hard contacts",
     rest: "Rest",
     silent: "Slow motion, stiff chains, and symplectic Euler",
     #[cfg(feature = "gpu")]

@@ -62,6 +62,7 @@ experiments!(
     shear,
     bodies,
     blocks,
+    hard,
     rest,
     silent,
     #[cfg(feature = "gpu")]
