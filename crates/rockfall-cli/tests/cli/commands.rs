@@ -66,7 +66,7 @@ fn json_is_one_object_with_all_keys() {
     assert_eq!(object["dt"], 0.02);
     assert_eq!(object["objects"]["spheres"], 2);
     assert_eq!(object["objects"]["boxes"], 1);
-    assert_eq!(object["objects"].as_object().unwrap().len(), 8);
+    assert_eq!(object["objects"].as_object().unwrap().len(), 9);
     assert!(object["collisions"].as_u64().unwrap() > 0, "{out}");
     assert_eq!(object["non_finite"], 0);
     assert!(object["steps_per_second"].as_f64().unwrap() > 0.0);

@@ -98,21 +98,21 @@ impl Simulation {
     /// As for [`Simulation::sync`].
     pub fn max_overlap(&mut self) -> Result<MaxOverlap> {
         if self.has_frames() {
-            return self.rigid_overlap();
+            return self.rigid_overlap(false);
         }
         let (scene, world) = self.observed(Detail::Pairs)?;
         Ok(deepest(scene, world, |_, _, _, _| true))
     }
 
     /// Like [`Simulation::max_overlap`], over the contacts of bodies at rest: both are slower than the velocity above which they
-    /// would collide (docs/physics.md section 3.1), and the contact exerts a force. A fast body may overlap another one for a
-    /// step or two, as deep as it moves within a step.
+    /// would collide (docs/physics.md section 3.1), or with the law `rigid` than what the field gives in a frame, and the contact exerts a
+    /// force. A fast body may overlap another one for a step or two, as deep as it moves within a step.
     ///
     /// # Errors
     /// As for [`Simulation::sync`].
     pub fn resting_overlap(&mut self) -> Result<MaxOverlap> {
         if self.has_frames() {
-            return self.rigid_overlap();
+            return self.rigid_overlap(true);
         }
         let (scene, world) = self.observed(Detail::Collisions)?;
         let (_, lists) = view_and_lists(world);

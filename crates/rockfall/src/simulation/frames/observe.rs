@@ -122,11 +122,15 @@ impl Simulation {
         Ok(contacts)
     }
 
-    /// The deepest overlap, in units, and in half the least edge or diameter of the smaller body.
-    pub(in crate::simulation) fn rigid_overlap(&mut self) -> Result<MaxOverlap> {
+    /// The deepest overlap, in units, and in half the least edge or diameter of the smaller body. Bodies that are faster than what the field
+    /// gives in a frame are not at rest.
+    pub(in crate::simulation) fn rigid_overlap(&mut self, only_at_rest: bool) -> Result<MaxOverlap> {
+        let fast = if only_at_rest { self.gravity().length() * self.time_step() } else { f32::INFINITY };
         let (frames, _) = self.present_frames()?;
+        let is_slow =
+            |at: u32| frames.world.bodies[frames.world.colliders[at as usize].body as usize].velocity.length() <= fast;
         let mut deepest = MaxOverlap::default();
-        for touch in frames.touches() {
+        for touch in frames.touches().into_iter().filter(|touch| touch.colliders.into_iter().all(is_slow)) {
             let share = frames.share(&touch);
             deepest.units = deepest.units.max(touch.overlap);
             if share > deepest.radii {
