@@ -65,5 +65,5 @@ def test_wrong_hulls_are_errors() -> None:
             scene.add_shape(rf.Shape().add_hull(points))
     scene.settings.contact_law = "thesis"
     scene.add_body(scene.add_shape(rf.Shape().add_hull(TETRAHEDRON)), [0, 1, 0])
-    with pytest.raises(ValueError, match="hulls need `set contact_law rigid`"):
+    with pytest.raises(ValueError, match=r"hulls need `scene\.settings\.contact_law = \"rigid\"`"):
         rf.Simulation(scene)
