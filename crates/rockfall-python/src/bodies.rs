@@ -27,6 +27,7 @@ type Mass = (Option<f32>, Option<f32>, Option<([f32; 3], [f32; 6])>);
 
 /// Adds a shape and returns its number. `rounding` is 0 for 2 % of the shortest edge of each box.
 #[pyfunction]
+#[allow(clippy::too_many_arguments)]
 pub(crate) fn add_shape(
     target: &Bound<'_, PyAny>,
     name: Option<String>,

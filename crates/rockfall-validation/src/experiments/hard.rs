@@ -80,7 +80,7 @@ fn tips(slope: f64) -> Result<bool> {
     frames(&mut simulation, 1.0)?;
     for part in 1..=60 {
         let now = 0.3 + (slope - 0.3) * f64::from(part) / 60.0;
-        let mut settings = simulation.scene().settings.clone();
+        let mut settings = simulation.scene().settings;
         settings.gravity_direction = DVec3::new(now, -1.0, 0.0).normalize().as_vec3();
         simulation.set_settings(settings)?;
         simulation.run(1, FRAME)?;
