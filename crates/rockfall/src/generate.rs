@@ -108,7 +108,7 @@ impl Kind {
 
     /// Generates a scene with exactly `spheres` spheres, including those of rods, capsules and rigid bodies. Dominoes have as many as whole
     /// dominoes and a ball need, which may be up to 8 fewer. The scene has its time step
-    /// and its numbers of steps, scenes of grains and of boxes have their integrator ([`Scene::run`]), and bodies have colours in bands.
+    /// and its numbers of steps, scenes of grains have their integrator ([`Scene::run`]), and bodies have colours in bands.
     ///
     /// # Errors
     /// [`Error::Invalid`] for 0 spheres, [`Error::TooManyObjects`] for more than the engine can number.

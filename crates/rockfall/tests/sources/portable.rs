@@ -4,16 +4,20 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folders and files of the crate that a step runs.
-const OF_STEPS: [&str; 11] = [
+const OF_STEPS: [&str; 15] = [
     "rotate.rs",
     "physics",
     "step",
     "model",
     "exec/cpu.rs",
     "user_laws",
-    "rigid/broad",
+    "rigid/broad.rs",
+    "rigid/collide.rs",
     "rigid/collide",
+    "rigid/frame.rs",
     "rigid/frame",
+    "rigid/pose.rs",
+    "rigid/world.rs",
     "scene/motion.rs",
     "scene/pose.rs",
 ];
