@@ -12,7 +12,7 @@
 //! | [`frame`] | a frame: margins, pairs, blocks, colours, substeps |
 //! | `gpu` | all of it on a device |
 
-// The masses of shapes other than hulls have no door yet.
+// What tests alone use: energies, states that come back from the device after single stages, and masses of shapes other than hulls.
 #![allow(dead_code)]
 
 pub(crate) mod broad;

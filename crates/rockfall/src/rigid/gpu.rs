@@ -258,11 +258,6 @@ impl GpuFrame {
         (self.blocks, self.colours, self.substeps) = (row.blocks, row.colours, row.substeps);
     }
 
-    /// Solves the frame.
-    pub(crate) fn solve(&self, plan: Plan) {
-        self.run(&self.parts(plan));
-    }
-
     /// The parts of all substeps.
     fn parts(&self, plan: Plan) -> Vec<Part> {
         let impacts = if plan == Plan::Calm { Part::Seek } else { Part::Impacts };

@@ -1,12 +1,10 @@
-//! The rows of a frame for the device, and the state that comes back.
+//! The rows of a frame for the device.
 
-use glam::{Mat3A, Vec3A};
+use glam::Mat3A;
 
 use crate::rigid::frame::Frame;
 use crate::rigid::frame::bodies::Bodies;
-use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER, Pair, Point};
-use crate::rigid::frame::refresh::tangents;
-use crate::rigid::gpu::Outcome;
+use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER, Pair};
 use crate::rigid::gpu::rows::{
     BELT, BlockRow, BodyRow, ConstantRow, ContactRow, ELASTIC, FIXED, FrameRow, FrameRows, OPENS, PairRow, PointRow, ROUND,
     SEAMS, WAITS,
@@ -128,37 +126,6 @@ impl Frame<'_> {
             spare: row.spare,
         }
     }
-
-    /// Takes over what the device has made of the frame.
-    pub(crate) fn take(&mut self, outcome: &Outcome) {
-        for (i, row) in outcome.bodies.iter().enumerate() {
-            self.bodies.poses[i].position = row.position.into();
-            self.bodies.poses[i].turn = glam::Quat::from_array(row.turn);
-            self.bodies.motions[i].velocity = row.velocity.into();
-            self.bodies.motions[i].spin = row.spin.into();
-            self.bodies.momenta[i] = row.momentum.into();
-            self.bodies.masses[i].inverse_inertia = tensor(row);
-            self.bodies.paths[i] = row.path;
-            if row.stopped > 0.0 {
-                self.bodies.stopped.insert(i as u32);
-            }
-        }
-        for (pair, row) in self.contacts.pairs.iter_mut().zip(&outcome.pairs) {
-            pair.normal = row.normal.into();
-            pair.tangents = tangents(pair.normal);
-            pair.belt = row.belt.into();
-            pair.inner_normal = row.inner_normal.into();
-            pair.count = row.info as u8;
-        }
-        for (point, row) in self.contacts.points.iter_mut().zip(&outcome.points) {
-            *point = Point { on_a: row.on_a.into(), on_b: row.on_b.into(), id: row.id };
-        }
-        for (k, row) in outcome.contacts.iter().enumerate() {
-            self.contacts.impulses[k].normal = row.normal;
-            self.contacts.impulses[k].tangent = row.tangent.into();
-            self.contacts.rows[k].gap = row.gap;
-        }
-    }
 }
 
 fn block_row(block: &Block) -> BlockRow {
@@ -181,9 +148,4 @@ fn block_row(block: &Block) -> BlockRow {
 /// The diagonal of a symmetric matrix, and xy, xz, yz.
 fn parts(m: &Mat3A) -> ([f32; 3], [f32; 3]) {
     ([m.x_axis.x, m.y_axis.y, m.z_axis.z], [m.y_axis.x, m.z_axis.x, m.z_axis.y])
-}
-
-fn tensor(row: &BodyRow) -> Mat3A {
-    let ([xx, yy, zz], [xy, xz, yz]) = (row.diagonal, row.beside);
-    Mat3A::from_cols(Vec3A::new(xx, xy, xz), Vec3A::new(xy, yy, yz), Vec3A::new(xz, yz, zz))
 }

@@ -106,8 +106,6 @@ pub(super) const SURFACES: u32 = 37;
 pub(super) const RAW: u32 = 38;
 /// One more than the last binding.
 pub(super) const BINDINGS: u32 = 39;
-/// Rows of an entry of [`FOUND`].
-pub(super) const FOUND_ROWS: u32 = 10;
 pub(super) const BOUNDS: u32 = 13;
 pub(super) const CELLS: u32 = 14;
 pub(super) const MEMBERS: u32 = 15;
