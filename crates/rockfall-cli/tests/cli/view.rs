@@ -351,9 +351,10 @@ fn the_mouse_moves_the_camera() {
     session.keys("Right Right f");
     session.wait("a framed scene", |report| at(report, "target", 0).abs() < 1e-3);
     session.point(10, 0);
-    session.display.act("click --repeat 2 --delay 60 1");
-    session
-        .wait("a focused ball", |report| report["picked"] == "sphere 1" && camera_distance(report) > camera_distance(&before));
+    // Where a frame takes longer than the time between two clicks, they are no double click.
+    session.act_until("a focused ball", "click --repeat 2 --delay 60 1", |report| {
+        report["picked"] == "sphere 1" && camera_distance(report) > camera_distance(&before)
+    });
     session.quit();
 }
 

@@ -150,21 +150,33 @@ impl Session {
 
     /// Waits until the report fulfils a condition.
     pub(crate) fn wait(&mut self, what: &str, condition: impl Fn(&Value) -> bool) {
+        assert!(self.sees(what, PATIENCE, condition), "{what} did not appear: {:#}", self.report());
+    }
+
+    /// Acts again and again until the report fulfils a condition.
+    pub(crate) fn act_until(&mut self, what: &str, action: &str, condition: impl Fn(&Value) -> bool) {
         let start = Instant::now();
-        loop {
+        self.display.act(action);
+        while !self.sees(what, Duration::from_secs(5), &condition) {
+            assert!(start.elapsed() < PATIENCE, "{what} did not appear: {:#}", self.report());
+            self.display.act(action);
+        }
+    }
+
+    /// Whether the report fulfils a condition before a time is over.
+    fn sees(&mut self, what: &str, longest: Duration, condition: impl Fn(&Value) -> bool) -> bool {
+        let start = Instant::now();
+        while start.elapsed() < longest {
             let text = fs::read_to_string(self.path("report.json")).unwrap_or_default();
             let report: Option<Value> = serde_json::from_str(&text).ok();
             if report.as_ref().is_some_and(&condition) {
-                return;
+                return true;
             }
             let ended = self.program.try_wait().expect("it is a child").is_some();
-            assert!(
-                !ended && start.elapsed() < PATIENCE,
-                "{what} did not appear: {} {text}",
-                if ended { self.errors() } else { String::new() }
-            );
+            assert!(!ended, "{what} did not appear: {}", self.errors());
             sleep(Duration::from_millis(50));
         }
+        false
     }
 
     /// Hides the panel and waits until the picture has the full width. Its middle is then the middle of the window below the
