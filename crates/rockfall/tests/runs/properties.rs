@@ -6,6 +6,7 @@
 mod contact_law;
 mod crowd;
 mod hard;
+mod scratch;
 mod lists;
 mod symmetry;
 mod things;
