@@ -6,7 +6,6 @@
 mod contact_law;
 mod crowd;
 mod hard;
-mod scratch;
 mod lists;
 mod symmetry;
 mod things;

@@ -32,10 +32,12 @@ C -2 0.3 0 -1 0.3 0 0 -1 0 1 0.3
 @body cube mass=2 rounding=0.05
 B -0.5 -0.5 -0.5 1 0 0 0 1 0 0 0 1
 @end
-@body jack density=3
+@body jack mass=3 centre=0,0,0 inertia=0.1,0.2,0.2,0,0,0
 S 1 -0.3 0 0 0 0 0 0 0 0 - 0.2
 S 2 0.3 0 0 0 0 0 0 0 0 - 0.2
 R 1 2 0.1
+@end
+@body pill density=3
 C 0 0 -0.3 0 0 0.3 0 0 0 - 0.1
 @end
 @body odd mass=2 centre=0,0.1,0 inertia=1,2,2.5,0,0,0.1
@@ -45,16 +47,15 @@ C 0 0 -0.3 0 0 0.3 0 0 0 - 0.1
 @place cube centre=0,1.5,3 orientation=1,0,0,0 momentum=0,0.5,0
 @place cube at=4,0.5,4 fixed=1
 @place jack at=4,1.2,4 axis=1,2,3 turn=40 first=20
+@place pill at=2,0.1,-2
 @place odd at=-4,0,4 spin=0,0,1
 @force 20 0 0 1
 @group 2
 S 9 4 0.4 4 0 0 0 0 0 0 1 0.5
 ";
 
-const POISONS: [&str; 17] = [
-    "nan", "inf", "-inf", "1e300", "-1e300", "3.4e38", "-3.4e38", "1e30", "1e18", "1e-18", "1e-30", "1e-45", "-1e-40", "-1",
-    "0", "", "x",
-];
+const POISONS: [&str; 14] =
+    ["nan", "inf", "-inf", "1e300", "3.4e38", "1e30", "1e18", "1e-18", "1e-30", "1e-45", "-1", "0", "", "x"];
 
 /// Start and end of each number of a line that starts a word, or follows `=` or `,`.
 fn numbers(line: &str) -> Vec<(usize, usize)> {
@@ -74,12 +75,8 @@ fn check_error(what: &str, line: usize, error: &Error) {
     let Error::SceneLine { line: told, field, message, .. } = error else { panic!("{what}: {error}") };
     assert!(["expected", "is not a"].iter().any(|words| message.contains(words)), "{what}: {error}");
     assert!(!field.is_empty() && message.len() < 400, "{what}: {error}");
-    // A wrong body or reference is seen at a line that uses it, and a wrong shape at its first line.
-    let away = told.abs_diff(line);
-    assert!(
-        away == 0 || !["S", "C", "B", "P", "@place", "@plane"].iter().any(|of| what.starts_with(of)) || away < 8,
-        "{what}: {error}"
-    );
+    // A wrong mass or reference is seen at a line that uses it.
+    assert!(*told >= line || what.starts_with("B ") || what.starts_with("C ") || what.starts_with("@hull"), "{what}: {error}");
 }
 
 fn check_run(what: &str, scene: &Scene, keep_going: bool) -> bool {

@@ -222,20 +222,63 @@ fn assert_split(heap: &Heap, whole: &str, at: u64) -> Outcome {
     Ok(())
 }
 
-/// Bodies of all kinds, sizes of 1 to 100, masses of 1 to 1000, with overlaps at the start, in a closed room.
-#[test]
-fn no_body_leaves_a_closed_room() {
-    check(300, (heap(true, 20.0), 1..FRAMES), |(heap, at)| -> Outcome {
-        let mut simulation = heap.open();
-        for _ in 0..FRAMES {
-            run(&mut simulation, 1);
-            for body in moving(&mut simulation) {
-                let outside = body.centre.abs().max_element() - f64::from(ROOM);
-                if outside > 0.0 { eprintln!("OUT {outside} mass {} {}\nTEXT{}", body.mass, heap.solids.len(), heap.text().replace("\n", "|")); }
-            }
+/// The centres of all bodies stay within `most` units from the room. Then runs in parts have the same bits.
+fn assert_closed(heap: &Heap, most: f64, at: u64) -> Outcome {
+    let mut simulation = heap.open();
+    for _ in 0..FRAMES {
+        run(&mut simulation, 1);
+        for body in moving(&mut simulation) {
+            let outside = body.centre.abs().max_element() - f64::from(ROOM);
+            prop_assert!(outside < most, "{} by {outside}\n{}", body.centre, heap.text());
         }
-        assert_split(&heap, &bits(&mut simulation), at)
+    }
+    assert_split(heap, &bits(&mut simulation), at)
+}
+
+/// Bodies of all kinds, sizes of 1 to 100, masses of 1 to 1000, with overlaps at the start, in a closed room. A grain that a body of
+/// a thousand times its mass hits at 100 units/s may be driven into a wall, but not through it.
+#[test]
+fn no_body_passes_the_walls_of_a_closed_room() {
+    check(250, (heap(true, 20.0), 1..FRAMES), |(heap, at)| assert_closed(&heap, f64::from(THICK) / 4.0, at));
+}
+
+/// With masses of 1 to 10 that start apart, and cross a tenth of themselves in a frame, no centre gets into a wall.
+#[test]
+fn no_centre_of_a_body_leaves_a_closed_room() {
+    check(100, (heap(true, 20.0), 1..FRAMES), |(mut heap, at)| -> Outcome {
+        for solid in &mut heap.solids {
+            (solid.mass, solid.velocity) = (solid.mass.cbrt(), 0.1 * solid.velocity);
+        }
+        assert_closed(&heap.apart(), 0.0, at)
     });
+}
+
+/// So many pairs that they are shared out among threads.
+#[test]
+fn a_crowd_of_hard_contacts_has_the_same_bits_with_one_and_two_threads() {
+    let mut text =
+        "set contact_law rigid\nset gravity 9.81\nset restitution 0.3\nB -20 -1 -20 40 0 0 0 1 0 0 0 40\n".to_owned();
+    text += "@body b mass=2\nB -0.4 -0.4 -0.4 0.8 0 0 0 0.8 0 0 0 0.8\n@end\n@body c mass=1\nC -0.2 0 0 0.2 0 0 0 0 0 - 0.3\n@end\n";
+    for k in 0..600_u32 {
+        let (x, y, z) = (0.8 * (k % 10) as f32, 0.4 + 0.78 * (k / 100) as f32, 0.79 * (k / 10 % 10) as f32);
+        text += &match k % 3 {
+            0 => format!("S {k} {x} {y} {z} 0 0 0 0 0 0 1 0.4\n"),
+            1 => format!("@place b at={x},{y},{z}\n"),
+            _ => format!("@place c at={x},{y},{z} axis=0,1,0 turn={k}\n"),
+        };
+    }
+    let end = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let scene = Scene::parse(&text, Path::new("crowd")).expect("a scene").scene;
+            let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).expect("it opens");
+            run(&mut simulation, 10);
+            let contacts = simulation.contacts().expect("contacts").len();
+            assert!(contacts > 1200, "{contacts}");
+            bits(&mut simulation)
+        })
+    };
+    assert!(end(1) == end(2), "the states differ");
 }
 
 /// Sums of momenta, and the sizes of what was added, which measure rounding.
@@ -282,8 +325,8 @@ fn hard_contacts_give_no_energy() {
         for frame in 0..FRAMES {
             run(&mut simulation, 1);
             let energy = simulation.energy().expect("the energy").kinetic;
-            if energy > before * (1.0 + 1e-4) { eprintln!("RISE {:e} frame {frame} {before} {} ", energy / before - 1.0, heap.solids.len()); }
-            prop_assert!(energy <= before * (1.0 + 1e3), "frame {frame}: {before} to {energy}\n{}", heap.text());
+            // What a wait in a chain of impacts overlaps is pushed out: at most 0.5 % in these scenes (section 11.12).
+            prop_assert!(energy <= before * (1.0 + 1e-2), "frame {frame}: {before} to {energy}\n{}", heap.text());
             before = energy;
         }
         Ok(())
