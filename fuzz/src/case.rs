@@ -3,6 +3,7 @@
 use arbitrary::{Arbitrary, Result, Unstructured};
 use rockfall::Integrator;
 
+use super::hard::{HardAction, Setup};
 use super::number::{Number, Size, Vector};
 
 /// Implements [`Arbitrary`] for structs and enums field by field, like `#[derive(Arbitrary)]`. The derive macro is not used,
@@ -41,6 +42,8 @@ macro_rules! decoded {
     )*};
 }
 
+pub(crate) use decoded;
+
 /// The options of a simulation, and actions that build and change its scene, in order.
 #[derive(Debug)]
 pub(crate) struct Case {
@@ -50,7 +53,9 @@ pub(crate) struct Case {
     pub(crate) capacity: Option<u8>,
     /// Materials and laws. Cases without them have no later actions than [`Later::First`].
     pub(crate) laws: Option<Laws>,
-    pub(crate) actions: Vec<Later>,
+    /// What the law `rigid` has beside materials. Cases without it have no other actions than [`HardAction::Later`].
+    pub(crate) hard: Option<Setup>,
+    pub(crate) actions: Vec<HardAction>,
 }
 
 impl Case {
@@ -64,12 +69,23 @@ impl Case {
             _ => Integrator::Rk4,
         };
         let (keep_going, capacity) = (bool::arbitrary(&mut source)?, Option::arbitrary(&mut source)?);
-        if first & 4 != 0 {
-            let laws = Some(Laws::arbitrary(&mut source)?);
-            return Ok(Self { integrator, keep_going, capacity, laws, actions: Vec::arbitrary_take_rest(source)? });
-        }
-        let actions = Vec::<Action>::arbitrary_take_rest(source)?.into_iter().map(Later::First).collect();
-        Ok(Self { integrator, keep_going, capacity, laws: None, actions })
+        let laws = if first & 12 != 0 { Some(Laws::arbitrary(&mut source)?) } else { None };
+        let hard = if first & 8 != 0 { Some(Setup::arbitrary(&mut source)?) } else { None };
+        let actions: Vec<HardAction> = match (&laws, &hard) {
+            (_, Some(_)) => {
+                let mut actions = Vec::new();
+                while !source.is_empty() {
+                    actions.push(HardAction::arbitrary(&mut source)?);
+                }
+                actions
+            }
+            (Some(_), None) => Vec::<Later>::arbitrary_take_rest(source)?.into_iter().map(HardAction::Later).collect(),
+            (None, None) => {
+                let actions = Vec::<Action>::arbitrary_take_rest(source)?;
+                actions.into_iter().map(|action| HardAction::Later(Later::First(action))).collect()
+            }
+        };
+        Ok(Self { integrator, keep_going, capacity, laws, hard, actions })
     }
 }
 

@@ -1,5 +1,6 @@
 //! The target `checkpoint_file`: checkpoints with changed bytes, whose lengths and checksums are made right again.
 
+use std::path::Path;
 use std::sync::OnceLock;
 
 use arbitrary::{Arbitrary, Unstructured};
@@ -61,6 +62,9 @@ fn push() -> ContactForceLaw {
     ContactForceLaw::new("push").parameter("k", 1e3).function(|contact| contact.parameters[0] * contact.overlap)
 }
 
+/// Number of the files of laws other than `rigid`.
+const SOFT: usize = 5;
+
 /// Checkpoints of different scenes and laws.
 fn files() -> &'static [Vec<u8>] {
     static FILES: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
@@ -79,12 +83,31 @@ fn files() -> &'static [Vec<u8>] {
             file(grains(LINEAR), with(Integrator::SymplecticEuler).force_law(pull())),
             file(grains(&user), with(Integrator::SymplecticEuler).contact_force_law(push())),
             file(Kind::Chain.generate(4, 1).expect("a scene"), with(Integrator::VelocityVerlet)),
+            file(hard(HARD), Options::new()),
+            file(hard(HULLS), Options::new()),
         ]
     })
 }
 
+/// A stack, a ball that bounces, and a capsule.
+const HARD: &str = "B -5 -1 -5 10 0 0 0 1 0 0 0 10\n@body cube mass=1\nB -0.5 -0.5 -0.5 1 0 0 0 1 0 0 0 1\n@end\n\
+                    @place cube at=0,0.5,0\n@place cube at=0.1,1.5,0 spin=0,1,0\nS 1 1.5 0.55 0 0 -3 0 0 0 0 1 0.5\n\
+                    C -2 0.3 0 -1 0.3 0 0 -1 0 1 0.3\n";
+/// Hulls, one of them with a ball, and materials.
+const HULLS: &str = "@material ice\n@pair ice ice restitution=0.3 friction=0.1\n@use ice\nP -5 0 -5 0 0 10 10 0 0\n\
+                     @body t density=10\n@hull 0,0,0 1,0,0 0,1,0 0,0,1\nS 1 0.2 0.2 0.2 0 0 0 0 0 0 - 0.3\n@end\n\
+                     @place t at=0,0.05,0 spin=1,0,0\n@place t at=0.2,1.1,0 axis=1,0,0 turn=30\n";
+
+fn hard(text: &str) -> Scene {
+    let text = format!("set contact_law rigid\nset gravity 9.81\n{text}");
+    Scene::parse(&text, Path::new("hard.txt")).expect("a scene").scene
+}
+
 fn changed_file(source: &mut Unstructured<'_>) -> arbitrary::Result<Vec<u8>> {
     let files = files();
-    let file = files[usize::from(u8::arbitrary(source)?) % files.len()].clone();
+    let (soft, hard) = files.split_at(SOFT);
+    let number = u8::arbitrary(source)?;
+    let some = if number < 192 { soft } else { hard };
+    let file = some[usize::from(number) % some.len()].clone();
     changed(file, source, close)
 }

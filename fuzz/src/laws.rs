@@ -6,12 +6,13 @@ use rockfall::{
 };
 
 use super::case::{Laws, Properties, Solid};
+use super::hard::{self, Setup};
 
 /// Names of the materials of a case.
 const NAMES: [&str; 2] = ["one", "other"];
 
 /// The scene and the options of a case with laws, before objects are added, and its materials.
-pub(crate) fn prepare(laws: &Laws, mut options: Options) -> Result<(Scene, Options, Vec<MaterialId>)> {
+pub(crate) fn prepare(laws: &Laws, mut options: Options, hard: Option<&Setup>) -> Result<(Scene, Options, Vec<MaterialId>)> {
     let mut scene = Scene::new();
     let all = ContactLaw::ALL;
     scene.settings.contact_law = all[usize::from(laws.contact) % all.len()];
@@ -25,6 +26,11 @@ pub(crate) fn prepare(laws: &Laws, mut options: Options) -> Result<(Scene, Optio
     }
     for ([one, other], properties) in [[0, 0], [0, 1], [1, 1]].into_iter().zip(&laws.pairs) {
         scene.set_pair(ids[one], ids[other], pair(properties))?;
+    }
+    if let Some(setup) = hard {
+        // It refuses laws of a program.
+        hard::prepare(&mut scene, setup);
+        return Ok((scene, options, ids));
     }
     if let Some(law) = force(laws.force) {
         options = options.force_law(law);

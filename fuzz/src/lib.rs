@@ -7,6 +7,7 @@
 mod case;
 mod checkpoint_file;
 mod damage;
+mod hard;
 mod law_text;
 mod laws;
 mod mesh;

@@ -7,12 +7,13 @@ use rockfall::{
 };
 
 use super::case::{Action, Add, Ball, Case, Change, Kind, Later};
+use super::hard::{self, HardAction};
 use super::laws;
 use super::number::{Size, vector};
 use super::twins::Twins;
 
 /// Number of objects above which no more are added, so that a case stays short.
-const OBJECTS: usize = 48;
+pub(crate) const OBJECTS: usize = 48;
 /// Maximum number of steps in a case.
 const STEPS: u64 = 96;
 
@@ -23,12 +24,15 @@ const STEPS: u64 = 96;
 /// When a simulation breaks one of these promises.
 pub fn motion(bytes: &[u8]) {
     let Ok(case) = Case::decode(bytes) else { return };
+    if std::env::var("CASE").is_ok() {
+        eprintln!("{case:#?}");
+    }
     let mut options = Options::new().keep_going(case.keep_going).integrator(case.integrator);
     if let Some(slices) = case.capacity {
         options = options.pair_capacity(32 * u32::from(slices));
     }
     let prepared = match &case.laws {
-        Some(laws) => laws::prepare(laws, options),
+        Some(laws) => laws::prepare(laws, options, case.hard.as_ref()),
         None => Ok((Scene::new(), options, Vec::new())),
     };
     let Ok((scene, options, materials)) = prepared else { return };
@@ -36,10 +40,14 @@ pub fn motion(bytes: &[u8]) {
     let (mut left, mut used) = (STEPS, materials.first().copied());
     for action in &case.actions {
         match action {
-            Later::First(action) => act(&mut twins, action, used, &mut left),
-            Later::Use(which) => used = materials.get(usize::from(*which) % (materials.len() + 1)).copied(),
-            later => act_on_laws(&mut twins, later, &materials, &mut left),
+            HardAction::Later(Later::First(action)) => act(&mut twins, action, used, &mut left),
+            HardAction::Later(Later::Use(which)) => used = materials.get(usize::from(*which) % (materials.len() + 1)).copied(),
+            HardAction::Later(later) => act_on_laws(&mut twins, later, &materials, &mut left),
+            action => hard::act(&mut twins, action, used, &mut left),
         }
+    }
+    if case.hard.is_some() {
+        twins.advance(8, |simulation| simulation.run(8, 1.0 / 60.0).map(drop));
     }
     twins.compare();
 }
@@ -148,7 +156,7 @@ fn ends(twins: &Twins, ends: [u8; 2]) -> Option<[SphereId; 2]> {
     Some([one?, two?])
 }
 
-fn add(twins: &mut Twins, what: &Add, used: Option<MaterialId>) {
+pub(crate) fn add(twins: &mut Twins, what: &Add, used: Option<MaterialId>) {
     let counts = twins.scene().counts();
     if counts.spheres + counts.rods + counts.boxes + counts.polygons + counts.springs + counts.tethers > OBJECTS {
         return;

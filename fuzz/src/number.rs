@@ -1,10 +1,15 @@
 //! Numbers for cases. With most of them bodies touch. A few are extreme values that may break the arithmetic.
 
 use arbitrary::{Arbitrary, Result, Unstructured};
+use rockfall::glam::Vec3;
 
 /// Any f32.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Number(pub(crate) f32);
+
+/// Mostly a multiple of 1/8 from -4 to 4, so that bodies meet; sometimes any f32.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Near(pub(crate) f32);
 
 /// A length, a mass or a setting: mostly positive and of the order of 1.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +54,15 @@ impl<'a> Arbitrary<'a> for Number {
     }
 }
 
+impl<'a> Arbitrary<'a> for Near {
+    fn arbitrary(source: &mut Unstructured<'a>) -> Result<Self> {
+        Ok(Self(match u8::arbitrary(source)? {
+            near @ 0..248 => f32::from(i16::from(near % 65) - 32) * 0.125,
+            _ => Number::arbitrary(source)?.0,
+        }))
+    }
+}
+
 impl<'a> Arbitrary<'a> for Size {
     fn arbitrary(source: &mut Unstructured<'a>) -> Result<Self> {
         Ok(Self(match u8::arbitrary(source)? {
@@ -65,4 +79,9 @@ pub(crate) type Vector = [Number; 3];
 
 pub(crate) fn vector(numbers: Vector) -> [f32; 3] {
     numbers.map(|number| number.0)
+}
+
+/// A place or a motion near the origin.
+pub(crate) fn near(numbers: [Near; 3]) -> Vec3 {
+    Vec3::from_array(numbers.map(|number| number.0))
 }

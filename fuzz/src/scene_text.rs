@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
-use rockfall::{Error, Integrator, ObjectId, Scene, Tag};
+use rockfall::{Backend, ContactLaw, Error, Integrator, ObjectId, Options, RigidBody, Scene, Simulation, Sphere, Tag};
 
 use super::message::{LONGEST_MESSAGE, assert_short};
 
 /// A block of a few bytes may stand for a million spheres, which take too long to compare.
 const LARGE: usize = 10_000;
+/// Most objects of a scene that is run.
+const FEW: usize = 200;
 
 /// Reads any bytes as a scene. The error for a rejected text must name its line. An accepted text is written and read again,
 /// and the objects must be bitwise identical.
@@ -41,6 +43,34 @@ pub fn scene_text(bytes: &[u8]) {
     assert_eq!(again.warnings, [], "{text}");
     assert_eq!(all(&again.scene), all(&read), "{text}");
     assert_eq!(again.scene.to_text(), text);
+    if read.settings.contact_law == ContactLaw::Rigid {
+        run(read);
+    }
+}
+
+/// Runs two frames of hard contacts, if the scene is small. Its states must stay finite.
+fn run(mut scene: Scene) {
+    let counts = scene.counts();
+    if counts.spheres + counts.boxes + counts.polygons > FEW {
+        return;
+    }
+    let dt = scene.run.dt.unwrap_or(1.0 / 60.0);
+    scene.run.substeps = Some(4);
+    let options = Options::new().backend(Backend::Cpu).keep_going(true);
+    let ended = Simulation::with_options(scene, options).and_then(|mut simulation| {
+        simulation.run(2, dt)?;
+        simulation.contacts()?;
+        simulation.sync().cloned()
+    });
+    match ended {
+        Ok(scene) => {
+            let is_finite = |sphere: &Sphere| sphere.position.is_finite() && sphere.velocity.is_finite();
+            assert!(scene.spheres().iter().all(is_finite), "{:?}", scene.spheres());
+            let is_finite = |body: &RigidBody| body.position.is_finite() && body.angular_momentum.is_finite();
+            assert!(scene.bodies().iter().all(is_finite), "{:?}", scene.bodies());
+        }
+        Err(error) => assert_short(&error),
+    }
 }
 
 /// Checks that a message has the form `fuzz.txt:LINE: FIELD: ...`, is short, and has no control characters.

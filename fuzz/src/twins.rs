@@ -4,7 +4,8 @@ use std::fmt::Debug;
 use std::sync::OnceLock;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use rockfall::{Backend, BroadPhase, Checkpoint, Error, Options, Result, Scene, Simulation};
+use rockfall::glam::Vec3;
+use rockfall::{Backend, BroadPhase, Checkpoint, Contact, ContactAction, Error, Options, Result, RigidBody, Scene, Simulation};
 
 use super::message::assert_short;
 
@@ -45,7 +46,7 @@ impl Twins {
         let mut all = self.simulations.iter_mut().map(|(simulation, pool)| pool.install(|| what(simulation)));
         let first = all.next().expect("there are two");
         for other in all {
-            assert_eq!(told(&other), told(&first));
+            assert_equal(&told(&other), &told(&first));
         }
         first.ok()
     }
@@ -63,9 +64,9 @@ impl Twins {
             let [one, other] = [checkpoint, read].map(|checkpoint| {
                 let mut simulation = Simulation::resume(checkpoint).expect("one was resumed before");
                 let end = told(&simulation.run(steps, dt).map(drop));
-                (end, told(&simulation.spheres()), told(&simulation.contacts()))
+                [end, told(&simulation.spheres()), told(&simulation.contacts().map(|contacts| unnamed(&contacts)))].join(" ")
             });
-            assert_eq!(one, other);
+            assert_equal(&one, &other);
             Ok(one)
         });
     }
@@ -84,6 +85,11 @@ impl Twins {
 
     /// Advances both simulations and compares them.
     pub(crate) fn advance(&mut self, most_steps: u64, what: impl Fn(&mut Simulation) -> Result<()> + Sync) {
+        if std::env::var("CASE").is_ok() {
+            if let Ok(scene) = self.simulations[0].0.sync() {
+                eprintln!("ADVANCE {most_steps} {}", scene.to_text());
+            }
+        }
         let before: Vec<u64> = self.simulations.iter().map(|(simulation, _)| simulation.report().replays).collect();
         self.both(what);
         for ((simulation, _), before) in self.simulations.iter().zip(before) {
@@ -102,6 +108,14 @@ impl Twins {
             let finite = state.position.is_finite() && state.velocity.is_finite() && state.angular_momentum.is_finite();
             assert!(finite && state.orientation.is_finite(), "sphere {index}: {state:?}");
         }
+        let bodies = self.both(|simulation| {
+            let state = |body: &RigidBody| (body.position, body.velocity, body.angular_momentum, body.orientation);
+            Ok(simulation.sync()?.bodies().iter().map(state).collect::<Vec<_>>())
+        });
+        for (index, (position, velocity, momentum, orientation)) in bodies.into_iter().flatten().enumerate() {
+            let finite = position.is_finite() && velocity.is_finite() && momentum.is_finite() && orientation.is_finite();
+            assert!(finite, "body {index}: {position} {velocity} {momentum} {orientation}");
+        }
         self.both(|simulation| {
             let report = simulation.report();
             let met = (report.contacts, report.max_overlap.to_bits(), report.collisions, report.total_collisions);
@@ -117,6 +131,19 @@ impl Twins {
         self.both(Simulation::energy);
         self.both(|simulation| Ok(simulation.sync()?.to_text()));
     }
+}
+
+/// Contacts without the handles of their objects, which a file does not keep.
+fn unnamed(contacts: &[Contact]) -> Vec<(Vec3, Vec3, f32, ContactAction)> {
+    contacts.iter().map(|contact| (contact.point, contact.normal, contact.overlap, contact.action)).collect()
+}
+
+/// Compares two texts, and shows where they differ.
+#[track_caller]
+fn assert_equal(one: &str, other: &str) {
+    let same = one.bytes().zip(other.bytes()).take_while(|(a, b)| a == b).count();
+    let around = |text: &str| text.bytes().skip(same.saturating_sub(150)).take(300).map(char::from).collect::<String>();
+    assert!(one == other, "at {same}:\n{}\n{}", around(one), around(other));
 }
 
 /// Returns the answer of a call as text, for comparison. Numbers are printed exactly.

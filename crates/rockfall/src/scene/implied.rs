@@ -4,7 +4,7 @@ use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use super::rigid::{BodyState, Frame};
 use super::shape::capsule_along_x;
@@ -149,13 +149,26 @@ impl Scene {
 
     /// Gives the spheres of an implied body the places and motions that follow from it.
     fn place_implied(&mut self, id: Handle<ImpliedBody>) {
-        let Ok(ImpliedBody { spheres, form, state, .. }) = self.implied.get(id) else { return };
-        let frame = Frame::of(state, &form.kinetics);
+        if !self.place_spheres_of(id) {
+            // The spheres are finite by themselves, but not with the motion of the whole: it stops.
+            if let Ok(ImpliedBody { state, .. }) = self.implied.get_mut(id) {
+                (state.velocity, state.momentum) = (Vec3::ZERO, Vec3::ZERO);
+            }
+            self.place_spheres_of(id);
+        }
+    }
+
+    /// Places the spheres of an implied body. Returns whether their motions are finite.
+    fn place_spheres_of(&mut self, id: Handle<ImpliedBody>) -> bool {
+        let Ok(ImpliedBody { spheres, form, state, .. }) = self.implied.get(id) else { return true };
+        let (frame, mut finite) = (Frame::of(state, &form.kinetics), true);
         for (id, place) in spheres.iter().zip(&form.places) {
             if let Ok(sphere) = self.spheres.get_mut(*id) {
                 frame.place(sphere, *place, state.orientation);
+                finite &= sphere.velocity.is_finite() && sphere.angular_momentum.is_finite();
             }
         }
+        finite
     }
 
     /// The implied body that a sphere is part of.

@@ -364,15 +364,23 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::StaleHandle`](crate::Error::StaleHandle) when it is not in the scene, [`Error::Invalid`](crate::Error::Invalid) for
-    /// numbers that are not finite and an orientation that is not a unit quaternion. Nothing is changed then.
+    /// numbers that are not finite, an orientation that is not a unit quaternion, and a motion with which a sphere of the body would not
+    /// be finite. Nothing is changed then.
     pub fn update_body(&mut self, id: RigidBodyId, change: impl FnOnce(&mut RigidBody)) -> Result<()> {
         let before = self.bodies.get(id)?;
         let mut body = before.clone();
         change(&mut body);
         (body.shape, body.spheres, body.rods) = (before.shape, before.spheres.clone(), before.rods.clone());
         body.validate()?;
-        *self.bodies.get_mut(id)? = body;
-        self.place_members(id)
+        let before = std::mem::replace(self.bodies.get_mut(id)?, body);
+        self.place_members(id)?;
+        let spheres = before.spheres.iter().map(|sphere| self.spheres.get(*sphere)?.validate());
+        if let Err(error) = spheres.collect::<Result<()>>() {
+            *self.bodies.get_mut(id)? = before;
+            self.place_members(id)?;
+            return Err(error);
+        }
+        Ok(())
     }
 
     /// The rigid body with the pose and the motion that it has when its first sphere has the position, the velocity, the orientation and

@@ -16,7 +16,9 @@ impl Polygon {
     pub fn plane(at: impl Into<Vec3>, normal: impl Into<Vec3>) -> Self {
         let normal = normal.into().as_dvec3().normalize();
         let left = across(normal);
-        Self { surface: Surface::Plane, ..Self::new(at, left.as_vec3(), normal.cross(left).as_vec3()) }
+        // -0 becomes 0, so that the normal of the edges gives the same edges.
+        let [left, right] = [left, normal.cross(left)].map(|edge| edge.as_vec3() + Vec3::ZERO);
+        Self { surface: Surface::Plane, ..Self::new(at, left, right) }
     }
 
     /// Creates a cylinder without caps, which is touched from outside. The axis begins at `at` and goes into the direction of `axis`, whose

@@ -379,7 +379,8 @@ impl Simulation {
         if let Some(before) = fronts {
             self.planes.edited(before, &self.scene);
         }
-        match std::mem::replace(&mut self.dirty, Dirty::Clean) {
+        // If this fails, the world stays that of the scene before.
+        match std::mem::replace(&mut self.dirty, Dirty::Everything) {
             Dirty::Everything => {
                 self.rebuild(&Kept { springs: &springs, rates: &[], residues: &residues })?;
                 self.mark_state_edited();
@@ -402,6 +403,7 @@ impl Simulation {
             self.engine.upload_spheres(&self.world)?;
             self.mark_state_edited();
         }
+        self.dirty = Dirty::Clean;
         Ok(())
     }
 

@@ -10,6 +10,7 @@ use crate::rigid::history::History;
 use crate::rigid::world::RigidWorld;
 use crate::scene::{Body as Part, BodyHandles, BodyState, RunDefaults, Scene, SphereId};
 use crate::simulation::Simulation;
+use crate::simulation::edit::Dirty;
 use crate::step::schedule::Phase;
 
 mod build;
@@ -90,14 +91,30 @@ impl Frames {
     }
 
     /// Takes over what another world has learnt, if the colliders are the same.
-    fn keep(&mut self, before: Self) {
+    fn keep(&mut self, before: &Self) {
         if before.owners == self.owners && before.world.colliders == self.world.colliders {
-            self.world.history = before.world.history;
-            for (body, before) in self.world.bodies.iter_mut().zip(before.world.bodies) {
+            self.world.history = before.world.history.clone();
+            for (body, before) in self.world.bodies.iter_mut().zip(&before.world.bodies) {
                 body.margin_scale = before.margin_scale;
             }
         }
         self.substeps = before.substeps;
+    }
+
+    /// What a checkpoint keeps of the bodies of a scene. `None` if it is nothing.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] if it does not fit the scene.
+    pub(in crate::simulation) fn of_words(scene: &Scene, words: &[u32]) -> Result<Option<Box<Self>>> {
+        if words.is_empty() || !scene.is_rigid() {
+            return Ok(None);
+        }
+        let mut frames = Self::of(scene)?;
+        if !frames.put_words(words) {
+            let value = format!("{} words of hard contacts", words.len());
+            return Err(Error::Invalid { field: "checkpoint", value, expected: "the contacts of the bodies of its scene" });
+        }
+        Ok(Some(Box::new(frames)))
     }
 
     /// Advances all bodies by a frame, on the device if there is one.
@@ -225,7 +242,10 @@ impl Simulation {
         let pulled = frames.fetch().and_then(|()| frames.put(&mut self.scene));
         self.frames = Some(frames);
         pulled?;
-        self.world.set_spheres(&self.scene);
+        // Objects may have been added since the scene was packed. It is packed again then.
+        if self.dirty != Dirty::Everything {
+            self.world.set_spheres(&self.scene);
+        }
         Ok(true)
     }
 
@@ -235,7 +255,7 @@ impl Simulation {
         let mut frames = Frames::of(&self.scene)?;
         if let Some(mut before) = self.frames.take() {
             before.fetch_history()?;
-            frames.keep(*before);
+            frames.keep(&before);
         }
         (self.frames, self.frames_due) = (Some(Box::new(frames)), false);
         Ok(())
@@ -248,25 +268,19 @@ impl Simulation {
     pub(in crate::simulation) fn frame_words(&mut self) -> Result<Vec<u32>> {
         let Some(frames) = self.frames.as_mut().filter(|frames| frames.substeps > 0) else { return Ok(Vec::new()) };
         frames.fetch_history()?;
-        Ok(frames.words())
+        if !self.frames_due {
+            return Ok(frames.words());
+        }
+        // Edits may have changed the bodies, and the words are those of the next frame.
+        let mut edited = Frames::of(&self.scene)?;
+        edited.keep(frames);
+        Ok(edited.words())
     }
 
     /// Goes on with what a checkpoint keeps of the bodies of the law `rigid`.
-    ///
-    /// # Errors
-    /// [`Error::Invalid`] if it does not fit the scene.
-    pub(in crate::simulation) fn put_frame_words(&mut self, words: &[u32]) -> Result<()> {
-        (self.frames, self.frames_due) = (None, true);
-        if words.is_empty() || !self.has_frames() {
-            return Ok(());
-        }
-        let mut frames = Frames::of(&self.scene)?;
-        if !frames.put_words(words) {
-            let value = format!("{} words of hard contacts", words.len());
-            return Err(Error::Invalid { field: "checkpoint", value, expected: "the contacts of the bodies of its scene" });
-        }
-        (self.frames, self.frames_due) = (Some(Box::new(frames)), false);
-        Ok(())
+    pub(in crate::simulation) fn put_frames(&mut self, frames: Option<Box<Frames>>) {
+        self.frames_due = frames.is_none();
+        self.frames = frames;
     }
 
     fn book_frame(&mut self, frame: FrameReport) {

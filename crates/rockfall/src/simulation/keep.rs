@@ -13,6 +13,7 @@ use crate::options::BackendInfo;
 use crate::options::Options;
 use crate::simulation::edit::Dirty;
 use crate::simulation::engine::Engine;
+use crate::simulation::frames::Frames;
 use crate::simulation::kept::Kept;
 use crate::simulation::lists::ListPolicy;
 use crate::simulation::order::Disorder;
@@ -166,13 +167,14 @@ impl Simulation {
         let laws = UserLaws::new(&forces, contact.as_ref())?;
         laws.values(&checkpoint.scene.material_names())?;
         self.engine.check_laws(&laws)?;
+        let frames = Frames::of_words(&checkpoint.scene, &checkpoint.frames)?;
         self.put_laws(laws, forces, contact);
         // `rebuild` packs the scene, and the state on the device is replaced, so nothing has to be read back or applied.
         (self.dirty, self.synced, self.forces_synced) = (Dirty::Clean, true, true);
         self.edits.clear();
         self.scene = checkpoint.scene.clone();
         self.apply_history(checkpoint);
-        self.put_frame_words(&checkpoint.frames)?;
+        self.put_frames(frames);
         self.rebuild(&kept(checkpoint))?;
         self.status.collided = 0;
         Ok(())
@@ -181,7 +183,7 @@ impl Simulation {
     /// Continues with what a checkpoint has beside its scene, its options and its springs.
     fn with_history(mut self, checkpoint: &Checkpoint) -> Result<Self> {
         self.apply_history(checkpoint);
-        self.put_frame_words(&checkpoint.frames)?;
+        self.put_frames(Frames::of_words(&self.scene, &checkpoint.frames)?);
         self.disorder = Disorder::sorted_at(checkpoint.report.steps);
         Ok(self)
     }

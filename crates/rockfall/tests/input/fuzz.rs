@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 
 #[allow(unreachable_pub, reason = "public for the fuzzer")]
 #[path = "../../../../fuzz/src/lib.rs"]
-mod targets;
+pub(crate) mod targets;
 
 /// Limit for one case. A case takes some milliseconds; one that hangs would take far longer.
 const LONGEST: Duration = Duration::from_secs(60);
 
 /// The files of a corpus, by name.
-fn corpus(target: &str) -> BTreeMap<String, Vec<u8>> {
+pub(crate) fn corpus(target: &str) -> BTreeMap<String, Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus").join(target);
     let files = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
     let read = |entry: fs::DirEntry| (entry.file_name().into_string().unwrap(), fs::read(entry.path()).unwrap());

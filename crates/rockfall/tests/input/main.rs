@@ -7,3 +7,4 @@ mod common;
 mod fuzz;
 mod poison;
 mod running;
+mod shake;

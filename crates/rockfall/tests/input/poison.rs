@@ -5,5 +5,6 @@
 mod contained;
 mod edits;
 mod fields;
+mod rigid;
 mod settings;
 mod text;

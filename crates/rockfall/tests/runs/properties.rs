@@ -5,6 +5,7 @@
 
 mod contact_law;
 mod crowd;
+mod hard;
 mod lists;
 mod symmetry;
 mod things;

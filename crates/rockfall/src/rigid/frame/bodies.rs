@@ -132,9 +132,7 @@ impl Bodies {
     /// Stops the bodies whose motion is not finite at the end of a frame. Of all that stopped in the frame: their number, and the first.
     pub(super) fn stop(&mut self) -> Option<(u32, u32)> {
         for i in 0..self.count() {
-            let Motion { velocity, spin } = self.motions[i];
-            let is_finite = velocity.is_finite() && spin.is_finite() && self.momenta[i].is_finite();
-            if self.constants[i].dynamic && !is_finite {
+            if self.constants[i].dynamic && !self.moves_finitely(i) {
                 self.motions[i] = Motion::default();
                 self.momenta[i] = Vec3A::ZERO;
                 self.stopped.insert(i as u32);
@@ -200,16 +198,40 @@ impl Bodies {
             let way = h * motion.velocity - 0.5 * beta * h * h * gravity;
             let position = self.poses[i].position + Vec3::from(way);
             let turn = fixed.moments.turned(self.poses[i].turn, self.momenta[i], h);
-            if position.is_finite() && turn.is_finite() {
-                self.poses[i] = Pose::new(position, turn);
+            let pose = Pose::new(position, turn);
+            if self.fits(i, &pose) {
+                self.poses[i] = pose;
             } else {
-                self.motions[i].velocity = Vec3A::ZERO;
-                self.momenta[i] = Vec3A::ZERO;
-                self.stopped.insert(i as u32);
+                self.halt(i);
+                continue;
             }
             self.respin(i);
         }
         self.clocks.fill(0.0);
+    }
+
+    /// Whether all points of a body are finite in a pose.
+    pub(super) fn fits(&self, i: usize, pose: &Pose) -> bool {
+        (pose.position.abs() + self.constants[i].radius).is_finite() && pose.turn.is_finite()
+    }
+
+    /// Whether the velocities of all points of a body, and the angular momenta of all spheres in it, are finite. Their radii are at
+    /// most twice that of the body.
+    fn moves_finitely(&self, i: usize) -> bool {
+        let Motion { velocity, spin } = self.motions[i];
+        let radius = self.constants[i].radius;
+        let rim = radius * spin;
+        let speed = velocity.abs().max_element() + (rim.abs().x + rim.abs().y + rim.abs().z);
+        let inner = 1.6 * radius * rim / self.masses[i].inverse_mass;
+        velocity.is_finite() && speed.is_finite() && inner.is_finite() && self.momenta[i].is_finite()
+    }
+
+    /// Stops a body where it is: its next pose is not finite.
+    pub(super) fn halt(&mut self, i: usize) {
+        self.motions[i].velocity = Vec3A::ZERO;
+        self.momenta[i] = Vec3A::ZERO;
+        self.stopped.insert(i as u32);
+        self.respin(i);
     }
 
     /// Where a body is at a time of the substep before its kick, and how it moves there.

@@ -1,10 +1,6 @@
-// requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/turn.wgsl physics/quaternion.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/halt.wgsl rigid/frame/turn.wgsl physics/quaternion.wgsl
 
 // The drift of a substep (docs/physics.md section 11.9).
-
-fn is_finite(v: vec3f) -> bool {
-    return all((bitcast<vec3u>(v) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
-}
 
 fn drift_body(body: u32) {
     let at = BODY_ROWS * body;
@@ -36,13 +32,10 @@ fn drift_body(body: u32) {
     let there = place + (h * motion.velocity - 0.5 * share * h * h * frame.gravity);
     let q = freely_turned(top, before, momentum, h);
     let path = bodies[at + 3u].w + h * (length(motion.velocity) + turning_speed(body, motion.spin));
-    if !(is_finite(there) & is_finite(q.xyz) & is_finite(q.www)) {
-        bodies[at] = vec4f(place, 0.0);
-        bodies[at + 2u] = vec4f(0.0, 0.0, 0.0, bodies[at + 2u].w);
-        bodies[at + 3u] = vec4f(0.0, 0.0, 0.0, path);
-        bodies[at + 6u] = vec4f(0.0, 0.0, 0.0, radius);
-        bodies[at + 7u].w = 1.0;
-        bodies[at + 8u] = vec4f(0.0);
+    if !fits(body, there, q) {
+        bodies[at].w = 0.0;
+        bodies[at + 3u].w = path;
+        halt(body);
         return;
     }
     let mass = mass_in(top, q, bodies[at + 2u].w);

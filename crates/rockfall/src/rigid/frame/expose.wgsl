@@ -1,7 +1,7 @@
 // requires physics/quaternion.wgsl rigid/collide/ball.wgsl rigid/frame/colliders.wgsl rigid/frame/rows.wgsl
 
 // Points of flat pairs on a static shape that another static shape of the same body covers: the sides of tiles in a floor
-// (docs/physics.md section 11.4). A pair may lose all points.
+// (docs/physics.md section 11.4). A pair may lose all points. If all pairs would, the one nearest to its surface keeps them.
 
 // Thickness of the skin of static shapes, as a share of the width of the moving body.
 const SKIN: f32 = 0.5e-3;
@@ -25,6 +25,20 @@ fn is_covered(block: Block, side: u32, own: u32, place: vec3f, skin: f32) -> boo
     return false;
 }
 
+// The least separation of the points of a pair, on the normal from the static body in its coordinates.
+fn least_gap(block: Block, side: u32, first: u32, count: u32, normal: vec3f) -> f32 {
+    let still = select(block.a, block.b, side == 1u);
+    let loose = select(block.b, block.a, side == 1u);
+    var least = 1e38;
+    for (var point = first; point < first + count; point++) {
+        let place = bitcast<vec3f>(points[POINT_ROWS * point + side].xyz);
+        let far = bitcast<vec3f>(points[POINT_ROWS * point + 1u - side].xyz);
+        let seen = turned_vector(back_turn(turn_of(still)), place_of(loose) + turned_vector(turn_of(loose), far) - place_of(still));
+        least = min(least, dot(seen - place, normal));
+    }
+    return least;
+}
+
 fn expose_block(k: u32) {
     let block = block_at(k);
     if (block.info & FIXED) == 0u || block.pairs < 2u {
@@ -32,9 +46,15 @@ fn expose_block(k: u32) {
     }
     let side = select(0u, 1u, has_mass(block.a));
     let skin = SKIN * constants[CONSTANT_ROWS * select(block.b, block.a, side == 1u) + 1u].w;
+    var left = 0u;
+    // The pair nearest to its surface.
+    var nearest = block.first_pair;
+    var points_of_nearest = 0u;
+    var depth = 0.0;
     for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
         let face = face_at(pair);
         let count = count_of(face);
+        left += select(0u, count, (face.info & ROUND) != 0u);
         if (face.info & ROUND) != 0u || count == 0u {
             continue;
         }
@@ -50,6 +70,12 @@ fn expose_block(k: u32) {
             middle += bitcast<vec3f>(points[POINT_ROWS * point + side].xyz);
         }
         middle /= f32(count);
+        let gap = abs(least_gap(block, side, face.first, count, normal));
+        if points_of_nearest == 0u || gap < depth {
+            nearest = pair;
+            points_of_nearest = count;
+            depth = gap;
+        }
         var kept = 0u;
         for (var point = face.first; point < face.first + count; point++) {
             let place = bitcast<vec3f>(points[POINT_ROWS * point + side].xyz);
@@ -64,6 +90,11 @@ fn expose_block(k: u32) {
             }
         }
         pairs[PAIR_ROWS * pair + 1u].w = (face.info & ~0xffu) | kept;
+        left += kept;
+    }
+    if left == 0u {
+        // No point has been moved.
+        pairs[PAIR_ROWS * nearest + 1u].w |= points_of_nearest;
     }
 }
 

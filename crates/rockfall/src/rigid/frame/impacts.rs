@@ -62,6 +62,9 @@ struct After {
 
 fn put(bodies: &mut Bodies, i: usize, after: &After, time: f32) {
     if bodies.constants[i].dynamic {
+        if !bodies.fits(i, &after.pose) {
+            return bodies.halt(i);
+        }
         bodies.poses[i] = after.pose;
         bodies.motions[i].velocity = after.velocity;
         bodies.momenta[i] = after.momentum;

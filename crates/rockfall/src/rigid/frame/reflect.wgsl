@@ -1,4 +1,4 @@
-// requires rigid/frame/rows.wgsl rigid/frame/turn.wgsl rigid/frame/sweeps.wgsl rigid/frame/times.wgsl physics/quaternion.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/halt.wgsl rigid/frame/turn.wgsl rigid/frame/sweeps.wgsl rigid/frame/times.wgsl physics/quaternion.wgsl
 
 // The reflection of a block at its time of contact (docs/physics.md section 11.7).
 
@@ -144,6 +144,10 @@ fn reflect(block: Block, hit: Hit, share_a: f32, share_b: f32) -> Reflected {
 
 // The state of a body with mass after an impact. Its spin is the one of its momentum.
 fn put_after(body: u32, after: After, clock: f32) {
+    if !fits(body, after.place, after.turn) {
+        halt(body);
+        return;
+    }
     let at = BODY_ROWS * body;
     let mass = mass_in(top_of(body), after.turn, bodies[at + 2u].w);
     let spin = respond(mass, after.momentum);

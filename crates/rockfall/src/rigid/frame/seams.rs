@@ -20,7 +20,8 @@ fn static_side(bodies: &Bodies, owners: [u32; 2]) -> Option<usize> {
 }
 
 /// Leaves out points on static shapes that another static shape of the same body covers: the sides of tiles in a floor. A pair
-/// may lose all points.
+/// may lose all points. If all pairs would lose all of them, as deep inside two walls that overlap, the one nearest to its surface
+/// keeps them.
 pub(super) fn expose(world: &RigidWorld, bodies: &Bodies, same: &mut [Found]) {
     let Some(side) = static_side(bodies, same[0].bodies).filter(|_| same.len() > 1) else { return };
     let [still, moving] = [same[0].bodies[side], same[0].bodies[1 - side]].map(|body| body as usize);
@@ -38,7 +39,7 @@ pub(super) fn expose(world: &RigidWorld, bodies: &Bodies, same: &mut [Found]) {
             *other != own && collide(shape, &Shape::ball(skin), &point, 0.0).is_some()
         })
     };
-    for found in same.iter_mut().filter(|found| !is_round(world, found)) {
+    let exposed = |found: &Found| -> Vec<usize> {
         let first = &world.colliders[found.colliders[0] as usize];
         // From the shape a to the body without mass.
         let seen = bodies.poses[still].relative(&bodies.poses[first.body as usize]).compose(&first.place);
@@ -51,8 +52,21 @@ pub(super) fn expose(world: &RigidWorld, bodies: &Bodies, same: &mut [Found]) {
         let count = found.manifold.count;
         let middle = (0..count).map(on).sum::<Vec3>() / count as f32;
         let inward = |k: usize| (middle - on(k)).clamp_length_max(3.0 * skin);
-        let kept: Vec<usize> =
-            (0..count).filter(|k| !covered(found.colliders[side], on(*k) + 2.0 * skin * normal + inward(*k))).collect();
+        (0..count).filter(|k| !covered(found.colliders[side], on(*k) + 2.0 * skin * normal + inward(*k))).collect()
+    };
+    let all = |found: &Found| (0..found.manifold.count).collect::<Vec<_>>();
+    let mut kept: Vec<Vec<usize>> =
+        same.iter().map(|found| if is_round(world, found) { all(found) } else { exposed(found) }).collect();
+    if kept.iter().all(Vec::is_empty) {
+        let gap = |found: &Found, k: usize| {
+            let point = &found.manifold.points[k];
+            (point.on_b - point.on_a).dot(found.manifold.normal)
+        };
+        let depths = same.iter().map(|found| all(found).iter().map(|k| gap(found, *k)).fold(f32::INFINITY, f32::min).abs());
+        let nearest = depths.enumerate().min_by(|(_, one), (_, other)| one.total_cmp(other));
+        nearest.into_iter().for_each(|(k, _)| kept[k] = all(&same[k]));
+    }
+    for (found, kept) in same.iter_mut().zip(kept) {
         for (to, from) in kept.iter().enumerate() {
             found.manifold.points[to] = found.manifold.points[*from];
         }

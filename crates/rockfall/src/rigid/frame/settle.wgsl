@@ -1,4 +1,4 @@
-// requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/report.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/halt.wgsl rigid/frame/report.wgsl
 
 // The end of a frame (docs/physics.md sections 11.2 and 11.9): momenta after the last relax pass, and the test of margins.
 
@@ -12,6 +12,9 @@ fn settle(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: 
     let at = BODY_ROWS * body;
     if bodies[at + 3u].w > bodies[at + 5u].w {
         atomicAdd(&report[0], 1u);
+    }
+    if !moves_finitely(body) {
+        halt(body);
     }
     if bodies[at + 7u].w > 0.0 {
         atomicAdd(&report[1], 1u);

@@ -30,6 +30,7 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/rows.wgsl"
     "rigid/frame/turn.wgsl"
     "rigid/frame/follow.wgsl"
+    "rigid/frame/halt.wgsl"
     "rigid/frame/sweeps.wgsl"
     "rigid/frame/warm_start.wgsl"
     "rigid/frame/kick.wgsl"

@@ -100,7 +100,8 @@ pub(in crate::scene) fn line_of(wall: &Polygon) -> Option<String> {
         }
         Surface::Parallelogram | Surface::Triangle => return None,
     };
-    let is_same = [(made.corner, wall.corner), (made.left, wall.left), (made.right, wall.right)].iter().all(|(a, b)| a == b);
+    let bits = |wall: &Polygon| [wall.corner, wall.left, wall.right].map(|vector| vector.to_array().map(f32::to_bits));
+    let is_same = bits(&made) == bits(wall);
     let edges = || format!("edge={} out={}", point(wall.left), point(wall.right));
     let inside = if wall.surface.is_inside() { " inside=yes" } else { "" };
     Some(format!("{} at={} {}{inside}", kind.word, point(wall.corner), if is_same { words } else { edges() }))
