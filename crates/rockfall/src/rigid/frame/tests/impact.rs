@@ -115,6 +115,33 @@ fn oblique_bounce_has_the_friction_of_the_closed_form() {
     }
 }
 
+/// A body that is at the surface at the end of a substep, up to rounding, has its impact all the same: 1/24 = 10/240, and so are others.
+#[test]
+fn impacts_at_the_ends_of_substeps_are_not_lost() {
+    for (ball, block) in [(true, true), (true, false), (false, true), (false, false)] {
+        for speed in [1.0, 2.0, 5.0, 10.0, 20.0] {
+            for substeps in 1..=24 {
+                for nudge in [-1, 0, 1] {
+                    let mut scene = Scene::new(0.5, 0.8).weightless();
+                    if block {
+                        scene.block(Vec3::new(5.0, 0.5, 5.0), Pose::new(Vec3::new(0.0, -0.5, 0.0), Quat::IDENTITY));
+                    } else {
+                        scene.floor();
+                    }
+                    let shape = if ball { Shape::ball(0.05) } else { Shape::cuboid(Vec3::splat(0.05)) };
+                    let height = 0.05 + speed * substeps as f32 / 240.0;
+                    let height = f32::from_bits(height.to_bits().wrapping_add_signed(nudge));
+                    let body = scene.body(shape, Pose::new(Vec3::new(0.0, height, 0.0), Quat::IDENTITY), 1.0);
+                    scene.throw(body, Vec3::new(0.0, -speed, 0.0), Vec3::ZERO);
+                    scene.run(0.2);
+                    let v = scene.velocity(body).y;
+                    assert!((v - 0.8 * speed).abs() < 1e-3, "ball {ball}, block {block}, {speed}, {substeps}: {v}");
+                }
+            }
+        }
+    }
+}
+
 /// Problem 7: balls that touch.
 #[test]
 fn cradles_pass_the_impulse_on() {
