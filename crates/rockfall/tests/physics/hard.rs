@@ -28,6 +28,8 @@ both! {
     edits_between_frames_are_felt,
     bodies_that_stop_being_finite_are_reported,
     substeps_of_the_scene_make_contacts_stiffer,
+    a_stack_finds_its_new_rest_after_a_change_of_the_frame,
+    bodies_turn_back_below_a_ceiling,
     other_laws_do_not_replace_it_on_a_gpu,
 }
 
@@ -225,4 +227,48 @@ fn substeps_of_the_scene_make_contacts_stiffer(backend: Backend) {
     let [(four, coarse), (eight, fine)] = ["auto", "8"].map(overlap);
     assert_eq!((four, eight), (Some(4), Some(8)));
     assert!((coarse / fine - 4.0).abs() < 0.3, "{coarse} {fine}");
+}
+
+/// Problem 53: N cubes sink by N (N - 1) and N / 4 on the floor, times g / w² with w = 2π · 0.18 / h.
+fn a_stack_finds_its_new_rest_after_a_change_of_the_frame(backend: Backend) {
+    let sink = |frame: f32| (20.0 + 1.25) * 9.81 / (std::f32::consts::TAU * 0.18 * 4.0 / frame).powi(2);
+    for factor in [0.5, 2.0] {
+        let mut simulation = open_on(&stack(5), backend);
+        let mut top = |frames: u64, frame: f32| {
+            simulation.run(frames, frame).expect("frames");
+            simulation.sync().expect("states").bodies().last().expect("five cubes").clone()
+        };
+        let before = top(180, FRAME).position.y;
+        let (mut fastest, mut after) = (0.0_f32, before);
+        for _ in 0..30 {
+            let body = top(if factor < 1.0 { 8 } else { 2 }, factor * FRAME);
+            (fastest, after) = (fastest.max(body.velocity.length()), body.position.y);
+        }
+        let wanted = sink(FRAME) - sink(factor * FRAME);
+        assert!((after - before - wanted).abs() < 0.02 * wanted.abs(), "{factor}: {} {wanted}", after - before);
+        assert!(fastest < 0.16, "{factor}: {fastest}");
+    }
+}
+
+/// Problem 46: a body that the field turns back just below a ceiling keeps its energy, and all numbers are finite.
+fn bodies_turn_back_below_a_ceiling(backend: Backend) {
+    let h = FRAME / 4.0;
+    let step = 9.81 * h;
+    // The speed over g h, and the gap over g h². With the last ones it touches.
+    for (speed, gap) in [(1.1, 1.1), (1.1, 1.4), (10.0, 10.1)] {
+        let (at, v) = (-0.5 - gap * step * h, speed * step);
+        let text = format!("set restitution 0.5\nB -5 0 -5 10 0 0 0 1 0 0 0 10\nS 1 0 {at} 0 0 {v} 0 0 0 0 1 0.5\n");
+        let mut simulation = open_on(&text, backend);
+        let total = |simulation: &mut Simulation| {
+            let energy = simulation.energy().expect("energies");
+            energy.kinetic + energy.potential
+        };
+        let mut before = total(&mut simulation);
+        for _ in 0..10 {
+            simulation.run(1, FRAME).expect("a frame");
+            let now = total(&mut simulation);
+            assert!(now.is_finite() && now - before < 1e-5, "{speed} {gap}: {}", now - before);
+            before = now;
+        }
+    }
 }

@@ -86,6 +86,15 @@ fn take(block: &mut Block, bodies: &Bodies, uses: &mut [Use], most: u8) {
     }
 }
 
+/// Leaves over the blocks of all colours but the first `most`.
+#[cfg(test)]
+pub(super) fn cap(contacts: &mut Contacts, bodies: &Bodies, most: u8) {
+    contacts.blocks.iter_mut().filter(|block| block.colour >= most).for_each(|block| block.colour = LEFT_OVER);
+    share(contacts, bodies);
+    sort(contacts);
+    contacts.list_by_body(bodies.count());
+}
+
 /// The number of left-over blocks of the bodies of each left-over block.
 fn share(contacts: &mut Contacts, bodies: &Bodies) {
     let mut counts = vec![0_u32; bodies.count()];
@@ -100,7 +109,7 @@ fn share(contacts: &mut Contacts, bodies: &Bodies) {
 /// Brings blocks, pairs and points into the order (colour, a, b).
 fn sort(contacts: &mut Contacts) {
     let mut order: Vec<usize> = (0..contacts.blocks.len()).collect();
-    order.sort_by_key(|k| contacts.blocks[*k].colour);
+    order.sort_by_key(|k| (contacts.blocks[*k].colour, contacts.blocks[*k].bodies));
     let mut sorted = Contacts::default();
     for k in order {
         let block = contacts.blocks[k];

@@ -31,8 +31,8 @@ fn hit_along_path(block: Block) -> Hit {
             if gap <= 0.0 {
                 time = select(-1.0, 0.0, u > fall);
             } else if !is_round {
-                time = root_of(gap, u, pull, rest, fall);
-            } else if gap - u * rest - 0.5 * max(pull, 0.0) * rest * rest > 0.0 {
+                time = root_of(gap, u, pull, rest, fall, late_of(u, rest, least_radius(block)));
+            } else if gap - u * (rest + late_of(u, rest, least_radius(block))) - 0.5 * max(pull, 0.0) * rest * rest > 0.0 {
                 time = -1.0;
             } else {
                 let found = search(block, pair, start, false);
@@ -54,7 +54,7 @@ fn hit_along_path(block: Block) -> Hit {
             hit.waits &= gap > -2.0 * u * h;
         }
     }
-    hit.time = start + first;
+    hit.time = min(start + first, LAST * h);
     return hit;
 }
 

@@ -3,9 +3,6 @@
 // The search for the touch of a round pair along the paths of its bodies (docs/physics.md section 11.7).
 
 const SEARCH_STEPS: u32 = 8u;
-// A round pair touches at a gap of this share of the radius.
-const TOUCH: f32 = 1e-4;
-
 struct Search {
     touches: bool,
     // Of the touch.
@@ -40,7 +37,7 @@ fn path_at(block: Block, time: f32, is_kicked: bool) -> Sight {
 // The gap of a convex pair is convex along straight paths, so the steps come from below.
 fn search(block: Block, pair: u32, start: f32, is_kicked: bool) -> Search {
     let rest = frame.h - start;
-    let touch = TOUCH * least_radius(block);
+    let radius = least_radius(block);
     var found = Search(false, 0.0, 0.0, 3e38);
     var time = 0.0;
     for (var step = 0u; step < SEARCH_STEPS; step++) {
@@ -56,7 +53,7 @@ fn search(block: Block, pair: u32, start: f32, is_kicked: bool) -> Search {
             }
         }
         found.least = min(found.least, gap);
-        if gap < touch {
+        if gap < TOUCH * radius {
             found.touches = true;
             found.time = time;
             found.speed = speed;
@@ -65,11 +62,11 @@ fn search(block: Block, pair: u32, start: f32, is_kicked: bool) -> Search {
         if speed <= 0.0 {
             break;
         }
-        if time + gap / speed > rest {
+        if time + gap / speed > rest + late_of(speed, rest, radius) {
             found.least = min(found.least, gap - speed * (rest - time));
             break;
         }
-        time += gap / speed;
+        time = min(time + gap / speed, rest);
     }
     return found;
 }

@@ -119,12 +119,24 @@ fn approach_at(sight: Sight, arm: vec3f, normal: vec3f) -> f32 {
     return -dot(speed, normal);
 }
 
-// The first time at which a gap closes; negative if there is none within the rest.
-fn root_of(gap: f32, u: f32, pull: f32, rest: f32, fall: f32) -> f32 {
+// A round pair touches at a gap of this share of the radius.
+const TOUCH: f32 = 1e-4;
+// A hit that is late by at most this share of the rest of a substep happens at its end.
+const LATE: f32 = 0.01;
+// The latest impact, in parts of a substep: rows divide by what is left.
+const LAST: f32 = 0.999999;
+
+// By how much a hit may be late. The rows of this substep would stop a body that is at the surface at its end up to rounding.
+fn late_of(speed: f32, rest: f32, radius: f32) -> f32 {
+    return min(LATE * rest, TOUCH * radius / speed);
+}
+
+// The first time at which a gap closes; negative if there is none within the rest. A hit that is late by a little is at its end.
+fn root_of(gap: f32, u: f32, pull: f32, rest: f32, fall: f32, late: f32) -> f32 {
     let square = u * u + 2.0 * pull * gap;
     if square < 0.0 {
         return -1.0;
     }
     let time = 2.0 * gap / (u + sqrt(square));
-    return select(-1.0, time, time >= 0.0 && time <= rest && u + pull * time > fall);
+    return select(-1.0, min(time, rest), time >= 0.0 && time <= rest + late && u + pull * time > fall);
 }

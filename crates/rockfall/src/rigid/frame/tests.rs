@@ -1,5 +1,7 @@
 //! Problems with answers from nature: closed forms and conservation. Their numbers are those of docs/physics.md section 11.11.
 
+mod changes;
+mod colours;
 mod conservation;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
@@ -7,6 +9,7 @@ mod device;
 mod device_round;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device_world;
+mod ells;
 mod fast;
 mod flight;
 mod friction;

@@ -15,6 +15,10 @@ use crate::rotate::{product, unit};
 const STEPS: usize = 8;
 /// A round contact touches at a gap of this share of the radius.
 const TOUCH: f32 = 1e-4;
+/// A hit that is late by at most this share of the rest of a substep happens at its end.
+const LATE: f32 = 0.01;
+/// The latest impact, in parts of a substep: rows divide by what is left.
+const LAST: f32 = 1.0 - 1e-6;
 /// A block without restitution has impacts if a point closes by this share of the radius in a substep.
 const FAST: f32 = 0.1;
 
@@ -96,12 +100,16 @@ impl Scope<'_> {
                 } else if pair.round {
                     self.touch(bodies, block, pair, points, start, gap, u, a_n, radius)
                 } else {
-                    self.root(gap, u, a_n, self.h - start).map(|t| (t, u))
+                    self.root(gap, u, a_n, self.h - start, radius).map(|t| (t, u))
                 };
                 if let Some((t, speed)) = hit
                     && !self.is_hidden(bodies, contacts, block, place_of_pair, start + t)
                 {
-                    hits.add(start + t, (speed + 0.5 * a_n.abs() * self.h) * self.h, gap > -2.0 * u * self.h);
+                    hits.add(
+                        (start + t).min(LAST * self.h),
+                        (speed + 0.5 * a_n.abs() * self.h) * self.h,
+                        gap > -2.0 * u * self.h,
+                    );
                 }
             }
         }
@@ -124,10 +132,11 @@ impl Scope<'_> {
     }
 
     /// First time at which a gap closes with an approach speed and an acceleration.
-    fn root(&self, gap: f32, u: f32, a_n: f32, rest: f32) -> Option<f32> {
+    fn root(&self, gap: f32, u: f32, a_n: f32, rest: f32, radius: f32) -> Option<f32> {
         let square = u * u + 2.0 * a_n * gap;
         let t = 2.0 * gap / (u + square.max(0.0).sqrt());
-        (square >= 0.0 && t >= 0.0 && t <= rest && u + a_n * t > self.least_speed()).then_some(t)
+        (square >= 0.0 && t >= 0.0 && t <= rest + late(u, rest, radius) && u + a_n * t > self.least_speed())
+            .then_some(t.min(rest))
     }
 
     /// When a round contact touches, and how fast.
@@ -146,11 +155,11 @@ impl Scope<'_> {
     ) -> Option<(f32, f32)> {
         let rest = self.h - start;
         // The gap is convex along straight paths, so the tangent line is below it.
-        if gap - u * rest - 0.5 * a_n.max(0.0) * rest * rest > 0.0 {
+        if gap - u * (rest + late(u, rest, radius)) - 0.5 * a_n.max(0.0) * rest * rest > 0.0 {
             return None;
         }
         let path = |t: f32| self.state(bodies, block, start + t);
-        match search(self.world, pair, points, rest, TOUCH * radius, &path) {
+        match search(self.world, pair, points, rest, radius, &path) {
             End::Touch { time, speed } if speed > self.least_speed() => Some((time, speed)),
             _ => None,
         }
@@ -173,7 +182,7 @@ impl Scope<'_> {
                 }
                 let path = |t: f32| self.kicked(bodies, &block, start + t);
                 let radius = least_radius(bodies, &block);
-                if let End::Miss { least } = search(self.world, pair, points, rest, TOUCH * radius, &path) {
+                if let End::Miss { least } = search(self.world, pair, points, rest, radius, &path) {
                     row.spare = (least - row.gap + u * rest).max(0.0);
                 }
             }
@@ -251,8 +260,14 @@ enum End {
     Miss { least: f32 },
 }
 
+/// By how much a hit may be late. The rows of this substep would stop a body that is at the surface at its end up to rounding, and the
+/// impact would be lost.
+fn late(u: f32, rest: f32, radius: f32) -> f32 {
+    (LATE * rest).min(TOUCH * radius / u)
+}
+
 /// Newton steps towards the first touch of a round contact. The gap is convex along a straight path, so they come from below.
-fn search(world: &RigidWorld, pair: &Pair, points: &[Point], rest: f32, touch: f32, path: &impl Fn(f32) -> State) -> End {
+fn search(world: &RigidWorld, pair: &Pair, points: &[Point], rest: f32, radius: f32, path: &impl Fn(f32) -> State) -> End {
     let (mut t, mut least) = (0.0, f32::INFINITY);
     for _ in 0..STEPS {
         let state = path(t);
@@ -261,17 +276,17 @@ fn search(world: &RigidWorld, pair: &Pair, points: &[Point], rest: f32, touch: f
         let Some(nearest) = nearest else { break };
         let (gap, speed) = (now.gap(nearest), approach(&now, nearest, &state));
         least = least.min(gap);
-        if gap < touch {
+        if gap < TOUCH * radius {
             return End::Touch { time: t, speed };
         }
         if speed <= 0.0 {
             break;
         }
-        if t + gap / speed > rest {
+        if t + gap / speed > rest + late(speed, rest, radius) {
             least = least.min(gap - speed * (rest - t));
             break;
         }
-        t += gap / speed;
+        t = (t + gap / speed).min(rest);
     }
     End::Miss { least }
 }

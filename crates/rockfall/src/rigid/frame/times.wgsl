@@ -34,7 +34,7 @@ fn hit_of(k: u32, block: Block) -> Hit {
                     continue;
                 }
             } else {
-                time = root_of(gap, u, pull, rest, fall);
+                time = root_of(gap, u, pull, rest, fall, late_of(u, rest, least_radius(block)));
                 if time < 0.0 {
                     continue;
                 }
@@ -45,7 +45,7 @@ fn hit_of(k: u32, block: Block) -> Hit {
             hit.waits &= gap > -2.0 * u * h;
         }
     }
-    hit.time = start + first;
+    hit.time = min(start + first, LAST * h);
     return hit;
 }
 

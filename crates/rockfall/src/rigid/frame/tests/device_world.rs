@@ -1,5 +1,6 @@
 //! A world on a device does what the twin does, from the search for contacts to what it remembers.
 
+use super::colours::bond;
 use super::device::{apart, bits, open};
 use super::scene::{DT, Scene};
 use super::{device, device_round};
@@ -77,5 +78,21 @@ fn runs_and_resumed_runs_have_the_same_bits() {
         let one = run(false);
         assert!(bits(&one) == bits(&run(false)), "{name}: two runs");
         assert!(bits(&one) == bits(&run(true)), "{name}: resumed");
+    }
+}
+
+/// Problem 52: the first frame gives the blocks of a great block of bricks the colours that the twin gives, and later frames keep them.
+#[test]
+fn colours_of_a_great_block_are_those_of_the_twin() {
+    let gpu = open();
+    let mut scene = bond(16);
+    let mut other = scene.world.clone();
+    let mut on_device = GpuWorld::new(&gpu, &other, &bodies_alone(&other)).unwrap();
+    for frame in 0..2 {
+        on_device.advance(DT, 4, true).unwrap();
+        on_device.download_history(&mut other).unwrap();
+        scene.step();
+        assert!(scene.world.history.colours.len() > 10_000);
+        assert!(scene.world.history.colours == other.history.colours, "frame {frame}");
     }
 }

@@ -191,7 +191,7 @@ fn seams_of_tiles_are_not_felt() {
             scene.run(1.0);
             let (at, v) = (scene.at(body), scene.velocity(body));
             close(v.x, 4.0, 1e-3);
-            close(at.y, 0.4, 2e-4);
+            close(at.y, 0.4, 1e-4);
         }
     }
 }

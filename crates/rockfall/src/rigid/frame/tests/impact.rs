@@ -2,7 +2,8 @@
 
 use glam::{Quat, Vec3};
 
-use super::scene::{DT, Scene, close};
+use super::scene::{DT, G, Scene, close};
+use crate::rigid::frame::energy;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
 
@@ -32,7 +33,7 @@ fn ball_bounces_to_a_quarter() {
     scene.floor();
     let ball = scene.ball(0.1, Vec3::new(0.0, 1.1, 0.0));
     scene.run(1.0);
-    close(scene.velocity(ball).length(), 0.0, 1e-3);
+    close(scene.velocity(ball).length(), 0.0, 1e-5);
 }
 
 /// Problem 3.
@@ -46,6 +47,54 @@ fn elastic_ball_bounces_on() {
     for top in tops {
         close(top, 1.1, 1e-3);
     }
+}
+
+/// Problem 3: from top to top it takes 2 sqrt(2 / g).
+#[test]
+fn elastic_ball_keeps_its_period() {
+    let mut scene = Scene::new(0.5, 1.0);
+    scene.floor();
+    let ball = scene.ball(0.1, Vec3::new(0.0, 1.1, 0.0));
+    let (mut tops, mut before) = (Vec::new(), -1.0);
+    for frame in 1..=1800 {
+        scene.step();
+        let v = scene.velocity(ball).y;
+        if before > 0.0 && v <= 0.0 {
+            // The time at which the present parabola has its top.
+            tops.push(f64::from(frame) / 60.0 + f64::from(v) / 9.81);
+        }
+        before = v;
+    }
+    let period = (tops[tops.len() - 1] - tops[0]) / (tops.len() - 1) as f64;
+    close(period as f32, 2.0 * (2.0_f32 / 9.81).sqrt(), 1e-3 * 0.9031);
+}
+
+/// Problem 46. Below a ceiling, a body turns back by the field just before it touches, or would be hit only by a field that pulls
+/// upwards. Its energy stays.
+#[test]
+fn bodies_turn_back_below_a_ceiling() {
+    let h = DT / 4.0;
+    let mut most = 0.0_f64;
+    for ball in [true, false] {
+        // The speed over g h, and the gap over g h².
+        for (speed, gap) in [(1.1, 1.1), (1.1, 1.4), (0.9, 1.0), (3.0, 3.2), (1.5, 1.2), (10.0, 10.1), (10.0, 60.0)] {
+            let mut scene = Scene::new(0.5, 0.5);
+            scene.plane(Vec3::ZERO, -Vec3::Y);
+            let shape = if ball { Shape::ball(0.5) } else { Shape::cuboid(Vec3::splat(0.5)) };
+            let at = Vec3::new(0.0, -0.5 - gap * G * h * h, 0.0);
+            let body = scene.body(shape, Pose::new(at, Quat::IDENTITY), 1.0);
+            scene.throw(body, Vec3::new(0.0, speed * G * h, 0.0), Vec3::ZERO);
+            let mut before = energy(&scene.world);
+            for _ in 0..20 {
+                scene.step();
+                let now = energy(&scene.world);
+                assert!(now.is_finite());
+                most = most.max(now - before);
+                before = now;
+            }
+        }
+    }
+    assert!(most < 1e-6, "{most}");
 }
 
 /// Problem 40.
@@ -62,6 +111,33 @@ fn oblique_bounce_has_the_friction_of_the_closed_form() {
             close(scene.velocity(ball).x, 5.0 - j, 1e-3);
             close(scene.velocity(ball).y, 10.0 * e, 1e-3);
             close(-scene.spin(ball).z * 0.05, 2.5 * j, 1e-3);
+        }
+    }
+}
+
+/// A body that is at the surface at the end of a substep, up to rounding, has its impact all the same: 1/24 = 10/240, and so are others.
+#[test]
+fn impacts_at_the_ends_of_substeps_are_not_lost() {
+    for (ball, block) in [(true, true), (true, false), (false, true), (false, false)] {
+        for speed in [1.0, 2.0, 5.0, 10.0, 20.0] {
+            for substeps in 1..=24 {
+                for nudge in [-1, 0, 1] {
+                    let mut scene = Scene::new(0.5, 0.8).weightless();
+                    if block {
+                        scene.block(Vec3::new(5.0, 0.5, 5.0), Pose::new(Vec3::new(0.0, -0.5, 0.0), Quat::IDENTITY));
+                    } else {
+                        scene.floor();
+                    }
+                    let shape = if ball { Shape::ball(0.05) } else { Shape::cuboid(Vec3::splat(0.05)) };
+                    let height = 0.05 + speed * substeps as f32 / 240.0;
+                    let height = f32::from_bits(height.to_bits().wrapping_add_signed(nudge));
+                    let body = scene.body(shape, Pose::new(Vec3::new(0.0, height, 0.0), Quat::IDENTITY), 1.0);
+                    scene.throw(body, Vec3::new(0.0, -speed, 0.0), Vec3::ZERO);
+                    scene.run(0.2);
+                    let v = scene.velocity(body).y;
+                    assert!((v - 0.8 * speed).abs() < 1e-3, "ball {ball}, block {block}, {speed}, {substeps}: {v}");
+                }
+            }
         }
     }
 }
@@ -97,6 +173,20 @@ fn elastic_ball_leaves_a_moving_wall_with_twice_its_speed() {
     close(scene.velocity(ball).x, 4.0, 1e-3);
 }
 
+/// Problem 9 with a wall.
+#[test]
+fn elastic_bodies_leave_a_moving_wall_with_twice_its_speed() {
+    for ball in [true, false] {
+        let mut scene = Scene::new(0.5, 1.0).weightless();
+        scene.kinematic(Shape::cuboid(Vec3::new(0.1, 3.0, 3.0)), Vec3::new(-1.6, 0.0, 0.0), Vec3::new(2.0, 0.0, 0.0));
+        let shape = if ball { Shape::ball(0.5) } else { Shape::cuboid(Vec3::splat(0.5)) };
+        let body = scene.body(shape, Pose::IDENTITY, 1.0);
+        scene.run(1.0);
+        close(scene.velocity(body).x, 4.0, 1e-3);
+        close(scene.spin(body).length(), 0.0, 1e-3);
+    }
+}
+
 /// Problem 41.
 #[test]
 fn billiards_leave_along_the_line_of_centres() {
@@ -117,7 +207,7 @@ fn billiards_leave_along_the_line_of_centres() {
             assert!(v.normalize().cross(line).length() < 5e-4, "{v} {line} at {offset} {gap}");
             if sine > 0.0 {
                 close(u.length(), 20.0 * sine, 0.02);
-                assert!(u.normalize().dot(line).abs() < 1e-3, "{u}");
+                assert!(u.normalize().dot(line).abs() < 5e-4, "{u}");
             }
             let moment = |i: usize| scene.at(i).cross(scene.velocity(i)) + scene.world.bodies[i].momentum;
             let change = moment(target) + moment(shooter) - Vec3::new(0.0, 0.0, -20.0 * offset);

@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 
-use super::scene::{DT, G, Random, Scene, close};
+use super::scene::{DT, G, Random, Scene, close, spring_energy};
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::{colours, detect, energy, kinetic_energy};
 use crate::rigid::pose::Pose;
@@ -90,20 +90,46 @@ fn order_of_pairs_changes_no_bit() {
     assert!(first == blocks(17) && first == blocks(101));
 }
 
-/// Problem 47: a plate on 400 balls has more blocks than a body may have colours.
-#[test]
-fn plate_rests_on_many_balls() {
-    let mut scene = Scene::new(0.5, 0.0);
+/// A plate on 400 balls has more blocks than a body may have colours.
+fn plate(restitution: f32, above: f32) -> (Scene, usize) {
+    let mut scene = Scene::new(0.5, restitution);
     scene.floor();
     for k in 0..400 {
         scene.ball(0.25, Vec3::new(0.6 * (k % 20) as f32 - 5.7, 0.25, 0.6 * (k / 20) as f32 - 5.7));
     }
     let half = Vec3::new(6.5, 0.25, 6.5);
-    let plate = scene.body(Shape::cuboid(half), Pose::new(Vec3::new(0.0, 0.75, 0.0), Quat::IDENTITY), 200.0);
+    let pose = Pose::new(Vec3::new(0.0, 0.75 + above, 0.0), Quat::IDENTITY);
+    let plate = scene.body(Shape::cuboid(half), pose, 200.0);
+    (scene, plate)
+}
+
+/// Problem 47.
+#[test]
+fn plate_rests_on_many_balls() {
+    let (mut scene, plate) = plate(0.0, 0.0);
     scene.run(3.0);
     let sink = 0.75 - scene.at(plate).y;
+    let turn = scene.world.bodies[plate].pose.turn;
     assert!(sink > 0.0 && sink < 1e-3, "{sink}");
-    close((scene.world.bodies[plate].pose.turn * Vec3::Y).y, 1.0, 1e-8);
+    close(2.0 * turn.x.hypot(turn.z), 0.0, 1e-4);
+    assert!(kinetic_energy(&scene.world) < 1e-6, "{}", kinetic_energy(&scene.world));
+}
+
+/// Problem 47: the plate falls by 0.2 and bounces.
+#[test]
+fn plate_bounces_on_many_balls() {
+    let (mut scene, plate) = plate(0.5, 0.2);
+    let mut before = energy(&scene.world);
+    let (start, mut springs) = (before, spring_energy(&scene));
+    for _ in 0..240 {
+        scene.step();
+        let (now, springs_now) = (energy(&scene.world), spring_energy(&scene));
+        let rise = now - before;
+        assert!(rise < 3e-4 * start, "{}", rise / start);
+        assert!(rise < 1e-5 * start || rise < springs - springs_now, "{rise} while springs lose {}", springs - springs_now);
+        (before, springs) = (now, springs_now);
+    }
+    close(scene.at(plate).y, 0.75, 1e-3);
     assert!(kinetic_energy(&scene.world) < 1e-6, "{}", kinetic_energy(&scene.world));
 }
 

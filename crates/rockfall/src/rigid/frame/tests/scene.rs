@@ -2,7 +2,8 @@
 
 use glam::{DMat3, DVec3, Quat, Vec3};
 
-use crate::rigid::frame::{FrameReport, advance};
+use crate::rigid::common::FREQUENCY;
+use crate::rigid::frame::{Frame, FrameReport, advance};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
@@ -133,6 +134,29 @@ impl Scene {
 
 pub(super) fn close(value: f32, wanted: f32, within: f32) {
     assert!((value - wanted).abs() <= within, "{value}, not {wanted} +- {within}");
+}
+
+/// Energy of the contacts as springs of the stiffness w² / K, which `energy` leaves out.
+pub(super) fn spring_energy(scene: &Scene) -> f64 {
+    let world = &scene.world;
+    let frame = Frame::open(world, DT, scene.substeps);
+    let mut sum = 0.0;
+    for block in &frame.contacts.blocks {
+        let both = block.bodies.map(|body| &world.bodies[body as usize]);
+        for pair in &frame.contacts.pairs[block.pair_range()] {
+            for row in &frame.contacts.rows[pair.first as usize..pair.first as usize + usize::from(pair.count)] {
+                let resists = |body: &Body, arm: Vec3| {
+                    let moment = arm.cross(pair.normal.into());
+                    body.inverse_mass + moment.dot(body.inverse_inertia * moment)
+                };
+                let k = resists(both[0], row.arm_a.into()) + resists(both[1], row.arm_b.into());
+                let frequency = if block.fixed { 2.0 * FREQUENCY } else { FREQUENCY };
+                let w = std::f32::consts::TAU * frequency * scene.substeps as f32 / DT;
+                sum += f64::from(0.5 * w * w / k * row.gap.min(0.0).powi(2));
+            }
+        }
+    }
+    sum
 }
 
 /// Numbers that look random.

@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 
-use super::scene::{DT, G, Scene, close};
+use super::scene::{DT, G, Scene, close, spring_energy};
 use crate::rigid::frame::{energy, kinetic_energy};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
@@ -23,7 +23,10 @@ fn stacks_stand() {
     for (count, edge, substeps, seconds, wanted, within, most) in [
         (10, 1.0, 4, 10.0, 0.0123, 0.001, 5e-4),
         (18, 1.0, 4, 60.0, 0.041, 0.003, 1e-3),
+        // Near the height at which they buckle, stacks creep, since a sweep that changes impulses by 1e-3 is the last. With 1e-4 the
+        // tops are 0.1 and 0.8 mm aside.
         (28, 1.0, 8, 60.0, 0.025, 0.002, 5e-3),
+        (45, 1.0, 16, 40.0, 0.0166, 0.0005, 7e-3),
     ] {
         let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
         scene.floor();
@@ -109,16 +112,11 @@ fn brick_wall_stands() {
     }
 }
 
-/// Problem 23. The upper body is at rest at any ratio of masses.
+/// Problem 23. The upper body is at rest at any ratio M of masses. A point between the cubes has K = 4 + 4 / M, and one on the floor 4 at
+/// twice the frequency, so the sink is (1 + 1/4) (M + 1) g / w².
 #[test]
 fn heavy_on_light() {
-    for (ratio, substeps, wanted, within) in [
-        (10.0, 8, 0.00046, 0.00005),
-        (100.0, 8, 0.0042, 0.0004),
-        (100.0, 4, 0.0168, 0.0015),
-        (1000.0, 8, 0.0416, 0.003),
-        (1000.0, 13, 0.0158, 0.001),
-    ] {
+    for (ratio, substeps) in [(10.0, 8), (100.0, 8), (100.0, 4), (1000.0, 8), (1000.0, 13)] {
         let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
         scene.floor();
         scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, 0.5, 0.0));
@@ -130,13 +128,15 @@ fn heavy_on_light() {
             scene.step();
             fastest = fastest.max(scene.velocity(top).length());
         }
-        close(1.5 - scene.at(top).y, wanted, within);
+        let w = std::f32::consts::TAU * 0.18 * substeps as f32 / DT;
+        let wanted = 1.25 * (ratio + 1.0) * G / (w * w);
+        close(1.5 - scene.at(top).y, wanted, 0.01 * wanted);
         let off = scene.at(top).x.hypot(scene.at(top).z);
         assert!(fastest < 0.008 && off < 0.006, "{ratio} in {substeps} substeps: {fastest} and {off}");
     }
 }
 
-/// Problem 24.
+/// Problem 24. What is pushed out rises: the energy grows by no more than contacts lose as springs.
 #[test]
 fn dropped_stack_comes_to_rest() {
     let mut scene = Scene::new(0.5, 0.5);
@@ -144,13 +144,14 @@ fn dropped_stack_comes_to_rest() {
     let bodies: Vec<usize> =
         (0..10).map(|k| scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, 0.5 + 1.02 * k as f32 + 0.02, 0.0))).collect();
     let mut before = energy(&scene.world);
-    let mut deepest = 0.0_f64;
+    let (start, mut springs) = (before, spring_energy(&scene));
     for _ in 0..900 {
         scene.step();
         let now = energy(&scene.world);
-        // Points are pushed out against at most the weight above them, which is 10, 9, ... 1 boxes.
-        assert!(now - before <= 55.0 * f64::from(G) * deepest + 1e-4, "{} {deepest}", now - before);
-        (before, deepest) = (now, f64::from(scene.last.max_overlap));
+        let springs_now = spring_energy(&scene);
+        let rise = now - before;
+        assert!(rise < 1e-5 * start || rise < springs - springs_now, "{rise} while springs lose {}", springs - springs_now);
+        (before, springs) = (now, springs_now);
     }
     assert!(kinetic_energy(&scene.world) < 1e-5);
     close(scene.at(bodies[9]).y, 9.488, 0.005);
@@ -159,8 +160,8 @@ fn dropped_stack_comes_to_rest() {
 /// Problem 27: four blocks, each reaching beyond the one below by 1/(2 k) of its length, times a share.
 #[test]
 fn harmonic_overhang_falls_at_its_limit() {
-    for (share, stands) in [(0.95, true), (1.02, false)] {
-        let mut scene = Scene::new(0.5, 0.0);
+    for (share, substeps, stands) in [(0.95, 4, true), (0.98, 8, true), (1.02, 4, false), (1.02, 8, false)] {
+        let mut scene = Scene::new(0.5, 0.0).substeps(substeps);
         scene.floor();
         let mut x = 0.0;
         scene.block(Vec3::new(0.5, 0.125, 0.25), Pose::new(Vec3::new(0.0, 0.125, 0.0), Quat::IDENTITY));
@@ -177,7 +178,7 @@ fn harmonic_overhang_falls_at_its_limit() {
 /// Problem 28: the wave of dominoes 0.1 x 1 x 0.5 with gaps of 0.4.
 #[test]
 fn dominoes_fall_in_a_wave() {
-    for substeps in [4, 8] {
+    for substeps in [4, 8, 16] {
         let mut scene = Scene::new(0.3, 0.0).substeps(substeps);
         scene.floor();
         let pieces: Vec<usize> =
@@ -194,6 +195,6 @@ fn dominoes_fall_in_a_wave() {
             }
         }
         let (first, last) = (falls[10].unwrap(), falls[25].unwrap());
-        close(15.0 * 0.5 / (last - first), 4.0, 0.12);
+        close(15.0 * 0.5 / (last - first), 4.0, 0.08);
     }
 }
