@@ -24,13 +24,15 @@ pub(crate) enum Core {
         /// Half the length, in units.
         half: f32,
     },
-    /// A parallelogram about the origin in the plane z = 0: all points a u + b v with |a|, |b| <= 1. Touched on both sides, or
-    /// only on that of +z.
+    /// A face in the plane z = 0 about the origin: a parallelogram with the corners -u - v, u - v, u + v and v - u, or a triangle with
+    /// the corners u, v and -u - v. Touched on both sides, or only on that of +z.
     Face {
-        /// Half of one edge; z is 0.
+        /// Of a parallelogram half of one edge, of a triangle a corner; z is 0.
         u: Vec3,
-        /// Half of the other edge; z is 0.
+        /// Of a parallelogram half of the other edge, of a triangle the next corner counterclockwise; z is 0.
         v: Vec3,
+        /// Whether it is a triangle.
+        is_triangle: bool,
         /// Touched only from z > 0.
         one_sided: bool,
     },

@@ -37,6 +37,10 @@ fn box_of_core(shape: Shape, origin: vec3f, turn: vec4f) -> Box {
         half = abs(x) * shape.size.x + abs(y) * shape.size.y + abs(z) * shape.size.z;
     } else if shape.core == CORE_SEGMENT {
         half = abs(y) * shape.size.x;
+    } else if shape.core == CORE_FACE && (shape.more & TRIANGLE) != 0u {
+        let u = x * shape.size.x + y * shape.size.y;
+        let v = x * shape.size.z + y * shape.size.w;
+        return Box(origin + min(min(u, v), -u - v), origin + max(max(u, v), -u - v));
     } else if shape.core == CORE_FACE {
         half = abs(x * shape.size.x + y * shape.size.y) + abs(x * shape.size.z + y * shape.size.w);
     }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::rigid::collide::Manifold;
+use crate::rigid::collide::solid::face_corners;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Hull, Shape};
 
@@ -30,12 +31,13 @@ pub(crate) fn nearest(core: &Core, point: Vec3) -> Option<Nearest> {
         Core::Segment { half } => away(Vec3::new(0.0, point.y.clamp(-half, *half), 0.0), point, Vec3::X),
         Core::HalfSpace => Nearest { place: Vec3::new(point.x, 0.0, point.z), normal: Vec3::Y },
         Core::Box { half } => on_box(*half, point),
-        Core::Face { u, v, one_sided } => {
+        Core::Face { u, v, is_triangle, one_sided } => {
             if *one_sided && point.z < 0.0 {
                 return None;
             }
             let side = if point.z < 0.0 { -Vec3::Z } else { Vec3::Z };
-            away(on_parallelogram(*u, *v, point), point, side)
+            let (corners, count) = face_corners(*u, *v, *is_triangle);
+            away(on_face(&corners[..count], point), point, side)
         }
         Core::Hull(hull) => on_hull(hull, point),
     })
@@ -69,20 +71,15 @@ fn on_box(half: Vec3, point: Vec3) -> Nearest {
     Nearest { place, normal: depth }
 }
 
-/// The place of a parallelogram in the plane z = 0 nearest to a point.
-fn on_parallelogram(u: Vec3, v: Vec3, point: Vec3) -> Vec3 {
+/// The place of a face in the plane z = 0 nearest to a point. Its corners go round counterclockwise.
+fn on_face(corners: &[Vec3], point: Vec3) -> Vec3 {
     let foot = Vec3::new(point.x, point.y, 0.0);
-    let area = u.x * v.y - u.y * v.x;
-    let along_u = (foot.x * v.y - foot.y * v.x) / area;
-    let along_v = (u.x * foot.y - u.y * foot.x) / area;
-    if along_u.abs() <= 1.0 && along_v.abs() <= 1.0 {
+    let sides = (0..corners.len()).map(|k| (corners[k], corners[(k + 1) % corners.len()]));
+    if sides.clone().all(|(start, end)| (end - start).cross(foot - start).z >= 0.0) {
         return foot;
     }
-    let corners = [-u - v, u - v, u + v, v - u];
-    (0..4)
-        .map(|k| on_segment(corners[k], corners[(k + 1) % 4], foot))
-        .min_by(|a, b| a.distance_squared(foot).total_cmp(&b.distance_squared(foot)))
-        .unwrap_or(foot)
+    let places = sides.map(|(start, end)| on_segment(start, end, foot));
+    places.min_by(|a, b| a.distance_squared(foot).total_cmp(&b.distance_squared(foot))).unwrap_or(foot)
 }
 
 /// The place of a segment nearest to a point.

@@ -43,26 +43,25 @@ fn place_on_core_box(extent: vec3f, point: vec3f) -> CorePlace {
 }
 
 fn place_on_core_face(shape: Shape, point: vec3f) -> CorePlace {
-    let u = shape.size.xy;
-    let v = shape.size.zw;
-    let foot = point.xy;
-    let area = u.x * v.y - u.y * v.x;
-    let along = vec2f(foot.x * v.y - foot.y * v.x, u.x * foot.y - u.y * foot.x) / area;
-    var place = vec3f(foot, 0.0);
-    if any(abs(along) > vec2f(1.0)) {
-        var best = 3e38;
-        var corners = array<vec3f, 4>(vec3f(-u - v, 0.0), vec3f(u - v, 0.0), vec3f(u + v, 0.0), vec3f(v - u, 0.0));
-        for (var k = 0u; k < 4u; k++) {
-            let found = place_on_segment(corners[k], corners[(k + 1u) & 3u], vec3f(foot, 0.0));
-            let square = dot(found.xy - foot, found.xy - foot);
-            if square < best {
-                best = square;
-                place = found;
-            }
+    let foot = vec3f(point.xy, 0.0);
+    let count = corners_of_core_face(shape);
+    var is_inside = true;
+    var best = 3e38;
+    var place = foot;
+    for (var k = 0u; k < 4u && k < count; k++) {
+        let start = vertex_of_core_face(shape, k);
+        let end = vertex_of_core_face(shape, select(k + 1u, 0u, k + 1u == count));
+        is_inside &= cross(end - start, foot - start).z >= 0.0;
+        let found = place_on_segment(start, end, foot);
+        let square = dot(found.xy - foot.xy, found.xy - foot.xy);
+        if square < best {
+            best = square;
+            place = found;
         }
     }
+    place = select(place, foot, is_inside);
     var found = direction_to(place, point, vec3f(0.0, 0.0, unit_sign(point.z)));
-    found.exists = shape.more == 0u || point.z >= 0.0;
+    found.exists = (shape.more & ONE_SIDED) == 0u || point.z >= 0.0;
     return found;
 }
 

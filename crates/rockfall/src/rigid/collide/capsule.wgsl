@@ -238,7 +238,7 @@ fn capsule_inside(pair: CapsulePair, shared_place: vec3f) -> Manifold {
             let direction = unit_or_zero(end - start);
             let places = closest_of_lines(start, direction, pair.segment.start, along);
             let is_within = is_on_edge(places.x, distance(start, end)) && is_on_edge(places.y, size);
-            let is_allowed = exists && !(is_flat && shape.more == 1u) && (!has_condition || best > enough);
+            let is_allowed = exists && !(is_flat && (shape.more & ONE_SIDED) != 0u) && (!has_condition || best > enough);
             if is_allowed && places.z > 0.0 && is_within {
                 return one_point(normal, start + places.x * direction, pair.segment.start + places.y * along, pair.radii, 0u);
             }
@@ -265,7 +265,7 @@ fn collide_capsule(a: Solid, b: Solid, reach: f32) -> Manifold {
     let radii = vec2f(a.shape.radius, b.shape.radius);
     let noise = 2.0 * EPSILON * (extent_of_solid(a) + b.shape.size.x + greatest_of(abs(b.position)));
     let pair = CapsulePair(a, segment_of(b), radii, reach + radii.x + radii.y, noise, b.position.z < 0.0);
-    let is_one_sided = a.shape.core == CORE_FACE && a.shape.more == 1u;
+    let is_one_sided = a.shape.core == CORE_FACE && (a.shape.more & ONE_SIDED) != 0u;
     if is_one_sided && pair.is_below {
         return no_contact();
     }

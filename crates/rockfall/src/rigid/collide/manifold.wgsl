@@ -5,6 +5,9 @@
 // Cores, in the order of the table. A pair is solved with the earlier core first.
 const CORE_HALF_SPACE: u32 = 0u;
 const CORE_FACE: u32 = 1u;
+// What a face is, in `more`.
+const ONE_SIDED: u32 = 1u;
+const TRIANGLE: u32 = 2u;
 const CORE_BOX: u32 = 2u;
 const CORE_HULL: u32 = 3u;
 const CORE_SEGMENT: u32 = 4u;

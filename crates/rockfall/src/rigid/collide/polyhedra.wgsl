@@ -39,7 +39,11 @@ fn width_of_shape(shape: Shape) -> f32 {
     } else if shape.core == CORE_FACE {
         let u = shape.size.xy;
         let v = shape.size.zw;
-        let flat = 2.0 * abs(u.x * v.y - u.y * v.x) / max(length(u), length(v));
+        let area = abs(u.x * v.y - u.y * v.x);
+        var flat = 2.0 * area / max(length(u), length(v));
+        if (shape.more & TRIANGLE) != 0u {
+            flat = 3.0 * area / max(distance(u, v), max(distance(v, -u - v), distance(u, -u - v)));
+        }
         width = select(flat, 0.0, shape.radius > 0.0);
     }
     return width + 2.0 * shape.radius;
@@ -288,8 +292,8 @@ fn collide_solids(a: Solid, b: Solid, reach: f32) -> Manifold {
     let tiny = 1e-3 * size + pair.noise;
     let a_is_face = a.shape.core == CORE_FACE;
     let b_is_face = b.shape.core == CORE_FACE;
-    let is_one_sided = a_is_face && a.shape.more == 1u;
-    if a_is_face && b_is_face && (is_one_sided || b.shape.more == 1u) || is_one_sided && b.position.z < 0.0 {
+    let is_one_sided = a_is_face && (a.shape.more & ONE_SIDED) != 0u;
+    if a_is_face && b_is_face && (is_one_sided || (b.shape.more & ONE_SIDED) != 0u) || is_one_sided && b.position.z < 0.0 {
         return no_contact();
     }
 

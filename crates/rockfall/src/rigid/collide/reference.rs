@@ -12,6 +12,7 @@ pub(super) fn vertices(shape: &Shape, pose: &Pose) -> Vec<DVec3> {
     let inner: Vec<DVec3> = match &shape.core {
         Core::Point => vec![DVec3::ZERO],
         Core::Segment { half } => vec![DVec3::Y * *half as f64, -DVec3::Y * *half as f64],
+        Core::Face { u, v, is_triangle: true, .. } => [*u, *v, -*u - *v].map(|p| p.as_dvec3()).to_vec(),
         Core::Face { u, v, .. } => vec![*u + *v, *u - *v, -*u - *v, *v - *u].into_iter().map(|p| p.as_dvec3()).collect(),
         Core::Box { half } => (0..8).map(|k| half.as_dvec3() * signs(k)).collect(),
         Core::Hull(hull) => hull.vertices.iter().map(|p| p.as_dvec3()).collect(),

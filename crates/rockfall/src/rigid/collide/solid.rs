@@ -10,7 +10,7 @@ pub(super) const MOST_VERTICES: usize = 64;
 
 /// A core as a polyhedron, in coordinates of the caller. A segment has two vertices and no faces, a point one.
 ///
-/// A face is a slab without thickness: face 0 lies at +z and face 1 at -z, and faces 2 to 5 are its sides, which have only
+/// A face is a slab without thickness: face 0 lies at +z and face 1 at -z, and those from 2 on are its sides, which have only
 /// two vertices. So each edge of the polygon counts twice: between +z and a side, and between a side and -z.
 pub(super) struct Solid<'a> {
     vertices: [Vec3; MOST_VERTICES],
@@ -48,6 +48,8 @@ const BOX_EDGES: [[u8; 4]; 12] = [
 const FACE_LOOPS: [&[u8]; 6] = [&[0, 1, 2, 3], &[3, 2, 1, 0], &[0, 1], &[1, 2], &[2, 3], &[3, 0]];
 const FACE_EDGES: [[u8; 4]; 8] =
     [[0, 1, 0, 2], [1, 2, 0, 3], [2, 3, 0, 4], [3, 0, 0, 5], [0, 1, 1, 2], [1, 2, 1, 3], [2, 3, 1, 4], [3, 0, 1, 5]];
+const TRIANGLE_LOOPS: [&[u8]; 5] = [&[0, 1, 2], &[2, 1, 0], &[0, 1], &[1, 2], &[2, 0]];
+const TRIANGLE_EDGES: [[u8; 4]; 6] = [[0, 1, 0, 2], [1, 2, 0, 3], [2, 0, 0, 4], [0, 1, 1, 2], [1, 2, 1, 3], [2, 0, 1, 4]];
 
 impl<'a> Solid<'a> {
     /// The polyhedron of a core in a pose. A half-space has no vertices.
@@ -64,7 +66,10 @@ impl<'a> Solid<'a> {
             Core::HalfSpace => {}
             Core::Point => solid.set_vertices([Vec3::ZERO]),
             Core::Segment { half } => solid.set_vertices([Vec3::new(0.0, -half, 0.0), Vec3::new(0.0, *half, 0.0)]),
-            Core::Face { u, v, .. } => solid.set_face(*u, *v),
+            Core::Face { u, v, is_triangle, .. } => {
+                let (corners, count) = face_corners(*u, *v, *is_triangle);
+                solid.set_face(&corners[..count]);
+            }
             Core::Box { half } => {
                 solid.set_vertices((0..8).map(|k| box_vertex(*half, k)));
                 (solid.loops, solid.edges) = (Loops::Fixed(&BOX_LOOPS), &BOX_EDGES);
@@ -96,14 +101,16 @@ impl<'a> Solid<'a> {
         }
     }
 
-    fn set_face(&mut self, u: Vec3, v: Vec3) {
-        let v = if u.cross(v).z < 0.0 { -v } else { v };
-        let corners = [-u - v, u - v, u + v, v - u];
-        self.set_vertices(corners);
-        (self.loops, self.edges) = (Loops::Fixed(&FACE_LOOPS), &FACE_EDGES);
+    fn set_face(&mut self, corners: &[Vec3]) {
+        self.set_vertices(corners.iter().copied());
+        (self.loops, self.edges) = if corners.len() == 3 {
+            (Loops::Fixed(&TRIANGLE_LOOPS), &TRIANGLE_EDGES[..])
+        } else {
+            (Loops::Fixed(&FACE_LOOPS), &FACE_EDGES[..])
+        };
         (self.normals[0], self.normals[1]) = (Vec3::Z, -Vec3::Z);
-        for k in 0..4 {
-            let side = (corners[(k + 1) % 4] - corners[k]).cross(Vec3::Z);
+        for (k, corner) in corners.iter().enumerate() {
+            let side = (corners[(k + 1) % corners.len()] - *corner).cross(Vec3::Z);
             self.normals[2 + k] = side.normalize_or(Vec3::X);
         }
     }
@@ -171,6 +178,15 @@ impl<'a> Solid<'a> {
     pub(super) fn scale(&self) -> f32 {
         self.vertices().iter().map(|vertex| (*vertex - self.centre).abs().max_element()).fold(0.0, f32::max)
     }
+}
+
+/// The corners of a face, counterclockwise from +z, and how many there are: three or four.
+pub(super) fn face_corners(u: Vec3, v: Vec3, is_triangle: bool) -> ([Vec3; 4], usize) {
+    if is_triangle {
+        return ([u, v, -u - v, u], 3);
+    }
+    let v = if u.cross(v).z < 0.0 { -v } else { v };
+    ([-u - v, u - v, u + v, v - u], 4)
 }
 
 /// Vertex k of a box.

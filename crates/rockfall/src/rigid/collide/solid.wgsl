@@ -21,8 +21,16 @@ fn vertex_of_box(extent: vec3f, k: u32) -> vec3f {
     return select(-extent, extent, (vec3u(k) & vec3u(1u, 2u, 4u)) != vec3u(0u));
 }
 
+// 4 for a parallelogram, 3 for a triangle.
+fn corners_of_core_face(shape: Shape) -> u32 {
+    return select(4u, 3u, (shape.more & TRIANGLE) != 0u);
+}
+
 fn vertex_of_core_face(shape: Shape, k: u32) -> vec3f {
     let u = shape.size.xy;
+    if (shape.more & TRIANGLE) != 0u {
+        return vec3f(select(select(shape.size.zw, -u - shape.size.zw, k == 2u), u, k == 0u), 0.0);
+    }
     let v = shape.size.zw * unit_sign(u.x * shape.size.w - u.y * shape.size.z);
     return vec3f(select(-u, u, k == 1u || k == 2u) + select(-v, v, k >= 2u), 0.0);
 }
@@ -31,7 +39,7 @@ fn vertices_of_core(shape: Shape) -> u32 {
     if HULLS & (shape.core == CORE_HULL) {
         return hull_counts(shape).x;
     }
-    return select(select(2u, 8u, shape.core == CORE_BOX), 4u, shape.core == CORE_FACE);
+    return select(select(2u, 8u, shape.core == CORE_BOX), corners_of_core_face(shape), shape.core == CORE_FACE);
 }
 
 fn vertex_of_core(shape: Shape, k: u32) -> vec3f {
@@ -51,7 +59,7 @@ fn faces_of_core(shape: Shape) -> u32 {
     if HULLS & (shape.core == CORE_HULL) {
         return hull_counts(shape).y;
     }
-    return 6u;
+    return select(6u, 2u + corners_of_core_face(shape), shape.core == CORE_FACE);
 }
 
 fn normal_of_core(shape: Shape, face: u32) -> vec3f {
@@ -59,7 +67,8 @@ fn normal_of_core(shape: Shape, face: u32) -> vec3f {
         return bitcast<vec3f>(hulls[shape.more + 1u + hull_counts(shape).x + face].xyz);
     }
     if shape.core == CORE_FACE && face >= 2u {
-        let along = vertex_of_core_face(shape, (face - 1u) & 3u) - vertex_of_core_face(shape, face - 2u);
+        let end = select(face - 1u, 0u, face - 1u == corners_of_core_face(shape));
+        let along = vertex_of_core_face(shape, end) - vertex_of_core_face(shape, face - 2u);
         return normalize(vec3f(along.y, -along.x, 0.0));
     }
     let axis = select(face >> 1u, 2u, shape.core == CORE_FACE);
@@ -70,7 +79,7 @@ fn corners_of_core(shape: Shape, face: u32) -> u32 {
     if HULLS & (shape.core == CORE_HULL) {
         return hulls[shape.more + 1u + hull_counts(shape).x + face].w >> 16u;
     }
-    return select(4u, 2u, shape.core == CORE_FACE && face >= 2u);
+    return select(4u, select(corners_of_core_face(shape), 2u, face >= 2u), shape.core == CORE_FACE);
 }
 
 // The number of corner k of a face, counterclockwise from outside.
@@ -83,7 +92,9 @@ fn corner_of_core(shape: Shape, face: u32, k: u32) -> u32 {
         return (word >> (8u * (at & 3u))) & 255u;
     }
     if shape.core == CORE_FACE {
-        return select(select((face - 2u + k) & 3u, 3u - k, face == 1u), k, face == 0u);
+        let count = corners_of_core_face(shape);
+        let side = select(face - 2u + k, 0u, face - 2u + k == count);
+        return select(select(side, count - 1u - k, face == 1u), k, face == 0u);
     }
     let axis = face >> 1u;
     let is_negative = face & 1u;
@@ -97,7 +108,7 @@ fn edges_of_core(shape: Shape) -> u32 {
     if HULLS & (shape.core == CORE_HULL) {
         return hull_counts(shape).z;
     }
-    return select(12u, 8u, shape.core == CORE_FACE);
+    return select(12u, 2u * corners_of_core_face(shape), shape.core == CORE_FACE);
 }
 
 // Two vertices, and the two faces beside them.
@@ -107,10 +118,13 @@ fn edge_of_core(shape: Shape, edge: u32) -> vec4u {
         let word = hulls[shape.more + 1u + counts.x + counts.y + (edge >> 2u)][edge & 3u];
         return (vec4u(word) >> vec4u(0u, 8u, 16u, 24u)) & vec4u(255u);
     }
-    let k = edge & 3u;
     if shape.core == CORE_FACE {
-        return vec4u(k, (k + 1u) & 3u, edge >> 2u, 2u + k);
+        let count = corners_of_core_face(shape);
+        let below = u32(edge >= count);
+        let at = edge - below * count;
+        return vec4u(at, select(at + 1u, 0u, at + 1u == count), below, 2u + at);
     }
+    let k = edge & 3u;
     let axis = edge >> 2u;
     let low = select(0u, 1u, axis == 0u);
     let high = select(2u, 1u, axis == 2u);

@@ -50,7 +50,12 @@ fn shape(kind: &str, random: &mut Random) -> Shape {
         "capsule" => Shape::capsule(random.between(0.1, 1.0), random.between(0.1, 0.5)),
         "face" => {
             let [u, v] = [Vec3::new(0.8, 0.1, 0.0), Vec3::new(random.between(-0.3, 0.3), 0.6, 0.0)];
-            Shape { core: Core::Face { u, v, one_sided: random.between(0.0, 1.0) < 0.5 }, radius: 0.0 }
+            Shape { core: Core::Face { u, v, is_triangle: false, one_sided: random.between(0.0, 1.0) < 0.5 }, radius: 0.0 }
+        }
+        "triangle" => {
+            let [u, v] = [Vec3::new(0.8, random.between(-0.3, 0.3), 0.0), Vec3::new(random.between(-0.5, 0.1), 0.6, 0.0)];
+            let one_sided = random.between(0.0, 1.0) < 0.5;
+            Shape { core: Core::Face { u, v, is_triangle: true, one_sided }, radius: 0.0 }
         }
         "hull" => {
             let points: Vec<Vec3> = (0..8).map(|_| random.vector(0.8)).collect();
@@ -76,6 +81,10 @@ fn cases() -> Vec<Case> {
         "hull ball",
         "box capsule",
         "face box",
+        "triangle ball",
+        "triangle capsule",
+        "triangle box",
+        "triangle hull",
         "hull box",
         "hull hull",
     ] {

@@ -15,7 +15,11 @@ impl Shape {
         let core = match &self.core {
             Core::Point => around(Vec3::ZERO),
             Core::Segment { half } => around(rows(Vec3::new(0.0, *half, 0.0))),
-            Core::Face { u, v, .. } => around((turn * *u).abs() + (turn * *v).abs()),
+            Core::Face { u, v, is_triangle: false, .. } => around((turn * *u).abs() + (turn * *v).abs()),
+            Core::Face { u, v, .. } => {
+                let (u, v) = (turn * *u, turn * *v);
+                Aabb { min: pose.position + u.min(v).min(-u - v), max: pose.position + u.max(v).max(-u - v) }
+            }
             Core::Box { half } => around(rows(*half)),
             Core::Hull(hull) => {
                 let none = Aabb { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
@@ -34,7 +38,8 @@ impl Shape {
         let core = match &self.core {
             Core::Point => 0.0,
             Core::Segment { half } => *half,
-            Core::Face { u, v, .. } => (*u + *v).length().max((*u - *v).length()),
+            Core::Face { u, v, is_triangle: false, .. } => (*u + *v).length().max((*u - *v).length()),
+            Core::Face { u, v, .. } => u.length().max(v.length()).max((*u + *v).length()),
             Core::Box { half } => half.length(),
             Core::Hull(hull) => hull.vertices.iter().map(|vertex| vertex.length()).fold(0.0, f32::max),
             Core::HalfSpace => f32::INFINITY,
@@ -48,7 +53,11 @@ impl Shape {
         let core = match &self.core {
             Core::Point | Core::Segment { .. } => 0.0,
             Core::Face { .. } if self.radius > 0.0 => 0.0,
-            Core::Face { u, v, .. } => 2.0 * u.cross(*v).length() / u.length().max(v.length()),
+            Core::Face { u, v, is_triangle: false, .. } => 2.0 * u.cross(*v).length() / u.length().max(v.length()),
+            Core::Face { u, v, .. } => {
+                let longest = u.distance(*v).max(v.distance(-*u - *v)).max(u.distance(-*u - *v));
+                3.0 * u.cross(*v).length() / longest
+            }
             Core::Box { half } => 2.0 * half.min_element(),
             Core::Hull(hull) => hull_width(hull),
             Core::HalfSpace => f32::INFINITY,

@@ -164,7 +164,15 @@ fn bounds_touch_the_shape() {
         Shape::ball(0.7),
         Shape::capsule(0.6, 0.4),
         Shape { core: Core::Box { half: Vec3::new(0.3, 0.7, 0.5) }, radius: 0.25 },
-        Shape { core: Core::Face { u: Vec3::new(1.0, 0.5, 0.0), v: Vec3::new(-0.2, 0.9, 0.0), one_sided: false }, radius: 0.1 },
+        Shape {
+            core: Core::Face {
+                u: Vec3::new(1.0, 0.5, 0.0),
+                v: Vec3::new(-0.2, 0.9, 0.0),
+                is_triangle: false,
+                one_sided: false,
+            },
+            radius: 0.1,
+        },
         hull(&prism(7, 0.8, 0.6)),
     ];
     for shape in &shapes {

@@ -239,7 +239,7 @@ fn segment(from: DVec3, to: DVec3) -> (f32, Pose) {
     ((0.5 * along.length()) as f32, Pose::new((0.5 * (from + to)).as_vec3(), turn.as_quat()))
 }
 
-/// The core of a parallelogram or plane, and where it lies. A parallelogram is touched on the side of L x R.
+/// The core of a parallelogram, a triangle or a plane, and where it lies. A parallelogram is touched on the side of L x R, a triangle on both.
 fn core_and_place(polygon: &Polygon) -> (Core, Pose) {
     let (corner, left, right) = (polygon.corner.as_dvec3(), polygon.left.as_dvec3(), polygon.right.as_dvec3());
     let normal = left.cross(right).normalize();
@@ -247,7 +247,9 @@ fn core_and_place(polygon: &Polygon) -> (Core, Pose) {
         return (Core::HalfSpace, Pose::new(polygon.corner, DQuat::from_rotation_arc(DVec3::Y, normal).as_quat()));
     }
     let turn = upright(left, normal.cross(left));
-    let inner = |edge: DVec3| (turn.inverse() * (0.5 * edge)).as_vec3() * Vec3::new(1.0, 1.0, 0.0);
-    let core = Core::Face { u: inner(left), v: inner(right), one_sided: true };
-    (core, Pose::new((corner + 0.5 * (left + right)).as_vec3(), turn.as_quat()))
+    let inner = |edge: DVec3| (turn.inverse() * edge).as_vec3() * Vec3::new(1.0, 1.0, 0.0);
+    let is_triangle = polygon.surface == WallSurface::Triangle;
+    let centre = (left + right) / if is_triangle { 3.0 } else { 2.0 };
+    let [u, v] = if is_triangle { [-centre, left - centre] } else { [0.5 * left, 0.5 * right] }.map(inner);
+    (Core::Face { u, v, is_triangle, one_sided: !is_triangle }, Pose::new((corner + centre).as_vec3(), turn.as_quat()))
 }

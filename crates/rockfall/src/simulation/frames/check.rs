@@ -2,11 +2,10 @@
 
 use crate::error::{Error, Result};
 use crate::options::Options;
-use crate::scene::{Scene, Surface};
+use crate::scene::Scene;
 
 fn refused(value: &str) -> Result<()> {
-    let expected =
-        "spheres, capsules, placed bodies, static boxes, parallelograms and planes: the contact law rigid has nothing else yet";
+    let expected = "spheres, capsules, placed bodies, and static boxes, parallelograms, triangles and planes: the contact law rigid has nothing else yet";
     Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected })
 }
 
@@ -24,10 +23,6 @@ pub(in crate::simulation) fn check_rods(scene: &Scene) -> Result<()> {
 /// # Errors
 /// [`Error::Invalid`], which names the first object that it does not know.
 pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<()> {
-    const EXPECTED: &str = "spheres, capsules, placed bodies, static boxes, parallelograms and planes: the contact law rigid has nothing \
-                            else yet";
-    let refused =
-        |value: &str| Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected: EXPECTED });
     let has = [
         (!scene.springs().is_empty(), "a spring"),
         (!scene.tethers().is_empty(), "a tether"),
@@ -36,7 +31,6 @@ pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<(
         (!scene.outlets().is_empty(), "an outlet"),
         (!scene.gauges().is_empty(), "a gauge"),
         (scene.is_periodic(), "periodic boundaries"),
-        (scene.polygons().iter().any(|polygon| polygon.surface == Surface::Triangle), "a triangle"),
         (scene.polygons().iter().any(|polygon| polygon.surface.is_round()), "a cone, a cylinder or a ball as a wall"),
         (!options.force_laws.is_empty(), "a force of the program"),
     ];

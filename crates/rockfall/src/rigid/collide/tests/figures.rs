@@ -15,7 +15,7 @@ fn half_space() -> Shape {
 }
 
 fn square(one_sided: bool) -> Shape {
-    Shape { core: Core::Face { u: Vec3::X, v: Vec3::Y, one_sided }, radius: 0.0 }
+    Shape { core: Core::Face { u: Vec3::X, v: Vec3::Y, is_triangle: false, one_sided }, radius: 0.0 }
 }
 
 fn at(x: f32, y: f32, z: f32) -> Pose {

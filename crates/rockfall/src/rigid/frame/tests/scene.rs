@@ -69,6 +69,28 @@ impl Scene {
     }
 
     /// A box of the world.
+    /// A triangle of the world, touched on both sides.
+    pub(super) fn triangle(&mut self, corners: [Vec3; 3]) {
+        let [a, b, c] = corners;
+        let centre = (a + b + c) / 3.0;
+        let turn = Quat::from_rotation_arc(Vec3::Z, (b - a).cross(c - a).normalize());
+        let [u, v] = [a, b].map(|corner| (turn.inverse() * (corner - centre)) * Vec3::new(1.0, 1.0, 0.0));
+        let core = Core::Face { u, v, is_triangle: true, one_sided: false };
+        self.attach(0, Shape { core, radius: 0.0 }, Pose::new(centre, turn));
+    }
+
+    /// A floor of triangles from (-1, -1) to (x, z) at the height 0: squares of this size in two halves.
+    pub(super) fn mesh(&mut self, size: f32, x: f32, z: f32) {
+        let counts = [x, z].map(|end| ((end + 1.0) / size) as u32);
+        for i in 0..counts[0] {
+            for k in 0..counts[1] {
+                let corner = |di: u32, dk: u32| Vec3::new((i + di) as f32 * size - 1.0, 0.0, (k + dk) as f32 * size - 1.0);
+                self.triangle([corner(0, 0), corner(0, 1), corner(1, 0)]);
+                self.triangle([corner(1, 1), corner(1, 0), corner(0, 1)]);
+            }
+        }
+    }
+
     pub(super) fn block(&mut self, half: Vec3, pose: Pose) {
         self.attach(0, Shape::cuboid(half), pose);
     }
