@@ -1,4 +1,10 @@
-//! Hard contacts: boxes on slopes, balls that bounce, stacks, and heavy boxes on light ones.
+//! Hard contacts: boxes on slopes, balls that bounce, stacks, and heavy boxes on light ones. The modules have the problems of section
+//! 11.11 that these leave open.
+
+mod flight;
+mod impacts;
+mod sliding;
+mod standing;
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,22 +19,33 @@ const GRAVITY: f64 = 9.81;
 /// Time of a frame, s.
 const FRAME: f32 = 1.0 / 60.0;
 
-/// A scene with hard contacts and a floor, whose surface is the plane y = 0. The field is turned as on a slope along x.
-fn ground(slope: f64, friction: f32, restitution: f32) -> Result<Scene> {
+/// A scene with hard contacts. The field is turned as on a slope along x.
+fn empty(slope: f64, friction: f32, restitution: f32) -> Scene {
     let down = DVec3::new(slope, -1.0, 0.0).normalize();
-    let mut scene = with(|settings| {
+    with(|settings| {
         settings.contact_law = ContactLaw::Rigid;
         (settings.coulomb_friction, settings.restitution) = (friction, restitution);
         (settings.gravity, settings.gravity_direction) = (GRAVITY as f32, down.as_vec3());
-    });
+    })
+}
+
+/// The same with a floor, whose surface is the plane y = 0.
+fn ground(slope: f64, friction: f32, restitution: f32) -> Result<Scene> {
+    let mut scene = empty(slope, friction, restitution);
     scene.add_box(Cuboid::between([-50.0, -1.0, -50.0], [50.0, 0.0, 50.0]))?;
     Ok(scene)
 }
 
 /// Adds a box with these edges and this mass at a height of its centre.
 fn add_box(scene: &mut Scene, edges: Vec3, mass: f64, height: f64) -> Result<()> {
-    let shape = scene.add_shape(Shape::new().mass(mass as f32).cuboid(Cuboid::between(-0.5 * edges, 0.5 * edges)))?;
-    scene.add_body(Placement::new(shape).at([0.0, height, 0.0]))?;
+    let shape = Shape::new().mass(mass as f32).cuboid(Cuboid::between(-0.5 * edges, 0.5 * edges));
+    add(scene, shape, |place| place.at([0.0, height, 0.0]))
+}
+
+/// Adds a body of a shape.
+fn add(scene: &mut Scene, shape: Shape, place: impl FnOnce(Placement) -> Placement) -> Result<()> {
+    let shape = scene.add_shape(shape)?;
+    scene.add_body(place(Placement::new(shape)))?;
     Ok(())
 }
 
@@ -177,9 +194,9 @@ fn heavy_on_light(outcome: &mut Outcome) -> Result<()> {
 fn tumbling(outcome: &mut Outcome) -> Result<()> {
     let mut scene = ground(0.0, 0.0, 1.0)?;
     let edges = Vec3::new(1.0, 0.6, 0.4);
-    let shape = scene.add_shape(Shape::new().mass(1.0).cuboid(Cuboid::between(-0.5 * edges, 0.5 * edges)))?;
+    let shape = Shape::new().mass(1.0).cuboid(Cuboid::between(-0.5 * edges, 0.5 * edges));
     let turn = Quat::from_scaled_axis(Vec3::new(0.3, 0.5, PI as f32 / 5.0));
-    scene.add_body(Placement::new(shape).at([0.0, 2.0, 0.0]).turned(turn))?;
+    add(&mut scene, shape, |place| place.at([0.0, 2.0, 0.0]).turned(turn))?;
     let mut simulation = on_cpu(scene, Integrator::Rk4)?;
     let start = simulation.energy()?;
     let total = |energy: &rockfall::Energy| energy.kinetic + energy.potential;
@@ -192,8 +209,37 @@ fn tumbling(outcome: &mut Outcome) -> Result<()> {
     Ok(())
 }
 
+/// Problems of section 11.11, in the order of their numbers as far as possible.
+fn problems(outcome: &mut Outcome, effort: Effort) -> Result<()> {
+    flight::fall(outcome)?;
+    impacts::bounces(outcome)?;
+    impacts::rod(outcome)?;
+    impacts::gas(outcome, effort)?;
+    impacts::cradles(outcome)?;
+    impacts::eccentric(outcome)?;
+    sliding::ball(outcome)?;
+    sliding::thrown(outcome)?;
+    sliding::spun(outcome)?;
+    sliding::belt(outcome)?;
+    standing::overlaps(outcome, effort)?;
+    standing::pyramid(outcome, effort)?;
+    standing::wall(outcome, effort)?;
+    standing::ratios(outcome)?;
+    standing::dropped(outcome)?;
+    sliding::card(outcome)?;
+    standing::overhangs(outcome)?;
+    standing::dominoes(outcome)?;
+    flight::flips(outcome, effort)?;
+    sliding::seams(outcome)?;
+    impacts::fast(outcome)?;
+    impacts::oblique(outcome, effort)?;
+    impacts::billiards(outcome)?;
+    standing::hub(outcome)?;
+    standing::frames_of_other_lengths(outcome)
+}
+
 /// Runs the experiment.
-pub(super) fn run(_effort: Effort) -> Result<Outcome> {
+pub(super) fn run(effort: Effort) -> Result<Outcome> {
     on_one_thread(|| {
         let mut outcome = Outcome::default();
         slopes(&mut outcome)?;
@@ -205,6 +251,7 @@ pub(super) fn run(_effort: Effort) -> Result<Outcome> {
         stack(&mut outcome)?;
         heavy_on_light(&mut outcome)?;
         tumbling(&mut outcome)?;
+        problems(&mut outcome, effort)?;
         Ok(outcome)
     })
 }
