@@ -24,9 +24,6 @@ const STEPS: u64 = 96;
 /// When a simulation breaks one of these promises.
 pub fn motion(bytes: &[u8]) {
     let Ok(case) = Case::decode(bytes) else { return };
-    if std::env::var("CASE").is_ok() {
-        eprintln!("{case:#?}");
-    }
     let mut options = Options::new().keep_going(case.keep_going).integrator(case.integrator);
     if let Some(slices) = case.capacity {
         options = options.pair_capacity(32 * u32::from(slices));

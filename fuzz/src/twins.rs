@@ -85,11 +85,6 @@ impl Twins {
 
     /// Advances both simulations and compares them.
     pub(crate) fn advance(&mut self, most_steps: u64, what: impl Fn(&mut Simulation) -> Result<()> + Sync) {
-        if std::env::var("CASE").is_ok() {
-            if let Ok(scene) = self.simulations[0].0.sync() {
-                eprintln!("ADVANCE {most_steps} {}", scene.to_text());
-            }
-        }
         let before: Vec<u64> = self.simulations.iter().map(|(simulation, _)| simulation.report().replays).collect();
         self.both(what);
         for ((simulation, _), before) in self.simulations.iter().zip(before) {

@@ -151,9 +151,6 @@ fn a_shaken_corpus_passes() {
         "checkpoint_file" => targets::checkpoint_file,
         _ => panic!("{target}"),
     };
-    if let Ok(file) = std::env::var("FILE") {
-        return entry(&fs::read(file).unwrap());
-    }
     let seeds: Vec<Vec<u8>> = corpus(target).into_values().collect();
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/artifacts");
     fs::create_dir_all(&folder).unwrap();

@@ -25,6 +25,7 @@ both! {
     bodies_of_all_kinds_come_to_rest,
     split_and_resumed_runs_have_the_same_bits,
     contacts_of_another_scene_in_a_checkpoint_are_refused,
+    a_checkpoint_after_an_edit_is_taken_up,
     edits_between_frames_are_felt,
     bodies_that_stop_being_finite_are_reported,
     substeps_of_the_scene_make_contacts_stiffer,
@@ -134,6 +135,23 @@ fn contacts_of_another_scene_in_a_checkpoint_are_refused(backend: Backend) {
         let error = Simulation::resume(Checkpoint::from_bytes(&bytes, "test").expect("it reads")).expect_err("refused");
         assert!(error.to_string().contains("hard contacts"), "{error}");
     }
+}
+
+/// A checkpoint has the bodies after the edits before it, not those of the last frame.
+fn a_checkpoint_after_an_edit_is_taken_up(backend: Backend) {
+    let mut simulation = open_on(&stack(3), backend);
+    simulation.run(10, FRAME).expect("frames");
+    let last = simulation.scene().body_ids().last().expect("three cubes");
+    simulation.remove_body(last).expect("it is there");
+    let checkpoint = simulation.checkpoint().expect("a checkpoint");
+    let mut resumed = Simulation::resume(checkpoint.clone()).expect("it resumes");
+    simulation.run(10, FRAME).expect("frames");
+    resumed.run(10, FRAME).expect("frames");
+    let there = |simulation: &mut Simulation| simulation.sync().expect("states").bodies()[1].position.to_array();
+    assert_eq!(there(&mut simulation), there(&mut resumed));
+    simulation.restore(&checkpoint).expect("it is restored");
+    simulation.run(10, FRAME).expect("frames");
+    assert_eq!(there(&mut simulation), there(&mut resumed));
 }
 
 /// Edits between frames are felt, and what is known of other contacts stays.
