@@ -32,6 +32,51 @@ both! {
     a_stack_finds_its_new_rest_after_a_change_of_the_frame,
     bodies_turn_back_below_a_ceiling,
     other_laws_do_not_replace_it_on_a_gpu,
+    a_slope_of_triangles_is_a_slope,
+}
+
+/// Of two boxes, a ball and a capsule on triangles that are turned by atan 0.45, all move as on one parallelogram: with a friction of 0.4 the
+/// boxes slide down by g (sin - mu cos) t^2 / 2.
+fn a_slope_of_triangles_is_a_slope(backend: Backend) {
+    let (sine, cosine) = (0.45_f32 / 1.2025_f32.sqrt(), 1.0 / 1.2025_f32.sqrt());
+    let place = |x: f32, up: f32| [x * cosine - up * sine, x * sine + up * cosine];
+    let turn = 0.45_f32.atan().to_degrees();
+    let mut walls = [
+        String::new(),
+        format!("P {} {} -4  0 0 8  {} {} 0\n", place(-6.0, 0.0)[0], place(-6.0, 0.0)[1], 12.0 * cosine, 12.0 * sine),
+    ];
+    for k in 0..12 {
+        let edge = k as f32 - 6.0;
+        let [x, y] = place(edge, 0.0);
+        walls[0] += &format!("@triangle {x} {y} -4  0 0 8  {cosine} {sine} 0\n");
+        let [x, y] = place(edge + 1.0, 0.0);
+        walls[0] += &format!("@triangle {x} {y} 4  0 0 -8  {} {} 0\n", -cosine, -sine);
+    }
+    let objects: String = [-2.0, 2.0]
+        .iter()
+        .map(|z| {
+            let [x, y] = place(4.0, 0.5);
+            format!("@place cube at={x},{y},{z} axis=0,0,1 turn={turn}\n")
+        })
+        .collect();
+    let [x, y] = place(4.0, 0.3);
+    let objects = format!("set coulomb_friction 0.4\n{CUBE}{objects}S 1 {x} {y} 0  0 0 0  0 0 0  1 0.3\n");
+    let ends = walls.map(|wall| {
+        let mut simulation = open_on(&format!("{wall}{objects}"), backend);
+        simulation.run(60, FRAME).expect("1 s");
+        let scene = simulation.sync().expect("states");
+        let mut all: Vec<_> = scene.bodies().iter().map(|body| body.position).collect();
+        all.push(scene.spheres().iter().find(|sphere| sphere.radius == 0.3).expect("a ball").position);
+        all
+    });
+    let down = |at: glam::Vec3| 4.0 - (at.x * cosine + at.y * sine);
+    let expected = 0.5 * 9.81 * (sine - 0.4 * cosine);
+    for (on_triangles, on_one) in ends[0].iter().zip(&ends[1]) {
+        assert!(on_triangles.distance(*on_one) < 2e-3, "{on_triangles} {on_one}");
+    }
+    for at in &ends[0][..2] {
+        assert!((down(*at) - expected).abs() < 0.01, "{} {expected}", down(*at));
+    }
 }
 
 const FLOOR: &str = "B -20 -1 -20 40 0 0 0 1 0 0 0 40\n";
