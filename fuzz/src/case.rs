@@ -25,6 +25,7 @@ macro_rules! decoded {
     })*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
+        #[allow(clippy::large_enum_variant, reason = "a case has few of them")]
         pub(crate) enum $name { $($(#[$note])* $variant $(($($of),*))? $({ $($field: $type),* })?,)* }
 
         impl<'a> Arbitrary<'a> for $name {
