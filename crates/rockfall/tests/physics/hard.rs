@@ -35,8 +35,8 @@ both! {
     a_slope_of_triangles_is_a_slope,
 }
 
-/// Of two boxes, a ball and a capsule on triangles that are turned by atan 0.45, all move as on one parallelogram: with a friction of 0.4 the
-/// boxes slide down by g (sin - mu cos) t^2 / 2.
+/// Two boxes and a ball on triangles that are turned by atan 0.45 move as on one parallelogram: with a friction of 0.4 the boxes slide
+/// down by g (sin - mu cos) t^2 / 2.
 fn a_slope_of_triangles_is_a_slope(backend: Backend) {
     let (sine, cosine) = (0.45_f32 / 1.2025_f32.sqrt(), 1.0 / 1.2025_f32.sqrt());
     let place = |x: f32, up: f32| [x * cosine - up * sine, x * sine + up * cosine];

@@ -79,8 +79,9 @@ pub(super) fn flips(outcome: &mut Outcome, effort: Effort) -> Result<()> {
     outcome.check(format!("29: change of its energy in {seconds:.0} s, in parts"), 0.0, energy, 5e-5);
     outcome.check(format!("29: greatest change of its angular momentum in {seconds:.0} s, kg m²/s"), 0.0, turned, 1e-6);
     let until = |samples: Vec<(f64, f64)>, step| samples.into_iter().take(3600).step_by(step).collect();
+    let cosine = Axis::linear("cosine of the middle axis with L");
     outcome.charts.push(
-        Chart::new("hard-flips", "A body flips about its middle axis", Axis::linear("time, s"), Axis::linear("cosine of the middle axis with L"))
+        Chart::new("hard-flips", "A body flips about its middle axis", Axis::linear("time, s"), cosine)
             .add(0, Mark::Line, "Euler's equations", until(exact, 6))
             .add(0, Mark::Points, "measured", until(cosines, 30)),
     );

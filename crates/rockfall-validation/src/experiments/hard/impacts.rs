@@ -44,7 +44,8 @@ pub(super) fn bounces(outcome: &mut Outcome) -> Result<()> {
         }
         before = v;
     }
-    let worst = tops.iter().map(|top| top.1).fold(1.0, |worst: f64, height| if (height - 1.0).abs() > (worst - 1.0).abs() { height } else { worst });
+    let farther = |one: f64, other: f64| if (other - 1.0).abs() > (one - 1.0).abs() { other } else { one };
+    let worst = tops.iter().map(|top| top.1).fold(1.0, farther);
     let last = tops[tops.len() - 1].0;
     outcome.check("3: ball with e = 1 from 1 m, 30 s: height of the worst bounce, m", 1.0, worst, 1e-3);
     let period = 2.0 * (2.0 / GRAVITY).sqrt();
@@ -171,9 +172,11 @@ pub(super) fn oblique(outcome: &mut Outcome, effort: Effort) -> Result<()> {
             let found = bounce([5.0, DOWN], e, friction, 0.3 + 0.004 * f32::from(step))?;
             worst = found.iter().zip(wanted).map(|(found, wanted)| (found - wanted).abs()).fold(worst, f64::max);
         }
-        outcome.check(format!("40: ball at (5, -10) m/s, e = {e}, μ = {friction}: worst speed or surface speed, difference, m/s"), 0.0, worst, 1e-3);
+        let what = "worst speed or surface speed, difference, m/s";
+        outcome.check(format!("40: ball at (5, -10) m/s, e = {e}, μ = {friction}: {what}"), 0.0, worst, 1e-3);
     }
-    let mut chart = Chart::new("hard-oblique", "A ball bounces off at an angle, e = 0.8", Axis::linear("speed along / down before"), Axis::linear("speed along after / down before"));
+    let (before, after) = (Axis::linear("speed along / down before"), Axis::linear("speed along after / down before"));
+    let mut chart = Chart::new("hard-oblique", "A ball bounces off at an angle, e = 0.8", before, after);
     for (colour, friction) in [0.1, 0.3, 0.5].into_iter().enumerate() {
         let exact = |ratio: f64| ratio - impulse(ratio * DOWN, 0.8, friction) / DOWN;
         let mut found = Vec::new();
@@ -182,7 +185,8 @@ pub(super) fn oblique(outcome: &mut Outcome, effort: Effort) -> Result<()> {
             found.push((ratio, bounce([ratio * DOWN, DOWN], 0.8, friction as f32, 0.33)?[0] / DOWN));
         }
         let name = format!("μ = {friction}");
-        chart = chart.add(colour, Mark::Line, format!("{name}, Coulomb"), curve(0.0, 4.0, 100, exact)).add(colour, Mark::Points, name, found);
+        chart = chart.add(colour, Mark::Line, format!("{name}, Coulomb"), curve(0.0, 4.0, 100, exact));
+        chart = chart.add(colour, Mark::Points, name, found);
     }
     outcome.charts.push(chart);
     Ok(())

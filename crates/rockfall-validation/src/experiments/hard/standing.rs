@@ -140,7 +140,8 @@ pub(super) fn dropped(outcome: &mut Outcome) -> Result<()> {
     let mut simulation = on_cpu(scene, Integrator::Rk4)?;
     frames(&mut simulation, 15.0)?;
     let exact = 9.5 - stack_sink(10, unit_sink(FRAME.into(), 4));
-    outcome.check("24: stack of ten dropped with gaps: height of the top one after 15 s, m", exact, top(&mut simulation)?.position.y.into(), 1e-3);
+    let height = top(&mut simulation)?.position.y.into();
+    outcome.check("24: stack of ten dropped with gaps: height of the top one after 15 s, m", exact, height, 1e-3);
     outcome.check("24: kinetic energy, J", 0.0, simulation.energy()?.kinetic, 1e-5);
     Ok(())
 }
@@ -158,7 +159,8 @@ pub(super) fn overhangs(outcome: &mut Outcome) -> Result<()> {
             add(&mut scene, cube(Vec3::new(1.0, 0.25, 0.5)), |place| place.at(at))?;
         }
         let found = f64::from(u8::from(settle(scene, 6.0)?.0 > 0.05));
-        outcome.check(format!("27: overhang of four blocks, {share} of the harmonic one, {substeps} substeps: it falls (1: yes)"), falls, found, 0.0);
+        let name = format!("27: overhang of four blocks, {share} of the harmonic one, {substeps} substeps: it falls (1: yes)");
+        outcome.check(name, falls, found, 0.0);
     }
     Ok(())
 }
@@ -235,7 +237,8 @@ pub(super) fn frames_of_other_lengths(outcome: &mut Outcome) -> Result<()> {
         let sink = |dt: f32| stack_sink(10, unit_sink(dt.into(), 4));
         let exact = sink(FRAME) - sink(factor * FRAME);
         let found = f64::from(top(&mut simulation)?.position.y - before);
-        outcome.check(format!("53: stack of ten, frames {factor} times as long: the top one moves by, m"), exact, found, 0.02 * exact.abs());
+        let name = format!("53: stack of ten, frames {factor} times as long: the top one moves by, m");
+        outcome.check(name, exact, found, 0.02 * exact.abs());
     }
     Ok(())
 }

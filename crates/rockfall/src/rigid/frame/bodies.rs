@@ -133,9 +133,7 @@ impl Bodies {
     pub(super) fn stop(&mut self) -> Option<(u32, u32)> {
         for i in 0..self.count() {
             if self.constants[i].dynamic && !self.moves_finitely(i) {
-                self.motions[i] = Motion::default();
-                self.momenta[i] = Vec3A::ZERO;
-                self.stopped.insert(i as u32);
+                self.halt(i);
             }
         }
         self.stopped.first().map(|first| (self.stopped.len() as u32, *first))
@@ -226,7 +224,7 @@ impl Bodies {
         velocity.is_finite() && speed.is_finite() && inner.is_finite() && self.momenta[i].is_finite()
     }
 
-    /// Stops a body where it is: its next pose is not finite.
+    /// Stops a body where it is: its next pose or its motion is not finite.
     pub(super) fn halt(&mut self, i: usize) {
         self.motions[i].velocity = Vec3A::ZERO;
         self.momenta[i] = Vec3A::ZERO;

@@ -187,7 +187,7 @@ impl<'a> Builder<'a> {
         let kind = match &core {
             Core::Point => 0,
             Core::Segment { .. } => 1,
-            Core::Face { one_sided, .. } => 2 + u32::from(*one_sided),
+            Core::Face { one_sided, is_triangle, .. } => 2 + u32::from(*one_sided) + 8 * u32::from(*is_triangle),
             Core::Box { .. } => 4,
             Core::Hull(_) => 5,
             Core::HalfSpace => 6,
@@ -239,7 +239,8 @@ fn segment(from: DVec3, to: DVec3) -> (f32, Pose) {
     ((0.5 * along.length()) as f32, Pose::new((0.5 * (from + to)).as_vec3(), turn.as_quat()))
 }
 
-/// The core of a parallelogram, a triangle or a plane, and where it lies. A parallelogram is touched on the side of L x R, a triangle on both.
+/// The core of a parallelogram, a triangle or a plane, and where it lies. A parallelogram is touched on the side of L x R, a triangle
+/// on both.
 fn core_and_place(polygon: &Polygon) -> (Core, Pose) {
     let (corner, left, right) = (polygon.corner.as_dvec3(), polygon.left.as_dvec3(), polygon.right.as_dvec3());
     let normal = left.cross(right).normalize();

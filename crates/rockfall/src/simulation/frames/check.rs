@@ -5,7 +5,8 @@ use crate::options::Options;
 use crate::scene::Scene;
 
 fn refused(value: &str) -> Result<()> {
-    let expected = "spheres, capsules, placed bodies, and static boxes, parallelograms, triangles and planes: the contact law rigid has nothing else yet";
+    let expected = "spheres, capsules, placed bodies, and static boxes, parallelograms, triangles and planes: the contact law \
+                    rigid has nothing else yet";
     Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected })
 }
 

@@ -8,16 +8,6 @@ use super::scene::{DT, G, Scene, close};
 use crate::rigid::frame::{advance, kinetic_energy};
 use crate::rigid::world::{Body, Kind};
 
-/// A stack of unit cubes, which have the numbers from 1 on.
-fn stack(count: usize) -> Scene {
-    let mut scene = Scene::new(0.5, 0.0);
-    scene.floor();
-    for k in 0..count {
-        scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, k as f32 + 0.5, 0.0));
-    }
-    scene
-}
-
 /// g / w² of contacts between bodies, with S = 4.
 fn unit_sink(dt: f32) -> f32 {
     let w = TAU * 0.18 * 4.0 / dt;
@@ -36,7 +26,7 @@ fn set_mass(body: &mut Body, mass: f32) {
 /// So 9 more units of mass on top sink by 11 - 2 at the top contact, 18 at each of the three others, and 9 / 4 on the floor, times g / w².
 #[test]
 fn mass_on_a_stack_changes_while_it_stands() {
-    let mut scene = stack(5);
+    let mut scene = Scene::stack(5);
     scene.run(3.0);
     let before = scene.at(5).y;
     let wanted = (9.0 + 3.0 * 18.0 + 9.0 / 4.0) * unit_sink(DT);
@@ -99,7 +89,7 @@ fn body_that_gets_mass_has_blocks_of_different_colours() {
 #[test]
 fn stack_finds_its_new_rest_after_a_change_of_the_frame() {
     for factor in [0.5, 2.0] {
-        let mut scene = stack(10);
+        let mut scene = Scene::stack(10);
         scene.run(5.0);
         let sink = |dt: f32| (90.0 + 2.5) * unit_sink(dt);
         let before = scene.at(10).y;

@@ -36,15 +36,6 @@ fn wall(rows: usize) -> Scene {
     scene
 }
 
-fn stack(count: usize) -> Scene {
-    let mut scene = Scene::new(0.5, 0.0);
-    scene.floor();
-    for k in 0..count {
-        scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, k as f32 + 0.5, 0.0));
-    }
-    scene
-}
-
 /// A plate on more than 64 boxes: all its blocks are left over.
 fn hub() -> Scene {
     let mut scene = Scene::new(0.5, 0.0);
@@ -188,7 +179,7 @@ pub(super) fn compare(wanted: &FrameRows, found: &Outcome) -> Apart {
 pub(super) fn scenes() -> Vec<(&'static str, Scene, f32)> {
     // With seconds before the frame that is compared.
     vec![
-        ("stack", stack(10), 0.5),
+        ("stack", Scene::stack(10), 0.5),
         ("pile", heap(60, 0.0), 1.0),
         ("wall", wall(8), 0.3),
         ("great wall", wall(30), 0.05),
@@ -309,7 +300,7 @@ pub(super) fn run(world: &mut RigidWorld, frames: usize, gpu: &Arc<RigidGpu>) {
 #[test]
 fn stack_stands_on_device() {
     let gpu = open();
-    let mut scene = stack(10);
+    let mut scene = Scene::stack(10);
     run(&mut scene.world, 300, &gpu);
     let top = scene.at(10);
     close(9.5 - top.y, 0.0123, 0.001);

@@ -31,6 +31,16 @@ impl Scene {
         Self { world, substeps: 4, last: FrameReport::default(), repeats: 0 }
     }
 
+    /// A stack of unit cubes, which have the numbers from 1 on.
+    pub(super) fn stack(count: usize) -> Self {
+        let mut scene = Self::new(0.5, 0.0);
+        scene.floor();
+        for k in 0..count {
+            scene.cuboid(Vec3::splat(0.5), Vec3::new(0.0, k as f32 + 0.5, 0.0));
+        }
+        scene
+    }
+
     pub(super) fn weightless(mut self) -> Self {
         self.world.gravity = Vec3::ZERO;
         self
