@@ -1,6 +1,6 @@
 //! Frames of the contact law `rigid`: the scene becomes bodies and colliders, which a solver advances.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::error::{BadStage, Error, Result};
 use crate::fine::Fine;
@@ -12,10 +12,12 @@ use crate::scene::{Body as Part, BodyHandles, BodyState, RunDefaults, Scene, Sph
 use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
 use crate::step::schedule::Phase;
+use crate::step::walls::move_walls::place_walls;
 
 mod build;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
+mod motions;
 pub(crate) mod observe;
 mod predict;
 
@@ -27,6 +29,8 @@ pub(in crate::simulation) mod check;
 enum Owner {
     /// Everything that never moves.
     World,
+    /// The walls that follow a motion, by its number.
+    Motion(usize),
     /// A loose sphere.
     Sphere(SphereId),
     /// A body that moves as a whole, by its number in [`Scene::whole_bodies`].
@@ -38,6 +42,8 @@ enum Owner {
 pub(in crate::simulation) struct Frames {
     world: RigidWorld,
     owners: Vec<Owner>,
+    /// Where the origin of the body of each motion lies before the motion, in units. Body 1 is that of the first motion.
+    origins: Vec<DVec3>,
     /// What each collider is in the scene.
     parts: Vec<Part>,
     handles: BodyHandles,
@@ -56,8 +62,8 @@ type Device = Option<std::convert::Infallible>;
 impl Frames {
     fn of(scene: &Scene) -> Result<Self> {
         check::check_rods(scene)?;
-        let build::Builder { world, owners, parts, .. } = build::Builder::build(scene)?;
-        Ok(Self { world, owners, parts, handles: BodyHandles::of(scene), substeps: 0, device: None })
+        let build::Builder { world, owners, origins, parts, .. } = build::Builder::build(scene)?;
+        Ok(Self { world, owners, origins, parts, handles: BodyHandles::of(scene), substeps: 0, device: None })
     }
 
     /// What a checkpoint keeps beside the scene: the substeps, and of each body its spin and the factor of its margin, then the contacts.
@@ -155,7 +161,7 @@ impl Frames {
                 orientation: body.pose.turn,
             };
             let put = match *owner {
-                Owner::World => Ok(()),
+                Owner::World | Owner::Motion(_) => Ok(()),
                 Owner::Sphere(id) => scene.put_sphere(id, &state),
                 Owner::Body(number) if number < declared.len() => scene.put_body(declared[number], state),
                 Owner::Body(number) => scene.put_implied(implied[number - declared.len()], state),
@@ -171,7 +177,7 @@ impl Frames {
     /// The first sphere of a body, by its index.
     fn first_sphere(&self, body: u32, scene: &Scene) -> usize {
         let id = match self.owners[body as usize] {
-            Owner::World => None,
+            Owner::World | Owner::Motion(_) => None,
             Owner::Sphere(id) => Some(id),
             Owner::Body(number) => scene.whole_bodies().nth(number).and_then(|body| body.spheres.first().copied()),
         };
@@ -213,12 +219,14 @@ impl Simulation {
             frames.device = Some(Box::new(device::OnDevice::new(gpu, &frames.world)?));
         }
         let dt = self.time_step;
+        self.muscle_clock.set_time_step(dt);
         if frames.substeps == 0 {
             frames.substeps = self.scene.run.substeps.unwrap_or_else(|| auto_substeps(&frames.world, dt));
         }
         let keeps_going = self.options.keep_going;
         let mut failed = None;
         for _ in 0..count {
+            frames.drive(&self.scene, self.muscle_clock.written_time(), dt);
             let report = frames.advance(dt, keeps_going)?;
             if let Some((_, first)) = report.stopped.filter(|_| !keeps_going) {
                 failed = Some(frames.first_sphere(first, &self.scene));
@@ -245,14 +253,22 @@ impl Simulation {
         // Objects may have been added since the scene was packed. It is packed again then.
         if self.dirty != Dirty::Everything {
             self.world.set_spheres(&self.scene);
+            place_walls(&mut self.world, &self.scene, &self.muscle_clock);
         }
         Ok(true)
+    }
+
+    /// The bodies of the scene at the present time.
+    fn frames_of_scene(&self) -> Result<Frames> {
+        let mut frames = Frames::of(&self.scene)?;
+        frames.place_motions(&self.scene, self.muscle_clock.written_time(), self.time_step);
+        Ok(frames)
     }
 
     /// Makes the bodies anew from the scene. What is known of their contacts stays if the colliders are the same.
     fn renew_frames(&mut self) -> Result<()> {
         self.synced = self.synced || self.pull_frames()?;
-        let mut frames = Frames::of(&self.scene)?;
+        let mut frames = self.frames_of_scene()?;
         if let Some(mut before) = self.frames.take() {
             before.fetch_history()?;
             frames.keep(&before);
@@ -266,13 +282,22 @@ impl Simulation {
     /// # Errors
     /// [`Error::Device`] when the device fails.
     pub(in crate::simulation) fn frame_words(&mut self) -> Result<Vec<u32>> {
-        let Some(frames) = self.frames.as_mut().filter(|frames| frames.substeps > 0) else { return Ok(Vec::new()) };
-        frames.fetch_history()?;
+        if self.substeps().is_none() {
+            return Ok(Vec::new());
+        }
+        let Some(mut frames) = self.frames.take() else { return Ok(Vec::new()) };
+        let words = frames.fetch_history().and_then(|()| self.words_of_next(&frames));
+        self.frames = Some(frames);
+        words
+    }
+
+    /// The words of the bodies that the next frame begins with.
+    fn words_of_next(&self, frames: &Frames) -> Result<Vec<u32>> {
         if !self.frames_due {
             return Ok(frames.words());
         }
-        // Edits may have changed the bodies, and the words are those of the next frame.
-        let mut edited = Frames::of(&self.scene)?;
+        // Edits may have changed the bodies.
+        let mut edited = self.frames_of_scene()?;
         edited.keep(frames);
         Ok(edited.words())
     }

@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::rigid::common::FREQUENCY;
 use crate::rigid::gpu::shapes::ColliderRow;
+use crate::rigid::world::Body;
 
 /// A block has one side without mass.
 pub(crate) const FIXED: u32 = 1 << 24;
@@ -49,6 +50,24 @@ pub(crate) struct BodyRow {
     /// The spin that belongs to the momentum; after the kick, that of the kick.
     pub(crate) kicked_spin: [f32; 3],
     pub(crate) unused: f32,
+}
+
+impl BodyRow {
+    /// A body without mass at the start of a frame.
+    pub(crate) fn without_mass(body: &Body) -> Self {
+        let (velocity, spin) = (body.velocity.to_array(), body.spin.to_array());
+        Self {
+            position: body.pose.position.to_array(),
+            turn: body.pose.turn.to_array(),
+            velocity,
+            spin,
+            momentum: body.momentum.to_array(),
+            radius: body.radius,
+            kicked_velocity: velocity,
+            kicked_spin: spin,
+            ..Self::default()
+        }
+    }
 }
 
 /// What does not change in a frame.

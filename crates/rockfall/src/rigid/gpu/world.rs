@@ -18,7 +18,7 @@ use crate::rigid::gpu::rows::{BodyRow, FrameRow, FrameRows};
 use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search};
 use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, call, loads_bytes};
 use crate::rigid::shape::Shape;
-use crate::rigid::world::{Kind, RigidWorld};
+use crate::rigid::world::{Body, Kind, RigidWorld};
 
 /// Frames with impacts after one that began anew because of an impact.
 const STORM: u32 = 64;
@@ -131,6 +131,13 @@ impl GpuWorld {
         write(OLD_POINTS, cast_slice(&past.points));
         (self.frames, self.substep, self.kept) = (world.history.frames, world.history.substep, past.pairs.len() as u32);
         Ok(())
+    }
+
+    /// Sets the states of the bodies from number 1 on, which have no mass.
+    pub(crate) fn drive(&self, bodies: &[Body]) {
+        let rows: Vec<BodyRow> = bodies.iter().map(BodyRow::without_mass).collect();
+        let place = size_of::<BodyRow>() as u64;
+        self.gpu().queue.write_buffer(self.frame.arrays.get(BODIES), place, cast_slice(&rows));
     }
 
     fn gpu(&self) -> &Arc<RigidGpu> {

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::Owner;
+use super::{Owner, motions};
 use crate::error::Result;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
 use crate::scene::{
-    AnyForm, BOX_SPHERES, Body as Part, MaterialId, Polygon, Scene, ShapeHull, Surface as WallSurface, WholeBody, upright,
+    AnyForm, BOX_SPHERES, Body as Part, MaterialId, MotionId, Polygon, Scene, ShapeHull, Surface as WallSurface, WholeBody, upright,
 };
 
 /// A world under construction, and who its bodies are in the scene.
@@ -19,6 +19,8 @@ pub(super) struct Builder<'a> {
     scene: &'a Scene,
     pub(super) world: RigidWorld,
     pub(super) owners: Vec<Owner>,
+    /// Where the origin of the body of each motion lies before the motion, in units.
+    pub(super) origins: Vec<DVec3>,
     /// What each collider is in the scene.
     pub(super) parts: Vec<Part>,
     /// Numbers of the shapes that are known, by the bits of their sizes; of hulls, by their place in memory.
@@ -26,13 +28,15 @@ pub(super) struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// All bodies of a scene that [`check`](super::check::check) accepts: the world, then the loose spheres and the bodies that move
-    /// as a whole, in order of addition.
+    /// All bodies of a scene that [`check`](super::check::check) accepts: the world, the motions with their walls, then the loose spheres
+    /// and the bodies that move as a whole, each in order of addition.
     pub(super) fn build(scene: &'a Scene) -> Result<Self> {
         let world = RigidWorld { bodies: vec![Body::fixed(Kind::World, Pose::IDENTITY)], ..RigidWorld::default() };
-        let mut builder = Self { scene, world, owners: vec![Owner::World], parts: Vec::new(), shapes: HashMap::new() };
+        let owners = vec![Owner::World];
+        let mut builder = Self { scene, world, owners, origins: Vec::new(), parts: Vec::new(), shapes: HashMap::new() };
         builder.world.gravity = scene.settings.gravity * scene.settings.gravity_direction;
         builder.surfaces();
+        builder.motions()?;
         builder.walls()?;
         builder.spheres()?;
         for (number, body) in scene.whole_bodies().enumerate() {
@@ -56,20 +60,46 @@ impl<'a> Builder<'a> {
         self.world.surfaces = (0..count * count).map(|place| of(place / count, place % count)).collect();
     }
 
-    /// Colliders of the world: boxes, polygons and fixed spheres.
+    /// A kinematic body for each motion, about the middle of its walls.
+    fn motions(&mut self) -> Result<()> {
+        let mut places = vec![Vec::new(); self.scene.motions().len() + 1];
+        for cuboid in self.scene.boxes() {
+            places[self.scene.body_number(cuboid.motion)? as usize].push(cuboid.frame().0);
+        }
+        for polygon in self.scene.polygons() {
+            places[self.scene.body_number(polygon.motion)? as usize].push(polygon.corner.as_dvec3());
+        }
+        for (number, places) in places.into_iter().enumerate().skip(1) {
+            self.origins.push(motions::middle(places.into_iter()));
+            self.add(Body::fixed(Kind::Kinematic, Pose::IDENTITY), Owner::Motion(number - 1));
+        }
+        Ok(())
+    }
+
+    /// The body that carries a wall, and where its origin lies before any motion.
+    fn carrier(&self, motion: Option<MotionId>) -> Result<(u32, DVec3)> {
+        let number = self.scene.body_number(motion)?;
+        Ok((number, number.checked_sub(1).map_or(DVec3::ZERO, |motion| self.origins[motion as usize])))
+    }
+
+    /// Colliders of the world and of motions: boxes, polygons and fixed spheres.
     fn walls(&mut self) -> Result<()> {
         for (id, cuboid) in self.scene.box_ids().zip(self.scene.boxes()) {
+            let (body, origin) = self.carrier(cuboid.motion)?;
             let (centre, turn, half) = cuboid.frame();
-            let place = Pose::new(centre.as_vec3(), turn.as_quat());
+            let place = Pose::new((centre - origin).as_vec3(), turn.as_quat());
             let shape = self.shape(Core::Box { half: half.as_vec3() }, 0.0);
-            let collider = self.collider(Part::Box(id), 0, shape, place, (cuboid.group, cuboid.material))?;
+            let collider = self.collider(Part::Box(id), body, shape, place, (cuboid.group, cuboid.material))?;
             collider.surface_velocity = cuboid.surface_velocity;
+            self.widen(body);
         }
         for (id, polygon) in self.scene.polygon_ids().zip(self.scene.polygons()) {
-            let (core, place) = core_and_place(polygon);
+            let (body, origin) = self.carrier(polygon.motion)?;
+            let (core, place) = core_and_place(polygon, origin);
             let shape = self.shape(core, 0.0);
-            let collider = self.collider(Part::Polygon(id), 0, shape, place, (polygon.group, polygon.material))?;
+            let collider = self.collider(Part::Polygon(id), body, shape, place, (polygon.group, polygon.material))?;
             collider.surface_velocity = polygon.surface_velocity;
+            self.widen(body);
         }
         for (id, sphere) in self.scene.sphere_ids().zip(self.scene.spheres()).filter(|(_, sphere)| sphere.fixed) {
             let shape = self.shape(Core::Point, sphere.radius);
@@ -170,6 +200,16 @@ impl<'a> Builder<'a> {
         })
     }
 
+    /// Lets the radius of a body that carries walls reach the last collider. Planes have no end, and do not turn.
+    fn widen(&mut self, body: u32) {
+        let Some(collider) = self.world.colliders.last() else { return };
+        let reach = collider.place.position.length() + self.world.shapes[collider.shape as usize].extent();
+        let body = &mut self.world.bodies[body as usize];
+        if body.kind == Kind::Kinematic && reach.is_finite() {
+            body.radius = body.radius.max(reach);
+        }
+    }
+
     fn add(&mut self, body: Body, owner: Owner) -> u32 {
         self.world.bodies.push(body);
         self.owners.push(owner);
@@ -239,13 +279,13 @@ fn segment(from: DVec3, to: DVec3) -> (f32, Pose) {
     ((0.5 * along.length()) as f32, Pose::new((0.5 * (from + to)).as_vec3(), turn.as_quat()))
 }
 
-/// The core of a parallelogram, a triangle or a plane, and where it lies. A parallelogram is touched on the side of L x R, a triangle
-/// on both.
-fn core_and_place(polygon: &Polygon) -> (Core, Pose) {
-    let (corner, left, right) = (polygon.corner.as_dvec3(), polygon.left.as_dvec3(), polygon.right.as_dvec3());
+/// The core of a parallelogram, a triangle or a plane, and where it lies from an origin. A parallelogram is touched on the side of L x R,
+/// a triangle on both.
+fn core_and_place(polygon: &Polygon, origin: DVec3) -> (Core, Pose) {
+    let (corner, left, right) = (polygon.corner.as_dvec3() - origin, polygon.left.as_dvec3(), polygon.right.as_dvec3());
     let normal = left.cross(right).normalize();
     if polygon.surface == WallSurface::Plane {
-        return (Core::HalfSpace, Pose::new(polygon.corner, DQuat::from_rotation_arc(DVec3::Y, normal).as_quat()));
+        return (Core::HalfSpace, Pose::new(corner.as_vec3(), DQuat::from_rotation_arc(DVec3::Y, normal).as_quat()));
     }
     let turn = upright(left, normal.cross(left));
     let inner = |edge: DVec3| (turn.inverse() * edge).as_vec3() * Vec3::new(1.0, 1.0, 0.0);

@@ -3,10 +3,11 @@
 use crate::error::{Error, Result};
 use crate::options::Options;
 use crate::scene::Scene;
+use crate::simulation::frames::motions::turns_planes;
 
 fn refused(value: &str) -> Result<()> {
-    let expected = "spheres, capsules, placed bodies, and static boxes, parallelograms, triangles and planes: the contact law \
-                    rigid has nothing else yet";
+    let expected = "spheres, capsules, placed bodies, and boxes, parallelograms, triangles and planes, still or on motions: the contact \
+                    law rigid has nothing else yet";
     Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected })
 }
 
@@ -27,7 +28,8 @@ pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<(
     let has = [
         (!scene.springs().is_empty(), "a spring"),
         (!scene.tethers().is_empty(), "a tether"),
-        (!scene.motions().is_empty(), "a motion"),
+        (scene.motions().iter().any(|motion| motion.servo.is_some()), "a servo"),
+        (turns_planes(scene), "a plane that turns"),
         (!scene.inlets().is_empty(), "an inlet"),
         (!scene.outlets().is_empty(), "an outlet"),
         (!scene.gauges().is_empty(), "a gauge"),

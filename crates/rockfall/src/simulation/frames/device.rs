@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::exec::gpu::{Gpu, catch};
 use crate::rigid::frame::{FrameReport, bodies_alone};
 use crate::rigid::gpu::world::GpuWorld;
-use crate::rigid::world::RigidWorld;
+use crate::rigid::world::{Body, RigidWorld};
 
 /// A world on a device. The host has the states of its bodies after each call of the simulation; what is remembered of contacts is
 /// read when something asks for it.
@@ -22,6 +22,11 @@ impl OnDevice {
         gpu.check_limits()?;
         let world = catch(gpu.device(), || GpuWorld::new(&gpu.rigid(), world, &bodies_alone(world)))?.map_err(Error::Device)?;
         Ok(Self { gpu: gpu.clone(), world, history_due: false })
+    }
+
+    /// Sets the states of the bodies from number 1 on, which have no mass.
+    pub(super) fn drive(&self, bodies: &[Body]) {
+        self.world.drive(bodies);
     }
 
     /// Advances all bodies by a frame.

@@ -8,6 +8,7 @@ use crate::rigid::broad::pairs;
 use crate::rigid::collide::collide;
 use crate::rigid::pose::Pose;
 use crate::scene::{Body as Part, Scene, Sphere};
+use crate::settings::DEFAULT_TIME_STEP;
 use crate::simulation::observe::{Contact, ContactAction};
 use crate::simulation::{MaxOverlap, Simulation, SphereDiagnostics};
 
@@ -76,7 +77,8 @@ pub(crate) fn overlaps_of_hulls(scene: &Scene) -> Result<Vec<([Part; 2], f32, f3
     }
     let mut implied = scene.clone();
     implied.imply_bodies();
-    let frames = Frames::of(&implied)?;
+    let mut frames = Frames::of(&implied)?;
+    frames.place_motions(&implied, 0.0, DEFAULT_TIME_STEP);
     let is_hull = |part: &Part| matches!(part, Part::Sphere(id) if scene.hull_of_sphere(*id).is_some());
     let mut found: Vec<([Part; 2], f32, f32)> = Vec::new();
     for touch in frames.touches() {
