@@ -82,6 +82,25 @@ impl History {
         words.next().is_none().then_some(history)
     }
 
+    /// The history with other numbers of colliders and bodies. What has no number there, or another order, is left out.
+    pub(crate) fn renumbered(&self, colliders: &[Option<u32>], bodies: &[Option<u32>]) -> Self {
+        let both = |numbers: &[Option<u32>], [a, b]: [u32; 2]| {
+            let [a, b] = [a, b].map(|number| numbers.get(number as usize).copied().flatten());
+            Some([a?, b?]).filter(|[a, b]| a < b)
+        };
+        let mut new = Self { frames: self.frames, substep: self.substep, ..Self::default() };
+        let mut pairs: Vec<_> = self.pairs.iter().filter_map(|old| Some((both(colliders, old.colliders)?, old))).collect();
+        pairs.sort_unstable_by_key(|(numbers, _)| *numbers);
+        for (colliders, OldPair { first, count, .. }) in pairs {
+            new.pairs.push(OldPair { colliders, first: new.points.len() as u32, count: *count });
+            new.points.extend_from_slice(&self.points[*first as usize..(first + count) as usize]);
+        }
+        let colours = self.colours.iter().filter_map(|(old, colour)| Some((both(bodies, *old)?, *colour)));
+        new.colours = colours.collect();
+        new.colours.sort_unstable_by_key(|(numbers, _)| *numbers);
+        new
+    }
+
     /// The points of a pair of colliders.
     pub(in crate::rigid) fn pair(&self, colliders: [u32; 2]) -> Option<&[OldPoint]> {
         let place = self.pairs.binary_search_by_key(&colliders, |old| old.colliders).ok()?;

@@ -61,7 +61,7 @@ impl Simulation {
     pub(super) async fn drive(&mut self, phases: &[Phase], times: u64, mut recorder: Option<&mut Recorder>) -> Result<()> {
         self.flush_async().await?;
         if self.has_frames() {
-            return self.drive_frames(phases, times);
+            return self.drive_frames(phases, times).await;
         }
         if phases.contains(&Phase::HandleCollisions) {
             self.status.collided = 0;

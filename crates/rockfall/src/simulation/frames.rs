@@ -17,6 +17,7 @@ use crate::step::walls::move_walls::place_walls;
 mod build;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
+mod keep;
 mod motions;
 pub(crate) mod observe;
 mod predict;
@@ -94,17 +95,6 @@ impl Frames {
         }
         (self.substeps, self.world.history) = (head[0], history);
         (1..=RunDefaults::MAX_SUBSTEPS).contains(&self.substeps)
-    }
-
-    /// Takes over what another world has learnt, if the colliders are the same.
-    fn keep(&mut self, before: &Self) {
-        if before.owners == self.owners && before.world.colliders == self.world.colliders {
-            self.world.history = before.world.history.clone();
-            for (body, before) in self.world.bodies.iter_mut().zip(&before.world.bodies) {
-                body.margin_scale = before.margin_scale;
-            }
-        }
-        self.substeps = before.substeps;
     }
 
     /// What a checkpoint keeps of the bodies of a scene. `None` if it is nothing.
@@ -200,12 +190,19 @@ impl Simulation {
     ///
     /// # Errors
     /// [`Error::Invalid`] for a phase alone: the law has none. Otherwise as for [`Simulation::step`].
-    pub(in crate::simulation) fn drive_frames(&mut self, phases: &[Phase], times: u64) -> Result<()> {
+    pub(in crate::simulation) async fn drive_frames(&mut self, phases: &[Phase], times: u64) -> Result<()> {
         if let [phase] = phases {
             let expected = "a whole step: the contact law rigid has no phases that run alone";
             return Err(Error::Invalid { field: "phase", value: format!("{phase:?}"), expected });
         }
-        self.run_frames(times)
+        let mut left = times;
+        while left > 0 {
+            let until = self.pass().await?;
+            let count = left.min(until);
+            self.run_frames(count)?;
+            left -= count;
+        }
+        Ok(())
     }
 
     /// Runs frames of [`Simulation::time_step`] seconds.

@@ -224,8 +224,7 @@ fn other_objects_are_refused_by_name() {
     for (text, name) in [
         ("K 1 2 10 1 0\n", "a spring"),
         ("@periodic x -5 5\n", "periodic boundaries"),
-        ("@gauge name=g plane=0,0,0,0,1,0\n", "a gauge"),
-        ("@motion m velocity=1,0,0\n", "a motion"),
+        ("@servo m force=0,-1,0 speed=1\n", "a servo"),
     ] {
         let loaded = Scene::parse(&format!("set contact_law rigid\n{ball}{text}"), Path::new("test"));
         let scene = loaded.unwrap_or_else(|error| panic!("{text}: {error}")).scene;

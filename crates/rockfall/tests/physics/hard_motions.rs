@@ -49,7 +49,8 @@ fn a_box_rides_on_a_table_that_oscillates(backend: Backend) {
         // The table takes the mean velocity of the frame.
         let speed = TAU * frequency * amplitude * (angle - 0.5 * TAU * frequency * FRAME).cos();
         assert!((velocity.y - speed).abs() < 0.05, "frame {frame}: {} {speed}", velocity.y);
-        assert!((at - Vec3::new(0.2, at.y, 0.1)).length() < 2e-3, "{at}");
+        // Friction creeps where the load changes (section 11.12).
+        assert!((at - Vec3::new(0.2, at.y, 0.1)).length() < 5e-3, "{at}");
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::{Quat, Vec3};
 
+use crate::rigid::broad::Aabb;
 use crate::rigid::collide::collide;
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Found, Pair, Place};
@@ -13,6 +14,44 @@ use crate::rigid::world::RigidWorld;
 const SKIN: f32 = 1e-3;
 /// Normals that differ by less than 0.01 rad are one.
 const SAME: f32 = 0.999_95;
+
+/// Shapes of a body that may cover points on each other, in the order of the least x of their AABBs in coordinates of the body.
+struct Covers<'a> {
+    world: &'a RigidWorld,
+    skin: f32,
+    shapes: Vec<(Aabb, u32)>,
+    /// The greatest width of an AABB along x.
+    widest: f32,
+}
+
+impl<'a> Covers<'a> {
+    fn new(world: &'a RigidWorld, colliders: impl Iterator<Item = u32>, skin: f32) -> Self {
+        let bounds = |number: u32| {
+            let collider = &world.colliders[number as usize];
+            let Aabb { min, max } = world.shapes[collider.shape as usize].aabb(&collider.place);
+            // Room for the skin and for rounding.
+            let room = Vec3::splat(1.1 * skin) + 1e-5 * min.abs().max(max.abs());
+            Aabb { min: min - room, max: max + room }
+        };
+        let mut shapes: Vec<(Aabb, u32)> = colliders.map(|number| (bounds(number), number)).collect();
+        shapes.sort_unstable_by(|(one, _), (other, _)| one.min.x.total_cmp(&other.min.x));
+        let widest = shapes.iter().map(|(bounds, _)| bounds.max.x - bounds.min.x).fold(0.0, f32::max);
+        Self { world, skin, shapes, widest }
+    }
+
+    /// Whether another shape than `own` covers a place.
+    fn cover(&self, own: u32, place: Vec3) -> bool {
+        let first = self.shapes.partition_point(|(bounds, _)| bounds.min.x < place.x - self.widest);
+        let near = self.shapes[first..].iter().take_while(|(bounds, _)| bounds.min.x <= place.x);
+        near.filter(|(bounds, other)| *other != own && place.cmpge(bounds.min).all() && place.cmple(bounds.max).all()).any(
+            |(_, other)| {
+                let collider = &self.world.colliders[*other as usize];
+                let point = collider.place.relative(&Pose::new(place, Quat::IDENTITY));
+                collide(&self.world.shapes[collider.shape as usize], &Shape::ball(self.skin), &point, 0.0).is_some()
+            },
+        )
+    }
+}
 
 /// Which side of a pair has no mass, if one has none.
 fn static_side(bodies: &Bodies, owners: [u32; 2]) -> Option<usize> {
@@ -26,19 +65,7 @@ pub(super) fn expose(world: &RigidWorld, bodies: &Bodies, same: &mut [Found]) {
     let Some(side) = static_side(bodies, same[0].bodies).filter(|_| same.len() > 1) else { return };
     let [still, moving] = [same[0].bodies[side], same[0].bodies[1 - side]].map(|body| body as usize);
     let skin = SKIN * 0.5 * world.bodies[moving].width;
-    let places: Vec<(u32, Pose, &Shape)> = same
-        .iter()
-        .map(|found| {
-            let collider = &world.colliders[found.colliders[side] as usize];
-            (found.colliders[side], collider.place, &world.shapes[collider.shape as usize])
-        })
-        .collect();
-    let covered = |own: u32, place: Vec3| {
-        places.iter().any(|(other, pose, shape)| {
-            let point = pose.relative(&Pose::new(place, Quat::IDENTITY));
-            *other != own && collide(shape, &Shape::ball(skin), &point, 0.0).is_some()
-        })
-    };
+    let covers = Covers::new(world, same.iter().map(|found| found.colliders[side]), skin);
     let exposed = |found: &Found| -> Vec<usize> {
         let first = &world.colliders[found.colliders[0] as usize];
         // From the shape a to the body without mass.
@@ -52,7 +79,7 @@ pub(super) fn expose(world: &RigidWorld, bodies: &Bodies, same: &mut [Found]) {
         let count = found.manifold.count;
         let middle = (0..count).map(on).sum::<Vec3>() / count as f32;
         let inward = |k: usize| (middle - on(k)).clamp_length_max(3.0 * skin);
-        (0..count).filter(|k| !covered(found.colliders[side], on(*k) + 2.0 * skin * normal + inward(*k))).collect()
+        (0..count).filter(|k| !covers.cover(found.colliders[side], on(*k) + 2.0 * skin * normal + inward(*k))).collect()
     };
     let all = |found: &Found| (0..found.manifold.count).collect::<Vec<_>>();
     let mut kept: Vec<Vec<usize>> =

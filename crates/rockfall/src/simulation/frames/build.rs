@@ -11,7 +11,8 @@ use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
 use crate::scene::{
-    AnyForm, BOX_SPHERES, Body as Part, MaterialId, MotionId, Polygon, Scene, ShapeHull, Surface as WallSurface, WholeBody, upright,
+    AnyForm, BOX_SPHERES, Body as Part, MaterialId, MotionId, Polygon, Scene, ShapeHull, Surface as WallSurface, WholeBody,
+    upright,
 };
 
 /// A world under construction, and who its bodies are in the scene.

@@ -1,0 +1,76 @@
+//! Inlets, outlets and gauges under the contact law `rigid`.
+
+use std::path::Path;
+
+use rockfall::{Backend, Checkpoint, GaugeReading, Meter, Options, Scene, Simulation};
+
+const FRAME: f32 = 1.0 / 60.0;
+/// A tray on a scale, an inlet above it, and an outlet below its open side.
+const TRAY: &str = "set contact_law rigid\nset gravity 9.81\n\
+    @name scale\nB -2 -1 -2  4 0 0  0 1 0  0 0 4\n@name -\n\
+    B -2.2 0 -2.2  0.2 0 0  0 2 0  0 0 4.4\nB 2 0 -2.2  0.2 0 0  0 2 0  0 0 4.4\n\
+    B -2 0 -2.2  4 0 0  0 2 0  0 0 0.2\nB -2 0 2  4 0 0  0 2 0  0 0 0.2\n\
+    @gauge name=weight wall=scale\n";
+
+fn open(text: &str, backend: Backend) -> Simulation {
+    let scene = Scene::parse(&format!("{TRAY}{text}"), Path::new("test")).expect("a valid scene").scene;
+    Simulation::with_options(scene, Options::new().backend(backend)).expect("it opens")
+}
+
+both! {
+    a_scale_shows_the_weight_of_what_came_in,
+    split_and_resumed_runs_with_inlets_have_the_same_bits,
+    bodies_keep_their_contacts_while_others_come_and_go,
+}
+
+const INLET: &str = "@inlet name=top box=-1,3,-1,1,3.6,1 rate=20 radius=0.25 density=30 velocity=0,-2,0 limit=12\n";
+
+fn a_scale_shows_the_weight_of_what_came_in(backend: Backend) {
+    let mut simulation = open(INLET, backend);
+    let mut meter = Meter::new(simulation.scene(), true, false);
+    simulation.run(240, FRAME).expect("4 s");
+    assert_eq!(simulation.flow().inlets[0].spheres, 12);
+    simulation.run_metered(60, FRAME, &mut meter).expect("1 s");
+    let mass = simulation.flow().inlets[0].mass;
+    let weight = mass * 9.81;
+    let mean = meter.take_means()[0][0];
+    assert!((mean.y + weight).abs() < 0.02 * weight && mean.x.abs() < 0.02 * weight, "{mean} {weight}");
+    let GaugeReading::Wall(load) = simulation.gauges().expect("readings")[0] else { panic!("a wall") };
+    assert!((load.force.y + weight).abs() < 0.05 * weight && load.contacts >= 3, "{load:?}");
+}
+
+fn bits(simulation: &mut Simulation) -> Vec<[u32; 3]> {
+    simulation.spheres().expect("states").iter().map(|sphere| sphere.position.to_array().map(f32::to_bits)).collect()
+}
+
+fn split_and_resumed_runs_with_inlets_have_the_same_bits(backend: Backend) {
+    let text = format!("{INLET}@outlet name=hole box=-2,-0.1,-2,0,0.5,2\n");
+    let mut whole = open(&text, backend);
+    whole.run(90, FRAME).expect("frames");
+    assert!(whole.flow().outlets[0].spheres > 0, "{:?}", whole.flow());
+    let mut split = open(&text, backend);
+    for _ in 0..9 {
+        split.run(10, FRAME).expect("frames");
+    }
+    assert_eq!(bits(&mut whole), bits(&mut split));
+    for frames in [13, 51] {
+        let mut first = open(&text, backend);
+        first.run(frames, FRAME).expect("frames");
+        let bytes = first.checkpoint().expect("a checkpoint").to_bytes();
+        let mut resumed = Simulation::resume(Checkpoint::from_bytes(&bytes, "test").expect("it reads")).expect("it resumes");
+        resumed.run(90 - frames, FRAME).expect("frames");
+        assert_eq!(bits(&mut whole), bits(&mut resumed), "after {frames} frames");
+    }
+}
+
+/// A tower of ten cubes does not move while balls come in far from it: its contacts keep their impulses.
+fn bodies_keep_their_contacts_while_others_come_and_go(backend: Backend) {
+    let tower: String = (0..10).map(|number| format!("@place cube at=10,{},0\n", number as f32 + 0.5)).collect();
+    let cube = "@body cube mass=1\nB -0.5 -0.5 -0.5 1 0 0 0 1 0 0 0 1\n@end\nB 5 -1 -5  10 0 0  0 1 0  0 0 10\n";
+    let heights = ["", "@inlet name=top box=-1,3,-1,1,3.6,1 rate=60 radius=0.1 density=20 velocity=0,-3,0\n"].map(|inlet| {
+        let mut simulation = open(&format!("{cube}{tower}{inlet}"), backend);
+        simulation.run(120, FRAME).expect("2 s");
+        simulation.sync().expect("states").bodies()[9].position
+    });
+    assert!(heights[0].distance(heights[1]) < 1e-6, "{heights:?}");
+}
