@@ -18,6 +18,7 @@ mod build;
 mod device;
 pub(crate) mod observe;
 mod predict;
+mod springs;
 
 pub use predict::HardContacts;
 pub(in crate::simulation) mod check;
@@ -216,9 +217,11 @@ impl Simulation {
         if frames.substeps == 0 {
             frames.substeps = self.scene.run.substeps.unwrap_or_else(|| auto_substeps(&frames.world, dt));
         }
+        self.muscle_clock.set_time_step(dt);
         let keeps_going = self.options.keep_going;
         let mut failed = None;
         for _ in 0..count {
+            frames.set_muscles(&self.scene, &self.muscle_clock);
             let report = frames.advance(dt, keeps_going)?;
             if let Some((_, first)) = report.stopped.filter(|_| !keeps_going) {
                 failed = Some(frames.first_sphere(first, &self.scene));
@@ -256,6 +259,7 @@ impl Simulation {
         if let Some(mut before) = self.frames.take() {
             before.fetch_history()?;
             frames.keep(&before);
+            frames.suit_springs(&self.scene, self.time_step);
         }
         (self.frames, self.frames_due) = (Some(Box::new(frames)), false);
         Ok(())
@@ -274,6 +278,7 @@ impl Simulation {
         // Edits may have changed the bodies, and the words are those of the next frame.
         let mut edited = Frames::of(&self.scene)?;
         edited.keep(frames);
+        edited.suit_springs(&self.scene, self.time_step);
         Ok(edited.words())
     }
 

@@ -16,7 +16,7 @@ use crate::scene::{
 
 /// A world under construction, and who its bodies are in the scene.
 pub(super) struct Builder<'a> {
-    scene: &'a Scene,
+    pub(super) scene: &'a Scene,
     pub(super) world: RigidWorld,
     pub(super) owners: Vec<Owner>,
     /// What each collider is in the scene.
@@ -38,6 +38,7 @@ impl<'a> Builder<'a> {
         for (number, body) in scene.whole_bodies().enumerate() {
             builder.body(number, &body)?;
         }
+        builder.springs()?;
         Ok(builder)
     }
 

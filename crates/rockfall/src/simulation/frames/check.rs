@@ -5,8 +5,8 @@ use crate::options::Options;
 use crate::scene::Scene;
 
 fn refused(value: &str) -> Result<()> {
-    let expected = "spheres, capsules, placed bodies, and static boxes, parallelograms, triangles and planes: the contact law \
-                    rigid has nothing else yet";
+    let expected = "spheres, capsules, placed bodies, springs, tethers, and static boxes, parallelograms, triangles and planes: \
+                    the contact law rigid has nothing else yet";
     Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected })
 }
 
@@ -25,8 +25,6 @@ pub(in crate::simulation) fn check_rods(scene: &Scene) -> Result<()> {
 /// [`Error::Invalid`], which names the first object that it does not know.
 pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<()> {
     let has = [
-        (!scene.springs().is_empty(), "a spring"),
-        (!scene.tethers().is_empty(), "a tether"),
         (!scene.motions().is_empty(), "a motion"),
         (!scene.inlets().is_empty(), "an inlet"),
         (!scene.outlets().is_empty(), "an outlet"),
