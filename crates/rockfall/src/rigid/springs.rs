@@ -126,11 +126,8 @@ fn end(body: &Body, place: Vec3, force: f64) -> End {
 
 /// The greatest (r x n) . I^-1 (r x n) of all directions n, with the arm r along the principal axes.
 fn greatest_response(arm: DVec3, moments: DVec3) -> f64 {
-    let cross = DMat3::from_cols(
-        DVec3::new(0.0, arm.z, -arm.y),
-        DVec3::new(-arm.z, 0.0, arm.x),
-        DVec3::new(arm.y, -arm.x, 0.0),
-    );
+    let cross =
+        DMat3::from_cols(DVec3::new(0.0, arm.z, -arm.y), DVec3::new(-arm.z, 0.0, arm.x), DVec3::new(arm.y, -arm.x, 0.0));
     let response = cross.transpose() * DMat3::from_diagonal(moments.recip()) * cross;
     // One eigenvalue is 0, that of the arm. The others are the roots of a quadratic.
     let [x, y, z] = [response.x_axis, response.y_axis, response.z_axis];

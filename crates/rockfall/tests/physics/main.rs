@@ -18,6 +18,7 @@ mod faults;
 mod force_laws;
 mod gauges;
 mod hard;
+mod hard_springs;
 mod hulls;
 mod laws;
 mod meshes;

@@ -278,11 +278,7 @@ pub(super) const STAGES: &[Stage] = &[
         bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, COLLIDERS, HULLS],
     },
     Stage { name: "seek_round", file: "rigid/frame/wait.wgsl", bindings: &[LOADS, REPORT] },
-    Stage {
-        name: "pull",
-        file: "rigid/frame/springs.wgsl",
-        bindings: &[BODIES, CONSTANTS, SPRINGS, ENDS_OF_SPRINGS, MUSCLES],
-    },
+    Stage { name: "pull", file: "rigid/frame/springs.wgsl", bindings: &[BODIES, CONSTANTS, SPRINGS, ENDS_OF_SPRINGS, MUSCLES] },
 ];
 
 pub(super) const OPEN: usize = 0;
