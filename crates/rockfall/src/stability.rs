@@ -248,8 +248,9 @@ impl Scene {
     /// that lose angular momentum, and rods that are likely mistakes. Also what [`Scene::intent`] finds.
     pub fn concerns(&self, dt: f32, integrator: Integrator) -> Vec<String> {
         if self.is_rigid() {
-            // Hard contacts bound no time step, and nothing else of the scene has stiffness.
-            return self.odd_rods().iter().map(|rod| rod.describe(self)).collect();
+            // Hard contacts bound no time step, but springs bound the substep.
+            let rods = self.odd_rods();
+            return self.concerns_of_frames(dt).into_iter().chain(rods.iter().map(|rod| rod.describe(self))).collect();
         }
         let mut concerns: Vec<String> = self.stability(dt, integrator).iter().map(|warning| warning.describe(self)).collect();
         let slow = self.law_times().into_iter().filter(|time| time.is_exceeded_by(dt));

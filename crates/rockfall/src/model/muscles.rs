@@ -101,6 +101,13 @@ impl MuscleClock {
         [muscle.amplitude.to_bits(), low, high, step_low, step_high]
     }
 
+    /// The record of a muscle for a step in `substeps` equal parts: its phase at the start of the step, and its change in a part.
+    pub(crate) fn record_of_substeps(&self, muscle: &Muscle, substeps: u32) -> [u32; MUSCLE_WORDS as usize] {
+        let change = phase(f64::from(muscle.frequency) * f64::from(self.dt) / f64::from(substeps));
+        let ([low, high], [step_low, step_high]) = (words(self.phase_at(muscle, self.steps)), words(change));
+        [muscle.amplitude.to_bits(), low, high, step_low, step_high]
+    }
+
     /// Whether the tables for both clocks are the same.
     pub(crate) fn has_table_of(&self, other: &Self) -> bool {
         (self.start.to_bits(), self.dt.to_bits(), self.base()) == (other.start.to_bits(), other.dt.to_bits(), other.base())

@@ -11,6 +11,7 @@
 //! | `refresh` | geometry and rows in a pose |
 //! | `rows` | normal and friction rows of a block |
 //! | `seams` | static surfaces of several shapes |
+//! | `springs` | forces of springs |
 //! | `passes` | all blocks, colour by colour; the warm start |
 //! | `impacts`, `times` | impacts at their time of contact |
 //! | `energy` | energy and momenta |
@@ -27,6 +28,7 @@ mod passes;
 mod refresh;
 mod rows;
 mod seams;
+mod springs;
 #[cfg(test)]
 mod tests;
 mod times;
@@ -85,6 +87,8 @@ struct Frame<'a> {
     bodies: Bodies,
     contacts: Contacts,
     h: f32,
+    /// Substeps that are done.
+    done: u32,
     biased: Pass,
     relax: Pass,
 }
@@ -106,11 +110,12 @@ impl<'a> Frame<'a> {
     fn new(world: &'a RigidWorld, bodies: Bodies, contacts: Contacts, h: f32) -> Self {
         let biased = Pass { biased: true, softness: [Softness::new(FREQUENCY, h), Softness::new(2.0 * FREQUENCY, h)] };
         let relax = Pass { biased: false, ..biased };
-        Self { world, bodies, contacts, h, biased, relax }
+        Self { world, bodies, contacts, h, done: 0, biased, relax }
     }
 
     fn substep(&mut self) {
         impacts::impacts(self.world, &mut self.contacts, &mut self.bodies, self.h);
+        springs::pull(self.world, &mut self.bodies, self.done);
         self.bodies.kick(self.h);
         passes::warm_start(&mut self.contacts, &mut self.bodies);
         self.spare();
@@ -120,6 +125,7 @@ impl<'a> Frame<'a> {
         self.refresh();
         passes::pass(&mut self.contacts, &mut self.bodies, &self.relax);
         self.bodies.follow();
+        self.done += 1;
     }
 
     /// Looks along the paths of round contacts before the biased pass.

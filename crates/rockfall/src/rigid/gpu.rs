@@ -9,6 +9,7 @@
 //! | `arrays` | arrays by binding, dispatches over them |
 //! | [`shapes`] | rows of colliders, lists of hulls |
 //! | `kernels` | the kernels and their bindings |
+//! | `springs` | springs, and the ends of each body |
 //! | [`search`] | the manifolds of a frame |
 //! | [`scan`] | sums of all earlier words of an array |
 //!
@@ -26,6 +27,7 @@ pub(crate) mod rows;
 pub(crate) mod scan;
 pub(crate) mod search;
 pub(crate) mod shapes;
+mod springs;
 pub(crate) mod world;
 
 use std::collections::HashMap;
@@ -37,7 +39,7 @@ use arrays::Arrays;
 use kernels::{
     BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, CARRY_ROUND, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT, EXPOSE,
     FIND_ALL_ROUND, FIND_LEFT_OVER, FIND_LEFT_OVER_ROUND, FIND_ROUND, HULLS, KICK, Kernel, Kinds, LISTS, LOAD, LOADS, MEAN,
-    MEAN_OF_IMPACTS, PAIRS, POINTS, REFRESH, REFRESH_ROUND, REPORT, SEEK, SEEK_ROUND, SETTLE, SOLVE, SOLVE_LEFT_OVER,
+    MEAN_OF_IMPACTS, PAIRS, POINTS, PULL, REFRESH, REFRESH_ROUND, REPORT, SEEK, SEEK_ROUND, SETTLE, SOLVE, SOLVE_LEFT_OVER,
     SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND,
 };
 use rows::{BlockRow, BodyRow, ContactRow, FrameRow, FrameRows, PairRow, PointRow, ROUND};
@@ -88,7 +90,7 @@ pub(crate) enum Part {
     Expose,
     /// What the blocks add to the first warm start.
     Load,
-    /// Kick and warm start.
+    /// Springs, kick and warm start.
     Kick,
     /// Spare gaps of round pairs.
     Spare,
@@ -109,6 +111,7 @@ pub(crate) struct GpuFrame {
     arrays: Arrays,
     /// It has pairs with balls or capsules.
     is_round: bool,
+    springs: springs::OnDevice,
     bodies: u32,
     blocks: u32,
     points: u32,
@@ -203,6 +206,7 @@ impl RigidGpu {
         GpuFrame {
             arrays,
             is_round,
+            springs: springs::OnDevice::default(),
             bodies: rows.frame.bodies,
             blocks: rows.frame.blocks,
             points: rows.contacts.len() as u32,
@@ -256,6 +260,7 @@ impl GpuFrame {
     /// Takes over the numbers of a frame that the device has begun.
     fn begin(&mut self, row: &FrameRow) {
         (self.blocks, self.colours, self.substeps) = (row.blocks, row.colours, row.substeps);
+        self.springs.begin(&self.arrays);
     }
 
     /// The parts of all substeps.
@@ -286,7 +291,10 @@ impl GpuFrame {
         match part {
             Part::Expose => self.dispatch(pass, EXPOSE, self.blocks, 0),
             Part::Load => self.dispatch(pass, LOAD, self.blocks, 0),
-            Part::Kick => self.dispatch(pass, KICK, self.bodies, 0),
+            Part::Kick => {
+                self.dispatch(pass, PULL, self.springs.bodies(), 0);
+                self.dispatch(pass, KICK, self.bodies, 0);
+            }
             Part::Spare if self.is_round => self.dispatch(pass, SPARE_ROUND, self.blocks, 0),
             Part::Spare => (),
             Part::Biased | Part::Relax => self.encode_pass(pass, part == Part::Biased),

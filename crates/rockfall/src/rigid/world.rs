@@ -5,6 +5,7 @@ use glam::{Mat3, Quat, Vec3};
 use crate::rigid::history::History;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
+use crate::rigid::springs::Springs;
 use crate::rotate::product;
 
 /// What moves a body.
@@ -42,7 +43,7 @@ pub(crate) struct Body {
     pub(crate) radius: f32,
     /// Least edge or diameter of its colliders, in units.
     pub(crate) width: f32,
-    /// External force and torque about the centre, constant in a frame.
+    /// External force and torque about the centre, constant in a frame. Those of springs come on top.
     pub(crate) force: Vec3,
     pub(crate) torque: Vec3,
     /// Factor of the margin (docs/physics.md section 11), 1 at the start.
@@ -86,6 +87,7 @@ pub(crate) struct RigidWorld {
     pub(crate) surfaces: Vec<Surface>,
     /// Number of materials, at least 1.
     pub(crate) materials: usize,
+    pub(crate) springs: Springs,
     /// Acceleration of the uniform field, in units/s².
     pub(crate) gravity: Vec3,
     /// What the solver keeps from frame to frame.

@@ -21,6 +21,7 @@ mod keep;
 mod motions;
 pub(crate) mod observe;
 mod predict;
+mod springs;
 
 pub use predict::HardContacts;
 pub(in crate::simulation) mod check;
@@ -224,6 +225,7 @@ impl Simulation {
         let mut failed = None;
         for _ in 0..count {
             frames.drive(&self.scene, self.muscle_clock.written_time(), dt);
+            frames.set_muscles(&self.scene, &self.muscle_clock);
             let report = frames.advance(dt, keeps_going)?;
             if let Some((_, first)) = report.stopped.filter(|_| !keeps_going) {
                 failed = Some(frames.first_sphere(first, &self.scene));
@@ -269,6 +271,7 @@ impl Simulation {
         if let Some(mut before) = self.frames.take() {
             before.fetch_history()?;
             frames.keep(&before);
+            frames.suit_springs(&self.scene, self.time_step);
         }
         (self.frames, self.frames_due) = (Some(Box::new(frames)), false);
         Ok(())
@@ -296,6 +299,7 @@ impl Simulation {
         // Edits may have changed the bodies.
         let mut edited = self.frames_of_scene()?;
         edited.keep(frames);
+        edited.suit_springs(&self.scene, self.time_step);
         Ok(edited.words())
     }
 

@@ -194,6 +194,8 @@ impl Simulation {
     /// Elastic energy of all contacts: sum of Cc m* o² / 2, or that of the normal forces of a law with history.
     pub(super) fn contact_energy(&mut self) -> Result<f64> {
         if self.has_frames() {
+            // The caller reads the states of the bodies.
+            self.sync()?;
             return Ok(0.0);
         }
         let (_, world) = self.observed(Detail::Pairs)?;

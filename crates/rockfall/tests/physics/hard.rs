@@ -222,7 +222,6 @@ fn edits_between_frames_are_felt(backend: Backend) {
 fn other_objects_are_refused_by_name() {
     let ball = "S 1 0 1 0 0 0 0 0 0 0 1 0.5\nS 2 0 3 0 0 0 0 0 0 0 1 0.5\n";
     for (text, name) in [
-        ("K 1 2 10 1 0\n", "a spring"),
         ("@periodic x -5 5\n", "periodic boundaries"),
         ("@servo m force=0,-1,0 speed=1\n", "a servo"),
     ] {

@@ -21,6 +21,7 @@ mod hard;
 mod hard_flow;
 mod hard_motions;
 mod hard_samples;
+mod hard_springs;
 mod hulls;
 mod laws;
 mod meshes;

@@ -6,6 +6,7 @@ mod common;
 
 mod broken;
 mod checkpoint;
+mod hard;
 mod observe;
 mod pairs;
 mod sampled;

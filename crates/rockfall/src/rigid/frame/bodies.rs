@@ -55,9 +55,11 @@ pub(super) struct Constants {
     pub(super) dynamic: bool,
     pub(super) moments: Moments,
     pub(super) radius: f32,
-    /// Acceleration: the field and the external force.
+    /// Acceleration: the field, the external force and springs.
     acceleration: Vec3A,
     torque: Vec3A,
+    /// Springs end at it.
+    pub(super) sprung: bool,
     pub(super) margin: f32,
 }
 
@@ -81,6 +83,11 @@ pub(super) struct Bodies {
     pub(super) stopped: BTreeSet<u32>,
 }
 
+/// The acceleration by the field and the external force, and the torque of that force.
+fn kick_of(world: &RigidWorld, body: &Body) -> (Vec3A, Vec3A) {
+    ((world.gravity + body.inverse_mass * body.force).into(), body.torque.into())
+}
+
 impl Bodies {
     /// The bodies at the start of a frame of `dt` seconds, with their margins.
     pub(super) fn load(world: &RigidWorld, dt: f32) -> Self {
@@ -98,10 +105,9 @@ impl Bodies {
                 Kind::Kinematic => 1.001 * reach,
                 Kind::Dynamic => body.margin_scale * (0.02 * body.radius).max(reach + fall),
             };
-            let (acceleration, torque) =
-                if dynamic { (world.gravity + body.inverse_mass * body.force, body.torque) } else { (Vec3::ZERO, Vec3::ZERO) };
-            let (acceleration, torque) = (acceleration.into(), torque.into());
-            all.constants.push(Constants { dynamic, moments, radius: body.radius, acceleration, torque, margin });
+            let (acceleration, torque) = if dynamic { kick_of(world, body) } else { (Vec3A::ZERO, Vec3A::ZERO) };
+            let sprung = false;
+            all.constants.push(Constants { dynamic, moments, radius: body.radius, acceleration, torque, sprung, margin });
             all.poses.push(body.pose);
             let inverse_mass = if dynamic { body.inverse_mass } else { 0.0 };
             all.masses.push(Mass { inverse_mass, inverse_inertia: moments.inverse_inertia(body.pose.turn) });
@@ -110,6 +116,9 @@ impl Bodies {
             all.motions.push(Motion { velocity, spin });
             all.momenta.push(body.momentum.into());
             all.set.push(spin);
+        }
+        for body in world.springs.list.iter().flat_map(|spring| spring.bodies) {
+            all.constants[body as usize].sprung = all.constants[body as usize].dynamic;
         }
         all.before.clone_from(&all.motions);
         all
@@ -141,6 +150,13 @@ impl Bodies {
 
     pub(super) fn count(&self) -> usize {
         self.poses.len()
+    }
+
+    /// Takes the force and the torque of springs for the next kick.
+    pub(super) fn pull(&mut self, world: &RigidWorld, i: usize, [force, torque]: [Vec3A; 2]) {
+        let (acceleration, constant) = kick_of(world, &world.bodies[i]);
+        self.constants[i].acceleration = acceleration + self.masses[i].inverse_mass * force;
+        self.constants[i].torque = constant + torque;
     }
 
     /// The field and the forces of a substep, before its impulses.
@@ -192,7 +208,11 @@ impl Bodies {
             self.paths[i] += h * (motion.velocity.length() + motion.spin.length() * fixed.radius);
             let change = motion.minus(&self.before[i]);
             let size = change.velocity.length() + fixed.radius * change.spin.length();
-            let beta = if size == 0.0 { 1.0 } else { (1.0 - size / limit).max(0.0) };
+            let beta = match size {
+                _ if fixed.sprung => 0.0,
+                0.0 => 1.0,
+                _ => (1.0 - size / limit).max(0.0),
+            };
             let way = h * motion.velocity - 0.5 * beta * h * h * gravity;
             let position = self.poses[i].position + Vec3::from(way);
             let turn = fixed.moments.turned(self.poses[i].turn, self.momenta[i], h);

@@ -23,7 +23,7 @@ fn drift_body(body: u32) {
     if changed > 0.0 {
         share = max(1.0 - changed / (0.25 * gravity * h), 0.0);
     }
-    if gravity == 0.0 {
+    if gravity == 0.0 || constants[CONSTANT_ROWS * body + 2u].w != 0.0 {
         share = 0.0;
     }
     follow(body);

@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
+use crate::rigid::springs::SpringBound;
 use crate::rigid::world::{Body, Kind, RigidWorld};
+use crate::scene::RunDefaults;
 
 fn loose(world: &RigidWorld) -> impl Iterator<Item = &Body> {
     world.bodies.iter().filter(|body| body.kind == Kind::Dynamic && body.inverse_mass > 0.0)
@@ -52,5 +54,6 @@ pub(crate) fn least_width(world: &RigidWorld) -> f32 {
 /// lorry would set them for all.
 pub(crate) fn auto_substeps(world: &RigidWorld, dt: f32) -> u32 {
     let needed = dt * (world.gravity.length() / least_width(world)).sqrt() / GREATEST_FALL;
-    (needed.ceil() as u32).clamp(LEAST_SUBSTEPS, MOST_SUBSTEPS)
+    let of_bodies = (needed.ceil() as u32).clamp(LEAST_SUBSTEPS, MOST_SUBSTEPS);
+    of_bodies.max(SpringBound::of(world).substeps(dt).min(RunDefaults::MAX_SUBSTEPS))
 }

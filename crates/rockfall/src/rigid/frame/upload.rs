@@ -94,7 +94,9 @@ impl Frame<'_> {
             axes: body.axes.to_array(),
             moments: body.moments.to_array(),
             width: body.width,
-            acceleration: (self.world.gravity + body.inverse_mass * body.force).extend(0.0).to_array(),
+            acceleration: (self.world.gravity + body.inverse_mass * body.force)
+                .extend(f32::from(u8::from(self.bodies.constants[i].sprung)))
+                .to_array(),
             torque: body.torque.extend(0.0).to_array(),
         }
     }

@@ -15,6 +15,7 @@ macro_rules! parts {
 const PARTS: &[Part] = parts!(
     "physics/quaternion.wgsl"
     "physics/sine.wgsl"
+    "physics/product.wgsl"
     "rigid/collide/manifold.wgsl"
     "rigid/collide/reduce.wgsl"
     "rigid/collide/solid.wgsl"
@@ -79,6 +80,7 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/wait.wgsl"
     "rigid/frame/spare.wgsl"
     "rigid/frame/expose.wgsl"
+    "rigid/frame/springs.wgsl"
 );
 
 /// Bindings of the arrays. 0 and 1 are uniform.
@@ -105,8 +107,11 @@ pub(super) const OLD_PAIRS: u32 = 35;
 pub(super) const OLD_POINTS: u32 = 36;
 pub(super) const SURFACES: u32 = 37;
 pub(super) const RAW: u32 = 38;
+pub(super) const SPRINGS: u32 = 39;
+pub(super) const ENDS_OF_SPRINGS: u32 = 40;
+pub(super) const MUSCLES: u32 = 41;
 /// One more than the last binding.
-pub(super) const BINDINGS: u32 = 39;
+pub(super) const BINDINGS: u32 = 42;
 pub(super) const BOUNDS: u32 = 13;
 pub(super) const CELLS: u32 = 14;
 pub(super) const MEMBERS: u32 = 15;
@@ -125,10 +130,10 @@ pub(super) const SCAN: u32 = 25;
 pub(super) const ENDS: u32 = 26;
 
 /// Arrays that are only read, but by the stages of [`WRITERS`].
-const READ: &[u32] = &[CONSTANTS, LISTS, COLLIDERS, HULLS, SCALES, ENDS];
+const READ: &[u32] = &[CONSTANTS, LISTS, COLLIDERS, HULLS, SCALES, ENDS, SPRINGS, ENDS_OF_SPRINGS];
 
 /// The stages that write an array that the others only read.
-const WRITERS: &[&str] = &["gather", "enlist", "take", "relist", "calm", "widen"];
+const WRITERS: &[&str] = &["gather", "enlist", "take", "relist", "calm", "widen", "pull"];
 
 /// An entry point.
 #[derive(Clone, Copy, Debug)]
@@ -180,6 +185,7 @@ pub(super) const CARRY_ROUND: usize = 38;
 pub(super) const SPARE_ROUND: usize = 39;
 pub(super) const EXPOSE: usize = 40;
 pub(super) const SEEK_ROUND: usize = 41;
+pub(super) const PULL: usize = 42;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
@@ -272,6 +278,7 @@ pub(super) const STAGES: &[Stage] = &[
         bindings: &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, COLLIDERS, HULLS],
     },
     Stage { name: "seek_round", file: "rigid/frame/wait.wgsl", bindings: &[LOADS, REPORT] },
+    Stage { name: "pull", file: "rigid/frame/springs.wgsl", bindings: &[BODIES, CONSTANTS, SPRINGS, ENDS_OF_SPRINGS, MUSCLES] },
 ];
 
 pub(super) const OPEN: usize = 0;
@@ -333,7 +340,7 @@ impl Kinds {
 }
 
 fn is_read_only(stage: &Stage, binding: u32) -> bool {
-    READ.contains(&binding) && !([LISTS, SCALES].contains(&binding) && WRITERS.contains(&stage.name))
+    READ.contains(&binding) && !([LISTS, SCALES, CONSTANTS].contains(&binding) && WRITERS.contains(&stage.name))
 }
 
 /// A compiled stage.
@@ -394,6 +401,7 @@ impl Kernel {
         //   their colliders, which are as many as `bound` has counted, and `scatter` puts as many. The large colliders are at most
         //   all, and have their own half of `members`. Candidates and manifolds are written below the room, and read below both the
         //   count and the room. Of a manifold at most four points are written. A collider looks into at most 27 cells of a level.
+        // - Springs have bodies of the world, and lists of ends have springs of the world and muscles that exist (`springs::OnDevice`).
         // - A scan reads and writes below its length (`Scan::new`), and has a sum for each tile.
         // - In the assembly, threads return beyond the count of the manifolds, which is 0 if there was no room for all (`pair_count`), and
         //   beyond that of the blocks. Owners have as many manifolds as `narrow` has counted, so the sums of these counts are places

@@ -16,8 +16,9 @@ use crate::rigid::gpu::kernels::{
 use crate::rigid::gpu::past::Past;
 use crate::rigid::gpu::rows::{BodyRow, FrameRow, FrameRows};
 use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search};
-use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, call, loads_bytes};
+use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, call, loads_bytes, springs};
 use crate::rigid::shape::Shape;
+use crate::rigid::springs::MuscleWords;
 use crate::rigid::world::{Body, Kind, RigidWorld};
 
 /// Frames with impacts after one that began anew because of an impact.
@@ -76,7 +77,8 @@ impl GpuWorld {
         let arrays = &mut frame.arrays;
         arrays.upload(SURFACES, cast_slice(&surface_rows(world)));
         arrays.make(OLD_STARTS, 4 * u64::from(bodies + 1));
-        let search = Search::new(gpu, world, 1.0 / 60.0, inputs(arrays));
+        frame.springs = springs::OnDevice::new(arrays, &world.springs, &rows.constants);
+        let search = Search::new(gpu, world, 1.0 / 60.0, inputs(&frame.arrays));
         let reading = |words: u32| gpu.buffer("rigid counts", 4 * u64::from(words), wgpu::BufferUsages::MAP_READ);
         let mut this = Self {
             backup: gpu.storage(u64::from(bodies) * size_of::<BodyRow>() as u64),
@@ -88,7 +90,7 @@ impl GpuWorld {
             frames: 0,
             substep: 0.0,
             kept: 0,
-            assembly: Assembly::new(arrays, &search, Content::of(world)),
+            assembly: Assembly::new(&mut frame.arrays, &search, Content::of(world)),
             frame,
             search,
         };
@@ -138,6 +140,11 @@ impl GpuWorld {
         let rows: Vec<BodyRow> = bodies.iter().map(BodyRow::without_mass).collect();
         let place = size_of::<BodyRow>() as u64;
         self.gpu().queue.write_buffer(self.frame.arrays.get(BODIES), place, cast_slice(&rows));
+    }
+
+    /// Takes over the muscles of the next frame.
+    pub(crate) fn set_muscles(&mut self, muscles: &[MuscleWords]) {
+        self.frame.springs.set_muscles(muscles);
     }
 
     fn gpu(&self) -> &Arc<RigidGpu> {

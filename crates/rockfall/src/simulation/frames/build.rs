@@ -17,7 +17,7 @@ use crate::scene::{
 
 /// A world under construction, and who its bodies are in the scene.
 pub(super) struct Builder<'a> {
-    scene: &'a Scene,
+    pub(super) scene: &'a Scene,
     pub(super) world: RigidWorld,
     pub(super) owners: Vec<Owner>,
     /// Where the origin of the body of each motion lies before the motion, in units.
@@ -43,6 +43,7 @@ impl<'a> Builder<'a> {
         for (number, body) in scene.whole_bodies().enumerate() {
             builder.body(number, &body)?;
         }
+        builder.springs()?;
         Ok(builder)
     }
 

@@ -6,8 +6,8 @@ use crate::scene::Scene;
 use crate::simulation::frames::motions::turns_planes;
 
 fn refused(value: &str) -> Result<()> {
-    let expected = "spheres, capsules, placed bodies, and boxes, parallelograms, triangles and planes, still or on motions: the contact \
-                    law rigid has nothing else yet";
+    let expected = "spheres, capsules, placed bodies, springs, tethers, and boxes, parallelograms, triangles and planes, still or on \
+                    motions: the contact law rigid has nothing else yet";
     Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected })
 }
 
@@ -26,8 +26,6 @@ pub(in crate::simulation) fn check_rods(scene: &Scene) -> Result<()> {
 /// [`Error::Invalid`], which names the first object that it does not know.
 pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<()> {
     let has = [
-        (!scene.springs().is_empty(), "a spring"),
-        (!scene.tethers().is_empty(), "a tether"),
         (scene.motions().iter().any(|motion| motion.servo.is_some()), "a servo"),
         (turns_planes(scene), "a plane that turns"),
         (scene.is_periodic(), "periodic boundaries"),

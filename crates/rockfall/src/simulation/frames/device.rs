@@ -29,6 +29,11 @@ impl OnDevice {
         self.world.drive(bodies);
     }
 
+    /// Takes over the muscles of the next frame.
+    pub(super) fn set_muscles(&mut self, world: &RigidWorld) {
+        self.world.set_muscles(&world.springs.muscles);
+    }
+
     /// Advances all bodies by a frame.
     pub(super) fn advance(&mut self, dt: f32, substeps: u32, keeps_going: bool) -> Result<FrameReport> {
         let world = &mut self.world;

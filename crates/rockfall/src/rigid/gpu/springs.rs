@@ -1,0 +1,89 @@
+//! Springs on a device: their rows, and the list of ends of each body (`rigid/frame/springs.wgsl`).
+
+use bytemuck::cast_slice;
+
+use crate::rigid::gpu::arrays::Arrays;
+use crate::rigid::gpu::kernels::{ENDS_OF_SPRINGS, MUSCLES, SPRINGS};
+use crate::rigid::gpu::rows::ConstantRow;
+use crate::rigid::springs::{MuscleWords, Spring, Springs};
+
+/// The muscle of a spring that has none.
+const NO_MUSCLE: u32 = u32::MAX;
+
+/// What the host keeps of the springs on a device.
+#[derive(Clone, Debug, Default)]
+pub(super) struct OnDevice {
+    /// Bodies with mass at which springs end.
+    bodies: u32,
+    /// The muscles in the present frame.
+    muscles: Vec<MuscleWords>,
+}
+
+impl OnDevice {
+    /// Uploads the springs of a world. `constants` are the rows of its bodies.
+    pub(super) fn new(arrays: &mut Arrays, springs: &Springs, constants: &[ConstantRow]) -> Self {
+        let has_springs = |constant: &ConstantRow| constant.acceleration[3] != 0.0;
+        let bodies: Vec<u32> = (0..constants.len() as u32).filter(|body| has_springs(&constants[*body as usize])).collect();
+        if bodies.is_empty() {
+            return Self::default();
+        }
+        let bases = bodies.iter().flat_map(|body| {
+            let ConstantRow { acceleration, torque, .. } = constants[*body as usize];
+            [acceleration, torque].map(|row| row.map(f32::to_bits))
+        });
+        let rows: Vec<[u32; 4]> = springs.list.iter().flat_map(rows_of).chain(bases).collect();
+        arrays.upload(SPRINGS, cast_slice(&rows));
+        arrays.upload(ENDS_OF_SPRINGS, cast_slice(&ends(springs, &bodies, constants.len())));
+        arrays.make(MUSCLES, 4 * (bodies.len() + 5 * springs.muscles.len()) as u64);
+        Self { bodies: bodies.len() as u32, muscles: springs.muscles.clone() }
+    }
+
+    /// Bodies with mass at which springs end.
+    pub(super) fn bodies(&self) -> u32 {
+        self.bodies
+    }
+
+    /// Takes over the muscles of a frame.
+    pub(super) fn set_muscles(&mut self, muscles: &[MuscleWords]) {
+        self.muscles.copy_from_slice(muscles);
+    }
+
+    /// Begins a frame: no substep is done.
+    pub(super) fn begin(&self, arrays: &Arrays) {
+        if self.bodies > 0 {
+            let words: Vec<u32> =
+                std::iter::repeat_n(0, self.bodies as usize).chain(self.muscles.iter().flatten().copied()).collect();
+            arrays.gpu.queue.write_buffer(arrays.get(MUSCLES), 0, cast_slice(&words));
+        }
+    }
+}
+
+fn rows_of(spring: &Spring) -> [[u32; 4]; 4] {
+    let row = |vector: glam::Vec3, last: f32| vector.extend(last).to_array().map(f32::to_bits);
+    let [a, b] = spring.bodies;
+    [
+        row(spring.places[0], spring.stiffness),
+        row(spring.places[1], spring.damping),
+        row(spring.belt, spring.length),
+        [a, b, spring.muscle.unwrap_or(NO_MUSCLE), 0],
+    ]
+}
+
+/// The words of `ends`.
+fn ends(springs: &Springs, bodies: &[u32], count: usize) -> Vec<u32> {
+    let mut lists = vec![Vec::new(); count];
+    for (number, spring) in (0_u32..).zip(&springs.list) {
+        for (side, body) in (0..).zip(spring.bodies) {
+            lists[body as usize].push(2 * number + side);
+        }
+    }
+    let mut words = vec![springs.list.len() as u32, bodies.len() as u32, springs.muscles.len() as u32];
+    let mut at = (words.len() + 2 * bodies.len() + 2) as u32;
+    for body in bodies {
+        words.extend([*body, at]);
+        at += lists[*body as usize].len() as u32;
+    }
+    words.extend([0, at]);
+    words.extend(bodies.iter().flat_map(|body| &lists[*body as usize]));
+    words
+}
