@@ -4,9 +4,9 @@ use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::glam::Vec3;
-use rockfall::{Cuboid, ObjectId, Placement, Shape};
+use rockfall::{Cuboid, ObjectId, Placement, RigidBody, Shape};
 
-use crate::arguments::{Rows, check, quaternion, vector};
+use crate::arguments::{Numbers, Rows, check, quaternion, vector};
 use crate::doors::{with, with_states};
 use crate::errors::Raise;
 use crate::ids::handle;
@@ -164,6 +164,37 @@ pub(crate) fn add_static_body(
         }
         let after = [ids.spheres.len(), ids.rods.len(), ids.boxes.len(), ids.polygons.len()];
         Ok((first, std::array::from_fn(|kind| after[kind] - first[kind])))
+    })
+}
+
+/// Sets fields of the states of bodies: pairs of a name and an array with one row per body. Nothing changes if a row is wrong.
+#[pyfunction]
+pub(crate) fn set_bodies(target: &Bound<'_, PyAny>, numbers: Numbers<'_>, fields: Vec<(String, Rows<'_>)>) -> PyResult<()> {
+    let numbers = numbers.as_slice()?;
+    let fields = fields.iter().map(|(name, rows)| Ok((name.as_str(), rows.as_slice()?))).collect::<PyResult<Vec<_>>>()?;
+    with_states(target, |doors, ids| {
+        let handles: Vec<_> = numbers.iter().map(|id| handle(&ids.bodies, "body", *id)).collect::<PyResult<_>>()?;
+        let before = handles.iter().map(|id| doors.objects().body(*id).cloned()).collect::<rockfall::Result<Vec<_>>>();
+        let before = before.or_raise()?;
+        for (k, id) in handles.iter().enumerate() {
+            let changed = doors.update_body(*id, &|body: &mut RigidBody| {
+                for (name, rows) in &fields {
+                    match *name {
+                        "position" => body.set_centre(vector(rows, k).as_dvec3()),
+                        "orientation" => body.orientation = quaternion(rows, k),
+                        "velocity" => body.velocity = vector(rows, k),
+                        _ => body.angular_momentum = vector(rows, k),
+                    }
+                }
+            });
+            if let Err(error) = changed {
+                for (id, before) in handles[..k].iter().zip(&before) {
+                    doors.update_body(*id, &|body: &mut RigidBody| *body = before.clone()).or_raise()?;
+                }
+                return Err(PyValueError::new_err(format!("row {k}: {error}")));
+            }
+        }
+        Ok(())
     })
 }
 

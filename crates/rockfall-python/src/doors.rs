@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use rockfall::glam::Vec3;
 use rockfall::{
     BoxId, Capsule, CapsuleId, Cuboid, Facets, Gauge, Inlet, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Outlet,
-    Pair, Placement, Polygon, PolygonId, Result, RigidBodyId, Rod, RodId, Settings, Shape, ShapeId, Sphere, SphereId, Spring,
+    Pair, Placement, Polygon, PolygonId, Result, RigidBody, RigidBodyId, Rod, RodId, Settings, Shape, ShapeId, Sphere, SphereId, Spring,
     SpringId, Tag, Tether, TetherId,
 };
 
@@ -69,6 +69,7 @@ doors! {
     add_shape(shape: Shape) -> ShapeId;
     add_body(placement: Placement) -> RigidBodyId;
     add_static_body(placement: Placement, motion: Option<MotionId>) -> Vec<ObjectId>;
+    update_body(id: RigidBodyId, change: Change<RigidBody>) -> ();
     add_spring(spring: Spring) -> SpringId;
     add_tether(tether: Tether) -> TetherId;
     add_box(cuboid: Cuboid) -> BoxId;

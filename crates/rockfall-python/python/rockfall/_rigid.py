@@ -353,6 +353,52 @@ class Rigid(Bodies):
         """States of all rigid bodies: ``bodies.positions``, ``orientations``, ``velocities`` and ``angular_momenta``."""
         return BodyStates(self)
 
+    def set_bodies(
+        self,
+        bodies: npt.ArrayLike,
+        *,
+        positions: npt.ArrayLike | None = None,
+        orientations: npt.ArrayLike | None = None,
+        velocities: npt.ArrayLike | None = None,
+        angular_momenta: npt.ArrayLike | None = None,
+    ) -> None:
+        """Set the states of rigid bodies. What is not given stays. Their spheres follow.
+
+        Parameters
+        ----------
+        bodies : array_like of int, shape (N,) or ()
+            Numbers of bodies, as :meth:`add_bodies` returned them, each once.
+        positions : array_like, shape (N, 3) or (3,), optional
+            Centres of mass, in units.
+        orientations : array_like, shape (N, 4) or (4,), optional
+            Unit quaternions w, x, y, z, which turn coordinates of the shape into those of the world.
+        velocities : array_like, shape (N, 3) or (3,), optional
+            Velocities of the centres of mass, in units/s.
+        angular_momenta : array_like, shape (N, 3) or (3,), optional
+            Angular momenta about the centres of mass along the axes of the world, in mass units²/s.
+
+        Raises
+        ------
+        LookupError
+            For a body that does not exist.
+        ValueError
+            For another shape, numbers that are not finite, and quaternions that are not unit quaternions. Nothing is set then.
+        """
+        numbers = np.atleast_1d(integers("bodies", bodies))
+        given = [
+            ("positions", "position", positions, VECTOR),
+            ("orientations", "orientation", orientations, QUATERNION),
+            ("velocities", "velocity", velocities, VECTOR),
+            ("angular_momenta", "angular_momentum", angular_momenta, VECTOR),
+        ]
+        fields = [
+            (field, floats(name, value, kind, len(numbers)).reshape(-1))
+            for name, field, value, kind in given
+            if value is not None
+        ]
+        self._edited()
+        _rockfall.set_bodies(self._native, numbers, fields)
+
     def remove_bodies(self, bodies: npt.ArrayLike) -> None:
         """Remove rigid bodies, by their numbers, with their spheres and rods and everything attached to them.
 
