@@ -43,7 +43,7 @@ pub(crate) use crate::rigid::common::{FrameReport, MOST_MARGIN};
 use crate::rigid::history::History;
 use crate::rigid::world::RigidWorld;
 use bodies::Bodies;
-use contacts::{Contacts, for_each};
+use contacts::{Contacts, Found, for_each};
 use rows::{Pass, Softness};
 use times::Scope;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
@@ -59,16 +59,20 @@ pub(crate) fn advance(world: &mut RigidWorld, dt: f32, substeps: u32) -> FrameRe
 /// place. Unless `keeps_going` is set, no body moves then.
 pub(crate) fn advance_or_stop(world: &mut RigidWorld, dt: f32, substeps: u32, keeps_going: bool) -> FrameReport {
     let mut repeats = 0;
+    let mut last: Option<Solved> = None;
     loop {
-        let mut frame = Frame::open(world, dt, substeps);
-        for _ in 0..substeps {
-            frame.substep();
-        }
-        let Frame { mut bodies, contacts, h, .. } = frame;
-        if repeats < REPEATS && widen(world, &bodies, repeats) {
+        let bodies = Bodies::load(world, dt);
+        let found = detect::manifolds(world, &bodies);
+        let solved = match last {
+            Some(last) if last.found == found => last.within(&bodies),
+            _ => Solved::new(world, bodies, found, dt, substeps),
+        };
+        if repeats < REPEATS && widen(world, &solved.bodies, repeats) {
             repeats += 1;
+            last = Some(solved);
             continue;
         }
+        let Solved { mut bodies, contacts, h, .. } = solved;
         let stopped = bodies.stop();
         if stopped.is_some() && !keeps_going {
             return FrameReport { repeats, stopped, ..FrameReport::default() };
@@ -76,6 +80,34 @@ pub(crate) fn advance_or_stop(world: &mut RigidWorld, dt: f32, substeps: u32, ke
         bodies.store(&mut world.bodies);
         world.history = History::new(&contacts, world.history.frames.wrapping_add(1), h);
         return FrameReport { stopped, ..report(&contacts, repeats) };
+    }
+}
+
+/// A frame at its end, which may be rejected.
+struct Solved {
+    /// The manifolds at its start.
+    found: Vec<Found>,
+    bodies: Bodies,
+    contacts: Contacts,
+    h: f32,
+}
+
+impl Solved {
+    fn new(world: &RigidWorld, bodies: Bodies, found: Vec<Found>, dt: f32, substeps: u32) -> Self {
+        let mut frame = Frame::with(world, bodies, found.clone(), dt, substeps);
+        for _ in 0..substeps {
+            frame.substep();
+        }
+        let Frame { bodies, contacts, h, .. } = frame;
+        Self { found, bodies, contacts, h }
+    }
+
+    /// The same with the margins of other bodies. They matter to the manifolds alone, so with the same manifolds all else is the same.
+    fn within(mut self, others: &Bodies) -> Self {
+        for (own, other) in self.bodies.constants.iter_mut().zip(&others.constants) {
+            own.margin = other.margin;
+        }
+        self
     }
 }
 
@@ -91,10 +123,16 @@ struct Frame<'a> {
 
 impl<'a> Frame<'a> {
     /// Contacts of the frame with what is kept of the last one.
+    #[cfg(test)]
     fn open(world: &'a RigidWorld, dt: f32, substeps: u32) -> Self {
-        let h = dt / substeps as f32;
         let bodies = Bodies::load(world, dt);
         let found = detect::manifolds(world, &bodies);
+        Self::with(world, bodies, found, dt, substeps)
+    }
+
+    /// The same for manifolds that are known.
+    fn with(world: &'a RigidWorld, bodies: Bodies, found: Vec<Found>, dt: f32, substeps: u32) -> Self {
+        let h = dt / substeps as f32;
         let mut contacts = detect::blocks(world, &bodies, found, dt);
         world.history.recall(&mut contacts, &bodies, h);
         colours::colour(&mut contacts, &bodies, &world.history);

@@ -8,6 +8,7 @@ use crate::rigid::collide::{MOST_POINTS, Manifold};
 pub(super) use crate::rigid::common::{COLOURS, LEFT_OVER};
 
 /// A pair of colliders that are within reach, a on the body with the smaller number.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
     pub(super) bodies: [u32; 2],
     pub(super) colliders: [u32; 2],
