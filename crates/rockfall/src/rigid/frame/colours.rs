@@ -123,7 +123,7 @@ fn sort(contacts: &mut Contacts) {
         sorted.impulses.extend_from_slice(&contacts.impulses[range]);
         sorted.blocks.push(Block { first_pair, first_point, ..block });
     }
-    sorted.rows = std::mem::take(&mut contacts.rows);
+    (sorted.rows, sorted.levers) = (std::mem::take(&mut contacts.rows), std::mem::take(&mut contacts.levers));
     for colour in 0..=COLOURS {
         sorted.colours[colour + 1] += sorted.colours[colour];
     }

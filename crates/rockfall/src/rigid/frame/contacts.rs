@@ -39,7 +39,7 @@ pub(super) struct Point {
     pub(super) id: u32,
 }
 
-/// What the passes need of a point. Formed by the refresh.
+/// What the passes need of all points. Formed by the refresh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Row {
     /// The common point from the centre of either body.
@@ -49,14 +49,21 @@ pub(super) struct Row {
     pub(super) gap: f32,
     /// kappa: what the gap of a round contact keeps beyond the tangent line.
     pub(super) spare: f32,
-    /// 1 / K along the normal. Infinite as long as the rest is not formed: most points of a frame never touch.
+    /// Its lever is that of this geometry.
+    pub(super) formed: bool,
+    /// Takes part in the relax pass.
+    pub(super) live: bool,
+}
+
+/// What impulses at a point do. Apart from the rows, and formed when it is needed: most points of a frame never touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Lever {
+    /// 1 / K along the normal.
     pub(super) inverse_normal: f32,
     /// Inverse of K_t: xx, xy, yy.
     pub(super) inverse_tangent: [f32; 3],
     /// 1 / the greater eigenvalue of K_t.
     pub(super) inverse_slip: f32,
-    /// Takes part in the relax pass.
-    pub(super) live: bool,
     /// For the normal and the two tangents.
     pub(super) along: [Along; 3],
 }
@@ -73,12 +80,8 @@ pub(super) struct Along {
 }
 
 impl Row {
-    pub(super) fn is_formed(&self) -> bool {
-        self.inverse_normal < f32::INFINITY
-    }
-
     pub(super) fn new(arm_a: Vec3A, arm_b: Vec3A, gap: f32) -> Self {
-        Self { arm_a, arm_b, gap, inverse_normal: f32::INFINITY, ..Self::default() }
+        Self { arm_a, arm_b, gap, ..Self::default() }
     }
 }
 
@@ -167,6 +170,7 @@ pub(super) struct Contacts {
     pub(super) pairs: Vec<Pair>,
     pub(super) points: Vec<Point>,
     pub(super) rows: Vec<Row>,
+    pub(super) levers: Vec<Lever>,
     pub(super) impulses: Vec<Impulse>,
     /// First block of a colour; the left-over blocks are those of the last one.
     pub(super) colours: [u32; COLOURS + 2],
@@ -198,6 +202,7 @@ impl Contacts {
             pairs: &mut self.pairs[first_pair..end_pair],
             points: &mut self.points[first_point..end_point],
             rows: &mut self.rows[first_point..end_point],
+            levers: &mut self.levers[first_point..end_point],
             impulses: &mut self.impulses[first_point..end_point],
         }
     }
@@ -238,6 +243,7 @@ pub(super) struct Part<'a> {
     pub(super) pairs: &'a mut [Pair],
     pub(super) points: &'a mut [Point],
     pub(super) rows: &'a mut [Row],
+    pub(super) levers: &'a mut [Lever],
     pub(super) impulses: &'a mut [Impulse],
 }
 
@@ -247,6 +253,7 @@ pub(super) struct View<'a> {
     pub(super) pairs: &'a mut [Pair],
     pub(super) points: &'a mut [Point],
     pub(super) rows: &'a mut [Row],
+    pub(super) levers: &'a mut [Lever],
     pub(super) impulses: &'a mut [Impulse],
 }
 
@@ -260,6 +267,7 @@ impl Part<'_> {
             pairs: &mut self.pairs[pair..pair + block.pairs as usize],
             points: &mut self.points[point..point + count],
             rows: &mut self.rows[point..point + count],
+            levers: &mut self.levers[point..point + count],
             impulses: &mut self.impulses[point..point + count],
             block,
         }
@@ -273,8 +281,9 @@ impl Part<'_> {
         let (pairs, later_pairs) = self.pairs.split_at_mut(pair - self.first_pair);
         let (points, later_points) = self.points.split_at_mut(point - self.first_point);
         let (rows, later_rows) = self.rows.split_at_mut(point - self.first_point);
+        let (levers, later_levers) = self.levers.split_at_mut(point - self.first_point);
         let (impulses, later_impulses) = self.impulses.split_at_mut(point - self.first_point);
-        let first = Self { blocks, pairs, points, rows, impulses, ..self };
+        let first = Self { blocks, pairs, points, rows, levers, impulses, ..self };
         let later = Self {
             first_pair: pair,
             first_point: point,
@@ -282,6 +291,7 @@ impl Part<'_> {
             pairs: later_pairs,
             points: later_points,
             rows: later_rows,
+            levers: later_levers,
             impulses: later_impulses,
         };
         (first, later)

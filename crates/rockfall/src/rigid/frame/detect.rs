@@ -7,7 +7,7 @@ use glam::{Vec3, Vec3A};
 use crate::rigid::broad::{self, Aabb};
 use crate::rigid::collide::collide;
 use crate::rigid::frame::bodies::Bodies;
-use crate::rigid::frame::contacts::{Block, Contacts, Found, Impulse, Pair, Point, Row, is_crowd};
+use crate::rigid::frame::contacts::{Block, Contacts, Found, Impulse, Lever, Pair, Point, Row, is_crowd};
 use crate::rigid::frame::seams::{ball_side, expose};
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Collider, RigidWorld, Surface};
@@ -103,6 +103,7 @@ pub(super) fn blocks_with(
     }
     let points = contacts.points.len();
     contacts.rows = vec![Row::default(); points];
+    contacts.levers = vec![Lever::default(); points];
     contacts.impulses = vec![Impulse::default(); points];
     contacts
 }
