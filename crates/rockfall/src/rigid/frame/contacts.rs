@@ -213,10 +213,8 @@ impl Contacts {
         self.blocks.get(block).map_or((self.pairs.len(), self.points.len()), start)
     }
 
-    /// Lists the blocks of each body in the order (a, b).
-    pub(super) fn list_by_body(&mut self, bodies: usize) {
-        let mut order: Vec<u32> = (0..self.blocks.len() as u32).collect();
-        order.sort_unstable_by_key(|k| self.blocks[*k as usize].bodies);
+    /// Lists the blocks of each body in the order (a, b), in which `order` has all blocks.
+    pub(super) fn list_by_body(&mut self, bodies: usize, order: &[u32]) {
         self.lists = vec![0; bodies + 1];
         for body in self.blocks.iter().flat_map(|block| block.sides()) {
             self.lists[body + 1] += 1;
@@ -227,8 +225,8 @@ impl Contacts {
         let mut next = self.lists.clone();
         self.list = vec![(0, false); 2 * self.blocks.len()];
         for k in order {
-            for (side, body) in self.blocks[k as usize].sides().into_iter().enumerate() {
-                self.list[next[body] as usize] = (k, side == 1);
+            for (side, body) in self.blocks[*k as usize].sides().into_iter().enumerate() {
+                self.list[next[body] as usize] = (*k, side == 1);
                 next[body] += 1;
             }
         }

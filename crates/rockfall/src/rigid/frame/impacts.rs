@@ -35,11 +35,12 @@ pub(super) fn impacts(world: &RigidWorld, contacts: &mut Contacts, bodies: &mut 
             }
         }
         any |= left_over(&scope, contacts, bodies);
+        if !any {
+            return;
+        }
     }
-    if any {
-        wait(&scope, contacts, bodies);
-        carry(&scope, contacts, bodies);
-    }
+    wait(&scope, contacts, bodies);
+    carry(&scope, contacts, bodies);
 }
 
 /// The blocks of a range that are hit. Blocks of one colour do not change each other's.
@@ -251,14 +252,14 @@ fn carry_block(scope: &Scope<'_>, bodies: &Bodies, view: View<'_>, start: f32) {
     let loose = sides.map(|i| bodies.constants[i].dynamic);
     let (apart, apart_now) = (apart(&poses), apart(&now));
     view.block.time = scope.h - start;
-    renew_block(scope.world, view, &poses, |found, k| {
+    renew_block(scope.world, view, &poses, |on_a, on_b, gap| {
         // With the displacement of the centre alone: the arm, and so the speed at the point, is that at the contact.
-        let (on_a, on_b) = (found.on_a[k], apart_now + (found.on_b[k] - apart));
+        let on_b = apart_now + (on_b - apart);
         let common = match loose {
             [true, true] => 0.5 * (on_a + on_b),
             [true, false] => on_a,
             _ => on_b,
         };
-        Row::new(common, common - apart_now, found.gap(k))
+        Row::new(common, common - apart_now, gap)
     });
 }

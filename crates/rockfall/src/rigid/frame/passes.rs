@@ -57,7 +57,7 @@ fn solved(view: &mut View<'_>, bodies: &Bodies, pass: &Pass) -> [Motion; 2] {
 
 fn put(bodies: &mut Bodies, i: usize, motion: Motion) {
     // Blocks of one colour may share the world.
-    if bodies.constants[i].dynamic {
+    if bodies.masses[i].inverse_mass > 0.0 {
         bodies.motions[i] = motion;
     }
 }
