@@ -62,7 +62,7 @@ pub(crate) fn advance_or_stop(world: &mut RigidWorld, dt: f32, substeps: u32, ke
     let mut last: Option<Solved> = None;
     loop {
         let bodies = Bodies::load(world, dt);
-        let found = detect::manifolds(world, &bodies);
+        let found = detect::manifolds(world, &bodies, last.as_ref().map(|last| (&last.bodies, &*last.found)));
         let solved = match last {
             Some(last) if last.found == found => last.within(&bodies),
             _ => Solved::new(world, bodies, found, dt, substeps),
@@ -117,6 +117,8 @@ struct Frame<'a> {
     bodies: Bodies,
     contacts: Contacts,
     h: f32,
+    /// Some pair is round.
+    is_round: bool,
     biased: Pass,
     relax: Pass,
 }
@@ -126,7 +128,7 @@ impl<'a> Frame<'a> {
     #[cfg(test)]
     fn open(world: &'a RigidWorld, dt: f32, substeps: u32) -> Self {
         let bodies = Bodies::load(world, dt);
-        let found = detect::manifolds(world, &bodies);
+        let found = detect::manifolds(world, &bodies, None);
         Self::with(world, bodies, found, dt, substeps)
     }
 
@@ -144,7 +146,8 @@ impl<'a> Frame<'a> {
     fn new(world: &'a RigidWorld, bodies: Bodies, contacts: Contacts, h: f32) -> Self {
         let biased = Pass { biased: true, softness: [Softness::new(FREQUENCY, h), Softness::new(2.0 * FREQUENCY, h)] };
         let relax = Pass { biased: false, ..biased };
-        Self { world, bodies, contacts, h, biased, relax }
+        let is_round = contacts.pairs.iter().any(|pair| pair.round);
+        Self { world, bodies, contacts, h, is_round, biased, relax }
     }
 
     fn substep(&mut self) {
@@ -162,6 +165,9 @@ impl<'a> Frame<'a> {
 
     /// Looks along the paths of round contacts before the biased pass.
     fn spare(&mut self) {
+        if !self.is_round {
+            return;
+        }
         let (scope, bodies) = (Scope { world: self.world, h: self.h }, &self.bodies);
         let count = self.contacts.blocks.len();
         let mut done = vec![(); count];
