@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3A};
 
 use crate::rigid::frame::bodies::{Mass, Motion};
-use crate::rigid::frame::contacts::{Along, Impulse, Lever, Pair, Row, View};
+use crate::rigid::frame::contacts::{Along, Block, Impulse, Lever, Pair, Row, View};
 
 /// Greatest speed at which an overlap is pushed out, in units/s.
 const PUSH_OUT: f32 = 3.0;
@@ -162,7 +162,7 @@ fn sweep(view: &mut View<'_>, sides: &mut Sides<'_>, pass: &Pass) -> (f32, f32) 
             let first = (pair.first - base) as usize;
             for k in first..first + usize::from(pair.count) {
                 let (row, lever, impulse) = (&mut view.rows[k], &mut view.levers[k], &mut view.impulses[k]);
-                change = change.max(normal_row(pair, row, lever, impulse, sides, pass, view.block.fixed, view.block.time));
+                change = change.max(normal_row(pair, row, lever, impulse, sides, pass, view.block));
                 largest = largest.max(impulse.normal);
             }
         }
@@ -191,15 +191,14 @@ fn normal_row(
     impulse: &mut Impulse,
     sides: &mut Sides<'_>,
     pass: &Pass,
-    fixed: bool,
-    time: f32,
+    block: &Block,
 ) -> f32 {
     let before = impulse.normal;
     if !pass.biased && !row.live {
         return 0.0;
     }
     let step = if pass.biased && row.gap > 0.0 {
-        let apart = (row.gap + row.spare) / time;
+        let apart = (row.gap + row.spare) / block.time;
         if before == 0.0 && !row.formed && sides.closing(row).dot(pair.normal) + apart >= 0.0 {
             return 0.0;
         }
@@ -209,7 +208,7 @@ fn normal_row(
         sides.form_once(pair, row, lever);
         let speed = sides.normal_speed(pair, lever);
         if pass.biased {
-            let soft = &pass.softness[usize::from(fixed)];
+            let soft = &pass.softness[usize::from(block.fixed)];
             let speed = soft.mass * speed + (soft.rate * row.gap).max(-PUSH_OUT);
             -speed * lever.inverse_normal - soft.impulse * before
         } else {
