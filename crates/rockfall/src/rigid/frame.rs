@@ -45,7 +45,7 @@ pub(crate) use crate::rigid::common::{FrameReport, MOST_MARGIN};
 use crate::rigid::history::History;
 use crate::rigid::world::RigidWorld;
 use bodies::Bodies;
-use contacts::{Contacts, for_each};
+use contacts::{Contacts, Found, for_each};
 use rows::{Pass, Softness};
 use times::Scope;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
@@ -61,16 +61,20 @@ pub(crate) fn advance(world: &mut RigidWorld, dt: f32, substeps: u32) -> FrameRe
 /// place. Unless `keeps_going` is set, no body moves then.
 pub(crate) fn advance_or_stop(world: &mut RigidWorld, dt: f32, substeps: u32, keeps_going: bool) -> FrameReport {
     let mut repeats = 0;
+    let mut last: Option<Solved> = None;
     loop {
-        let mut frame = Frame::open(world, dt, substeps);
-        for _ in 0..substeps {
-            frame.substep();
-        }
-        let Frame { mut bodies, contacts, h, .. } = frame;
-        if repeats < REPEATS && widen(world, &bodies, repeats) {
+        let bodies = Bodies::load(world, dt);
+        let found = detect::manifolds(world, &bodies, last.as_ref().map(|last| (&last.bodies, &*last.found)));
+        let solved = match last {
+            Some(last) if last.found == found => last.within(&bodies),
+            _ => Solved::new(world, bodies, found, dt, substeps),
+        };
+        if repeats < REPEATS && widen(world, &solved.bodies, repeats) {
             repeats += 1;
+            last = Some(solved);
             continue;
         }
+        let Solved { mut bodies, contacts, h, .. } = solved;
         let stopped = bodies.stop();
         if stopped.is_some() && !keeps_going {
             return FrameReport { repeats, stopped, ..FrameReport::default() };
@@ -78,6 +82,34 @@ pub(crate) fn advance_or_stop(world: &mut RigidWorld, dt: f32, substeps: u32, ke
         bodies.store(&mut world.bodies);
         world.history = History::new(&contacts, world.history.frames.wrapping_add(1), h);
         return FrameReport { stopped, ..report(&contacts, repeats) };
+    }
+}
+
+/// A frame at its end, which may be rejected.
+struct Solved {
+    /// The manifolds at its start.
+    found: Vec<Found>,
+    bodies: Bodies,
+    contacts: Contacts,
+    h: f32,
+}
+
+impl Solved {
+    fn new(world: &RigidWorld, bodies: Bodies, found: Vec<Found>, dt: f32, substeps: u32) -> Self {
+        let mut frame = Frame::with(world, bodies, found.clone(), dt, substeps);
+        for _ in 0..substeps {
+            frame.substep();
+        }
+        let Frame { bodies, contacts, h, .. } = frame;
+        Self { found, bodies, contacts, h }
+    }
+
+    /// The same with the margins of other bodies. They matter to the manifolds alone, so with the same manifolds all else is the same.
+    fn within(mut self, others: &Bodies) -> Self {
+        for (own, other) in self.bodies.constants.iter_mut().zip(&others.constants) {
+            own.margin = other.margin;
+        }
+        self
     }
 }
 
@@ -89,16 +121,24 @@ struct Frame<'a> {
     h: f32,
     /// Substeps that are done.
     done: u32,
+    /// Some pair is round.
+    is_round: bool,
     biased: Pass,
     relax: Pass,
 }
 
 impl<'a> Frame<'a> {
     /// Contacts of the frame with what is kept of the last one.
+    #[cfg(test)]
     fn open(world: &'a RigidWorld, dt: f32, substeps: u32) -> Self {
-        let h = dt / substeps as f32;
         let bodies = Bodies::load(world, dt);
-        let found = detect::manifolds(world, &bodies);
+        let found = detect::manifolds(world, &bodies, None);
+        Self::with(world, bodies, found, dt, substeps)
+    }
+
+    /// The same for manifolds that are known.
+    fn with(world: &'a RigidWorld, bodies: Bodies, found: Vec<Found>, dt: f32, substeps: u32) -> Self {
+        let h = dt / substeps as f32;
         let mut contacts = detect::blocks(world, &bodies, found, dt);
         world.history.recall(&mut contacts, &bodies, h);
         colours::colour(&mut contacts, &bodies, &world.history);
@@ -110,7 +150,8 @@ impl<'a> Frame<'a> {
     fn new(world: &'a RigidWorld, bodies: Bodies, contacts: Contacts, h: f32) -> Self {
         let biased = Pass { biased: true, softness: [Softness::new(FREQUENCY, h), Softness::new(2.0 * FREQUENCY, h)] };
         let relax = Pass { biased: false, ..biased };
-        Self { world, bodies, contacts, h, done: 0, biased, relax }
+        let is_round = contacts.pairs.iter().any(|pair| pair.round);
+        Self { world, bodies, contacts, h, done: 0, is_round, biased, relax }
     }
 
     fn substep(&mut self) {
@@ -130,6 +171,9 @@ impl<'a> Frame<'a> {
 
     /// Looks along the paths of round contacts before the biased pass.
     fn spare(&mut self) {
+        if !self.is_round {
+            return;
+        }
         let (scope, bodies) = (Scope { world: self.world, h: self.h }, &self.bodies);
         let count = self.contacts.blocks.len();
         let mut done = vec![(); count];

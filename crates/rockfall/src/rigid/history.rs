@@ -103,7 +103,16 @@ impl History {
 
     /// The points of a pair of colliders.
     pub(in crate::rigid) fn pair(&self, colliders: [u32; 2]) -> Option<&[OldPoint]> {
-        let place = self.pairs.binary_search_by_key(&colliders, |old| old.colliders).ok()?;
+        self.pair_after(&mut 0, colliders)
+    }
+
+    /// The same, where the pair is probably the one at a place, which moves on.
+    pub(in crate::rigid) fn pair_after(&self, next: &mut usize, colliders: [u32; 2]) -> Option<&[OldPoint]> {
+        if self.pairs.get(*next).is_none_or(|old| old.colliders != colliders) {
+            *next = self.pairs.binary_search_by_key(&colliders, |old| old.colliders).ok()?;
+        }
+        let place = *next;
+        *next += 1;
         let OldPair { first, count, .. } = self.pairs[place];
         Some(&self.points[first as usize..(first + count) as usize])
     }

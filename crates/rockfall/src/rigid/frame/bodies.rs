@@ -196,8 +196,7 @@ impl Bodies {
     pub(super) fn drift(&mut self, h: f32, gravity: Vec3A) {
         let limit = 0.25 * gravity.length() * h;
         for i in 0..self.count() {
-            let motion = self.motions[i];
-            let fixed = self.constants[i];
+            let (motion, fixed) = (self.motions[i], &self.constants[i]);
             if !fixed.dynamic {
                 self.poses[i].position += Vec3::from(h * motion.velocity);
                 if motion.spin != Vec3A::ZERO {

@@ -37,8 +37,7 @@ pub(super) fn colour(contacts: &mut Contacts, bodies: &Bodies, history: &History
         take(&mut contacts.blocks[k], bodies, &mut uses, most);
     }
     share(contacts, bodies);
-    sort(contacts);
-    contacts.list_by_body(bodies.count());
+    sort(contacts, bodies.count());
 }
 
 /// The bodies of a block that have mass.
@@ -89,10 +88,10 @@ fn take(block: &mut Block, bodies: &Bodies, uses: &mut [Use], most: u8) {
 /// Leaves over the blocks of all colours but the first `most`.
 #[cfg(test)]
 pub(super) fn cap(contacts: &mut Contacts, bodies: &Bodies, most: u8) {
+    contacts.blocks.sort_unstable_by_key(|block| block.bodies);
     contacts.blocks.iter_mut().filter(|block| block.colour >= most).for_each(|block| block.colour = LEFT_OVER);
     share(contacts, bodies);
-    sort(contacts);
-    contacts.list_by_body(bodies.count());
+    sort(contacts, bodies.count());
 }
 
 /// The number of left-over blocks of the bodies of each left-over block.
@@ -106,14 +105,31 @@ fn share(contacts: &mut Contacts, bodies: &Bodies) {
     }
 }
 
-/// Brings blocks, pairs and points into the order (colour, a, b).
-fn sort(contacts: &mut Contacts) {
-    let mut order: Vec<usize> = (0..contacts.blocks.len()).collect();
-    order.sort_by_key(|k| (contacts.blocks[*k].colour, contacts.blocks[*k].bodies));
+/// Brings blocks that are in the order (a, b), with their pairs and points, into the order (colour, a, b). Lists them by body.
+fn sort(contacts: &mut Contacts, bodies: usize) {
     let mut sorted = Contacts::default();
+    for block in &contacts.blocks {
+        sorted.colours[usize::from(block.colour) + 1] += 1;
+    }
+    for colour in 0..=COLOURS {
+        sorted.colours[colour + 1] += sorted.colours[colour];
+    }
+    let mut next = sorted.colours;
+    let mut order = vec![0; contacts.blocks.len()];
+    // The new place of each block.
+    let places: Vec<u32> = contacts
+        .blocks
+        .iter()
+        .enumerate()
+        .map(|(k, block)| {
+            let place = &mut next[usize::from(block.colour)];
+            order[*place as usize] = k;
+            *place += 1;
+            *place - 1
+        })
+        .collect();
     for k in order {
         let block = contacts.blocks[k];
-        sorted.colours[usize::from(block.colour) + 1] += 1;
         let (first_pair, first_point) = (sorted.pairs.len() as u32, sorted.points.len() as u32);
         let moved = first_point.wrapping_sub(block.first_point);
         let pairs = contacts.pairs[block.pair_range()].iter();
@@ -123,9 +139,7 @@ fn sort(contacts: &mut Contacts) {
         sorted.impulses.extend_from_slice(&contacts.impulses[range]);
         sorted.blocks.push(Block { first_pair, first_point, ..block });
     }
-    sorted.rows = std::mem::take(&mut contacts.rows);
-    for colour in 0..=COLOURS {
-        sorted.colours[colour + 1] += sorted.colours[colour];
-    }
+    (sorted.rows, sorted.levers) = (std::mem::take(&mut contacts.rows), std::mem::take(&mut contacts.levers));
+    sorted.list_by_body(bodies, &places);
     *contacts = sorted;
 }

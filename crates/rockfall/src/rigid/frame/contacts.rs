@@ -8,6 +8,7 @@ use crate::rigid::collide::{MOST_POINTS, Manifold};
 pub(super) use crate::rigid::common::{COLOURS, LEFT_OVER};
 
 /// A pair of colliders that are within reach, a on the body with the smaller number.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Found {
     pub(super) bodies: [u32; 2],
     pub(super) colliders: [u32; 2],
@@ -38,7 +39,7 @@ pub(super) struct Point {
     pub(super) id: u32,
 }
 
-/// What the passes need of a point. Formed by the refresh.
+/// What the passes need of all points. Formed by the refresh.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Row {
     /// The common point from the centre of either body.
@@ -48,14 +49,21 @@ pub(super) struct Row {
     pub(super) gap: f32,
     /// kappa: what the gap of a round contact keeps beyond the tangent line.
     pub(super) spare: f32,
-    /// 1 / K along the normal. Infinite as long as the rest is not formed: most points of a frame never touch.
+    /// Its lever is that of this geometry.
+    pub(super) formed: bool,
+    /// Takes part in the relax pass.
+    pub(super) live: bool,
+}
+
+/// What impulses at a point do. Apart from the rows, and formed when it is needed: most points of a frame never touch.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Lever {
+    /// 1 / K along the normal.
     pub(super) inverse_normal: f32,
     /// Inverse of K_t: xx, xy, yy.
     pub(super) inverse_tangent: [f32; 3],
     /// 1 / the greater eigenvalue of K_t.
     pub(super) inverse_slip: f32,
-    /// Takes part in the relax pass.
-    pub(super) live: bool,
     /// For the normal and the two tangents.
     pub(super) along: [Along; 3],
 }
@@ -72,12 +80,8 @@ pub(super) struct Along {
 }
 
 impl Row {
-    pub(super) fn is_formed(&self) -> bool {
-        self.inverse_normal < f32::INFINITY
-    }
-
     pub(super) fn new(arm_a: Vec3A, arm_b: Vec3A, gap: f32) -> Self {
-        Self { arm_a, arm_b, gap, inverse_normal: f32::INFINITY, ..Self::default() }
+        Self { arm_a, arm_b, gap, ..Self::default() }
     }
 }
 
@@ -166,6 +170,7 @@ pub(super) struct Contacts {
     pub(super) pairs: Vec<Pair>,
     pub(super) points: Vec<Point>,
     pub(super) rows: Vec<Row>,
+    pub(super) levers: Vec<Lever>,
     pub(super) impulses: Vec<Impulse>,
     /// First block of a colour; the left-over blocks are those of the last one.
     pub(super) colours: [u32; COLOURS + 2],
@@ -197,6 +202,7 @@ impl Contacts {
             pairs: &mut self.pairs[first_pair..end_pair],
             points: &mut self.points[first_point..end_point],
             rows: &mut self.rows[first_point..end_point],
+            levers: &mut self.levers[first_point..end_point],
             impulses: &mut self.impulses[first_point..end_point],
         }
     }
@@ -207,10 +213,8 @@ impl Contacts {
         self.blocks.get(block).map_or((self.pairs.len(), self.points.len()), start)
     }
 
-    /// Lists the blocks of each body in the order (a, b).
-    pub(super) fn list_by_body(&mut self, bodies: usize) {
-        let mut order: Vec<u32> = (0..self.blocks.len() as u32).collect();
-        order.sort_unstable_by_key(|k| self.blocks[*k as usize].bodies);
+    /// Lists the blocks of each body in the order (a, b), in which `order` has all blocks.
+    pub(super) fn list_by_body(&mut self, bodies: usize, order: &[u32]) {
         self.lists = vec![0; bodies + 1];
         for body in self.blocks.iter().flat_map(|block| block.sides()) {
             self.lists[body + 1] += 1;
@@ -221,8 +225,8 @@ impl Contacts {
         let mut next = self.lists.clone();
         self.list = vec![(0, false); 2 * self.blocks.len()];
         for k in order {
-            for (side, body) in self.blocks[k as usize].sides().into_iter().enumerate() {
-                self.list[next[body] as usize] = (k, side == 1);
+            for (side, body) in self.blocks[*k as usize].sides().into_iter().enumerate() {
+                self.list[next[body] as usize] = (*k, side == 1);
                 next[body] += 1;
             }
         }
@@ -237,6 +241,7 @@ pub(super) struct Part<'a> {
     pub(super) pairs: &'a mut [Pair],
     pub(super) points: &'a mut [Point],
     pub(super) rows: &'a mut [Row],
+    pub(super) levers: &'a mut [Lever],
     pub(super) impulses: &'a mut [Impulse],
 }
 
@@ -246,6 +251,7 @@ pub(super) struct View<'a> {
     pub(super) pairs: &'a mut [Pair],
     pub(super) points: &'a mut [Point],
     pub(super) rows: &'a mut [Row],
+    pub(super) levers: &'a mut [Lever],
     pub(super) impulses: &'a mut [Impulse],
 }
 
@@ -259,6 +265,7 @@ impl Part<'_> {
             pairs: &mut self.pairs[pair..pair + block.pairs as usize],
             points: &mut self.points[point..point + count],
             rows: &mut self.rows[point..point + count],
+            levers: &mut self.levers[point..point + count],
             impulses: &mut self.impulses[point..point + count],
             block,
         }
@@ -272,8 +279,9 @@ impl Part<'_> {
         let (pairs, later_pairs) = self.pairs.split_at_mut(pair - self.first_pair);
         let (points, later_points) = self.points.split_at_mut(point - self.first_point);
         let (rows, later_rows) = self.rows.split_at_mut(point - self.first_point);
+        let (levers, later_levers) = self.levers.split_at_mut(point - self.first_point);
         let (impulses, later_impulses) = self.impulses.split_at_mut(point - self.first_point);
-        let first = Self { blocks, pairs, points, rows, impulses, ..self };
+        let first = Self { blocks, pairs, points, rows, levers, impulses, ..self };
         let later = Self {
             first_pair: pair,
             first_point: point,
@@ -281,6 +289,7 @@ impl Part<'_> {
             pairs: later_pairs,
             points: later_points,
             rows: later_rows,
+            levers: later_levers,
             impulses: later_impulses,
         };
         (first, later)

@@ -7,19 +7,30 @@ use glam::{Vec3, Vec3A};
 use crate::rigid::broad::{self, Aabb};
 use crate::rigid::collide::collide;
 use crate::rigid::frame::bodies::Bodies;
-use crate::rigid::frame::contacts::{Block, Contacts, Found, Impulse, Pair, Point, Row, is_crowd};
+use crate::rigid::frame::contacts::{Block, Contacts, Found, Impulse, Lever, Pair, Point, Row, is_crowd};
 use crate::rigid::frame::seams::{ball_side, expose};
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Collider, RigidWorld, Surface};
 
-/// All manifolds of a frame, in any order.
-pub(super) fn manifolds(world: &RigidWorld, bodies: &Bodies) -> Vec<Found> {
+/// All manifolds of a frame, in the order of their colliders. Of a frame that is repeated, the bodies and the manifolds before are
+/// known: where no margin has changed, those are the same.
+pub(super) fn manifolds(world: &RigidWorld, bodies: &Bodies, before: Option<(&Bodies, &[Found])>) -> Vec<Found> {
     let pairs = candidates(world, bodies);
+    let margins = |bodies: &Bodies, pair: (u32, u32)| {
+        [pair.0, pair.1].map(|k| bodies.constants[world.colliders[k as usize].body as usize].margin)
+    };
+    let manifold = |pair: &(u32, u32)| match before {
+        Some((old, found)) if margins(old, *pair) == margins(bodies, *pair) => {
+            let key = |found: &Found| (found.colliders[0].min(found.colliders[1]), found.colliders[0].max(found.colliders[1]));
+            found.binary_search_by_key(pair, key).ok().map(|place| found[place])
+        }
+        _ => manifold(world, bodies, *pair),
+    };
     // Few pairs are done by one thread: tasks would cost more than they do.
     if !is_crowd(pairs.len()) {
-        pairs.iter().filter_map(|pair| manifold(world, bodies, *pair)).collect()
+        pairs.iter().filter_map(manifold).collect()
     } else {
-        pairs.par_iter().with_min_len(64).filter_map(|pair| manifold(world, bodies, *pair)).collect()
+        pairs.par_iter().with_min_len(64).filter_map(manifold).collect()
     }
 }
 
@@ -103,6 +114,7 @@ pub(super) fn blocks_with(
     }
     let points = contacts.points.len();
     contacts.rows = vec![Row::default(); points];
+    contacts.levers = vec![Lever::default(); points];
     contacts.impulses = vec![Impulse::default(); points];
     contacts
 }

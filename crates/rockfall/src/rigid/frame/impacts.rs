@@ -4,7 +4,7 @@ use glam::{Quat, Vec2, Vec3, Vec3A};
 use rayon::prelude::*;
 
 use crate::rigid::frame::bodies::{Bodies, Mass};
-use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, Impulse, Pair, Row, View, for_each, is_crowd};
+use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, Impulse, Lever, Pair, Row, View, for_each, is_crowd};
 use crate::rigid::frame::refresh::{apart, belt, places, renew_block, tangents};
 use crate::rigid::frame::rows::{Sides, friction_row};
 use crate::rigid::frame::times::{Hit, Scope, State};
@@ -35,11 +35,12 @@ pub(super) fn impacts(world: &RigidWorld, contacts: &mut Contacts, bodies: &mut 
             }
         }
         any |= left_over(&scope, contacts, bodies);
+        if !any {
+            return;
+        }
     }
-    if any {
-        wait(&scope, contacts, bodies);
-        carry(&scope, contacts, bodies);
-    }
+    wait(&scope, contacts, bodies);
+    carry(&scope, contacts, bodies);
 }
 
 /// The blocks of a range that are hit. Blocks of one colour do not change each other's.
@@ -113,6 +114,7 @@ fn mean(bodies: &Bodies, before: &Bodies, i: usize, copy: &After, share: f32) ->
 struct Joined {
     pair: Pair,
     row: Row,
+    lever: Lever,
     normal: f32,
     tangent: Vec2,
     /// Approach speed before the impact.
@@ -125,7 +127,7 @@ fn reflect(scope: &Scope<'_>, contacts: &Contacts, bodies: &Bodies, k: usize, hi
     let state = scope.state(bodies, block, hit.time);
     let masses = [0, 1].map(|s| mass_at(bodies, block.sides()[s], state.0[s].turn).split(shares[s]));
     let [a, b] = state.1;
-    let mut sides = Sides { a, b, mass_a: masses[0], mass_b: masses[1] };
+    let mut sides = Sides { a, b, mass_a: &masses[0], mass_b: &masses[1] };
     let mut points = joined(scope, contacts, block, &state, &sides, hit.depth);
     if let Some(scale) = inelastic(&mut points, sides) {
         restitute(&mut points, &mut sides, scale);
@@ -151,7 +153,7 @@ fn mass_at(bodies: &Bodies, i: usize, turn: Quat) -> Mass {
 }
 
 /// The points of a block at the time of contact that are as near as those that are hit.
-fn joined(scope: &Scope<'_>, contacts: &Contacts, block: &Block, state: &State, sides: &Sides, depth: f32) -> Vec<Joined> {
+fn joined(scope: &Scope<'_>, contacts: &Contacts, block: &Block, state: &State, sides: &Sides<'_>, depth: f32) -> Vec<Joined> {
     let poses = &state.0;
     let apart = apart(poses);
     let mut points = Vec::with_capacity(block.points as usize);
@@ -161,34 +163,35 @@ fn joined(scope: &Scope<'_>, contacts: &Contacts, block: &Block, state: &State, 
         turned.belt = belt(scope.world, &turned, poses);
         for k in (0..now.count).filter(|k| now.gap(*k) <= depth) {
             let common = 0.5 * (now.on_a[k] + now.on_b[k]);
-            let mut row = Row::new(common, common - apart, now.gap(k));
-            sides.form(&turned, &mut row);
-            let speed = -sides.normal_speed(&turned, &row);
-            points.push(Joined { pair: turned, row, normal: 0.0, tangent: Vec2::ZERO, speed });
+            let row = Row::new(common, common - apart, now.gap(k));
+            let mut lever = Lever::default();
+            sides.form(&turned, &row, &mut lever);
+            let speed = -sides.normal_speed(&turned, &lever);
+            points.push(Joined { pair: turned, row, lever, normal: 0.0, tangent: Vec2::ZERO, speed });
         }
     }
     points
 }
 
 /// The impulses after which no point approaches. What they are multiplied by to be exact in energy, `None` if there are none.
-fn inelastic(points: &mut [Joined], mut sides: Sides) -> Option<f32> {
+fn inelastic(points: &mut [Joined], mut sides: Sides<'_>) -> Option<f32> {
     for _ in 0..SWEEPS {
-        for Joined { pair, row, normal, .. } in points.iter_mut() {
+        for Joined { pair, lever, normal, .. } in points.iter_mut() {
             let before = *normal;
-            *normal = (before - sides.normal_speed(pair, row) * row.inverse_normal).max(0.0);
-            sides.push(pair, row, *normal - before);
+            *normal = (before - sides.normal_speed(pair, lever) * lever.inverse_normal).max(0.0);
+            sides.push(pair, lever, *normal - before);
         }
     }
     let (mut work, mut lost) = (0.0, 0.0);
-    for Joined { pair, row, normal, speed, .. } in points.iter() {
+    for Joined { pair, lever, normal, speed, .. } in points.iter() {
         work += normal * speed;
-        lost += normal * (speed + sides.normal_speed(pair, row));
+        lost += normal * (speed + sides.normal_speed(pair, lever));
     }
     (lost > 0.0).then(|| work / lost)
 }
 
 /// Applies the impulses with restitution, and friction within their bounds.
-fn restitute(points: &mut [Joined], sides: &mut Sides, scale: f32) {
+fn restitute(points: &mut [Joined], sides: &mut Sides<'_>, scale: f32) {
     // Several pairs of two bodies may differ in e: the mean, weighted with the impulses, is between them.
     let (mut sum, mut weighted) = (0.0, 0.0);
     for Joined { pair, normal, .. } in points.iter() {
@@ -196,14 +199,14 @@ fn restitute(points: &mut [Joined], sides: &mut Sides, scale: f32) {
         weighted += normal * pair.restitution;
     }
     let factor = (1.0 + weighted / sum) * scale;
-    for Joined { pair, row, normal, .. } in points.iter_mut() {
+    for Joined { pair, lever, normal, .. } in points.iter_mut() {
         *normal *= factor;
-        sides.push(pair, row, *normal);
+        sides.push(pair, lever, *normal);
     }
     for _ in 0..FRICTION_SWEEPS {
-        for Joined { pair, row, normal, tangent, .. } in points.iter_mut().filter(|point| point.normal > 0.0) {
+        for Joined { pair, lever, normal, tangent, .. } in points.iter_mut().filter(|point| point.normal > 0.0) {
             let bound = pair.friction * *normal;
-            friction_row(pair, row, tangent, sides, bound);
+            friction_row(pair, lever, tangent, sides, bound);
         }
     }
 }
@@ -249,14 +252,14 @@ fn carry_block(scope: &Scope<'_>, bodies: &Bodies, view: View<'_>, start: f32) {
     let loose = sides.map(|i| bodies.constants[i].dynamic);
     let (apart, apart_now) = (apart(&poses), apart(&now));
     view.block.time = scope.h - start;
-    renew_block(scope.world, view, &poses, |found, k| {
+    renew_block(scope.world, view, &poses, |on_a, on_b, gap| {
         // With the displacement of the centre alone: the arm, and so the speed at the point, is that at the contact.
-        let (on_a, on_b) = (found.on_a[k], apart_now + (found.on_b[k] - apart));
+        let on_b = apart_now + (on_b - apart);
         let common = match loose {
             [true, true] => 0.5 * (on_a + on_b),
             [true, false] => on_a,
             _ => on_b,
         };
-        Row::new(common, common - apart_now, found.gap(k))
+        Row::new(common, common - apart_now, gap)
     });
 }

@@ -13,7 +13,8 @@ impl History {
     pub(super) fn new(contacts: &Contacts, frames: u32, substep: f32) -> Self {
         let mut history = Self { frames, substep, ..Self::default() };
         let mut order: Vec<&Pair> = contacts.pairs.iter().collect();
-        order.sort_unstable_by_key(|pair| pair.colliders);
+        // Each colour is in order, or nearly so. A stable sort merges such runs.
+        order.sort_by_key(|pair| pair.colliders);
         for pair in order {
             let (first, count) = (history.points.len() as u32, u32::from(pair.count));
             history.pairs.push(OldPair { colliders: pair.colliders, first, count });
@@ -27,7 +28,7 @@ impl History {
             }
         }
         history.colours = contacts.blocks.iter().map(|block| (block.bodies, block.colour)).collect();
-        history.colours.sort_unstable_by_key(|(bodies, _)| *bodies);
+        history.colours.sort_by_key(|(bodies, _)| *bodies);
         history
     }
 
@@ -46,10 +47,11 @@ impl History {
     pub(super) fn recall(&self, contacts: &mut Contacts, bodies: &Bodies, h: f32) {
         let scale = if self.substep > 0.0 && self.substep != h { h / self.substep } else { 1.0 };
         let Contacts { blocks, pairs, points, impulses, .. } = contacts;
+        let mut next = 0;
         for block in blocks.iter() {
             let near = 0.1 * least_radius(bodies, block);
             for pair in &mut pairs[block.pair_range()] {
-                let Some(old) = self.pair(pair.colliders) else { continue };
+                let Some(old) = self.pair_after(&mut next, pair.colliders) else { continue };
                 let range = pair.first as usize..pair.first as usize + usize::from(pair.count);
                 let places = points[range.clone()].iter().map(|point| (point.id, point.on_a));
                 let turn = bodies.poses[block.sides()[0]].turn;

@@ -18,19 +18,16 @@ pub(super) fn pass(contacts: &mut Contacts, bodies: &mut Bodies, pass: &Pass) {
             let mut part = contacts.part(range.clone());
             for k in 0..range.len() {
                 let mut view = part.view(k);
-                let sides = solved(&mut view, bodies, pass);
-                let [a, b] = view.block.sides();
-                put(bodies, a, sides.a);
-                put(bodies, b, sides.b);
+                let ends = solved(&mut view, bodies, pass);
+                for (i, end) in view.block.sides().into_iter().zip(ends) {
+                    put(bodies, i, end);
+                }
             }
             continue;
         }
         let mut ends = vec![[Motion::default(); 2]; range.len()];
         let read: &Bodies = bodies;
-        for_each(contacts.part(range.clone()), &mut ends, &|mut view| {
-            let sides = solved(&mut view, read, pass);
-            [sides.a, sides.b]
-        });
+        for_each(contacts.part(range.clone()), &mut ends, &|mut view| solved(&mut view, read, pass));
         let blocks = &contacts.blocks[range];
         if colour < COLOURS {
             for (block, [a, b]) in blocks.iter().zip(ends) {
@@ -44,22 +41,23 @@ pub(super) fn pass(contacts: &mut Contacts, bodies: &mut Bodies, pass: &Pass) {
 }
 
 /// The motions of the bodies of a block after its rows.
-fn solved(view: &mut View<'_>, bodies: &Bodies, pass: &Pass) -> Sides {
+fn solved(view: &mut View<'_>, bodies: &Bodies, pass: &Pass) -> [Motion; 2] {
     let [a, b] = view.block.sides();
     let [share_a, share_b] = view.block.shares;
-    let mut sides = Sides {
-        a: bodies.motions[a],
-        b: bodies.motions[b],
-        mass_a: bodies.masses[a].split(share_a),
-        mass_b: bodies.masses[b].split(share_b),
-    };
+    let (mut mass_a, mut mass_b) = (&bodies.masses[a], &bodies.masses[b]);
+    let split;
+    if [share_a, share_b] != [1.0; 2] {
+        split = [mass_a.split(share_a), mass_b.split(share_b)];
+        [mass_a, mass_b] = [&split[0], &split[1]];
+    }
+    let mut sides = Sides { a: bodies.motions[a], b: bodies.motions[b], mass_a, mass_b };
     solve(view, &mut sides, pass);
-    sides
+    [sides.a, sides.b]
 }
 
 fn put(bodies: &mut Bodies, i: usize, motion: Motion) {
     // Blocks of one colour may share the world.
-    if bodies.constants[i].dynamic {
+    if bodies.masses[i].inverse_mass > 0.0 {
         bodies.motions[i] = motion;
     }
 }

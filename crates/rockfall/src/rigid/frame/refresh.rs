@@ -1,6 +1,6 @@
 //! Geometry of contacts in a pose of their bodies, and the rows that follow from it (docs/physics.md sections 11.4 and 11.8).
 
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{Mat3A, Vec2, Vec3, Vec3A};
 
 use crate::rigid::collide::{MOST_POINTS, collide};
 use crate::rigid::frame::bodies::Bodies;
@@ -14,6 +14,17 @@ pub(super) fn apart([a, b]: &[Pose; 2]) -> Vec3A {
     (b.position - a.position).into()
 }
 
+/// The rotations of two bodies.
+fn turns(poses: &[Pose; 2]) -> [Mat3A; 2] {
+    poses.map(|pose| Mat3A::from_quat(pose.turn))
+}
+
+/// The places of a point on both surfaces from the centre of body a, for the turns and the way of its bodies.
+#[inline(always)]
+fn seen(point: &Point, [a, b]: &[Mat3A; 2], apart: Vec3A) -> [Vec3A; 2] {
+    [*a * point.on_a, apart + *b * point.on_b]
+}
+
 /// The points of a pair with its bodies in given poses.
 pub(super) fn place(world: &RigidWorld, pair: &Pair, points: &[Point], poses: &[Pose; 2]) -> Place {
     if pair.round
@@ -21,12 +32,10 @@ pub(super) fn place(world: &RigidWorld, pair: &Pair, points: &[Point], poses: &[
     {
         return found;
     }
-    let [a, b] = poses;
-    let apart = apart(poses);
-    let mut place = Place { normal: a.turn * pair.inner_normal, count: pair.count.into(), ..Place::default() };
+    let (turns, apart) = (turns(poses), apart(poses));
+    let mut place = Place { normal: turns[0] * pair.inner_normal, count: pair.count.into(), ..Place::default() };
     for (k, point) in points[..place.count].iter().enumerate() {
-        place.on_a[k] = a.turn * point.on_a;
-        place.on_b[k] = apart + b.turn * point.on_b;
+        [place.on_a[k], place.on_b[k]] = seen(point, &turns, apart);
         place.ids[k] = point.id;
     }
     place
@@ -61,21 +70,32 @@ pub(super) fn refresh(world: &RigidWorld, bodies: &Bodies, view: View<'_>, h: f3
     let poses = view.block.sides().map(|i| bodies.poses[i]);
     let apart = apart(&poses);
     view.block.time = h;
-    renew_block(world, view, &poses, |found, k| {
-        let common = 0.5 * (found.on_a[k] + found.on_b[k]);
-        Row::new(common, common - apart, found.gap(k))
+    renew_block(world, view, &poses, |on_a, on_b, gap| {
+        let common = 0.5 * (on_a + on_b);
+        Row::new(common, common - apart, gap)
     });
 }
 
 /// Gives all pairs of a block their geometry in a pose, and their rows.
-pub(super) fn renew_block(world: &RigidWorld, mut view: View<'_>, poses: &[Pose; 2], row: impl Fn(&Place, usize) -> Row) {
+pub(super) fn renew_block(world: &RigidWorld, mut view: View<'_>, poses: &[Pose; 2], row: impl Fn(Vec3A, Vec3A, f32) -> Row) {
     if view.block.seams {
         renew_seams(world, &mut view, poses, row);
         return;
     }
+    let (turns, apart) = (turns(poses), apart(poses));
     for k in 0..view.pairs.len() {
-        let pair = &view.pairs[k];
+        let pair = &mut view.pairs[k];
         let first = (pair.first - view.block.first_point) as usize;
+        if !pair.round {
+            let range = first..first + usize::from(pair.count);
+            let normal = turns[0] * pair.inner_normal;
+            lean(world, pair, normal, &mut view.impulses[range.clone()], poses);
+            for (place, point) in view.rows[range.clone()].iter_mut().zip(&view.points[range]) {
+                let [on_a, on_b] = seen(point, &turns, apart);
+                *place = row(on_a, on_b, (on_b - on_a).dot(normal));
+            }
+            continue;
+        }
         let found = place(world, pair, &view.points[first..first + usize::from(pair.room)], poses);
         renew_pair(world, &mut view, k, &found, poses, &row);
     }
@@ -87,14 +107,14 @@ fn renew_pair(
     k: usize,
     found: &Place,
     poses: &[Pose; 2],
-    row: &impl Fn(&Place, usize) -> Row,
+    row: &impl Fn(Vec3A, Vec3A, f32) -> Row,
 ) {
     let pair = &mut view.pairs[k];
     let first = (pair.first - view.block.first_point) as usize;
     let range = first..first + usize::from(pair.room);
     turn(world, pair, found, &mut view.points[range.clone()], &mut view.impulses[range.clone()], poses);
     for (k, place) in view.rows[range].iter_mut().enumerate().take(found.count) {
-        *place = row(found, k);
+        *place = row(found.on_a[k], found.on_b[k], found.gap(k));
     }
 }
 
@@ -118,7 +138,7 @@ pub(super) fn places(
 }
 
 /// A ball on static shapes that hide each other: the one that hides another one takes over its impulse.
-fn renew_seams(world: &RigidWorld, view: &mut View<'_>, poses: &[Pose; 2], row: impl Fn(&Place, usize) -> Row) {
+fn renew_seams(world: &RigidWorld, view: &mut View<'_>, poses: &[Pose; 2], row: impl Fn(Vec3A, Vec3A, f32) -> Row) {
     let first = view.block.first_point;
     let mut all: Vec<Place> = view
         .pairs
@@ -147,15 +167,19 @@ fn renew_seams(world: &RigidWorld, view: &mut View<'_>, poses: &[Pose; 2], row: 
     }
 }
 
-/// Gives a pair its new normal and points. Friction impulses are projected on the new tangent plane.
+/// Gives a pair its new normal and points.
 fn turn(world: &RigidWorld, pair: &mut Pair, found: &Place, points: &mut [Point], impulses: &mut [Impulse], poses: &[Pose; 2]) {
-    let old = pair.tangents;
     if pair.round {
         renew(pair, found, points, impulses, poses);
     }
-    pair.normal = found.normal;
-    pair.tangents = tangents(found.normal);
-    for impulse in &mut impulses[..found.count] {
+    lean(world, pair, found.normal, &mut impulses[..found.count], poses);
+}
+
+/// Gives a pair a new normal. Friction impulses are projected on the new tangent plane.
+fn lean(world: &RigidWorld, pair: &mut Pair, normal: Vec3A, impulses: &mut [Impulse], poses: &[Pose; 2]) {
+    let old = std::mem::replace(&mut pair.tangents, tangents(normal));
+    pair.normal = normal;
+    for impulse in impulses {
         let outer = impulse.tangent.x * old[0] + impulse.tangent.y * old[1];
         impulse.tangent = Vec2::new(outer.dot(pair.tangents[0]), outer.dot(pair.tangents[1]));
     }

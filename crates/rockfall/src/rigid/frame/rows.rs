@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3A};
 
 use crate::rigid::frame::bodies::{Mass, Motion};
-use crate::rigid::frame::contacts::{Along, Impulse, Pair, Row, View};
+use crate::rigid::frame::contacts::{Along, Block, Impulse, Lever, Pair, Row, View};
 
 /// Greatest speed at which an overlap is pushed out, in units/s.
 const PUSH_OUT: f32 = 3.0;
@@ -46,28 +46,34 @@ pub(super) struct Pass {
 
 /// The two bodies of a block while it is solved.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sides {
+pub(super) struct Sides<'a> {
     pub(super) a: Motion,
     pub(super) b: Motion,
-    pub(super) mass_a: Mass,
-    pub(super) mass_b: Mass,
+    pub(super) mass_a: &'a Mass,
+    pub(super) mass_b: &'a Mass,
 }
 
-impl Sides {
+impl Sides<'_> {
     /// Velocity of b relative to a at a row.
     #[inline(always)]
     pub(super) fn closing(&self, row: &Row) -> Vec3A {
         self.b.at(row.arm_b) - self.a.at(row.arm_a)
     }
 
-    /// Forms K of a row and what its impulses do, unless that is done.
-    #[inline(never)]
-    pub(super) fn form(&self, pair: &Pair, row: &mut Row) {
-        if row.is_formed() {
-            return;
+    /// Forms the lever of a row, unless that is done.
+    #[inline(always)]
+    fn form_once(&self, pair: &Pair, row: &mut Row, lever: &mut Lever) {
+        if !row.formed {
+            row.formed = true;
+            self.form(pair, row, lever);
         }
+    }
+
+    /// Forms K of a row and what its impulses do.
+    #[inline(never)]
+    pub(super) fn form(&self, pair: &Pair, row: &Row, lever: &mut Lever) {
         let directions = [pair.normal, pair.tangents[0], pair.tangents[1]];
-        row.along = directions.map(|along| {
+        lever.along = directions.map(|along| {
             let [turn_a, turn_b] = [row.arm_a.cross(along), row.arm_b.cross(along)];
             Along {
                 turn_a,
@@ -78,15 +84,15 @@ impl Sides {
         });
         let linear = self.mass_a.inverse_mass + self.mass_b.inverse_mass;
         let turning = |i: usize, j: usize| {
-            let (one, other) = (&row.along[i], &row.along[j]);
+            let (one, other) = (&lever.along[i], &lever.along[j]);
             one.turn_a.dot(other.response_a) + one.turn_b.dot(other.response_b)
         };
         let (xx, xy, yy) = (linear + turning(1, 1), turning(1, 2), linear + turning(2, 2));
         let scale = 1.0 / (xx * yy - xy * xy);
         let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        row.inverse_normal = 1.0 / (linear + turning(0, 0));
-        row.inverse_tangent = [yy * scale, -xy * scale, xx * scale];
-        row.inverse_slip = 1.0 / (mean + (half * half + xy * xy).sqrt());
+        lever.inverse_normal = 1.0 / (linear + turning(0, 0));
+        lever.inverse_tangent = [yy * scale, -xy * scale, xx * scale];
+        lever.inverse_slip = 1.0 / (mean + (half * half + xy * xy).sqrt());
     }
 
     /// Velocity of b relative to a along a direction of a formed row.
@@ -107,18 +113,18 @@ impl Sides {
     }
 
     /// An impulse along the normal of a formed row.
-    pub(super) fn push(&mut self, pair: &Pair, row: &Row, impulse: f32) {
-        self.push_along(pair.normal, &row.along[0], impulse);
+    pub(super) fn push(&mut self, pair: &Pair, lever: &Lever, impulse: f32) {
+        self.push_along(pair.normal, &lever.along[0], impulse);
     }
 
     /// Speed along the normal of a formed row.
-    pub(super) fn normal_speed(&self, pair: &Pair, row: &Row) -> f32 {
-        self.speed(pair.normal, &row.along[0])
+    pub(super) fn normal_speed(&self, pair: &Pair, lever: &Lever) -> f32 {
+        self.speed(pair.normal, &lever.along[0])
     }
 }
 
 /// Solves the rows of a block.
-pub(super) fn solve(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) {
+pub(super) fn solve(view: &mut View<'_>, sides: &mut Sides<'_>, pass: &Pass) {
     if view.block.waits || !wake(view, pass) {
         return;
     }
@@ -145,7 +151,7 @@ fn wake(view: &mut View<'_>, pass: &Pass) -> bool {
 
 /// One sweep over all chunks: the largest change of an impulse, and the largest normal impulse.
 #[inline(always)]
-fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
+fn sweep(view: &mut View<'_>, sides: &mut Sides<'_>, pass: &Pass) -> (f32, f32) {
     let (mut change, mut largest) = (0.0_f32, 0.0_f32);
     let mut start = 0;
     while start < view.pairs.len() {
@@ -155,8 +161,8 @@ fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
         for pair in chunk {
             let first = (pair.first - base) as usize;
             for k in first..first + usize::from(pair.count) {
-                let (row, impulse) = (&mut view.rows[k], &mut view.impulses[k]);
-                change = change.max(normal_row(pair, row, impulse, sides, pass, view.block.fixed, view.block.time));
+                let (row, lever, impulse) = (&mut view.rows[k], &mut view.levers[k], &mut view.impulses[k]);
+                change = change.max(normal_row(pair, row, lever, impulse, sides, pass, view.block));
                 largest = largest.max(impulse.normal);
             }
         }
@@ -164,11 +170,11 @@ fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
         for pair in chunk.iter().filter(|_| !pass.biased) {
             let first = (pair.first - base) as usize;
             for k in first..first + usize::from(pair.count) {
-                let (row, impulse) = (&mut view.rows[k], &mut view.impulses[k]);
+                let (row, lever, impulse) = (&mut view.rows[k], &mut view.levers[k], &mut view.impulses[k]);
                 if impulse.normal > 0.0 || impulse.tangent != Vec2::ZERO {
-                    sides.form(pair, row);
+                    sides.form_once(pair, row, lever);
                     let bound = pair.friction * impulse.normal;
-                    change = change.max(friction_row(pair, row, &mut impulse.tangent, sides, bound));
+                    change = change.max(friction_row(pair, lever, &mut impulse.tangent, sides, bound));
                 }
             }
         }
@@ -181,53 +187,53 @@ fn sweep(view: &mut View<'_>, sides: &mut Sides, pass: &Pass) -> (f32, f32) {
 fn normal_row(
     pair: &Pair,
     row: &mut Row,
+    lever: &mut Lever,
     impulse: &mut Impulse,
-    sides: &mut Sides,
+    sides: &mut Sides<'_>,
     pass: &Pass,
-    fixed: bool,
-    time: f32,
+    block: &Block,
 ) -> f32 {
     let before = impulse.normal;
     if !pass.biased && !row.live {
         return 0.0;
     }
     let step = if pass.biased && row.gap > 0.0 {
-        let apart = (row.gap + row.spare) / time;
-        if before == 0.0 && !row.is_formed() && sides.closing(row).dot(pair.normal) + apart >= 0.0 {
+        let apart = (row.gap + row.spare) / block.time;
+        if before == 0.0 && !row.formed && sides.closing(row).dot(pair.normal) + apart >= 0.0 {
             return 0.0;
         }
-        sides.form(pair, row);
-        -(sides.normal_speed(pair, row) + apart) * row.inverse_normal
+        sides.form_once(pair, row, lever);
+        -(sides.normal_speed(pair, lever) + apart) * lever.inverse_normal
     } else {
-        sides.form(pair, row);
-        let speed = sides.normal_speed(pair, row);
+        sides.form_once(pair, row, lever);
+        let speed = sides.normal_speed(pair, lever);
         if pass.biased {
-            let soft = &pass.softness[usize::from(fixed)];
+            let soft = &pass.softness[usize::from(block.fixed)];
             let speed = soft.mass * speed + (soft.rate * row.gap).max(-PUSH_OUT);
-            -speed * row.inverse_normal - soft.impulse * before
+            -speed * lever.inverse_normal - soft.impulse * before
         } else {
-            -speed * row.inverse_normal
+            -speed * lever.inverse_normal
         }
     };
     impulse.normal = (before + step).max(0.0);
     let done = impulse.normal - before;
     if done != 0.0 {
-        sides.push(pair, row, done);
+        sides.push(pair, lever, done);
     }
     done.abs()
 }
 
 /// The friction of a point within a bound: sticks if it can, else takes a step against the slip. The change of the impulse.
 #[inline(always)]
-pub(super) fn friction_row(pair: &Pair, row: &Row, tangent: &mut Vec2, sides: &mut Sides, bound: f32) -> f32 {
+pub(super) fn friction_row(pair: &Pair, lever: &Lever, tangent: &mut Vec2, sides: &mut Sides<'_>, bound: f32) -> f32 {
     let [t1, t2] = pair.tangents;
-    let [_, one, other] = &row.along;
+    let [_, one, other] = &lever.along;
     let slip = Vec2::new(sides.speed(t1, one), sides.speed(t2, other)) + pair.belt;
-    let [xx, xy, yy] = row.inverse_tangent;
+    let [xx, xy, yy] = lever.inverse_tangent;
     let before = *tangent;
     let mut trial = before - Vec2::new(xx * slip.x + xy * slip.y, xy * slip.x + yy * slip.y);
     if trial.length_squared() > bound * bound {
-        trial = before - row.inverse_slip * slip;
+        trial = before - lever.inverse_slip * slip;
         let size = trial.length();
         if size > bound {
             trial *= bound / size;

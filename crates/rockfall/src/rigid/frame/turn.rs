@@ -54,29 +54,56 @@ impl Moments {
 
     /// Phi: the orientation after a free rotation for a time, in s, which may be negative.
     pub(super) fn turned(&self, orientation: Quat, momentum: Vec3A, time: f32) -> Quat {
-        let mut orientation = product(about(time * self.middle * momentum), orientation);
-        if !self.ball {
-            for (k, share) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
-                if self.excess[k] != 0.0 {
-                    let axis = orientation * (self.axes * Vec3A::AXES[k]);
-                    let turn = share * time * self.excess[k] * axis.dot(momentum) * axis;
-                    orientation = product(about(turn), orientation);
-                }
+        let start = product(about(time * self.middle * momentum), orientation);
+        if self.ball {
+            return unit(start);
+        }
+        // A rotation about an axis of the body is a factor on the right, which has one component beside the cosine.
+        let mut axes = product(start, self.axes);
+        for (k, share) in [(0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)] {
+            if self.excess[k] != 0.0 {
+                let rate = share * time * self.excess[k];
+                axes = match k {
+                    0 => about_axis::<0>(axes, momentum, rate),
+                    1 => about_axis::<1>(axes, momentum, rate),
+                    _ => about_axis::<2>(axes, momentum, rate),
+                };
             }
         }
-        unit(orientation)
+        unit(product(axes, self.axes.conjugate()))
     }
+}
+
+/// Turns principal axes about the axis `I` by the momentum along it times a rate.
+#[inline(always)]
+fn about_axis<const I: usize>(q: Quat, momentum: Vec3A, rate: f32) -> Quat {
+    let (i, j, k) = (I, (I + 1) % 3, (I + 2) % 3);
+    let (mut v, w, momentum) = ([q.x, q.y, q.z], q.w, momentum.to_array());
+    let axis = [1.0 - 2.0 * (v[j] * v[j] + v[k] * v[k]), 2.0 * (v[i] * v[j] + w * v[k]), 2.0 * (v[i] * v[k] - w * v[j])];
+    let angle = rate * (axis[0] * momentum[i] + axis[1] * momentum[j] + axis[2] * momentum[k]);
+    let (share, cosine) = half(angle * angle);
+    let sine = share * angle;
+    (v[i], v[j], v[k]) = (cosine * v[i] + sine * w, cosine * v[j] + sine * v[k], cosine * v[k] - sine * v[j]);
+    Quat::from_xyzw(v[0], v[1], v[2], cosine * w - sine * [q.x, q.y, q.z][i])
 }
 
 /// Rotation by an angular velocity times a time.
 pub(super) fn about(turn: Vec3A) -> Quat {
-    let squared = turn.length_squared();
-    // Below, the sine is its argument, and the cosine is 1, to the last bit.
-    if squared < 1e-8 {
-        return Quat::from_xyzw(0.5 * turn.x, 0.5 * turn.y, 0.5 * turn.z, 1.0 - 0.125 * squared);
+    let (share, cosine) = half(turn.length_squared());
+    let part = share * turn;
+    Quat::from_xyzw(part.x, part.y, part.z, cosine)
+}
+
+/// Sine of half an angle over the angle, and its cosine, from the square of the angle.
+#[inline(always)]
+fn half(squared: f32) -> (f32, f32) {
+    // The next terms of both series are below the last bit there.
+    if squared < 0.25 {
+        let sine = 0.5 - squared * (1.0 / 48.0 - squared * (1.0 / 3840.0 - squared * (1.0 / 645_120.0)));
+        let cosine = 1.0 - squared * (0.125 - squared * (1.0 / 384.0 - squared * (1.0 / 46_080.0)));
+        return (sine, cosine);
     }
     let angle = squared.sqrt();
     let (sine, cosine) = libm::sincosf(0.5 * angle);
-    let part = turn * (sine / angle);
-    Quat::from_xyzw(part.x, part.y, part.z, cosine)
+    (sine / angle, cosine)
 }

@@ -16,7 +16,7 @@ use crate::rigid::world::RigidWorld;
 pub(crate) fn bodies_alone(world: &RigidWorld) -> FrameRows {
     let bodies = Bodies::load(world, 1.0);
     let mut contacts = Contacts::default();
-    contacts.list_by_body(bodies.count());
+    contacts.list_by_body(bodies.count(), &[]);
     Frame::new(world, bodies, contacts, 1.0).rows(1)
 }
 

@@ -278,11 +278,12 @@ fn exposed_points_agree() {
     let (mut left_out, mut kept, mut of_second) = (0, 0, 0);
     for _ in 0..10 {
         let bodies = Bodies::load(&scene.world, DT);
-        let found = || detect::manifolds(&scene.world, &bodies);
+        let found = || detect::manifolds(&scene.world, &bodies, None);
         let wanted = detect::blocks(&scene.world, &bodies, found(), DT);
         let mut frame = Frame::open(&scene.world, DT, 4);
         frame.contacts = detect::blocks_with(&scene.world, &bodies, found(), DT, |_, _, _| ());
-        frame.contacts.list_by_body(bodies.count());
+        let order: Vec<u32> = (0..frame.contacts.blocks.len() as u32).collect();
+        frame.contacts.list_by_body(bodies.count(), &order);
         let on_device = gpu.frame(&frame.rows(4));
         on_device.run(&[Part::Expose]);
         let outcome = on_device.read().unwrap();

@@ -74,7 +74,7 @@ fn order_of_pairs_changes_no_bit() {
     scene.run(1.5);
     let bodies = Bodies::load(&scene.world, DT);
     let blocks = |turn: usize| {
-        let mut found = detect::manifolds(&scene.world, &bodies);
+        let mut found = detect::manifolds(&scene.world, &bodies, None);
         assert!(found.len() > 200);
         if turn > 0 {
             found.reverse();

@@ -174,7 +174,7 @@ fn compare(on: &Device, name: &str, world: &RigidWorld, ties: usize) -> usize {
     let unlike = candidates.symmetric_difference(&outcome.candidates.iter().copied().collect()).count();
     // Boxes that touch up to rounding.
     assert!(unlike <= 2, "{name}: {unlike} of {} candidates", candidates.len());
-    let twins = detect::manifolds(world, &bodies);
+    let twins = detect::manifolds(world, &bodies, None);
     let wanted: BTreeMap<_, _> = twins.iter().map(|twin| (twin.colliders, twin)).collect();
     for (i, row) in outcome.bodies.iter().enumerate() {
         let margin = bodies.constants[i].margin;
@@ -357,7 +357,7 @@ fn places_that_are_no_numbers() {
     let outcome = Bench::new(&on, &scene.world).run_with_room();
     let bodies = Bodies::load(&scene.world, DT);
     let is_odd = |body: &u32| (10..35).contains(body);
-    let twins = detect::manifolds(&scene.world, &bodies).into_iter().map(|found| (found.bodies, found.colliders));
+    let twins = detect::manifolds(&scene.world, &bodies, None).into_iter().map(|found| (found.bodies, found.colliders));
     let wanted: Vec<_> = twins.filter(|(bodies, _)| !bodies.iter().any(is_odd)).map(|(_, colliders)| colliders).collect();
     assert!(wanted.len() > 100 && wanted.iter().all(|pair| outcome.found.contains_key(pair)));
 }
