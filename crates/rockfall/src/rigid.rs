@@ -9,7 +9,7 @@
 //! | [`broad`] | pairs of AABBs that overlap |
 //! | [`history`] | what is kept from frame to frame |
 //! | [`world`] | bodies, colliders and materials of a scene |
-//! | [`springs`] | springs, tethers and muscles, and the substep that they bound |
+//! | [`springs`], [`spring_bound`] | springs, tethers and muscles, and the substep that they bound |
 //! | [`frame`] | a frame: margins, pairs, blocks, colours, substeps |
 //! | `gpu` | all of it on a device |
 
@@ -25,5 +25,6 @@ pub(crate) mod gpu;
 pub(crate) mod history;
 pub(crate) mod pose;
 pub(crate) mod shape;
+pub(crate) mod spring_bound;
 pub(crate) mod springs;
 pub(crate) mod world;

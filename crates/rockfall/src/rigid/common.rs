@@ -6,6 +6,8 @@ pub(crate) const FREQUENCY: f32 = 0.18;
 pub(crate) const MOST_MARGIN: f32 = 1e30;
 /// A frame is repeated at most so often.
 pub(crate) const REPEATS: u32 = 16;
+/// Most substeps of a frame.
+pub(crate) const MAX_SUBSTEPS: u32 = 1_000_000;
 /// Number of colours.
 pub(crate) const COLOURS: usize = 16;
 /// The colour of blocks without one.

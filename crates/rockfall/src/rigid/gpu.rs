@@ -40,7 +40,7 @@ use kernels::{
     BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, CARRY_ROUND, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT, EXPOSE,
     FIND_ALL_ROUND, FIND_LEFT_OVER, FIND_LEFT_OVER_ROUND, FIND_ROUND, HULLS, KICK, Kernel, Kinds, LISTS, LOAD, LOADS, MEAN,
     MEAN_OF_IMPACTS, PAIRS, POINTS, PULL, REFRESH, REFRESH_ROUND, REPORT, SEEK, SEEK_ROUND, SETTLE, SOLVE, SOLVE_LEFT_OVER,
-    SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND,
+    SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND, join,
 };
 use rows::{BlockRow, BodyRow, ContactRow, FrameRow, FrameRows, PairRow, PointRow, ROUND};
 use scan::ScanKernels;
@@ -72,6 +72,8 @@ pub(crate) struct RigidGpu {
     kernels: Vec<OnceLock<Kernel>>,
     scans: OnceLock<ScanKernels>,
     search_kernels: Mutex<HashMap<(usize, search::Content), Kernel>>,
+    /// A text of the kernels, and what stands in its place. For tests of the comparison with the CPU.
+    mistake: Option<[&'static str; 2]>,
 }
 
 /// How the substeps of a frame are dispatched.
@@ -137,7 +139,20 @@ pub(crate) struct Outcome {
 impl RigidGpu {
     pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let kernels = (0..STAGES.len() * Kinds::COUNT).map(|_| OnceLock::new()).collect();
-        Self { device, queue, kernels, scans: OnceLock::new(), search_kernels: Mutex::default() }
+        Self { device, queue, kernels, scans: OnceLock::new(), search_kernels: Mutex::default(), mistake: None }
+    }
+
+    /// Kernels on the same device with another text in place of one that occurs.
+    #[cfg(test)]
+    pub(crate) fn with_mistake(&self, mistake: [&'static str; 2]) -> std::sync::Arc<Self> {
+        assert!(kernels::count(mistake[0]) > 0, "{} is in no kernel", mistake[0]);
+        let other = Self::new(self.device.clone(), self.queue.clone());
+        std::sync::Arc::new(Self { mistake: Some(mistake), ..other })
+    }
+
+    /// The text of a kernel that is compiled.
+    fn text(&self, text: String) -> String {
+        self.mistake.map_or(text.clone(), |[right, wrong]| text.replace(right, wrong))
     }
 
     fn scans(&self) -> &ScanKernels {
@@ -147,7 +162,11 @@ impl RigidGpu {
     fn kernel(&self, stage: usize, kinds: Kinds) -> &Kernel {
         let kinds = if STAGES[stage].bindings.contains(&COLLIDERS) { kinds } else { Kinds::default() };
         let slot = &self.kernels[Kinds::COUNT * stage + kinds.number()];
-        slot.get_or_init(|| Kernel::new(&self.device, &STAGES[stage], kinds))
+        slot.get_or_init(|| {
+            let stage = &STAGES[stage];
+            let text = self.text(kinds.write(&join(stage.file)));
+            Kernel::build(&self.device, stage, text, &[(0, false), (1, true)])
+        })
     }
 
     fn buffer(&self, label: &str, bytes: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {

@@ -2,6 +2,7 @@
 
 use super::Scene;
 use crate::error::{Error, Result};
+use crate::rigid::common;
 use crate::settings::{ContactLaw, DEFAULT_FRAME, DEFAULT_TIME_STEP, Integrator, IntegratorChoice};
 
 /// How a scene is meant to be run: the line `@run` of its text. Programs use these values where they are not told otherwise; options
@@ -29,7 +30,7 @@ pub struct RunDefaults {
 
 impl RunDefaults {
     /// Greatest number of parts of a step, so that a part stays well above the rounding error of the whole step.
-    pub const MAX_SUBSTEPS: u32 = 1_000_000;
+    pub const MAX_SUBSTEPS: u32 = common::MAX_SUBSTEPS;
 
     /// Checks that every value is allowed.
     ///

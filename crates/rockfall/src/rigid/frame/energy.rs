@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use crate::rigid::springs::SpringBound;
+use crate::rigid::common::MAX_SUBSTEPS;
+use crate::rigid::spring_bound::SpringBound;
 use crate::rigid::world::{Body, Kind, RigidWorld};
-use crate::scene::RunDefaults;
 
 fn loose(world: &RigidWorld) -> impl Iterator<Item = &Body> {
     world.bodies.iter().filter(|body| body.kind == Kind::Dynamic && body.inverse_mass > 0.0)
@@ -55,5 +55,5 @@ pub(crate) fn least_width(world: &RigidWorld) -> f32 {
 pub(crate) fn auto_substeps(world: &RigidWorld, dt: f32) -> u32 {
     let needed = dt * (world.gravity.length() / least_width(world)).sqrt() / GREATEST_FALL;
     let of_bodies = (needed.ceil() as u32).clamp(LEAST_SUBSTEPS, MOST_SUBSTEPS);
-    of_bodies.max(SpringBound::of(world).substeps(dt).min(RunDefaults::MAX_SUBSTEPS))
+    of_bodies.max(SpringBound::of(world).substeps(dt).min(MAX_SUBSTEPS))
 }

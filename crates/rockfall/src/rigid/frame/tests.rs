@@ -1,5 +1,7 @@
 //! Problems with answers from nature: closed forms and conservation. Their numbers are those of docs/physics.md section 11.11.
 
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+mod broken;
 mod changes;
 mod colours;
 mod conservation;

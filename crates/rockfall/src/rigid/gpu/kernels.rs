@@ -331,7 +331,7 @@ impl Kinds {
         usize::from(self.capsules) + 2 * usize::from(self.hulls)
     }
 
-    fn write(self, text: &str) -> String {
+    pub(super) fn write(self, text: &str) -> String {
         let constant = |name: &str, value: bool| format!("const {name}: bool = {value};");
         [("CAPSULES", self.capsules), ("HULLS", self.hulls)]
             .iter()
@@ -374,12 +374,13 @@ pub(super) fn join(file: &str) -> String {
     text
 }
 
-impl Kernel {
-    /// A stage of a frame.
-    pub(super) fn new(device: &wgpu::Device, stage: &Stage, kinds: Kinds) -> Self {
-        Self::build(device, stage, kinds.write(&join(stage.file)), &[(0, false), (1, true)])
-    }
+/// How often a text occurs in the files of the kernels.
+#[cfg(test)]
+pub(super) fn count(text: &str) -> usize {
+    PARTS.iter().map(|part| part.text.matches(text).count()).sum()
+}
 
+impl Kernel {
     /// A stage with this text and with uniform blocks at these bindings. They may have a dynamic offset.
     #[allow(unsafe_code)]
     pub(super) fn build(device: &wgpu::Device, stage: &Stage, text: String, uniforms: &[(u32, bool)]) -> Self {

@@ -159,7 +159,7 @@ impl RigidGpu {
     /// A kernel of the search for scenes with this content, compiled at its first use.
     fn search_kernel(&self, number: usize, stage: &Stage, content: Content) -> Kernel {
         let mut kernels = self.search_kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        let build = || Kernel::build(&self.device, stage, content.text(stage.file), &[(0, false), (SEARCH, false)]);
+        let build = || Kernel::build(&self.device, stage, self.text(content.text(stage.file)), &[(0, false), (SEARCH, false)]);
         kernels.entry((number, content)).or_insert_with(build).clone()
     }
 }

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::options::Options;
 use crate::report::short_number;
 use crate::rigid::frame::{auto_substeps, least_width};
-use crate::rigid::springs::SpringBound;
+use crate::rigid::spring_bound::SpringBound;
 use crate::scene::Scene;
 
 /// How the solver of the contact law `rigid` takes a scene (docs/physics.md section 11).

@@ -8,7 +8,8 @@ use super::build::Builder;
 use super::{Frames, Owner};
 use crate::error::Result;
 use crate::model::muscles::MuscleClock;
-use crate::rigid::springs::{MuscleWords, Spring, SpringBound};
+use crate::rigid::spring_bound::SpringBound;
+use crate::rigid::springs::{MuscleWords, Spring};
 use crate::scene::{AnyForm, RunDefaults, Scene, SphereId, Tether, WholeBody};
 
 /// An end of a spring.
