@@ -144,10 +144,10 @@ impl RigidGpu {
 
     /// Kernels on the same device with another text in place of one that occurs.
     #[cfg(test)]
-    pub(crate) fn with_mistake(&self, mistake: [&'static str; 2]) -> std::sync::Arc<Self> {
+    pub(crate) fn with_mistake(&self, mistake: [&'static str; 2]) -> Arc<Self> {
         assert!(kernels::count(mistake[0]) > 0, "{} is in no kernel", mistake[0]);
         let other = Self::new(self.device.clone(), self.queue.clone());
-        std::sync::Arc::new(Self { mistake: Some(mistake), ..other })
+        Arc::new(Self { mistake: Some(mistake), ..other })
     }
 
     /// The text of a kernel that is compiled.
