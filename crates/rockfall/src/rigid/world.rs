@@ -90,6 +90,8 @@ pub(crate) struct RigidWorld {
     pub(crate) springs: Springs,
     /// Acceleration of the uniform field, in units/s².
     pub(crate) gravity: Vec3,
+    /// The least edge or diameter of bodies that are still to come, in units.
+    pub(crate) least_to_come: Option<f32>,
     /// What the solver keeps from frame to frame.
     pub(crate) history: History,
 }

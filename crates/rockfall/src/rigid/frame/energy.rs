@@ -45,9 +45,9 @@ const MOST_SUBSTEPS: u32 = 32;
 /// Greatest h sqrt(g / a) for the least edge a of a body.
 const GREATEST_FALL: f32 = 0.0135;
 
-/// The least edge or diameter of a body that moves; infinite without one.
+/// The least edge or diameter of a body that moves or is to come; infinite without one.
 pub(crate) fn least_width(world: &RigidWorld) -> f32 {
-    loose(world).map(|body| body.width).filter(|width| *width > 0.0).fold(f32::INFINITY, f32::min)
+    loose(world).map(|body| body.width).chain(world.least_to_come).filter(|width| *width > 0.0).fold(f32::INFINITY, f32::min)
 }
 
 /// The substeps of a frame of `dt` seconds for the smallest body that moves. It ignores masses, since one pebble under a

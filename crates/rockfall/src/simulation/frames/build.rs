@@ -11,8 +11,8 @@ use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
 use crate::scene::{
-    AnyForm, BOX_SPHERES, Body as Part, MaterialId, MotionId, Polygon, Scene, ShapeHull, Surface as WallSurface, WholeBody,
-    upright,
+    AnyForm, BOX_SPHERES, Body as Part, Inlet, MaterialId, MotionId, Polygon, Scene, ShapeHull, Surface as WallSurface,
+    WholeBody, upright,
 };
 
 /// A world under construction, and who its bodies are in the scene.
@@ -36,6 +36,7 @@ impl<'a> Builder<'a> {
         let owners = vec![Owner::World];
         let mut builder = Self { scene, world, owners, origins: Vec::new(), parts: Vec::new(), shapes: HashMap::new() };
         builder.world.gravity = scene.settings.gravity * scene.settings.gravity_direction;
+        builder.world.least_to_come = builder.least_to_come();
         builder.surfaces();
         builder.motions()?;
         builder.walls()?;
@@ -45,6 +46,21 @@ impl<'a> Builder<'a> {
         }
         builder.springs()?;
         Ok(builder)
+    }
+
+    /// The least edge or diameter of what comes in through inlets.
+    fn least_to_come(&self) -> Option<f32> {
+        let of_shape = |shape: &crate::scene::Shape| {
+            let spheres = shape.spheres.iter().map(|part| 2.0 * part.radius);
+            let boxes = shape.boxes.iter().map(|part| 2.0 * part.core(0.0).sharp().min_element() as f32);
+            let hulls = shape.hulls.iter().map(|part| Shape { core: Core::Hull(Arc::clone(&part.hull)), radius: 0.0 }.width());
+            spheres.chain(boxes).chain(hulls).fold(f32::INFINITY, f32::min)
+        };
+        let of_inlet = |inlet: &Inlet| match inlet.shape {
+            Some(shape) => self.scene.shape(shape).map_or(f32::INFINITY, of_shape),
+            None => 2.0 * inlet.radii.bounds(inlet.by).0 as f32,
+        };
+        self.scene.inlets().iter().map(of_inlet).reduce(f32::min)
     }
 
     /// The constants of all pairs of materials.

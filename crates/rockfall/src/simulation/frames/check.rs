@@ -6,8 +6,8 @@ use crate::scene::Scene;
 use crate::simulation::frames::motions::turns_planes;
 
 fn refused(value: &str) -> Result<()> {
-    let expected = "spheres, capsules, placed bodies, springs, tethers, and boxes, parallelograms, triangles and planes, still or on \
-                    motions: the contact law rigid has nothing else yet";
+    let expected = "spheres, capsules, placed bodies, springs, tethers, inlets, outlets, gauges, and as walls boxes, parallelograms, \
+                    triangles, meshes and planes, still or on motions: the contact law rigid has nothing else yet";
     Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected })
 }
 

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::Frames;
 use crate::error::Result;
-use crate::rigid::broad::pairs;
+use crate::rigid::broad::{Aabb, pairs};
 use crate::rigid::collide::collide;
 use crate::rigid::pose::Pose;
 use crate::scene::{Body as Part, Scene, Sphere};
@@ -12,7 +12,10 @@ use crate::settings::DEFAULT_TIME_STEP;
 use crate::simulation::observe::{Contact, ContactAction};
 use crate::simulation::{MaxOverlap, Simulation, SphereDiagnostics};
 
-/// A contact point that overlaps.
+/// Points are found up to this share of the radii of the bodies, as those of frames at rest are (docs/physics.md section 11.2).
+const NEAR: f32 = 0.02;
+
+/// A contact point.
 struct Touch {
     colliders: [u32; 2],
     point: Vec3,
@@ -30,11 +33,20 @@ impl Frames {
         self.world.bodies[collider.body as usize].pose.compose(&collider.place)
     }
 
-    /// All contact points that overlap, in the order of their colliders.
+    /// All contact points that overlap or have a force, in the order of their colliders. The overlap of a point at rest may be less than the
+    /// rounding of its place.
     fn touches(&self) -> Vec<Touch> {
         let world = &self.world;
         let shape = |collider: u32| &world.shapes[world.colliders[collider as usize].shape as usize];
-        let boxes: Vec<_> = (0..world.colliders.len() as u32).map(|at| shape(at).aabb(&self.place(at))).collect();
+        let reach = |at: u32| {
+            let body = &world.bodies[world.colliders[at as usize].body as usize];
+            if body.inverse_mass > 0.0 { NEAR * body.radius } else { 0.0 }
+        };
+        let grown = |at: u32| {
+            let (Aabb { min, max }, reach) = (shape(at).aabb(&self.place(at)), reach(at));
+            Aabb { min: min - reach, max: max + reach }
+        };
+        let boxes: Vec<_> = (0..world.colliders.len() as u32).map(grown).collect();
         let may_touch = |a: usize, b: usize| {
             let [a, b] = [a, b].map(|at| &world.colliders[at]);
             let has_mass = |body: u32| world.bodies[body as usize].inverse_mass > 0.0;
@@ -43,14 +55,18 @@ impl Frames {
         let mut found = Vec::new();
         for (a, b) in pairs(&boxes, may_touch) {
             let place = self.place(a);
-            let Some(manifold) = collide(shape(a), shape(b), &place.relative(&self.place(b)), 0.0) else { continue };
+            let Some(manifold) = collide(shape(a), shape(b), &place.relative(&self.place(b)), reach(a) + reach(b)) else {
+                continue;
+            };
             let normal = place.turn * manifold.normal;
             for point in &manifold.points[..manifold.count] {
                 let overlap = -(point.on_b - point.on_a).dot(manifold.normal);
                 let force = world.history.forces([a, b], normal).find(|(id, _)| *id == point.id);
                 let middle = place.point(0.5 * (point.on_a + point.on_b));
                 let force = force.map_or(Vec3::ZERO, |(_, force)| force);
-                found.push(Touch { colliders: [a, b], point: middle, normal, overlap, force });
+                if overlap >= 0.0 || force != Vec3::ZERO {
+                    found.push(Touch { colliders: [a, b], point: middle, normal, overlap: overlap.max(0.0), force });
+                }
             }
         }
         found

@@ -38,10 +38,11 @@ pub struct HardContacts {
 }
 
 impl Scene {
-    /// What `check` and `run` warn of under the contact law `rigid` in frames of `dt` seconds: springs and muscles that are too fast for the
-    /// substeps.
+    /// What `check` and `run` warn of under the contact law `rigid` in frames of `dt` seconds: contacts, springs and muscles that are too
+    /// fast for the substeps.
     pub(crate) fn concerns_of_frames(&self, dt: f32) -> Vec<String> {
-        if self.springs().is_empty() && self.tethers().is_empty() {
+        // Substeps that the solver chooses suit the contacts.
+        if self.run.substeps.is_none() && self.springs().is_empty() && self.tethers().is_empty() {
             return Vec::new();
         }
         // An object that the law does not know is an error elsewhere.
@@ -87,8 +88,24 @@ impl Scene {
 }
 
 impl HardContacts {
-    /// What is wrong with the substeps of springs, with numbers. `None` if they are stable.
+    /// What is wrong with the number of substeps, with numbers. `None` if it is enough.
     fn concern(&self) -> Option<String> {
+        self.concern_of_springs().or_else(|| self.concern_of_contacts())
+    }
+
+    /// With half as many substeps contacts are a quarter as stiff.
+    fn concern_of_contacts(&self) -> Option<String> {
+        let Self { substeps, auto_substeps, width, .. } = *self;
+        let width = short_number(width.into(), 3);
+        (2 * substeps <= auto_substeps).then(|| {
+            format!(
+                "contacts are soft in {substeps} substeps: for bodies with a least width of {width} use --substeps {auto_substeps} or \
+                 --substeps auto"
+            )
+        })
+    }
+
+    fn concern_of_springs(&self) -> Option<String> {
         let Self { frame, substeps, spring_substeps, spring_substep, spring_stiffness, spring_damping, .. } = *self;
         if substeps >= spring_substeps {
             return None;
@@ -115,5 +132,26 @@ impl fmt::Display for HardContacts {
             write!(f, "; substeps=auto would take {auto_substeps}")?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    /// Dice of 16 mm take 31 substeps.
+    #[test]
+    fn too_few_substeps_for_small_bodies_are_named() {
+        for (substeps, is_few) in [("4", true), ("15", true), ("16", false), ("auto", false)] {
+            let text = format!(
+                "set contact_law rigid\nset gravity 9.81\n@run substeps={substeps}\n@body die mass=0.005\n\
+                 B 0 0 0 0.016 0 0 0 0.016 0 0 0 0.016\n@end\n@place die at=0,1,0\n"
+            );
+            let scene = Scene::parse(&text, Path::new("test")).expect("a scene").scene;
+            let found = scene.concerns_of_frames(1.0 / 60.0);
+            assert_eq!(found.iter().any(|text| text.contains("contacts are soft") && text.contains("31")), is_few, "{found:?}");
+        }
     }
 }
