@@ -335,10 +335,11 @@ fn springs_hold_while_bodies_touch(backend: Backend) {
     let mut twin = simulation(workshop().0, Backend::Cpu);
     let mut own = simulation(workshop().0, backend);
     let start = states(&mut own)[0].0;
-    let mut apart = [0.0_f32; 2];
+    let (mut apart, mut most) = ([0.0_f32; 2], 0);
     for _ in 0..on(backend, 60, 30) {
         twin.run(1, FRAME).expect("a frame");
         own.run(1, FRAME).expect("a frame");
+        most = most.max(own.report().contacts);
         for (one, other) in states(&mut twin).into_iter().zip(states(&mut own)) {
             apart = [apart[0].max(one.0.distance(other.0)), apart[1].max(one.1.distance(other.1))];
         }
@@ -346,7 +347,7 @@ fn springs_hold_while_bodies_touch(backend: Backend) {
     println!("{backend}: {:.1e} and {:.1e} apart", apart[0], apart[1]);
     // An impact near the end of a substep may come one substep later on the other backend.
     assert!(apart[0] < 1e-3 && apart[1] < 0.1, "{apart:?}");
-    assert!(own.report().contacts > 0, "the plank lies on the floor");
+    assert!(most > 0, "the plank lies on the floor");
     let moved = states(&mut own)[0].0.distance(start);
     assert!(moved > 0.01 && moved < 2.0, "{moved}");
 }

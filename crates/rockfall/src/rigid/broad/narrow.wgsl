@@ -3,9 +3,6 @@
 
 // The manifolds of the candidates (docs/physics.md section 11.3). A kernel takes the candidates for which its `is_own_pair` is true.
 
-var<workgroup> wanted: atomic<u32>;
-var<workgroup> start: u32;
-
 // Contacts of a pair with a reach of both margins, in coordinates of collider a.
 fn manifold_of(a: u32, b: u32) -> Manifold {
     let body_a = body_of_collider(a);
@@ -77,20 +74,8 @@ fn narrow(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: 
         }
     }
     let touches = manifold.count > 0u && manifold.count <= MOST_POINTS;
-    if local == 0u {
-        atomicStore(&wanted, 0u);
-    }
-    workgroupBarrier();
-    var place = 0u;
+    // As in `pair_up`: no barrier here.
     if touches {
-        place = atomicAdd(&wanted, 1u);
-    }
-    workgroupBarrier();
-    if local == 0u {
-        start = atomicAdd(&counts[1], atomicLoad(&wanted));
-    }
-    workgroupBarrier();
-    if touches {
-        put_found(start + place, pair.x, pair.y, &manifold);
+        put_found(atomicAdd(&counts[1], 1u), pair.x, pair.y, &manifold);
     }
 }

@@ -3,7 +3,7 @@
 // Pairs of colliders whose AABBs overlap and that may touch (docs/physics.md section 11.3). A collider looks for others in the cells of its
 // own level and of all coarser ones, and at the large ones.
 //
-// The pairs of a workgroup are written together: its threads keep up to MOST_KEPT each, and one of them takes room for all.
+// The pairs of a thread are written together: it keeps up to MOST_KEPT and takes room for all of them.
 
 // Where the colliders of each slot end: `cells`.
 @group(0) @binding(26) var<storage, read> ends: array<u32>;
@@ -19,8 +19,6 @@ struct Own {
 
 const MOST_KEPT: u32 = 16u;
 
-var<workgroup> wanted: atomic<u32>;
-var<workgroup> start: u32;
 var<private> kept: array<vec2u, MOST_KEPT>;
 var<private> kept_count: u32;
 
@@ -126,17 +124,9 @@ fn pair_up(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups:
     if k < search.colliders {
         find_pairs(k);
     }
-    if local == 0u {
-        atomicStore(&wanted, 0u);
-    }
-    workgroupBarrier();
-    let place = atomicAdd(&wanted, kept_count);
-    workgroupBarrier();
-    if local == 0u {
-        start = atomicAdd(&counts[0], atomicLoad(&wanted));
-    }
-    workgroupBarrier();
+    // No barrier after loops that end differently: NVIDIA's driver does not survive it, and pairs were lost or found twice.
+    let first = atomicAdd(&counts[0], kept_count);
     for (var k = 0u; k < kept_count; k++) {
-        put_candidate(start + place + k, kept[k]);
+        put_candidate(first + k, kept[k]);
     }
 }

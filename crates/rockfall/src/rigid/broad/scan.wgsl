@@ -25,11 +25,13 @@ fn tile_of(group: vec3u, groups: vec3u) -> u32 {
 @compute @workgroup_size(SCAN_THREADS)
 fn scan_tiles(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
     let tile = tile_of(group, groups);
-    let first = min(TILE * tile + EACH * local, scan.length);
-    let last = min(first + EACH, scan.length);
+    let first = TILE * tile + EACH * local;
     var own = 0u;
-    for (var k = first; k < last; k++) {
-        own += scanned[k];
+    // Before a barrier all threads go through a loop equally often: drivers do not survive anything else.
+    for (var k = first; k < first + EACH; k++) {
+        if k < scan.length {
+            own += scanned[k];
+        }
     }
     var sum = own;
     partial[local] = sum;
@@ -45,7 +47,7 @@ fn scan_tiles(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) grou
         workgroupBarrier();
     }
     var earlier = sum - own;
-    for (var k = first; k < last; k++) {
+    for (var k = first; k < min(first + EACH, scan.length); k++) {
         let value = scanned[k];
         scanned[k] = earlier;
         earlier += value;
@@ -60,8 +62,10 @@ fn add_tiles(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) group
     let tile = tile_of(group, groups);
     let tiles = min(tile, (scan.length + TILE - 1u) / TILE);
     var sum = 0u;
-    for (var k = local; k < tiles; k += SCAN_THREADS) {
-        sum += sums[k];
+    for (var round = 0u; round < tiles; round += SCAN_THREADS) {
+        if round + local < tiles {
+            sum += sums[round + local];
+        }
     }
     partial[local] = sum;
     workgroupBarrier();
