@@ -392,7 +392,7 @@ class Rigid(Bodies):
             ("angular_momenta", "angular_momentum", angular_momenta, VECTOR),
         ]
         fields = [
-            (field, floats(name, value, kind, len(numbers)).reshape(-1))
+            (field, kind.convert(name, value, len(numbers)))
             for name, field, value, kind in given
             if value is not None
         ]
