@@ -203,7 +203,7 @@ pub(crate) fn set_bodies(target: &Bound<'_, PyAny>, numbers: Numbers<'_>, fields
 pub(crate) fn body_states<'py>(target: &Bound<'py, PyAny>, field: &str) -> PyResult<Bound<'py, PyArray1<f32>>> {
     let numbers = with_states(target, |doors, _| {
         let bodies = doors.objects().bodies();
-        let of = |field: fn(&rockfall::RigidBody) -> Vec3| bodies.iter().flat_map(|body| field(body).to_array()).collect();
+        let of = |field: fn(&RigidBody) -> Vec3| bodies.iter().flat_map(|body| field(body).to_array()).collect();
         Ok(match field {
             "position" => of(|body| body.position),
             "velocity" => of(|body| body.velocity),
