@@ -152,7 +152,10 @@ impl RigidGpu {
 
     /// The text of a kernel that is compiled.
     fn text(&self, text: String) -> String {
-        self.mistake.map_or(text.clone(), |[right, wrong]| text.replace(right, wrong))
+        match self.mistake {
+            Some([right, wrong]) => text.replace(right, wrong),
+            None => text,
+        }
     }
 
     fn scans(&self) -> &ScanKernels {
