@@ -136,31 +136,42 @@ fn bodies_of_all_kinds_come_to_rest(backend: Backend) {
     assert!(scene.spheres().iter().all(|sphere| sphere.position.y > 0.0), "something fell through the floor");
 }
 
-/// Split runs, and runs through the bytes of a checkpoint, have the same bits.
-fn split_and_resumed_runs_have_the_same_bits(backend: Backend) {
-    let bits = |simulation: &mut Simulation| {
-        let scene = simulation.sync().expect("states");
-        let of = |body: &rockfall::RigidBody| {
-            (body.position.to_array(), body.orientation.to_array(), body.velocity.to_array(), body.angular_momentum.to_array())
-        };
-        scene.bodies().iter().map(of).collect::<Vec<_>>()
+/// The bits of all spheres and bodies.
+fn bits(simulation: &mut Simulation) -> Vec<Vec<u32>> {
+    let scene = simulation.sync().expect("states");
+    let spheres = scene.spheres().iter().map(|sphere| sphere.position.to_array().map(f32::to_bits).to_vec());
+    let of_body = |body: &rockfall::RigidBody| {
+        let vectors = [body.position, body.velocity, body.angular_momentum].map(|vector| vector.to_array()).concat();
+        vectors.into_iter().chain(body.orientation.to_array()).map(f32::to_bits).collect()
     };
-    let text = format!("set restitution 0.3\n{}@place cube at=0.3,8,0.2 axis=1,2,3 turn=30\n", stack(3));
-    let mut whole = open_on(&text, backend);
-    whole.run(90, FRAME).expect("frames");
-    let mut split = open_on(&text, backend);
-    for _ in 0..9 {
-        split.run(10, FRAME).expect("frames");
+    spheres.chain(scene.bodies().iter().map(of_body)).collect()
+}
+
+/// Checks that a run in parts, and runs that go on from the bytes of a checkpoint after some frames, end with the bits of a whole run.
+/// Returns the whole run.
+pub(crate) fn check_split_and_resumed(open: impl Fn() -> Simulation, frames: u64, part: u64, stops: &[u64]) -> Simulation {
+    let mut whole = open();
+    whole.run(frames, FRAME).expect("frames");
+    let mut split = open();
+    for _ in 0..frames / part {
+        split.run(part, FRAME).expect("frames");
     }
     assert_eq!(bits(&mut whole), bits(&mut split));
-    for frames in [0, 1, 47, 70] {
-        let mut first = open_on(&text, backend);
-        first.run(frames, FRAME).expect("frames");
+    for stop in stops {
+        let mut first = open();
+        first.run(*stop, FRAME).expect("frames");
         let bytes = first.checkpoint().expect("a checkpoint").to_bytes();
         let mut resumed = Simulation::resume(Checkpoint::from_bytes(&bytes, "test").expect("it reads")).expect("it resumes");
-        resumed.run(90 - frames, FRAME).expect("frames");
-        assert_eq!(bits(&mut whole), bits(&mut resumed), "after {frames} frames");
+        resumed.run(frames - stop, FRAME).expect("frames");
+        assert_eq!(bits(&mut whole), bits(&mut resumed), "after {stop} frames");
     }
+    whole
+}
+
+/// Split runs, and runs through the bytes of a checkpoint, have the same bits.
+fn split_and_resumed_runs_have_the_same_bits(backend: Backend) {
+    let text = format!("set restitution 0.3\n{}@place cube at=0.3,8,0.2 axis=1,2,3 turn=30\n", stack(3));
+    check_split_and_resumed(|| open_on(&text, backend), 90, 10, &[0, 1, 47, 70]);
 }
 
 /// Words of a checkpoint that do not fit the bodies are refused.

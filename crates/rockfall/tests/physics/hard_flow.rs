@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use rockfall::{Backend, Checkpoint, GaugeReading, Meter, Options, Scene, Simulation};
+use rockfall::{Backend, GaugeReading, Meter, Options, Scene, Simulation};
+
+use crate::hard::check_split_and_resumed;
 
 const FRAME: f32 = 1.0 / 60.0;
 /// A tray on a scale, an inlet above it, and an outlet below its open side.
@@ -69,28 +71,10 @@ fn substeps_suit_what_inlets_bring() {
     }
 }
 
-fn bits(simulation: &mut Simulation) -> Vec<[u32; 3]> {
-    simulation.spheres().expect("states").iter().map(|sphere| sphere.position.to_array().map(f32::to_bits)).collect()
-}
-
 fn split_and_resumed_runs_with_inlets_have_the_same_bits(backend: Backend) {
     let text = format!("{INLET}@outlet name=hole box=-2,-0.1,-2,0,0.5,2\n");
-    let mut whole = open(&text, backend);
-    whole.run(90, FRAME).expect("frames");
+    let whole = check_split_and_resumed(|| open(&text, backend), 90, 10, &[13, 51]);
     assert!(whole.flow().outlets[0].spheres > 0, "{:?}", whole.flow());
-    let mut split = open(&text, backend);
-    for _ in 0..9 {
-        split.run(10, FRAME).expect("frames");
-    }
-    assert_eq!(bits(&mut whole), bits(&mut split));
-    for frames in [13, 51] {
-        let mut first = open(&text, backend);
-        first.run(frames, FRAME).expect("frames");
-        let bytes = first.checkpoint().expect("a checkpoint").to_bytes();
-        let mut resumed = Simulation::resume(Checkpoint::from_bytes(&bytes, "test").expect("it reads")).expect("it resumes");
-        resumed.run(90 - frames, FRAME).expect("frames");
-        assert_eq!(bits(&mut whole), bits(&mut resumed), "after {frames} frames");
-    }
 }
 
 /// A tower of ten cubes does not move while balls come in far from it: its contacts keep their impulses.

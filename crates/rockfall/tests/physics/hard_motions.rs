@@ -4,7 +4,9 @@ use std::f32::consts::TAU;
 use std::path::Path;
 
 use glam::Vec3;
-use rockfall::{Backend, Checkpoint, Error, MotionTerm, Options, Scene, Simulation};
+use rockfall::{Backend, Error, MotionTerm, Options, Scene, Simulation};
+
+use crate::hard::check_split_and_resumed;
 
 const FRAME: f32 = 1.0 / 60.0;
 const CUBE: &str = "@body cube mass=1\nB -0.5 -0.5 -0.5 1 0 0 0 1 0 0 0 1\n@end\n";
@@ -118,32 +120,13 @@ fn tables_and_other_motions_push_a_box_along(backend: Backend) {
     assert!(wall.position.length() < 1e-9, "{wall:?}");
 }
 
-fn bits(simulation: &mut Simulation) -> Vec<[u32; 3]> {
-    let scene = simulation.sync().expect("states");
-    scene.spheres().iter().map(|sphere| sphere.position.to_array().map(f32::to_bits)).collect()
-}
-
 fn split_and_resumed_runs_with_motions_have_the_same_bits(backend: Backend) {
     let text = format!(
         "@motion drum spin=2 axis=0,0,1 through=0,2,0\n@motion drum amplitude=0,0.2,0 frequency=2\n@move drum\n\
          B -2 0 -2  4 0 0  0 0.2 0  0 0 4\nB -2 0.2 -2  0.2 0 0  0 4 0  0 0 4\nB 1.8 0.2 -2  0.2 0 0  0 4 0  0 0 4\n@move -\n\
          {CUBE}@place cube at=0,1,0\n@place cube at=0.3,2.2,0.2\nS 1  -0.8 2 0  0 0 0  0 0 0  1 0.3\n"
     );
-    let mut whole = open(&text, backend);
-    whole.run(60, FRAME).expect("frames");
-    let mut split = open(&text, backend);
-    for _ in 0..12 {
-        split.run(5, FRAME).expect("frames");
-    }
-    assert_eq!(bits(&mut whole), bits(&mut split));
-    for frames in [1, 31] {
-        let mut first = open(&text, backend);
-        first.run(frames, FRAME).expect("frames");
-        let bytes = first.checkpoint().expect("a checkpoint").to_bytes();
-        let mut resumed = Simulation::resume(Checkpoint::from_bytes(&bytes, "test").expect("it reads")).expect("it resumes");
-        resumed.run(60 - frames, FRAME).expect("frames");
-        assert_eq!(bits(&mut whole), bits(&mut resumed), "after {frames} frames");
-    }
+    check_split_and_resumed(|| open(&text, backend), 60, 5, &[1, 31]);
 }
 
 fn a_motion_that_goes_on_otherwise_is_followed(backend: Backend) {
