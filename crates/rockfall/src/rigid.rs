@@ -10,6 +10,7 @@
 //! | [`history`] | what is kept from frame to frame |
 //! | [`world`] | bodies, colliders and materials of a scene |
 //! | [`springs`], [`spring_bound`] | springs, tethers and muscles, and the substep that they bound |
+//! | [`joints`] | joints, their drives and colours |
 //! | [`frame`] | a frame: margins, pairs, blocks, colours, substeps |
 //! | `gpu` | all of it on a device |
 
@@ -23,6 +24,7 @@ pub(crate) mod frame;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(crate) mod gpu;
 pub(crate) mod history;
+pub(crate) mod joints;
 pub(crate) mod pose;
 pub(crate) mod shape;
 pub(crate) mod spring_bound;

@@ -3,6 +3,7 @@
 use glam::{Mat3, Quat, Vec3};
 
 use crate::rigid::history::History;
+use crate::rigid::joints::Joints;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
 use crate::rigid::springs::Springs;
@@ -88,6 +89,7 @@ pub(crate) struct RigidWorld {
     /// Number of materials, at least 1.
     pub(crate) materials: usize,
     pub(crate) springs: Springs,
+    pub(crate) joints: Joints,
     /// Acceleration of the uniform field, in units/s².
     pub(crate) gravity: Vec3,
     /// The least edge or diameter of bodies that are still to come, in units.

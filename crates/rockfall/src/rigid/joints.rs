@@ -1,0 +1,213 @@
+//! Joints between bodies (docs/physics.md section 11.14).
+
+use glam::{Quat, Vec3};
+
+/// Which motions a joint takes away, and which one is left to its drive. Axes are those of the joint frame of A: the first one is the
+/// axis of the joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Kind {
+    /// Axes along which both anchors stay together: a bit for each.
+    pub(crate) linear: u8,
+    /// Axes about which the bodies do not turn against each other.
+    pub(crate) angular: u8,
+    pub(crate) free: Free,
+}
+
+/// What the position of a joint measures, and its drive, limits and friction act on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Free {
+    None,
+    /// The angle about the axis, in rad.
+    Turn,
+    /// The way along the axis, in units.
+    Slide,
+    /// The distance of both anchors, in units.
+    Line,
+}
+
+impl Kind {
+    pub(crate) const BALL: Self = Self { linear: 0b111, angular: 0, free: Free::Turn };
+    pub(crate) const HINGE: Self = Self { linear: 0b111, angular: 0b110, free: Free::Turn };
+    pub(crate) const SLIDER: Self = Self { linear: 0b110, angular: 0b111, free: Free::Slide };
+    pub(crate) const FIXED: Self = Self { linear: 0b111, angular: 0b111, free: Free::None };
+    pub(crate) const DISTANCE: Self = Self { linear: 0, angular: 0, free: Free::Line };
+}
+
+/// An end of a joint in coordinates of its body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct End {
+    pub(crate) body: u32,
+    /// The anchor, from the centre of mass.
+    pub(crate) place: Vec3,
+    /// Turns coordinates of the joint frame into those of the body.
+    pub(crate) turn: Quat,
+}
+
+/// What acts on the free axis. Forces and speeds of an axis of rotation are torques and rates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Drive {
+    /// Least and greatest position. Infinite without limits.
+    pub(crate) limits: [f32; 2],
+    /// The greatest angle between both axes, in rad. Infinite without a cone.
+    pub(crate) cone: f32,
+    /// The position is held at `target`. For joints of the kind distance.
+    pub(crate) locked: bool,
+    /// Where the spring pulls to.
+    pub(crate) target: f32,
+    /// In force per unit of the position.
+    pub(crate) stiffness: f32,
+    /// In force per unit of the speed.
+    pub(crate) damping: f32,
+    /// The greatest force of the spring.
+    pub(crate) spring_limit: f32,
+    /// Speed of the motor.
+    pub(crate) speed: f32,
+    /// The greatest force of the motor. 0 without a motor.
+    pub(crate) motor_limit: f32,
+    /// The greatest force of friction.
+    pub(crate) friction: f32,
+}
+
+impl Default for Drive {
+    fn default() -> Self {
+        Self {
+            limits: [f32::NEG_INFINITY, f32::INFINITY],
+            cone: f32::INFINITY,
+            locked: false,
+            target: 0.0,
+            stiffness: 0.0,
+            damping: 0.0,
+            spring_limit: f32::INFINITY,
+            speed: 0.0,
+            motor_limit: 0.0,
+            friction: 0.0,
+        }
+    }
+}
+
+/// A joint. Its bodies differ, and at least one has mass.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Joint {
+    pub(crate) kind: Kind,
+    /// A and B.
+    pub(crate) ends: [End; 2],
+    pub(crate) drive: Drive,
+    /// It breaks at a greater mean force or torque of a frame.
+    pub(crate) strength: [f32; 2],
+    /// Its bodies collide.
+    pub(crate) collides: bool,
+}
+
+/// Impulses of a substep, which the next one begins with.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct JointImpulses {
+    /// On B along the axes of the joint frame of A.
+    pub(crate) linear: Vec3,
+    /// Angular, about the axes of that frame.
+    pub(crate) angular: Vec3,
+    /// Of the row of a locked axis, along it.
+    pub(crate) locked: f32,
+    pub(crate) motor: f32,
+    pub(crate) friction: f32,
+    /// Of both limits and of the cone; not negative.
+    pub(crate) lower: f32,
+    pub(crate) upper: f32,
+    pub(crate) cone: f32,
+}
+
+impl JointImpulses {
+    pub(crate) const COUNT: usize = 12;
+
+    pub(crate) fn to_array(self) -> [f32; Self::COUNT] {
+        let ([a, b, c], [d, e, f]) = (self.linear.to_array(), self.angular.to_array());
+        [a, b, c, self.locked, d, e, f, self.motor, self.friction, self.lower, self.upper, self.cone]
+    }
+
+    pub(crate) fn from_array(all: [f32; Self::COUNT]) -> Self {
+        let [a, b, c, locked, d, e, f, motor, friction, lower, upper, cone] = all;
+        Self { linear: Vec3::new(a, b, c), angular: Vec3::new(d, e, f), locked, motor, friction, lower, upper, cone }
+    }
+}
+
+/// What changes of a joint.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct JointState {
+    pub(crate) impulses: JointImpulses,
+    /// The mean force and torque of the last frame that the joint exerts on B at its anchor, along the axes of the world.
+    pub(crate) force: Vec3,
+    pub(crate) torque: Vec3,
+    /// It exerts nothing any more.
+    pub(crate) broken: bool,
+}
+
+/// All joints of a world, in order of addition.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Joints {
+    pub(crate) list: Vec<Joint>,
+    pub(crate) states: Vec<JointState>,
+    /// Numbers of the joints in the order in which they are solved: colour by colour.
+    pub(crate) order: Vec<u32>,
+    /// First entry of each colour in `order`, and the end.
+    pub(crate) colours: Vec<u32>,
+}
+
+impl Joints {
+    /// Takes over joints. `has_mass` tells which bodies have mass: joints of one colour share none of these.
+    pub(crate) fn new(list: Vec<Joint>, has_mass: &[bool]) -> Self {
+        let mut used: Vec<Vec<bool>> = vec![Vec::new(); has_mass.len()];
+        let mut sorted: Vec<Vec<u32>> = Vec::new();
+        for (number, joint) in (0..).zip(&list) {
+            let bodies = joint.ends.map(|end| end.body as usize);
+            let heavy = bodies.into_iter().filter(|body| has_mass[*body]);
+            let is_free = |colour: &usize| heavy.clone().all(|body| !used[body].get(*colour).is_some_and(|used| *used));
+            let colour = (0..).find(is_free).unwrap_or_default();
+            for body in heavy.clone() {
+                let room = used[body].len().max(colour + 1);
+                used[body].resize(room, false);
+                used[body][colour] = true;
+            }
+            if colour == sorted.len() {
+                sorted.push(Vec::new());
+            }
+            sorted[colour].push(number);
+        }
+        let mut colours = vec![0];
+        colours.extend(sorted.iter().scan(0, |end, colour| {
+            *end += colour.len() as u32;
+            Some(*end)
+        }));
+        let states = vec![JointState::default(); list.len()];
+        Self { list, states, order: sorted.concat(), colours }
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Pairs of bodies other than the world that do not collide, with the number of the joint that keeps them from it, in ascending order.
+    pub(crate) fn apart(&self) -> Vec<([u32; 2], u32)> {
+        let mut pairs: Vec<([u32; 2], u32)> = (0..)
+            .zip(&self.list)
+            .filter(|(_, joint)| !joint.collides && joint.ends.iter().all(|end| end.body > 0))
+            .map(|(number, joint)| {
+                let [a, b] = joint.ends.map(|end| end.body);
+                ([a.min(b), a.max(b)], number)
+            })
+            .collect();
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// Marks the joints whose load of the last frame was more than they bear. Their number.
+    pub(crate) fn break_loaded(&mut self) -> u32 {
+        let mut broken = 0;
+        for (joint, state) in self.list.iter().zip(&mut self.states) {
+            let [force, torque] = joint.strength;
+            if !state.broken && (state.force.length() > force || state.torque.length() > torque) {
+                (state.broken, state.impulses) = (true, JointImpulses::default());
+                broken += 1;
+            }
+        }
+        broken
+    }
+}
