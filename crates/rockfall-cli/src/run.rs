@@ -22,6 +22,7 @@ mod checkpoints;
 mod contacts;
 mod errors;
 mod gauges;
+mod joints;
 mod outputs;
 mod past;
 mod place;
@@ -44,7 +45,7 @@ const DEFAULT_STEPS: u64 = 1000;
 
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --gauges, --bodies, --save, \
+Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --gauges, --bodies, --joints, --save, \
 --checkpoint) and exits with code 130. A step that takes longer than 0.8 s and 20 times longer than all steps before it, or longer than 20 s, is abandoned: the last checkpoint and the .part files \
 stay as they are. A second Ctrl-C ends the run at once if it comes at least 1 s \
 after the first. If a step fails, --out and --trace are written up to that step if the \
@@ -52,7 +53,7 @@ device can still be read, and the last checkpoint is left unchanged.
 
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
 everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --trace-every, --contacts, --tensions, \
---gauges, --bodies, --save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
+--gauges, --bodies, --joints, --save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
 reported. Outputs below the folder of the checkpoint are used where the folder is now. Others need to be named again, or \
 --outputs-as-recorded: a checkpoint of somebody else could name any file. With the \
 same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
@@ -97,6 +98,11 @@ of the shape into those of the world, and the angular momentum about the centre.
 indices that count on: a point of the wall (for a turn one of its axis, else the origin of the scene at rest), its velocity, the turn \
 since the start, and the angular velocity in rad/s in place of the angular momentum.
 
+--joints writes the joints of the final state in the columns step,time,joint,position,speed,fx,fy,fz,tx,ty,tz,error, with --every K \
+those of every K-th state: the name of the joint (its number from 0 where it has none), the angle in rad or the length of its free \
+axis and the rate of it, the force and the torque that the joint exerts on its second body at the anchor, which are means over the \
+step, and the distance of its anchors. A broken joint has no numbers.
+
 --save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
 beginning of the scene, up to the first empty line, but no other comments. Its line @run has the time step and the integrator of \
 the run, so `rockfall run FILE.txt` goes on from there, except that a text leaves out the springs of contacts (contact laws linear, \
@@ -125,7 +131,7 @@ pub(crate) struct Arguments {
     /// Write the final state of every sphere: .csv, .npz or .vtp
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the state to --out, the contacts to --contacts, the tensions to --tensions, the gauges to --gauges, and the rigid bodies to --bodies, every K steps instead: .csv, .npz or .pvd [default: that of the scene]
+    /// Write the state to --out, the contacts to --contacts, the tensions to --tensions, the gauges to --gauges, the rigid bodies to --bodies, and the joints to --joints, every K steps instead: .csv, .npz or .pvd [default: that of the scene]
     #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
     /// In periodic scenes, write to --out where spheres have got to, with all periods that they have passed, not where they are in the box
@@ -149,6 +155,9 @@ pub(crate) struct Arguments {
     /// Write the pose and the motion of every rigid body in the final state, or every K steps: .csv
     #[arg(long, value_name = "FILE")]
     bodies: Option<PathBuf>,
+    /// Write the position, the speed and the load of every joint in the final state, or every K steps: .csv
+    #[arg(long, value_name = "FILE")]
+    joints: Option<PathBuf>,
     /// Write the final state as a scene file, with its settings: .txt
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
@@ -255,8 +264,8 @@ fn begin(arguments: &Arguments, starting: &Starting) -> Result<Run, Failure> {
     }
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
     let wanted = arguments.wanted(loaded.scene.run.every)?;
-    let Arguments { out, trace, contacts, tensions, gauges, bodies, save, checkpoint, .. } = arguments;
-    for file in [out, trace, contacts, tensions, gauges, bodies, save, checkpoint].into_iter().flatten() {
+    let Arguments { out, trace, contacts, tensions, gauges, bodies, joints, save, checkpoint, .. } = arguments;
+    for file in [out, trace, contacts, tensions, gauges, bodies, joints, save, checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
     let (comments, title) = (loaded.comments, loaded.title.clone());
@@ -277,6 +286,9 @@ fn begin(arguments: &Arguments, starting: &Starting) -> Result<Run, Failure> {
         let how = "a line `@place NAME at=x,y,z` adds a body, a line `@motion` moves walls";
         output::note(&format!("note: --bodies: the scene has no rigid bodies and no motions ({how})"));
     }
+    if arguments.joints.is_some() && scene.joints().is_empty() {
+        output::note("note: --joints: the scene has no joints (a line `@joint hinge A B at=x,y,z axis=x,y,z` adds one)");
+    }
     let mut outputs = Outputs::open(if starting.is_first() { wanted } else { Wanted::default() }, None)?;
     let mut options = starting.options(arguments.engine.options(&arguments.physics).keep_going(arguments.keep_going));
     options.pair_capacity = arguments.capacity;
@@ -295,7 +307,7 @@ impl Arguments {
     /// Output files from the arguments. `every` is the number of steps between two frames that the scene has.
     fn wanted(&self, every: Option<u64>) -> Result<Wanted, Failure> {
         let has_frames =
-            [&self.out, &self.contacts, &self.tensions, &self.gauges, &self.bodies].into_iter().any(Option::is_some);
+            [&self.out, &self.contacts, &self.tensions, &self.gauges, &self.bodies, &self.joints].into_iter().any(Option::is_some);
         let every = self.every.or(every.filter(|_| has_frames));
         // Without --every, a .pvd file has an error of its own.
         let of_states = |path: &Option<PathBuf>| {
@@ -308,6 +320,7 @@ impl Arguments {
             ("--tensions", &self.tensions, files::TENSIONS),
             ("--gauges", &self.gauges, files::GAUGES),
             ("--bodies", &self.bodies, files::BODIES),
+            ("--joints", &self.joints, files::JOINTS),
             ("--trace", &self.trace, files::TRACE),
             ("--save", &self.save, files::SCENE),
             ("--checkpoint", &self.checkpoint, files::CHECKPOINT),
@@ -324,6 +337,7 @@ impl Arguments {
             tensions: self.tensions.clone(),
             gauges: self.gauges.clone(),
             bodies: self.bodies.clone(),
+            joints: self.joints.clone(),
             save: self.save.clone(),
             checkpoint: self.checkpoint.clone(),
             checkpoint_every: self.checkpoint_every,

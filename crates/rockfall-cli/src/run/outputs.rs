@@ -12,6 +12,7 @@ use super::checkpoints::CheckpointFile;
 use super::contacts::ContactsFile;
 use super::errors::{lost, written};
 use super::gauges::GaugesFile;
+use super::joints::JointsFile;
 use super::past::{Metered, Past, PastFile};
 use super::place::Place;
 use super::save;
@@ -39,6 +40,7 @@ pub(crate) struct Outputs {
     tensions: Option<TensionsFile>,
     gauges: Option<GaugesFile>,
     bodies: Option<BodiesFile>,
+    joints: Option<JointsFile>,
     save: Option<(PathBuf, AtomicFile)>,
     unwrapped: bool,
     checkpoint: Option<CheckpointFile>,
@@ -62,6 +64,7 @@ impl Outputs {
             tensions,
             gauges,
             bodies,
+            joints,
             save,
             checkpoint: _,
             checkpoint_every: _,
@@ -74,7 +77,8 @@ impl Outputs {
         let tensions_mark = tensions.as_deref().and_then(|path| marked(path, past.and_then(|past| past.tensions.as_ref())));
         let gauges_mark = gauges.as_deref().and_then(|path| marked(path, past.and_then(|past| past.gauges.as_ref())));
         let bodies_mark = bodies.as_deref().and_then(|path| marked(path, past.and_then(|past| past.bodies.as_ref())));
-        let continues = [out_mark, contacts_mark, tensions_mark, gauges_mark, bodies_mark].iter().any(Option::is_some);
+        let joints_mark = joints.as_deref().and_then(|path| marked(path, past.and_then(|past| past.joints.as_ref())));
+        let continues = [out_mark, contacts_mark, tensions_mark, gauges_mark, bodies_mark, joints_mark].iter().any(Option::is_some);
         if let Some(begun) = past.and_then(|past| past.every).filter(|begun| continues && every != Some(*begun)) {
             let message = "omit --every, or give another --out";
             return Err(Failure::usage(format!("--every: the existing frames were written with --every {begun}; {message}")));
@@ -94,6 +98,7 @@ impl Outputs {
             tensions: tensions.map(|path| TensionsFile::open(path, every, tensions_mark)).transpose()?,
             gauges: gauges.map(|path| GaugesFile::open(path, every, gauges_mark)).transpose()?,
             bodies: bodies.map(|path| BodiesFile::open(path, every, bodies_mark)).transpose()?,
+            joints: joints.map(|path| JointsFile::open(path, every, joints_mark)).transpose()?,
             save: save.map(|path| save::open(&path).map(|file| (path, file))).transpose()?,
             unwrapped,
             checkpoint,
@@ -114,6 +119,9 @@ impl Outputs {
         }
         if let Some(bodies) = &mut self.bodies {
             bodies.begin(simulation, past)?;
+        }
+        if let Some(joints) = &mut self.joints {
+            joints.begin(simulation, past)?;
         }
         let step = past.step(simulation.report().steps);
         if let Some(Out::Frames(_, writer, _)) = self.out.as_mut().filter(|_| frames) {
@@ -172,8 +180,9 @@ impl Outputs {
         let contacts = self.contacts.as_ref().and_then(ContactsFile::every);
         let tensions = self.tensions.as_ref().and_then(|tensions| tensions.0.every());
         let bodies = self.bodies.as_ref().and_then(|bodies| bodies.0.every());
+        let joints = self.joints.as_ref().and_then(|joints| joints.0.every());
         let checkpoint = self.checkpoint.as_ref().and_then(CheckpointFile::every);
-        [every, trace, contacts, tensions, gauges, bodies, checkpoint].into_iter().flatten()
+        [every, trace, contacts, tensions, gauges, bodies, joints, checkpoint].into_iter().flatten()
     }
 
     /// Writes the outputs that are due after a step.
@@ -197,6 +206,9 @@ impl Outputs {
             file.after_step(simulation, past, &mut self.meter, step)?;
         }
         if let Some(file) = &mut self.bodies {
+            file.after_step(simulation, past, step)?;
+        }
+        if let Some(file) = &mut self.joints {
             file.after_step(simulation, past, step)?;
         }
         match self.checkpoint.as_ref().and_then(CheckpointFile::every) {
@@ -233,6 +245,8 @@ impl Outputs {
         past.every = past.every.or_else(|| self.gauges.as_ref()?.0.every());
         past.bodies = self.bodies.as_mut().map(|bodies| bodies.0.as_past()).transpose()?;
         past.every = past.every.or_else(|| self.bodies.as_ref()?.0.every());
+        past.joints = self.joints.as_mut().map(|joints| joints.0.as_past()).transpose()?;
+        past.every = past.every.or_else(|| self.joints.as_ref()?.0.every());
         past.save = self.save.as_ref().map(|(path, _)| Place(path.clone()));
         past.checkpoint_every = file.every();
         past.unwrapped = self.unwrapped;
@@ -278,6 +292,9 @@ impl Outputs {
             note(file.0.path().to_owned(), file.finish(simulation, past));
         }
         if let Some(file) = self.bodies {
+            note(file.0.path().to_owned(), file.finish(simulation, past));
+        }
+        if let Some(file) = self.joints {
             note(file.0.path().to_owned(), file.finish(simulation, past));
         }
         if let Some((path, file)) = self.save {

@@ -42,6 +42,7 @@ pub(crate) struct Past {
     pub(crate) tensions: Option<PastFile>,
     pub(crate) gauges: Option<PastFile>,
     pub(crate) bodies: Option<PastFile>,
+    pub(crate) joints: Option<PastFile>,
     /// Bits of the total energy at the first line of `trace`.
     pub(crate) traced_energy: Option<u64>,
     pub(crate) metered: Option<Metered>,
@@ -134,8 +135,8 @@ impl Past {
 
     /// The paths of all output files.
     fn places(&mut self) -> impl Iterator<Item = &mut Place> {
-        let Self { out, trace, contacts, tensions, gauges, bodies, save, .. } = self;
-        let files = [out, trace, contacts, tensions, gauges, bodies].into_iter().flatten();
+        let Self { out, trace, contacts, tensions, gauges, bodies, joints, save, .. } = self;
+        let files = [out, trace, contacts, tensions, gauges, bodies, joints].into_iter().flatten();
         files.map(|file| &mut file.path).chain(save)
     }
 

@@ -142,6 +142,7 @@ fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Fai
         ("--tensions", files::TENSIONS, &mut wanted.tensions, &past.tensions),
         ("--gauges", files::GAUGES, &mut wanted.gauges, &past.gauges),
         ("--bodies", files::BODIES, &mut wanted.bodies, &past.bodies),
+        ("--joints", files::JOINTS, &mut wanted.joints, &past.joints),
     ] {
         recorded.take(option, known, file, before.as_ref())?;
     }

@@ -20,6 +20,7 @@ pub(crate) struct Wanted {
     pub(crate) tensions: Option<PathBuf>,
     pub(crate) gauges: Option<PathBuf>,
     pub(crate) bodies: Option<PathBuf>,
+    pub(crate) joints: Option<PathBuf>,
     pub(crate) save: Option<PathBuf>,
     pub(crate) checkpoint: Option<PathBuf>,
     pub(crate) checkpoint_every: Option<u64>,
@@ -28,8 +29,8 @@ pub(crate) struct Wanted {
 impl Wanted {
     /// The files other than the checkpoint.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
-        let Self { out, trace, contacts, tensions, gauges, bodies, save, .. } = self;
-        [out, trace, contacts, tensions, gauges, bodies, save].into_iter().flatten().map(PathBuf::as_path)
+        let Self { out, trace, contacts, tensions, gauges, bodies, joints, save, .. } = self;
+        [out, trace, contacts, tensions, gauges, bodies, joints, save].into_iter().flatten().map(PathBuf::as_path)
     }
 
     /// Returns an error if the options contradict each other.
@@ -45,6 +46,7 @@ impl Wanted {
             ("--tensions", &self.tensions),
             ("--gauges", &self.gauges),
             ("--bodies", &self.bodies),
+            ("--joints", &self.joints),
             ("--trace", &self.trace),
             ("--save", &self.save),
             ("--checkpoint", &self.checkpoint),
@@ -55,10 +57,10 @@ impl Wanted {
                 return Err(Failure::usage(format!("{other} and {one} name the same file")));
             }
         }
-        let files = [&self.out, &self.contacts, &self.tensions, &self.gauges, &self.bodies];
+        let files = [&self.out, &self.contacts, &self.tensions, &self.gauges, &self.bodies, &self.joints];
         if self.every.is_some() && files.into_iter().all(Option::is_none) {
-            let message = "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE, --gauges FILE or \
-                           --bodies FILE";
+            let message = "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE, --gauges FILE, \
+                           --bodies FILE or --joints FILE";
             return Err(Failure::usage(message));
         }
         if self.unwrapped && self.out.is_none() {

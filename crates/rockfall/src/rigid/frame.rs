@@ -12,6 +12,7 @@
 //! | `rows` | normal and friction rows of a block |
 //! | `seams` | static surfaces of several shapes |
 //! | `springs` | forces of springs |
+//! | `joints` | rows of joints |
 //! | `passes` | all blocks, colour by colour; the warm start |
 //! | `impacts`, `times` | impacts at their time of contact |
 //! | `energy` | energy and momenta |
@@ -23,6 +24,7 @@ mod contacts;
 mod detect;
 mod energy;
 mod impacts;
+mod joints;
 mod matching;
 mod passes;
 mod refresh;
@@ -37,12 +39,14 @@ mod turn;
 mod upload;
 
 pub(crate) use energy::{auto_substeps, least_width};
+pub(crate) use joints::{JointMotion, motions_of_joints};
 #[cfg(test)]
 pub(crate) use energy::{energy, kinetic_energy, momenta};
 
 use crate::rigid::common::{FREQUENCY, REPEATS};
 pub(crate) use crate::rigid::common::{FrameReport, MOST_MARGIN};
 use crate::rigid::history::History;
+use crate::rigid::joints::JointState;
 use crate::rigid::world::RigidWorld;
 use bodies::Bodies;
 use contacts::{Contacts, Found, for_each};
@@ -74,14 +78,17 @@ pub(crate) fn advance_or_stop(world: &mut RigidWorld, dt: f32, substeps: u32, ke
             last = Some(solved);
             continue;
         }
-        let Solved { mut bodies, contacts, h, .. } = solved;
+        let Solved { mut bodies, contacts, mut joints, h, .. } = solved;
         let stopped = bodies.stop();
         if stopped.is_some() && !keeps_going {
             return FrameReport { repeats, stopped, ..FrameReport::default() };
         }
         bodies.store(&mut world.bodies);
         world.history = History::new(&contacts, world.history.frames.wrapping_add(1), h);
-        return FrameReport { stopped, ..report(&contacts, repeats) };
+        joints::end(&mut joints, dt);
+        world.joints.states = joints;
+        let broken = world.joints.break_loaded();
+        return FrameReport { stopped, broken, ..report(&contacts, repeats) };
     }
 }
 
@@ -91,6 +98,7 @@ struct Solved {
     found: Vec<Found>,
     bodies: Bodies,
     contacts: Contacts,
+    joints: Vec<JointState>,
     h: f32,
 }
 
@@ -100,8 +108,8 @@ impl Solved {
         for _ in 0..substeps {
             frame.substep();
         }
-        let Frame { bodies, contacts, h, .. } = frame;
-        Self { found, bodies, contacts, h }
+        let Frame { bodies, contacts, joints, h, .. } = frame;
+        Self { found, bodies, contacts, joints, h }
     }
 
     /// The same with the margins of other bodies. They matter to the manifolds alone, so with the same manifolds all else is the same.
@@ -118,6 +126,7 @@ struct Frame<'a> {
     world: &'a RigidWorld,
     bodies: Bodies,
     contacts: Contacts,
+    joints: Vec<JointState>,
     h: f32,
     /// Substeps that are done.
     done: u32,
@@ -151,19 +160,24 @@ impl<'a> Frame<'a> {
         let biased = Pass { biased: true, softness: [Softness::new(FREQUENCY, h), Softness::new(2.0 * FREQUENCY, h)] };
         let relax = Pass { biased: false, ..biased };
         let is_round = contacts.pairs.iter().any(|pair| pair.round);
-        Self { world, bodies, contacts, h, done: 0, is_round, biased, relax }
+        let ratio = if world.history.substep > 0.0 { h / world.history.substep } else { 1.0 };
+        let joints = joints::begin(&world.joints, ratio);
+        Self { world, bodies, contacts, joints, h, done: 0, is_round, biased, relax }
     }
 
     fn substep(&mut self) {
         impacts::impacts(self.world, &mut self.contacts, &mut self.bodies, self.h);
         springs::pull(self.world, &mut self.bodies, self.done);
         self.bodies.kick(self.h);
+        joints::warm_start(&self.world.joints, &mut self.joints, &mut self.bodies);
         passes::warm_start(&mut self.contacts, &mut self.bodies);
         self.spare();
+        joints::pass(&self.world.joints, &mut self.joints, &mut self.bodies, &self.biased, self.h);
         passes::pass(&mut self.contacts, &mut self.bodies, &self.biased);
         self.bodies.follow();
         self.bodies.drift(self.h, self.world.gravity.into());
         self.refresh();
+        joints::pass(&self.world.joints, &mut self.joints, &mut self.bodies, &self.relax, self.h);
         passes::pass(&mut self.contacts, &mut self.bodies, &self.relax);
         self.bodies.follow();
         self.done += 1;

@@ -118,6 +118,10 @@ pub(crate) struct JointImpulses {
 impl JointImpulses {
     pub(crate) const COUNT: usize = 12;
 
+    pub(crate) fn scaled(self, ratio: f32) -> Self {
+        Self::from_array(self.to_array().map(|impulse| ratio * impulse))
+    }
+
     pub(crate) fn to_array(self) -> [f32; Self::COUNT] {
         let ([a, b, c], [d, e, f]) = (self.linear.to_array(), self.angular.to_array());
         [a, b, c, self.locked, d, e, f, self.motor, self.friction, self.lower, self.upper, self.cone]
@@ -129,7 +133,7 @@ impl JointImpulses {
     }
 }
 
-/// What changes of a joint.
+/// What changes of a joint in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct JointState {
     pub(crate) impulses: JointImpulses,
@@ -138,6 +142,30 @@ pub(crate) struct JointState {
     pub(crate) torque: Vec3,
     /// It exerts nothing any more.
     pub(crate) broken: bool,
+}
+
+impl JointState {
+    const WORDS: usize = JointImpulses::COUNT + 7;
+
+    fn to_words(self) -> [u32; Self::WORDS] {
+        let mut words = [0; Self::WORDS];
+        let loads = [self.force, self.torque].map(|load| load.to_array());
+        let numbers = self.impulses.to_array().into_iter().chain(loads.into_iter().flatten()).map(f32::to_bits);
+        words.iter_mut().zip(numbers.chain([u32::from(self.broken)])).for_each(|(word, bits)| *word = bits);
+        words
+    }
+
+    fn from_words(words: &[u32]) -> Option<Self> {
+        let (broken, numbers) = words.split_last()?;
+        let mut all = [0.0; Self::WORDS - 1];
+        all.iter_mut().zip(numbers).for_each(|(number, bits)| *number = f32::from_bits(*bits));
+        let (impulses, loads) = all.split_first_chunk()?;
+        let [force, torque] = [0, 3].map(|first| Vec3::from_slice(&loads[first..first + 3]));
+        let impulses = JointImpulses::from_array(*impulses);
+        let is_limit = [impulses.lower, impulses.upper, impulses.cone].iter().all(|impulse| *impulse >= 0.0);
+        let fits = all.iter().all(|number| number.is_finite()) && is_limit && *broken < 2;
+        fits.then_some(Self { impulses, force, torque, broken: *broken == 1 })
+    }
 }
 
 /// All joints of a world, in order of addition.
@@ -184,16 +212,25 @@ impl Joints {
         self.list.is_empty()
     }
 
-    /// Pairs of bodies other than the world that do not collide, with the number of the joint that keeps them from it, in ascending order.
-    pub(crate) fn apart(&self) -> Vec<([u32; 2], u32)> {
-        let mut pairs: Vec<([u32; 2], u32)> = (0..)
-            .zip(&self.list)
-            .filter(|(_, joint)| !joint.collides && joint.ends.iter().all(|end| end.body > 0))
-            .map(|(number, joint)| {
-                let [a, b] = joint.ends.map(|end| end.body);
-                ([a.min(b), a.max(b)], number)
-            })
-            .collect();
+    /// What a checkpoint keeps: the number of joints, and their states.
+    pub(crate) fn to_words(&self) -> Vec<u32> {
+        let states = self.states.iter().flat_map(|state| state.to_words());
+        std::iter::once(self.list.len() as u32).chain(states).collect()
+    }
+
+    /// Takes over the states that lead the words, if they are those of such joints. Returns the other words.
+    pub(crate) fn put_words<'a>(&mut self, words: &'a [u32]) -> Option<&'a [u32]> {
+        let (count, words) = words.split_first().filter(|(count, _)| **count as usize == self.list.len())?;
+        let (own, others) = words.split_at_checked(*count as usize * JointState::WORDS)?;
+        self.states = own.chunks_exact(JointState::WORDS).map(JointState::from_words).collect::<Option<_>>()?;
+        Some(others)
+    }
+
+    /// Pairs of bodies other than the world that do not collide because of a joint that is not broken, in ascending order.
+    pub(crate) fn apart(&self) -> Vec<[u32; 2]> {
+        let present = self.list.iter().zip(&self.states).filter(|(joint, state)| !joint.collides && !state.broken);
+        let bodies = present.map(|(joint, _)| joint.ends.map(|end| end.body)).filter(|[a, b]| *a > 0 && *b > 0);
+        let mut pairs: Vec<[u32; 2]> = bodies.map(|[a, b]| [a.min(b), a.max(b)]).collect();
         pairs.sort_unstable();
         pairs
     }

@@ -68,13 +68,15 @@ impl Frames {
         Ok(Self { world, owners, origins, parts, handles: BodyHandles::of(scene), substeps: 0, device: None })
     }
 
-    /// What a checkpoint keeps beside the scene: the substeps, and of each body its spin and the factor of its margin, then the contacts.
+    /// What a checkpoint keeps beside the scene: the substeps, and of each body its spin and the factor of its margin, then the joints
+    /// and the contacts.
     fn words(&self) -> Vec<u32> {
         let mut words = vec![self.substeps, self.world.bodies.len() as u32];
         for body in &self.world.bodies {
             words.extend(body.spin.to_array().map(f32::to_bits));
             words.push(body.margin_scale.to_bits());
         }
+        words.extend(self.world.joints.to_words());
         words.extend(self.world.history.to_words());
         words
     }
@@ -85,7 +87,8 @@ impl Frames {
         else {
             return false;
         };
-        let Some((bodies, history)) = rest.split_at_checked(4 * self.world.bodies.len()) else { return false };
+        let Some((bodies, rest)) = rest.split_at_checked(4 * self.world.bodies.len()) else { return false };
+        let Some(history) = self.world.joints.put_words(rest) else { return false };
         let Some(history) = History::from_words(history) else { return false };
         for (body, words) in self.world.bodies.iter_mut().zip(bodies.chunks_exact(4)) {
             let [x, y, z, scale] = [0, 1, 2, 3].map(|place| f32::from_bits(words[place]));

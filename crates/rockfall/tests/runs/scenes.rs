@@ -222,14 +222,19 @@ fn what_is_built_stands_until_the_ball_hits_it() {
             let mut scene = load(name);
             let mut whole = open(scene.clone(), Integrator::Rk4);
             whole.run((seconds / dt) as u64, dt).expect("frames");
-            assert!(fallen(&mut whole) > 5, "{name}: {}", fallen(&mut whole));
+            let start: Vec<Vec3> = scene.bodies().iter().map(|body| body.position).collect();
+            let ways = |simulation: &mut Simulation| -> Vec<f32> {
+                let end = simulation.sync().expect("the state").bodies();
+                start.iter().zip(end).map(|(start, body)| start.distance(body.position)).collect()
+            };
+            // A brick may land flat.
+            let thrown = ways(&mut whole).iter().filter(|way| **way > 0.3).count();
+            assert!(thrown > 5, "{name}, dt {dt}: the ball moves {thrown}");
             let ball = scene.sphere_ids().last().expect("a ball");
             scene.remove_spheres(&[ball]).expect("it is removed");
-            let start: Vec<Vec3> = scene.bodies().iter().map(|body| body.position).collect();
             let mut still = open(scene, Integrator::Rk4);
             still.run((seconds / dt) as u64, dt).expect("frames");
-            let end = still.sync().expect("the state").bodies();
-            let moved = start.iter().zip(end).fold(0.0_f32, |most, (start, body)| most.max(start.distance(body.position)));
+            let moved = ways(&mut still).into_iter().fold(0.0_f32, f32::max);
             assert!(moved < 2e-3, "{name}, dt {dt}: moved by {moved}");
         }
     }

@@ -16,17 +16,22 @@ const CALM: f32 = 1e-3;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Softness {
     /// Speed per overlap, times the share of the mass.
-    rate: f32,
+    pub(super) rate: f32,
     /// Share of the mass.
-    mass: f32,
+    pub(super) mass: f32,
     /// Share of the impulse that is given back.
-    impulse: f32,
+    pub(super) impulse: f32,
 }
 
 impl Softness {
     /// Of a frequency times the substep, with the damping ratio of contacts.
     pub(super) fn new(frequency_h: f32, h: f32) -> Self {
-        let (damping, turn) = (10.0, std::f32::consts::TAU * frequency_h);
+        Self::of(frequency_h, 10.0, h)
+    }
+
+    /// Of a frequency times the substep and a damping ratio.
+    pub(super) fn of(frequency_h: f32, damping: f32, h: f32) -> Self {
+        let turn = std::f32::consts::TAU * frequency_h;
         let first = 2.0 * damping + turn;
         let second = turn * first;
         let third = 1.0 / (1.0 + second);

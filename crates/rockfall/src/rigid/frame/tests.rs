@@ -16,6 +16,7 @@ mod fast;
 mod flight;
 mod friction;
 mod impact;
+mod joints;
 mod pile;
 mod rest;
 mod scene;

@@ -179,7 +179,7 @@ impl GpuWorld {
             }
             self.stormy = self.stormy.saturating_sub(1);
             self.keep(&counts, h);
-            return Ok(FrameReport { repeats, contacts: words[4], max_overlap: f32::from_bits(words[5]), stopped });
+            return Ok(FrameReport { repeats, contacts: words[4], max_overlap: f32::from_bits(words[5]), stopped, broken: 0 });
         }
     }
 

@@ -1,0 +1,158 @@
+//! Joints of a scene as those of the law `rigid` (docs/physics.md section 11.14), and what a run reads of them.
+
+use std::collections::HashMap;
+
+use glam::{DQuat, DVec3, Vec3};
+
+use super::build::Builder;
+use super::{Frames, Owner};
+use crate::error::Result;
+use crate::rigid::frame::{JointMotion, motions_of_joints};
+use crate::rigid::joints::{Drive, End, Joint as Row, JointState, Joints, Kind};
+use crate::rigid::pose::Pose;
+use crate::scene::{Anchor, Joint, JointFrame, JointKind, Scene};
+use crate::simulation::Simulation;
+
+/// What a joint does at present.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct JointReading {
+    /// Position of the free axis: the angle in rad of a hinge or of the twist of a ball, the way of a slider or the distance of the
+    /// anchors of a distance joint in units. 0 for a fixed joint.
+    pub position: f32,
+    /// Its rate, in rad/s or units/s.
+    pub speed: f32,
+    /// Force that the joint exerts on its second body at the anchor, in mass units/s²: the mean of the last step.
+    pub force: Vec3,
+    /// Torque that the joint exerts on its second body, in mass units²/s²: the mean of the last step.
+    pub torque: Vec3,
+    /// By how much the anchors miss each other, in units. Along the axis of a slider they may; a distance joint misses its length.
+    pub error: f32,
+    /// The joint is broken and exerts nothing any more. The other numbers are 0.
+    pub broken: bool,
+}
+
+impl Builder<'_> {
+    /// All joints in order of addition.
+    pub(super) fn joints(&mut self) -> Result<()> {
+        if self.scene.joints().is_empty() {
+            return Ok(());
+        }
+        let bodies: HashMap<Anchor, u32> = self.numbers();
+        let mut list = Vec::with_capacity(self.scene.joints().len());
+        for joint in self.scene.joints() {
+            let ends = self.scene.joint_poses_of(joint, false)?;
+            let frames = joint.ends().unwrap_or([JointFrame { place: Vec3::ZERO, turn: glam::Quat::IDENTITY }; 2]);
+            let anchors = joint.anchors();
+            let end = |side: usize| self.end(&bodies, anchors[side], frames[side], ends[side]);
+            list.push(row_of(joint, [end(0), end(1)]));
+        }
+        let has_mass: Vec<bool> = self.world.bodies.iter().map(|body| body.inverse_mass > 0.0).collect();
+        self.world.joints = Joints::new(list, &has_mass);
+        Ok(())
+    }
+
+    /// Numbers of the bodies to which ends are attached. All others are the world.
+    fn numbers(&self) -> HashMap<Anchor, u32> {
+        let declared: Vec<_> = self.scene.body_ids().collect();
+        let bodies: Vec<_> = self.scene.whole_bodies().collect();
+        let mut numbers = HashMap::new();
+        for (number, owner) in (0..).zip(&self.owners) {
+            match *owner {
+                Owner::World | Owner::Motion(_) => (),
+                Owner::Sphere(id) => drop(numbers.insert(Anchor::Sphere(id), number)),
+                Owner::Body(place) => match declared.get(place) {
+                    Some(id) => drop(numbers.insert(Anchor::Body(*id), number)),
+                    None => numbers.extend(bodies[place].spheres.iter().map(|id| (Anchor::Sphere(*id), number))),
+                },
+            }
+        }
+        numbers
+    }
+
+    fn end(&self, bodies: &HashMap<Anchor, u32>, anchor: Anchor, frame: JointFrame, (point, turn): (DVec3, DQuat)) -> End {
+        let body = bodies.get(&anchor).copied().unwrap_or_default();
+        let is_part = matches!(anchor, Anchor::Sphere(_)) && matches!(self.owners[body as usize], Owner::Body(_));
+        if !is_part {
+            return End { body, place: frame.place, turn: frame.turn };
+        }
+        // The sphere of a capsule: its coordinates are not those of the body.
+        let Pose { position, turn: own } = self.world.bodies[body as usize].pose;
+        let back = own.as_dquat().normalize().inverse();
+        End { body, place: (back * (point - position.as_dvec3())).as_vec3(), turn: (back * turn).as_quat().normalize() }
+    }
+}
+
+fn kind_of(kind: JointKind) -> Kind {
+    match kind {
+        JointKind::Ball => Kind::BALL,
+        JointKind::Hinge => Kind::HINGE,
+        JointKind::Slider => Kind::SLIDER,
+        JointKind::Fixed => Kind::FIXED,
+        JointKind::Distance => Kind::DISTANCE,
+    }
+}
+
+fn row_of(joint: &Joint, ends: [End; 2]) -> Row {
+    let strength = [joint.break_force, joint.break_torque];
+    Row { kind: kind_of(joint.kind), ends, drive: drive_of(joint), strength, collides: joint.collides }
+}
+
+fn drive_of(joint: &Joint) -> Drive {
+    let [least, most] = joint.limits.unwrap_or([f32::NEG_INFINITY, f32::INFINITY]);
+    Drive {
+        limits: [least, most],
+        cone: joint.cone.unwrap_or(f32::INFINITY),
+        locked: joint.is_locked(),
+        target: joint.rest(),
+        stiffness: joint.stiffness,
+        damping: joint.damping,
+        spring_limit: joint.max_force,
+        speed: joint.speed.unwrap_or_default(),
+        motor_limit: if joint.speed.is_some() { joint.max_force } else { 0.0 },
+        friction: joint.friction,
+    }
+}
+
+impl Frames {
+    /// Takes over the drives and strengths of the joints, which may change between frames.
+    pub(super) fn set_drives(&mut self, scene: &Scene) -> Result<()> {
+        for (row, joint) in self.world.joints.list.iter_mut().zip(scene.joints()) {
+            (row.drive, row.strength) = (drive_of(joint), [joint.break_force, joint.break_torque]);
+        }
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        if let Some(device) = &mut self.device {
+            device.set_drives(&self.world);
+        }
+        Ok(())
+    }
+}
+
+impl Simulation {
+    /// What all joints do at present, in order of addition. Before the first step there are no forces.
+    ///
+    /// # Errors
+    /// [`Error::Device`](crate::Error::Device) when the device fails, [`Error::Invalid`](crate::Error::Invalid) for a scene that the
+    /// contact law `rigid` does not take.
+    pub fn joints(&mut self) -> Result<Vec<JointReading>> {
+        if self.scene.joints().is_empty() {
+            return Ok(Vec::new());
+        }
+        self.sync()?;
+        if self.frames.is_none() || self.frames_due {
+            self.renew_frames()?;
+        }
+        let Some(mut frames) = self.frames.take() else { return Ok(Vec::new()) };
+        let fetched = frames.fetch_history();
+        let read = |(state, motion): (&JointState, JointMotion)| {
+            if state.broken {
+                return JointReading { broken: true, ..JointReading::default() };
+            }
+            let JointMotion { position, speed, error } = motion;
+            JointReading { position, speed, error, force: state.force, torque: state.torque, broken: false }
+        };
+        let all = frames.world.joints.states.iter().zip(motions_of_joints(&frames.world)).map(read).collect();
+        self.frames = Some(frames);
+        fetched.map(|()| all)
+    }
+}
