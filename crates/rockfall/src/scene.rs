@@ -14,6 +14,7 @@ mod contact_law;
 mod gauge;
 mod implied;
 mod inlet;
+mod joint;
 mod look;
 mod materials;
 mod mesh;
@@ -51,6 +52,7 @@ pub use gauge::{Gauge, Gauged};
 pub(crate) use implied::{AnyForm, BodyHandles, Form, ImpliedBody, WholeBody};
 pub(crate) use inlet::{FlowState, InletState, Passed, Sum};
 pub use inlet::{GrainMass, Inlet, Outlet, Radii, Rate, SizedBy};
+pub use joint::{Anchor, Joint, JointFrame, JointId, JointKind};
 pub use look::Look;
 pub(crate) use materials::Pairs;
 pub use materials::{CohesionModel, MAX_MATERIALS, Material, MaterialId, Pair, RollingModel};
@@ -98,6 +100,7 @@ pub struct Scene {
     pub(crate) implied_members: rigid::Members<ImpliedBody>,
     pub(crate) springs: Registry<Spring>,
     pub(crate) tethers: Registry<Tether>,
+    pub(crate) joints: Registry<Joint>,
     pub(crate) boxes: Registry<Cuboid>,
     pub(crate) polygons: Registry<Polygon>,
     pub(crate) motions: Registry<Motion>,
@@ -160,6 +163,7 @@ impl Scene {
             implied_members: rigid::Members::default(),
             springs: Registry::new(number, "spring"),
             tethers: Registry::new(number, "tether"),
+            joints: Registry::new(number, "joint"),
             boxes: Registry::new(number, "box"),
             polygons: Registry::new(number, "polygon"),
             motions: Registry::new(number, "motion"),
@@ -373,6 +377,7 @@ readers! {
     capsule, capsules, capsule_ids, CapsuleId, CapsuleParts, "capsule";
     spring, springs, spring_ids, SpringId, Spring, "spring";
     tether, tethers, tether_ids, TetherId, Tether, "tether";
+    joint, joints, joint_ids, JointId, Joint, "joint";
     cuboid, boxes, box_ids, BoxId, Cuboid, "box";
     polygon, polygons, polygon_ids, PolygonId, Polygon, "polygon";
     material, materials, material_ids, MaterialId, Material, "material";

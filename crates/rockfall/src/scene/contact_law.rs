@@ -39,6 +39,7 @@ impl Scene {
         if law != ContactLaw::Rigid && self.shapes().iter().any(|shape| !shape.hulls.is_empty()) {
             return refused(format!("{law} with a hull"), "rigid: hulls need `set contact_law rigid`");
         }
+        self.check_joints()?;
         if !law.has_history() {
             return Ok(());
         }

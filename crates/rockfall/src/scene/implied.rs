@@ -95,12 +95,20 @@ impl Scene {
         let (known, new): (Vec<_>, Vec<_>) = networks.iter().partition(is_known);
         let kept: HashSet<_> = known.into_iter().filter_map(id_of).collect();
         let bodies = self.formed(new);
+        let ends = if bodies.is_empty() { Vec::new() } else { self.ends_at_spheres() };
+        let turns: Vec<_> = ends.iter().map(|end| self.spheres.get(end.sphere).map(|sphere| sphere.orientation)).collect();
         let gone: Vec<_> = self.implied.handles().filter(|id| !kept.contains(id)).collect();
         // All of them are there.
         let _ = self.implied.remove(&gone);
         for body in bodies {
             let id = self.keep_implied(body);
             self.place_implied(id);
+        }
+        // A sphere has the orientation of its body from now on.
+        for (end, turn) in ends.into_iter().zip(turns) {
+            if turn.ok() != self.spheres.get(end.sphere).map(|sphere| sphere.orientation).ok() {
+                self.put_end(end);
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::scene::checks::invalid;
-use crate::scene::{BoxId, CapsuleId, PolygonId, RigidBodyId, RodId, Scene, SphereId, SpringId, TetherId};
+use crate::scene::{BoxId, CapsuleId, JointId, PolygonId, RigidBodyId, RodId, Scene, SphereId, SpringId, TetherId};
 
 macro_rules! single {
     ($($(#[$doc:meta])* $one:ident($handle:ty) as $all:ident;)*) => {
@@ -22,7 +22,7 @@ macro_rules! single {
 }
 
 single! {
-    /// Removes a sphere together with its rods, capsules, springs and tethers.
+    /// Removes a sphere together with its rods, capsules, springs, tethers and joints.
     remove_sphere(SphereId) as remove_spheres;
     /// Removes a rod. If it is part of a capsule, the two spheres stay.
     remove_rod(RodId) as remove_rods;
@@ -34,6 +34,8 @@ single! {
     remove_spring(SpringId) as remove_springs;
     /// Removes a tether.
     remove_tether(TetherId) as remove_tethers;
+    /// Removes a joint.
+    remove_joint(JointId) as remove_joints;
     /// Removes a box.
     remove_box(BoxId) as remove_boxes;
     /// Removes a polygon.
@@ -42,7 +44,7 @@ single! {
 
 /// Removing many objects. It takes about as long as the removal of one of them.
 impl Scene {
-    /// Removes spheres together with their rods, capsules, springs and tethers.
+    /// Removes spheres together with their rods, capsules, springs, tethers and joints.
     ///
     /// # Errors
     /// [`Error::StaleHandle`](crate::Error::StaleHandle) when one is not in the scene. [`Error::Invalid`](crate::Error::Invalid) for
@@ -66,6 +68,7 @@ impl Scene {
         self.capsules.remove_where(|capsule| is_gone(capsule.end1) || is_gone(capsule.end2));
         self.springs.remove_where(|spring| is_gone(spring.a) || is_gone(spring.b));
         self.tethers.remove_where(|tether| is_gone(tether.sphere));
+        self.remove_loose_joints();
         Ok(())
     }
 
@@ -121,6 +124,14 @@ impl Scene {
     /// As for [`Scene::remove_spheres`].
     pub fn remove_tethers(&mut self, ids: &[TetherId]) -> Result<()> {
         self.tethers.remove(ids)
+    }
+
+    /// Removes joints.
+    ///
+    /// # Errors
+    /// As for [`Scene::remove_spheres`].
+    pub fn remove_joints(&mut self, ids: &[JointId]) -> Result<()> {
+        self.joints.remove(ids)
     }
 
     /// Removes boxes.

@@ -41,9 +41,10 @@
 //! | `@hull x,y,z x,y,z ...` | within `@body`: the convex hull of the points |
 //! | `@hull FILE scale=s at=x,y,z axis=x,y,z turn=degrees` | within `@body`: the convex hull of the vertices of a mesh file |
 //! | `@place NAME at=x,y,z axis=x,y,z turn=degrees velocity=x,y,z spin=x,y,z name=N first=REFERENCE` | a rigid body of that shape ([`Placement`](crate::Placement)). Its spheres have references that count on from `first`. `centre=` may replace `at=`, `orientation=w,x,y,z` may replace `axis=` and `turn=`, and `momentum=` may replace `spin=` |
+//! | `@joint KIND A B at=x,y,z to=x,y,z axis=x,y,z limits=a..b cone=a twist=a..b speed=v force=F torque=T target=p stiffness=k damping=c friction=f break_force=F break_torque=T collide=yes name=N` | a joint of two bodies ([`Joint`](crate::Joint)): a `ball`, `hinge`, `slider`, `fixed` or `distance`. `A` and `B` are the name of a body that a line above places, the reference of a sphere, or `world`. Angles are in degrees, rates in rad/s. `to=` is for distance joints, `cone=` and `twist=` are for balls, `torque=` is for hinges and balls and `force=` for the others. `frame_a=x,y,z,w,i,j,k` and `frame_b=`, places and turns in coordinates of the bodies, may replace `at=`, `to=` and `axis=`, and `length=` the distance |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last thirty-two kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last thirty-three kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -66,6 +67,7 @@ mod comment;
 mod gauge;
 mod hull;
 mod inlet;
+mod joint;
 mod line;
 mod materials;
 mod mesh;
@@ -81,13 +83,14 @@ mod tags;
 mod values;
 
 use comment::{Title, has_number_sign, is_extension, looks_like, may_be_prose, without_comment};
+use joint::Named;
 use line::{BALL, CONE, CYLINDER, GROUP, HULL, Line, PLANE, TETHER, Wrong};
 
 use repeat::{Block, Copy};
 
 pub(super) use smooth::line_of;
 
-use super::{Gauge, MaterialId, MotionId, Scene, SphereId, Tag};
+use super::{Gauge, Joint, MaterialId, MotionId, Scene, SphereId, Tag};
 use crate::error::{Error, Result, nearest, quoted};
 use crate::settings::Precision;
 
@@ -148,8 +151,11 @@ impl Scene {
             .and_then(|()| reader.check_body_end())
             .and_then(|()| reader.check_run())
             .and_then(|()| reader.add_gauges())
+            .and_then(|()| {
+                reader.round_positions();
+                reader.add_joints()
+            })
             .map_err(|(line, Wrong { field, message })| Error::SceneLine { file: name.to_owned(), line, field, message })?;
-        reader.round_positions();
         Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments, title: title.lines })
     }
 
@@ -173,7 +179,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 32] = [
+const AT_WORDS: [&str; 33] = [
     "@group",
     "@orientation",
     "@force",
@@ -204,6 +210,7 @@ const AT_WORDS: [&str; 32] = [
     "@body",
     "@hull",
     "@place",
+    "@joint",
     "@repeat",
     "@end",
 ];
@@ -235,6 +242,10 @@ struct Reader<'a> {
     references: HashMap<u32, SphereId>,
     /// The gauges, with their lines. Walls may follow below.
     gauges: Vec<(usize, Gauge)>,
+    /// The joints, with their lines. They are added when the positions of the bodies are final.
+    joints: Vec<(usize, Joint)>,
+    /// What the names of placed bodies stand for.
+    body_names: HashMap<String, Named>,
     /// The group of the following objects.
     group: u16,
     /// The material of the following objects.
@@ -264,6 +275,8 @@ impl<'a> Reader<'a> {
             run_at: None,
             references: HashMap::new(),
             gauges: Vec::new(),
+            joints: Vec::new(),
+            body_names: HashMap::new(),
             group: 0,
             material: None,
             motion: None,
@@ -319,6 +332,7 @@ impl<'a> Reader<'a> {
             "@outlet" => self.outlet(line, number),
             "@body" => self.begin_body(line, number),
             "@place" => self.place(line, number),
+            "@joint" => self.joint(line, number),
             "@hull" => {
                 self.not_understood(number, HULL.wrong("line", "not possible here, expected between `@body` and `@end`"))
             }

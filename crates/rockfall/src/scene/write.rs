@@ -1,5 +1,6 @@
 //! Writes the scene text that [`Scene::parse`] reads back: the same objects, bitwise identical, in the same order.
 
+use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -9,7 +10,9 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::periodic::AXES;
 use super::text::line_of;
-use super::{Gauge, Gauged, Material, MaterialId, MotionId, MotionTerm, Pair, Rod, RunDefaults, Scene, Sphere, Tag};
+use super::{
+    Gauge, Gauged, Joint, Material, MaterialId, MotionId, MotionTerm, Pair, RigidBodyId, Rod, RunDefaults, Scene, Sphere, Tag,
+};
 use crate::error::{Error, Result};
 use crate::output::AtomicFile;
 use crate::settings::{Precision, Settings};
@@ -37,6 +40,7 @@ impl Scene {
             capsules_written: 0,
             bodies_written: 0,
             shape_names: Vec::new(),
+            body_names: joints::names_of_bodies(self),
             has_low_parts: self.chosen_precision().precision == Precision::Double,
         };
         writer.settings();
@@ -48,6 +52,7 @@ impl Scene {
         writer.spheres_and_rods();
         writer.springs_and_tethers();
         writer.statics();
+        writer.joints();
         writer.gauges();
         writer.doors();
         writer.text
@@ -95,6 +100,7 @@ impl Scene {
 
 mod bodies;
 mod doors;
+mod joints;
 
 /// The bits of a vector, which also distinguish 0 from -0.
 fn bits(vector: Vec3) -> [u32; 3] {
@@ -121,6 +127,8 @@ struct Writer<'a> {
     bodies_written: usize,
     /// Name of every shape.
     shape_names: Vec<String>,
+    /// Names that mean one body, for joints.
+    body_names: HashMap<RigidBodyId, String>,
     /// Whether positions are written with their low parts.
     has_low_parts: bool,
 }
@@ -319,7 +327,7 @@ impl Writer<'_> {
         between.is_some_and(|rods| rods.iter().all(ends_before))
     }
 
-    /// For each sphere, the number of rods, springs and tethers that are attached to it.
+    /// For each sphere, the number of rods, springs, tethers and joints that are attached to it by its reference.
     fn uses(&self) -> Vec<u32> {
         let scene = self.scene;
         let mut uses = vec![0_u32; scene.spheres.len()];
@@ -328,6 +336,9 @@ impl Writer<'_> {
         let tethers = scene.tethers().iter().map(|tether| tether.sphere);
         for id in rods.chain(springs).chain(tethers) {
             uses[self.index(id)] += 1;
+        }
+        for sphere in scene.joints().iter().flat_map(Joint::anchors).filter_map(|anchor| self.sphere_of_end(anchor)) {
+            uses[sphere] += 1;
         }
         uses
     }

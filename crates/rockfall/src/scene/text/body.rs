@@ -8,6 +8,7 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 
 use super::Reader;
 use super::comment::without_comment;
+use super::joint::Named;
 use super::line::{BODY, BOX, CAPSULE, Kind, Line, MARK, PLACE, ROD, SPHERE, Wrong};
 use super::motion::{number, numbers, vector};
 use crate::error::{nearest, quoted};
@@ -252,11 +253,13 @@ impl Reader<'_> {
             let spheres: Vec<SphereId> =
                 parts.iter().filter_map(|id| if let ObjectId::Sphere(id) = id { Some(*id) } else { None }).collect();
             self.name_spheres(&spheres, references)?;
+            self.name_body(tag.name.as_deref(), Named::Fixed);
             return self.scene.tag_parts(&parts, &tag).map_err(refused);
         }
         let id = self.scene.add_body(placement).map_err(refused)?;
         let spheres = self.scene.body(id).map_err(refused)?.spheres().to_vec();
         self.name_spheres(&spheres, references)?;
+        self.name_body(tag.name.as_deref(), Named::Body(id));
         self.scene.share_tag(ObjectId::from(id), &shared(tag)).map_err(refused)
     }
 

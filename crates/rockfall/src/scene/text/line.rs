@@ -201,6 +201,29 @@ pub(super) const PLACE: Kind = Kind {
     ],
     last_is_optional: false,
 };
+pub(super) const JOINT: Kind = Kind {
+    word: "@joint",
+    references: &["ball|hinge|slider|fixed|distance", "A", "B"],
+    numbers: &[
+        "at=x,y,z",
+        "to=x,y,z",
+        "axis=x,y,z",
+        "limits=a..b",
+        "cone=a",
+        "twist=a..b",
+        "speed=v",
+        "force=F|torque=T",
+        "target=p",
+        "stiffness=k",
+        "damping=c",
+        "friction=f",
+        "break_force=F",
+        "break_torque=T",
+        "collide=yes",
+        "name=N",
+    ],
+    last_is_optional: false,
+};
 pub(super) const REPEAT: Kind =
     Kind { word: "@repeat", references: &["N"], numbers: &["dx", "dy", "dz"], last_is_optional: false };
 pub(super) const MARK: Kind = Kind { word: "@capsule", references: &["end1", "end2"], numbers: &[], last_is_optional: false };

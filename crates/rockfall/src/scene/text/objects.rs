@@ -11,7 +11,7 @@ fn vector(numbers: &[f32]) -> Vec3 {
 }
 
 impl Reader<'_> {
-    fn find(&self, kind: &Kind, name: &str, reference: u32) -> Line<SphereId> {
+    pub(super) fn find(&self, kind: &Kind, name: &str, reference: u32) -> Line<SphereId> {
         let reference = self.counted_on(reference);
         self.references.get(&reference).copied().ok_or_else(|| {
             let message = format!("no sphere with reference {reference} yet, expected one that a line above defined");

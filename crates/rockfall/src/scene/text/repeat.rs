@@ -205,6 +205,11 @@ impl<'a> Reader<'a> {
         self.copies.iter().rev().fold(reference, on)
     }
 
+    /// Numbers of the copies that the present line is part of, the outermost first.
+    pub(super) fn numbers_of_copies(&self) -> impl Iterator<Item = u32> + '_ {
+        self.copies.iter().map(|copy| copy.index)
+    }
+
     /// How far the present line is moved on.
     pub(super) fn offset(&self) -> DVec3 {
         self.copies.iter().map(|copy| copy.offset).sum()

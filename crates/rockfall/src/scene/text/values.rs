@@ -9,7 +9,7 @@ use super::motion::{number, vector};
 use crate::error::{nearest, quoted};
 
 /// Keys of which a line has at most one.
-const ALTERNATIVES: [&[&str]; 2] = [&["rate", "mass_rate", "volume_rate"], &["mass", "density"]];
+const ALTERNATIVES: [&[&str]; 3] = [&["rate", "mass_rate", "volume_rate"], &["mass", "density"], &["force", "torque"]];
 
 /// The values of a line by their keys.
 pub(super) struct Values<'a> {
