@@ -24,4 +24,6 @@ pub(crate) struct FrameReport {
     pub(crate) max_overlap: f32,
     /// Bodies whose state stopped being finite: their number, and the first one.
     pub(crate) stopped: Option<(u32, u32)>,
+    /// Joints that broke.
+    pub(crate) broken: u32,
 }

@@ -58,7 +58,7 @@ pub(super) struct Constants {
     /// Acceleration: the field, the external force and springs.
     acceleration: Vec3A,
     torque: Vec3A,
-    /// Springs end at it.
+    /// Springs or joints end at it.
     pub(super) sprung: bool,
     pub(super) margin: f32,
 }
@@ -118,6 +118,9 @@ impl Bodies {
             all.set.push(spin);
         }
         for body in world.springs.list.iter().flat_map(|spring| spring.bodies) {
+            all.constants[body as usize].sprung = all.constants[body as usize].dynamic;
+        }
+        for body in world.joints.list.iter().flat_map(|joint| joint.ends.map(|end| end.body)) {
             all.constants[body as usize].sprung = all.constants[body as usize].dynamic;
         }
         all.before.clone_from(&all.motions);
