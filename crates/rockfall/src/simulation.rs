@@ -63,7 +63,7 @@ use engine::Engine;
 use flight::Portioning;
 pub use flow::{Flow, Inflow, Outflow};
 use frames::Frames;
-pub use frames::HardContacts;
+pub use frames::{HardContacts, JointReading};
 pub use gauge::{GaugeReading, WallLoad};
 #[cfg(feature = "gpu")]
 use kept::Kept;

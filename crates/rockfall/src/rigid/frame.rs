@@ -161,7 +161,7 @@ impl<'a> Frame<'a> {
         let relax = Pass { biased: false, ..biased };
         let is_round = contacts.pairs.iter().any(|pair| pair.round);
         let ratio = if world.history.substep > 0.0 { h / world.history.substep } else { 1.0 };
-        let joints = joints::begin(&world.joints, ratio);
+        let joints = joints::begin(&world.joints, ratio, h);
         Self { world, bodies, contacts, joints, h, done: 0, is_round, biased, relax }
     }
 

@@ -10,6 +10,7 @@
 //! | [`shapes`] | rows of colliders, lists of hulls |
 //! | `kernels` | the kernels and their bindings |
 //! | `springs` | springs, and the ends of each body |
+//! | `joints` | joints, their states, and the bodies that they keep apart |
 //! | [`search`] | the manifolds of a frame |
 //! | [`scan`] | sums of all earlier words of an array |
 //!
@@ -21,6 +22,7 @@ mod arrays;
 mod assemble;
 #[cfg(test)]
 mod contacts;
+mod joints;
 mod kernels;
 mod past;
 pub(crate) mod rows;
@@ -90,7 +92,7 @@ pub(crate) enum Plan {
 pub(crate) enum Part {
     /// Points that another static shape covers.
     Expose,
-    /// What the blocks add to the first warm start.
+    /// What the blocks add to the first warm start; the impulses of joints.
     Load,
     /// Springs, kick and warm start.
     Kick,
@@ -103,7 +105,7 @@ pub(crate) enum Part {
     Impacts,
     /// Whether there are impacts.
     Seek,
-    /// Momenta and margins.
+    /// Momenta and margins; the loads of joints.
     Settle,
 }
 
@@ -114,6 +116,7 @@ pub(crate) struct GpuFrame {
     /// It has pairs with balls or capsules.
     is_round: bool,
     springs: springs::OnDevice,
+    joints: joints::OnDevice,
     bodies: u32,
     blocks: u32,
     points: u32,
@@ -229,6 +232,7 @@ impl RigidGpu {
             arrays,
             is_round,
             springs: springs::OnDevice::default(),
+            joints: joints::OnDevice::default(),
             bodies: rows.frame.bodies,
             blocks: rows.frame.blocks,
             points: rows.contacts.len() as u32,
@@ -312,14 +316,21 @@ impl GpuFrame {
     fn encode(&self, pass: &mut wgpu::ComputePass<'_>, part: Part) {
         match part {
             Part::Expose => self.dispatch(pass, EXPOSE, self.blocks, 0),
-            Part::Load => self.dispatch(pass, LOAD, self.blocks, 0),
+            Part::Load => {
+                self.dispatch(pass, LOAD, self.blocks, 0);
+                self.joints.encode(&self.arrays, pass, part);
+            }
             Part::Kick => {
                 self.dispatch(pass, PULL, self.springs.bodies(), 0);
                 self.dispatch(pass, KICK, self.bodies, 0);
+                self.joints.encode(&self.arrays, pass, part);
             }
             Part::Spare if self.is_round => self.dispatch(pass, SPARE_ROUND, self.blocks, 0),
             Part::Spare => (),
-            Part::Biased | Part::Relax => self.encode_pass(pass, part == Part::Biased),
+            Part::Biased | Part::Relax => {
+                self.joints.encode(&self.arrays, pass, part);
+                self.encode_pass(pass, part == Part::Biased);
+            }
             Part::Drift => self.dispatch(pass, DRIFT, self.bodies, 0),
             Part::Refresh => self.dispatch(pass, if self.is_round { REFRESH_ROUND } else { REFRESH }, self.blocks, 0),
             Part::Impacts if self.is_round => self.encode_round_impacts(pass),
@@ -329,7 +340,10 @@ impl GpuFrame {
                 self.dispatch(pass, SEEK_ROUND, self.blocks, 0);
             }
             Part::Seek => self.dispatch(pass, SEEK, self.blocks, 0),
-            Part::Settle => self.dispatch(pass, SETTLE, self.bodies, 0),
+            Part::Settle => {
+                self.dispatch(pass, SETTLE, self.bodies, 0);
+                self.joints.encode(&self.arrays, pass, part);
+            }
         }
     }
 

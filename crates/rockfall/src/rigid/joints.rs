@@ -118,8 +118,17 @@ pub(crate) struct JointImpulses {
 impl JointImpulses {
     pub(crate) const COUNT: usize = 12;
 
-    pub(crate) fn scaled(self, ratio: f32) -> Self {
-        Self::from_array(self.to_array().map(|impulse| ratio * impulse))
+    /// The impulses of another substep, in proportion to its length `h`. Rows that are no more have none.
+    pub(crate) fn begun(self, drive: &Drive, ratio: f32, h: f32) -> Self {
+        let mut own = Self::from_array(self.to_array().map(|impulse| ratio * impulse));
+        let unless = |is_gone: bool, impulse: f32| if is_gone { 0.0 } else { impulse };
+        own.locked = unless(!drive.locked, own.locked);
+        own.motor = own.motor.clamp(-h * drive.motor_limit, h * drive.motor_limit);
+        own.friction = own.friction.clamp(-h * drive.friction, h * drive.friction);
+        own.lower = unless(drive.limits[0] == f32::NEG_INFINITY, own.lower);
+        own.upper = unless(drive.limits[1] == f32::INFINITY, own.upper);
+        own.cone = unless(drive.cone == f32::INFINITY, own.cone);
+        own
     }
 
     pub(crate) fn to_array(self) -> [f32; Self::COUNT] {
@@ -226,13 +235,19 @@ impl Joints {
         Some(others)
     }
 
-    /// Pairs of bodies other than the world that do not collide because of a joint that is not broken, in ascending order.
-    pub(crate) fn apart(&self) -> Vec<[u32; 2]> {
-        let present = self.list.iter().zip(&self.states).filter(|(joint, state)| !joint.collides && !state.broken);
-        let bodies = present.map(|(joint, _)| joint.ends.map(|end| end.body)).filter(|[a, b]| *a > 0 && *b > 0);
-        let mut pairs: Vec<[u32; 2]> = bodies.map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    /// Pairs of bodies other than the world that do not collide, each with the joint that keeps them from it, in ascending order.
+    pub(crate) fn apart(&self) -> Vec<([u32; 2], u32)> {
+        let apart = (0..).zip(&self.list).filter(|(_, joint)| !joint.collides);
+        let bodies = apart.map(|(number, joint)| (joint.ends.map(|end| end.body), number)).filter(|([a, b], _)| *a > 0 && *b > 0);
+        let mut pairs: Vec<([u32; 2], u32)> = bodies.map(|([a, b], number)| ([a.min(b), a.max(b)], number)).collect();
         pairs.sort_unstable();
         pairs
+    }
+
+    /// Pairs of bodies that do not collide at present, in ascending order.
+    pub(crate) fn apart_now(&self) -> Vec<[u32; 2]> {
+        let present = self.apart().into_iter().filter(|(_, number)| !self.states[*number as usize].broken);
+        present.map(|(pair, _)| pair).collect()
     }
 
     /// Marks the joints whose load of the last frame was more than they bear. Their number.

@@ -8,7 +8,7 @@ use crate::model::status::Status;
 use crate::rigid::frame::{FrameReport, MOST_MARGIN, advance_or_stop, auto_substeps};
 use crate::rigid::history::History;
 use crate::rigid::world::RigidWorld;
-use crate::scene::{Body as Part, BodyHandles, BodyState, RunDefaults, Scene, SphereId};
+use crate::scene::{Body as Part, BodyHandles, BodyState, JointId, RunDefaults, Scene, SphereId};
 use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
 use crate::step::schedule::Phase;
@@ -17,12 +17,14 @@ use crate::step::walls::move_walls::place_walls;
 mod build;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
+mod joints;
 mod keep;
 mod motions;
 pub(crate) mod observe;
 mod predict;
 mod springs;
 
+pub use joints::JointReading;
 pub use predict::HardContacts;
 pub(in crate::simulation) mod check;
 
@@ -49,6 +51,8 @@ pub(in crate::simulation) struct Frames {
     /// What each collider is in the scene.
     parts: Vec<Part>,
     handles: BodyHandles,
+    /// Handles of the joints, in the order of those of the world.
+    joints: Vec<JointId>,
     /// Substeps of a frame; 0 before the first frame.
     substeps: u32,
     device: Device,
@@ -65,7 +69,8 @@ impl Frames {
     fn of(scene: &Scene) -> Result<Self> {
         check::check_rods(scene)?;
         let build::Builder { world, owners, origins, parts, .. } = build::Builder::build(scene)?;
-        Ok(Self { world, owners, origins, parts, handles: BodyHandles::of(scene), substeps: 0, device: None })
+        let (handles, joints) = (BodyHandles::of(scene), scene.joint_ids().collect());
+        Ok(Self { world, owners, origins, parts, handles, joints, substeps: 0, device: None })
     }
 
     /// What a checkpoint keeps beside the scene: the substeps, and of each body its spin and the factor of its margin, then the joints

@@ -1,4 +1,4 @@
-// requires rigid/broad/search.wgsl rigid/frame/colliders.wgsl rigid/frame/rows.wgsl
+// requires rigid/broad/search.wgsl rigid/broad/apart.wgsl rigid/frame/colliders.wgsl rigid/frame/rows.wgsl
 
 // Pairs of colliders whose AABBs overlap and that may touch (docs/physics.md section 11.3). A collider looks for others in the cells of its
 // own level and of all coarser ones, and at the large ones.
@@ -32,6 +32,9 @@ fn put_candidate(at: u32, pair: vec2u) {
 fn take(own: Own, other: u32) {
     let body = body_of_collider(other);
     if body == own.body || marks_of_collider(other).x != own.group || !(own.has_mass || has_mass(body)) {
+        return;
+    }
+    if are_apart(own.body, body) {
         return;
     }
     let pair = select(vec2u(other, own.collider), vec2u(own.collider, other), own.body < body);

@@ -37,7 +37,7 @@ pub(super) fn manifolds(world: &RigidWorld, bodies: &Bodies, before: Option<(&Bo
 /// Pairs of colliders that may touch and whose AABBs overlap.
 pub(super) fn candidates(world: &RigidWorld, bodies: &Bodies) -> Vec<(u32, u32)> {
     let boxes: Vec<Aabb> = world.colliders.iter().map(|collider| bounds(world, bodies, collider)).collect();
-    let apart = world.joints.apart();
+    let apart = world.joints.apart_now();
     let is_apart = |a: u32, b: u32| apart.binary_search(&[a.min(b), a.max(b)]).is_ok();
     let may_touch = |i: usize, j: usize| {
         let [a, b] = [i, j].map(|k| &world.colliders[k]);

@@ -17,14 +17,13 @@ const DAMPING: f32 = 2.0;
 /// Axes that point away from each other by more than this cosine have no mean.
 const OPPOSITE: f32 = -0.9;
 
-/// The states of the joints at the start of a frame. All impulses are those of a substep of the length `h`.
-pub(super) fn begin(joints: &Joints, ratio: f32) -> Vec<JointState> {
-    let begun = |state: &JointState| {
-        let mut state = JointState { force: Vec3::ZERO, torque: Vec3::ZERO, ..*state };
-        state.impulses = state.impulses.scaled(ratio);
-        state
+/// The states of the joints at the start of a frame with substeps of `h` seconds, which are `ratio` times those of the last frame.
+pub(super) fn begin(joints: &Joints, ratio: f32, h: f32) -> Vec<JointState> {
+    let begun = |(joint, state): (&Joint, &JointState)| {
+        let impulses = state.impulses.begun(&joint.drive, ratio, h);
+        JointState { impulses, force: Vec3::ZERO, torque: Vec3::ZERO, ..*state }
     };
-    joints.states.iter().map(begun).collect()
+    joints.list.iter().zip(&joints.states).map(begun).collect()
 }
 
 /// Makes the mean loads of a frame of `dt` seconds from the sums of its impulses.
@@ -389,7 +388,6 @@ impl Visit {
     /// A row towards a speed, with a greatest force.
     fn motor(&self, row: &Row, speed: f32, most: f32, kept: &mut f32, pivot: &mut Pivot) {
         if most == 0.0 {
-            *kept = 0.0;
             return;
         }
         let before = *kept;
@@ -401,7 +399,6 @@ impl Visit {
     fn limit(&self, row: &Row, room: f32, kept: &mut f32, pivot: &mut Pivot) {
         let before = *kept;
         if room == f32::INFINITY {
-            *kept = 0.0;
             return;
         }
         let speed = pivot.speed_of(row);

@@ -8,6 +8,8 @@ mod conservation;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+mod device_joints;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device_round;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device_world;

@@ -65,6 +65,7 @@ const PARTS: &[Part] = parts!(
     "rigid/broad/open.wgsl"
     "rigid/broad/bound.wgsl"
     "rigid/broad/scan.wgsl"
+    "rigid/broad/apart.wgsl"
     "rigid/broad/pair_up.wgsl"
     "rigid/broad/narrow.wgsl"
     "rigid/broad/narrow_round.wgsl"
@@ -81,6 +82,9 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/spare.wgsl"
     "rigid/frame/expose.wgsl"
     "rigid/frame/springs.wgsl"
+    "rigid/frame/arc.wgsl"
+    "rigid/frame/joint.wgsl"
+    "rigid/frame/joints.wgsl"
 );
 
 /// Bindings of the arrays. 0 and 1 are uniform.
@@ -110,8 +114,12 @@ pub(super) const RAW: u32 = 38;
 pub(super) const SPRINGS: u32 = 39;
 pub(super) const ENDS_OF_SPRINGS: u32 = 40;
 pub(super) const MUSCLES: u32 = 41;
+pub(super) const JOINTS: u32 = 42;
+pub(super) const JOINT_STATES: u32 = 43;
+pub(super) const JOINT_ORDER: u32 = 44;
+pub(super) const APART: u32 = 45;
 /// One more than the last binding.
-pub(super) const BINDINGS: u32 = 42;
+pub(super) const BINDINGS: u32 = 46;
 pub(super) const BOUNDS: u32 = 13;
 pub(super) const CELLS: u32 = 14;
 pub(super) const MEMBERS: u32 = 15;
@@ -130,7 +138,7 @@ pub(super) const SCAN: u32 = 25;
 pub(super) const ENDS: u32 = 26;
 
 /// Arrays that are only read, but by the stages of [`WRITERS`].
-const READ: &[u32] = &[CONSTANTS, LISTS, COLLIDERS, HULLS, SCALES, ENDS, SPRINGS, ENDS_OF_SPRINGS];
+const READ: &[u32] = &[CONSTANTS, LISTS, COLLIDERS, HULLS, SCALES, ENDS, SPRINGS, ENDS_OF_SPRINGS, JOINTS, JOINT_ORDER, APART];
 
 /// The stages that write an array that the others only read.
 const WRITERS: &[&str] = &["gather", "enlist", "take", "relist", "calm", "widen", "pull"];
@@ -186,6 +194,11 @@ pub(super) const SPARE_ROUND: usize = 39;
 pub(super) const EXPOSE: usize = 40;
 pub(super) const SEEK_ROUND: usize = 41;
 pub(super) const PULL: usize = 42;
+pub(super) const OPEN_JOINTS: usize = 43;
+pub(super) const WARM_JOINTS: usize = 44;
+pub(super) const PUSH_JOINTS: usize = 45;
+pub(super) const RELAX_JOINTS: usize = 46;
+pub(super) const CLOSE_JOINTS: usize = 47;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
@@ -193,6 +206,8 @@ const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
 const CLOSEST: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS, COLLIDERS, HULLS];
 const HITS: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, LOADS, COLLIDERS, HULLS];
 const STRUCK: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, LOADS, REPORT];
+const LINKED: &[u32] = &[BODIES, JOINTS, JOINT_STATES, JOINT_ORDER];
+const LINKS: &[u32] = &[JOINTS, JOINT_STATES, JOINT_ORDER, REPORT];
 
 /// All stages, by the numbers above.
 pub(super) const STAGES: &[Stage] = &[
@@ -279,6 +294,11 @@ pub(super) const STAGES: &[Stage] = &[
     },
     Stage { name: "seek_round", file: "rigid/frame/wait.wgsl", bindings: &[LOADS, REPORT] },
     Stage { name: "pull", file: "rigid/frame/springs.wgsl", bindings: &[BODIES, CONSTANTS, SPRINGS, ENDS_OF_SPRINGS, MUSCLES] },
+    Stage { name: "open_joints", file: "rigid/frame/joints.wgsl", bindings: LINKS },
+    Stage { name: "warm_joints", file: "rigid/frame/joints.wgsl", bindings: LINKED },
+    Stage { name: "push_joints", file: "rigid/frame/joints.wgsl", bindings: LINKED },
+    Stage { name: "relax_joints", file: "rigid/frame/joints.wgsl", bindings: LINKED },
+    Stage { name: "close_joints", file: "rigid/frame/joints.wgsl", bindings: LINKS },
 ];
 
 pub(super) const OPEN: usize = 0;
@@ -303,7 +323,7 @@ pub(super) const SEARCH_STAGES: &[Stage] = &[
     Stage {
         name: "pair_up",
         file: "rigid/broad/pair_up.wgsl",
-        bindings: &[BODIES, COLLIDERS, BOUNDS, ENDS, MEMBERS, CANDIDATES, COUNTS],
+        bindings: &[BODIES, COLLIDERS, BOUNDS, ENDS, MEMBERS, CANDIDATES, COUNTS, APART],
     },
     Stage { name: "narrow", file: "rigid/broad/narrow_boxes.wgsl", bindings: NARROW },
     Stage { name: "narrow", file: "rigid/broad/narrow_solids.wgsl", bindings: NARROW },
@@ -403,6 +423,8 @@ impl Kernel {
         //   all, and have their own half of `members`. Candidates and manifolds are written below the room, and read below both the
         //   count and the room. Of a manifold at most four points are written. A collider looks into at most 27 cells of a level.
         // - Springs have bodies of the world, and lists of ends have springs of the world and muscles that exist (`springs::OnDevice`).
+        // - Joints have bodies of the world, and those of a colour share none with mass. Their order has each joint once, and their calls
+        //   end at its end; lists of bodies that are apart have a start for each body of the world (`joints::OnDevice`).
         // - A scan reads and writes below its length (`Scan::new`), and has a sum for each tile.
         // - In the assembly, threads return beyond the count of the manifolds, which is 0 if there was no room for all (`pair_count`), and
         //   beyond that of the blocks. Owners have as many manifolds as `narrow` has counted, so the sums of these counts are places

@@ -77,7 +77,7 @@ pub(crate) struct ConstantRow {
     pub(crate) axes: [f32; 4],
     pub(crate) moments: [f32; 3],
     pub(crate) width: f32,
-    /// g + (F + F_s)/m; 1 if springs end at the body.
+    /// g + (F + F_s)/m; 1 if springs or joints end at the body.
     pub(crate) acceleration: [f32; 4],
     pub(crate) torque: [f32; 4],
 }

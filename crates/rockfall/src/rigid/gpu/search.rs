@@ -8,8 +8,8 @@ use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use wgpu::BufferUsages;
 
 use crate::rigid::gpu::kernels::{
-    BODIES, BOUND, BOUNDS, CANDIDATES, CELLS, COLLIDERS, CONSTANTS, COUNTS, ENDS, FOUND, HULLS, Kernel, MEMBERS, NARROW_BOXES,
-    NARROW_ROUND, NARROW_SOLIDS, OPEN, OWNED, PAIR_UP, SCALES, SCATTER, SEARCH, SEARCH_STAGES, Stage, join,
+    APART, BODIES, BOUND, BOUNDS, CANDIDATES, CELLS, COLLIDERS, CONSTANTS, COUNTS, ENDS, FOUND, HULLS, Kernel, MEMBERS,
+    NARROW_BOXES, NARROW_ROUND, NARROW_SOLIDS, OPEN, OWNED, PAIR_UP, SCALES, SCATTER, SEARCH, SEARCH_STAGES, Stage, join,
 };
 use crate::rigid::gpu::scan::Scan;
 use crate::rigid::gpu::{MOST_GROUPS, RigidGpu, THREADS};
@@ -71,6 +71,8 @@ pub(crate) struct Inputs {
     pub(crate) constants: wgpu::Buffer,
     pub(crate) colliders: wgpu::Buffer,
     pub(crate) hulls: wgpu::Buffer,
+    /// Bodies that joints keep apart: one word, 0, if there are none.
+    pub(crate) apart: wgpu::Buffer,
 }
 
 /// What shapes a scene has, so that its kernels have no more than they need.
@@ -275,6 +277,7 @@ impl Search {
             CONSTANTS => &self.inputs.constants,
             COLLIDERS => &self.inputs.colliders,
             HULLS => &self.inputs.hulls,
+            APART => &self.inputs.apart,
             BOUNDS => &self.bounds,
             CELLS | ENDS => &self.cells,
             MEMBERS => &self.members,

@@ -22,8 +22,10 @@ pub(super) struct OnDevice {
 impl OnDevice {
     /// Uploads the springs of a world. `constants` are the rows of its bodies.
     pub(super) fn new(arrays: &mut Arrays, springs: &Springs, constants: &[ConstantRow]) -> Self {
-        let has_springs = |constant: &ConstantRow| constant.acceleration[3] != 0.0;
-        let bodies: Vec<u32> = (0..constants.len() as u32).filter(|body| has_springs(&constants[*body as usize])).collect();
+        let has_mass = |body: &u32| constants[*body as usize].acceleration[3] != 0.0;
+        let mut bodies: Vec<u32> = springs.list.iter().flat_map(|spring| spring.bodies).filter(has_mass).collect();
+        bodies.sort_unstable();
+        bodies.dedup();
         if bodies.is_empty() {
             return Self::default();
         }

@@ -10,13 +10,14 @@ use crate::rigid::common::{FrameReport, REPEATS};
 use crate::rigid::gpu::arrays::Arrays;
 use crate::rigid::gpu::assemble::{Assembly, Content, ROUNDS};
 use crate::rigid::gpu::kernels::{
-    BODIES, CALM, COLLIDERS, CONSTANTS, COUNTS, HULLS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES, STORE, SUM_UP,
-    SURFACES, WIDEN,
+    APART, BODIES, CALM, COLLIDERS, CONSTANTS, COUNTS, HULLS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES, STORE,
+    SUM_UP, SURFACES, WIDEN,
 };
 use crate::rigid::gpu::past::Past;
 use crate::rigid::gpu::rows::{BodyRow, FrameRow, FrameRows};
 use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search};
-use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, call, loads_bytes, springs};
+use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, call, joints, loads_bytes, springs};
+use crate::rigid::joints::Joint;
 use crate::rigid::shape::Shape;
 use crate::rigid::springs::MuscleWords;
 use crate::rigid::world::{Body, Kind, RigidWorld};
@@ -78,6 +79,7 @@ impl GpuWorld {
         arrays.upload(SURFACES, cast_slice(&surface_rows(world)));
         arrays.make(OLD_STARTS, 4 * u64::from(bodies + 1));
         frame.springs = springs::OnDevice::new(arrays, &world.springs, &rows.constants);
+        frame.joints = joints::OnDevice::new(arrays, &world.joints, world.bodies.len());
         let search = Search::new(gpu, world, 1.0 / 60.0, inputs(&frame.arrays));
         let reading = |words: u32| gpu.buffer("rigid counts", 4 * u64::from(words), wgpu::BufferUsages::MAP_READ);
         let mut this = Self {
@@ -131,6 +133,7 @@ impl GpuWorld {
         write(OLD_STARTS, cast_slice(&past.starts));
         write(OLD_PAIRS, cast_slice(&past.pairs));
         write(OLD_POINTS, cast_slice(&past.points));
+        self.frame.joints.put(&self.frame.arrays, &world.joints.states);
         (self.frames, self.substep, self.kept) = (world.history.frames, world.history.substep, past.pairs.len() as u32);
         Ok(())
     }
@@ -145,6 +148,11 @@ impl GpuWorld {
     /// Takes over the muscles of the next frame.
     pub(crate) fn set_muscles(&mut self, muscles: &[MuscleWords]) {
         self.frame.springs.set_muscles(muscles);
+    }
+
+    /// Takes over the drives of the next frame. The joints are those of the start.
+    pub(crate) fn set_drives(&self, joints: &[Joint]) {
+        self.frame.joints.set_drives(&self.frame.arrays, joints);
     }
 
     fn gpu(&self) -> &Arc<RigidGpu> {
@@ -179,7 +187,11 @@ impl GpuWorld {
             }
             self.stormy = self.stormy.saturating_sub(1);
             self.keep(&counts, h);
-            return Ok(FrameReport { repeats, contacts: words[4], max_overlap: f32::from_bits(words[5]), stopped, broken: 0 });
+            if words[6] > 0 {
+                self.frame.joints.release(&self.frame.arrays)?;
+            }
+            let (contacts, max_overlap, broken) = (words[4], f32::from_bits(words[5]), words[6]);
+            return Ok(FrameReport { repeats, contacts, max_overlap, stopped, broken });
         }
     }
 
@@ -208,6 +220,7 @@ impl GpuWorld {
     fn find(&mut self, fresh: bool) -> Result<Counts, String> {
         let mut encoder = self.encoder();
         encoder.copy_buffer_to_buffer(self.frame.arrays.get(BODIES), 0, &self.backup, 0, self.backup.size());
+        self.frame.joints.save(&self.frame.arrays, &mut encoder);
         self.search.encode(&mut encoder);
         self.gpu().queue.submit([encoder.finish()]);
         let mut encoder = self.encoder();
@@ -309,8 +322,13 @@ impl GpuWorld {
         self.restore();
     }
 
+    /// Goes back to the start of the frame.
     fn restore(&self) {
-        self.copy(&self.backup, self.frame.arrays.get(BODIES));
+        let bodies = self.frame.arrays.get(BODIES);
+        let mut encoder = self.encoder();
+        encoder.copy_buffer_to_buffer(&self.backup, 0, bodies, 0, self.backup.size());
+        self.frame.joints.restore(&self.frame.arrays, &mut encoder);
+        self.gpu().queue.submit([encoder.finish()]);
     }
 
     fn copy(&self, from: &wgpu::Buffer, to: &wgpu::Buffer) {
@@ -346,7 +364,7 @@ impl GpuWorld {
         Ok(())
     }
 
-    /// Writes the states of the bodies to a world.
+    /// Writes the states of the bodies and of the joints to a world.
     ///
     /// # Errors
     /// What the device says if it is lost.
@@ -365,6 +383,7 @@ impl GpuWorld {
                 body.margin_scale = scale;
             }
         }
+        world.joints.states = self.frame.joints.read(arrays)?;
         Ok(())
     }
 
@@ -385,9 +404,9 @@ impl GpuWorld {
 }
 
 fn inputs(arrays: &Arrays) -> Inputs {
-    let [frame, bodies, constants, colliders, hulls] =
-        [0, BODIES, CONSTANTS, COLLIDERS, HULLS].map(|binding| arrays.get(binding).clone());
-    Inputs { frame, bodies, constants, colliders, hulls }
+    let [frame, bodies, constants, colliders, hulls, apart] =
+        [0, BODIES, CONSTANTS, COLLIDERS, HULLS, APART].map(|binding| arrays.get(binding).clone());
+    Inputs { frame, bodies, constants, colliders, hulls, apart }
 }
 
 fn tensor(row: &BodyRow) -> Mat3 {

@@ -45,6 +45,7 @@ impl<'a> Builder<'a> {
             builder.body(number, &body)?;
         }
         builder.springs()?;
+        builder.joints()?;
         Ok(builder)
     }
 

@@ -34,6 +34,11 @@ impl OnDevice {
         self.world.set_muscles(&world.springs.muscles);
     }
 
+    /// Takes over the drives of the joints.
+    pub(super) fn set_drives(&mut self, world: &RigidWorld) {
+        self.world.set_drives(&world.joints.list);
+    }
+
     /// Advances all bodies by a frame.
     pub(super) fn advance(&mut self, dt: f32, substeps: u32, keeps_going: bool) -> Result<FrameReport> {
         let world = &mut self.world;

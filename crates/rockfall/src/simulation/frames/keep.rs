@@ -6,7 +6,7 @@ use super::Frames;
 use crate::rigid::world::{Collider, RigidWorld};
 
 impl Frames {
-    /// Takes over what another world has learnt of the colliders that both have: impulses, colours and margins.
+    /// Takes over what another world has learnt of the colliders and joints that both have: impulses, colours and margins.
     pub(super) fn keep(&mut self, before: &Self) {
         self.substeps = before.substeps;
         let numbers: HashMap<_, u32> = self.parts.iter().copied().zip(0..).collect();
@@ -30,6 +30,12 @@ impl Frames {
             }
         }
         self.world.history = before.world.history.renumbered(&colliders, &bodies);
+        let states: HashMap<_, _> = before.joints.iter().zip(&before.world.joints.states).collect();
+        for (id, state) in self.joints.iter().zip(&mut self.world.joints.states) {
+            if let Some(known) = states.get(id) {
+                *state = **known;
+            }
+        }
     }
 }
 

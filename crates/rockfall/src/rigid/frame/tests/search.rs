@@ -78,6 +78,7 @@ impl<'a> Bench<'a> {
             constants: filled(cast_slice(&rows.constants), BufferUsages::STORAGE),
             colliders: filled(cast_slice(&rows.colliders), BufferUsages::STORAGE),
             hulls: filled(cast_slice(&rows.hulls), BufferUsages::STORAGE),
+            apart: filled(&[0; 4], BufferUsages::STORAGE),
         };
         let bodies = inputs.bodies.clone();
         let search = Search::new(gpu, world, DT, inputs);

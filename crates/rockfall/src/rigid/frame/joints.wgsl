@@ -1,0 +1,302 @@
+// requires rigid/frame/rows.wgsl rigid/frame/joint.wgsl rigid/frame/halt.wgsl rigid/frame/report.wgsl
+
+// The rows of joints (docs/physics.md section 11.14). A thread has a joint, and for this dispatch both of its bodies. In these stages the
+// two words of `call` are the first entry of a colour in `joint_order` and the end.
+
+// m_s, r h, i_s.
+const JOINT_GAIN: f32 = 0.89744207;
+const JOINT_PULL: f32 = 0.25305156;
+const JOINT_LOSS: f32 = 0.10255793;
+
+// A symmetric matrix: xx yy zz; xy xz yz.
+struct Tensor {
+    diagonal: vec3f,
+    beside: vec3f,
+}
+
+fn axes_in(bits: u32) -> vec3<bool> {
+    return (vec3u(bits) & vec3u(1u, 2u, 4u)) != vec3u(0u);
+}
+
+// K^-1 b for the rows that there are, by K = L D L^T.
+fn solved(k: Tensor, rows: vec3<bool>, right: vec3f) -> vec3f {
+    let d = select(vec3f(1.0), k.diagonal, rows);
+    let e = select(vec3f(0.0), k.beside, rows.xxy & rows.yzz);
+    let b = select(vec3f(0.0), right, rows);
+    let low_y = e.x / d.x;
+    let low_z = e.y / d.x;
+    let d_y = d.y - low_y * e.x;
+    let e_z = e.z - low_y * e.y;
+    let last = e_z / d_y;
+    let d_z = (d.z - low_z * e.y) - last * e_z;
+    let y = b.y - low_y * b.x;
+    let z = ((b.z - low_z * b.x) - last * y) / d_z;
+    let middle = y / d_y - last * z;
+    return vec3f(b.x / d.x - low_y * middle - low_z * z, middle, z);
+}
+
+// The change of the impulses of a block.
+fn block_change(k: Tensor, rows: vec3<bool>, rate: vec3f, off: vec3f, old: vec3f, biased: bool) -> vec3f {
+    if biased {
+        return solved(k, rows, -(JOINT_GAIN * rate + (JOINT_PULL / frame.h) * off)) - JOINT_LOSS * old;
+    }
+    return solved(k, rows, -rate);
+}
+
+fn linear_block(joint: Joint, ends: ptr<function, Ends>, old: vec3f, biased: bool) -> vec3f {
+    let one = lever_of(joint, ends, joint.axes[0], true);
+    let two = lever_of(joint, ends, joint.axes[1], true);
+    let three = lever_of(joint, ends, joint.axes[2], true);
+    let mass = (*ends).mass_a.inverse + (*ends).mass_b.inverse;
+    let k = Tensor(
+        vec3f(mass) + vec3f(shared_of(one, one), shared_of(two, two), shared_of(three, three)),
+        vec3f(shared_of(one, two), shared_of(one, three), shared_of(two, three)),
+    );
+    let rate = vec3f(rate_of(ends, one), rate_of(ends, two), rate_of(ends, three));
+    let change = block_change(k, axes_in(joint.flags), rate, joint.apart * joint.axes, old, biased);
+    push_ends(joint, ends, Push(joint.axes * change, vec3f(0.0)));
+    return old + change;
+}
+
+// What two levers have in common in K, without the masses.
+fn shared_of(one: Lever, two: Lever) -> f32 {
+    return dot(one.turn_a, two.response_a) + dot(one.turn_b, two.response_b);
+}
+
+fn angular_block(joint: Joint, ends: ptr<function, Ends>, old: vec3f, biased: bool) -> vec3f {
+    let rows = axes_in(joint.flags >> ANGULAR);
+    let both = Mass(
+        0.0, (*ends).mass_a.diagonal + (*ends).mass_b.diagonal, (*ends).mass_a.beside + (*ends).mass_b.beside
+    );
+    let one = respond(both, joint.axes[0]);
+    let two = respond(both, joint.axes[1]);
+    let three = respond(both, joint.axes[2]);
+    let k = Tensor(
+        vec3f(dot(joint.axes[0], one), dot(joint.axes[1], two), dot(joint.axes[2], three)),
+        vec3f(dot(joint.axes[0], two), dot(joint.axes[0], three), dot(joint.axes[1], three)),
+    );
+    let rate = ((*ends).b.spin - (*ends).a.spin) * joint.axes;
+    let off = select(cross(joint.axes[0], joint.other) * joint.axes, 2.0 * joint.twist.xyz, all(rows));
+    let change = block_change(k, rows, rate, off, old, biased);
+    push_ends(joint, ends, Push(vec3f(0.0), joint.axes * change));
+    return old + change;
+}
+
+fn locked_row(ends: ptr<function, Ends>, lever: Lever, off: f32, old: f32, biased: bool) -> f32 {
+    let rate = rate_of(ends, lever);
+    var next = old - rate * lever.inverse;
+    if biased {
+        next = (1.0 - JOINT_LOSS) * old - (JOINT_GAIN * rate + (JOINT_PULL / frame.h) * off) * lever.inverse;
+    }
+    pull_ends(ends, lever, next - old);
+    return next;
+}
+
+// A row that holds a speed with at most this impulse.
+fn motor_row(ends: ptr<function, Ends>, lever: Lever, speed: f32, most: f32, old: f32) -> f32 {
+    let next = clamp(old - (rate_of(ends, lever) - speed) * lever.inverse, -most, most);
+    pull_ends(ends, lever, next - old);
+    return next;
+}
+
+// A row that keeps a gap open, which grows along the lever or, with the side -1, against it.
+fn limit_row(ends: ptr<function, Ends>, lever: Lever, side: f32, gap: f32, old: f32, biased: bool) -> f32 {
+    let rate = side * rate_of(ends, lever);
+    var next = old;
+    if biased && gap > 0.0 {
+        next = old - (rate + gap / frame.h) * lever.inverse;
+    } else if biased {
+        next = (1.0 - JOINT_LOSS) * old - (JOINT_GAIN * rate + (JOINT_PULL / frame.h) * gap) * lever.inverse;
+    } else if gap <= 0.0 || old > 0.0 {
+        next = old - rate * lever.inverse;
+    }
+    next = max(next, 0.0);
+    pull_ends(ends, lever, side * (next - old));
+    return next;
+}
+
+// The impulse of the spring.
+fn spring_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis) -> f32 {
+    let h = frame.h;
+    let stiffness = joint_row(joint.number, 5u).w;
+    let drive = joint_row(joint.number, 6u);
+    // theta h^2 k = (h^2 k - 1 / K) / 2, or 0.
+    let damping = h * drive.x + 0.5 * max(h * h * stiffness - axis.lever.inverse, 0.0);
+    let wanted = h * stiffness * beyond_target(joint, axis.position) + damping * rate_of(ends, axis.lever);
+    let most = h * drive.y;
+    let impulse = clamp(-wanted * (axis.lever.inverse / (axis.lever.inverse + damping)), -most, most);
+    pull_ends(ends, axis.lever, impulse);
+    return impulse;
+}
+
+// The rows of the free axis. That of the locked distance comes later. A spring adds its load at once.
+fn solve_free(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<function, Impulses>, biased: bool) {
+    let drive = joint_row(joint.number, 6u);
+    if biased && (joint.flags & SPRUNG) != 0u {
+        add_load(joint.number, push_along(joint, axis.direction, spring_row(joint, ends, axis)));
+    }
+    if !biased && drive.w > 0.0 {
+        (*own).motor = motor_row(ends, axis.lever, drive.z, frame.h * drive.w, (*own).motor);
+    }
+    let friction = joint_row(joint.number, 7u).x;
+    if !biased && friction > 0.0 {
+        (*own).friction = motor_row(ends, axis.lever, 0.0, frame.h * friction, (*own).friction);
+    }
+    let limits = joint_row(joint.number, 5u).xy;
+    if (joint.flags & LOWER) != 0u {
+        (*own).lower = limit_row(ends, axis.lever, 1.0, axis.position - limits.x, (*own).lower, biased);
+    }
+    if (joint.flags & UPPER) != 0u {
+        (*own).upper = limit_row(ends, axis.lever, -1.0, limits.y - axis.position, (*own).upper, biased);
+    }
+}
+
+fn solve_cone(joint: Joint, ends: ptr<function, Ends>, old: f32, biased: bool) -> f32 {
+    let across = cross(joint.other, joint.axes[0]);
+    let direction = cone_direction(joint);
+    if all(direction == vec3f(0.0)) {
+        return old;
+    }
+    let gap = joint_row(joint.number, 0u).w - arc_of(length(across), dot(joint.axes[0], joint.other));
+    return limit_row(ends, lever_of(joint, ends, direction, false), 1.0, gap, old, biased);
+}
+
+fn solve_joint(number: u32, biased: bool) {
+    if is_broken(number) {
+        return;
+    }
+    let joint = joint_at(number);
+    var ends = ends_of(joint);
+    var own = impulses_of(number);
+    var axis: FreeAxis;
+    if (joint.flags & DRIVEN) != 0u {
+        axis = free_axis(joint, &ends);
+        solve_free(joint, &ends, axis, &own, biased);
+    }
+    if (joint.flags & CONE) != 0u {
+        own.cone = solve_cone(joint, &ends, own.cone, biased);
+    }
+    if (joint.flags & LOCKED) != 0u {
+        own.locked = locked_row(&ends, axis.lever, beyond_target(joint, axis.position), own.locked, biased);
+    }
+    if ((joint.flags >> ANGULAR) & 7u) != 0u {
+        own.angular = angular_block(joint, &ends, own.angular, biased);
+    }
+    if (joint.flags & 7u) != 0u {
+        own.linear = linear_block(joint, &ends, own.linear, biased);
+    }
+    put_ends(joint, &ends);
+    put_impulses(number, own);
+    if !biased {
+        add_load(number, push_of(joint, own));
+    }
+}
+
+// The start of a frame: the impulses of the last one, in proportion to the substep, but none of a row that is no more, and no load yet.
+fn open_joint(number: u32) {
+    let at = JOINT_STATE_ROWS * number;
+    let broken = joint_states[at + 3u].w;
+    joint_states[at + 3u] = vec4f(0.0, 0.0, 0.0, broken);
+    joint_states[at + 4u] = vec4f(0.0);
+    let rows = array(joint_states[at], joint_states[at + 1u], joint_states[at + 2u]);
+    var own = Impulses();
+    if broken == 0.0 && is_finite_row(rows[0]) && is_finite_row(rows[1]) && is_finite_row(rows[2]) {
+        let scale = frame.soft[0].w;
+        let flags = joints[JOINT_ROWS * number + 4u].z;
+        let motor = frame.h * joint_row(number, 6u).w;
+        let friction = frame.h * joint_row(number, 7u).x;
+        own.linear = scale * rows[0].xyz;
+        own.angular = scale * rows[1].xyz;
+        own.locked = select(0.0, scale * rows[0].w, (flags & LOCKED) != 0u);
+        own.motor = clamp(scale * rows[1].w, -motor, motor);
+        own.friction = clamp(scale * rows[2].x, -friction, friction);
+        own.lower = select(0.0, scale * rows[2].y, (flags & LOWER) != 0u);
+        own.upper = select(0.0, scale * rows[2].z, (flags & UPPER) != 0u);
+        own.cone = select(0.0, scale * rows[2].w, (flags & CONE) != 0u);
+    }
+    put_impulses(number, own);
+}
+
+fn is_finite_row(row: vec4f) -> bool {
+    return is_finite(row.xyz) && is_finite(row.www);
+}
+
+fn warm_joint(number: u32) {
+    if is_broken(number) {
+        return;
+    }
+    let joint = joint_at(number);
+    var ends = ends_of(joint);
+    push_ends(joint, &ends, push_of(joint, impulses_of(number)));
+    put_ends(joint, &ends);
+}
+
+// The end of a frame: the mean force and torque, and whether the joint bears them.
+fn close_joint(number: u32) {
+    let at = JOINT_STATE_ROWS * number;
+    if is_broken(number) {
+        return;
+    }
+    let time = frame.h * f32(frame.substeps);
+    let force = joint_states[at + 3u].xyz / time;
+    let torque = joint_states[at + 4u].xyz / time;
+    let strengths = joint_row(number, 7u).yz;
+    let breaks = length(force) > strengths.x || length(torque) > strengths.y;
+    joint_states[at + 3u] = vec4f(force, select(0.0, 1.0, breaks));
+    joint_states[at + 4u] = vec4f(torque, 0.0);
+    if breaks {
+        put_impulses(number, Impulses());
+        atomicAdd(&report[6], 1u);
+    }
+}
+
+// The number of the joint of a thread; `NO_JOINT` beyond the end.
+fn joint_of(group: vec3u, groups: vec3u, local: u32) -> u32 {
+    let k = call.colour + thread_of(group, groups, local);
+    if k >= call.biased {
+        return NO_JOINT;
+    }
+    return joint_order[k];
+}
+
+const NO_JOINT: u32 = 0xffffffffu;
+
+@compute @workgroup_size(THREADS)
+fn open_joints(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let number = joint_of(group, groups, local);
+    if number != NO_JOINT {
+        open_joint(number);
+    }
+}
+
+@compute @workgroup_size(THREADS)
+fn warm_joints(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let number = joint_of(group, groups, local);
+    if number != NO_JOINT {
+        warm_joint(number);
+    }
+}
+
+@compute @workgroup_size(THREADS)
+fn push_joints(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let number = joint_of(group, groups, local);
+    if number != NO_JOINT {
+        solve_joint(number, true);
+    }
+}
+
+@compute @workgroup_size(THREADS)
+fn relax_joints(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let number = joint_of(group, groups, local);
+    if number != NO_JOINT {
+        solve_joint(number, false);
+    }
+}
+
+@compute @workgroup_size(THREADS)
+fn close_joints(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let number = joint_of(group, groups, local);
+    if number != NO_JOINT {
+        close_joint(number);
+    }
+}
