@@ -6,7 +6,7 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use rockfall::glam::Vec3;
 use rockfall::{
-    BoxId, Capsule, CapsuleId, Cuboid, Facets, Gauge, Inlet, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Outlet,
+    BoxId, Capsule, CapsuleId, Cuboid, Facets, Gauge, Inlet, Joint, JointId, Material, MaterialId, Mesh, Motion, MotionId, ObjectId, Outlet,
     Pair, Placement, Polygon, PolygonId, Result, RigidBody, RigidBodyId, Rod, RodId, Settings, Shape, ShapeId, Sphere,
     SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
@@ -92,6 +92,9 @@ doors! {
     add_mesh(mesh: &Mesh, with: &dyn Fn(Polygon) -> Polygon) -> Facets;
     add_motion(motion: Motion) -> MotionId;
     add_gauge(gauge: Gauge) -> ();
+    add_joint(joint: Joint) -> JointId;
+    update_joint(id: JointId, change: Change<Joint>) -> ();
+    remove_joints(ids: &[JointId]) -> ();
     update_motion(id: MotionId, change: Change<Motion>) -> ();
     set_motion(id: ObjectId, motion: Option<MotionId>) -> ();
     set_surface_velocity(id: ObjectId, velocity: Vec3) -> ();

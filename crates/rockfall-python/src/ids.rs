@@ -2,7 +2,7 @@
 
 use pyo3::exceptions::PyLookupError;
 use pyo3::prelude::*;
-use rockfall::{BoxId, CapsuleId, MaterialId, PolygonId, RigidBodyId, RodId, ShapeId, SphereId, SpringId, TetherId};
+use rockfall::{BoxId, CapsuleId, JointId, MaterialId, PolygonId, RigidBodyId, RodId, ShapeId, SphereId, SpringId, TetherId};
 
 /// The handles of all objects that were ever added, by kind. The position in a list is the number that Python sees. It is never
 /// given to another object.
@@ -18,6 +18,7 @@ pub(crate) struct Ids {
     pub(crate) materials: Vec<MaterialId>,
     pub(crate) shapes: Vec<ShapeId>,
     pub(crate) bodies: Vec<RigidBodyId>,
+    pub(crate) joints: Vec<JointId>,
 }
 
 impl Ids {
@@ -34,6 +35,7 @@ impl Ids {
             materials: scene.material_ids().collect(),
             shapes: scene.shape_ids().collect(),
             bodies: scene.body_ids().collect(),
+            joints: scene.joint_ids().collect(),
         }
     }
 }

@@ -14,6 +14,7 @@ mod flow;
 mod fork;
 mod gauges;
 mod ids;
+mod joints;
 mod laws;
 mod materials;
 mod memory;
@@ -61,6 +62,8 @@ mod _rockfall {
     use crate::fork::forked;
     #[pymodule_export]
     use crate::gauges::{add_gauge, gauges};
+    #[pymodule_export]
+    use crate::joints::{add_joint, joint_names, joint_numbers, joint_readings, set_joints};
     #[pymodule_export]
     use crate::laws::{
         add_force_law, contact_law, force_laws, impact, remove_force_law, set_contact_law_parameter, set_force_law_parameter,

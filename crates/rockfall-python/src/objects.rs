@@ -328,6 +328,7 @@ pub(crate) fn remove(target: &Bound<'_, PyAny>, kind: &str, numbers: Numbers<'_>
             "capsule" => all!(capsules, remove_capsules),
             "spring" => all!(springs, remove_springs),
             "tether" => all!(tethers, remove_tethers),
+            "joint" => all!(joints, remove_joints),
             "box" => all!(boxes, remove_boxes),
             "polygon" => all!(polygons, remove_polygons),
             "body" => all!(bodies, remove_bodies),

@@ -132,6 +132,8 @@ pub struct Simulation {
     frames: Option<Box<Frames>>,
     /// `frames` does not match the scene.
     frames_due: bool,
+    /// Drives of joints have changed since the last step.
+    drives_due: bool,
 }
 
 impl Simulation {
@@ -236,6 +238,7 @@ impl Simulation {
             flow,
             frames: None,
             frames_due: true,
+            drives_due: false,
             calm_steps: 0,
             few_steps: 0,
         }

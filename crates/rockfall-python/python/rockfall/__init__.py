@@ -32,6 +32,7 @@ from rockfall._fields import Fields
 from rockfall._film import Film, film
 from rockfall._flow import Flow, Inflow, Outflow
 from rockfall._info import devices, info
+from rockfall._joints import JointStates
 from rockfall._laws import ForceLaw
 from rockfall._materials import Material, Pair
 from rockfall._motions import MotionTerm, PlaneFlow, Servo, WallLoad
@@ -78,6 +79,7 @@ __all__ = [
     "Frame",
     "Impact",
     "Inflow",
+    "JointStates",
     "MassProperties",
     "Material",
     "MotionTerm",

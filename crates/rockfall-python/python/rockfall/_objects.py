@@ -13,6 +13,7 @@ from rockfall._arrays import GROUP, MATERIAL, MATRIX, NOT_NEGATIVE, POSITIVE, VE
 from rockfall._attributes import Strict
 from rockfall._bodies import first_of
 from rockfall._flow import Flows
+from rockfall._joints import JointObjects
 from rockfall._materials import Materials
 from rockfall._names import tag_of
 from rockfall._periodic import Periodic
@@ -53,7 +54,7 @@ class Counts(NamedTuple):
     hulls: int = 0
 
 
-class Objects(StaticBodies, Flows, Periodic, Strict):
+class Objects(StaticBodies, Flows, Periodic, JointObjects, Strict):
     """Objects that can be added, removed and changed. The base of :class:`Scene` and :class:`Simulation`.
 
     Every ``add`` method takes N objects at once. An argument with one value instead of N counts for all of them. It returns

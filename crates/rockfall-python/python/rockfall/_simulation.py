@@ -13,6 +13,7 @@ from rockfall import _rockfall
 from rockfall._arrays import time_step, whole
 from rockfall._contact_law import ContactLaw, ContactLawOf, native_contact_law
 from rockfall._flow import Flow, Inflow, Outflow
+from rockfall._joints import JointStates
 from rockfall._laws import ForceLaw, LawTable, native_laws
 from rockfall._look import look, warn_of_letters
 from rockfall._motions import PlaneFlow, WallLoad, motion_term
@@ -280,6 +281,11 @@ class Simulation(Stored, LawTable, ContactLawOf):
             elif flow is not None:
                 found[name] = PlaneFlow(*flow)
         return found
+    @property
+    def joints(self) -> JointStates:
+        """What all joints do at present: ``joints.positions``, ``speeds``, ``forces``, ``torques``, ``errors`` and ``broken``."""
+        return JointStates(self)
+
     @property
     def flow(self) -> Flow:
         """What came in through inlets and left through outlets since the start, and what is inside.

@@ -31,6 +31,11 @@ impl Kind {
     pub(crate) const SLIDER: Self = Self { linear: 0b110, angular: 0b111, free: Free::Slide };
     pub(crate) const FIXED: Self = Self { linear: 0b111, angular: 0b111, free: Free::None };
     pub(crate) const DISTANCE: Self = Self { linear: 0, angular: 0, free: Free::Line };
+
+    /// Whether its friction and its damping resist all rotations.
+    pub(crate) fn is_ball(self) -> bool {
+        self.angular == 0 && self.free == Free::Turn
+    }
 }
 
 /// An end of a joint in coordinates of its body.
@@ -119,12 +124,15 @@ impl JointImpulses {
     pub(crate) const COUNT: usize = 12;
 
     /// The impulses of another substep, in proportion to its length `h`. Rows that are no more have none.
-    pub(crate) fn begun(self, drive: &Drive, ratio: f32, h: f32) -> Self {
+    pub(crate) fn begun(self, kind: Kind, drive: &Drive, ratio: f32, h: f32) -> Self {
         let mut own = Self::from_array(self.to_array().map(|impulse| ratio * impulse));
         let unless = |is_gone: bool, impulse: f32| if is_gone { 0.0 } else { impulse };
         own.locked = unless(!drive.locked, own.locked);
         own.motor = own.motor.clamp(-h * drive.motor_limit, h * drive.motor_limit);
         own.friction = own.friction.clamp(-h * drive.friction, h * drive.friction);
+        if kind.is_ball() {
+            own.angular = own.angular.clamp_length_max(h * drive.friction);
+        }
         own.lower = unless(drive.limits[0] == f32::NEG_INFINITY, own.lower);
         own.upper = unless(drive.limits[1] == f32::INFINITY, own.upper);
         own.cone = unless(drive.cone == f32::INFINITY, own.cone);

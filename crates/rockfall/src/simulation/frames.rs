@@ -220,6 +220,9 @@ impl Simulation {
             self.renew_frames()?;
         }
         let Some(mut frames) = self.frames.take() else { return Ok(()) };
+        if std::mem::take(&mut self.drives_due) {
+            frames.set_drives(&self.scene);
+        }
         #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
         if let (None, Some(gpu)) = (&frames.device, self.engine.frame_device()) {
             frames.device = Some(Box::new(device::OnDevice::new(gpu, &frames.world)?));

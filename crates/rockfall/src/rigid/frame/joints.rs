@@ -20,7 +20,7 @@ const OPPOSITE: f32 = -0.9;
 /// The states of the joints at the start of a frame with substeps of `h` seconds, which are `ratio` times those of the last frame.
 pub(super) fn begin(joints: &Joints, ratio: f32, h: f32) -> Vec<JointState> {
     let begun = |(joint, state): (&Joint, &JointState)| {
-        let impulses = state.impulses.begun(&joint.drive, ratio, h);
+        let impulses = state.impulses.begun(joint.kind, &joint.drive, ratio, h);
         JointState { impulses, force: Vec3::ZERO, torque: Vec3::ZERO, ..*state }
     };
     joints.list.iter().zip(&joints.states).map(begun).collect()
@@ -333,10 +333,14 @@ impl Visit {
         if let Some(row) = pivot.free_row(joint.kind.free) {
             let position = pivot.position(joint.kind.free, drive.limits);
             self.spring(joint, &row, position, state, pivot);
+            if joint.kind.is_ball() {
+                self.resist(drive, state, pivot);
+            }
             let own = &mut state.impulses;
             if !self.biased {
                 self.motor(&row, drive.speed, drive.motor_limit, &mut own.motor, pivot);
-                self.motor(&row, 0.0, drive.friction, &mut own.friction, pivot);
+                let friction = if joint.kind.is_ball() { 0.0 } else { drive.friction };
+                self.motor(&row, 0.0, friction, &mut own.friction, pivot);
             }
             let [low, high] = drive.limits;
             self.limit(&row, position - low, &mut own.lower, pivot);
@@ -367,6 +371,7 @@ impl Visit {
     /// The spring, once in a substep. Its impulse stays as it is.
     fn spring(&self, joint: &Joint, row: &Row, position: f32, state: &mut JointState, pivot: &mut Pivot) {
         let Drive { stiffness, damping, target, spring_limit, locked, .. } = joint.drive;
+        let damping = if joint.kind.is_ball() { 0.0 } else { damping };
         if !self.biased || locked || (stiffness == 0.0 && damping == 0.0) {
             return;
         }
@@ -382,6 +387,22 @@ impl Visit {
             state.torque += load;
         } else {
             state.force += load;
+        }
+    }
+
+    /// Friction and damping of a ball, against all rotations.
+    fn resist(&self, drive: &Drive, state: &mut JointState, pivot: &mut Pivot) {
+        let give = pivot.mass_a.inverse_inertia + pivot.mass_b.inverse_inertia;
+        if self.biased && drive.damping > 0.0 {
+            let damped = give + Mat3A::from_diagonal(Vec3::splat((self.h * drive.damping).recip()));
+            let impulse = -(inverse(damped) * pivot.rate());
+            pivot.turn(impulse);
+            state.torque += Vec3::from(impulse);
+        } else if !self.biased && drive.friction > 0.0 {
+            let before = pivot.axes * Vec3A::from(state.impulses.angular);
+            let kept = (before - inverse(give) * pivot.rate()).clamp_length_max(self.h * drive.friction);
+            state.impulses.angular = (pivot.axes.transpose() * kept).into();
+            pivot.turn(kept - before);
         }
     }
 
@@ -411,6 +432,12 @@ impl Visit {
         *kept = (before + step).max(0.0);
         pivot.apply(row, *kept - before);
     }
+}
+
+/// The inverse of a positive matrix, whatever its scale.
+fn inverse(matrix: Mat3A) -> Mat3A {
+    let scale = (matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z).recip();
+    (matrix * scale).inverse() * scale
 }
 
 /// How a body gives way at an arm: its inverse mass with that of its rotation.

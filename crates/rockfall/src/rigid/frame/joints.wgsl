@@ -115,13 +115,43 @@ fn limit_row(ends: ptr<function, Ends>, lever: Lever, side: f32, gap: f32, old: 
     return next;
 }
 
+// Whether friction and damping resist all rotations.
+fn is_ball(flags: u32) -> bool {
+    return (flags & TURNS) != 0u && ((flags >> ANGULAR) & 7u) == 0u;
+}
+
+// Friction and damping of a ball. The impulses of friction.
+fn resist(joint: Joint, ends: ptr<function, Ends>, old: vec3f, biased: bool) -> vec3f {
+    let friction = frame.h * joint_row(joint.number, 7u).x;
+    let damping = frame.h * joint_row(joint.number, 6u).x;
+    var k = Tensor((*ends).mass_a.diagonal + (*ends).mass_b.diagonal, (*ends).mass_a.beside + (*ends).mass_b.beside);
+    let rate = (*ends).b.spin - (*ends).a.spin;
+    if biased && damping > 0.0 {
+        k.diagonal += vec3f(1.0 / damping);
+        let moment = solved(k, vec3<bool>(true), -rate);
+        push_ends(joint, ends, Push(vec3f(0.0), moment));
+        add_load(joint.number, Push(vec3f(0.0), moment));
+    }
+    if biased || friction == 0.0 {
+        return old;
+    }
+    let before = joint.axes * old;
+    var kept = before + solved(k, vec3<bool>(true), -rate);
+    let size = length(kept);
+    if size > friction {
+        kept *= friction / size;
+    }
+    push_ends(joint, ends, Push(vec3f(0.0), kept - before));
+    return kept * joint.axes;
+}
+
 // The impulse of the spring.
 fn spring_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis) -> f32 {
     let h = frame.h;
     let stiffness = joint_row(joint.number, 5u).w;
     let drive = joint_row(joint.number, 6u);
     // theta h^2 k = (h^2 k - 1 / K) / 2, or 0.
-    let damping = h * drive.x + 0.5 * max(h * h * stiffness - axis.lever.inverse, 0.0);
+    let damping = select(h * drive.x, 0.0, is_ball(joint.flags)) + 0.5 * max(h * h * stiffness - axis.lever.inverse, 0.0);
     let wanted = h * stiffness * beyond_target(joint, axis.position) + damping * rate_of(ends, axis.lever);
     let most = h * drive.y;
     let impulse = clamp(-wanted * (axis.lever.inverse / (axis.lever.inverse + damping)), -most, most);
@@ -138,8 +168,11 @@ fn solve_free(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<
     if !biased && drive.w > 0.0 {
         (*own).motor = motor_row(ends, axis.lever, drive.z, frame.h * drive.w, (*own).motor);
     }
+    if is_ball(joint.flags) {
+        (*own).angular = resist(joint, ends, (*own).angular, biased);
+    }
     let friction = joint_row(joint.number, 7u).x;
-    if !biased && friction > 0.0 {
+    if !biased && friction > 0.0 && !is_ball(joint.flags) {
         (*own).friction = motor_row(ends, axis.lever, 0.0, frame.h * friction, (*own).friction);
     }
     let limits = joint_row(joint.number, 5u).xy;
@@ -210,6 +243,10 @@ fn open_joint(number: u32) {
         own.locked = select(0.0, scale * rows[0].w, (flags & LOCKED) != 0u);
         own.motor = clamp(scale * rows[1].w, -motor, motor);
         own.friction = clamp(scale * rows[2].x, -friction, friction);
+        let size = length(own.angular);
+        if is_ball(flags) && size > friction {
+            own.angular *= friction / size;
+        }
         own.lower = select(0.0, scale * rows[2].y, (flags & LOWER) != 0u);
         own.upper = select(0.0, scale * rows[2].z, (flags & UPPER) != 0u);
         own.cone = select(0.0, scale * rows[2].w, (flags & CONE) != 0u);

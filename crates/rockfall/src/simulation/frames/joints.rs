@@ -10,8 +10,9 @@ use crate::error::Result;
 use crate::rigid::frame::{JointMotion, motions_of_joints};
 use crate::rigid::joints::{Drive, End, Joint as Row, JointState, Joints, Kind};
 use crate::rigid::pose::Pose;
-use crate::scene::{Anchor, Joint, JointFrame, JointKind, Scene};
+use crate::scene::{Anchor, Joint, JointFrame, JointId, JointKind, Scene};
 use crate::simulation::Simulation;
+use crate::simulation::edit::Dirty;
 
 /// What a joint does at present.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -116,7 +117,7 @@ fn drive_of(joint: &Joint) -> Drive {
 
 impl Frames {
     /// Takes over the drives and strengths of the joints, which may change between frames.
-    pub(super) fn set_drives(&mut self, scene: &Scene) -> Result<()> {
+    pub(super) fn set_drives(&mut self, scene: &Scene) {
         for (row, joint) in self.world.joints.list.iter_mut().zip(scene.joints()) {
             (row.drive, row.strength) = (drive_of(joint), [joint.break_force, joint.break_torque]);
         }
@@ -124,16 +125,46 @@ impl Frames {
         if let Some(device) = &mut self.device {
             device.set_drives(&self.world);
         }
-        Ok(())
     }
 }
 
 impl Simulation {
+    /// Adds a joint between two bodies in their present places. It acts from the next step on.
+    ///
+    /// # Errors
+    /// As for [`Scene::add_joint`] and [`Simulation::sync`].
+    pub fn add_joint(&mut self, joint: Joint) -> Result<JointId> {
+        self.sync()?;
+        let id = self.scene.add_joint(joint)?;
+        self.dirty = self.dirty.max(Dirty::Topology);
+        Ok(id)
+    }
+
+    /// Removes joints.
+    ///
+    /// # Errors
+    /// As for [`Scene::remove_joints`].
+    pub fn remove_joints(&mut self, ids: &[JointId]) -> Result<()> {
+        self.scene.remove_joints(ids)?;
+        self.dirty = self.dirty.max(Dirty::Topology);
+        Ok(())
+    }
+
+    /// Changes the limits, the motor, the spring, the friction, the length and the strength of a joint, from the next step on. This is cheap: a
+    /// controller may do it in every step.
+    ///
+    /// # Errors
+    /// As for [`Scene::update_joint`].
+    pub fn update_joint(&mut self, id: JointId, change: impl FnOnce(&mut Joint)) -> Result<()> {
+        self.scene.update_joint(id, change)?;
+        self.drives_due = true;
+        Ok(())
+    }
+
     /// What all joints do at present, in order of addition. Before the first step there are no forces.
     ///
     /// # Errors
-    /// [`Error::Device`](crate::Error::Device) when the device fails, [`Error::Invalid`](crate::Error::Invalid) for a scene that the
-    /// contact law `rigid` does not take.
+    /// As for [`Simulation::step`].
     pub fn joints(&mut self) -> Result<Vec<JointReading>> {
         if self.scene.joints().is_empty() {
             return Ok(Vec::new());
@@ -142,8 +173,7 @@ impl Simulation {
         if self.frames.is_none() || self.frames_due {
             self.renew_frames()?;
         }
-        let Some(mut frames) = self.frames.take() else { return Ok(Vec::new()) };
-        let fetched = frames.fetch_history();
+        let Some(frames) = self.frames.take() else { return Ok(Vec::new()) };
         let read = |(state, motion): (&JointState, JointMotion)| {
             if state.broken {
                 return JointReading { broken: true, ..JointReading::default() };
@@ -153,6 +183,6 @@ impl Simulation {
         };
         let all = frames.world.joints.states.iter().zip(motions_of_joints(&frames.world)).map(read).collect();
         self.frames = Some(frames);
-        fetched.map(|()| all)
+        Ok(all)
     }
 }
