@@ -91,12 +91,13 @@ fn all(scene: &Scene) -> String {
     let others = (tags(scene, scene.spring_ids()), tags(scene, scene.box_ids()), tags(scene, scene.polygon_ids()));
     let tags = (movers, others);
     format!(
-        "{:?} {:?} {:?} {spheres:?} {:?} {:?} {:?} {:?} {:?} {:?} {tags:?}",
+        "{:?} {:?} {:?} {spheres:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {tags:?}",
         scene.settings,
         scene.run,
         scene.materials(),
         scene.springs(),
         scene.tethers(),
+        scene.joints(),
         scene.boxes(),
         scene.polygons(),
         scene.inlets(),

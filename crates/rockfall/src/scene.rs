@@ -52,6 +52,7 @@ pub use gauge::{Gauge, Gauged};
 pub(crate) use implied::{AnyForm, BodyHandles, Form, ImpliedBody, WholeBody};
 pub(crate) use inlet::{FlowState, InletState, Passed, Sum};
 pub use inlet::{GrainMass, Inlet, Outlet, Radii, Rate, SizedBy};
+pub(crate) use joint::name_is_taken;
 pub use joint::{Anchor, Joint, JointFrame, JointId, JointKind};
 pub use look::Look;
 pub(crate) use materials::Pairs;

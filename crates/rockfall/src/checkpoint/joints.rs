@@ -1,10 +1,12 @@
 //! Joints in a checkpoint: the length of what follows in bytes, 0 if there are none; the number of joints, each with its kind, its name, its
 //! ends, and what acts on it.
 
+use std::collections::HashSet;
+
 use glam::{DVec3, Quat};
 
 use super::words::{Damage, Head, Words};
-use crate::scene::{Anchor, Joint, JointFrame, JointKind, Scene};
+use crate::scene::{Anchor, Joint, JointFrame, JointKind, Scene, name_is_taken};
 
 pub(super) fn bytes(scene: &Scene) -> Vec<u8> {
     let mut head = Head::default();
@@ -20,9 +22,14 @@ pub(super) fn put(given: &[u8], scene: &mut Scene) -> Result<(), Damage> {
     if given.is_empty() {
         return Ok(());
     }
-    let mut words = Words::new(given);
+    let (mut words, mut names) = (Words::new(given), HashSet::new());
     for _ in 0..words.u32()? {
         let joint = read_joint(&mut words, scene)?;
+        if let Some(name) = joint.name.clone()
+            && !names.insert(name.clone())
+        {
+            return Err(name_is_taken(&name).into());
+        }
         scene.keep_joint(joint)?;
     }
     words.end()

@@ -11,6 +11,8 @@ use crate::error::{Error, Result, quoted};
 mod check;
 mod lay;
 
+pub(crate) use lay::name_is_taken;
+
 /// Handle of a [`Joint`].
 pub type JointId = Handle<Joint>;
 

@@ -55,7 +55,7 @@
 //! looks like an object or a setting (`s 1 0 2 ...`, `Sphere 1 ...`, `gravity 3`) has a warning too, and so has a second `set`
 //! of the same constant, which replaces the first one.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
@@ -244,6 +244,7 @@ struct Reader<'a> {
     gauges: Vec<(usize, Gauge)>,
     /// The joints, with their lines. They are added when the positions of the bodies are final.
     joints: Vec<(usize, Joint)>,
+    joint_names: HashSet<String>,
     /// What the names of placed bodies stand for.
     body_names: HashMap<String, Named>,
     /// The group of the following objects.
@@ -276,6 +277,7 @@ impl<'a> Reader<'a> {
             references: HashMap::new(),
             gauges: Vec::new(),
             joints: Vec::new(),
+            joint_names: HashSet::new(),
             body_names: HashMap::new(),
             group: 0,
             material: None,

@@ -248,9 +248,9 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    for version in [0, 20, 22] {
+    for version in [0, 21, 23] {
         newer[8] = version;
-        let expected = format!("it has version {version} of the format, this rockfall reads version 21");
+        let expected = format!("it has version {version} of the format, this rockfall reads version 22");
         assert!(assert_rejected(&newer).contains(&expected));
     }
 }
@@ -288,6 +288,15 @@ fn small_with_bodies() -> Vec<u8> {
 fn small_with_hulls() -> Vec<u8> {
     let text = "set contact_law rigid\n@body stone density=2\n@hull 0,0,0 1,0,0 0,1,0 0,0,1\n@group 2\n@colour red\n\
                 @hull 5,0,0 6,0,0 5,1,0 5,0,1 4,0,0.5\n@end\n@place stone at=0,3,0 spin=1,2,3\n@place stone at=9,3,0\n";
+    let scene = Scene::parse(text, "a.txt".as_ref()).expect("a scene").scene;
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).expect("it opens");
+    simulation.checkpoint().expect("a checkpoint").to_bytes()
+}
+
+fn small_with_joints() -> Vec<u8> {
+    let text = "set contact_law rigid\n@body bar\nS 0 0 0 0 0 0 0 0 0 0 - 0.5\n@end\n@place bar at=0,3,0 name=a\n@place bar at=2,3,0 name=b\n\
+                S 7 4 3 0 0 0 0 0 0 0 1 0.5\n@joint hinge a b at=1,3,0 axis=0,0,1 limits=-20..30 speed=1 torque=2 name=elbow\n\
+                @joint distance b 7 at=2,3,0 to=4,3,0 stiffness=3 damping=0.5 target=2\n@joint ball world a at=0,3,0 cone=20 collide=yes\n";
     let scene = Scene::parse(text, "a.txt".as_ref()).expect("a scene").scene;
     let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).expect("it opens");
     simulation.checkpoint().expect("a checkpoint").to_bytes()
@@ -339,7 +348,7 @@ fn muscles_are_kept() {
 /// the checksum. The file is then rejected or accepted, but nothing panics and nothing allocates all memory.
 #[test]
 fn invalid_numbers_with_a_correct_checksum_cause_no_panic() {
-    for good in [small(), small_with_materials(), small_with_bodies(), small_with_hulls()] {
+    for good in [small(), small_with_materials(), small_with_bodies(), small_with_hulls(), small_with_joints()] {
         assert_no_panic(&good);
     }
 }

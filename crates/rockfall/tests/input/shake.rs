@@ -54,6 +54,12 @@ const WORDS: &[&str] = &[
     "0.5,0.5,0.5",
     "1e15,0,0",
     "0,1e-20,0",
+    "world",
+    "at=0,1,0",
+    "to=0,2,0",
+    "limits=-1e30..1e30",
+    "speed=1e30",
+    "force=0",
 ];
 
 /// Lines that are put in.
@@ -81,6 +87,10 @@ const LINES: &[&str] = &[
     "@place b at=0.2,0.9,0 fixed=1",
     "@place h at=0,1,0 spin=1,2,3",
     "@force 1 0 1e30 0",
+    "@joint hinge 1 world at=0,0.4,0 axis=0,0,1 limits=-30..40",
+    "@joint ball 1 2 at=0,0.6,0 cone=20 twist=-5..5",
+    "@joint distance 2 world at=0,1,0 to=0,3,0 stiffness=1e30",
+    "@joint slider world 1 frame_a=0,0,0,1,0,0,0 frame_b=0,0,0,1,0,0,0 speed=1 force=2",
     "@material m",
     "@pair m m restitution=1 friction=0",
     "@use m",

@@ -19,6 +19,10 @@ pub(in crate::scene) struct EndAtSphere {
     pose: EndPose,
 }
 
+pub(crate) fn name_is_taken(name: &str) -> Error {
+    Error::Invalid { field: "joint.name", value: quoted(name), expected: "a name that no other joint has" }
+}
+
 /// The turn of the joint frame with an axis. The other axes follow from it by a fixed rule.
 fn frame_of(axis: Option<DVec3>) -> DQuat {
     let axis = axis.map_or(DVec3::X, DVec3::normalize);
@@ -88,6 +92,10 @@ impl Scene {
         [joint.a, joint.b] = joint.anchors().map(|anchor| self.whole_end(anchor));
         joint.validate()?;
         self.check_joint_ends(&joint)?;
+        let is_taken = |name: &&str| self.joints().iter().any(|known| known.name.as_deref() == Some(*name));
+        if let Some(name) = joint.name.as_deref().filter(is_taken) {
+            return Err(name_is_taken(name));
+        }
         let joint = self.laid_joint(joint, true)?;
         self.keep_joint(joint)
     }
@@ -100,16 +108,10 @@ impl Scene {
         }
     }
 
-    /// Adds a joint with ends in coordinates of its bodies.
+    /// Adds a joint with ends in coordinates of its bodies. No other joint has its name.
     pub(crate) fn keep_joint(&mut self, joint: Joint) -> Result<JointId> {
         joint.validate()?;
         self.check_joint_ends(&joint)?;
-        if let Some(name) =
-            joint.name.as_deref().filter(|name| self.joints().iter().any(|known| known.name.as_deref() == Some(*name)))
-        {
-            let expected = "a name that no other joint has";
-            return Err(Error::Invalid { field: "joint.name", value: quoted(name), expected });
-        }
         Ok(self.joints.add(joint))
     }
 

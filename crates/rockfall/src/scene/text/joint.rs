@@ -7,7 +7,7 @@ use super::line::{JOINT, Line, Wrong};
 use super::motion::{number, numbers};
 use super::values::Values;
 use crate::error::{Error, nearest, quoted};
-use crate::scene::{Anchor, Joint, JointFrame, JointKind, RigidBodyId};
+use crate::scene::{Anchor, Joint, JointFrame, JointKind, RigidBodyId, name_is_taken};
 
 const KEYS: [&str; 20] = [
     "at",
@@ -76,6 +76,11 @@ impl Reader<'_> {
         };
         joint.name = values.of("name").map(|name| name.to_owned() + &self.suffix());
         self.check_joint(&joint).map_err(|error| refused(&values, &error))?;
+        if let Some(name) = joint.name.clone()
+            && !self.joint_names.insert(name.clone())
+        {
+            return Err(refused(&values, &name_is_taken(&name)));
+        }
         self.joints.push((self.at, joint));
         Ok(())
     }
@@ -83,14 +88,6 @@ impl Reader<'_> {
     fn check_joint(&self, joint: &Joint) -> crate::Result<()> {
         joint.validate()?;
         self.scene.check_joint_ends(joint)?;
-        let is_taken = |name: &&str| self.joints.iter().any(|(_, known)| known.name.as_deref() == Some(*name));
-        if let Some(name) = joint.name.as_deref().filter(is_taken) {
-            return Err(Error::Invalid {
-                field: "joint.name",
-                value: quoted(name),
-                expected: "a name that no other joint has",
-            });
-        }
         // The positions are not rounded yet.
         self.scene.laid_joint(joint.clone(), true).map(drop)
     }
@@ -98,7 +95,8 @@ impl Reader<'_> {
     /// Adds the joints when the bodies have their positions. Returns the wrong line.
     pub(super) fn add_joints(&mut self) -> Result<(), (usize, Wrong)> {
         for (line, joint) in std::mem::take(&mut self.joints) {
-            self.scene.add_joint(joint).map_err(|error| (line, JOINT.refused(&error)))?;
+            let laid = self.scene.laid_joint(joint, true);
+            laid.and_then(|joint| self.scene.keep_joint(joint)).map_err(|error| (line, JOINT.refused(&error)))?;
         }
         Ok(())
     }
