@@ -19,6 +19,8 @@ mod flight;
 mod friction;
 mod impact;
 mod joints;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+mod joints_agree;
 mod pile;
 mod rest;
 mod scene;

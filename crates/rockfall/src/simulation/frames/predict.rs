@@ -8,7 +8,8 @@ use super::check::check;
 use crate::error::Result;
 use crate::options::Options;
 use crate::report::short_number;
-use crate::rigid::frame::{auto_substeps, least_width};
+use crate::rigid::frame::{JointMotion, auto_substeps, least_width, motions_of_joints};
+use crate::rigid::joints::Joint;
 use crate::rigid::spring_bound::SpringBound;
 use crate::scene::Scene;
 
@@ -42,7 +43,8 @@ impl Scene {
     /// fast for the substeps.
     pub(crate) fn concerns_of_frames(&self, dt: f32) -> Vec<String> {
         // Substeps that the solver chooses suit the contacts.
-        if self.run.substeps.is_none() && self.springs().is_empty() && self.tethers().is_empty() {
+        let has_links = !(self.springs().is_empty() && self.tethers().is_empty() && self.joints().is_empty());
+        if self.run.substeps.is_none() && !has_links {
             return Vec::new();
         }
         // An object that the law does not know is an error elsewhere.
@@ -55,7 +57,39 @@ impl Scene {
                 short_number(muscle.steps, 3)
             )
         });
-        frames.concern().into_iter().chain(muscle).collect()
+        frames.concern().into_iter().chain(muscle).chain(self.concern_of_joints(frames.substeps)).collect()
+    }
+
+    /// The first joint whose anchors miss each other at the start, and the one whose bodies differ most in mass, if they are too soft.
+    fn concern_of_joints(&self, substeps: u32) -> Option<String> {
+        let mut scene = self.clone();
+        scene.imply_bodies();
+        let world = Frames::of(&scene).ok()?.world;
+        let name = |number: usize| self.joints()[number].name.clone().unwrap_or_else(|| format!("number {number}"));
+        let ends = |joint: &Joint| joint.ends.map(|end| &world.bodies[end.body as usize]);
+        let missed = |(number, (joint, motion)): (usize, (&Joint, JointMotion))| {
+            let size = ends(joint).iter().map(|body| body.radius).filter(|radius| radius.is_finite()).fold(0.0, f32::max);
+            (motion.error > 1e-3 * size).then(|| {
+                let error = short_number(motion.error.into(), 3);
+                format!("the anchors of the joint {} miss each other by {error} at the start; the first frames pull them together", name(number))
+            })
+        };
+        let ratio = |joint: &Joint| {
+            let [a, b] = ends(joint).map(|body| body.inverse_mass);
+            if a > 0.0 && b > 0.0 { (a / b).max(b / a) } else { 1.0 }
+        };
+        let list = &world.joints.list;
+        let first = list.iter().zip(motions_of_joints(&world)).enumerate().find_map(missed);
+        let heaviest = (0..list.len()).max_by(|one, other| ratio(&list[*one]).total_cmp(&ratio(&list[*other])));
+        first.or_else(|| {
+            let number = heaviest?;
+            let needed = (4.0 * (ratio(&list[number]) / 100.0).sqrt()).ceil() as u32;
+            let ratio = short_number(ratio(&list[number]).into(), 3);
+            let joint = name(number);
+            (needed > substeps).then(|| {
+                format!("the joint {joint} connects masses with a ratio of {ratio}: it opens less with --substeps {needed} or more")
+            })
+        })
     }
 
     /// How the solver of the contact law `rigid` takes this scene in frames of `dt` seconds.

@@ -144,7 +144,7 @@ fn a_chain_with_a_heavy_end_stays_closed() {
     }
 }
 
-/// A free tree of rods with every kind of joint keeps its momentum and its angular momentum, and never gains energy.
+/// A free tree of rods with every kind of joint keeps its momentum and its angular momentum, and its energy.
 #[test]
 fn free_mechanisms_keep_their_momenta() {
     let kinds = [Kind::BALL, Kind::HINGE, Kind::SLIDER, Kind::FIXED, Kind::DISTANCE];
@@ -161,6 +161,10 @@ fn free_mechanisms_keep_their_momenta() {
             scene.joint_to(kind, [before, next], at, Vec3::new(0.3, 1.0, 0.2));
             before = next;
         }
+        // Links that are not neighbours pass through each other.
+        for (group, collider) in (0..).zip(&mut scene.world.colliders) {
+            collider.group = group;
+        }
         // The joints take the speeds that they do not allow.
         scene.run(0.5);
         let (first, (p, l)) = (kinetic_energy(&scene.world), momenta(&scene.world));
@@ -172,7 +176,10 @@ fn free_mechanisms_keep_their_momenta() {
         let (p_end, l_end) = momenta(&scene.world);
         let end = kinetic_energy(&scene.world);
         eprintln!("{kind:?} {substeps}: dP {:.1e}, dL {:.1e} of {:.1}, E {:.4} to {:.4} of {first:.4}", (p_end - p).length(), (l_end - l).length(), l.length(), highest, end);
-        eprintln!("{:?}", (p.length(), highest / first));
+        assert!((p_end - p).length() < 2e-5 * p.length(), "{kind:?}: {p} {p_end}");
+        assert!((l_end - l).length() < 5e-4 * l.length(), "{kind:?}: {l} {l_end}");
+        let most = if substeps == 4 { 1.01 } else { 1.002 };
+        assert!(highest < most * first && end > 0.95 * first, "{kind:?}: {highest} and {end} of {first}");
     }
 }
 
@@ -379,12 +386,9 @@ fn bodies_of_a_joint_do_not_collide() {
         let [a, b] = [0.0, 0.8].map(|x| scene.cuboid(Vec3::splat(0.5), x * Vec3::X));
         let joint = scene.joint(Kind::SLIDER, [a, b], Vec3::new(0.4, 0.0, 0.0), Vec3::X);
         scene.world.joints.list[joint].collides = collides;
-        for _ in 0..120 {
-            scene.step();
-            if scene.velocity(a).x.abs() > 0.0 { eprintln!("{} {:?} {:?} {:?}", scene.at(b).x - scene.at(a).x, scene.velocity(a), scene.spin(a), scene.last); }
-        }
+        scene.run(2.0);
         let distance = scene.at(a).distance(scene.at(b));
-        if collides { close(distance, 1.0, 1e-2) } else { close(distance, 0.8, 1e-4) }
+        if collides { assert!(distance > 0.99, "{distance}") } else { close(distance, 0.8, 1e-4) }
     }
 }
 
