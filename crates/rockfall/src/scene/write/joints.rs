@@ -42,7 +42,12 @@ fn words(vector: DVec3) -> String {
 fn degrees(angle: f32) -> String {
     let reads_back = |degrees: &f64| (degrees.to_radians() as f32).to_bits() == angle.to_bits();
     let exact = f64::from(angle).to_degrees();
-    forms(exact).into_iter().find(reads_back).unwrap_or(exact).to_string()
+    let rounded = (0..9).map(|digits| {
+        let scale = 10_f64.powi(digits);
+        // Adding 0 turns -0 into 0.
+        (exact * scale).round() / scale + 0.0
+    });
+    rounded.chain([exact]).find(reads_back).unwrap_or(exact).to_string()
 }
 
 impl Writer<'_> {
@@ -107,7 +112,8 @@ impl Writer<'_> {
         let axis = frame * DVec3::X;
         let longest = axis / axis.abs().max_element();
         let rounded = |vector: DVec3, form: usize| DVec3::from_array(vector.to_array().map(|x| forms(x)[form]));
-        let axes = [rounded(axis, 0), rounded(longest, 0), rounded(axis, 1), axis];
+        let mut axes = [rounded(axis, 0), rounded(longest, 0), rounded(axis, 1), axis];
+        axes[..2].sort_by_key(|axis| words(*axis).len());
         for form in 0..3 {
             let [at, to] = [at, to].map(|point| rounded(point, form));
             for axis in &axes[..if has_axis { axes.len() } else { 1 }] {
