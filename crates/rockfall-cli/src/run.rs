@@ -306,8 +306,9 @@ fn begin(arguments: &Arguments, starting: &Starting) -> Result<Run, Failure> {
 impl Arguments {
     /// Output files from the arguments. `every` is the number of steps between two frames that the scene has.
     fn wanted(&self, every: Option<u64>) -> Result<Wanted, Failure> {
-        let has_frames =
-            [&self.out, &self.contacts, &self.tensions, &self.gauges, &self.bodies, &self.joints].into_iter().any(Option::is_some);
+        let has_frames = [&self.out, &self.contacts, &self.tensions, &self.gauges, &self.bodies, &self.joints]
+            .into_iter()
+            .any(Option::is_some);
         let every = self.every.or(every.filter(|_| has_frames));
         // Without --every, a .pvd file has an error of its own.
         let of_states = |path: &Option<PathBuf>| {

@@ -124,8 +124,8 @@ pub use scene::{
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{
-    Contact, ContactAction, ContactSprings, Flow, GaugeReading, HardContacts, Inflow, JointReading, Link, MaxOverlap, Meter, MotionState,
-    Outflow, RayHit, Simulation, SphereDiagnostics, Tension, WallLoad,
+    Contact, ContactAction, ContactSprings, Flow, GaugeReading, HardContacts, Inflow, JointReading, Link, MaxOverlap, Meter,
+    MotionState, Outflow, RayHit, Simulation, SphereDiagnostics, Tension, WallLoad,
 };
 pub use user_laws::{ContactForceLaw, ContactInput, ContactResponse, ForceInput, ForceLaw, ForceLoad, Impact, PairParameter};
 #[cfg(feature = "gpu")]

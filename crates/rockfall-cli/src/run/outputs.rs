@@ -78,7 +78,8 @@ impl Outputs {
         let gauges_mark = gauges.as_deref().and_then(|path| marked(path, past.and_then(|past| past.gauges.as_ref())));
         let bodies_mark = bodies.as_deref().and_then(|path| marked(path, past.and_then(|past| past.bodies.as_ref())));
         let joints_mark = joints.as_deref().and_then(|path| marked(path, past.and_then(|past| past.joints.as_ref())));
-        let continues = [out_mark, contacts_mark, tensions_mark, gauges_mark, bodies_mark, joints_mark].iter().any(Option::is_some);
+        let continues =
+            [out_mark, contacts_mark, tensions_mark, gauges_mark, bodies_mark, joints_mark].iter().any(Option::is_some);
         if let Some(begun) = past.and_then(|past| past.every).filter(|begun| continues && every != Some(*begun)) {
             let message = "omit --every, or give another --out";
             return Err(Failure::usage(format!("--every: the existing frames were written with --every {begun}; {message}")));

@@ -39,9 +39,9 @@ mod turn;
 mod upload;
 
 pub(crate) use energy::{auto_substeps, least_width};
-pub(crate) use joints::{JointMotion, motions_of_joints};
 #[cfg(test)]
 pub(crate) use energy::{energy, kinetic_energy, momenta};
+pub(crate) use joints::{JointMotion, motions_of_joints};
 
 use crate::rigid::common::{FREQUENCY, REPEATS};
 pub(crate) use crate::rigid::common::{FrameReport, MOST_MARGIN};

@@ -194,7 +194,14 @@ pub(crate) struct Joints {
     pub(crate) order: Vec<u32>,
     /// First entry of each colour in `order`, and the end.
     pub(crate) colours: Vec<u32>,
+    /// Of each joint the frequency of its rows times the substep.
+    pub(crate) frequencies: Vec<f32>,
 }
+
+/// Frequency of the rows of a joint times the substep, if none of its bodies has more joints than `FEW`.
+const FREQUENCY: f32 = 0.25;
+/// Rows at a body with more joints are softer in proportion: stiff ones would gain energy at a light hub of heavy bodies.
+const FEW: usize = 4;
 
 impl Joints {
     /// Takes over joints. `has_mass` tells which bodies have mass: joints of one colour share none of these.
@@ -222,7 +229,11 @@ impl Joints {
             Some(*end)
         }));
         let states = vec![JointState::default(); list.len()];
-        Self { list, states, order: sorted.concat(), colours }
+        let count =
+            |joint: &Joint| joint.ends.iter().map(|end| used[end.body as usize].iter().filter(|used| **used).count()).max();
+        let frequency = |joint: &Joint| FREQUENCY * FEW as f32 / count(joint).unwrap_or(FEW).max(FEW) as f32;
+        let frequencies = list.iter().map(frequency).collect();
+        Self { list, states, order: sorted.concat(), colours, frequencies }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -246,7 +257,8 @@ impl Joints {
     /// Pairs of bodies other than the world that do not collide, each with the joint that keeps them from it, in ascending order.
     pub(crate) fn apart(&self) -> Vec<([u32; 2], u32)> {
         let apart = (0..).zip(&self.list).filter(|(_, joint)| !joint.collides);
-        let bodies = apart.map(|(number, joint)| (joint.ends.map(|end| end.body), number)).filter(|([a, b], _)| *a > 0 && *b > 0);
+        let bodies =
+            apart.map(|(number, joint)| (joint.ends.map(|end| end.body), number)).filter(|([a, b], _)| *a > 0 && *b > 0);
         let mut pairs: Vec<([u32; 2], u32)> = bodies.map(|([a, b], number)| ([a.min(b), a.max(b)], number)).collect();
         pairs.sort_unstable();
         pairs

@@ -10,8 +10,6 @@ use crate::rigid::joints::{Drive, Free, Joint, JointState, Joints};
 use crate::rigid::world::RigidWorld;
 use crate::rotate::{product, rotated};
 
-/// Frequency of the rows times the substep.
-const FREQUENCY: f32 = 0.25;
 /// Damping ratio of the rows.
 const DAMPING: f32 = 2.0;
 /// Axes that point away from each other by more than this cosine have no mean.
@@ -52,16 +50,18 @@ pub(super) fn warm_start(joints: &Joints, states: &mut [JointState], bodies: &mu
     }
 }
 
-/// Solves all joints, colour by colour.
+/// Solves all joints twice: colour by colour, and once more in the opposite order. The biased pass begins with the first colour, the relax
+/// pass with the last one.
 pub(super) fn pass(joints: &Joints, states: &mut [JointState], bodies: &mut Bodies, pass: &Pass, h: f32) {
     let order: Vec<usize> = present(joints, states).collect();
-    let soft = Softness::of(FREQUENCY, DAMPING, h);
-    for number in order {
+    let (there, back) = (order.iter().copied(), order.iter().rev().copied());
+    let visits: Vec<usize> = if pass.biased { there.chain(back).collect() } else { back.chain(there).collect() };
+    for (place, number) in visits.into_iter().enumerate() {
         let (joint, state) = (&joints.list[number], &mut states[number]);
         let mut pivot = Pivot::new(joint, bodies);
-        let visit = Visit { biased: pass.biased, soft, h };
-        visit.solve(joint, state, &mut pivot);
-        if !pass.biased {
+        let (is_first, soft) = (place < order.len(), Softness::of(joints.frequencies[number], DAMPING, h));
+        Visit { biased: pass.biased, is_first, soft, h }.solve(joint, state, &mut pivot);
+        if !pass.biased && !is_first {
             let (push, turn) = pivot.total(joint, state);
             state.force += Vec3::from(push);
             state.torque += Vec3::from(turn);
@@ -277,6 +277,8 @@ fn reduced(angle: f32, about: f32) -> f32 {
 /// A visit of a joint in a pass.
 struct Visit {
     biased: bool,
+    /// The first one of the two in a pass.
+    is_first: bool,
     soft: Softness,
     h: f32,
 }
@@ -372,7 +374,7 @@ impl Visit {
     fn spring(&self, joint: &Joint, row: &Row, position: f32, state: &mut JointState, pivot: &mut Pivot) {
         let Drive { stiffness, damping, target, spring_limit, locked, .. } = joint.drive;
         let damping = if joint.kind.is_ball() { 0.0 } else { damping };
-        if !self.biased || locked || (stiffness == 0.0 && damping == 0.0) {
+        if !self.biased || !self.is_first || locked || (stiffness == 0.0 && damping == 0.0) {
             return;
         }
         let h = self.h;
@@ -393,7 +395,7 @@ impl Visit {
     /// Friction and damping of a ball, against all rotations.
     fn resist(&self, drive: &Drive, state: &mut JointState, pivot: &mut Pivot) {
         let give = pivot.mass_a.inverse_inertia + pivot.mass_b.inverse_inertia;
-        if self.biased && drive.damping > 0.0 {
+        if self.biased && self.is_first && drive.damping > 0.0 {
             let damped = give + Mat3A::from_diagonal(Vec3::splat((self.h * drive.damping).recip()));
             let impulse = -(inverse(damped) * pivot.rate());
             pivot.turn(impulse);
@@ -442,10 +444,7 @@ fn inverse(matrix: Mat3A) -> Mat3A {
 
 /// How a body gives way at an arm: its inverse mass with that of its rotation.
 fn at_arm(mass: &Mass, arm: Vec3A) -> Mat3A {
-    let cross = Mat3A::from_cols(
-        Vec3A::new(0.0, arm.z, -arm.y),
-        Vec3A::new(-arm.z, 0.0, arm.x),
-        Vec3A::new(arm.y, -arm.x, 0.0),
-    );
+    let cross =
+        Mat3A::from_cols(Vec3A::new(0.0, arm.z, -arm.y), Vec3A::new(-arm.z, 0.0, arm.x), Vec3A::new(arm.y, -arm.x, 0.0));
     Mat3A::from_diagonal(Vec3::splat(mass.inverse_mass)) + cross * mass.inverse_inertia * cross.transpose()
 }

@@ -3,10 +3,25 @@
 // The rows of joints (docs/physics.md section 11.14). A thread has a joint, and for this dispatch both of its bodies. In these stages the
 // two words of `call` are the first entry of a colour in `joint_order` and the end.
 
-// m_s, r h, i_s.
-const JOINT_GAIN: f32 = 0.89744207;
-const JOINT_PULL: f32 = 0.25305156;
-const JOINT_LOSS: f32 = 0.10255793;
+// m_s, r and i_s of the rows of a joint.
+struct JointSoftness {
+    gain: f32,
+    pull: f32,
+    loss: f32,
+}
+
+// Those of the joint of this thread, and whether this is the first of its two visits in the pass.
+var<private> soft: JointSoftness;
+var<private> is_first_visit: bool;
+
+// Of a frequency times the substep, with the damping ratio 2.
+fn joint_softness(frequency: f32) -> JointSoftness {
+    let turn = FULL_TURN * frequency;
+    let first = 4.0 + turn;
+    let loss = 1.0 / (1.0 + turn * first);
+    let gain = turn * first * loss;
+    return JointSoftness(gain, gain * turn / (first * frame.h), loss);
+}
 
 // A symmetric matrix: xx yy zz; xy xz yz.
 struct Tensor {
@@ -38,7 +53,7 @@ fn solved(k: Tensor, rows: vec3<bool>, right: vec3f) -> vec3f {
 // The change of the impulses of a block.
 fn block_change(k: Tensor, rows: vec3<bool>, rate: vec3f, off: vec3f, old: vec3f, biased: bool) -> vec3f {
     if biased {
-        return solved(k, rows, -(JOINT_GAIN * rate + (JOINT_PULL / frame.h) * off)) - JOINT_LOSS * old;
+        return solved(k, rows, -(soft.gain * rate + soft.pull * off)) - soft.loss * old;
     }
     return solved(k, rows, -rate);
 }
@@ -86,7 +101,7 @@ fn locked_row(ends: ptr<function, Ends>, lever: Lever, off: f32, old: f32, biase
     let rate = rate_of(ends, lever);
     var next = old - rate * lever.inverse;
     if biased {
-        next = (1.0 - JOINT_LOSS) * old - (JOINT_GAIN * rate + (JOINT_PULL / frame.h) * off) * lever.inverse;
+        next = (1.0 - soft.loss) * old - (soft.gain * rate + soft.pull * off) * lever.inverse;
     }
     pull_ends(ends, lever, next - old);
     return next;
@@ -106,7 +121,7 @@ fn limit_row(ends: ptr<function, Ends>, lever: Lever, side: f32, gap: f32, old: 
     if biased && gap > 0.0 {
         next = old - (rate + gap / frame.h) * lever.inverse;
     } else if biased {
-        next = (1.0 - JOINT_LOSS) * old - (JOINT_GAIN * rate + (JOINT_PULL / frame.h) * gap) * lever.inverse;
+        next = (1.0 - soft.loss) * old - (soft.gain * rate + soft.pull * gap) * lever.inverse;
     } else if gap <= 0.0 || old > 0.0 {
         next = old - rate * lever.inverse;
     }
@@ -126,7 +141,7 @@ fn resist(joint: Joint, ends: ptr<function, Ends>, old: vec3f, biased: bool) -> 
     let damping = frame.h * joint_row(joint.number, 6u).x;
     var k = Tensor((*ends).mass_a.diagonal + (*ends).mass_b.diagonal, (*ends).mass_a.beside + (*ends).mass_b.beside);
     let rate = (*ends).b.spin - (*ends).a.spin;
-    if biased && damping > 0.0 {
+    if biased && is_first_visit && damping > 0.0 {
         k.diagonal += vec3f(1.0 / damping);
         let moment = solved(k, vec3<bool>(true), -rate);
         push_ends(joint, ends, Push(vec3f(0.0), moment));
@@ -162,7 +177,7 @@ fn spring_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis) -> f32 {
 // The rows of the free axis. That of the locked distance comes later. A spring adds its load at once.
 fn solve_free(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<function, Impulses>, biased: bool) {
     let drive = joint_row(joint.number, 6u);
-    if biased && (joint.flags & SPRUNG) != 0u {
+    if biased && is_first_visit && (joint.flags & SPRUNG) != 0u {
         add_load(joint.number, push_along(joint, axis.direction, spring_row(joint, ends, axis)));
     }
     if !biased && drive.w > 0.0 {
@@ -194,10 +209,12 @@ fn solve_cone(joint: Joint, ends: ptr<function, Ends>, old: f32, biased: bool) -
     return limit_row(ends, lever_of(joint, ends, direction, false), 1.0, gap, old, biased);
 }
 
-fn solve_joint(number: u32, biased: bool) {
+fn solve_joint(number: u32, biased: bool, is_first: bool) {
     if is_broken(number) {
         return;
     }
+    is_first_visit = is_first;
+    soft = joint_softness(bitcast<f32>(joints[JOINT_ROWS * number + 4u].w));
     let joint = joint_at(number);
     var ends = ends_of(joint);
     var own = impulses_of(number);
@@ -220,7 +237,7 @@ fn solve_joint(number: u32, biased: bool) {
     }
     put_ends(joint, &ends);
     put_impulses(number, own);
-    if !biased {
+    if !biased && !is_first {
         add_load(number, push_of(joint, own));
     }
 }
@@ -318,7 +335,7 @@ fn warm_joints(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) gro
 fn push_joints(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
     let number = joint_of(group, groups, local);
     if number != NO_JOINT {
-        solve_joint(number, true);
+        solve_joint(number, true, true);
     }
 }
 
@@ -326,7 +343,23 @@ fn push_joints(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) gro
 fn relax_joints(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
     let number = joint_of(group, groups, local);
     if number != NO_JOINT {
-        solve_joint(number, false);
+        solve_joint(number, false, true);
+    }
+}
+
+@compute @workgroup_size(THREADS)
+fn push_joints_again(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let number = joint_of(group, groups, local);
+    if number != NO_JOINT {
+        solve_joint(number, true, false);
+    }
+}
+
+@compute @workgroup_size(THREADS)
+fn relax_joints_again(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
+    let number = joint_of(group, groups, local);
+    if number != NO_JOINT {
+        solve_joint(number, false, false);
     }
 }
 

@@ -6,7 +6,8 @@ use glam::Vec3;
 
 use crate::rigid::gpu::arrays::Arrays;
 use crate::rigid::gpu::kernels::{
-    APART, CLOSE_JOINTS, JOINT_ORDER, JOINT_STATES, JOINTS, OPEN_JOINTS, PUSH_JOINTS, RELAX_JOINTS, WARM_JOINTS,
+    APART, CLOSE_JOINTS, JOINT_ORDER, JOINT_STATES, JOINTS, OPEN_JOINTS, PUSH_JOINTS, PUSH_JOINTS_AGAIN, RELAX_JOINTS,
+    RELAX_JOINTS_AGAIN, WARM_JOINTS,
 };
 use crate::rigid::gpu::{CALL, Part, calls};
 use crate::rigid::joints::{Drive, Free, Joint, JointImpulses, JointState, Joints};
@@ -40,6 +41,8 @@ pub(super) struct OnDevice {
     /// Pairs of bodies that do not collide, each with its joint.
     apart: Vec<([u32; 2], u32)>,
     bodies: usize,
+    /// Of each joint the frequency of its rows times the substep.
+    frequencies: Vec<f32>,
     /// The states at the start of the frame.
     backup: Option<wgpu::Buffer>,
 }
@@ -64,7 +67,8 @@ impl OnDevice {
             blocks[end..end + 8].copy_from_slice(cast_slice(&call));
         }
         arrays.upload_uniform(1, &blocks);
-        arrays.upload(JOINTS, cast_slice(&rows_of(&joints.list)));
+        this.frequencies.clone_from(&joints.frequencies);
+        arrays.upload(JOINTS, cast_slice(&this.rows_of(&joints.list)));
         arrays.upload(JOINT_ORDER, cast_slice(&joints.order));
         arrays.upload(JOINT_STATES, cast_slice(&state_rows(&joints.states)));
         this.backup = Some(arrays.gpu.storage(arrays.get(JOINT_STATES).size()));
@@ -74,7 +78,7 @@ impl OnDevice {
     /// Takes over the drives of the next frame. The joints are those of the start.
     pub(super) fn set_drives(&self, arrays: &Arrays, joints: &[Joint]) {
         if self.count > 0 {
-            arrays.gpu.queue.write_buffer(arrays.get(JOINTS), 0, cast_slice(&rows_of(joints)));
+            arrays.gpu.queue.write_buffer(arrays.get(JOINTS), 0, cast_slice(&self.rows_of(joints)));
         }
     }
 
@@ -124,17 +128,28 @@ impl OnDevice {
 
     /// Adds what the joints do in a part of a frame.
     pub(super) fn encode(&self, arrays: &Arrays, pass: &mut wgpu::ComputePass<'_>, part: Part) {
-        let stage = match part {
+        let stages = match part {
             Part::Load => return arrays.dispatch(pass, OPEN_JOINTS, self.count, self.first_call),
             Part::Settle => return arrays.dispatch(pass, CLOSE_JOINTS, self.count, self.first_call),
-            Part::Kick => WARM_JOINTS,
-            Part::Biased => PUSH_JOINTS,
-            Part::Relax => RELAX_JOINTS,
+            Part::Kick => &[WARM_JOINTS][..],
+            Part::Biased => &[PUSH_JOINTS, PUSH_JOINTS_AGAIN],
+            Part::Relax => &[RELAX_JOINTS, RELAX_JOINTS_AGAIN],
             _ => return,
         };
-        for (call, ends) in (1..).zip(self.colours.windows(2)) {
-            arrays.dispatch(pass, stage, ends[1] - ends[0], self.first_call + CALL * call);
+        let count = self.colours.len().saturating_sub(1);
+        for (round, stage) in stages.iter().enumerate() {
+            // There and back again; the relax pass begins at the end.
+            let is_back = (round == 0) == (part == Part::Relax);
+            for k in 0..count {
+                let colour = if is_back { count - 1 - k } else { k };
+                let size = self.colours[colour + 1] - self.colours[colour];
+                arrays.dispatch(pass, *stage, size, self.first_call + CALL * (colour as u32 + 1));
+            }
         }
+    }
+
+    fn rows_of(&self, joints: &[Joint]) -> Vec<JointRow> {
+        joints.iter().zip(&self.frequencies).map(|(joint, frequency)| row_of(joint, *frequency)).collect()
     }
 
     fn part(&self, arrays: &Arrays, states: &[JointState]) {
@@ -157,10 +172,6 @@ impl OnDevice {
         let starts = (0..=self.bodies as u32).map(start);
         std::iter::once(self.bodies as u32).chain(starts).chain(pairs.iter().map(|pair| pair[1])).collect()
     }
-}
-
-fn rows_of(joints: &[Joint]) -> Vec<JointRow> {
-    joints.iter().map(row_of).collect()
 }
 
 fn flags_of(joint: &Joint) -> u32 {
@@ -192,7 +203,7 @@ fn middle(limits: [f32; 2]) -> f32 {
     if least.is_finite() && most.is_finite() { 0.5 * (least + most) } else { 0.0 }
 }
 
-fn row_of(joint: &Joint) -> JointRow {
+fn row_of(joint: &Joint, frequency: f32) -> JointRow {
     let row = |vector: Vec3, last: f32| vector.extend(last).to_array();
     let [a, b] = joint.ends;
     let Drive { limits, cone, target, stiffness, damping, spring_limit, speed, motor_limit, friction, .. } = joint.drive;
@@ -205,7 +216,7 @@ fn row_of(joint: &Joint) -> JointRow {
         numbers(a.turn.to_array()),
         numbers(row(b.place, target)),
         numbers(b.turn.to_array()),
-        [a.body, b.body, flags_of(joint), 0],
+        [a.body, b.body, flags_of(joint), frequency.to_bits()],
         numbers([finite(limits[0]), finite(limits[1]), middle(limits), stiffness]),
         numbers([damping, finite(spring_limit), speed, motor_limit]),
         numbers([friction, joint.strength[0].min(f32::MAX), joint.strength[1].min(f32::MAX), 0.0]),

@@ -199,6 +199,8 @@ pub(super) const WARM_JOINTS: usize = 44;
 pub(super) const PUSH_JOINTS: usize = 45;
 pub(super) const RELAX_JOINTS: usize = 46;
 pub(super) const CLOSE_JOINTS: usize = 47;
+pub(super) const PUSH_JOINTS_AGAIN: usize = 48;
+pub(super) const RELAX_JOINTS_AGAIN: usize = 49;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
@@ -299,6 +301,8 @@ pub(super) const STAGES: &[Stage] = &[
     Stage { name: "push_joints", file: "rigid/frame/joints.wgsl", bindings: LINKED },
     Stage { name: "relax_joints", file: "rigid/frame/joints.wgsl", bindings: LINKED },
     Stage { name: "close_joints", file: "rigid/frame/joints.wgsl", bindings: LINKS },
+    Stage { name: "push_joints_again", file: "rigid/frame/joints.wgsl", bindings: LINKED },
+    Stage { name: "relax_joints_again", file: "rigid/frame/joints.wgsl", bindings: LINKED },
 ];
 
 pub(super) const OPEN: usize = 0;

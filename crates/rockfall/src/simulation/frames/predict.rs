@@ -71,7 +71,10 @@ impl Scene {
             let size = ends(joint).iter().map(|body| body.radius).filter(|radius| radius.is_finite()).fold(0.0, f32::max);
             (motion.error > 1e-3 * size).then(|| {
                 let error = short_number(motion.error.into(), 3);
-                format!("the anchors of the joint {} miss each other by {error} at the start; the first frames pull them together", name(number))
+                format!(
+                    "the anchors of the joint {} miss each other by {error} at the start; the first frames pull them together",
+                    name(number)
+                )
             })
         };
         let ratio = |joint: &Joint| {
@@ -87,7 +90,9 @@ impl Scene {
             let ratio = short_number(ratio(&list[number]).into(), 3);
             let joint = name(number);
             (needed > substeps).then(|| {
-                format!("the joint {joint} connects masses with a ratio of {ratio}: it opens less with --substeps {needed} or more")
+                format!(
+                    "the joint {joint} connects masses with a ratio of {ratio}: it opens less with --substeps {needed} or more"
+                )
             })
         })
     }

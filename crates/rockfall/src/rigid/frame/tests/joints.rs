@@ -138,7 +138,11 @@ fn a_chain_with_a_heavy_end_stays_closed() {
             highest = highest.max(energy(&scene.world));
         }
         let fall = f64::from(G * heavy * 0.3 * links as f32);
-        eprintln!("{links} links, {substeps}: opens by {} of a link, E rises by {:.1e} of the fall", worst / 0.3, (highest - first) / fall);
+        eprintln!(
+            "{links} links, {substeps}: opens by {} of a link, E rises by {:.1e} of the fall",
+            worst / 0.3,
+            (highest - first) / fall
+        );
         assert!(worst < most * 0.3, "{}", worst / 0.3);
         assert!(highest < first + 1e-3 * fall, "{}", (highest - first) / fall);
     }
@@ -175,7 +179,14 @@ fn free_mechanisms_keep_their_momenta() {
         }
         let (p_end, l_end) = momenta(&scene.world);
         let end = kinetic_energy(&scene.world);
-        eprintln!("{kind:?} {substeps}: dP {:.1e}, dL {:.1e} of {:.1}, E {:.4} to {:.4} of {first:.4}", (p_end - p).length(), (l_end - l).length(), l.length(), highest, end);
+        eprintln!(
+            "{kind:?} {substeps}: dP {:.1e}, dL {:.1e} of {:.1}, E {:.4} to {:.4} of {first:.4}",
+            (p_end - p).length(),
+            (l_end - l).length(),
+            l.length(),
+            highest,
+            end
+        );
         assert!((p_end - p).length() < 2e-5 * p.length(), "{kind:?}: {p} {p_end}");
         assert!((l_end - l).length() < 5e-4 * l.length(), "{kind:?}: {l} {l_end}");
         let most = if substeps == 4 { 1.01 } else { 1.002 };
@@ -410,4 +421,35 @@ fn a_gyroscope_precesses() {
     eprintln!("precession {angle} of {wanted}, height {}", at.y);
     assert!((angle - wanted).abs() < 0.05 * wanted && at.y.abs() < 0.05, "{angle} of {wanted}, {at}");
     assert!(wanted < FRAC_PI_2 * 4.0);
+}
+
+/// A light hub of many heavy bodies does not gain energy.
+#[test]
+fn light_hubs_of_heavy_bodies_are_stable() {
+    for (count, hub, kind) in
+        [(4, 0.01, Kind::BALL), (6, 0.1, Kind::FIXED), (8, 0.1, Kind::BALL), (20, 1.0, Kind::HINGE), (40, 1.0, Kind::BALL)]
+    {
+        let mut scene = Scene::new(0.5, 0.0).weightless();
+        let mut random = Random(5);
+        let middle = scene.body(Shape::ball(0.3), Pose::IDENTITY, hub);
+        for _ in 0..count {
+            let direction = random.vector().normalize();
+            let ball = scene.body(Shape::ball(0.05), Pose::new(direction, Quat::IDENTITY), 1.0);
+            scene.throw(ball, random.vector(), Vec3::ZERO);
+            scene.joint(kind, [middle, ball], 0.3 * direction, random.vector());
+        }
+        for (group, collider) in (0..).zip(&mut scene.world.colliders) {
+            collider.group = group;
+        }
+        scene.run(0.5);
+        let first = kinetic_energy(&scene.world);
+        let (mut highest, mut open) = (0.0_f64, 0.0_f32);
+        for _ in 0..600 {
+            scene.step();
+            highest = highest.max(kinetic_energy(&scene.world));
+            open = (0..count).map(|joint| scene.opening(joint)).fold(open, f32::max);
+        }
+        eprintln!("{count} at {hub}: E {highest:.4} and {:.4} of {first:.4}, open by {open}", kinetic_energy(&scene.world));
+        assert!(highest < 1.05 * first && open < 0.2, "{count} bodies at a hub of {hub}: {highest} of {first}, open by {open}");
+    }
 }
