@@ -201,7 +201,7 @@ pub(crate) struct Joints {
 /// Frequency of the rows of a joint times the substep, if none of its bodies has more joints than `FEW`.
 const FREQUENCY: f32 = 0.25;
 /// Rows at a body with more joints are softer in proportion: stiff ones would gain energy at a light hub of heavy bodies.
-const FEW: usize = 4;
+const FEW: usize = 3;
 
 impl Joints {
     /// Takes over joints. `has_mass` tells which bodies have mass: joints of one colour share none of these.
