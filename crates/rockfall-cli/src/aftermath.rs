@@ -131,7 +131,8 @@ fn growth(scene: &Scene, before: &Energy, after: &Energy) -> Option<f64> {
     let forces = scene.spheres().iter().any(|sphere| sphere.force.length_squared() > 0.0);
     let muscles = scene.springs().iter().any(|spring| spring.muscle.is_some());
     let comes_and_goes = !(scene.inlets().is_empty() && scene.outlets().is_empty());
-    if surfaces || drives || forces || muscles || comes_and_goes || settings.restitution > 1.0 {
+    let driven = scene.joints().iter().any(|joint| joint.speed.is_some() || joint.stiffness > 0.0);
+    if surfaces || drives || forces || muscles || driven || comes_and_goes || settings.restitution > 1.0 {
         return None;
     }
     let movers = scene.spheres().iter().filter(|sphere| !sphere.fixed);

