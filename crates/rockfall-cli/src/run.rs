@@ -99,9 +99,9 @@ indices that count on: a point of the wall (for a turn one of its axis, else the
 since the start, and the angular velocity in rad/s in place of the angular momentum.
 
 --joints writes the joints of the final state in the columns step,time,joint,position,speed,fx,fy,fz,tx,ty,tz,error, with --every K \
-those of every K-th state: the name of the joint (its number from 0 where it has none), the angle in rad or the length of its free \
-axis and the rate of it, the force and the torque that the joint exerts on its second body at the anchor, which are means over the \
-step, and the distance of its anchors. A broken joint has no numbers.
+those of every K-th state: the name of the joint (its number from 0 where it has none), the angle in rad, or the way or distance in units, \
+and its rate, the force and the torque that the joint exerts on its second body at the anchor, which are means over the \
+step, and by how much the anchors miss what the joint wants. A broken joint has no numbers.
 
 --save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
 beginning of the scene, up to the first empty line, but no other comments. Its line @run has the time step and the integrator of \

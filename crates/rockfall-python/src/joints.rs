@@ -1,5 +1,7 @@
 //! Joints between bodies.
 
+use std::collections::HashMap;
+
 use numpy::PyArray1;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -93,25 +95,14 @@ pub(crate) fn set_joints(target: &Bound<'_, PyAny>, joints: Vec<i64>, fields: Ve
     })
 }
 
-/// Names of all joints, in order of addition.
+/// Numbers and names of all joints, in order of addition.
 #[pyfunction]
-pub(crate) fn joint_names(target: &Bound<'_, PyAny>) -> PyResult<Vec<Option<String>>> {
-    look(target, |scene, _| Ok(scene.joints().iter().map(|joint| joint.name.clone()).collect()))
-}
-
-/// The drives of all joints: a number of each, NaN where there is none.
-#[pyfunction]
-pub(crate) fn joint_numbers<'py>(target: &Bound<'py, PyAny>, field: &str) -> PyResult<Bound<'py, PyArray1<f32>>> {
-    let number = |joint: &Joint| match field {
-        "speed" => joint.speed.unwrap_or(f32::NAN),
-        "max_force" => joint.max_force,
-        "target" => joint.rest(),
-        "stiffness" => joint.stiffness,
-        "damping" => joint.damping,
-        _ => joint.friction,
-    };
-    let numbers: Vec<f32> = look(target, |scene, _| Ok(scene.joints().iter().map(number).collect()))?;
-    Ok(PyArray1::from_vec(target.py(), numbers))
+pub(crate) fn joint_names(target: &Bound<'_, PyAny>) -> PyResult<Vec<(usize, Option<String>)>> {
+    look(target, |scene, ids| {
+        let numbers: HashMap<_, _> = ids.joints.iter().zip(0_usize..).collect();
+        let number = |id| numbers.get(&id).copied().unwrap_or_default();
+        Ok(scene.joint_ids().zip(scene.joints()).map(|(id, joint)| (number(id), joint.name.clone())).collect())
+    })
 }
 
 /// What all joints do: nine numbers and whether it is broken, for each.

@@ -63,7 +63,7 @@ mod _rockfall {
     #[pymodule_export]
     use crate::gauges::{add_gauge, gauges};
     #[pymodule_export]
-    use crate::joints::{add_joint, joint_names, joint_numbers, joint_readings, set_joints};
+    use crate::joints::{add_joint, joint_names, joint_readings, set_joints};
     #[pymodule_export]
     use crate::laws::{
         add_force_law, contact_law, force_laws, impact, remove_force_law, set_contact_law_parameter, set_force_law_parameter,

@@ -62,7 +62,7 @@ def test_joints_are_added_and_removed_while_it_runs() -> None:
     assert len(sim.joints) == 0 and sim.bodies.positions[body, 1] < -1
     x, y, z = sim.bodies.positions[body]
     number = sim.add_joint("ball", None, body, at=[x, y, z])
-    assert number == 1
+    assert number == 1 and sim.joints.ids.tolist() == [1]
     sim.run(60)
     assert sim.bodies.positions[body] == pytest.approx([x, y, z], abs=0.05)
 

@@ -21,6 +21,9 @@ pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulati
     let step = past.step(simulation.report().steps);
     let integrator = simulation.integrator();
     let mut scene = simulation.snapshot()?;
+    let broken = simulation.joints()?.into_iter().map(|joint| joint.broken);
+    let broken: Vec<_> = scene.joint_ids().zip(broken).filter(|(_, broken)| *broken).map(|(id, _)| id).collect();
+    scene.remove_joints(&broken)?;
     let is_rigid = is_rigid(&scene);
     let run = &mut scene.run;
     (run.dt, run.integrator) = (Some(past.dt), Some(integrator.into()));

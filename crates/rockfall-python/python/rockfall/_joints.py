@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import FloatArray, integers, vector
+from rockfall._arrays import FloatArray, IntArray, integers, vector
 from rockfall._bodies import Bodies
 
 if TYPE_CHECKING:
@@ -113,14 +113,18 @@ class JointObjects(Bodies):
             For numbers out of their range, limits that do not contain the position at the start, values that the kind does not have, a
             name that is in use, and ends that are the same body or cannot move.
         """
-        if kind == "distance" and to is None:
-            raise TypeError("to: expected the anchor on b, because the kind is distance")
+        if (kind == "distance") != (to is not None):
+            raise TypeError("to: expected the anchor on b of a distance joint, and of no other one")
+        if axis is not None and kind in ("fixed", "distance"):
+            raise TypeError(f"axis: expected none for the kind {kind}")
         place = (vector("at", at), vector("to", at if to is None else to), vector("axis", _X if axis is None else axis, is_direction=True))
         single = {
             "cone": cone, "speed": speed, "max_force": max_force, "target": target, "stiffness": stiffness or None,
             "damping": damping or None, "friction": friction or None, "break_force": break_force, "break_torque": break_torque,
         }  # fmt: skip
         if limits is not None:
+            if np.shape(limits) != (2,):
+                raise ValueError(f"limits: expected two numbers, got shape {np.shape(limits)}")
             single["lower"], single["upper"] = limits
         numbers = [(field, _number(field, value)) for field, value in single.items() if value is not None]
         self._edited()
@@ -154,7 +158,7 @@ class JointObjects(Bodies):
         LookupError
             For a joint that does not exist.
         TypeError, ValueError
-            For another name, another shape, and numbers out of their range.
+            For another name, another shape, and numbers out of their range. The joints before a wrong one are set.
         """
         ids = np.atleast_1d(integers("joints", joints))
         fields = []
@@ -175,7 +179,8 @@ class JointStates:
         numbers, broken = _rockfall.joint_readings(simulation._native)
         self._rows = numbers.reshape(-1, 9)
         self._broken = np.array(broken, dtype=np.bool_)
-        self._names = _rockfall.joint_names(simulation._native)
+        named = _rockfall.joint_names(simulation._native)
+        self._ids, self._names = [number for number, _ in named], [name for _, name in named]
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -184,6 +189,11 @@ class JointStates:
         array: FloatArray = self._rows[:, columns].copy()
         array.flags.writeable = False
         return array
+
+    @property
+    def ids(self) -> IntArray:
+        """Numbers of the joints, as :meth:`Objects.add_joint` returned them, of shape (N,)."""
+        return np.array(self._ids, dtype=np.int64)
 
     @property
     def names(self) -> list[str | None]:

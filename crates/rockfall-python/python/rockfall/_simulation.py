@@ -281,6 +281,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
             elif flow is not None:
                 found[name] = PlaneFlow(*flow)
         return found
+
     @property
     def joints(self) -> JointStates:
         """What all joints do at present: ``joints.positions``, ``speeds``, ``forces``, ``torques``, ``errors`` and ``broken``."""

@@ -1,5 +1,7 @@
 //! Joints between bodies (docs/physics.md section 11.14).
 
+use std::collections::HashSet;
+
 use glam::{Quat, Vec3};
 
 /// Which motions a joint takes away, and which one is left to its drive. Axes are those of the joint frame of A: the first one is the
@@ -126,10 +128,13 @@ impl JointImpulses {
     /// The impulses of another substep, in proportion to its length `h`. Rows that are no more have none.
     pub(crate) fn begun(self, kind: Kind, drive: &Drive, ratio: f32, h: f32) -> Self {
         let mut own = Self::from_array(self.to_array().map(|impulse| ratio * impulse));
+        if own.to_array().iter().any(|impulse| !impulse.is_finite()) {
+            return Self::default();
+        }
         let unless = |is_gone: bool, impulse: f32| if is_gone { 0.0 } else { impulse };
         own.locked = unless(!drive.locked, own.locked);
-        own.motor = own.motor.clamp(-h * drive.motor_limit, h * drive.motor_limit);
-        own.friction = own.friction.clamp(-h * drive.friction, h * drive.friction);
+        own.motor = within(own.motor, drive.motor_limit, h);
+        own.friction = within(own.friction, drive.friction, h);
         if kind.is_ball() {
             own.angular = own.angular.clamp_length_max(h * drive.friction);
         }
@@ -150,6 +155,11 @@ impl JointImpulses {
     }
 }
 
+/// An impulse within those of a force in `h` seconds. The force may be infinite.
+pub(crate) fn within(impulse: f32, force: f32, h: f32) -> f32 {
+    if force == f32::INFINITY { impulse } else { impulse.clamp(-h * force, h * force) }
+}
+
 /// What changes of a joint in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct JointState {
@@ -164,8 +174,14 @@ pub(crate) struct JointState {
 impl JointState {
     const WORDS: usize = JointImpulses::COUNT + 7;
 
+    /// Nothing of a state that is not finite.
     fn to_words(self) -> [u32; Self::WORDS] {
         let mut words = [0; Self::WORDS];
+        let loads = [self.force, self.torque];
+        if self.impulses.to_array().iter().any(|impulse| !impulse.is_finite()) || loads.iter().any(|load| !load.is_finite()) {
+            words[Self::WORDS - 1] = u32::from(self.broken);
+            return words;
+        }
         let loads = [self.force, self.torque].map(|load| load.to_array());
         let numbers = self.impulses.to_array().into_iter().chain(loads.into_iter().flatten()).map(f32::to_bits);
         words.iter_mut().zip(numbers.chain([u32::from(self.broken)])).for_each(|(word, bits)| *word = bits);
@@ -206,17 +222,21 @@ const FEW: usize = 3;
 impl Joints {
     /// Takes over joints. `has_mass` tells which bodies have mass: joints of one colour share none of these.
     pub(crate) fn new(list: Vec<Joint>, has_mass: &[bool]) -> Self {
-        let mut used: Vec<Vec<bool>> = vec![Vec::new(); has_mass.len()];
+        // Of each body the colours of its joints, and the least one that it has not.
+        let mut used = vec![(HashSet::new(), 0); has_mass.len()];
         let mut sorted: Vec<Vec<u32>> = Vec::new();
         for (number, joint) in (0..).zip(&list) {
             let bodies = joint.ends.map(|end| end.body as usize);
             let heavy = bodies.into_iter().filter(|body| has_mass[*body]);
-            let is_free = |colour: &usize| heavy.clone().all(|body| !used[body].get(*colour).is_some_and(|used| *used));
-            let colour = (0..).find(is_free).unwrap_or_default();
+            let first = heavy.clone().map(|body| used[body].1).max().unwrap_or_default();
+            let is_free = |colour: &usize| heavy.clone().all(|body| !used[body].0.contains(colour));
+            let colour = (first..).find(is_free).unwrap_or_default();
             for body in heavy.clone() {
-                let room = used[body].len().max(colour + 1);
-                used[body].resize(room, false);
-                used[body][colour] = true;
+                let (colours, least) = &mut used[body];
+                colours.insert(colour);
+                while colours.contains(least) {
+                    *least += 1;
+                }
             }
             if colour == sorted.len() {
                 sorted.push(Vec::new());
@@ -229,8 +249,7 @@ impl Joints {
             Some(*end)
         }));
         let states = vec![JointState::default(); list.len()];
-        let count =
-            |joint: &Joint| joint.ends.iter().map(|end| used[end.body as usize].iter().filter(|used| **used).count()).max();
+        let count = |joint: &Joint| joint.ends.iter().map(|end| used[end.body as usize].0.len()).max();
         let frequency = |joint: &Joint| FREQUENCY * FEW as f32 / count(joint).unwrap_or(FEW).max(FEW) as f32;
         let frequencies = list.iter().map(frequency).collect();
         Self { list, states, order: sorted.concat(), colours, frequencies }

@@ -121,9 +121,6 @@ impl Bodies {
         for body in world.springs.list.iter().flat_map(|spring| spring.bodies).chain(ends_of_joints) {
             all.constants[body as usize].sprung = all.constants[body as usize].dynamic;
         }
-        for body in world.joints.list.iter().flat_map(|joint| joint.ends.map(|end| end.body)) {
-            all.constants[body as usize].sprung = all.constants[body as usize].dynamic;
-        }
         all.before.clone_from(&all.motions);
         all
     }

@@ -6,7 +6,7 @@ use glam::{Mat3A, Vec3, Vec3A};
 
 use crate::rigid::frame::bodies::{Bodies, Mass, Motion};
 use crate::rigid::frame::rows::{Pass, Softness};
-use crate::rigid::joints::{Drive, Free, Joint, JointState, Joints};
+use crate::rigid::joints::{Drive, Free, Joint, JointState, Joints, within};
 use crate::rigid::world::RigidWorld;
 use crate::rotate::{product, rotated};
 
@@ -335,15 +335,15 @@ impl Visit {
         if let Some(row) = pivot.free_row(joint.kind.free) {
             let position = pivot.position(joint.kind.free, drive.limits);
             self.spring(joint, &row, position, state, pivot);
+            if !self.biased {
+                self.motor(&row, drive.speed, drive.motor_limit, &mut state.impulses.motor, pivot);
+            }
             if joint.kind.is_ball() {
                 self.resist(drive, state, pivot);
+            } else if !self.biased {
+                self.motor(&row, 0.0, drive.friction, &mut state.impulses.friction, pivot);
             }
             let own = &mut state.impulses;
-            if !self.biased {
-                self.motor(&row, drive.speed, drive.motor_limit, &mut own.motor, pivot);
-                let friction = if joint.kind.is_ball() { 0.0 } else { drive.friction };
-                self.motor(&row, 0.0, friction, &mut own.friction, pivot);
-            }
             let [low, high] = drive.limits;
             self.limit(&row, position - low, &mut own.lower, pivot);
             let opposite = Row { along: -row.along, ..row };
@@ -382,7 +382,7 @@ impl Visit {
         let theta = (0.5 * (1.0 - 1.0 / (stiffness * h * h * row.inverse))).max(0.0);
         let resistance = h * damping + theta * h * h * stiffness;
         let impulse = -(h * stiffness * off + resistance * pivot.speed_of(row)) / (1.0 + resistance * row.inverse);
-        let impulse = impulse.clamp(-h * spring_limit, h * spring_limit);
+        let impulse = within(impulse, spring_limit, h);
         pivot.apply(row, impulse);
         let load = Vec3::from(impulse * row.along);
         if row.angular {
@@ -414,7 +414,7 @@ impl Visit {
             return;
         }
         let before = *kept;
-        *kept = (before - (pivot.speed_of(row) - speed) / row.inverse).clamp(-self.h * most, self.h * most);
+        *kept = within(before - (pivot.speed_of(row) - speed) / row.inverse, most, self.h);
         pivot.apply(row, *kept - before);
     }
 

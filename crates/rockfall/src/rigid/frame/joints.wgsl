@@ -295,7 +295,9 @@ fn close_joint(number: u32) {
     let force = joint_states[at + 3u].xyz / time;
     let torque = joint_states[at + 4u].xyz / time;
     let strengths = joint_row(number, 7u).yz;
-    let breaks = length(force) > strengths.x || length(torque) > strengths.y;
+    // Strengths above are infinite.
+    let most = vec2f(1e38);
+    let breaks = any((vec2f(length(force), length(torque)) > strengths) & (strengths < most));
     joint_states[at + 3u] = vec4f(force, select(0.0, 1.0, breaks));
     joint_states[at + 4u] = vec4f(torque, 0.0);
     if breaks {

@@ -99,20 +99,25 @@ impl Joint {
         not_negative("joint.stiffness", self.stiffness)?;
         not_negative("joint.damping", self.damping)?;
         not_negative("joint.friction", self.friction)?;
-        if let Some(target) = self.target.filter(|_| self.stiffness == 0.0) {
-            return Err(invalid("joint.target", target, "a target together with a stiffness"));
-        }
         if self.max_force.is_nan() || self.max_force < 0.0 {
             return Err(invalid("joint.max_force", self.max_force, "a number, not negative"));
-        }
-        if self.max_force.is_finite() && self.speed.is_none() && !self.has_spring() {
-            let expected = "none without a speed, a stiffness or a damping";
-            return Err(invalid("joint.max_force", self.max_force, expected));
         }
         for (field, strength) in [("joint.break_force", self.break_force), ("joint.break_torque", self.break_torque)] {
             if strength.is_nan() || strength <= 0.0 {
                 return Err(invalid(field, strength, "a number greater than 0"));
             }
+        }
+        Ok(())
+    }
+
+    /// Checks that a new joint has no target without a spring and no bound without a drive. Those of a joint that changes may wait for one.
+    pub(crate) fn check_idle(&self) -> Result<()> {
+        if let Some(target) = self.target.filter(|_| self.stiffness == 0.0) {
+            return Err(invalid("joint.target", target, "a target together with a stiffness"));
+        }
+        if self.max_force.is_finite() && self.speed.is_none() && !self.has_spring() {
+            let expected = "none without a speed, a stiffness or a damping";
+            return Err(invalid("joint.max_force", self.max_force, expected));
         }
         Ok(())
     }

@@ -91,6 +91,7 @@ impl Scene {
     pub fn add_joint(&mut self, mut joint: Joint) -> Result<JointId> {
         [joint.a, joint.b] = joint.anchors().map(|anchor| self.whole_end(anchor));
         joint.validate()?;
+        joint.check_idle()?;
         self.check_joint_ends(&joint)?;
         let is_taken = |name: &&str| self.joints().iter().any(|known| known.name.as_deref() == Some(*name));
         if let Some(name) = joint.name.as_deref().filter(is_taken) {

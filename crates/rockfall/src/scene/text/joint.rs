@@ -87,6 +87,7 @@ impl Reader<'_> {
 
     fn check_joint(&self, joint: &Joint) -> crate::Result<()> {
         joint.validate()?;
+        joint.check_idle()?;
         self.scene.check_joint_ends(joint)?;
         // The positions are not rounded yet.
         self.scene.laid_joint(joint.clone(), true).map(drop)

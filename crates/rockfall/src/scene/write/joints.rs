@@ -142,8 +142,11 @@ impl Writer<'_> {
             ),
             ("cone", joint.cone.map(degrees)),
             ("speed", joint.speed.map(|speed| speed.to_string())),
-            (if joint.kind.turns() { "torque" } else { "force" }, some(joint.max_force, f32::INFINITY)),
-            ("target", joint.target.map(position)),
+            (
+                if joint.kind.turns() { "torque" } else { "force" },
+                some(joint.max_force, f32::INFINITY).filter(|_| joint.speed.is_some() || joint.has_spring()),
+            ),
+            ("target", joint.target.filter(|_| joint.stiffness > 0.0).map(position)),
             ("stiffness", some(joint.stiffness, 0.0)),
             ("damping", some(joint.damping, 0.0)),
             ("friction", some(joint.friction, 0.0)),

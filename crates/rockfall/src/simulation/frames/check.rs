@@ -6,7 +6,7 @@ use crate::scene::Scene;
 use crate::simulation::frames::motions::turns_planes;
 
 fn refused(value: &str) -> Result<()> {
-    let expected = "spheres, capsules, placed bodies, springs, tethers, inlets, outlets, gauges, and as walls boxes, parallelograms, \
+    let expected = "spheres, capsules, placed bodies, joints, springs, tethers, inlets, outlets, gauges, and as walls boxes, parallelograms, \
                     triangles, meshes and planes, still or on motions: the contact law rigid has nothing else yet";
     Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected })
 }

@@ -27,7 +27,7 @@ pub struct JointReading {
     pub force: Vec3,
     /// Torque that the joint exerts on its second body, in mass units²/s²: the mean of the last step.
     pub torque: Vec3,
-    /// By how much the anchors miss each other, in units. Along the axis of a slider they may; a distance joint misses its length.
+    /// By how much the anchors miss each other, in units. Along the axis of a slider they may; a distance joint that keeps its length misses that; 0 if it keeps none.
     pub error: f32,
     /// The joint is broken and exerts nothing any more. The other numbers are 0.
     pub broken: bool,
@@ -173,7 +173,10 @@ impl Simulation {
         if self.frames.is_none() || self.frames_due {
             self.renew_frames()?;
         }
-        let Some(frames) = self.frames.take() else { return Ok(Vec::new()) };
+        let Some(mut frames) = self.frames.take() else { return Ok(Vec::new()) };
+        if std::mem::take(&mut self.drives_due) {
+            frames.set_drives(&self.scene);
+        }
         let read = |(state, motion): (&JointState, JointMotion)| {
             if state.broken {
                 return JointReading { broken: true, ..JointReading::default() };

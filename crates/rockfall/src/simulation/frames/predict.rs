@@ -11,7 +11,7 @@ use crate::report::short_number;
 use crate::rigid::frame::{JointMotion, auto_substeps, least_width, motions_of_joints};
 use crate::rigid::joints::Joint;
 use crate::rigid::spring_bound::SpringBound;
-use crate::scene::Scene;
+use crate::scene::{RunDefaults, Scene};
 
 /// How the solver of the contact law `rigid` takes a scene (docs/physics.md section 11).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,7 @@ impl Scene {
         let heaviest = (0..list.len()).max_by(|one, other| ratio(&list[*one]).total_cmp(&ratio(&list[*other])));
         first.or_else(|| {
             let number = heaviest?;
-            let needed = (4.0 * (ratio(&list[number]) / 100.0).sqrt()).ceil() as u32;
+            let needed = ((4.0 * (ratio(&list[number]) / 100.0).sqrt()).ceil() as u32).min(RunDefaults::MAX_SUBSTEPS);
             let ratio = short_number(ratio(&list[number]).into(), 3);
             let joint = name(number);
             (needed > substeps).then(|| {
