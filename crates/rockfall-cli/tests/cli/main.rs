@@ -9,6 +9,7 @@ mod flow;
 mod full_disk;
 mod gauges;
 mod intent;
+mod joints;
 mod keep;
 mod names;
 mod newcomers;

@@ -19,6 +19,7 @@ mod force_laws;
 mod gauges;
 mod hard;
 mod hard_flow;
+mod hard_joints;
 mod hard_motions;
 mod hard_samples;
 mod hard_springs;

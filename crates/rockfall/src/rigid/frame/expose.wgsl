@@ -6,6 +6,9 @@
 // Thickness of the skin of static shapes, as a share of the width of the moving body.
 const SKIN: f32 = 0.5e-3;
 
+// Flag of a pair while its block is looked at: the moving body is inside the static shape, which covers nothing then.
+const INSIDE: u32 = 0x00200000u;
+
 fn back_turn(q: vec4f) -> vec4f {
     return vec4f(-q.xyz, q.w);
 }
@@ -15,7 +18,7 @@ fn is_covered(block: Block, side: u32, own: u32, place: vec3f, skin: f32) -> boo
     for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
         let sides = pairs[PAIR_ROWS * pair + 3u].xy;
         let other = select(sides.x, sides.y, side == 1u);
-        if other != own {
+        if other != own && (pairs[PAIR_ROWS * pair + 1u].w & INSIDE) == 0u {
             let seen = turned_vector(back_turn(turn_of_collider(other)), place - place_of_collider(other));
             if collide_ball(shape_of_collider(other), skin, seen, 0.0).count > 0u {
                 return true;
@@ -39,13 +42,34 @@ fn least_gap(block: Block, side: u32, first: u32, count: u32, normal: vec3f) -> 
     return least;
 }
 
+// The normal of a pair from the static body to the other one, in coordinates of the static body.
+fn outward_normal(block: Block, side: u32, pair: u32) -> vec3f {
+    let normal = bitcast<vec3f>(pairs[PAIR_ROWS * pair + 2u].xyz);
+    if side == 0u {
+        return normal;
+    }
+    return -turned_vector(back_turn(turn_of(block.b)), turned_vector(turn_of(block.a), normal));
+}
+
+// Marks the pairs whose static shape has the moving body inside.
+fn mark_inside(block: Block, side: u32, width: f32) {
+    for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
+        let face = face_at(pair);
+        if least_gap(block, side, face.first, count_of(face), outward_normal(block, side, pair)) < -0.5 * width {
+            pairs[PAIR_ROWS * pair + 1u].w |= INSIDE;
+        }
+    }
+}
+
 fn expose_block(k: u32) {
     let block = block_at(k);
     if (block.info & FIXED) == 0u || block.pairs < 2u {
         return;
     }
     let side = select(0u, 1u, has_mass(block.a));
-    let skin = SKIN * constants[CONSTANT_ROWS * select(block.b, block.a, side == 1u) + 1u].w;
+    let width = constants[CONSTANT_ROWS * select(block.b, block.a, side == 1u) + 1u].w;
+    let skin = SKIN * width;
+    mark_inside(block, side, width);
     var left = 0u;
     // The pair nearest to its surface.
     var nearest = block.first_pair;
@@ -60,11 +84,7 @@ fn expose_block(k: u32) {
         }
         let sides = pairs[PAIR_ROWS * pair + 3u].xy;
         let own = select(sides.x, sides.y, side == 1u);
-        // From the static body to the other one, in coordinates of the static body.
-        var normal = bitcast<vec3f>(pairs[PAIR_ROWS * pair + 2u].xyz);
-        if side == 1u {
-            normal = -turned_vector(back_turn(turn_of(block.b)), turned_vector(turn_of(block.a), normal));
-        }
+        let normal = outward_normal(block, side, pair);
         var middle = vec3f(0.0);
         for (var point = face.first; point < face.first + count; point++) {
             middle += bitcast<vec3f>(points[POINT_ROWS * point + side].xyz);
@@ -95,6 +115,9 @@ fn expose_block(k: u32) {
     if left == 0u {
         // No point has been moved.
         pairs[PAIR_ROWS * nearest + 1u].w |= points_of_nearest;
+    }
+    for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
+        pairs[PAIR_ROWS * pair + 1u].w &= ~INSIDE;
     }
 }
 

@@ -6,7 +6,7 @@ use glam::{Mat3A, Vec3, Vec3A};
 
 use crate::rigid::frame::bodies::{Bodies, Mass, Motion};
 use crate::rigid::frame::rows::{Pass, Softness};
-use crate::rigid::joints::{Drive, Free, Joint, JointState, Joints, within};
+use crate::rigid::joints::{Drive, Free, Joint, JointState, Joints, Kind, within};
 use crate::rigid::world::RigidWorld;
 use crate::rotate::{product, rotated};
 
@@ -231,6 +231,32 @@ impl Pivot {
         }
     }
 
+    /// What an impulse on B at its anchor and an angular impulse give: the velocity of B at the anchor and its spin, relative to A.
+    fn response(&self, push: Vec3A, turn: Vec3A) -> [Vec3A; 2] {
+        let a = self.mass_a.inverse_inertia * (self.arm_a.cross(push) + turn);
+        let b = self.mass_b.inverse_inertia * (self.arm_b.cross(push) + turn);
+        let linear = self.mass_a.inverse_mass + self.mass_b.inverse_mass;
+        [linear * push + a.cross(self.arm_a) + b.cross(self.arm_b), a + b]
+    }
+
+    /// The impulse of a spring of 1 along the free axis, with what the rows of the joint answer at once: push and angular impulse.
+    fn spring_row(&self, kind: Kind) -> [Vec3A; 2] {
+        let axis = self.free_row(kind.free).map_or(Vec3A::ZERO, |row| row.along);
+        match kind.free {
+            Free::Turn if kind.linear == 0b111 => {
+                let [moved, _] = self.response(Vec3A::ZERO, axis);
+                let columns = Vec3A::AXES.map(|along| self.response(along, Vec3A::ZERO)[0]);
+                [-(inverse(Mat3A::from_cols(columns[0], columns[1], columns[2])) * moved), axis]
+            }
+            Free::Slide if kind.angular == 0b111 => {
+                let [_, turned] = self.response(axis, Vec3A::ZERO);
+                [axis, -(inverse(self.mass_a.inverse_inertia + self.mass_b.inverse_inertia) * turned)]
+            }
+            Free::Turn => [Vec3A::ZERO, axis],
+            _ => [axis, Vec3A::ZERO],
+        }
+    }
+
     /// The position of the free axis.
     fn position(&self, free: Free, limits: [f32; 2]) -> f32 {
         match free {
@@ -334,7 +360,7 @@ impl Visit {
         let drive = &joint.drive;
         if let Some(row) = pivot.free_row(joint.kind.free) {
             let position = pivot.position(joint.kind.free, drive.limits);
-            self.spring(joint, &row, position, state, pivot);
+            self.spring(joint, position, state, pivot);
             if !self.biased {
                 self.motor(&row, drive.speed, drive.motor_limit, &mut state.impulses.motor, pivot);
             }
@@ -371,7 +397,7 @@ impl Visit {
     }
 
     /// The spring, once in a substep. Its impulse stays as it is.
-    fn spring(&self, joint: &Joint, row: &Row, position: f32, state: &mut JointState, pivot: &mut Pivot) {
+    fn spring(&self, joint: &Joint, position: f32, state: &mut JointState, pivot: &mut Pivot) {
         let Drive { stiffness, damping, target, spring_limit, locked, .. } = joint.drive;
         let damping = if joint.kind.is_ball() { 0.0 } else { damping };
         if !self.biased || !self.is_first || locked || (stiffness == 0.0 && damping == 0.0) {
@@ -379,17 +405,18 @@ impl Visit {
         }
         let h = self.h;
         let off = if joint.kind.free == Free::Turn { reduced(position - target, 0.0) } else { position - target };
-        let theta = (0.5 * (1.0 - 1.0 / (stiffness * h * h * row.inverse))).max(0.0);
+        let [push, turn] = pivot.spring_row(joint.kind);
+        let [moved, turned] = pivot.response(push, turn);
+        let inverse = push.dot(moved) + turn.dot(turned);
+        let theta = (0.5 * (1.0 - 1.0 / (stiffness * h * h * inverse))).max(0.0);
         let resistance = h * damping + theta * h * h * stiffness;
-        let impulse = -(h * stiffness * off + resistance * pivot.speed_of(row)) / (1.0 + resistance * row.inverse);
+        let speed = push.dot(pivot.speed()) + turn.dot(pivot.rate());
+        let impulse = -(h * stiffness * off + resistance * speed) / (1.0 + resistance * inverse);
         let impulse = within(impulse, spring_limit, h);
-        pivot.apply(row, impulse);
-        let load = Vec3::from(impulse * row.along);
-        if row.angular {
-            state.torque += load;
-        } else {
-            state.force += load;
-        }
+        pivot.push(impulse * push);
+        pivot.turn(impulse * turn);
+        state.force += Vec3::from(impulse * push);
+        state.torque += Vec3::from(impulse * turn);
     }
 
     /// Friction and damping of a ball, against all rotations.

@@ -160,25 +160,64 @@ fn resist(joint: Joint, ends: ptr<function, Ends>, old: vec3f, biased: bool) -> 
     return kept * joint.axes;
 }
 
-// The impulse of the spring.
-fn spring_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis) -> f32 {
+// The velocity of B at the anchor and its spin, relative to A, that a push gives.
+fn response_to(joint: Joint, ends: ptr<function, Ends>, push: Push) -> Push {
+    let a = respond((*ends).mass_a, cross(joint.arm_a, push.impulse) + push.moment);
+    let b = respond((*ends).mass_b, cross(joint.arm_b, push.impulse) + push.moment);
+    let linear = (*ends).mass_a.inverse + (*ends).mass_b.inverse;
+    return Push(linear * push.impulse + cross(a, joint.arm_a) + cross(b, joint.arm_b), a + b);
+}
+
+// A spring of 1 along the free axis, with what the rows of the joint answer at once.
+fn spring_push(joint: Joint, ends: ptr<function, Ends>, axis: vec3f) -> Push {
+    let zero = vec3f(0.0);
+    let all_rows = vec3<bool>(true);
+    let alone = push_along(joint, axis, 1.0);
+    let answer = response_to(joint, ends, alone);
+    if (joint.flags & TURNS) != 0u && (joint.flags & 7u) == 7u {
+        let x = response_to(joint, ends, Push(vec3f(1.0, 0.0, 0.0), zero)).impulse;
+        let y = response_to(joint, ends, Push(vec3f(0.0, 1.0, 0.0), zero)).impulse;
+        let z = response_to(joint, ends, Push(vec3f(0.0, 0.0, 1.0), zero)).impulse;
+        let k = Tensor(vec3f(x.x, y.y, z.z), vec3f(y.x, z.x, z.y));
+        return Push(solved(k, all_rows, -answer.impulse), axis);
+    }
+    if (joint.flags & SLIDES) != 0u && ((joint.flags >> ANGULAR) & 7u) == 7u {
+        let k = Tensor((*ends).mass_a.diagonal + (*ends).mass_b.diagonal, (*ends).mass_a.beside + (*ends).mass_b.beside);
+        return Push(axis, solved(k, all_rows, -answer.moment));
+    }
+    return alone;
+}
+
+// The push of the spring.
+fn spring_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis) -> Push {
     let h = frame.h;
     let stiffness = joint_row(joint.number, 5u).w;
     let drive = joint_row(joint.number, 6u);
+    let push = spring_push(joint, ends, axis.direction);
+    let answer = response_to(joint, ends, push);
+    let k = dot(push.impulse, answer.impulse) + dot(push.moment, answer.moment);
     // theta h^2 k = (h^2 k - 1 / K) / 2, or 0.
-    let damping = select(h * drive.x, 0.0, is_ball(joint.flags)) + 0.5 * max(h * h * stiffness - axis.lever.inverse, 0.0);
-    let wanted = h * stiffness * beyond_target(joint, axis.position) + damping * rate_of(ends, axis.lever);
+    let damping = select(h * drive.x, 0.0, is_ball(joint.flags)) + 0.5 * max(h * h * stiffness - 1.0 / k, 0.0);
+    let speed = point_speed((*ends).b, joint.arm_b) - point_speed((*ends).a, joint.arm_a);
+    let rate = dot(push.impulse, speed) + dot(push.moment, (*ends).b.spin - (*ends).a.spin);
+    let wanted = h * stiffness * beyond_target(joint, axis.position) + damping * rate;
     let most = h * drive.y;
-    let impulse = clamp(-wanted * (axis.lever.inverse / (axis.lever.inverse + damping)), -most, most);
-    pull_ends(ends, axis.lever, impulse);
-    return impulse;
+    let size = clamp(-wanted / (1.0 + damping * k), -most, most);
+    let all = Push(size * push.impulse, size * push.moment);
+    push_ends(joint, ends, all);
+    return all;
+}
+
+// Velocity of a point at an arm from the centre of a body.
+fn point_speed(motion: Motion, arm: vec3f) -> vec3f {
+    return motion.velocity + cross(motion.spin, arm);
 }
 
 // The rows of the free axis. That of the locked distance comes later. A spring adds its load at once.
 fn solve_free(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<function, Impulses>, biased: bool) {
     let drive = joint_row(joint.number, 6u);
     if biased && is_first_visit && (joint.flags & SPRUNG) != 0u {
-        add_load(joint.number, push_along(joint, axis.direction, spring_row(joint, ends, axis)));
+        add_load(joint.number, spring_row(joint, ends, axis));
     }
     if !biased && drive.w > 0.0 {
         (*own).motor = motor_row(ends, axis.lever, drive.z, frame.h * drive.w, (*own).motor);

@@ -65,7 +65,9 @@ pub(super) fn expose(world: &RigidWorld, bodies: &Bodies, same: &mut [Found]) {
     let Some(side) = static_side(bodies, same[0].bodies).filter(|_| same.len() > 1) else { return };
     let [still, moving] = [same[0].bodies[side], same[0].bodies[1 - side]].map(|body| body as usize);
     let skin = SKIN * 0.5 * world.bodies[moving].width;
-    let covers = Covers::new(world, same.iter().map(|found| found.colliders[side]), skin);
+    // A shape that the body is inside of covers nothing: the way out of it may lead into the other one.
+    let is_inside = |found: &&Found| least_gap(found) < -0.5 * world.bodies[moving].width;
+    let covers = Covers::new(world, same.iter().filter(|found| !is_inside(found)).map(|found| found.colliders[side]), skin);
     let exposed = |found: &Found| -> Vec<usize> {
         let first = &world.colliders[found.colliders[0] as usize];
         // From the shape a to the body without mass.
@@ -85,11 +87,7 @@ pub(super) fn expose(world: &RigidWorld, bodies: &Bodies, same: &mut [Found]) {
     let mut kept: Vec<Vec<usize>> =
         same.iter().map(|found| if is_round(world, found) { all(found) } else { exposed(found) }).collect();
     if kept.iter().all(Vec::is_empty) {
-        let gap = |found: &Found, k: usize| {
-            let point = &found.manifold.points[k];
-            (point.on_b - point.on_a).dot(found.manifold.normal)
-        };
-        let depths = same.iter().map(|found| all(found).iter().map(|k| gap(found, *k)).fold(f32::INFINITY, f32::min).abs());
+        let depths = same.iter().map(|found| least_gap(found).abs());
         let nearest = depths.enumerate().min_by(|(_, one), (_, other)| one.total_cmp(other));
         nearest.into_iter().for_each(|(k, _)| kept[k] = all(&same[k]));
     }
@@ -99,6 +97,12 @@ pub(super) fn expose(world: &RigidWorld, bodies: &Bodies, same: &mut [Found]) {
         }
         found.manifold.count = kept.len();
     }
+}
+
+/// The least separation of the points of a pair.
+fn least_gap(Found { manifold, .. }: &Found) -> f32 {
+    let gaps = manifold.points[..manifold.count].iter().map(|point| (point.on_b - point.on_a).dot(manifold.normal));
+    gaps.fold(f32::INFINITY, f32::min)
 }
 
 fn is_round(world: &RigidWorld, found: &Found) -> bool {

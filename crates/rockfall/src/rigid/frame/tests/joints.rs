@@ -5,7 +5,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use glam::{Quat, Vec3};
 
 use super::scene::{DT, G, Random, Scene, close};
-use crate::rigid::frame::{energy, kinetic_energy, momenta};
+use crate::rigid::frame::{energy, kinetic_energy, momenta, motions_of_joints};
 use crate::rigid::joints::{Drive, End, Joint, Joints, Kind};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
@@ -453,5 +453,42 @@ fn light_hubs_of_heavy_bodies_are_stable() {
         }
         eprintln!("{count} at {hub}: E {highest:.4} and {:.4} of {first:.4}, open by {open}", kinetic_energy(&scene.world));
         assert!(highest < 1.05 * first && open < 0.2, "{count} bodies at a hub of {hub}: {highest} of {first}, open by {open}");
+    }
+}
+
+/// Stiff drives of an arm, of a chain of arms and of a slider come to rest at their targets, and do not gain energy.
+#[test]
+fn stiff_drives_hold_their_targets() {
+    for (kind, stiffness) in
+        [(Kind::HINGE, 1e3), (Kind::HINGE, 1e5), (Kind::HINGE, 1e7), (Kind::SLIDER, 1e3), (Kind::SLIDER, 1e6)]
+    {
+        let mut scene = Scene::new(0.5, 0.0).weightless();
+        let mut before = WORLD;
+        let mut stored = 0.0;
+        for k in 0..3 {
+            let at = k as f32 * Vec3::X;
+            let next = scene.rod(at, at + Vec3::X, 1.0);
+            let joint = scene.joint(kind, [before, next], at, Vec3::Z);
+            let target = 0.1 + 0.05 * k as f32;
+            scene.drive(joint, |drive| (drive.stiffness, drive.target) = (stiffness, target));
+            stored += 0.5 * stiffness * target * target;
+            before = next;
+        }
+        let mut highest = 0.0_f64;
+        for _ in 0..600 {
+            scene.step();
+            highest = highest.max(kinetic_energy(&scene.world));
+        }
+        let off = motions_of_joints(&scene.world);
+        eprintln!(
+            "{kind:?} {stiffness:.0e}: E {highest:.3} of {stored:.3}, then {:.1e}, {off:?}",
+            kinetic_energy(&scene.world)
+        );
+        assert!(highest < 1.1 * f64::from(stored), "{kind:?} {stiffness}: {highest} of {stored}");
+        if stiffness > 1e4 {
+            for (k, motion) in off.iter().enumerate() {
+                close(motion.position, 0.1 + 0.05 * k as f32, 1e-3);
+            }
+        }
     }
 }
