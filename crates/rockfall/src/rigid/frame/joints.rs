@@ -408,7 +408,7 @@ impl Visit {
         let [push, turn] = pivot.spring_row(joint.kind);
         let [moved, turned] = pivot.response(push, turn);
         let inverse = push.dot(moved) + turn.dot(turned);
-        let theta = (0.5 * (1.0 - 1.0 / (stiffness * h * h * inverse))).max(0.0);
+        let theta = (1.0 - 1.0 / (stiffness * h * h * inverse)).max(0.0);
         let resistance = h * damping + theta * h * h * stiffness;
         let speed = push.dot(pivot.speed()) + turn.dot(pivot.rate());
         let impulse = -(h * stiffness * off + resistance * speed) / (1.0 + resistance * inverse);

@@ -196,8 +196,8 @@ fn spring_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis) -> Push {
     let push = spring_push(joint, ends, axis.direction);
     let answer = response_to(joint, ends, push);
     let k = dot(push.impulse, answer.impulse) + dot(push.moment, answer.moment);
-    // theta h^2 k = (h^2 k - 1 / K) / 2, or 0.
-    let damping = select(h * drive.x, 0.0, is_ball(joint.flags)) + 0.5 * max(h * h * stiffness - 1.0 / k, 0.0);
+    // theta h^2 k = h^2 k - 1 / K, or 0.
+    let damping = select(h * drive.x, 0.0, is_ball(joint.flags)) + max(h * h * stiffness - 1.0 / k, 0.0);
     let speed = point_speed((*ends).b, joint.arm_b) - point_speed((*ends).a, joint.arm_a);
     let rate = dot(push.impulse, speed) + dot(push.moment, (*ends).b.spin - (*ends).a.spin);
     let wanted = h * stiffness * beyond_target(joint, axis.position) + damping * rate;
