@@ -1,4 +1,4 @@
-//! Sets of bodies that rods, springs and tethers connect or hold, and where they are along gravity and across it.
+//! Sets of bodies that rods, springs, tethers and joints connect or hold, and where they are along gravity and across it.
 
 use glam::{DVec3, Vec3};
 
@@ -29,7 +29,7 @@ impl Bounds {
     }
 }
 
-/// Bodies that are connected by rods, springs and tethers.
+/// Spheres that are connected by rods, springs, tethers, rigid bodies and joints.
 #[derive(Clone, Debug)]
 pub(super) struct Set {
     /// Where its bodies are.
@@ -54,7 +54,10 @@ pub(super) fn directions(scene: &Scene) -> Option<[DVec3; 3]> {
 impl Scene {
     /// The sets of bodies that rods and springs connect. Fixed spheres, tethers and external forces hold their sets.
     pub(super) fn sets_at_rest(&self) -> BondedSets {
-        let mut sets = self.bonded_sets(|_| true);
+        self.moved_by_forces(self.bonded_sets(|_| true))
+    }
+
+    fn moved_by_forces(&self, mut sets: BondedSets) -> BondedSets {
         for (index, sphere) in self.spheres().iter().enumerate() {
             if sphere.force != Vec3::ZERO {
                 sets.hold(index);
@@ -68,7 +71,7 @@ impl Scene {
 pub(super) fn sets(scene: &Scene, directions: [DVec3; 3]) -> Vec<Set> {
     let (spheres, gravity) = (scene.spheres(), f64::from(scene.settings.gravity.abs()));
     let turn = |point: DVec3| turned(directions, point);
-    let bonded = scene.sets_at_rest();
+    let bonded = scene.moved_by_forces(scene.joined_sets());
     let mut place = vec![u32::MAX; spheres.len()];
     let mut sets: Vec<Set> = Vec::new();
     for (index, (sphere, id)) in spheres.iter().zip(scene.sphere_ids()).enumerate() {

@@ -12,7 +12,7 @@ const COMPARISONS: usize = 50_000_000;
 impl Scene {
     /// One sphere of every set of connected bodies that will fall for ever.
     ///
-    /// Bodies are connected by rods, springs and tethers. A set of them falls for ever if nothing holds it and nothing is below
+    /// Bodies are connected by rods, springs, tethers and joints. A set of them falls for ever if nothing holds it and nothing is below
     /// it: no box, polygon, fixed sphere, held body or other body that does not fall for ever. What is below it is judged by
     /// bounding boxes along gravity, and for the whole direction in which it moves. So some bodies that fall for ever are not
     /// found, for example those that fall through a gap. Without gravity nothing falls.
