@@ -106,7 +106,8 @@ step, and by how much the anchors miss what the joint wants. A broken joint has 
 --save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
 beginning of the scene, up to the first empty line, but no other comments. Its line @run has the time step and the integrator of \
 the run, so `rockfall run FILE.txt` goes on from there, except that a text leaves out the springs of contacts (contact laws linear, \
-hertz-mindlin and user): their friction and cohesion begin anew, and bodies at rest move. --checkpoint keeps the springs.
+hertz-mindlin and user): their friction and cohesion begin anew, and bodies at rest move. Under the law rigid it leaves out the impulses of \
+contacts and joints, which jolt a loaded machine for some steps. --checkpoint keeps all of them.
 
 `mpirun -n N rockfall run SCENE` gives one scene to N processes with the same results, if rockfall was built with the cargo feature mpi. \
 They run on the CPU. The first process prints and writes all files. Scenes with other things than spheres among walls, and \

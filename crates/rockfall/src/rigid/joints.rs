@@ -75,6 +75,15 @@ pub(crate) struct Drive {
     pub(crate) friction: f32,
 }
 
+impl Drive {
+    /// Speed of the motor at a position: it does not push on at a limit.
+    pub(crate) fn speed_at(&self, position: f32) -> f32 {
+        let [low, high] = self.limits;
+        let stops = (position <= low && self.speed < 0.0) || (position >= high && self.speed > 0.0);
+        if stops { 0.0 } else { self.speed }
+    }
+}
+
 impl Default for Drive {
     fn default() -> Self {
         Self {

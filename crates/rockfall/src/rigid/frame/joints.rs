@@ -84,7 +84,7 @@ pub(crate) fn motions_of_joints(world: &RigidWorld) -> Vec<JointMotion> {
     let motion = |joint: &Joint| {
         let pivot = Pivot::new(joint, &bodies);
         let position = pivot.position(joint.kind.free, joint.drive.limits);
-        let speed = pivot.free_row(joint.kind.free).map_or(0.0, |row| pivot.speed_of(&row));
+        let speed = pivot.free_row(joint.kind).map_or(0.0, |row| pivot.speed_of(&row));
         let missed = mask(joint.kind.linear) * (pivot.axes.transpose() * pivot.apart);
         let error = if joint.drive.locked { (position - joint.drive.target).abs() } else { missed.length() };
         JointMotion { position, speed, error }
@@ -197,10 +197,11 @@ impl Pivot {
         self.apart.try_normalize().unwrap_or(self.axes.x_axis)
     }
 
-    /// The row of the free axis.
-    fn free_row(&self, free: Free) -> Option<Row> {
-        match free {
+    /// The row of the free axis. A ball whose axes are almost opposite has no twist.
+    fn free_row(&self, kind: Kind) -> Option<Row> {
+        match kind.free {
             Free::None => None,
+            Free::Turn if kind.is_ball() && self.axes.x_axis.dot(self.other) < OPPOSITE => None,
             Free::Turn => Some(self.angular_row(self.twist_axis())),
             Free::Slide => Some(self.linear_row(self.axes.x_axis)),
             Free::Line => Some(self.linear_row(self.line())),
@@ -241,7 +242,7 @@ impl Pivot {
 
     /// The impulse of a spring of 1 along the free axis, with what the rows of the joint answer at once: push and angular impulse.
     fn spring_row(&self, kind: Kind) -> [Vec3A; 2] {
-        let axis = self.free_row(kind.free).map_or(Vec3A::ZERO, |row| row.along);
+        let axis = self.free_row(kind).map_or(Vec3A::ZERO, |row| row.along);
         match kind.free {
             Free::Turn if kind.linear == 0b111 => {
                 let [moved, _] = self.response(Vec3A::ZERO, axis);
@@ -358,33 +359,21 @@ impl Visit {
     /// The rows of the free axis and of the cone.
     fn drive(&self, joint: &Joint, state: &mut JointState, pivot: &mut Pivot) {
         let drive = &joint.drive;
-        if let Some(row) = pivot.free_row(joint.kind.free) {
-            let position = pivot.position(joint.kind.free, drive.limits);
-            self.spring(joint, position, state, pivot);
-            if !self.biased {
-                self.motor(&row, drive.speed, drive.motor_limit, &mut state.impulses.motor, pivot);
+        let free = pivot.free_row(joint.kind).map(|row| (row, pivot.position(joint.kind.free, drive.limits)));
+        match &free {
+            Some((row, position)) => {
+                self.spring(joint, *position, state, pivot);
+                if !self.biased {
+                    self.motor(row, drive.speed_at(*position), drive.motor_limit, &mut state.impulses.motor, pivot);
+                }
             }
-            if joint.kind.is_ball() {
-                self.resist(drive, state, pivot);
-            } else if !self.biased {
-                self.motor(&row, 0.0, drive.friction, &mut state.impulses.friction, pivot);
-            }
-            let own = &mut state.impulses;
-            let [low, high] = drive.limits;
-            self.limit(&row, position - low, &mut own.lower, pivot);
-            let opposite = Row { along: -row.along, ..row };
-            self.limit(&opposite, high - position, &mut own.upper, pivot);
-            if drive.locked {
-                let speed = pivot.speed_of(&row);
-                let step = if self.biased {
-                    -(self.soft.mass * speed + self.soft.rate * (position - drive.target)) / row.inverse
-                        - self.soft.impulse * own.locked
-                } else {
-                    -speed / row.inverse
-                };
-                own.locked += step;
-                pivot.apply(&row, step);
-            }
+            None => (state.impulses.motor, state.impulses.lower, state.impulses.upper) = (0.0, 0.0, 0.0),
+        }
+        if joint.kind.is_ball() {
+            self.resist(drive, state, pivot);
+        }
+        if let Some((row, position)) = free {
+            self.hold(joint, &row, position, state, pivot);
         }
         if drive.cone.is_finite()
             && let Some(direction) = pivot.swing()
@@ -393,6 +382,29 @@ impl Visit {
             let angle = libm::atan2f(sine, pivot.axes.x_axis.dot(pivot.other));
             let row = pivot.angular_row(-direction);
             self.limit(&row, drive.cone - angle, &mut state.impulses.cone, pivot);
+        }
+    }
+
+    /// Friction, limits and a locked distance.
+    fn hold(&self, joint: &Joint, row: &Row, position: f32, state: &mut JointState, pivot: &mut Pivot) {
+        let (drive, own) = (&joint.drive, &mut state.impulses);
+        if !joint.kind.is_ball() && !self.biased {
+            self.motor(row, 0.0, drive.friction, &mut own.friction, pivot);
+        }
+        let [low, high] = drive.limits;
+        self.limit(row, position - low, &mut own.lower, pivot);
+        let opposite = Row { along: -row.along, ..*row };
+        self.limit(&opposite, high - position, &mut own.upper, pivot);
+        if drive.locked {
+            let speed = pivot.speed_of(row);
+            let step = if self.biased {
+                -(self.soft.mass * speed + self.soft.rate * (position - drive.target)) / row.inverse
+                    - self.soft.impulse * own.locked
+            } else {
+                -speed / row.inverse
+            };
+            own.locked += step;
+            pivot.apply(row, step);
         }
     }
 

@@ -216,20 +216,31 @@ fn point_speed(motion: Motion, arm: vec3f) -> vec3f {
 // The rows of the free axis. That of the locked distance comes later. A spring adds its load at once.
 fn solve_free(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<function, Impulses>, biased: bool) {
     let drive = joint_row(joint.number, 6u);
-    if biased && is_first_visit && (joint.flags & SPRUNG) != 0u {
+    let limits = joint_row(joint.number, 5u).xy;
+    // A ball whose axes are almost opposite has no twist.
+    let has_row = !is_ball(joint.flags) || dot(joint.axes[0], joint.other) >= -0.9;
+    if has_row && biased && is_first_visit && (joint.flags & SPRUNG) != 0u {
         add_load(joint.number, spring_row(joint, ends, axis));
     }
-    if !biased && drive.w > 0.0 {
-        (*own).motor = motor_row(ends, axis.lever, drive.z, frame.h * drive.w, (*own).motor);
+    if has_row && !biased && drive.w > 0.0 {
+        // At a limit a motor does not push on.
+        let stops = ((joint.flags & LOWER) != 0u && axis.position <= limits.x && drive.z < 0.0)
+            || ((joint.flags & UPPER) != 0u && axis.position >= limits.y && drive.z > 0.0);
+        (*own).motor = motor_row(ends, axis.lever, select(drive.z, 0.0, stops), frame.h * drive.w, (*own).motor);
     }
     if is_ball(joint.flags) {
         (*own).angular = resist(joint, ends, (*own).angular, biased);
+    }
+    if !has_row {
+        (*own).motor = 0.0;
+        (*own).lower = 0.0;
+        (*own).upper = 0.0;
+        return;
     }
     let friction = joint_row(joint.number, 7u).x;
     if !biased && friction > 0.0 && !is_ball(joint.flags) {
         (*own).friction = motor_row(ends, axis.lever, 0.0, frame.h * friction, (*own).friction);
     }
-    let limits = joint_row(joint.number, 5u).xy;
     if (joint.flags & LOWER) != 0u {
         (*own).lower = limit_row(ends, axis.lever, 1.0, axis.position - limits.x, (*own).lower, biased);
     }

@@ -261,6 +261,23 @@ fn limits_of_almost_a_turn_hold() {
     }
 }
 
+/// A motor of any strength stops at its limits, and does not push through them.
+#[test]
+fn motors_stop_at_limits() {
+    for (kind, speed) in [(Kind::HINGE, -0.5), (Kind::HINGE, 5.0), (Kind::SLIDER, 1.0), (Kind::SLIDER, -10.0)] {
+        for force in [3.0, 1e4, f32::INFINITY] {
+            let mut scene = Scene::new(0.5, 0.0).weightless();
+            let rod = scene.rod(Vec3::ZERO, Vec3::X, 1.0);
+            let joint = scene.joint(kind, [WORLD, rod], Vec3::ZERO, Vec3::Z);
+            scene.drive(joint, |drive| (drive.speed, drive.motor_limit, drive.limits) = (speed, force, [-0.3, 0.3]));
+            scene.run(3.0);
+            let position = motions_of_joints(&scene.world)[joint].position;
+            assert!((position - 0.3 * speed.signum()).abs() < 2e-2, "{kind:?} at {speed} with {force}: {position}");
+            assert!(kinetic_energy(&scene.world) < 1e-4, "{kind:?} at {speed} with {force}");
+        }
+    }
+}
+
 /// A cone holds a ball joint, and the twist has its limits.
 #[test]
 fn cones_and_twists_hold_ball_joints() {
