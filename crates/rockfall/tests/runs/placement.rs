@@ -77,7 +77,7 @@ fn a_suggestion_removes_every_warning() {
 #[test]
 fn bodies_that_joints_hold_do_not_fall_for_ever() {
     let text = "set contact_law rigid\nset gravity 9.81\n@body bar mass=2\nB 0 0 0 1 0 0 0 0.1 0 0 0 0.1\n@end\n\
-                @place bar at=0,0,0 name=one\n@place bar at=1,0,0 name=two\n@place bar at=5,0,0 name=three\n@place bar at=6,0,0\n\
+                @place bar at=0,0,0 name=one\n@place bar at=1,0,0 name=two\n@place bar at=5,0,0 name=three\n@place bar at=60,0,0\n\
                 @joint hinge world one at=0,0,0 axis=0,0,1\n@joint ball one two at=1,0,0\n@joint ball three two at=5,0,0\n";
     let scene = Scene::parse(text, std::path::Path::new("chain.txt")).unwrap().scene;
     let falling = scene.placement().unwrap().falling;
