@@ -76,11 +76,11 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
-    /// Speed of the motor at a position: it does not push on at a limit.
-    pub(crate) fn speed_at(&self, position: f32) -> f32 {
+    /// The greatest force of the motor at a position: it does not push on at a limit.
+    pub(crate) fn motor_limit_at(&self, position: f32) -> f32 {
         let [low, high] = self.limits;
         let stops = (position <= low && self.speed < 0.0) || (position >= high && self.speed > 0.0);
-        if stops { 0.0 } else { self.speed }
+        if stops { 0.0 } else { self.motor_limit }
     }
 }
 

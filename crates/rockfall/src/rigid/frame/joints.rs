@@ -364,7 +364,7 @@ impl Visit {
             Some((row, position)) => {
                 self.spring(joint, *position, state, pivot);
                 if !self.biased {
-                    self.motor(row, drive.speed_at(*position), drive.motor_limit, &mut state.impulses.motor, pivot);
+                    self.motor(row, drive.speed, drive.motor_limit_at(*position), &mut state.impulses.motor, pivot);
                 }
             }
             None => (state.impulses.motor, state.impulses.lower, state.impulses.upper) = (0.0, 0.0, 0.0),
@@ -449,7 +449,7 @@ impl Visit {
 
     /// A row towards a speed, with a greatest force.
     fn motor(&self, row: &Row, speed: f32, most: f32, kept: &mut f32, pivot: &mut Pivot) {
-        if most == 0.0 {
+        if most == 0.0 && *kept == 0.0 {
             return;
         }
         let before = *kept;

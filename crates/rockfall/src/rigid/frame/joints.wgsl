@@ -226,7 +226,7 @@ fn solve_free(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<
         // At a limit a motor does not push on.
         let stops = ((joint.flags & LOWER) != 0u && axis.position <= limits.x && drive.z < 0.0)
             || ((joint.flags & UPPER) != 0u && axis.position >= limits.y && drive.z > 0.0);
-        (*own).motor = motor_row(ends, axis.lever, select(drive.z, 0.0, stops), frame.h * drive.w, (*own).motor);
+        (*own).motor = motor_row(ends, axis.lever, drive.z, select(frame.h * drive.w, 0.0, stops), (*own).motor);
     }
     if is_ball(joint.flags) {
         (*own).angular = resist(joint, ends, (*own).angular, biased);
