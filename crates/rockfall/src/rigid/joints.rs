@@ -76,11 +76,16 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
-    /// The greatest force of the motor at a position: it does not push on at a limit.
-    pub(crate) fn motor_limit_at(&self, position: f32) -> f32 {
-        let [low, high] = self.limits;
-        let stops = (position <= low && self.speed < 0.0) || (position >= high && self.speed > 0.0);
-        if stops { 0.0 } else { self.motor_limit }
+    /// Speed and greatest force of the motor at a position: in a substep of `h` it goes no farther than to its limit, and at the limit it
+    /// does not push on.
+    pub(crate) fn motor_at(&self, position: f32, h: f32) -> [f32; 2] {
+        let [low, high] = self.limits.map(|limit| (limit - position) / h);
+        match self.speed {
+            speed if speed < 0.0 && low >= 0.0 || speed > 0.0 && high <= 0.0 => [0.0, 0.0],
+            speed if speed < 0.0 => [speed.max(low), self.motor_limit],
+            speed if speed > 0.0 => [speed.min(high), self.motor_limit],
+            speed => [speed, self.motor_limit],
+        }
     }
 }
 

@@ -364,7 +364,8 @@ impl Visit {
             Some((row, position)) => {
                 self.spring(joint, *position, state, pivot);
                 if !self.biased {
-                    self.motor(row, drive.speed, drive.motor_limit_at(*position), &mut state.impulses.motor, pivot);
+                    let [speed, most] = drive.motor_at(*position, self.h);
+                    self.motor(row, speed, most, &mut state.impulses.motor, pivot);
                 }
             }
             None => (state.impulses.motor, state.impulses.lower, state.impulses.upper) = (0.0, 0.0, 0.0),

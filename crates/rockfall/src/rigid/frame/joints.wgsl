@@ -114,6 +114,22 @@ fn motor_row(ends: ptr<function, Ends>, lever: Lever, speed: f32, most: f32, old
     return next;
 }
 
+// The motor in reach of a limit: in a substep it goes no farther than to its limit, and there it does not push on.
+fn held_motor(ends: ptr<function, Ends>, axis: FreeAxis, flags: u32, limits: vec2f, drive: vec2f, old: f32) -> f32 {
+    let reach = (limits - vec2f(axis.position)) / frame.h;
+    var speed = drive.x;
+    var most = drive.y;
+    if (flags & LOWER) != 0u && drive.x < 0.0 {
+        speed = max(drive.x, min(reach.x, 0.0));
+        most = select(most, 0.0, reach.x >= 0.0);
+    }
+    if (flags & UPPER) != 0u && drive.x > 0.0 {
+        speed = min(drive.x, max(reach.y, 0.0));
+        most = select(most, 0.0, reach.y <= 0.0);
+    }
+    return motor_row(ends, axis.lever, speed, most, old);
+}
+
 // A row that keeps a gap open, which grows along the lever or, with the side -1, against it.
 fn limit_row(ends: ptr<function, Ends>, lever: Lever, side: f32, gap: f32, old: f32, biased: bool) -> f32 {
     let rate = side * rate_of(ends, lever);
@@ -223,10 +239,7 @@ fn solve_free(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<
         add_load(joint.number, spring_row(joint, ends, axis));
     }
     if has_row && !biased && drive.w > 0.0 {
-        // At a limit a motor does not push on.
-        let stops = ((joint.flags & LOWER) != 0u && axis.position <= limits.x && drive.z < 0.0)
-            || ((joint.flags & UPPER) != 0u && axis.position >= limits.y && drive.z > 0.0);
-        (*own).motor = motor_row(ends, axis.lever, drive.z, select(frame.h * drive.w, 0.0, stops), (*own).motor);
+        (*own).motor = held_motor(ends, axis, joint.flags, limits, vec2f(drive.z, frame.h * drive.w), (*own).motor);
     }
     if is_ball(joint.flags) {
         (*own).angular = resist(joint, ends, (*own).angular, biased);
