@@ -53,12 +53,13 @@ pub(crate) fn add_joint(
     target: &Bound<'_, PyAny>,
     kind: &str,
     ends: (End, End),
-    (at, to, axis): Place,
+    place: Place,
     numbers: Vec<(String, f32)>,
     collide: bool,
     name: Option<String>,
 ) -> PyResult<usize> {
     let kind: JointKind = kind.parse().or_raise()?;
+    let (at, to, axis) = place;
     let [at, to, axis] = [at, to, axis].map(DVec3::from_array);
     with_states(target, |doors, ids| {
         let (a, b) = (anchor(ids, &ends.0)?, anchor(ids, &ends.1)?);
