@@ -215,6 +215,16 @@ impl JointState {
     }
 }
 
+/// Pairs of bodies that do not collide, in ascending order.
+#[derive(Clone, Debug)]
+pub(crate) struct Apart(Vec<[u32; 2]>);
+
+impl Apart {
+    pub(crate) fn contains(&self, a: u32, b: u32) -> bool {
+        self.0.binary_search(&[a.min(b), a.max(b)]).is_ok()
+    }
+}
+
 /// All joints of a world, in order of addition.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Joints {
@@ -297,10 +307,10 @@ impl Joints {
         pairs
     }
 
-    /// Pairs of bodies that do not collide at present, in ascending order.
-    pub(crate) fn apart_now(&self) -> Vec<[u32; 2]> {
+    /// The pairs of bodies that do not collide at present.
+    pub(crate) fn apart_now(&self) -> Apart {
         let present = self.apart().into_iter().filter(|(_, number)| !self.states[*number as usize].broken);
-        present.map(|(pair, _)| pair).collect()
+        Apart(present.map(|(pair, _)| pair).collect())
     }
 
     /// Marks the joints whose load of the last frame was more than they bear. Their number.

@@ -38,11 +38,10 @@ pub(super) fn manifolds(world: &RigidWorld, bodies: &Bodies, before: Option<(&Bo
 pub(super) fn candidates(world: &RigidWorld, bodies: &Bodies) -> Vec<(u32, u32)> {
     let boxes: Vec<Aabb> = world.colliders.iter().map(|collider| bounds(world, bodies, collider)).collect();
     let apart = world.joints.apart_now();
-    let is_apart = |a: u32, b: u32| apart.binary_search(&[a.min(b), a.max(b)]).is_ok();
     let may_touch = |i: usize, j: usize| {
         let [a, b] = [i, j].map(|k| &world.colliders[k]);
         let [heavy, light] = [a, b].map(|collider| bodies.masses[collider.body as usize].inverse_mass);
-        a.body != b.body && a.group == b.group && (heavy > 0.0 || light > 0.0) && !is_apart(a.body, b.body)
+        a.body != b.body && a.group == b.group && (heavy > 0.0 || light > 0.0) && !apart.contains(a.body, b.body)
     };
     broad::pairs(&boxes, may_touch)
 }

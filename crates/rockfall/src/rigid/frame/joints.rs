@@ -8,7 +8,7 @@ use crate::rigid::frame::bodies::{Bodies, Mass, Motion};
 use crate::rigid::frame::rows::{Pass, Softness};
 use crate::rigid::joints::{Drive, Free, Joint, JointState, Joints, Kind, within};
 use crate::rigid::world::RigidWorld;
-use crate::rotate::{product, rotated};
+use crate::rotate::{back, product, rotated};
 
 /// Damping ratio of the rows.
 const DAMPING: f32 = 2.0;
@@ -134,7 +134,7 @@ impl Pivot {
         let [own, other] = [product(pose_a.turn, end_a.turn), product(pose_b.turn, end_b.turn)];
         let arm_b = Vec3A::from(rotated(pose_b.turn, end_b.place));
         let arm_a = between + arm_b;
-        let relative = product(own.conjugate(), other);
+        let relative = product(back(own), other);
         let sign = if relative.w < 0.0 { -1.0 } else { 1.0 };
         Self {
             a: bodies.motions[a],

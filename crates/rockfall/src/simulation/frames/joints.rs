@@ -27,7 +27,8 @@ pub struct JointReading {
     pub force: Vec3,
     /// Torque that the joint exerts on its second body, in mass units²/s²: the mean of the last step.
     pub torque: Vec3,
-    /// By how much the anchors miss each other, in units. Along the axis of a slider they may; a distance joint that keeps its length misses that; 0 if it keeps none.
+    /// By how much the anchors miss each other, in units. Along the axis of a slider they may. A distance joint that keeps its
+    /// length misses that; it is 0 if the joint keeps none.
     pub error: f32,
     /// The joint is broken and exerts nothing any more. The other numbers are 0.
     pub broken: bool,
@@ -150,8 +151,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Changes the limits, the motor, the spring, the friction, the length and the strength of a joint, from the next step on. This is cheap: a
-    /// controller may do it in every step.
+    /// Changes the limits, the motor, the spring, the friction, the length and the strength of a joint, from the next step on.
+    /// This is cheap: a controller may do it in every step.
     ///
     /// # Errors
     /// As for [`Scene::update_joint`].
