@@ -41,7 +41,8 @@ fn wrong_names_of_the_file_are_errors() {
         ("--tensions a.csv --trace a.csv", "--tensions and --trace name the same file"),
         (
             "--every 2",
-            "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE, --gauges FILE or --bodies FILE",
+            "--every needs a file to write to: expected --out FILE, --contacts FILE, --tensions FILE, --gauges FILE, --bodies FILE or \
+             --joints FILE",
         ),
     ] {
         let (_, err) = rockfall.run(&format!("run scene.txt --backend cpu --steps 1 {more}"), 2);
