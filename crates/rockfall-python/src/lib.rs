@@ -87,7 +87,7 @@ mod _rockfall {
     #[pymodule_export]
     use crate::picture::{Picture, Studio, framing, trails_of, warning_of_letters};
     #[pymodule_export]
-    use crate::scene::Scene;
+    use crate::scene::{Scene, group_meets, set_group_meets};
     #[pymodule_export]
     use crate::shared::SharedArray;
     #[pymodule_export]

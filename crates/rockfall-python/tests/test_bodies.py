@@ -74,3 +74,23 @@ def test_states_of_bodies_are_read_only_copies() -> None:
         for field in ("positions", "orientations", "velocities", "angular_momenta"):
             with pytest.raises(ValueError, match="read-only"):
                 getattr(bodies, field)[0] = 1
+
+
+def test_groups_meet_those_of_their_list() -> None:
+    scene = rf.Scene()
+    scene.settings.contact_law = "rigid"
+    ball = scene.add_shape(rf.Shape(mass=1.0).sphere([0, 0, 0], 0.5, group=2))
+    # Without a list, the balls of group 2 fall through the floor of group 0.
+    scene.add_boxes([[-5, -1, -5]], [[[10, 0, 0], [0, 1, 0], [0, 0, 10]]])
+    scene.add_bodies(ball, positions=[[0, 2, 0], [0.3, 3.2, 0]])
+    assert scene.group_meets(2) is None
+    scene.set_group_meets(2, [0])
+    assert scene.group_meets(2) == [0]
+    sim = rf.Simulation(scene, backend="cpu")
+    sim.run(120)
+    # They lie on the floor, one inside the other.
+    np.testing.assert_allclose(sim.bodies.positions[:, 1], 0.5, atol=0.01)
+    with pytest.raises(ValueError, match="group: expected integers from 0 to 65535"):
+        scene.set_group_meets(-1, [0])
+    with pytest.raises(ValueError, match="group.meets = 31 groups is not allowed"):
+        scene.set_group_meets(2, range(40))

@@ -7,6 +7,7 @@
 //! | [`collide`] | the contact points of two shapes in a relative pose |
 //! | [`common`] | constants and the report of a frame, for the CPU and a device |
 //! | [`broad`] | pairs of AABBs that overlap |
+//! | [`groups`] | which colliders touch each other |
 //! | [`history`] | what is kept from frame to frame |
 //! | [`world`] | bodies, colliders and materials of a scene |
 //! | [`springs`], [`spring_bound`] | springs, tethers and muscles, and the substep that they bound |
@@ -23,6 +24,7 @@ pub(crate) mod common;
 pub(crate) mod frame;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(crate) mod gpu;
+pub(crate) mod groups;
 pub(crate) mod history;
 pub(crate) mod joints;
 pub(crate) mod pose;

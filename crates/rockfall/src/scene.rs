@@ -12,6 +12,7 @@ mod checks;
 mod colour;
 mod contact_law;
 mod gauge;
+mod groups;
 mod implied;
 mod inlet;
 mod joint;
@@ -49,6 +50,7 @@ pub(crate) use colour::is_hexadecimal;
 pub(crate) use contact_law::{Dampings, TANGENTIAL_RATIO};
 pub(crate) use gauge::Front;
 pub use gauge::{Gauge, Gauged};
+use groups::Groups;
 pub(crate) use implied::{AnyForm, BodyHandles, Form, ImpliedBody, WholeBody};
 pub(crate) use inlet::{FlowState, InletState, Passed, Sum};
 pub use inlet::{GrainMass, Inlet, Outlet, Radii, Rate, SizedBy};
@@ -102,6 +104,7 @@ pub struct Scene {
     pub(crate) springs: Registry<Spring>,
     pub(crate) tethers: Registry<Tether>,
     pub(crate) joints: Registry<Joint>,
+    pub(crate) groups: Groups,
     pub(crate) boxes: Registry<Cuboid>,
     pub(crate) polygons: Registry<Polygon>,
     pub(crate) motions: Registry<Motion>,
@@ -165,6 +168,7 @@ impl Scene {
             springs: Registry::new(number, "spring"),
             tethers: Registry::new(number, "tether"),
             joints: Registry::new(number, "joint"),
+            groups: Groups::default(),
             boxes: Registry::new(number, "box"),
             polygons: Registry::new(number, "polygon"),
             motions: Registry::new(number, "motion"),

@@ -6,9 +6,10 @@ import os
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from rockfall import _rockfall
-from rockfall._arrays import time_step, whole
+from rockfall._arrays import integers, time_step, whole
 from rockfall._look import number
 from rockfall._objects import Objects
 from rockfall._periodic import AXES
@@ -78,6 +79,25 @@ class Scene(Objects):
             raise ValueError("low, high: expected both bounds, or none of them")
         bounds = None if low is None or high is None else [float(low), float(high)]
         _rockfall.set_periodic(self._native, AXES.index(axis), bounds)
+
+    def set_group_meets(self, group: int, meets: npt.ArrayLike) -> None:
+        """Set the groups whose objects those of ``group`` touch: ``meets`` has their numbers (0 to 65535), of shape (N,), in any order.
+
+        Without a list, a group touches itself alone. With one, it touches the groups of its list, and itself only if the list has it; and
+        those whose lists have it. Needs the contact law ``"rigid"``.
+
+        Raises
+        ------
+        ValueError
+            For numbers that are no groups, or more than 30 groups that have a list or are in one.
+        """
+        number = int(integers("group", group, 1, dtype=np.uint16)[0])
+        listed = integers("meets", meets, dtype=np.uint16)
+        _rockfall.set_group_meets(self._native, number, [int(other) for other in listed])
+
+    def group_meets(self, group: int) -> list[int] | None:
+        """The groups in the list of ``group`` (:meth:`set_group_meets`), in ascending order. ``None`` without a list."""
+        return _rockfall.group_meets(self._native, int(integers("group", group, 1, dtype=np.uint16)[0]))
 
     def set_shear(self, rate: float | None, *, gradient: str = "y", flow: str = "x") -> None:
         """Shear a periodic scene with ``rate`` (1/s): the box above along the axis ``gradient`` moves along the axis ``flow``, so that

@@ -2,6 +2,7 @@
 
 use glam::{Mat3, Quat, Vec3};
 
+use crate::rigid::groups::GroupWords;
 use crate::rigid::history::History;
 use crate::rigid::joints::Joints;
 use crate::rigid::pose::Pose;
@@ -60,8 +61,8 @@ pub(crate) struct Collider {
     pub(crate) shape: u32,
     /// Its place in coordinates of the body, from the centre of mass.
     pub(crate) place: Pose,
-    /// Colliders of different groups never touch.
-    pub(crate) group: u16,
+    /// Which colliders it touches.
+    pub(crate) group: GroupWords,
     /// Number of its material; 0 for none.
     pub(crate) material: u16,
     /// Velocity of its surface relative to its body, in units/s, like that of a conveyor. Along the axes of the body.

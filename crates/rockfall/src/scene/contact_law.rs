@@ -40,6 +40,7 @@ impl Scene {
             return refused(format!("{law} with a hull"), "rigid: hulls need `set contact_law rigid`");
         }
         self.check_joints()?;
+        self.check_groups()?;
         if !law.has_history() {
             return Ok(());
         }

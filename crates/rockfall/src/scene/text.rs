@@ -10,7 +10,7 @@
 //! | `B x y z` + three edges | a box |
 //! | `T ref x y z k l c` | a tether |
 //! | `set NAME VALUE` | nothing: sets a physical constant |
-//! | `@group N` | nothing: the objects of the lines below belong to group N |
+//! | `@group N meets=N,N...` | nothing: the objects of the lines below belong to group N. With `meets=`, the group touches those of the list ([`Scene::set_group_meets`]) |
 //! | `@orientation ref w x y z` | nothing: sets the orientation of that sphere |
 //! | `@force ref x y z` | nothing: sets the external force on that sphere |
 //! | `@muscle amplitude frequency phase` | nothing: the rest length of the spring added last oscillates |
@@ -87,6 +87,7 @@ use joint::Named;
 use line::{BALL, CONE, CYLINDER, GROUP, HULL, Line, PLANE, TETHER, Wrong};
 
 use repeat::{Block, Copy};
+use values::Values;
 
 pub(super) use smooth::line_of;
 
@@ -391,10 +392,31 @@ impl<'a> Reader<'a> {
     }
 
     fn group(&mut self, line: &str) -> Line<()> {
-        let ([group], []) = GROUP.read::<1, 0>(line)?;
+        let (own, list) =
+            line.split_at(line.find('=').map_or(line.len(), |at| line[..at].rfind(char::is_whitespace).unwrap_or(at)));
+        let ([group], []) = GROUP.read::<1, 0>(own)?;
         self.group =
             group.try_into().map_err(|_| GROUP.wrong("number", format!("{group} is too large, expected 0 to {}", u16::MAX)))?;
-        Ok(())
+        match Values::read(&GROUP, &["meets"], list.split_ascii_whitespace())?.of("meets") {
+            Some(list) => self.meets(list),
+            None => Ok(()),
+        }
+    }
+
+    /// Sets the list of the present group.
+    fn meets(&mut self, list: &str) -> Line<()> {
+        let expected = format!("expected whole numbers from 0 to {} with commas, or none", u16::MAX);
+        let group = |word: &str| {
+            word.parse::<u16>().map_err(|_| GROUP.wrong("meets", format!("{} is not a group, {expected}", quoted(word))))
+        };
+        let words = if list == "none" { Vec::new() } else { list.split(',').collect() };
+        let mut groups = words.into_iter().map(group).collect::<Line<Vec<u16>>>()?;
+        groups.sort_unstable();
+        groups.dedup();
+        if self.scene.group_meets(self.group).is_some_and(|before| before != groups) {
+            return Err(GROUP.wrong("meets", format!("group {} has another list already", self.group)));
+        }
+        self.scene.set_group_meets(self.group, groups).map_err(|error| GROUP.refused(&error))
     }
 }
 

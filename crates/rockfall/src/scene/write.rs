@@ -48,6 +48,7 @@ impl Scene {
         writer.periods();
         writer.materials();
         writer.motions();
+        writer.groups();
         writer.shapes();
         writer.spheres_and_rods();
         writer.springs_and_tethers();
@@ -145,6 +146,16 @@ impl Writer<'_> {
             let _ = write!(self.text, " {number}");
         }
         self.text.push('\n');
+    }
+
+    /// Writes the groups that have a list of those that they meet.
+    fn groups(&mut self) {
+        for (group, met) in self.scene.groups.lists() {
+            let met: Vec<String> = met.iter().map(u16::to_string).collect();
+            let list = if met.is_empty() { "none".to_owned() } else { met.join(",") };
+            let _ = writeln!(self.text, "@group {group} meets={list}");
+            self.group = group;
+        }
     }
 
     /// Writes lines that set the group and the material of the following objects, if they change.

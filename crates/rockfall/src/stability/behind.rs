@@ -31,7 +31,7 @@ impl Scene {
             let record = PolygonRecord::of(face);
             let is_behind = |sphere: &Sphere| {
                 let (_, height, inside) = point_over_polygon(&record, sphere.position);
-                inside && height < 0.0 && height > -sphere.radius && sphere.group == face.group
+                inside && height < 0.0 && height > -sphere.radius && self.groups_touch(sphere.group, face.group)
             };
             let (index, _) = movers().find(|(_, sphere)| is_behind(sphere))?;
             Some(self.describe_behind(index, number, "overlaps it"))

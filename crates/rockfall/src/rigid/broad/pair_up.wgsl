@@ -12,6 +12,7 @@ struct Own {
     collider: u32,
     body: u32,
     group: u32,
+    meets: u32,
     has_mass: bool,
     least: vec3f,
     most: vec3f,
@@ -28,10 +29,15 @@ fn put_candidate(at: u32, pair: vec2u) {
     }
 }
 
+// Whether colliders of two groups touch: the same group, or a bit of the groups that it meets.
+fn touches(own: Own, group: u32) -> bool {
+    return select(((own.meets >> (group >> 16u)) & 1u) == 1u, own.group == group, own.meets == 0u);
+}
+
 // A collider whose AABB overlaps.
 fn take(own: Own, other: u32) {
     let body = body_of_collider(other);
-    if body == own.body || marks_of_collider(other).x != own.group || !(own.has_mass || has_mass(body)) {
+    if body == own.body || !touches(own, marks_of_collider(other).x) || !(own.has_mass || has_mass(body)) {
         return;
     }
     if are_apart(own.body, body) {
@@ -105,8 +111,8 @@ fn find_pairs(k: u32) {
     let least = bounds[2u * collider];
     let most = bounds[2u * collider + 1u];
     let body = body_of_collider(collider);
-    let group = marks_of_collider(collider).x;
-    let own = Own(collider, body, group, has_mass(body), bitcast<vec3f>(least.xyz), bitcast<vec3f>(most.xyz));
+    let marks = marks_of_collider(collider);
+    let own = Own(collider, body, marks.x, marks.w, has_mass(body), bitcast<vec3f>(least.xyz), bitcast<vec3f>(most.xyz));
     let key = vec2u(least.w, most.w);
     if k < in_cells {
         let first = level_of_key(key);

@@ -2,7 +2,8 @@
 
 // Colliders (docs/physics.md section 11.1): a place in coordinates of a body, and a shape. `rigid/gpu/shapes.rs` has the same rows.
 //
-// Rows of a collider: place, body; turn; group, material, 1 if its surface has a velocity, 0; the two rows of its shape.
+// Rows of a collider: place, body; turn; group, material, 1 if its surface has a velocity, the groups that it meets; the two rows of its
+// shape.
 
 @group(0) @binding(11) var<storage, read> colliders: array<vec4u>;
 @group(0) @binding(12) var<storage, read> hulls: array<vec4u>;
@@ -22,9 +23,9 @@ fn turn_of_collider(collider: u32) -> vec4f {
     return bitcast<vec4f>(colliders[COLLIDER_ROWS * collider + 1u]);
 }
 
-// Group, material, 1 if its surface has a velocity.
-fn marks_of_collider(collider: u32) -> vec3u {
-    return colliders[COLLIDER_ROWS * collider + 2u].xyz;
+// Group, material, 1 if its surface has a velocity, the groups that it meets.
+fn marks_of_collider(collider: u32) -> vec4u {
+    return colliders[COLLIDER_ROWS * collider + 2u];
 }
 
 fn shape_of_collider(collider: u32) -> Shape {

@@ -41,7 +41,7 @@ pub(super) fn candidates(world: &RigidWorld, bodies: &Bodies) -> Vec<(u32, u32)>
     let may_touch = |i: usize, j: usize| {
         let [a, b] = [i, j].map(|k| &world.colliders[k]);
         let [heavy, light] = [a, b].map(|collider| bodies.masses[collider.body as usize].inverse_mass);
-        a.body != b.body && a.group == b.group && (heavy > 0.0 || light > 0.0) && !apart.contains(a.body, b.body)
+        a.body != b.body && a.group.touches(b.group) && (heavy > 0.0 || light > 0.0) && !apart.contains(a.body, b.body)
     };
     broad::pairs(&boxes, may_touch)
 }

@@ -28,7 +28,7 @@ pub(crate) struct ColliderRow {
     pub(crate) material: u32,
     /// 1 if its surface has a velocity of its own.
     pub(crate) belt: u32,
-    pub(crate) spare: u32,
+    pub(crate) meets: u32,
     pub(crate) shape: ShapeRow,
 }
 
@@ -42,10 +42,10 @@ pub(crate) fn collider_rows(world: &RigidWorld) -> (Vec<ColliderRow>, Vec<[u32; 
         position: collider.place.position.to_array(),
         body: collider.body,
         turn: collider.place.turn.to_array(),
-        group: collider.group.into(),
+        group: collider.group.own,
         material: collider.material.into(),
         belt: u32::from(collider.surface_velocity != Vec3::ZERO),
-        spare: 0,
+        meets: collider.group.meets,
         shape: shapes[collider.shape as usize],
     };
     (world.colliders.iter().map(row).collect(), hulls)

@@ -37,18 +37,18 @@ impl Room {
         };
         let poses = scene.poses(time);
         let groups = groups(scene, inlet);
-        let spheres = scene.spheres().iter().filter(|sphere| groups.contains(&sphere.group));
+        let meets = |group: u16| groups.iter().any(|own| scene.groups_touch(*own, group));
+        let spheres = scene.spheres().iter().filter(|sphere| meets(sphere.group));
         let spheres = spheres.map(|sphere| (sphere.position.as_dvec3(), f64::from(sphere.radius)));
-        let rods = scene.rods().iter().filter(|rod| groups.contains(&rod.group)).filter_map(|rod| {
+        let rods = scene.rods().iter().filter(|rod| meets(rod.group)).filter_map(|rod| {
             let [Ok(one), Ok(other)] = [rod.end1, rod.end2].map(|id| scene.sphere(id)) else { return None };
             Some(([one, other].map(|end| end.position.as_dvec3()), f64::from(rod.radius)))
         });
-        let boxes = scene.boxes().iter().filter(|cuboid| groups.contains(&cuboid.group)).map(|cuboid| {
+        let boxes = scene.boxes().iter().filter(|cuboid| meets(cuboid.group)).map(|cuboid| {
             let Cuboid { corner, edges, .. } = poses.of_box(cuboid);
             (corner.as_dvec3(), edges.map(Vec3::as_dvec3))
         });
-        let polygons =
-            scene.polygons().iter().filter(|polygon| groups.contains(&polygon.group)).map(|polygon| poses.of_polygon(polygon));
+        let polygons = scene.polygons().iter().filter(|polygon| meets(polygon.group)).map(|polygon| poses.of_polygon(polygon));
         let (smooth, flat): (Vec<Polygon>, Vec<Polygon>) = polygons.partition(|polygon| polygon.surface.is_smooth());
         let near_box = |polygon: &Polygon| {
             let near = triangles(polygon).into_iter().filter(|triangle| overlaps(triangle, 0.0));

@@ -273,6 +273,7 @@ impl<'a> Builder<'a> {
     ) -> Result<&mut Collider> {
         let material = self.scene.material_number(material)?;
         self.parts.push(part);
+        let group = self.scene.groups.words(group);
         self.world.colliders.push(Collider { body, shape, place, group, material, surface_velocity: Vec3::ZERO });
         let last = self.world.colliders.len() - 1;
         Ok(&mut self.world.colliders[last])

@@ -51,7 +51,10 @@ impl Frames {
         let may_touch = |a: usize, b: usize| {
             let [a, b] = [a, b].map(|at| &world.colliders[at]);
             let has_mass = |body: u32| world.bodies[body as usize].inverse_mass > 0.0;
-            a.body != b.body && a.group == b.group && (has_mass(a.body) || has_mass(b.body)) && !apart.contains(a.body, b.body)
+            a.body != b.body
+                && a.group.touches(b.group)
+                && (has_mass(a.body) || has_mass(b.body))
+                && !apart.contains(a.body, b.body)
         };
         let mut found = Vec::new();
         for (a, b) in pairs(&boxes, may_touch) {

@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3, Quat, Vec3};
 
 use crate::rigid::common::FREQUENCY;
 use crate::rigid::frame::{Frame, FrameReport, advance};
+use crate::rigid::groups::GroupWords;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
@@ -62,7 +63,7 @@ impl Scene {
             body: body as u32,
             shape: shape as u32,
             place,
-            group: 0,
+            group: GroupWords::default(),
             material: 0,
             surface_velocity: Vec3::ZERO,
         });

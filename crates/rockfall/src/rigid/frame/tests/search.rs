@@ -288,8 +288,12 @@ fn parts() -> Scene {
         let body = scene.kinematic(shape, at, random.vector());
         scene.world.bodies[body].spin = random.vector();
     }
+    let mut lists = crate::scene::Scene::new();
+    lists.set_group_meets(1, [0, 2]).unwrap();
+    for (k, collider) in scene.world.colliders.iter_mut().enumerate() {
+        collider.group = lists.groups.words(if k == 0 { 0 } else { k as u16 % 4 });
+    }
     for (k, collider) in scene.world.colliders.iter_mut().enumerate().skip(1) {
-        collider.group = (k % 3 == 0).into();
         collider.surface_velocity = if k % 7 == 0 { Vec3::X } else { Vec3::ZERO };
     }
     scene
