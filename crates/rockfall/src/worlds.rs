@@ -19,6 +19,7 @@ mod checkpoint;
 mod control;
 #[cfg(feature = "gpu")]
 mod device;
+mod joints;
 mod observe;
 mod room;
 mod sample;

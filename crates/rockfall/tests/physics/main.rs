@@ -20,6 +20,7 @@ mod gauges;
 mod hard;
 mod hard_flow;
 mod hard_joints;
+mod hard_mechanisms;
 mod hard_motions;
 mod hard_samples;
 mod hard_springs;

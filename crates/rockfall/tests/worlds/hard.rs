@@ -20,6 +20,7 @@ fn scene(cubes: usize) -> Scene {
 
 both! {
     worlds_with_hard_contacts_are_those_of_simulations,
+    joints_of_worlds_are_read_and_driven,
 }
 
 fn worlds_with_hard_contacts_are_those_of_simulations(backend: Backend) {
@@ -39,4 +40,27 @@ fn worlds_with_hard_contacts_are_those_of_simulations(backend: Backend) {
         let found = bits(&worlds.states(number).expect("states"));
         assert_eq!(found, run(&scenes[number], frames), "world {number}");
     }
+}
+
+/// A door on a hinge in each world, with motors of their own.
+fn joints_of_worlds_are_read_and_driven(backend: Backend) {
+    let text = "set contact_law rigid\nset gravity 0\n@body door mass=20\nB 0 0 -0.02 0.9 0 0 0 2 0 0 0 0.04\n@end\n\
+                @place door at=0,0.01,0 name=door\n@joint hinge world door at=0,1,0 axis=0,1,0 speed=0 torque=50\n";
+    let scene = Scene::parse(text, Path::new("test")).expect("a valid scene").scene;
+    let mut worlds = Worlds::new(vec![scene; 3], Options::new().backend(backend)).expect("worlds");
+    for world in 0..3 {
+        worlds.update_joint(world, 0, |joint| joint.speed = Some(world as f32)).expect("a motor");
+    }
+    worlds.run(60, FRAME).expect("frames");
+    let all = worlds.all_joints().expect("joints");
+    for (world, joints) in all.iter().enumerate() {
+        let [reading] = joints[..] else { panic!("{joints:?}") };
+        assert!((reading.speed - world as f32).abs() < 0.01 && reading.position >= 0.8 * world as f32, "{world}: {reading:?}");
+        assert_eq!(joints[..], worlds.joints(world).expect("joints")[..]);
+    }
+    worlds.reset(&[2]).expect("a reset");
+    worlds.run(1, FRAME).expect("a frame");
+    assert!(worlds.joints(2).expect("joints")[0].position.abs() < 1e-5, "its motor stands still again");
+    let error = worlds.update_joint(0, 1, |_| ()).expect_err("one joint").to_string();
+    assert_eq!(error, "joint = 1 of 1 is not allowed, expected a number below that of joints");
 }

@@ -55,8 +55,7 @@ pub(super) const TETHER: Kind = Kind {
     numbers: &["x", "y", "z", "stiffness", "length", "damping"],
     last_is_optional: false,
 };
-pub(super) const GROUP: Kind =
-    Kind { word: "@group", references: &["number"], numbers: &["meets=N,N..."], last_is_optional: true };
+pub(super) const GROUP: Kind = Kind { word: "@group", references: &["number"], numbers: &[], last_is_optional: false };
 pub(super) const ORIENTATION: Kind =
     Kind { word: "@orientation", references: &["sphere"], numbers: &["w", "x", "y", "z"], last_is_optional: false };
 pub(super) const FORCE: Kind =

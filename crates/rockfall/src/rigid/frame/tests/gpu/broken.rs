@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::super::scene::{DT, Scene};
 use super::device::{apart, open, stage};
-use super::scene::{DT, Scene};
 use super::{device, device_round};
 use crate::rigid::frame::{Frame, bodies_alone};
 use crate::rigid::gpu::world::GpuWorld;

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
+use super::super::scene::{DT, Random, Scene};
 use super::device::{apart, open};
-use super::scene::{DT, Random, Scene};
 use crate::rigid::frame::bodies_alone;
 use crate::rigid::gpu::world::GpuWorld;
 use crate::rigid::joints::Kind;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 
-use super::pile::heap;
-use super::scene::{DT, Scene, close};
+use super::super::pile::heap;
+use super::super::scene::{DT, Scene, close};
 use crate::rigid::frame::refresh::tangents;
 use crate::rigid::frame::{Frame, bodies_alone, impacts, passes};
 use crate::rigid::gpu::rows::{FrameRows, PairRow, WAITS};

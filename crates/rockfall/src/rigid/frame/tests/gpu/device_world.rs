@@ -1,8 +1,8 @@
 //! A world on a device does what the twin does, from the search for contacts to what it remembers.
 
-use super::colours::bond;
+use super::super::colours::bond;
+use super::super::scene::{DT, Scene};
 use super::device::{apart, bits, open};
-use super::scene::{DT, Scene};
 use super::{device, device_round};
 use crate::rigid::frame::bodies_alone;
 use crate::rigid::gpu::world::GpuWorld;

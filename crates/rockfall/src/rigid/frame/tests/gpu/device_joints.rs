@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use glam::{DVec3, Quat, Vec3};
 
+use super::super::scene::{DT, G, Random, Scene, close};
 use super::device::{bits, open};
-use super::scene::{DT, G, Random, Scene, close};
 use crate::rigid::common::FrameReport;
 use crate::rigid::frame::{bodies_alone, energy, momenta};
 use crate::rigid::gpu::RigidGpu;

@@ -7,8 +7,8 @@ use bytemuck::{Pod, cast_slice};
 use glam::{Quat, Vec3};
 use wgpu::BufferUsages;
 
-use super::pile::heap;
-use super::scene::{DT, Random, Scene};
+use super::super::pile::heap;
+use super::super::scene::{DT, Random, Scene};
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Contacts, Found};
 use crate::rigid::frame::{Frame, detect};

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 
+use super::super::scene::{DT, Random, Scene, close};
 use super::device::{apart, open, run, stage};
-use super::scene::{DT, Random, Scene, close};
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::{Frame, bodies_alone, detect, energy};
 use crate::rigid::gpu::Part;
