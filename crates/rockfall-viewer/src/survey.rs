@@ -3,6 +3,7 @@
 use rockfall::glam::Vec3;
 use rockfall::{Body, Scene, SphereId};
 
+use crate::draw::joints::fixed_ends;
 use crate::extent::{Extent, extents_of_static_objects};
 use crate::groups::{Group, groups};
 
@@ -47,7 +48,7 @@ pub struct Survey {
     velocities: Vec<[Vec3; 2]>,
     /// Bodies that are in view together, or not at all.
     groups: Vec<Group>,
-    /// Points that belong to the bodies: the fixed ends of tethers.
+    /// Points that belong to the bodies: the fixed ends of tethers and distance joints.
     anchors: Option<Extent>,
     /// Direction of gravity.
     down: Vec3,
@@ -76,7 +77,7 @@ impl Survey {
             paths: vec![Vec::new(); spheres.len().div_ceil(stride)],
             velocities: spheres.iter().step_by(stride).map(|sphere| [sphere.velocity; 2]).collect(),
             groups: groups(scene, stride),
-            anchors: Extent::of(scene.tethers().iter().map(|tether| tether.point)),
+            anchors: Extent::of(scene.tethers().iter().map(|tether| tether.point).chain(fixed_ends(scene))),
             down: scene.settings.gravity_direction,
             lowest: lowest.unwrap_or(f32::NEG_INFINITY),
             above: None,

@@ -50,6 +50,11 @@ impl Renderer {
         self.motion.want(places, arrows, trails);
     }
 
+    /// Takes whether all joints of the following states are shown, and not only distance joints.
+    pub(crate) fn want_joints(&mut self, all: bool) {
+        self.motion.want_joints(all);
+    }
+
     /// What an overlay shows.
     pub fn motion(&self) -> &Motion {
         &self.motion

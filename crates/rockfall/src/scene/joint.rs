@@ -36,8 +36,8 @@ impl JointKind {
     /// All kinds.
     pub const ALL: [Self; 5] = [Self::Ball, Self::Hinge, Self::Slider, Self::Fixed, Self::Distance];
 
-    /// Whether positions of the joint are angles.
-    pub(crate) fn turns(self) -> bool {
+    /// Whether positions of the joint are angles, as those of a hinge and a ball are.
+    pub fn turns(self) -> bool {
         matches!(self, Self::Ball | Self::Hinge)
     }
 

@@ -141,7 +141,7 @@ impl Simulation {
         if self.world.step.is_half_step() && self.scene.settings.collisions {
             energy.kinetic = self.synchronised_kinetic_energy()?;
         }
-        energy.spring = spring_energy(&self.scene, &self.muscle_clock)?;
+        energy.spring = spring_energy(&self.scene, &self.muscle_clock)? + self.joint_energy()?;
         // An empty sum is -0.
         energy.contact = contact + 0.0;
         Ok(energy)

@@ -158,6 +158,15 @@ impl Scene {
         Ok(self.joint_poses_of(self.joints.get(id)?, true)?.map(|(point, _)| point.as_vec3()))
     }
 
+    /// The direction of the axis of a joint on its first body at present: a unit vector.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`] when it is not in the scene.
+    pub fn joint_axis(&self, id: JointId) -> Result<Vec3> {
+        let [(_, turn), _] = self.joint_poses_of(self.joints.get(id)?, true)?;
+        Ok((turn * DVec3::X).as_vec3())
+    }
+
     /// Where the ends of a joint are in the world: the anchors, and the turns of the joint frames.
     pub(crate) fn joint_poses_of(&self, joint: &Joint, fine: bool) -> Result<[EndPose; 2]> {
         let poses = [self.pose_of_end(joint.a, fine)?, self.pose_of_end(joint.b, fine)?];
