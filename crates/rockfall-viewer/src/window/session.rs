@@ -19,7 +19,7 @@ use crate::plot::Plot;
 pub(super) mod concerns;
 mod edits;
 mod files;
-pub mod joints;
+mod joints;
 pub mod picked;
 pub mod playback;
 mod pointer;

@@ -3,25 +3,14 @@
 use rockfall::JointId;
 
 use super::Session;
+use crate::drives::Drive;
 use crate::plot::{Graph, Plot};
-
-/// A change of a joint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Drive {
-    /// The speed of the motor, in rad/s or units/s.
-    Speed(f32),
-    /// The position at which the spring rests, in rad or units.
-    Target(f32),
-}
 
 impl Session {
     /// Changes the motor or the spring of a joint from the next step on.
     pub fn drive_joint(&mut self, id: JointId, drive: Drive) {
         let Ok(before) = self.simulation.scene().joint(id).cloned() else { return };
-        let changed = self.simulation.update_joint(id, |joint| match drive {
-            Drive::Speed(speed) => joint.speed = Some(speed),
-            Drive::Target(position) => joint.target = Some(position),
-        });
+        let changed = self.simulation.update_joint(id, |joint| drive.give(joint));
         if self.ok_or_report(changed).is_some() {
             self.edited_joint(id, before);
         }
