@@ -12,7 +12,9 @@ pub(crate) fn check_names(plot: &Plot, is_recorded: bool, scene: &Scene) -> Resu
         return Err(Failure::usage(format!("--plot gauge: {message}")));
     }
     if let (true, Quantity::Joint(_)) = (is_recorded, plot.quantity()) {
-        return Err(Failure::usage("--plot joint: a trajectory does not have the values of joints, expected a scene or a checkpoint"));
+        return Err(Failure::usage(
+            "--plot joint: a trajectory does not have the values of joints, expected a scene or a checkpoint",
+        ));
     }
     plot.check_names(scene).map_err(|error| Failure::usage(format!("--plot {error}")))
 }

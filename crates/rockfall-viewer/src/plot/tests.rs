@@ -13,7 +13,8 @@ fn scene(text: &str) -> Scene {
 #[test]
 fn plots_say_what_they_expect() {
     let wrong = |text: &str| Plot::parse(text).unwrap_err();
-    let known = "expected one of: energy, kinetic, potential, momentum, contacts, x, y, z, height, speed, vx, vy, vz, gauge, joint";
+    let known =
+        "expected one of: energy, kinetic, potential, momentum, contacts, x, y, z, height, speed, vx, vy, vz, gauge, joint";
     assert!(wrong("hight:1").contains(known), "{}", wrong("hight:1"));
     assert!(wrong("height").contains("expected names or numbers of bodies, as in height:left,right"));
     assert!(wrong("height:").contains("names or numbers") && wrong("height:1,").contains("names or numbers"));
@@ -276,7 +277,14 @@ fn joints_are_plotted_in_degrees_or_units() {
     let none = Plot::parse("joint:a").unwrap().check_names(&Scene::new()).unwrap_err();
     assert_eq!(none, "joint:a: the scene has no joints");
 
-    let texts = ["joint:motor.0", "joint:fall", "joint:motor.0.speed", "joint:1.speed", "joint:motor.0.force,weak.force", "joint:3.torque"];
+    let texts = [
+        "joint:motor.0",
+        "joint:fall",
+        "joint:motor.0.speed",
+        "joint:1.speed",
+        "joint:motor.0.force,weak.force",
+        "joint:3.torque",
+    ];
     let mut graphs = texts.map(|text| graph(text).unwrap());
     let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
     simulation.run(30, 1.0 / 60.0).unwrap();

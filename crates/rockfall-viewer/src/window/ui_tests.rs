@@ -368,7 +368,10 @@ fn motors_and_springs_of_joints_have_sliders() {
     let values = &screen.viewer.session.watch.plotted().back().unwrap().values;
     let turned = f64::from(speed.to_degrees()) * 100.0 * 0.02;
     assert!(values.len() == 3 && (values[0] - turned).abs() < 1.0, "{values:?} {turned}");
-    assert!((values[1] - f64::from(target.to_degrees())).abs() < 1.0 && (values[2] - f64::from(speed)).abs() < 0.01, "{values:?}");
+    assert!(
+        (values[1] - f64::from(target.to_degrees())).abs() < 1.0 && (values[2] - f64::from(speed)).abs() < 0.01,
+        "{values:?}"
+    );
 
     // Undo takes back the target, and then the speed.
     screen.viewer.session.undo();

@@ -229,7 +229,9 @@ fn springs_of_joints_store_energy(backend: Backend) {
     let joint = |target: f32| {
         let mut scene = read(DOOR);
         let hinge = scene.joint_named("hinge").expect("a hinge");
-        scene.update_joint(hinge, |joint| (joint.speed, joint.stiffness, joint.target) = (None, 50.0, Some(target))).expect("a spring");
+        scene
+            .update_joint(hinge, |joint| (joint.speed, joint.stiffness, joint.target) = (None, 50.0, Some(target)))
+            .expect("a spring");
         simulation(scene, backend)
     };
     let spring = |simulation: &mut Simulation| simulation.energy().expect("energy").spring;
