@@ -307,11 +307,13 @@ impl Graph {
     }
 
     /// What the axis shows.
+    #[cfg_attr(not(feature = "window"), allow(dead_code))]
     pub(crate) fn title(&self) -> &'static str {
         self.quantity.title()
     }
 
     /// Names and colours of the lines.
+    #[cfg_attr(not(feature = "window"), allow(dead_code))]
     pub(crate) fn lines(&self) -> &[(String, Rgb)] {
         &self.lines
     }
