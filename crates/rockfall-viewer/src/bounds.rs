@@ -34,7 +34,8 @@ const FEW: usize = 20;
 const GROUND_DISTANCE: f32 = 0.15;
 
 /// Returns the minimum and maximum corners of the part of a scene that a picture should show: the spheres without outliers, the
-/// points of the tethers and distance joints, nearby boxes and polygons that are not much larger than the spheres together, and a part of what the
+/// points of the tethers and distance joints, nearby boxes and polygons that are not much larger than the spheres together, and
+/// a part of what the
 /// spheres may fall onto.
 pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
     bounds_of_survey(&Survey::new(scene), scene)

@@ -111,7 +111,8 @@ impl Survey {
         }
     }
 
-    /// Returns the survey of a picture and of the start of its run, if that needs not much more room than the picture alone. So a machine is in
+    /// Returns the survey of a picture and of the start of its run, if that needs not much more room than the picture alone. So
+    /// a machine is in
     /// view from where its bodies come.
     pub fn from_start(self, start: Self, scene: &Scene) -> Self {
         let mut both = start;
@@ -218,7 +219,8 @@ impl Survey {
         bodies.flat_map(|(body, held)| self.path(body, held))
     }
 
-    /// All places of many bodies, without those outside the majority of bodies that leave it, if all need far more room. The majority is between the 5 % and
+    /// All places of many bodies, without those outside the majority of bodies that leave it, if all need far more room. The
+    /// majority is between the 5 % and
     /// the 95 % quantile of each coordinate, or nearer to that than [`OUTLIER_DISTANCE`] times its size.
     fn without_outliers(&self, groups: &[&Group]) -> Vec<(Vec3, f32)> {
         let places: Vec<Vec3> = self.paths(groups.iter().copied()).map(|(place, _)| place).collect();

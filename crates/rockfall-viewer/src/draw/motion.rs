@@ -290,7 +290,8 @@ impl Motion {
         })
     }
 
-    /// The lines between past places of the bodies with these names or numbers (none for all), with their age from 0 to 1 and the colour that the scene gives to the body, the oldest first.
+    /// The lines between past places of the bodies with these names or numbers (none for all), with their age from 0 to 1 and
+    /// the colour that the scene gives to the body, the oldest first.
     pub(crate) fn trails(&self, names: &[String]) -> impl Iterator<Item = ([Vec3; 2], f32, Option<Rgb>)> {
         let shown: Vec<bool> = self.looks.iter().map(|look| look.is_one_of(names)).collect();
         let stride = shown.iter().filter(|shown| **shown).count().div_ceil(MOST_TRAILS).max(1);

@@ -39,7 +39,8 @@ impl Renderer {
     }
 
     /// Gives single spheres a colour of their own, by insertion index. Those without one have that of the scene ([`rockfall::Tag`]),
-    /// or else that of their kind, as have all that are not in the list. These colours are shown with [`ColourBy::Kind`] and [`ColourBy::Body`].
+    /// or else that of their kind, as have all that are not in the list. These colours are shown with [`ColourBy::Kind`] and
+    /// [`ColourBy::Body`].
     pub fn set_colours(&mut self, colours: Vec<Option<palette::Rgb>>) {
         self.colours = colours;
         self.colours_due = true;

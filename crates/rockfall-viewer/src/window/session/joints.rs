@@ -8,7 +8,7 @@ use crate::plot::{Graph, Plot};
 
 impl Session {
     /// Changes the motor or the spring of a joint from the next step on.
-    pub fn drive_joint(&mut self, id: JointId, drive: Drive) {
+    pub(crate) fn drive_joint(&mut self, id: JointId, drive: Drive) {
         let Ok(before) = self.simulation.scene().joint(id).cloned() else { return };
         let changed = self.simulation.update_joint(id, |joint| drive.give(joint));
         if self.ok_or_report(changed).is_some() {
