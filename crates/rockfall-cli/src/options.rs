@@ -245,6 +245,7 @@ pub(crate) fn counts_json(counts: &rockfall::Counts) -> serde_json::Value {
         "polygons": counts.polygons,
         "bodies": counts.bodies,
         "hulls": counts.hulls,
+        "joints": counts.joints,
     })
 }
 
@@ -286,6 +287,7 @@ impl fmt::Display for InWords {
             (counts.polygons, "polygon", "polygons"),
             (counts.bodies, "rigid body", "rigid bodies"),
             (counts.hulls, "hull", "hulls"),
+            (counts.joints, "joint", "joints"),
         ];
         let present: Vec<String> =
             kinds.into_iter().filter(|(count, ..)| *count > 0).map(|(count, one, many)| counted(count, one, many)).collect();

@@ -112,7 +112,8 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     captions: Captions,
     /// Plot a quantity over time beside the picture: energy, kinetic, potential, momentum, contacts, the size of the force on the walls
-    /// of gauges, as in gauge:weight, or height, speed, x, y, z, vx, vy or vz of bodies, as in height:left,right; may be repeated
+    /// of gauges, as in gauge:weight, the position of joints, as in joint:door, or their speed, force or torque, as in joint:door.speed,
+    /// or height, speed, x, y, z, vx, vy or vz of bodies, as in height:left,right; may be repeated
     #[arg(long, value_name = "WHAT", value_parser = Plot::parse)]
     plot: Vec<Plot>,
     /// Draw without shadows and ambient occlusion

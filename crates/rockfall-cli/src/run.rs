@@ -237,6 +237,7 @@ pub(crate) fn run(arguments: &Arguments, given: &Given, interrupt: &'static Inte
         seconds: past.seconds,
         energies: [past.before(), simulation.energy()?],
         overlap: simulation.max_overlap()?,
+        broken_joints: simulation.joints()?.iter().filter(|joint| joint.broken).count(),
     };
     let before = (!past.changed).then(|| past.before());
     let grown = if stopped { None } else { aftermath::grown(&past.scene, &mut simulation, before.as_ref())? };

@@ -32,6 +32,8 @@ pub(crate) struct Summary<'a> {
     pub(crate) energies: [Energy; 2],
     /// Deepest overlaps at the end.
     pub(crate) overlap: MaxOverlap,
+    /// Number of joints that are broken at the end.
+    pub(crate) broken_joints: usize,
 }
 
 impl Summary<'_> {
@@ -90,6 +92,7 @@ impl Summary<'_> {
             "replays": report.replays,
             "non_finite": report.non_finite,
             "passages": report.passages,
+            "broken_joints": self.broken_joints,
             "flow": options::flow_json(&simulation.flow()),
         });
         format!("{object}\n")
@@ -135,6 +138,10 @@ impl Summary<'_> {
         let [units, radii, resting] = [units, radii, resting].map(|number| short(number.into()));
         row("overlap", format!("{units} at the end, {radii} radii; {resting} radii between bodies at rest"));
         row("collisions", format!("{} in all, {} in the last step", report.total_collisions, report.collisions));
+        if self.broken_joints > 0 {
+            let joints = simulation.scene().joints().len();
+            row("joints", format!("{} of {joints} broken", self.broken_joints));
+        }
         flow_rows(simulation.scene(), &simulation.flow(), &mut row);
         if report.replays > 0 {
             let steps = if report.replays == 1 { "step" } else { "steps" };

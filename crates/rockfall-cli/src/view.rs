@@ -23,7 +23,7 @@ use crate::options::{Engine, Physics};
 use crate::render::camera::Named;
 use crate::render::captions::{Captions, find_trails, warn_of_letters};
 use crate::render::colours::{self, Paint};
-use crate::render::plots::check_gauges;
+use crate::render::plots::check_names;
 use crate::run::Given;
 use crate::source::Source;
 
@@ -48,8 +48,9 @@ pub(crate) struct Arguments {
     /// repeated
     #[arg(long, value_name = "WHAT=COLOUR", value_parser = colours::paint)]
     colour: Vec<Paint>,
-    /// Plot the energies or the forces on walls, as in gauge:weight, which the panel always has, or height and speed of bodies over
-    /// time, as in height:left,right; may be repeated
+    /// Plot the energies or the forces on walls, as in gauge:weight, which the panel always has, the position, speed, force or
+    /// torque of joints, as in joint:door or joint:door.speed, or height and speed of bodies over time, as in height:left,right; may be
+    /// repeated
     #[arg(long, value_name = "WHAT", value_parser = plot)]
     plot: Vec<Plot>,
     #[command(flatten)]
@@ -139,8 +140,8 @@ fn prepare(paints: Vec<Paint>) -> Prepare {
 fn plot(text: &str) -> Result<Plot, String> {
     let plot = Plot::parse(text)?;
     match plot.quantity() {
-        Quantity::Energy | Quantity::Height | Quantity::Speed | Quantity::Gauge => Ok(plot),
-        other => Err(format!("the window does not plot {}, expected energy, height, speed or gauge", other.name())),
+        Quantity::Energy | Quantity::Height | Quantity::Speed | Quantity::Gauge | Quantity::Joint(_) => Ok(plot),
+        other => Err(format!("the window does not plot {}, expected energy, height, speed, gauge or joint", other.name())),
     }
 }
 
@@ -177,7 +178,7 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         followed.of(&scene, "--follow")?;
     }
     for plot in &arguments.plot {
-        check_gauges(plot, playback.is_some(), &scene)?;
+        check_names(plot, playback.is_some(), &scene)?;
     }
     let plotted = plotted(&arguments.plot)?;
     for body in &plotted {
@@ -201,6 +202,7 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         view: arguments.view.unwrap_or_default(),
         follow: arguments.follow.clone().map(|followed| find(followed, "--follow")),
         plotted: plotted.into_iter().map(|body| find(body, "--plot")).collect(),
+        joints: arguments.plot.iter().filter(|plot| matches!(plot.quantity(), Quantity::Joint(_))).cloned().collect(),
         report: arguments.report.clone(),
         lose_device_after: arguments.lose_device_after,
     })

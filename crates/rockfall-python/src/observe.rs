@@ -277,11 +277,13 @@ pub(crate) fn table<'py>(target: &Bound<'py, PyAny>, kind: &str) -> PyResult<(Ma
 
 /// Number of objects of each kind, in the order of the kinds of the Python layer.
 #[pyfunction]
-pub(crate) fn counts(target: &Bound<'_, PyAny>) -> PyResult<[usize; 9]> {
+pub(crate) fn counts(target: &Bound<'_, PyAny>) -> PyResult<[usize; 10]> {
     look(target, |scene: &Scene, _| {
         let counts = scene.counts();
         let movable = [counts.spheres, counts.rods, counts.capsules, counts.springs, counts.tethers];
         let [spheres, rods, capsules, springs, tethers] = movable;
-        Ok([spheres, rods, capsules, springs, tethers, counts.boxes, counts.polygons, counts.bodies, counts.hulls])
+        let others = [counts.boxes, counts.polygons, counts.bodies, counts.hulls, counts.joints];
+        let [boxes, polygons, bodies, hulls, joints] = others;
+        Ok([spheres, rods, capsules, springs, tethers, boxes, polygons, bodies, hulls, joints])
     })
 }

@@ -110,6 +110,7 @@ impl Look {
             arrow_key: None,
             trails: self.trails,
             trails_of: self.trails_of.clone(),
+            joints: false,
             dark: self.style()?.background.is_dark(),
         })
     }
@@ -149,7 +150,7 @@ impl Look {
         let plot = |text: &String| Plot::parse(text).map_err(|error| PyValueError::new_err(format!("plot: {error}")));
         let graph = |text: &String| {
             let plot = plot(text)?;
-            plot.check_gauges(scene).map_err(|error| PyKeyError::new_err(format!("plot: {error}")))?;
+            plot.check_names(scene).map_err(|error| PyKeyError::new_err(format!("plot: {error}")))?;
             let found: Vec<_> = plot.bodies().iter().map(find).collect::<PyResult<_>>()?;
             plot.of(scene, &found).map_err(|error| PyValueError::new_err(format!("plot: {error}")))
         };

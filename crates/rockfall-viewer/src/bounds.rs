@@ -4,6 +4,7 @@ use rockfall::glam::Vec3;
 use rockfall::{Scene, Sphere};
 
 use crate::block::Block;
+use crate::draw::joints::fixed_ends;
 use crate::extent::{Extent, extents_of_static_objects};
 use crate::survey::Survey;
 
@@ -33,7 +34,8 @@ const FEW: usize = 20;
 const GROUND_DISTANCE: f32 = 0.15;
 
 /// Returns the minimum and maximum corners of the part of a scene that a picture should show: the spheres without outliers, the
-/// points of the tethers, nearby boxes and polygons that are not much larger than the spheres together, and a part of what the
+/// points of the tethers and distance joints, nearby boxes and polygons that are not much larger than the spheres together, and
+/// a part of what the
 /// spheres may fall onto.
 pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
     bounds_of_survey(&Survey::new(scene), scene)
@@ -95,8 +97,8 @@ fn is_under(object: Extent, spheres: Extent) -> bool {
         && object.max.z > spheres.min.z
 }
 
-/// Extents of what a picture should show in addition to the spheres: the points of tethers, nearby objects that are not much
-/// larger than the spheres together, and as a vertical line the distance to what the spheres may fall onto. In a film the
+/// Extents of what a picture should show in addition to the spheres: the points of tethers and distance joints, nearby objects that are not
+/// much larger than the spheres together, and as a vertical line the distance to what the spheres may fall onto. In a film the
 /// spheres have already fallen, so that is shown only if it is near.
 fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<Item = Extent> {
     let size = spheres.size();
@@ -122,7 +124,8 @@ fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<It
     });
     let all = extents_of_static_objects(scene).filter(|object| !is_low(*object, spheres)).reduce(Extent::with);
     let all = all.filter(|all| all.with(spheres).size() < room * size).map(|all| all.within(beside));
-    objects.chain(all).chain(Extent::of(scene.tethers().iter().map(|tether| tether.point)))
+    let points = scene.tethers().iter().map(|tether| tether.point);
+    objects.chain(all).chain(Extent::of(points.chain(fixed_ends(scene))))
 }
 
 /// Extents of the places to which bodies may swing that rods, springs and tethers hold: their places mirrored at the middle of all

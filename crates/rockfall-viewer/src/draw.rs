@@ -22,6 +22,7 @@ mod coil;
 mod cull;
 mod formats;
 mod frame;
+pub(crate) mod joints;
 mod layouts;
 mod looks;
 mod motion;
@@ -43,6 +44,7 @@ use chains::Chains;
 use coil::{CoilMesh, Resolution};
 use cull::Cull;
 use frame::Frame;
+use joints::Strings;
 use layouts::Layouts;
 pub use motion::{Arrows, Motion};
 use pipelines::Pipelines;
@@ -101,6 +103,7 @@ pub struct Renderer {
     /// Where the bodies are whose values determine the scale.
     region: Extent,
     chains: Chains,
+    strings: Strings,
     /// Colours of single spheres, by insertion index.
     colours: Vec<Option<palette::Rgb>>,
     /// Whether colours have to be uploaded.
@@ -156,6 +159,7 @@ impl Renderer {
             survey: None,
             region: Extent::default(),
             chains: Chains::default(),
+            strings: Strings::default(),
             colours: Vec::new(),
             colours_due: false,
             tag_changes: 0,
@@ -289,6 +293,7 @@ impl Renderer {
             return;
         };
         let blend = if self.buffers.can_blend() { self.blend } else { 1.0 };
+        self.strings.set(&self.device, &self.queue, &self.motion.strings());
         let summary = self.summary.clone().unwrap_or_default();
         self.buffers.set_drawn(&self.queue, &self.walls.drawn(camera.eye, self.survey.is_none()));
         let mut frame = Frame::new(&self.step, camera, style, &summary, targets.size);

@@ -16,6 +16,8 @@ mod bounds;
 pub mod camera;
 mod direction;
 pub mod draw;
+#[doc(hidden)]
+pub mod drives;
 mod extent;
 #[cfg(not(target_family = "wasm"))]
 pub mod film;

@@ -1,4 +1,4 @@
-//! Text, arrows and trails over a picture.
+//! Text, arrows, trails and marks of joints over a picture.
 
 use std::collections::BTreeSet;
 
@@ -14,6 +14,7 @@ use crate::sheet::{Sheet, lacks, letters, width_of};
 use crate::whole::{spheres, whole};
 
 mod corner;
+mod joints;
 mod labels;
 mod projection;
 
@@ -41,6 +42,8 @@ pub struct Overlay {
     pub trails: f64,
     /// Names or numbers of the bodies that have trails; empty for all bodies.
     pub trails_of: Vec<String>,
+    /// Whether joints are marked: the anchors, and the axes of hinges and sliders.
+    pub joints: bool,
     /// Whether the background is dark, so that lines have to be light.
     pub dark: bool,
 }
@@ -98,6 +101,7 @@ impl Renderer {
     /// Takes what an overlay needs of the states of the following [`Renderer::update`].
     pub fn set_overlay(&mut self, overlay: &Overlay) {
         self.want_motion(overlay.needs_places(), overlay.arrows, overlay.trails);
+        self.want_joints(overlay.joints);
     }
 }
 
@@ -113,6 +117,7 @@ impl Overlay {
     /// As for [`Simulation::contacts`].
     pub fn observe(&self, motion: &mut Motion, simulation: &mut Simulation) -> Result<()> {
         motion.want(self.needs_places(), self.arrows, self.trails);
+        motion.want_joints(self.joints);
         motion.update(simulation)?;
         motion.record();
         Ok(())
@@ -182,6 +187,9 @@ impl Overlay {
         let mut marks = Vec::new();
         if self.trails > 0.0 {
             self.trails(motion, &projection, 0.12 * em, &mut marks);
+        }
+        if self.joints {
+            motion.joints().for_each(|joint| joints::mark(&joint, &projection, em, &mut marks));
         }
         if self.arrows.is_some() {
             let end = self.arrow_key.unwrap_or_else(|| motion.arrow_key());

@@ -12,9 +12,13 @@ use crate::whole::{motion, whole};
 pub(crate) mod axes;
 mod chart;
 mod history;
+mod joints;
 
 pub use chart::Layout;
 pub use history::Plots;
+pub use joints::JointValue;
+
+use joints::Joints;
 
 /// Names and colours of the energies. The colours here and in [`COLOURS`] are those of Okabe and Ito, which can be told apart
 /// with any kind of colour vision.
@@ -69,11 +73,13 @@ pub enum Quantity {
     Vz,
     /// The size of the force on the walls of gauges.
     Gauge,
+    /// A value of joints.
+    Joint(JointValue),
 }
 
 impl Quantity {
-    /// All values.
-    pub const ALL: [Self; 14] = [
+    /// All values, with the position of joints in place of all values of joints.
+    pub const ALL: [Self; 15] = [
         Self::Energy,
         Self::Kinetic,
         Self::Potential,
@@ -88,6 +94,7 @@ impl Quantity {
         Self::Vy,
         Self::Vz,
         Self::Gauge,
+        Self::Joint(JointValue::Position),
     ];
 
     /// Name on the command line.
@@ -107,10 +114,11 @@ impl Quantity {
             Self::Vy => "vy",
             Self::Vz => "vz",
             Self::Gauge => "gauge",
+            Self::Joint(_) => "joint",
         }
     }
 
-    /// Unit of the values; empty for a number.
+    /// Unit of the values; empty for a number. Joints are taken to be hinges or balls: the positions of others are in units.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Energy | Self::Kinetic | Self::Potential => "mass units²/s²",
@@ -119,6 +127,7 @@ impl Quantity {
             Self::X | Self::Y | Self::Z | Self::Height => "units",
             Self::Speed | Self::Vx | Self::Vy | Self::Vz => "units/s",
             Self::Gauge => "mass units/s²",
+            Self::Joint(value) => value.unit(true),
         }
     }
 
@@ -127,13 +136,18 @@ impl Quantity {
         match self {
             Self::Kinetic => "kinetic energy",
             Self::Potential => "potential energy",
+            Self::Joint(value) => value.title(),
             other => other.name(),
         }
     }
 
+    fn is_of_scene(self) -> bool {
+        matches!(self, Self::Energy | Self::Kinetic | Self::Potential | Self::Momentum | Self::Contacts)
+    }
+
     /// Whether bodies have it, and not the scene as a whole.
     pub fn is_of_bodies(self) -> bool {
-        !matches!(self, Self::Energy | Self::Kinetic | Self::Potential | Self::Momentum | Self::Contacts | Self::Gauge)
+        !self.is_of_scene() && !matches!(self, Self::Gauge | Self::Joint(_))
     }
 
     /// The value of a body at a place with a velocity, where `up` is the unit vector against gravity. NaN for other quantities.
@@ -147,21 +161,22 @@ impl Quantity {
             Self::Vx => velocity.x,
             Self::Vy => velocity.y,
             Self::Vz => velocity.z,
-            Self::Energy | Self::Kinetic | Self::Potential | Self::Momentum | Self::Contacts | Self::Gauge => f32::NAN,
+            Self::Energy | Self::Kinetic | Self::Potential | Self::Momentum | Self::Contacts => f32::NAN,
+            Self::Gauge | Self::Joint(_) => f32::NAN,
         }
     }
 }
 
-/// A plot that was asked for: a quantity, and the names or numbers of the bodies, or the names of gauges.
+/// A plot that was asked for: a quantity, and the names or numbers of the bodies or joints, or the names of gauges.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plot {
     quantity: Quantity,
-    /// Bodies or gauges.
+    /// Bodies, gauges or joints.
     names: Vec<String>,
 }
 
 impl Plot {
-    /// Parses a text such as `energy` or `height:left,right`.
+    /// Parses a text such as `energy`, `height:left,right` or `joint:door.speed`.
     ///
     /// # Errors
     /// A text that says what was expected.
@@ -171,17 +186,26 @@ impl Plot {
         let found = Quantity::ALL.into_iter().find(|quantity| quantity.name() == name);
         let quantity = found.ok_or_else(|| format!("{name} is not known, expected one of: {}", known()))?;
         let names: Vec<String> = names.map_or_else(Vec::new, |all| all.split(',').map(|one| one.trim().to_owned()).collect());
-        let has_names = quantity.is_of_bodies() || quantity == Quantity::Gauge;
+        let has_names = !quantity.is_of_scene();
         if names.iter().any(String::is_empty) || has_names == names.is_empty() {
             return Err(match quantity {
                 Quantity::Gauge => "expected names of gauges, as in gauge:weight".to_owned(),
+                Quantity::Joint(_) => "expected names or numbers of joints, as in joint:door or joint:door.speed".to_owned(),
                 _ if has_names => format!("expected names or numbers of bodies, as in {name}:left,right or {name}:3"),
                 _ => format!("{name} is that of the whole scene, expected no bodies"),
             });
         }
         if names.len() > COLOURS.len() {
-            let what = if quantity == Quantity::Gauge { "gauges" } else { "bodies" };
+            let what = match quantity {
+                Quantity::Gauge => "gauges",
+                Quantity::Joint(_) => "joints",
+                _ => "bodies",
+            };
             return Err(format!("expected at most {} {what}, got {}", COLOURS.len(), names.len()));
+        }
+        if let Quantity::Joint(_) = quantity {
+            let (value, names) = joints::parse(names)?;
+            return Ok(Self { quantity: Quantity::Joint(value), names });
         }
         Ok(Self { quantity, names })
     }
@@ -196,11 +220,12 @@ impl Plot {
         if self.quantity.is_of_bodies() { &self.names } else { &[] }
     }
 
-    /// Checks that a scene has the gauges, and that they are those of walls.
+    /// Checks that a scene has the gauges, and that they are those of walls, or that it has the joints, and that they fit into one plot.
     ///
     /// # Errors
     /// A text that says what was expected.
-    pub fn check_gauges(&self, scene: &Scene) -> std::result::Result<(), String> {
+    pub fn check_names(&self, scene: &Scene) -> std::result::Result<(), String> {
+        self.joints(scene)?;
         let names = if self.quantity == Quantity::Gauge { self.names.as_slice() } else { &[] };
         for name in names {
             match scene.gauges().iter().find(|gauge| gauge.name == *name) {
@@ -216,10 +241,17 @@ impl Plot {
         Ok(())
     }
 
+    fn joints(&self, scene: &Scene) -> std::result::Result<Joints, String> {
+        match self.quantity {
+            Quantity::Joint(value) => Joints::of(scene, &self.names, value),
+            _ => Ok(Joints::default()),
+        }
+    }
+
     /// The plot of a scene. `found` has the bodies that each name and number of [`Plot::bodies`] means.
     ///
     /// # Errors
-    /// A text that says how many bodies are too many.
+    /// A text that says how many bodies are too many, or which joint is unknown.
     pub fn of(&self, scene: &Scene, found: &[Vec<Body>]) -> std::result::Result<Graph, String> {
         let bodies: Vec<Body> = found.iter().flatten().map(|body| whole(scene, *body)).collect();
         if bodies.len() > COLOURS.len() {
@@ -229,10 +261,10 @@ impl Plot {
             Quantity::Energy => ENERGIES.map(|(name, colour)| (name.to_owned(), colour)).into(),
             Quantity::Momentum => ["x", "y", "z"].map(str::to_owned).into_iter().zip(COLOURS).collect(),
             Quantity::Contacts | Quantity::Kinetic | Quantity::Potential => vec![(String::new(), COLOURS[0])],
-            Quantity::Gauge => self.names.iter().cloned().zip(COLOURS).collect(),
+            Quantity::Gauge | Quantity::Joint(_) => self.names.iter().cloned().zip(COLOURS).collect(),
             _ => self.titles(scene, found).into_iter().zip(colours_of(scene, bodies.iter().copied())).collect(),
         };
-        Ok(Graph { quantity: self.quantity, bodies, lines, start: None })
+        Ok(Graph { quantity: self.quantity, bodies, joints: self.joints(scene)?, lines, start: None })
     }
 
     /// What the lines of bodies are called: by their names, with numbers where a name has several bodies, or else as they were given.
@@ -258,6 +290,7 @@ impl Plot {
 pub struct Graph {
     quantity: Quantity,
     bodies: Vec<Body>,
+    joints: Joints,
     /// Names and colours of the lines.
     lines: Vec<(String, Rgb)>,
     /// The potential energy in the first state.
@@ -265,8 +298,28 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// The present value of every line; NaN for a body that was removed and for a gauge that is not there.
-    fn values(&mut self, simulation: &mut Simulation) -> Result<Vec<f64>> {
+    /// Unit of the values; empty for a number.
+    pub(crate) fn unit(&self) -> &'static str {
+        match self.quantity {
+            Quantity::Joint(value) => value.unit(self.joints.are_angles),
+            quantity => quantity.unit(),
+        }
+    }
+
+    /// What the axis shows.
+    #[cfg_attr(not(feature = "window"), allow(dead_code))]
+    pub(crate) fn title(&self) -> &'static str {
+        self.quantity.title()
+    }
+
+    /// Names and colours of the lines.
+    #[cfg_attr(not(feature = "window"), allow(dead_code))]
+    pub(crate) fn lines(&self) -> &[(String, Rgb)] {
+        &self.lines
+    }
+
+    /// The present value of every line; NaN for a body or joint that was removed and for a gauge that is not there.
+    pub(crate) fn values(&mut self, simulation: &mut Simulation) -> Result<Vec<f64>> {
         Ok(match self.quantity {
             Quantity::Energy => {
                 let mut energy = simulation.energy()?;
@@ -282,6 +335,7 @@ impl Graph {
                 let force = |name: &str| forces.iter().find(|(known, _)| known == name).map_or(f64::NAN, |(_, force)| *force);
                 self.lines.iter().map(|(name, _)| force(name)).collect()
             }
+            Quantity::Joint(value) => self.joints.values(simulation, value)?,
             quantity => {
                 let scene = simulation.sync()?;
                 let up = up(scene);

@@ -3,6 +3,7 @@
 use rockfall::glam::Vec3;
 use rockfall::{Body, Scene, SphereId};
 
+use crate::draw::joints::fixed_ends;
 use crate::extent::{Extent, extents_of_static_objects};
 use crate::groups::{Group, groups};
 
@@ -47,7 +48,7 @@ pub struct Survey {
     velocities: Vec<[Vec3; 2]>,
     /// Bodies that are in view together, or not at all.
     groups: Vec<Group>,
-    /// Points that belong to the bodies: the fixed ends of tethers.
+    /// Points that belong to the bodies: the fixed ends of tethers and distance joints.
     anchors: Option<Extent>,
     /// Direction of gravity.
     down: Vec3,
@@ -76,7 +77,7 @@ impl Survey {
             paths: vec![Vec::new(); spheres.len().div_ceil(stride)],
             velocities: spheres.iter().step_by(stride).map(|sphere| [sphere.velocity; 2]).collect(),
             groups: groups(scene, stride),
-            anchors: Extent::of(scene.tethers().iter().map(|tether| tether.point)),
+            anchors: Extent::of(scene.tethers().iter().map(|tether| tether.point).chain(fixed_ends(scene))),
             down: scene.settings.gravity_direction,
             lowest: lowest.unwrap_or(f32::NEG_INFINITY),
             above: None,
@@ -110,7 +111,8 @@ impl Survey {
         }
     }
 
-    /// Returns the survey of a picture and of the start of its run, if that needs not much more room than the picture alone. So a machine is in
+    /// Returns the survey of a picture and of the start of its run, if that needs not much more room than the picture alone. So
+    /// a machine is in
     /// view from where its bodies come.
     pub fn from_start(self, start: Self, scene: &Scene) -> Self {
         let mut both = start;
@@ -217,7 +219,8 @@ impl Survey {
         bodies.flat_map(|(body, held)| self.path(body, held))
     }
 
-    /// All places of many bodies, without those outside the majority of bodies that leave it, if all need far more room. The majority is between the 5 % and
+    /// All places of many bodies, without those outside the majority of bodies that leave it, if all need far more room. The
+    /// majority is between the 5 % and
     /// the 95 % quantile of each coordinate, or nearer to that than [`OUTLIER_DISTANCE`] times its size.
     fn without_outliers(&self, groups: &[&Group]) -> Vec<(Vec3, f32)> {
         let places: Vec<Vec3> = self.paths(groups.iter().copied()).map(|(place, _)| place).collect();

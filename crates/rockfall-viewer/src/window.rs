@@ -2,7 +2,8 @@
 //!
 //! Modules that are tested without a window use no window or widget types: [`session`] owns the scene and runs it, [`pace`]
 //! decides when steps are due, [`controls`] maps keys to commands, [`navigation`] moves the camera, and [`viewer`] combines
-//! them. `ui`, `menu`, `transport`, `panel`, `picked_window`, `marks`, `file_window` and `quit_window` are the widgets, `input` translates their events, `graphics` manages the device and
+//! them. `ui`, `menu`, `transport`, `panel`, `joints_panel`, `picked_window`, `marks`, `file_window` and `quit_window` are the
+//! widgets, `input` translates their events, `graphics` manages the device and
 //! `app` the window.
 
 mod app;
@@ -16,6 +17,7 @@ pub mod follow;
 mod graphics;
 pub mod hold;
 mod input;
+mod joints_panel;
 mod launch;
 mod marks;
 mod menu;

@@ -86,6 +86,25 @@ export async function pageRunsOnCpu(address) {
     assert.equal(await sphereCount(page), spheres + 1);
     await picture(page, "cpu-dragged");
 
+    // A motor of a joint, which starts with 3 rad/s.
+    assert.ok(await page.isHidden("#joints-part"));
+    await page.selectOption("#gallery", { label: "Linkage" });
+    await waitForScene(page, "Linkage");
+    await page.click("summary:text('Joints')");
+    await page.evaluate(() => {
+        const slider = Object.assign(document.querySelector("#joint-0"), { value: -6 });
+        slider.dispatchEvent(new Event("input"));
+    });
+    const speed = () => page.evaluate(() => window.rockfallPage.stage.simulation.jointControls()[0].value);
+    await page.waitForFunction(() => document.querySelector("#joints output").value === "-6");
+    assert.equal(await speed(), -6);
+    await waitForSteps(page, STEPS);
+    await picture(page, "cpu-linkage");
+    await page.click("#reset");
+    await page.waitForFunction(() => document.querySelector("#joints output").value === "3");
+    await page.selectOption("#gallery", { label: "Soft cube" });
+    await waitForScene(page, "Soft cube");
+
     await drop(page, "bad.txt", "S 1 0 1 0 0 0 0 0 0 0 1 0.5 0\nS 2 0 3 0 0 0 0 0 0 0 -1 0.5 0\n");
     await page.waitForFunction(() => document.querySelector("#message").textContent.includes("bad.txt"));
     assert.match(await message(page), /^bad.txt:2: .*mass/s);

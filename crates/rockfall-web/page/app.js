@@ -58,6 +58,7 @@ stage.opened = () => {
     find("device").textContent = `${scene.spheres.toLocaleString("en")} spheres, ${scene.objects.toLocaleString("en")} objects, on ${simulation.device}${why}.`;
     editor.set(scene.objects <= LARGEST_TEXT ? (stage.text ?? scene.toText()) : " ".repeat(1e6));
     showConstants();
+    showJoints();
 };
 
 async function openText(text, name, dt = DEFAULT_STEP) {
@@ -101,6 +102,30 @@ function showConstants() {
         slider.addEventListener("input", () => stage.act(() => {
             stage.setConstant(name, slider.value);
             output.value = stage.simulation.setting(name);
+        }));
+        return label;
+    }));
+}
+
+// Sliders of motors and springs of joints.
+function showJoints() {
+    const controls = stage.simulation.jointControls();
+    find("joints-part").hidden = controls.length === 0;
+    find("joints").replaceChildren(...controls.map((control, index) => {
+        const { name, title, unit, value, least, greatest } = control;
+        control.free();
+        const label = document.createElement("label");
+        const output = document.createElement("output");
+        const slider = Object.assign(document.createElement("input"), { type: "range", min: least, max: greatest, step: (greatest - least) / 200 });
+        slider.id = `joint-${index}`;
+        slider.value = value;
+        const shown = number => `${Number(number.toFixed(2))}`;
+        output.value = shown(value);
+        label.title = title;
+        label.append(`${name}: `, output, ` ${unit}`, slider);
+        slider.addEventListener("input", () => stage.act(() => {
+            stage.simulation.driveJoint(index, Number(slider.value));
+            output.value = shown(Number(slider.value));
         }));
         return label;
     }));

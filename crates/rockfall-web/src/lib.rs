@@ -6,6 +6,7 @@
 mod constants;
 mod errors;
 mod hand;
+mod joints;
 mod kernels;
 mod overlay;
 mod scene;

@@ -185,7 +185,7 @@ impl Marks {
 fn graph(text: &str, simulation: &Simulation) -> Result<Graph, String> {
     let scene = simulation.inner.scene();
     let plot = Plot::parse(text)?;
-    plot.check_gauges(scene)?;
+    plot.check_names(scene)?;
     let has_references = scene.sphere_ids().any(|sphere| scene.reference(sphere).is_some());
     let numbered = |number: u32| -> Option<SphereId> {
         match has_references {

@@ -119,7 +119,7 @@ pub enum Error {
         limit: u64,
     },
     /// The state of a body stopped being finite.
-    #[error("{}", non_finite(&format!("sphere number {sphere}"), *step, *stage))]
+    #[error("{}", non_finite(&format!("sphere number {sphere}"), *step, *stage, false))]
     NonFinite {
         /// Index of the sphere, in order of addition.
         sphere: usize,
@@ -190,10 +190,10 @@ impl fmt::Display for MeshPlace {
 }
 
 /// The message of [`Error::NonFinite`].
-pub(crate) fn non_finite(sphere: &str, step: u64, stage: BadStage) -> String {
+pub(crate) fn non_finite(sphere: &str, step: u64, stage: BadStage, has_joints: bool) -> String {
+    let cause = if has_joints { "a joint, a spring or the contact force" } else { "a spring or the contact force" };
     format!(
-        "{sphere} stopped being finite in step {step} ({stage}); a spring or the contact force may be too stiff for the time step, \
-         see `rockfall check`"
+        "{sphere} stopped being finite in step {step} ({stage}); {cause} may be too stiff for the time step, see `rockfall check`"
     )
 }
 

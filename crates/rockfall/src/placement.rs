@@ -10,7 +10,7 @@ use crate::model::muscles::MuscleClock;
 use crate::physics::chain::touch;
 use crate::physics::surface::visible_row;
 use crate::report::short_number;
-use crate::scene::{Anchor, Body, Scene, SphereId};
+use crate::scene::{Anchor, Body, Handle, ImpliedBody, Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::frames::observe::overlaps_of_hulls;
 use crate::simulation::observe::{body, smaller_radius};
@@ -60,6 +60,14 @@ pub enum Inside {
     Surface,
 }
 
+/// What a joint is attached to.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum End {
+    At(Anchor),
+    /// A capsule or a frame of rods, by any of its spheres.
+    Implied(Handle<ImpliedBody>),
+}
+
 impl Scene {
     /// Checks the initial positions: overlaps of more than 5 % of the smaller radius, and bodies that fall for ever.
     ///
@@ -97,8 +105,7 @@ impl Scene {
         overlaps.retain(|overlap| !overlap.bodies.iter().any(is_hull));
         let of_hulls = overlaps_of_hulls(self)?.into_iter();
         overlaps.extend(of_hulls.map(|(bodies, units, radii)| Overlap { bodies, units, radii, what: Inside::Surface }));
-        let joined = self.joined();
-        overlaps.retain(|overlap| !joined.contains(&overlap.bodies.map(|body| self.end_of(body))));
+        self.retain_unjoined(&mut overlaps);
         found.deepest = overlaps.iter().map(|overlap| overlap.radii).fold(0.0, f32::max);
         overlaps.retain(|overlap| overlap.radii > DEEP);
         // A stable sort keeps the order of addition among equals.
@@ -107,18 +114,35 @@ impl Scene {
         Ok(found)
     }
 
-    /// Bodies that do not collide because of a joint, in both orders.
-    fn joined(&self) -> HashSet<[Option<Anchor>; 2]> {
+    /// Removes overlaps of bodies that do not collide because of a joint.
+    fn retain_unjoined(&self, overlaps: &mut Vec<Overlap>) {
         let apart = self.joints().iter().filter(|joint| !joint.collides).map(|joint| joint.anchors());
-        let both = apart.filter(|ends| !ends.contains(&Anchor::World));
-        both.flat_map(|[a, b]| [[Some(a), Some(b)], [Some(b), Some(a)]]).collect()
+        let apart: Vec<[Anchor; 2]> = apart.filter(|ends| !ends.contains(&Anchor::World)).collect();
+        if apart.is_empty() {
+            return;
+        }
+        let mut scene = self.clone();
+        scene.imply_bodies();
+        let of_anchor = |anchor: Anchor| match anchor {
+            Anchor::Sphere(id) => scene.end_of(Body::Sphere(id)),
+            other => Some(End::At(other)),
+        };
+        let both = apart.iter().map(|ends| ends.map(of_anchor)).flat_map(|[a, b]| [[a, b], [b, a]]);
+        let joined: HashSet<[Option<End>; 2]> = both.collect();
+        overlaps.retain(|overlap| !joined.contains(&overlap.bodies.map(|body| scene.end_of(body))));
     }
 
     /// What a joint of a body is attached to. `None` for what joints cannot hold.
-    fn end_of(&self, body: Body) -> Option<Anchor> {
+    fn end_of(&self, body: Body) -> Option<End> {
         match body {
-            Body::Sphere(id) => Some(self.body_of_sphere(id).map_or(Anchor::Sphere(id), Anchor::Body)),
-            Body::Rod(id) => self.body_of_rod(id).map(Anchor::Body),
+            Body::Sphere(id) => {
+                let implied = self.implied_of(id).map(End::Implied);
+                Some(implied.unwrap_or_else(|| End::At(self.body_of_sphere(id).map_or(Anchor::Sphere(id), Anchor::Body))))
+            }
+            Body::Rod(id) => {
+                let placed = self.body_of_rod(id).map(|id| End::At(Anchor::Body(id)));
+                placed.or_else(|| self.implied_of_rod(id).map(End::Implied))
+            }
             _ => None,
         }
     }
@@ -195,7 +219,7 @@ impl Error {
     pub fn describe(&self, scene: &Scene) -> String {
         match self {
             Self::NonFinite { sphere, step, stage } if *sphere < scene.spheres().len() => {
-                non_finite(&scene.name_of_sphere(*sphere), *step, *stage)
+                non_finite(&scene.name_of_sphere(*sphere), *step, *stage, !scene.joints().is_empty())
             }
             error => error.to_string(),
         }

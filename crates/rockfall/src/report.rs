@@ -90,7 +90,7 @@ pub struct Energy {
     pub kinetic: f64,
     /// Potential energy in gravity: -sum of m G g.x.
     pub potential: f64,
-    /// Elastic energy of springs and tethers: sum of k (d - l)² / 2.
+    /// Elastic energy of springs and tethers: sum of k (d - l)² / 2, and of springs of joints: sum of k (p - target)² / 2.
     pub spring: f64,
     /// Elastic energy of contacts: sum of Cc m* o² / 2.
     pub contact: f64,

@@ -147,6 +147,8 @@ pub struct Counts {
     pub bodies: usize,
     /// Hulls of rigid bodies.
     pub hulls: usize,
+    /// Joints.
+    pub joints: usize,
 }
 
 impl Scene {
@@ -346,6 +348,7 @@ impl Scene {
             polygons: self.polygons.len(),
             bodies: self.bodies.len(),
             hulls: self.hull_count(),
+            joints: self.joints().len(),
         }
     }
 }

@@ -24,6 +24,9 @@ pub(crate) struct Captions {
     /// Draw an arrow at every body, with a key: velocity, force or gravity
     #[arg(long, value_name = "WHAT", value_parser = Arrows::named)]
     arrows: Option<Arrows>,
+    /// Mark the anchors of joints, and the axes of hinges and sliders
+    #[arg(long)]
+    show_joints: bool,
     /// Draw the path of every body in the last S seconds of the simulation, or only of some, as in 2:left,right
     #[arg(long, value_name = "S[:BODY,...]", value_parser = trails, allow_negative_numbers = true)]
     trails: Option<Trails>,
@@ -71,6 +74,7 @@ impl Captions {
             arrow_key: None,
             trails: trails.seconds,
             trails_of: trails.of,
+            joints: self.show_joints,
             dark: false,
         }
     }

@@ -20,7 +20,7 @@ use crate::options::counted;
 use crate::output;
 use crate::progress::Progress;
 use crate::render::captions::{find_trails, warn_of_letters};
-use crate::render::plots::check_gauges;
+use crate::render::plots::check_names;
 
 /// Quality of a JPEG file, from 1 to 100: no artefacts that the eye sees at the edges of bodies.
 const JPEG_QUALITY: u8 = 92;
@@ -58,7 +58,7 @@ impl Studio {
         renderer.set_overlay(&overlay);
         let find = |name: &String| Named::parse(name).map_err(Failure::usage)?.bodies(scene, "--plot");
         for plot in &arguments.plot {
-            check_gauges(plot, is_recorded, scene)?;
+            check_names(plot, is_recorded, scene)?;
         }
         let graph = |plot: &Plot| {
             let found: Vec<_> = plot.bodies().iter().map(find).collect::<Result<_, Failure>>()?;

@@ -41,3 +41,45 @@ fn saved_scenes_lack_broken_joints() {
     assert_eq!(saved.matches("@joint").count(), 1, "{saved}");
     rockfall.run("check saved.txt", 0);
 }
+
+#[test]
+fn joints_are_counted_and_broken_ones_are_told() {
+    let rockfall = Rockfall::with(SCENE);
+    let (out, _) = rockfall.run("check scene.txt", 0);
+    assert!(out.contains("2 rigid bodies, 2 joints"), "{out}");
+    let (out, _) = rockfall.run("run scene.txt --backend cpu", 0);
+    assert!(out.contains("2 rigid bodies, 2 joints") && out.contains("  joints      1 of 2 broken\n"), "{out}");
+    let (out, _) = rockfall.run("run scene.txt --backend cpu --json", 0);
+    let summary: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((&summary["objects"]["joints"], &summary["broken_joints"]), (&2.into(), &1.into()), "{out}");
+    let (out, _) = rockfall.run("run scene.txt --backend cpu --steps 0", 0);
+    assert!(!out.contains("broken"), "{out}");
+}
+
+/// The energy of a torsion spring of 20 per rad, 30 degrees from its target.
+#[test]
+fn the_trace_has_the_energy_of_springs_of_joints() {
+    let line = "@joint hinge world one at=0,0,0 axis=0,0,1 target=30 stiffness=20\n";
+    let rockfall = Rockfall::with(&(SCENE.split("@joint").next().unwrap().to_owned() + line));
+    rockfall.run("run scene.txt --backend cpu --steps 2 --trace trace.csv", 0);
+    let trace = rockfall.read("trace.csv");
+    let mut lines = trace.lines();
+    let place = columns(lines.next().unwrap()).iter().position(|name| *name == "spring").unwrap();
+    let spring: f64 = columns(lines.next().unwrap())[place].parse().unwrap();
+    assert!((spring - 10.0 * 30_f64.to_radians().powi(2)).abs() < 1e-4, "{trace}");
+}
+
+#[test]
+fn plots_of_joints_name_what_they_expect() {
+    let rockfall = Rockfall::with(SCENE);
+    for (plot, expected) in [
+        ("joint:door", "--plot joint:door: unknown, expected stop, or a number from 0 to 1"),
+        ("joint:1", "--plot joint:1: a fixed joint has no position, expected force or torque"),
+        ("joint", "expected names or numbers of joints, as in joint:door or joint:door.speed"),
+    ] {
+        for command in ["render scene.txt --out a.png", "view scene.txt --backend cpu"] {
+            let (_, error) = rockfall.run(&format!("{command} --plot {plot}"), 2);
+            assert!(error.contains(expected), "{command}: {error}");
+        }
+    }
+}

@@ -437,7 +437,7 @@ fn bodies_to_plot_are_picked_from_the_start() {
     let rockfall = Rockfall::with(scene);
     for (plot, expected) in [
         ("height:lefft", "--plot lefft: no object has the name 'lefft': did you mean 'left'?"),
-        ("contacts", "the window does not plot contacts, expected energy, height, speed or gauge"),
+        ("contacts", "the window does not plot contacts, expected energy, height, speed, gauge or joint"),
         ("height", "expected names or numbers of bodies, as in height:left,right or height:3"),
     ] {
         let (_, err) = rockfall.run(&format!("view scene.txt --backend cpu --plot {plot}"), 2);

@@ -196,8 +196,9 @@ def film(
         ``"2:left,7"``.
     plot : str or sequence of str
         Quantities over time beside the picture: ``"energy"``, ``"kinetic"``, ``"potential"``, ``"momentum"``, ``"contacts"``, or
-        height, speed, x, y, z, vx, vy or vz of bodies by their names or numbers, as in ``"height:left,right"``, or the size of the
-        force on walls by the names of gauges, as in ``"gauge:weight"``.
+        height, speed, x, y, z, vx, vy or vz of bodies by their names or numbers, as in ``"height:left,right"``, the size of the
+        force on walls by the names of gauges, as in ``"gauge:weight"``, or joints by their names or numbers: the position in
+        degrees or units, as in ``"joint:door"``, or their speed, force or torque, as in ``"joint:door.speed"``.
     on_step : callable, optional
         ``on_step(sim)`` is called after every step, for example to set forces. The steps are then run once.
     world : int, optional

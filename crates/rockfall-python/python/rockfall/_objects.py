@@ -52,6 +52,7 @@ class Counts(NamedTuple):
     polygons: int
     bodies: int = 0
     hulls: int = 0
+    joints: int = 0
 
 
 class Objects(StaticBodies, Flows, Periodic, JointObjects, Strict):

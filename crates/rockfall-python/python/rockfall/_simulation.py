@@ -493,8 +493,9 @@ class Simulation(Stored, LawTable, ContactLawOf):
             What an arrow at every sphere shows, with a key: velocity, force or gravity.
         plot : str or sequence of str
             Quantities over time beside the picture, as in :func:`rockfall.film`, such as ``"energy"``, the height of bodies by
-            their names or numbers, as in ``"height:left,right"``, or the size of the force on walls by the names of gauges, as in
-            ``"gauge:weight"``. A simulation keeps no values of the past: the lines
+            their names or numbers, as in ``"height:left,right"``, the size of the force on walls by the names of gauges, as in
+            ``"gauge:weight"``, or joints by their names or numbers: the position in degrees or units, as in ``"joint:door"``, or
+            their speed, force or torque, as in ``"joint:door.speed"``. A simulation keeps no values of the past: the lines
             go through this state and those of the pictures with the same plots before.
 
         Raises

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use rockfall::glam::Vec3;
 use rockfall::{Body, Counts, ObjectId, Result, Scene, Simulation, SphereDiagnostics};
 
+use crate::draw::joints::{JointPlace, places};
 use crate::draw::net_force;
 use crate::draw::range::{RecentPercentile, percentile};
 use crate::palette::Rgb;
@@ -77,6 +78,8 @@ impl Arrows {
 #[derive(Debug, Default)]
 pub struct Motion {
     wanted: bool,
+    /// Whether all joints are shown, and not only distance joints.
+    all_joints: bool,
     arrows: Option<Arrows>,
     seconds: f64,
     before: State,
@@ -121,6 +124,7 @@ struct State {
     time: f64,
     places: Vec<Vec3>,
     arrows: Vec<Vec3>,
+    joints: Vec<JointPlace>,
 }
 
 impl Motion {
@@ -131,6 +135,11 @@ impl Motion {
             self.past.clear();
         }
         (self.wanted, self.arrows, self.seconds) = (places, arrows, trails);
+    }
+
+    /// Takes whether all joints are shown, and not only distance joints.
+    pub(crate) fn want_joints(&mut self, all: bool) {
+        self.all_joints = all;
     }
 
     /// Forgets past states, before another scene is shown.
@@ -144,6 +153,7 @@ impl Motion {
     pub(crate) fn update(&mut self, simulation: &mut Simulation) -> Result<()> {
         self.now.time = simulation.report().time;
         self.plots.update(simulation)?;
+        self.now.joints = places(simulation, self.all_joints)?;
         if !self.wanted {
             self.now.places.clear();
             return Ok(());
@@ -189,7 +199,7 @@ impl Motion {
         if self.seconds <= 0.0 || !self.wanted {
             return;
         }
-        let state = State { time: self.time(), places: self.places().collect(), arrows: Vec::new() };
+        let state = State { time: self.time(), places: self.places().collect(), ..State::default() };
         let is_later = self.past.back().is_none_or(|last| last.time < state.time && last.places.len() == state.places.len());
         if !is_later {
             // The same state again, or another run.
@@ -235,6 +245,21 @@ impl Motion {
         self.now.places.iter().enumerate().map(move |(index, now)| between(index, *now))
     }
 
+    /// Where the joints are that are shown.
+    pub(crate) fn joints(&self) -> impl Iterator<Item = JointPlace> {
+        let is_between = self.back > 0.0 && self.before.joints.len() == self.now.joints.len();
+        let between = move |(index, now): (usize, &JointPlace)| match is_between {
+            true => now.towards(&self.before.joints[index], self.back),
+            false => *now,
+        };
+        self.now.joints.iter().enumerate().map(between)
+    }
+
+    /// The ends of distance joints.
+    pub(crate) fn strings(&self) -> Vec<[Vec3; 2]> {
+        self.joints().filter(|joint| joint.is_string).map(|joint| joint.ends).collect()
+    }
+
     pub(crate) fn arrows(&self) -> impl Iterator<Item = (Vec3, Vec3)> {
         let between = |index: usize, now: Vec3| match self.is_between() && self.before.arrows.len() == self.now.arrows.len() {
             true => now.lerp(self.before.arrows[index], self.back),
@@ -265,7 +290,8 @@ impl Motion {
         })
     }
 
-    /// The lines between past places of the bodies with these names or numbers (none for all), with their age from 0 to 1 and the colour that the scene gives to the body, the oldest first.
+    /// The lines between past places of the bodies with these names or numbers (none for all), with their age from 0 to 1 and
+    /// the colour that the scene gives to the body, the oldest first.
     pub(crate) fn trails(&self, names: &[String]) -> impl Iterator<Item = ([Vec3; 2], f32, Option<Rgb>)> {
         let shown: Vec<bool> = self.looks.iter().map(|look| look.is_one_of(names)).collect();
         let stride = shown.iter().filter(|shown| **shown).count().div_ceil(MOST_TRAILS).max(1);

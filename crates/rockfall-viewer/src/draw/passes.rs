@@ -113,6 +113,7 @@ impl Renderer {
         pass.set_pipeline(&self.pipelines.spheres.shadow);
         self.cull.draw(&mut pass, List::Shadow);
         self.draw_kinds(&mut pass, |kind| &kind.shadow);
+        self.strings.draw(&mut pass, &self.pipelines.strings.shadow);
     }
 
     /// Draws all bodies. In large scenes it draws the spheres that were visible in the last frame first, and then those that
@@ -131,6 +132,7 @@ impl Renderer {
         pass.set_pipeline(&self.pipelines.sky);
         pass.draw(0..3, 0..1);
         self.draw_kinds(&mut pass, |kind| &kind.lit);
+        self.strings.draw(&mut pass, &self.pipelines.strings.lit);
         self.draw_spheres(&mut pass, [List::Near, List::Far]);
         if culls_hidden {
             drop(pass);

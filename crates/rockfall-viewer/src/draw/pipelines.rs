@@ -5,6 +5,7 @@ use wgpu::PrimitiveTopology::{TriangleList, TriangleStrip};
 
 use crate::draw::chains::CHAINS;
 use crate::draw::formats::{DEPTH_FORMAT, LIGHT_FORMAT, OPENNESS_FORMAT, SAMPLES};
+use crate::draw::joints::STRINGS;
 use crate::draw::layouts::Layouts;
 
 macro_rules! wgsl {
@@ -13,8 +14,8 @@ macro_rules! wgsl {
 
 /// Shaders that draw bodies and their shadows.
 pub(crate) const BODIES: &str = wgsl!(
-    "frame", "colour", "look", "light", "surface", "sphere", "capsule", "flat", "far", "coil", "chain", "picture", "ground",
-    "shadow"
+    "frame", "colour", "look", "light", "surface", "sphere", "capsule", "flat", "far", "coil", "string", "chain", "picture",
+    "ground", "shadow"
 );
 /// Shaders that select the spheres to draw.
 pub(crate) const CULL: &str = wgsl!("frame", "colour", "look", "cull");
@@ -64,6 +65,8 @@ pub(crate) struct Pipelines {
     pub(crate) springs: Kind,
     pub(crate) tethers: Kind,
     pub(crate) anchors: Kind,
+    /// Distance joints.
+    pub(crate) strings: Kind,
     pub(crate) sky: wgpu::RenderPipeline,
     pub(crate) ground: wgpu::RenderPipeline,
     /// The faces and the edges of boxes and polygons that hide bodies.
@@ -211,6 +214,7 @@ impl Pipelines {
         let bodies = PipelineBuilder::new(device, "bodies", BODIES, &[&layouts.bodies, &layouts.shadows], &[]);
         let listed = PipelineBuilder { instances: Some(SLOTS), ..bodies.clone() };
         let chained = PipelineBuilder { instances: Some(CHAINS), ..bodies.clone() };
+        let strung = PipelineBuilder { instances: Some(STRINGS), ..bodies.clone() };
         let occlusion = PipelineBuilder::new(device, "occlusion", OCCLUSION, &[&layouts.bodies, &layouts.occlusion], &[]);
         let encodes = [("ENCODES", f64::from(u8::from(format.is_srgb())))];
         let finish = PipelineBuilder::new(device, "finish", FINISH, &[&layouts.bodies, &layouts.finish], &encodes);
@@ -240,6 +244,7 @@ impl Pipelines {
             springs: bodies.kind(TriangleList, "spring", "coil", false),
             tethers: bodies.kind(TriangleList, "tether", "coil", false),
             anchors: bodies.kind(TriangleStrip, "anchor", "sphere", true),
+            strings: strung.kind(TriangleStrip, "string", "string", false),
             sky: bodies.make(RenderTarget::Sky, TriangleList, "whole_picture", Some("sky")),
             ground: bodies.make(RenderTarget::Ground, TriangleList, "whole_picture", Some("ground")),
             hiding_boxes: hiding("box"),

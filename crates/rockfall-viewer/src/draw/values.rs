@@ -39,7 +39,8 @@ impl Renderer {
     }
 
     /// Gives single spheres a colour of their own, by insertion index. Those without one have that of the scene ([`rockfall::Tag`]),
-    /// or else that of their kind, as have all that are not in the list. These colours are shown with [`ColourBy::Kind`] and [`ColourBy::Body`].
+    /// or else that of their kind, as have all that are not in the list. These colours are shown with [`ColourBy::Kind`] and
+    /// [`ColourBy::Body`].
     pub fn set_colours(&mut self, colours: Vec<Option<palette::Rgb>>) {
         self.colours = colours;
         self.colours_due = true;
@@ -48,6 +49,11 @@ impl Renderer {
     /// Takes whether the following states need places of spheres, the vectors that arrows show, and the length of trails in s.
     pub(crate) fn want_motion(&mut self, places: bool, arrows: Option<Arrows>, trails: f64) {
         self.motion.want(places, arrows, trails);
+    }
+
+    /// Takes whether all joints of the following states are shown, and not only distance joints.
+    pub(crate) fn want_joints(&mut self, all: bool) {
+        self.motion.want_joints(all);
     }
 
     /// What an overlay shows.

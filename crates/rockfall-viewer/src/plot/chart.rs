@@ -236,7 +236,7 @@ impl Chart<'_> {
         let em = pen.em;
         let graph = &self.plots.graphs()[self.graph];
         let factor = if power == 0 { String::new() } else { format!("1e{power} ") };
-        let title = match (graph.quantity.unit(), factor.trim()) {
+        let title = match (graph.unit(), factor.trim()) {
             ("", "") => graph.quantity.title().to_owned(),
             (unit, _) => format!("{} in {factor}{unit}", graph.quantity.title()),
         };

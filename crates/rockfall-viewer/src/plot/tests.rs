@@ -13,12 +13,16 @@ fn scene(text: &str) -> Scene {
 #[test]
 fn plots_say_what_they_expect() {
     let wrong = |text: &str| Plot::parse(text).unwrap_err();
-    let known = "expected one of: energy, kinetic, potential, momentum, contacts, x, y, z, height, speed, vx, vy, vz, gauge";
+    let known =
+        "expected one of: energy, kinetic, potential, momentum, contacts, x, y, z, height, speed, vx, vy, vz, gauge, joint";
     assert!(wrong("hight:1").contains(known), "{}", wrong("hight:1"));
     assert!(wrong("height").contains("expected names or numbers of bodies, as in height:left,right"));
     assert!(wrong("height:").contains("names or numbers") && wrong("height:1,").contains("names or numbers"));
     assert!(wrong("energy:1").contains("expected no bodies"));
     assert!(wrong("gauge").contains("expected names of gauges, as in gauge:weight"));
+    assert!(wrong("joint:").contains("expected names or numbers of joints, as in joint:door or joint:door.speed"));
+    assert_eq!(wrong("joint:a,b.speed"), "position and speed of joints need a plot each");
+    assert!(wrong("joint:1,2,3,4,5,6,7").contains("at most 6 joints, got 7"));
     assert!(wrong("x:1,2,3,4,5,6,7").contains("at most 6 bodies, got 7"));
 }
 
@@ -238,15 +242,57 @@ fn gauges_have_the_size_of_the_force() {
         "set gravity 10\n@name floor\nB -9 -1 -9 18 0 0 0 1 0 0 0 18\nS 1 0 0.1 0 0 0 0 0 0 0 3 0.1\n\
          @gauge name=weight wall=floor\n@gauge name=down plane=0,1,0,0,-1,0\n",
     );
-    let wrong = |text: &str| Plot::parse(text).unwrap().check_gauges(&scene).unwrap_err();
+    let wrong = |text: &str| Plot::parse(text).unwrap().check_names(&scene).unwrap_err();
     assert_eq!(wrong("gauge:weight,down"), "gauge:down: the gauge of a plane, expected that of a wall");
     assert_eq!(wrong("gauge:a"), "gauge:a: unknown, expected one of weight, down");
     let plot = Plot::parse("gauge:weight").unwrap();
-    plot.check_gauges(&scene).unwrap();
+    plot.check_names(&scene).unwrap();
     assert!(plot.bodies().is_empty());
     let mut graph = plot.of(&scene, &[]).unwrap();
     let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
     simulation.run(3000, 0.005).unwrap();
     let values = graph.values(&mut simulation).unwrap();
     assert!(values.len() == 1 && (values[0] - 30.0).abs() < 0.1, "{values:?}");
+}
+
+/// A hinge with a motor of 2 rad/s, a slider on which a bar falls with 10 units/s², and a joint that breaks.
+const JOINTS: &str = "set contact_law rigid\nset gravity 10\n@body bar mass=2\nB 0 -0.05 -0.05 1 0 0 0 0.1 0 0 0 0.1\n@end\n\
+                      @place bar at=0,0,0 name=one\n@place bar at=0,0,5 name=two\n@place bar at=0,0,9 name=three\n\
+                      @joint hinge world one at=0,0,0 axis=0,1,0 speed=2 name=motor.0\n\
+                      @joint slider world two at=0,0,5 axis=0,-1,0 name=fall\n\
+                      @joint fixed world three at=0,0,9 break_force=1 name=weak\n@joint fixed three world at=0,0,9\n";
+
+#[test]
+fn joints_are_plotted_in_degrees_or_units() {
+    let scene = scene(JOINTS);
+    let graph = |text: &str| {
+        let plot = Plot::parse(text).unwrap();
+        plot.check_names(&scene).and_then(|()| plot.of(&scene, &[]))
+    };
+    let wrong = |text: &str| graph(text).unwrap_err();
+    assert_eq!(wrong("joint:door"), "joint:door: unknown, expected motor.0, fall, weak, or a number from 0 to 3");
+    assert_eq!(wrong("joint:4"), "joint:4: unknown, expected motor.0, fall, weak, or a number from 0 to 3");
+    assert_eq!(wrong("joint:motor.0,fall"), "joint:fall: units and degrees need a plot each");
+    assert_eq!(wrong("joint:3.speed"), "joint:3: a fixed joint has no speed, expected force or torque");
+    let none = Plot::parse("joint:a").unwrap().check_names(&Scene::new()).unwrap_err();
+    assert_eq!(none, "joint:a: the scene has no joints");
+
+    let texts = [
+        "joint:motor.0",
+        "joint:fall",
+        "joint:motor.0.speed",
+        "joint:1.speed",
+        "joint:motor.0.force,weak.force",
+        "joint:3.torque",
+    ];
+    let mut graphs = texts.map(|text| graph(text).unwrap());
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(Backend::Cpu)).unwrap();
+    simulation.run(30, 1.0 / 60.0).unwrap();
+    let found: Vec<f64> = graphs.iter_mut().flat_map(|graph| graph.values(&mut simulation).unwrap()).collect();
+    let near = |place: usize, expected: f64, by: f64| (found[place] - expected).abs() < by;
+    assert!(near(0, 1.0_f64.to_degrees(), 0.5) && near(1, 0.5 * 10.0 * 0.25, 0.05), "{found:?}");
+    assert!(near(2, 2.0, 0.01) && near(3, 5.0, 0.01) && near(4, (20.0_f64.powi(2) + 4.0_f64.powi(2)).sqrt(), 0.3), "{found:?}");
+    // The broken joint, and the whole weight half a unit away.
+    assert!(found[5].is_nan() && near(6, 10.0, 0.2), "{found:?}");
+    assert_eq!(graphs.map(|graph| graph.unit()), ["degrees", "units", "rad/s", "units/s", "mass units/s²", "mass units²/s²"]);
 }

@@ -178,6 +178,7 @@ impl OpenWindow {
         viewer.style = launch.style;
         viewer.find = launch.follow.clone();
         viewer.plotted.clone_from(&launch.plotted);
+        viewer.session.plot_joints(launch.joints.clone());
         viewer.show_from(launch.view);
         viewer.follow_initially();
         viewer.plot_initially();

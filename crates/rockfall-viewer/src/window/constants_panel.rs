@@ -79,7 +79,7 @@ fn repaint_for_warnings(ui: &Ui) {
 }
 
 /// Shows a label, and widgets to its right.
-fn row(ui: &mut Ui, label: &str, about: &str, add: impl FnOnce(&mut Ui)) {
+pub(super) fn row(ui: &mut Ui, label: &str, about: &str, add: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
         let size = egui::vec2(108.0, ui.spacing().interact_size.y);
         let layout = egui::Layout::left_to_right(egui::Align::Center);

@@ -13,6 +13,7 @@ use super::session::{Prepare, Source};
 use crate::camera::Direction;
 use crate::draw::Style;
 use crate::overlay::Overlay;
+use crate::plot::Plot;
 
 /// Arguments of [`run`](super::run).
 pub struct Launch {
@@ -44,6 +45,8 @@ pub struct Launch {
     pub follow: Option<Find>,
     /// Find the spheres whose motion is plotted: the first one is picked.
     pub plotted: Vec<Find>,
+    /// Plots of joints.
+    pub joints: Vec<Plot>,
     /// File to write the state to after every frame and on exit, as JSON.
     pub report: Option<PathBuf>,
     /// Number of frames after which the device is destroyed, for tests.

@@ -49,6 +49,7 @@ pub(super) fn switches(ui: &mut Ui, viewer: &mut Viewer) {
     ui.checkbox(&mut overlay.clock, "Time");
     ui.checkbox(&mut overlay.scale_bar, "Scale bar");
     ui.checkbox(&mut overlay.labels, "Labels or numbers of spheres");
+    ui.checkbox(&mut overlay.joints, "Joints");
     let mut has_trails = overlay.trails > 0.0;
     let seconds = if has_trails { overlay.trails } else { TRAILS };
     let of = if overlay.trails_of.is_empty() { String::new() } else { format!(", {}", overlay.trails_of.join(", ")) };

@@ -5,9 +5,9 @@ use std::ops::RangeInclusive;
 use egui::{Color32, RichText, Ui};
 use egui_plot::{GridMark, Line, Plot, PlotPoints};
 
-use super::constants_panel;
 use super::viewer::Viewer;
 use super::watch::GaugeSample;
+use super::{constants_panel, joints_panel};
 use crate::draw::{ColourBy, Style};
 use crate::legend::{Legend, number};
 use crate::palette::{Kind, Rgb};
@@ -40,6 +40,9 @@ pub(super) fn show(ui: &mut Ui, viewer: &mut Viewer) {
     section(ui, "Energy over time", true, &mut |ui| energies(ui, viewer));
     if viewer.session.watch.gauges().back().is_some_and(|last| !last.forces.is_empty()) {
         section(ui, "Forces on walls over time", true, &mut |ui| gauges(ui, viewer));
+    }
+    if joints_panel::is_shown(viewer) {
+        section(ui, "Joints", true, &mut |ui| joints_panel::show(ui, viewer));
     }
     section(ui, "Colours", true, &mut |ui| colours(ui, viewer));
     section(ui, "Constants", true, &mut |ui| constants_panel::show(ui, viewer));

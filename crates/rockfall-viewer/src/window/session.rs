@@ -14,10 +14,12 @@ use super::pace::Pace;
 use super::past::Past;
 use super::track::Track;
 use super::watch::Watch;
+use crate::plot::Plot;
 
 pub(super) mod concerns;
 mod edits;
 mod files;
+mod joints;
 pub mod picked;
 pub mod playback;
 mod pointer;
@@ -66,6 +68,8 @@ pub struct Session {
     pub messages: Messages,
     /// Values that are sampled at intervals.
     pub watch: Watch,
+    /// Plots of joints in every scene that is opened.
+    joint_plots: Vec<Plot>,
     held: Option<Held>,
     /// The state before a body was held, for undo.
     before_hold: Option<Checkpoint>,
@@ -123,6 +127,7 @@ impl Session {
             running: false,
             messages: Messages::default(),
             watch: Watch::default(),
+            joint_plots: Vec::new(),
             held: None,
             before_hold: None,
             picked: None,

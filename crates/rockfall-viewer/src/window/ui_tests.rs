@@ -18,7 +18,10 @@ struct Screen {
 
 impl Screen {
     fn new() -> Self {
-        let text = "set gravity 0\nS 1 0 0 0 0 0 0 0 0 0 1 0.5\n";
+        Self::of("set gravity 0\nS 1 0 0 0 0 0 0 0 0 0 1 0.5\n")
+    }
+
+    fn of(text: &str) -> Self {
         let scene = Scene::parse(text, Path::new("test")).unwrap().scene;
         let opener = Box::new(|scene| Simulation::with_options(scene, Options::new().backend(Backend::Cpu)));
         let source = Source { name: "test".to_owned(), path: None, scene };
@@ -32,6 +35,16 @@ impl Screen {
 
     fn frame(&mut self, events: impl IntoIterator<Item = Event>) {
         self.frame_of(RawInput { events: events.into_iter().collect(), ..RawInput::default() });
+    }
+
+    /// The upper left corner of a text that is shown.
+    fn place_of(&mut self, wanted: &str) -> Pos2 {
+        let output = self.frame_of(RawInput::default());
+        let found = output.shapes.iter().find_map(|clipped| match &clipped.shape {
+            egui::Shape::Text(text) if text.galley.text() == wanted => Some(text.pos),
+            _ => None,
+        });
+        found.unwrap_or_else(|| panic!("{wanted} is not shown"))
     }
 
     fn frame_of(&mut self, input: RawInput) -> egui::FullOutput {
@@ -313,14 +326,61 @@ fn the_window_of_the_picked_body_leaves_it_in_view() {
 #[test]
 fn the_plot_of_the_energies_is_in_view() {
     let mut screen = Screen::new();
-    let output = screen.frame_of(RawInput::default());
-    let height_of = |title: &str| {
-        let found = output.shapes.iter().find_map(|clipped| match &clipped.shape {
-            egui::Shape::Text(text) if text.galley.text() == title => Some(text.pos.y),
-            _ => None,
-        });
-        found.unwrap_or_else(|| panic!("{title} is not shown"))
-    };
-    let [plot, below] = ["Energy over time", "Colours"].map(height_of);
+    let [plot, below] = ["Energy over time", "Colours"].map(|title| screen.place_of(title).y);
     assert!(below > plot + 130.0 && below < 800.0, "{plot} {below}");
+}
+
+/// A hinge with a motor, one with a spring, and plots of both.
+#[test]
+fn motors_and_springs_of_joints_have_sliders() {
+    let mut screen = Screen::of(
+        "set contact_law rigid\nset gravity 0\n@body bar mass=2\nB 0 -0.05 -0.05 1 0 0 0 0.1 0 0 0 0.1\n@end\n\
+         @place bar at=0,0,0 name=one\n@place bar at=0,0,5 name=two\n\
+         @joint hinge world one at=0,0,0 axis=0,1,0 speed=0.1 name=motor\n\
+         @joint hinge world two at=0,0,5 axis=0,1,0 target=0 stiffness=500 damping=100 limits=-90..90 name=spring\n",
+    );
+    let plot = |text: &str| crate::plot::Plot::parse(text).unwrap();
+    screen.viewer.session.plot_joints(vec![plot("joint:motor,spring"), plot("joint:motor.speed"), plot("joint:door")]);
+    screen.viewer.session.sample(true);
+    let joint = |screen: &Screen, name: &str| {
+        let scene = screen.viewer.session.simulation_ref().scene();
+        scene.joint(scene.joint_named(name).unwrap()).unwrap().clone()
+    };
+    let drag = |screen: &mut Screen, name: &str| {
+        // The middle of the slider is to the right of the name.
+        let middle = screen.place_of(name) + egui::vec2(108.0 + 8.0 + 32.0, 6.0);
+        screen.frame([Event::PointerMoved(middle), button(middle, PointerButton::Primary, true, Modifiers::NONE)]);
+        let end = middle + egui::vec2(14.0, 0.0);
+        screen.frame([Event::PointerMoved(end)]);
+        screen.frame([button(end, PointerButton::Primary, false, Modifiers::NONE)]);
+    };
+    drag(&mut screen, "motor");
+    drag(&mut screen, "spring");
+    let (speed, target) = (joint(&screen, "motor").speed.unwrap(), joint(&screen, "spring").target.unwrap());
+    assert!((0.3..0.7).contains(&speed) && (0.4..1.0).contains(&target), "{speed} {target}");
+
+    for _ in 0..100 {
+        screen.viewer.session.single_step();
+    }
+    screen.viewer.session.sample(true);
+    screen.place_of(&format!("{:.1}°", target.to_degrees()));
+    screen.place_of("joint in degrees over time in s");
+    let values = &screen.viewer.session.watch.plotted().back().unwrap().values;
+    let turned = f64::from(speed.to_degrees()) * 100.0 * 0.02;
+    assert!(values.len() == 3 && (values[0] - turned).abs() < 1.0, "{values:?} {turned}");
+    assert!(
+        (values[1] - f64::from(target.to_degrees())).abs() < 1.0 && (values[2] - f64::from(speed)).abs() < 0.01,
+        "{values:?}"
+    );
+
+    // Undo takes back the target, and then the speed.
+    screen.viewer.session.undo();
+    screen.viewer.session.undo();
+    assert_eq!((joint(&screen, "spring").target, joint(&screen, "motor").speed), (Some(0.0), Some(0.1)));
+    screen.viewer.session.redo();
+    assert_eq!(joint(&screen, "motor").speed, Some(speed));
+    // A reset has the same plots.
+    screen.viewer.session.reset();
+    screen.viewer.session.sample(true);
+    assert_eq!(screen.viewer.session.watch.plotted().len(), 1);
 }

@@ -7,11 +7,11 @@ use std::collections::VecDeque;
 
 use rockfall::glam::Vec3;
 use rockfall::step::schedule::Phase;
-use rockfall::{Body, Energy, Polygon, Profile, RodId, Scene, Simulation, SphereId, Surface};
+use rockfall::{Body, Energy, JointReading, Polygon, Profile, RodId, Scene, Simulation, SphereId, Surface};
 
 use super::names::Names;
 use crate::draw::net_force;
-use crate::plot::gauge_forces;
+use crate::plot::{Graph, gauge_forces};
 use crate::whole::{mass, motion, rigid_of, size, spheres};
 
 /// Least time between two samples, in s.
@@ -45,6 +45,15 @@ pub struct GaugeSample {
     pub forces: Vec<(String, f64)>,
 }
 
+/// The values of all lines of the plots of joints at one time.
+#[derive(Clone, Debug)]
+pub struct PlottedSample {
+    /// Simulated time, in s.
+    pub time: f64,
+    /// The values, in the order of the plots and of their lines.
+    pub values: Vec<f64>,
+}
+
 /// Wall times of the four phases of one step.
 #[derive(Clone, Copy, Debug)]
 pub struct PhaseSample {
@@ -69,6 +78,11 @@ pub struct Watch {
     energies: VecDeque<EnergySample>,
     gauges: VecDeque<GaugeSample>,
     phases: VecDeque<PhaseSample>,
+    /// What the joints do, in order of addition.
+    joints: Vec<JointReading>,
+    /// Plots of joints.
+    graphs: Vec<Graph>,
+    plotted: VecDeque<PlottedSample>,
     facts: Option<Facts>,
     /// Number of steps at the last sample. Without a further step no sample is due.
     sampled_at: Option<u64>,
@@ -86,6 +100,9 @@ impl Default for Watch {
             energies,
             gauges,
             phases,
+            joints: Vec::new(),
+            graphs: Vec::new(),
+            plotted: VecDeque::new(),
             facts: None,
             sampled_at: None,
             is_outdated: false,
@@ -105,6 +122,28 @@ impl Watch {
     /// Returns the forces on the walls of gauges over time.
     pub fn gauges(&self) -> &VecDeque<GaugeSample> {
         &self.gauges
+    }
+
+    /// Returns what the joints of the scene do, in order of addition; empty before the first sample.
+    pub fn joints(&self) -> &[JointReading] {
+        &self.joints
+    }
+
+    /// Returns the plots of joints.
+    pub(super) fn graphs(&self) -> &[Graph] {
+        &self.graphs
+    }
+
+    /// Sets the plots of joints, and forgets what the ones before have seen.
+    pub(super) fn set_graphs(&mut self, graphs: Vec<Graph>) {
+        self.graphs = graphs;
+        self.plotted.clear();
+        (self.sampled_at, self.next_at) = (None, 0.0);
+    }
+
+    /// Returns the values of the plots of joints over time.
+    pub fn plotted(&self) -> &VecDeque<PlottedSample> {
+        &self.plotted
     }
 
     /// Returns the times of the phases over time.
@@ -149,6 +188,7 @@ impl Watch {
         self.energies.retain(|sample| sample.time <= time);
         self.gauges.retain(|sample| sample.time <= time);
         self.phases.retain(|sample| sample.time <= time);
+        self.plotted.retain(|sample| sample.time <= time);
         (self.sampled_at, self.next_at) = (None, 0.0);
     }
 
@@ -167,7 +207,7 @@ impl Watch {
         keep(&mut self.phases, PhaseSample { time, seconds });
     }
 
-    /// Takes a sample. A state of a trajectory (`is_recorded`) has no springs of contacts, so gauges are not read.
+    /// Takes a sample. A state of a trajectory (`is_recorded`) has no springs of contacts and no values of joints: they are not read.
     pub(super) fn sample(
         &mut self,
         simulation: &mut Simulation,
@@ -177,11 +217,18 @@ impl Watch {
     ) -> rockfall::Result<()> {
         let energy = simulation.energy()?;
         let report = simulation.report();
+        if !is_recorded {
+            self.joints = simulation.joints()?;
+        }
         if self.sampled_at != Some(report.steps) {
             keep(&mut self.energies, EnergySample { time: report.time, energy });
             if !is_recorded && !simulation.scene().gauges().is_empty() {
                 let forces = gauge_forces(simulation)?;
                 keep(&mut self.gauges, GaugeSample { time: report.time, forces });
+            }
+            if !is_recorded && !self.graphs.is_empty() {
+                let values: rockfall::Result<Vec<_>> = self.graphs.iter_mut().map(|graph| graph.values(simulation)).collect();
+                keep(&mut self.plotted, PlottedSample { time: report.time, values: values?.concat() });
             }
         }
         (self.sampled_at, self.is_outdated) = (Some(report.steps), false);

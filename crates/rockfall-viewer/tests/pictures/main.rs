@@ -6,5 +6,6 @@ mod far;
 mod frames;
 mod golden;
 mod hulls;
+mod joints;
 mod looks;
 mod shapes;

@@ -95,7 +95,7 @@ pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     head.f32(*dt);
     head.u64(*steps);
 
-    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons, bodies: _, hulls: _ } = scene.counts();
+    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons, .. } = scene.counts();
     for count in [spheres, rods, capsules, springs, tethers, boxes, polygons] {
         head.u64(count as u64);
     }
@@ -188,6 +188,7 @@ pub(super) fn read(words: &mut Words) -> Result<(Checkpoint, Counts), Damage> {
         // They are stored below.
         bodies: 0,
         hulls: 0,
+        joints: 0,
     };
     let most = most_pair_capacity(&counts);
     if capacity > most {

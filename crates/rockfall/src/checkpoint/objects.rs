@@ -21,7 +21,7 @@ trait Record<const N: usize>: Sized {
 
 /// Size of all objects and references, in bytes.
 pub(super) fn length(scene: &Scene) -> usize {
-    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons, bodies: _, hulls: _ } = scene.counts();
+    let Counts { spheres, rods, capsules, springs, tethers, boxes, polygons, .. } = scene.counts();
     let references = if scene.references.is_empty() { 0 } else { 2 * spheres };
     4 * (references + 19 * spheres + 5 * rods + 3 * capsules + 9 * springs + 7 * tethers + 17 * boxes + 15 * polygons)
 }

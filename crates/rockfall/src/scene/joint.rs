@@ -36,8 +36,8 @@ impl JointKind {
     /// All kinds.
     pub const ALL: [Self; 5] = [Self::Ball, Self::Hinge, Self::Slider, Self::Fixed, Self::Distance];
 
-    /// Whether positions of the joint are angles.
-    pub(crate) fn turns(self) -> bool {
+    /// Whether positions of the joint are angles, as those of a hinge and a ball are.
+    pub fn turns(self) -> bool {
         matches!(self, Self::Ball | Self::Hinge)
     }
 
@@ -76,7 +76,8 @@ pub enum Anchor {
     World,
     /// A rigid body.
     Body(RigidBodyId),
-    /// A sphere. One that is part of a rigid body stands for the body: [`Scene::add_joint`](crate::Scene::add_joint) replaces it by the body.
+    /// A sphere. One that is part of a rigid body stands for the body: [`Scene::add_joint`](crate::Scene::add_joint) replaces
+    /// it by the body.
     Sphere(SphereId),
 }
 
@@ -105,7 +106,8 @@ pub struct JointFrame {
 /// Where a joint is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Laid {
-    /// In the world, with the bodies in their present places: the anchor on the first body, that on the second one, and the axis, x if there is none.
+    /// In the world, with the bodies in their present places: the anchor on the first body, that on the second one, and the
+    /// axis, x if there is none.
     World { at: DVec3, to: DVec3, axis: Option<DVec3> },
     /// In coordinates of the bodies.
     Ends([JointFrame; 2]),
@@ -113,7 +115,8 @@ pub(crate) enum Laid {
 
 /// A connection of two bodies, as a builder: `Joint::hinge(Anchor::World, door, [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]).limits(-1.5, 0.0)`.
 ///
-/// Its **position** is the angle in rad of a hinge and of the twist of a ball about the axis, the way in units along the axis of a slider, or
+/// Its **position** is the angle in rad of a hinge and of the twist of a ball about the axis, the way in units along the axis
+/// of a slider, or
 /// the distance in units of the anchors of a distance joint. Angles and ways are 0 in the places of the bodies in which
 /// [`Scene::add_joint`](crate::Scene::add_joint) adds the joint, and measure how the second body moves against the first one.
 /// Motors, springs, friction and limits act along it. A joint of the kind fixed has none of these.
@@ -152,7 +155,8 @@ pub struct Joint {
     pub break_torque: f32,
     /// Whether its bodies collide. Those of other joints pass through each other.
     pub collides: bool,
-    /// For a distance joint: the distance at the start, in units. `None` before it was added, for that of its anchors. It keeps this distance unless
+    /// For a distance joint: the distance at the start, in units. `None` before it was added, for that of its anchors. It keeps
+    /// this distance unless
     /// it has limits, a motor, a spring or friction.
     pub length: Option<f32>,
     pub(crate) laid: Laid,
@@ -181,7 +185,8 @@ impl Joint {
         }
     }
 
-    /// A joint about a point of the world, in units. The axis of its cone and its twist is that of x unless [`Joint::axis`] sets another one.
+    /// A joint about a point of the world, in units. The axis of its cone and its twist is that of x unless [`Joint::axis`]
+    /// sets another one.
     pub fn ball(a: impl Into<Anchor>, b: impl Into<Anchor>, at: impl Into<DVec3>) -> Self {
         Self::new(JointKind::Ball, a.into(), b.into(), at.into())
     }

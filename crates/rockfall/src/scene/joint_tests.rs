@@ -3,6 +3,7 @@ use std::f32::consts::FRAC_PI_2;
 use glam::{DVec3, Quat, Vec3};
 
 use super::*;
+use crate::error::BadStage;
 use crate::scene::{Capsule, ObjectId, Placement, Rod, Scene, Shape, Sphere, Tag};
 use crate::settings::ContactLaw;
 use crate::{Backend, Checkpoint, Options, Simulation};
@@ -200,6 +201,38 @@ fn joints_of_capsules_stay_in_their_places() {
     // Another rod changes nothing.
     scene.add_rod(Rod::new(parts.end1, parts.end2, 0.1)).unwrap();
     scene.check_joints().unwrap();
+}
+
+/// Whichever sphere of a capsule has the joint, its bodies overlap without a warning, unless they collide.
+#[test]
+fn joined_capsules_may_overlap() {
+    let of = |joint: Option<fn([SphereId; 2], [SphereId; 2]) -> Joint>| {
+        let mut scene = Scene::new();
+        scene.settings.contact_law = ContactLaw::Rigid;
+        let mut capsule = |from: [f32; 3], to: [f32; 3]| {
+            let id = scene.add_capsule(Capsule::new(from, to, 0.25)).unwrap();
+            let parts = *scene.capsule(id).unwrap();
+            [parts.end1, parts.end2]
+        };
+        let (one, other) = (capsule([0.0; 3], [0.0, 2.0, 0.0]), capsule([0.1, 2.0, 0.0], [2.0, 2.0, 0.0]));
+        if let Some(joint) = joint {
+            scene.add_joint(joint(one, other)).unwrap();
+        }
+        scene.overlap_concern()
+    };
+    assert!(of(None).is_some_and(|concern| concern.contains("overlap")));
+    assert_eq!(of(Some(|one, other| Joint::ball(one[1], other[0], [0.0, 2.0, 0.0]))), None);
+    assert_eq!(of(Some(|one, other| Joint::ball(one[0], other[1], [0.0, 2.0, 0.0]))), None);
+    assert!(of(Some(|one, other| Joint::ball(one[1], other[0], [0.0, 2.0, 0.0]).colliding())).is_some());
+}
+
+#[test]
+fn messages_of_states_that_are_not_finite_name_joints() {
+    let (scene, _, _) = sample();
+    let error = Error::NonFinite { sphere: 0, step: 3, stage: BadStage::Forces1 };
+    assert!(error.describe(&scene).contains("; a spring or the contact force may"), "{}", error.describe(&scene));
+    let told = error.describe(&rich());
+    assert!(told.contains("; a joint, a spring or the contact force may be too stiff for the time step"), "{told}");
 }
 
 /// Joints of all kinds, with everything that they can have.

@@ -108,7 +108,8 @@ impl Simulation {
     }
 
     /// Reads the state back, and returns a scene from which another simulation goes on where this one is: the phases of its
-    /// muscles are the present ones, and so are the poses of its moving walls and the sequence of spheres of its inlets. A scene has no springs of contacts (docs/physics.md section 4.11), so with a contact law that keeps
+    /// muscles are the present ones, and so are the poses of its moving walls and the sequence of spheres of its inlets. A
+    /// scene has no springs of contacts (docs/physics.md section 4.11), so with a contact law that keeps
     /// them the contacts begin anew; a [`Checkpoint`](crate::Checkpoint) keeps them.
     ///
     /// # Errors
@@ -141,7 +142,7 @@ impl Simulation {
         if self.world.step.is_half_step() && self.scene.settings.collisions {
             energy.kinetic = self.synchronised_kinetic_energy()?;
         }
-        energy.spring = spring_energy(&self.scene, &self.muscle_clock)?;
+        energy.spring = spring_energy(&self.scene, &self.muscle_clock)? + self.joint_energy()?;
         // An empty sum is -0.
         energy.contact = contact + 0.0;
         Ok(energy)

@@ -14,6 +14,7 @@ both! {
     split_and_resumed_runs_have_the_same_bits,
     joints_and_bodies_come_and_go,
     a_broken_joint_stays_broken,
+    springs_of_joints_store_energy,
 }
 
 const FRAME: f32 = 1.0 / 60.0;
@@ -221,4 +222,29 @@ fn a_broken_joint_stays_broken(backend: Backend) {
     assert!(resumed.joints().expect("joints")[0].broken);
     let body = resumed.scene().body_ids().next().expect("a door");
     assert!(height(&mut resumed, body) < 0.98, "{}", height(&mut resumed, body));
+}
+
+/// A spring that swings keeps its energy, of which it has all at the start. The angle from its target is the smaller one of both ways.
+fn springs_of_joints_store_energy(backend: Backend) {
+    let joint = |target: f32| {
+        let mut scene = read(DOOR);
+        let hinge = scene.joint_named("hinge").expect("a hinge");
+        scene
+            .update_joint(hinge, |joint| (joint.speed, joint.stiffness, joint.target) = (None, 50.0, Some(target)))
+            .expect("a spring");
+        simulation(scene, backend)
+    };
+    let spring = |simulation: &mut Simulation| simulation.energy().expect("energy").spring;
+    let mut swinging = joint(0.4);
+    assert!((spring(&mut swinging) - 0.5 * 50.0 * 0.16).abs() < 1e-4, "{}", spring(&mut swinging));
+    let mut least = f64::INFINITY;
+    for _ in 0..on(backend, 60, 30) {
+        run(&mut swinging, 1);
+        let energy = swinging.energy().expect("energy");
+        assert!((energy.total() - 4.0).abs() < 0.04, "{energy:?}");
+        least = least.min(energy.spring);
+    }
+    assert!(least < 1.0, "{least}");
+    let turned = spring(&mut joint(std::f32::consts::TAU - 0.4));
+    assert!((turned - 4.0).abs() < 1e-3, "{turned}");
 }

@@ -159,6 +159,19 @@ fn tether_shadow_vertex(@builtin(vertex_index) index: u32, @builtin(instance_ind
     return coil_in_map(tether_corner(index, number, vec4f(frame.light, 0.0)));
 }
 
+@vertex
+fn string_shadow_vertex(
+    @builtin(vertex_index) corner: u32,
+    @location(0) start: vec3f,
+    @location(1) end: vec3f,
+) -> @builtin(position) vec4f {
+    let vertex = string_corner(corner, start, end, vec4f(frame.light, 0.0));
+    if all(vertex.place == NOWHERE) {
+        return NOWHERE;
+    }
+    return in_map(vertex.point);
+}
+
 fn coil_in_map(vertex: CoilVertex) -> vec4f {
     if all(vertex.place == NOWHERE) {
         return NOWHERE;

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use rockfall::{Checkpoint, Integrator, Settings};
+use rockfall::{Checkpoint, Integrator, Joint, JointId, Settings};
 
 use super::{Session, Source};
 use crate::window::message::Level;
@@ -20,6 +20,7 @@ const ONE_EDIT: f64 = 1.0;
 enum Before {
     Settings(Box<Settings>),
     TimeStep(f32),
+    Joint(JointId, Box<Joint>),
     /// The state of the same scene.
     State(Box<Checkpoint>),
     /// The state of a scene that was replaced, and its revision that was opened or saved.
@@ -29,7 +30,7 @@ enum Before {
 impl Before {
     fn bytes(&self) -> usize {
         match self {
-            Self::Settings(_) | Self::TimeStep(_) => 0,
+            Self::Settings(_) | Self::TimeStep(_) | Self::Joint(..) => 0,
             Self::State(state) => bytes_of(&state.scene),
             Self::Scene(scene) => bytes_of(&scene.0.scene) + bytes_of(&scene.1.scene),
         }
@@ -156,6 +157,13 @@ impl Session {
         }
     }
 
+    /// Records a change of the motor or the spring of a joint.
+    pub(super) fn edited_joint(&mut self, id: JointId, before: Joint) {
+        let place = self.simulation.scene().joint_ids().position(|other| other == id).unwrap_or_default();
+        let name = format!("joint {}", before.name.clone().unwrap_or_else(|| place.to_string()));
+        self.edited_number(name, Before::Joint(id, Box::new(before)));
+    }
+
     fn edited_number(&mut self, name: String, before: Before) {
         let revision = self.revisions.edit(true);
         if !self.edits.continues(&name, self.now) {
@@ -257,6 +265,12 @@ impl Session {
                 self.pace.time_step = before;
                 self.pace.forget();
                 Before::TimeStep(present)
+            }
+            Before::Joint(id, before) => {
+                let present = self.simulation.scene().joint(id).ok()?.clone();
+                let changed = self.simulation.update_joint(id, |joint| *joint = *before);
+                self.ok_or_report(changed)?;
+                Before::Joint(id, Box::new(present))
             }
             Before::State(mut before) => {
                 let present = self.state()?;

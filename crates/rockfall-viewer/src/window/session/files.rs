@@ -132,6 +132,7 @@ impl Session {
         self.names = names_of(&self.source);
         self.forget_bodies();
         (self.past, self.watch) = (Past::default(), Watch::default());
+        self.watch_joints();
         self.pace.forget();
         self.scene_version += u64::from(another);
         self.warn();

@@ -2,6 +2,8 @@
 
 use std::f32::consts::{PI, TAU};
 
+use glam::Vec3;
+
 use super::{Anchor, Joint, JointFrame, JointKind, Laid};
 use crate::error::{Error, Result};
 use crate::scene::Scene;
@@ -11,6 +13,8 @@ use crate::settings::ContactLaw;
 
 /// Room for rounding where a range of angles is a whole turn.
 const ROUNDING: f32 = 1e-6;
+/// Greatest coordinate of an anchor, as that of a point of a hull, in units.
+const GREATEST: f32 = 1e15;
 
 impl Joint {
     /// Checks all but its ends.
@@ -21,7 +25,7 @@ impl Joint {
         match self.laid {
             Laid::World { at, to, axis } => {
                 for (field, point) in [("joint.at", at), ("joint.to", to)] {
-                    finite(field, point.as_vec3())?;
+                    check_point(field, point.as_vec3())?;
                 }
                 if let Some(axis) = axis.filter(|axis| axis.try_normalize().is_none()) {
                     return Err(invalid("joint.axis", axis.to_array(), "a direction, not 0"));
@@ -137,8 +141,16 @@ impl Joint {
     }
 }
 
+fn check_point(field: &'static str, point: Vec3) -> Result<()> {
+    finite(field, point)?;
+    if point.abs().max_element() <= GREATEST {
+        return Ok(());
+    }
+    Err(invalid(field, point.to_array(), "coordinates of at most 1e15"))
+}
+
 fn check_frame(frame: JointFrame) -> Result<()> {
-    finite("joint.place", frame.place)?;
+    check_point("joint.place", frame.place)?;
     if frame.turn.is_normalized() {
         return Ok(());
     }

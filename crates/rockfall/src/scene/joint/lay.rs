@@ -85,7 +85,8 @@ impl Scene {
     /// Adds a joint between two bodies in their present places.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for numbers out of their range, limits that do not contain the position at the start, an axis of 0, a value that its kind
+    /// [`Error::Invalid`] for numbers out of their range, limits that do not contain the position at the start, an axis of 0, a
+    /// value that its kind
     /// does not have, a name that another joint has or that is not one word, and for ends that are the same body or cannot move.
     /// [`Error::StaleHandle`] for a body or sphere that is not in the scene.
     pub fn add_joint(&mut self, mut joint: Joint) -> Result<JointId> {
@@ -116,7 +117,8 @@ impl Scene {
         Ok(self.joints.add(joint))
     }
 
-    /// Changes the limits, the motor, the spring, the friction, the length and the strength of a joint. Its kind, its ends, its name and whether its
+    /// Changes the limits, the motor, the spring, the friction, the length and the strength of a joint. Its kind, its ends, its
+    /// name and whether its
     /// bodies collide cannot be changed.
     ///
     /// # Errors
@@ -156,6 +158,15 @@ impl Scene {
     /// [`Error::StaleHandle`] when it is not in the scene.
     pub fn joint_anchors(&self, id: JointId) -> Result<[Vec3; 2]> {
         Ok(self.joint_poses_of(self.joints.get(id)?, true)?.map(|(point, _)| point.as_vec3()))
+    }
+
+    /// The direction of the axis of a joint on its first body at present: a unit vector.
+    ///
+    /// # Errors
+    /// [`Error::StaleHandle`] when it is not in the scene.
+    pub fn joint_axis(&self, id: JointId) -> Result<Vec3> {
+        let [(_, turn), _] = self.joint_poses_of(self.joints.get(id)?, true)?;
+        Ok((turn * DVec3::X).as_vec3())
     }
 
     /// Where the ends of a joint are in the world: the anchors, and the turns of the joint frames.

@@ -50,6 +50,7 @@ impl Reader<'_> {
         if let Some(name) = name {
             let known = self.body_names.entry(name.to_owned() + &self.suffix());
             known.and_modify(|named| *named = Named::Several).or_insert(body);
+            self.name_in_copy(name, body);
         }
     }
 
@@ -79,7 +80,11 @@ impl Reader<'_> {
         if let Some(name) = joint.name.clone()
             && !self.joint_names.insert(name.clone())
         {
-            return Err(refused(&values, &name_is_taken(&name)));
+            if self.suffix().is_empty() {
+                return Err(refused(&values, &name_is_taken(&name)));
+            }
+            let expected = "expected another name: copies of another @repeat, or another line, have it";
+            return Err(JOINT.wrong("name", format!("a joint has the name {} already, {expected}", quoted(&name))));
         }
         self.joints.push((self.at, joint));
         Ok(())
@@ -140,8 +145,12 @@ impl Reader<'_> {
         }
     }
 
-    /// The body that a name stands for in the present line: one of the same copy, otherwise one of those around it.
+    /// The body that a name stands for in the present line: one of the same copy, otherwise one of those around it. Copies of another
+    /// block may have the same names.
     fn named(&self, word: &str) -> Option<Named> {
+        if let Some(named) = self.named_in_copy(word) {
+            return Some(named);
+        }
         let suffix = self.suffix();
         let ends = suffix.match_indices('.').map(|(at, _)| at).chain([suffix.len()]).rev();
         ends.map(|end| word.to_owned() + &suffix[..end]).find_map(|name| self.body_names.get(&name).copied())

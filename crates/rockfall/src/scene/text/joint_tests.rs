@@ -252,6 +252,12 @@ fn wrong_lines_name_the_field() {
             "{hinge} name=a\n{hinge} name=a",
             "robot.txt:11: @joint name: 'a' is not allowed, expected a name that no other joint has",
         ),
+        ("@joint ball arm hand at=1e20,1,0", "@joint at: '1e20,1,0' is not allowed, expected coordinates of at most 1e15"),
+        ("@joint distance arm hand at=1,1,0 to=1,-2e15,0", "@joint to: '1,-2e15,0' is not allowed, expected coordinates"),
+        (
+            "@joint ball arm hand frame_a=1e16,0,0,1,0,0,0 frame_b=0,0,0,1,0,0,0",
+            "@joint place: [1e16, 0.0, 0.0] is not allowed, expected coordinates of at most 1e15",
+        ),
         ("{hinge} frame_a=0,0,0,1,0,0,0", "@joint frame_b: missing, expected it with frame_a"),
         (
             "{hinge} frame_a=0,0,0,1,0,0,0 frame_b=0,0,0,1,0,0,0",
@@ -280,4 +286,30 @@ fn joints_are_laid_at_the_end_of_the_text() {
     let [_, end] = scene.joints()[0].ends().unwrap();
     assert!(end.place.distance(-Vec3::Y) < 1e-6 && end.turn.z.abs() > 0.99, "{end:?}");
     assert!(assert_round_trip(&scene).contains("@joint ball world 1 at=0.1,1,0\n"));
+}
+
+/// Bodies of a copy go before those of other blocks with the same names. Outside of the blocks, such a name is ambiguous.
+#[test]
+fn copies_of_two_blocks_may_have_the_same_names() {
+    let block = |x: f32, joint: &str| {
+        format!(
+            "@repeat 2 0 3 0\n@place bar at={x},20,0 name=arm\n@repeat 2 0 0 5\n@place bar at={x},21,0 name=leg\n\
+             @joint hinge arm leg at={x},20.5,0 {joint}\n@end\n@end\n"
+        )
+    };
+    let text = format!("{BODIES}{}{}", block(10.0, "name=knee"), block(20.0, ""));
+    let scene = read(&text);
+    let bodies: Vec<Anchor> = scene.body_ids().map(Anchor::from).collect();
+    let ends: Vec<[Anchor; 2]> = scene.joints().iter().map(Joint::anchors).collect();
+    // Three bodies are above, and each copy has an arm and two legs.
+    let expected = [3, 6, 9, 12].into_iter().flat_map(|arm| [1, 2].map(|leg| [bodies[arm], bodies[arm + leg]]));
+    assert_eq!(ends, expected.collect::<Vec<_>>());
+    assert_eq!(scene.joints()[3].name.as_deref(), Some("knee.1.1"));
+    assert_round_trip(&scene);
+
+    let error = |more: &str| parse(&format!("{text}{more}")).unwrap_err().to_string();
+    assert!(error("@joint ball arm.0 hand at=0,0,0\n").contains("several bodies have the name 'arm.0'"));
+    let twice = parse(&format!("{BODIES}{}{}", block(10.0, "name=knee"), block(20.0, "name=knee"))).unwrap_err().to_string();
+    let expected = "@joint name: a joint has the name 'knee.0.0' already, expected another name: copies of another @repeat";
+    assert!(twice.contains(expected), "{twice}");
 }

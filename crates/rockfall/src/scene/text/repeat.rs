@@ -4,13 +4,14 @@
 //! block. References that the block defines count on: copy k has them k strides higher, and a stride is the range from the least to
 //! the greatest of them. A block inside another one is expanded first.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 use glam::{DVec3, Vec3};
 
 use super::Reader;
 use super::comment::without_comment;
+use super::joint::Named;
 use super::line::{Line, REPEAT, Wrong};
 use crate::error::quoted;
 
@@ -49,6 +50,8 @@ pub(super) struct Copy {
     defined: Rc<HashSet<u32>>,
     /// What is added to these references.
     shift: u32,
+    /// Bodies that the copy has placed, by their names in it.
+    names: HashMap<String, Named>,
 }
 
 impl<'a> Block<'a> {
@@ -170,8 +173,8 @@ impl<'a> Reader<'a> {
     fn copies(&mut self, block: &Block<'a>) -> Line<()> {
         let stride = block.stride() as u32;
         for index in 0..block.copies {
-            let offset = f64::from(index) * block.distance;
-            self.copies.push(Copy { index, offset, defined: Rc::clone(&block.defined), shift: index * stride });
+            let (offset, names) = (f64::from(index) * block.distance, HashMap::new());
+            self.copies.push(Copy { index, offset, defined: Rc::clone(&block.defined), shift: index * stride, names });
             block.parts.iter().try_for_each(|part| self.part(part))?;
             self.copies.pop();
         }
@@ -208,6 +211,18 @@ impl<'a> Reader<'a> {
     /// Numbers of the copies that the present line is part of, the outermost first.
     pub(super) fn numbers_of_copies(&self) -> impl Iterator<Item = u32> + '_ {
         self.copies.iter().map(|copy| copy.index)
+    }
+
+    /// Remembers a body that the present copy places.
+    pub(super) fn name_in_copy(&mut self, name: &str, body: Named) {
+        if let Some(copy) = self.copies.last_mut() {
+            copy.names.entry(name.to_owned()).and_modify(|named| *named = Named::Several).or_insert(body);
+        }
+    }
+
+    /// The body that a name stands for in the present copy, or in those around it.
+    pub(super) fn named_in_copy(&self, name: &str) -> Option<Named> {
+        self.copies.iter().rev().find_map(|copy| copy.names.get(name).copied())
     }
 
     /// How far the present line is moved on.

@@ -1,6 +1,7 @@
 //! Joints of a scene as those of the law `rigid` (docs/physics.md section 11.14), and what a run reads of them.
 
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3, Vec3};
 
@@ -129,7 +130,26 @@ impl Frames {
     }
 }
 
+/// Energy that the spring of a joint stores, in mass units²/s².
+fn stored((joint, reading): (&Joint, &JointReading)) -> f64 {
+    if reading.broken {
+        return 0.0;
+    }
+    let apart = f64::from(reading.position) - f64::from(joint.rest());
+    let turns = if joint.kind.turns() { (apart / TAU).round() } else { 0.0 };
+    0.5 * f64::from(joint.stiffness) * (apart - turns * TAU).powi(2)
+}
+
 impl Simulation {
+    /// Energy that the springs of all joints store, in mass units²/s².
+    pub(in crate::simulation) fn joint_energy(&mut self) -> Result<f64> {
+        if self.scene.joints().iter().all(|joint| joint.stiffness == 0.0) {
+            return Ok(0.0);
+        }
+        let readings = self.joints()?;
+        Ok(self.scene.joints().iter().zip(&readings).map(stored).sum())
+    }
+
     /// Adds a joint between two bodies in their present places. It acts from the next step on.
     ///
     /// # Errors
