@@ -31,7 +31,7 @@ pub(crate) fn import(arguments: &Arguments) -> Result<(), Failure> {
     let mut text = format!("# rockfall import {name}\n");
     for note in imported.notes {
         let note = note.replace(char::is_control, " ");
-        eprintln!("note: {note}");
+        output::note(&format!("note: {note}"));
         text += &format!("# note: {note}\n");
     }
     text += "\n";

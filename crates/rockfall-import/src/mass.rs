@@ -1,7 +1,7 @@
 //! Mass, centre of mass and inertia, in `f64`.
 
 use rockfall::MassProperties;
-use rockfall::glam::{DMat3, DQuat, DVec3};
+use rockfall::glam::{DMat3, DQuat, DVec3, Vec3};
 
 /// Least principal moment of a body, as a share of the greatest one. Files have moments of 0 that no body has.
 const LEAST_MOMENT: f64 = 1e-4;
@@ -18,6 +18,12 @@ impl Pose {
 
     pub(crate) fn point(&self, point: DVec3) -> DVec3 {
         self.at + self.turn * point
+    }
+
+    /// The point in `f32`. Coordinates that are 0 but for rounding are 0.
+    pub(crate) fn rounded(&self, point: DVec3) -> Vec3 {
+        let (place, size) = (self.point(point), self.at.abs().max_element() + point.abs().max_element());
+        place.map(|x| if x.abs() <= 1e-12 * size { 0.0 } else { x }).as_vec3()
     }
 
     /// The pose of something that has the pose `inner` in coordinates of this one.

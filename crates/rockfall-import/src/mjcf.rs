@@ -41,6 +41,8 @@ struct Mjcf<'a> {
     names: HashMap<String, usize>,
     /// Links and numbers of joints by name.
     joints: HashMap<String, (usize, usize)>,
+    /// Place and joint of actuators whose force a control gives.
+    forces: Vec<(String, String)>,
 }
 
 pub(crate) fn load(path: &Path) -> Result<Imported> {
@@ -77,6 +79,7 @@ pub(crate) fn convert(path: &Path, root: Element) -> Result<Imported> {
         links: vec![world],
         names: HashMap::from([("world".to_owned(), 0)]),
         joints: HashMap::new(),
+        forces: Vec::new(),
     };
     let model = mjcf.model(&root)?;
     let notes = mjcf.notes;
@@ -100,6 +103,7 @@ impl Mjcf<'_> {
                 self.actuator(actuator)?;
             }
         }
+        self.note_forces();
         let loops = self.loops(root)?;
         let apart = self.apart(root)?;
         let gravity = self.option(root)?;

@@ -52,7 +52,6 @@ impl Urdf<'_> {
         for other in &self.root.children {
             match other.name.as_str() {
                 "link" | "joint" | "material" => {}
-                "transmission" => self.notes.add(other, "transmissions are not taken over"),
                 _ => self.notes.ignored(other),
             }
         }

@@ -26,6 +26,8 @@ pub(super) struct Body {
     pub(super) joints: Vec<Edge>,
     /// The body and the one above it have other bodies between them. They do not touch.
     pub(super) apart_from: Option<usize>,
+    /// Whether it is a light body between the joints of a link.
+    pub(super) is_between: bool,
 }
 
 /// A joint above a body.
@@ -71,17 +73,19 @@ pub(super) fn of(model: &Model, merged: &Merged, builder: &mut Builder<'_>) -> R
                 geoms: if is_last { geoms.clone() } else { Vec::new() },
                 joints: vec![edge],
                 apart_from: (is_last && between > 0 && parent != 0).then_some(parent),
+                is_between: !is_last,
             };
             above = bodies.len();
             bodies.push(body);
         }
         if link.joints.is_empty() {
             let (element, pose) = (link.element.clone(), merged.poses[top]);
-            bodies.push(Body { name, element, pose, mass, geoms, joints: Vec::new(), apart_from: None });
+            bodies.push(Body { name, element, pose, mass, geoms, joints: Vec::new(), apart_from: None, is_between: false });
         } else if between > 0 {
             let text = format!(
-                "it has {} joints, so {between} light bodies lie between it and its parent: each takes over {:.0} % of its mass",
+                "it has {} joints, so {between} light {} between it and its parent, with {:.0} % of its mass each",
                 link.joints.len(),
+                if between == 1 { "body lies" } else { "bodies lie" },
                 100.0 * light.mass / mass.mass
             );
             builder.notes.add(&link.element, text);
@@ -102,7 +106,7 @@ fn world(model: &Model, merged: &Merged) -> Body {
     let element = model.links[0].element.clone();
     let name = "world".to_owned();
     let geoms = geoms(model, merged, 0);
-    Body { name, element, pose: Pose::NONE, mass: Mass::NONE, geoms, joints: Vec::new(), apart_from: None }
+    Body { name, element, pose: Pose::NONE, mass: Mass::NONE, geoms, joints: Vec::new(), apart_from: None, is_between: false }
 }
 
 fn geoms(model: &Model, merged: &Merged, top: usize) -> Vec<Geom> {

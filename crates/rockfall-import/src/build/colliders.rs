@@ -1,7 +1,7 @@
 //! Geoms as parts of shapes and as walls.
 
 use rockfall::glam::{DVec3, Quat, Vec3};
-use rockfall::{Cuboid, MaterialId, Mesh, Placement, Polygon, Shape};
+use rockfall::{Cuboid, Look, MaterialId, Mesh, Placement, Polygon, Shape, Tag};
 
 use crate::error::Result;
 use crate::mass::Pose;
@@ -32,8 +32,11 @@ impl Builder<'_> {
         if shape.spheres.is_empty() && shape.boxes.is_empty() && shape.hulls.is_empty() {
             // As large as a ball of this mass and inertia.
             let radius = (2.5 * (xx + yy + zz) / 3.0 / body.mass.mass as f32).sqrt();
-            shape = shape.group(own).sphere(centre, radius.max(1e-6));
-            self.notes.add(&body.element, format!("{} has no collision geometry, so it is a ball that touches nothing", body.name));
+            // Glass, because it is no part of the robot.
+            shape = shape.group(own).tag(Tag::new().look(Look::Glass)).sphere(centre, radius.max(1e-6));
+            if !body.is_between {
+                self.notes.add(&body.element, format!("{} has no collision geometry, so it is a ball that touches nothing", body.name));
+            }
         }
         Ok(shape)
     }
@@ -43,14 +46,14 @@ impl Builder<'_> {
         if let Some(material) = material {
             shape = shape.material(material);
         }
-        let point = |point: DVec3| geom.pose.point(point).as_vec3();
+        let point = |point: DVec3| geom.pose.rounded(point);
         Ok(match &geom.solid {
-            Solid::Sphere { radius } => shape.sphere(geom.pose.at.as_vec3(), *radius as f32),
+            Solid::Sphere { radius } => shape.sphere(point(DVec3::ZERO), *radius as f32),
             Solid::Capsule { radius, half } if *half > 1e-6 * radius => {
                 let ends = [-*half, *half].map(|z| point(DVec3::new(0.0, 0.0, z)));
                 shape.capsule(ends[0], ends[1], *radius as f32)
             }
-            Solid::Capsule { radius, .. } => shape.sphere(geom.pose.at.as_vec3(), *radius as f32),
+            Solid::Capsule { radius, .. } => shape.sphere(point(DVec3::ZERO), *radius as f32),
             Solid::Box { half } => shape.cuboid(cuboid(&geom.pose, *half)),
             Solid::Plane => {
                 self.notes.add(&geom.element, "the plane is left out: only the world has planes");
@@ -120,5 +123,5 @@ impl Builder<'_> {
 
 fn cuboid(pose: &Pose, half: DVec3) -> Cuboid {
     let edge = |axis: DVec3| (pose.turn * (2.0 * half * axis)).as_vec3();
-    Cuboid::new(pose.point(-half).as_vec3(), edge(DVec3::X), edge(DVec3::Y), edge(DVec3::Z))
+    Cuboid::new(pose.rounded(-half), edge(DVec3::X), edge(DVec3::Y), edge(DVec3::Z))
 }

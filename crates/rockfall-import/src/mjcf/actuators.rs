@@ -7,6 +7,9 @@ use crate::model::{LinkJoint, Motion, Spring};
 use crate::urdf::not_negative;
 use crate::xml::{Element, quoted};
 
+/// Greatest number of names in a note.
+const MOST_NAMES: usize = 100;
+
 /// The gains of an actuator: its force is kp (control - position) - kv speed.
 struct Gains {
     kp: f64,
@@ -14,6 +17,15 @@ struct Gains {
 }
 
 impl Mjcf<'_> {
+    /// Notes the actuators whose force a control gives.
+    pub(super) fn note_forces(&mut self) {
+        let Some((place, _)) = self.forces.first() else { return };
+        let joints: Vec<&str> = self.forces.iter().map(|(_, joint)| joint.as_str()).take(MOST_NAMES).collect();
+        let more = if self.forces.len() > joints.len() { " and others" } else { "" };
+        let text = "actuators with a force or torque that a control gives are left out, those of";
+        self.notes.push(format!("{place}: {text} {}{more}", joints.join(", ")));
+    }
+
     /// Adds the spring of an actuator to its joint, with the control 0.
     pub(super) fn actuator(&mut self, element: &Element) -> Result<()> {
         let of = self.defaults.attributes(element, Defaults::MAIN)?;
@@ -29,8 +41,7 @@ impl Mjcf<'_> {
             return Err(element.wrong(format!("no joint has the name {}, expected the name of a joint", quoted(name))));
         };
         let Some(Gains { kp, kv }) = gains(&of)? else {
-            let text = "it exerts a force that a control gives, so it is left out";
-            self.notes.add(element, format!("{text}: a scene has motors with a speed and springs with a target"));
+            self.forces.push((element.place(), name.to_owned()));
             return Ok(());
         };
         let gear = of.first("gear")?.unwrap_or(1.0);
