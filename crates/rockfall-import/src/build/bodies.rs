@@ -10,7 +10,8 @@ use super::Builder;
 use super::merge::{Merged, turned};
 
 /// Part of the mass of a link that each body between its joints takes over.
-const SHARE: f64 = 0.1;
+/// With 0.1, a hopper comes to rest 30 mm higher than in MuJoCo; with 0.01, 5 mm.
+const SHARE: f64 = 0.01;
 
 /// A body. The first one is the world.
 pub(super) struct Body {

@@ -68,7 +68,7 @@ proptest! {
             }
         }
         if let Ok(imported) = import(&text) {
-            prop_assert!(rockfall::Scene::parse(&imported.scene.to_text()).is_ok());
+            prop_assert!(rockfall::Scene::parse(&imported.scene.to_text(), std::path::Path::new("scene.txt")).is_ok());
         }
     }
 }

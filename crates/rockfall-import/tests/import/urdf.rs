@@ -85,7 +85,7 @@ fn notes_name_the_place() {
 #[test]
 fn the_text_of_the_scene_is_read_back() {
     let scene = import(ARM).unwrap().scene;
-    let again = rockfall::Scene::parse(&scene.to_text()).unwrap().scene;
+    let again = rockfall::Scene::parse(&scene.to_text(), std::path::Path::new("scene.txt")).unwrap().scene;
     assert_eq!(again.to_text(), scene.to_text());
 }
 
