@@ -14,6 +14,7 @@ mod fields;
 mod files;
 mod generate;
 mod hints;
+mod import;
 #[cfg(feature = "view")]
 mod input;
 mod interrupt;
@@ -56,6 +57,8 @@ enum Command {
     Devices,
     /// Generate a scene of any size.
     Generate(generate::Arguments),
+    /// Import a robot of a URDF or MJCF file as a scene.
+    Import(import::Arguments),
     /// Compute density, velocity, stress and temperature on a grid from a state.
     Fields(fields::Arguments),
     /// Write a picture or a film of a scene, a checkpoint or a trajectory to a file.
@@ -88,6 +91,7 @@ fn main() -> ExitCode {
         Command::Evolve(arguments) => evolve::evolve(&arguments, interrupt),
         Command::Devices => devices::devices(),
         Command::Generate(arguments) => generate::generate(&arguments),
+        Command::Import(arguments) => import::import(&arguments),
         Command::Fields(arguments) => fields::fields(&arguments),
         #[cfg(feature = "view")]
         Command::Render(arguments) => render::render(&arguments, &given, interrupt),

@@ -7,6 +7,15 @@ use rockfall::Error;
 
 create_exception!(rockfall, SimulationError, PyRuntimeError, "A simulation or a device failed.");
 
+/// Converts an error of an import.
+pub(crate) fn raise_import(error: rockfall_import::Error) -> PyErr {
+    let text = error.to_string();
+    match error {
+        rockfall_import::Error::File { source, .. } => std::io::Error::new(source.kind(), text).into(),
+        _ => PyValueError::new_err(text),
+    }
+}
+
 /// Converts an error of the library. Its message has the words of Python.
 pub(crate) fn raise(error: Error) -> PyErr {
     // Errors of a scene text speak of its lines.

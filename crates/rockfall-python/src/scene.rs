@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use rockfall::{Body, IntegratorChoice, RunDefaults};
 
 use crate::doors::with;
-use crate::errors::{Raise, in_python};
+use crate::errors::{Raise, in_python, raise_import};
 use crate::fork::detached;
 use crate::ids::Ids;
 
@@ -64,6 +64,16 @@ impl Scene {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         detached(py, || rockfall::Scene::load(path).or_raise().map(Self::read))
+    }
+
+    /// Reads a URDF or MJCF file. Returns the scene and the notes on what it does not have.
+    #[staticmethod]
+    fn load_robot(py: Python<'_>, path: PathBuf, format: &str) -> PyResult<(Self, Vec<String>)> {
+        let load = if format == "urdf" { rockfall_import::load_urdf } else { rockfall_import::load_mjcf };
+        detached(py, || {
+            let imported = load(path).map_err(raise_import)?;
+            Ok((Self::of(imported.scene), imported.notes))
+        })
     }
 
     fn to_text(&self, py: Python<'_>) -> String {

@@ -12,7 +12,7 @@ use public_api::Builder;
 use rockfall_validation::Result;
 
 /// The published libraries.
-const LIBRARIES: [&str; 4] = ["rockfall", "rockfall-evolve", "rockfall-trajectory", "rockfall-viewer"];
+const LIBRARIES: [&str; 5] = ["rockfall", "rockfall-evolve", "rockfall-import", "rockfall-trajectory", "rockfall-viewer"];
 
 /// Compares the API of every library with its listing, or writes the listings anew. Returns whether none has changed.
 ///

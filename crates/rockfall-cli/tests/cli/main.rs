@@ -8,6 +8,7 @@ mod evolve;
 mod flow;
 mod full_disk;
 mod gauges;
+mod import;
 mod intent;
 mod joints;
 mod keep;

@@ -42,6 +42,7 @@ from rockfall._picture import Picture
 from rockfall._reports import Backend, Device, Energy, Overlap, Profile, Report, StageTime, State
 from rockfall._rigid import BodyStates, MassProperties, RigidBodies, Shape
 from rockfall._rockfall import SimulationError
+from rockfall._robots import load_mjcf, load_urdf
 from rockfall._scene import RunDefaults, Scene
 from rockfall._settings import Settings
 from rockfall._simulation import SceneWarning, Simulation
@@ -116,6 +117,8 @@ __all__ = [
     "evolve",
     "film",
     "info",
+    "load_mjcf",
+    "load_urdf",
     "sweep",
     "to_pandas",
     "view",
