@@ -49,8 +49,9 @@ pub(crate) fn scene(path: &Path, model: Model, notes: Notes) -> Result<Imported>
     }
     let mut notes = notes;
     let merged = merge::merged(&model, &mut notes)?;
-    let contacts = Contacts::of(&model, &merged, &mut notes);
+    let contacts = Contacts::of(&model, &mut notes);
     let mut builder = Builder { path, scene, notes, bodies: Names::new(&["world"]), joints: Names::new(&[]), contacts };
+    builder.contacts.add_groups(&mut builder.scene).map_err(failed)?;
     builder.contacts.add_materials(&mut builder.scene).map_err(failed)?;
     let bodies = bodies::of(&model, &merged, &mut builder)?;
     builder.add_world(&bodies)?;
@@ -108,7 +109,8 @@ impl Builder<'_> {
                 let names = [a, b].map(|id| self.name_of(id));
                 self.part(a, b)?;
                 let [one, other] = names;
-                self.notes.push(format!("{}: {one} and {other} overlap at the start, so they never touch", self.path.display()));
+                self.notes
+                    .push(format!("{}: {one} and {other} overlap at the start, so they never touch", self.path.display()));
             }
         }
         Ok(())

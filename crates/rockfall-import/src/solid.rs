@@ -16,11 +16,23 @@ const CLOSE: f64 = 2e-3;
 /// A solid in coordinates of its own. Axes are that of z.
 #[derive(Clone, Debug)]
 pub(crate) enum Solid {
-    Sphere { radius: f64 },
-    Capsule { radius: f64, half: f64 },
-    Cylinder { radius: f64, half: f64 },
-    Box { half: DVec3 },
-    Ellipsoid { radii: DVec3 },
+    Sphere {
+        radius: f64,
+    },
+    Capsule {
+        radius: f64,
+        half: f64,
+    },
+    Cylinder {
+        radius: f64,
+        half: f64,
+    },
+    Box {
+        half: DVec3,
+    },
+    Ellipsoid {
+        radii: DVec3,
+    },
     Mesh(Arc<Points>),
     /// Touched on the side of z.
     Plane,

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use rockfall::glam::{DQuat, DVec3, EulerRot};
 
+use crate::Imported;
 use crate::assets::{self, Assets};
 use crate::build;
 use crate::error::Result;
@@ -14,7 +15,6 @@ use crate::model::{Geom, Link, LinkJoint, Mask, Model, Motion, Spring};
 use crate::notes::Notes;
 use crate::solid::Solid;
 use crate::xml::{Element, Reader, quoted};
-use crate::Imported;
 
 /// Standard gravity of simulators, in m/s².
 const GRAVITY: DVec3 = DVec3::new(0.0, 0.0, -9.81);
@@ -96,7 +96,8 @@ impl Urdf<'_> {
         }
         link.is_free = true;
         if count > 1 {
-            let text = format!("the robot is not held: add `@joint fixed world {} at=0,0,0` to the scene to fix its root", link.name);
+            let text =
+                format!("the robot is not held: add `@joint fixed world {} at=0,0,0` to the scene to fix its root", link.name);
             self.notes.add(&link.element, text);
         }
     }
@@ -104,7 +105,8 @@ impl Urdf<'_> {
     /// Whether links with mass are fixed to a link.
     fn has_fixed_mass(&self, root: &str) -> bool {
         let mut merged = HashSet::from([root]);
-        let fixed: Vec<[&str; 2]> = self.root.all("joint").filter(|joint| joint.attribute("type") == Some("fixed")).filter_map(ends).collect();
+        let fixed: Vec<[&str; 2]> =
+            self.root.all("joint").filter(|joint| joint.attribute("type") == Some("fixed")).filter_map(ends).collect();
         loop {
             let before = merged.len();
             for [parent, child] in &fixed {
@@ -120,7 +122,10 @@ impl Urdf<'_> {
             let mass = link.child("inertial").and_then(|inertial| inertial.child("mass"));
             mass.and_then(|mass| mass.number("value").ok().flatten()).is_some_and(|mass| mass > 0.0)
         };
-        self.root.all("link").filter(|link| link.attribute("name").is_some_and(|name| merged.contains(name))).any(|link| has_mass(&link))
+        self.root
+            .all("link")
+            .filter(|link| link.attribute("name").is_some_and(|name| merged.contains(name)))
+            .any(|link| has_mass(&link))
     }
 
     fn link(&mut self, element: &Element) -> Result<Link> {

@@ -5,16 +5,16 @@ use rockfall::{Material, MaterialId, Pair, Result, Scene};
 use crate::model::{Friction, Geom, Mask, Model};
 use crate::notes::Notes;
 
-use super::merge::Merged;
-
 /// Greatest number of materials. Geoms with further coefficients have the last one.
 const MOST_MATERIALS: usize = 30;
 
+/// Greatest number of masks that groups can stand for ([`Scene::set_group_meets`]).
+const MOST_MASKS: usize = 30;
+
 /// The groups and materials of geoms.
 pub(super) struct Contacts {
+    /// Masks that meet any other, or themselves. Each has a group, its place in the list.
     masks: Vec<Mask>,
-    /// The group of every mask; `None` for geoms that meet none.
-    groups: Vec<Option<u16>>,
     is_exact: bool,
     frictions: Vec<Friction>,
     materials: Vec<MaterialId>,
@@ -22,41 +22,24 @@ pub(super) struct Contacts {
     pub(super) numbers: Vec<usize>,
 }
 
-/// The bodies of the geoms of a mask.
-struct Users {
-    first: usize,
-    several: bool,
-}
-
 impl Contacts {
-    pub(super) fn of(model: &Model, merged: &Merged, notes: &mut Notes) -> Self {
-        let all = || model.links.iter().enumerate().flat_map(|(link, of)| of.geoms.iter().map(move |geom| (merged.tops[link], geom)));
-        let mut masks: Vec<Mask> = all().map(|(_, geom)| geom.mask).collect();
-        masks.sort_unstable();
-        masks.dedup();
-        let mut users: Vec<Option<Users>> = masks.iter().map(|_| None).collect();
+    pub(super) fn of(model: &Model, notes: &mut Notes) -> Self {
+        let all = || model.links.iter().flat_map(|link| &link.geoms);
+        let masks = meeting(all().map(|geom| geom.mask).collect());
+        let is_exact = masks.len() <= MOST_MASKS;
+        if !is_exact {
+            let count = masks.len();
+            let text =
+                format!("{count} pairs of contype and conaffinity, of which groups take {MOST_MASKS}: all geoms collide");
+            notes.push(format!("{}: {text}", model.links[0].element.file.display()));
+        }
         let mut frictions: Vec<Friction> = Vec::new();
-        for (top, geom) in all() {
-            let place = masks.binary_search(&geom.mask).unwrap_or(0);
-            match &mut users[place] {
-                Some(known) => known.several |= known.first != top,
-                free => *free = Some(Users { first: top, several: false }),
-            }
-            if let Some(friction) = geom.friction
-                && !frictions.contains(&friction)
-                && frictions.len() < MOST_MATERIALS
-            {
+        for friction in all().filter_map(|geom| geom.friction) {
+            if !frictions.contains(&friction) && frictions.len() < MOST_MATERIALS {
                 frictions.push(friction);
             }
         }
-        let users: Vec<Users> = users.into_iter().flatten().collect();
-        let (groups, wrong) = groups(&masks, &users);
-        for [a, b] in &wrong {
-            let [a, b] = [a, b].map(|place| format!("contype={} conaffinity={}", masks[*place].kind, masks[*place].affinity));
-            let text = "collide in the scene, because groups cannot say that they do not, unless they overlap at the start";
-            notes.push(format!("{}: geoms with {a} and those with {b} {text}", model.links[0].element.file.display()));
-        }
-        Self { masks, groups, is_exact: wrong.is_empty(), frictions, materials: Vec::new(), numbers: Vec::new() }
+        Self { masks, is_exact, frictions, materials: Vec::new(), numbers: Vec::new() }
     }
 
     /// Whether exactly those geoms meet that meet in the file.
@@ -66,7 +49,23 @@ impl Contacts {
 
     /// The group of a geom; `None` if it meets none.
     pub(super) fn group(&self, geom: &Geom) -> Option<u16> {
-        self.masks.binary_search(&geom.mask).ok().and_then(|place| self.groups[place])
+        let place = self.masks.binary_search(&geom.mask).ok()?;
+        Some(if self.is_exact { place as u16 } else { 0 })
+    }
+
+    /// Says which groups meet. A group without a list meets itself.
+    pub(super) fn add_groups(&self, scene: &mut Scene) -> Result<()> {
+        if !self.is_exact {
+            return Ok(());
+        }
+        for (place, mask) in self.masks.iter().enumerate() {
+            let met = (0..self.masks.len()).filter(|other| mask.meets(self.masks[*other]));
+            let met: Vec<u16> = met.map(|other| other as u16).collect();
+            if met != [place as u16] {
+                scene.set_group_meets(place as u16, met)?;
+            }
+        }
+        Ok(())
     }
 
     /// A group that no other body has.
@@ -97,62 +96,36 @@ impl Contacts {
     }
 }
 
-/// The groups of masks, and the pairs that meet in the scene but not in the file.
-fn groups(masks: &[Mask], users: &[Users]) -> (Vec<Option<u16>>, Vec<[usize; 2]>) {
-    let count = masks.len();
-    // The first mask that each one is connected with.
-    let mut roots: Vec<usize> = (0..count).collect();
-    let mut is_alone = vec![true; count];
-    for a in 0..count {
-        for b in 0..=a {
-            let together = a != b || users[a].several;
-            if together && masks[a].meets(masks[b]) {
-                (is_alone[a], is_alone[b]) = (false, false);
-                let [from, to] = [roots[a].max(roots[b]), roots[a].min(roots[b])];
-                roots.iter_mut().filter(|root| **root == from).for_each(|root| *root = to);
-            }
-        }
-    }
-    let mut wrong = Vec::new();
-    for a in 0..count {
-        for b in 0..=a {
-            let is_one_body = !users[a].several && !users[b].several && users[a].first == users[b].first;
-            if roots[a] == roots[b] && !is_alone[a] && !is_one_body && !masks[a].meets(masks[b]) && (a != b || users[a].several) {
-                wrong.push([b, a]);
-            }
-        }
-    }
-    let mut order: Vec<usize> = Vec::new();
-    let groups = (0..count).map(|mask| {
-        if is_alone[mask] {
-            return None;
-        }
-        let place = order.iter().position(|root| *root == roots[mask]).unwrap_or_else(|| {
-            order.push(roots[mask]);
-            order.len() - 1
-        });
-        u16::try_from(place).ok()
-    });
-    (groups.collect(), wrong)
+/// The masks that meet any of them, each once and in ascending order.
+fn meeting(mut masks: Vec<Mask>) -> Vec<Mask> {
+    masks.sort_unstable();
+    masks.dedup();
+    let all = masks.clone();
+    masks.retain(|mask| all.iter().any(|other| mask.meets(*other)));
+    masks
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn of(masks: &[(u32, u32)], several: bool) -> (Vec<Option<u16>>, Vec<[usize; 2]>) {
-        let masks: Vec<Mask> = masks.iter().map(|&(kind, affinity)| Mask { kind, affinity }).collect();
-        let users: Vec<Users> = (0..masks.len()).map(|first| Users { first, several }).collect();
-        groups(&masks, &users)
+    fn touching(masks: &[(u32, u32)]) -> Vec<(u16, u16)> {
+        let masks = meeting(masks.iter().map(|&(kind, affinity)| Mask { kind, affinity }).collect());
+        let contacts = Contacts { masks, is_exact: true, frictions: Vec::new(), materials: Vec::new(), numbers: Vec::new() };
+        let mut scene = Scene::new();
+        contacts.add_groups(&mut scene).expect("groups");
+        let count = contacts.masks.len() as u16;
+        let pairs = (0..count).flat_map(|a| (0..=a).map(move |b| (b, a)));
+        pairs.filter(|(a, b)| scene.groups_touch(*a, *b)).collect()
     }
 
     #[test]
     fn groups_of_masks() {
-        assert_eq!(of(&[(1, 1)], true), (vec![Some(0)], vec![]));
-        assert_eq!(of(&[(0, 1)], true), (vec![None], vec![]), "nothing meets");
-        assert_eq!(of(&[(1, 1), (2, 2)], true), (vec![Some(0), Some(1)], vec![]), "two worlds");
-        assert_eq!(of(&[(1, 0), (1, 1)], true), (vec![Some(0), Some(0)], vec![[0, 0]]), "the parts of an ant do not meet each other");
-        assert_eq!(of(&[(0, 0), (1, 1)], true), (vec![None, Some(0)], vec![]), "visuals");
-        assert_eq!(of(&[(1, 0), (0, 1)], false), (vec![Some(0), Some(0)], vec![]), "one body each");
+        assert_eq!(touching(&[(1, 1)]), [(0, 0)]);
+        assert_eq!(touching(&[(0, 1)]), [], "nothing meets");
+        assert_eq!(touching(&[(1, 1), (2, 2)]), [(0, 0), (1, 1)], "two worlds");
+        assert_eq!(touching(&[(1, 0), (1, 1)]), [(0, 1), (1, 1)], "the parts of an ant meet the ground, not each other");
+        assert_eq!(touching(&[(0, 0), (1, 1)]), [(0, 0)], "visuals meet nothing");
+        assert_eq!(touching(&[(1, 0), (0, 1)]), [(0, 1)]);
     }
 }

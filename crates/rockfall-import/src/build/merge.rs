@@ -65,7 +65,8 @@ fn start(joint: &LinkJoint, notes: &mut Notes) -> f64 {
     let start = 0.0_f64.clamp(least, greatest.max(least));
     if start != 0.0 {
         let unit = if joint.motion == Motion::Hinge { "rad" } else { "m" };
-        let text = format!("the place of the file is beyond a limit, so the joint starts at that limit, {start:.4} {unit} away");
+        let text =
+            format!("the place of the file is beyond a limit, so the joint starts at that limit, {start:.4} {unit} away");
         notes.add(&joint.element, text);
     }
     start
