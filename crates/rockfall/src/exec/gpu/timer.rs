@@ -277,12 +277,12 @@ mod tests {
         let times = times(&gpu, steps).unwrap();
         assert_eq!(times.len(), steps as usize);
         for step in &times {
-            assert!(step[0].is_some_and(|time| (0.0..1.0).contains(&time)), "{step:?}");
+            assert!(step[0].is_some_and(|time| (0.0..60.0).contains(&time)), "{step:?}");
             assert_eq!(step[1..], [None, None]);
         }
         assert!(times.iter().filter(|step| step[0] > Some(0.0)).count() > times.len() / 2);
         let bandwidth = block_on(gpu.device(), copy_bandwidth(&gpu)).unwrap();
-        assert!((1e6..1e14).contains(&bandwidth), "{bandwidth}");
+        assert!((1e3..1e14).contains(&bandwidth), "{bandwidth}");
     }
 
     #[test]
