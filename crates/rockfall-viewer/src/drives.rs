@@ -155,7 +155,7 @@ mod tests {
         let scene = Scene::parse(text, Path::new("test")).unwrap().scene;
         let found = &controls(&scene, &scene)[0];
         let (value, range) = found.shown();
-        assert!((value - 30.0).abs() < 1e-4 && (range.end() - 180.0).abs() < 1e-3 && found.unit() == "degrees");
+        assert!((value - 30.0).abs() < 1e-4 && (range.end() - 210.0).abs() < 1e-3 && found.unit() == "degrees");
         let mut joint = scene.joints()[0].clone();
         found.drive_of(90.0).give(&mut joint);
         assert!((joint.target.unwrap() - std::f32::consts::FRAC_PI_2).abs() < 1e-6);
