@@ -10,8 +10,10 @@ use crate::files;
 use crate::output;
 
 #[derive(Debug, clap::Args)]
-#[command(after_help = "What the file has and the scene does not is said on standard error, and is in comments of the scene. docs/robots.md \
-                        describes what is taken over.")]
+#[command(
+    after_help = "What the file has and the scene does not is said on standard error, and is in comments of the scene. docs/robots.md \
+                        describes what is taken over."
+)]
 pub(crate) struct Arguments {
     /// URDF file, or MJCF file of MuJoCo; its root element decides
     #[arg(value_name = "ROBOT")]

@@ -36,7 +36,8 @@ impl Assets {
 
 fn read(at: &Element, path: &Path, scale: DVec3, notes: &mut Notes) -> Result<Option<Arc<Points>>> {
     let failed = |source| Error::File { file: path.to_owned(), source };
-    let found = std::fs::metadata(path).map_err(|error| at.wrong(format!("{}: {error}, expected a mesh file", path.display())))?;
+    let found =
+        std::fs::metadata(path).map_err(|error| at.wrong(format!("{}: {error}, expected a mesh file", path.display())))?;
     if found.len() > LARGEST {
         return Err(failed(std::io::Error::other("more than 256 MiB, expected a mesh of at most 256 MiB")));
     }
@@ -59,7 +60,10 @@ pub(crate) fn scaled(at: &Element, name: &str, mesh: Mesh, scale: DVec3, notes: 
     };
     if points.is_reduced {
         let count = points.hull.len();
-        notes.add(at, format!("the hull of the mesh {name} has {count} vertices in place of all, so that it has at most 32 faces"));
+        notes.add(
+            at,
+            format!("the hull of the mesh {name} has {count} vertices in place of all, so that it has at most 32 faces"),
+        );
     }
     Ok(Some(Arc::new(points)))
 }
@@ -86,7 +90,8 @@ pub(crate) fn find(at: &Element, file: &Path, name: &str) -> Result<PathBuf> {
     }
     let plain = whole.ancestors().map(|above| above.join(rest)).find(|path| path.is_file());
     plain.ok_or_else(|| {
-        let message = format!("no file {} in a folder {} beside or above the file, expected the mesh", quoted(rest), quoted(package));
+        let message =
+            format!("no file {} in a folder {} beside or above the file, expected the mesh", quoted(rest), quoted(package));
         at.wrong(message)
     })
 }

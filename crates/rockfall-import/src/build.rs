@@ -21,7 +21,7 @@ use contacts::Contacts;
 use names::Names;
 
 /// Greatest number of links.
-const MOST_LINKS: usize = 10_000;
+pub(crate) const MOST_LINKS: usize = 10_000;
 /// Rounds in which pairs are found that overlap at the start. Pairs that joints keep apart are not found again.
 const ROUNDS: usize = 3;
 
@@ -49,7 +49,7 @@ pub(crate) fn scene(path: &Path, model: Model, notes: Notes) -> Result<Imported>
     }
     let mut notes = notes;
     let merged = merge::merged(&model, &mut notes)?;
-    let contacts = Contacts::of(&model, &merged, &mut notes);
+    let contacts = Contacts::of(&model, &merged, &mut notes)?;
     let mut builder = Builder { path, scene, notes, bodies: Names::new(&["world"]), joints: Names::new(&[]), contacts };
     builder.contacts.add_materials(&mut builder.scene).map_err(failed)?;
     let bodies = bodies::of(&model, &merged, &mut builder)?;
@@ -108,7 +108,8 @@ impl Builder<'_> {
                 let names = [a, b].map(|id| self.name_of(id));
                 self.part(a, b)?;
                 let [one, other] = names;
-                self.notes.push(format!("{}: {one} and {other} overlap at the start, so they never touch", self.path.display()));
+                self.notes
+                    .push(format!("{}: {one} and {other} overlap at the start, so they never touch", self.path.display()));
             }
         }
         Ok(())

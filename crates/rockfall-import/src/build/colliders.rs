@@ -8,9 +8,9 @@ use crate::mass::Pose;
 use crate::model::Geom;
 use crate::solid::{Solid, surface};
 
+use super::Builder;
 use super::bodies::Body;
 use super::contacts::Contacts;
-use super::Builder;
 
 impl Builder<'_> {
     /// The shape of a body.
@@ -35,7 +35,10 @@ impl Builder<'_> {
             // Glass, because it is no part of the robot.
             shape = shape.group(own).tag(Tag::new().look(Look::Glass)).sphere(centre, radius.max(1e-6));
             if !body.is_between {
-                self.notes.add(&body.element, format!("{} has no collision geometry, so it is a ball that touches nothing", body.name));
+                self.notes.add(
+                    &body.element,
+                    format!("{} has no collision geometry, so it is a ball that touches nothing", body.name),
+                );
             }
         }
         Ok(shape)
@@ -70,7 +73,9 @@ impl Builder<'_> {
 
     fn note_hull(&mut self, geom: &Geom) {
         match geom.solid {
-            Solid::Cylinder { .. } => self.notes.replaced(&geom.element, "cylinders are prisms of 16 sides with the same volume"),
+            Solid::Cylinder { .. } => {
+                self.notes.replaced(&geom.element, "cylinders are prisms of 16 sides with the same volume")
+            }
             Solid::Ellipsoid { .. } => self.notes.replaced(&geom.element, "ellipsoids are hulls of 16 points on them"),
             Solid::Mesh(_) => self.notes.replaced(&geom.element, "meshes are the convex hulls of their vertices"),
             _ => {}
@@ -105,11 +110,13 @@ impl Builder<'_> {
             }
             solid => {
                 self.note_hull(geom);
-                let points: Vec<DVec3> = solid.hull().unwrap_or_default().into_iter().map(|point| geom.pose.point(point)).collect();
+                let points: Vec<DVec3> =
+                    solid.hull().unwrap_or_default().into_iter().map(|point| geom.pose.point(point)).collect();
                 let Some((corners, triangles)) = surface(&points) else {
                     return Err(geom.element.wrong("the engine does not take its hull, expected points that span a volume"));
                 };
-                let mesh = Mesh::new(corners.iter().map(|corner| corner.as_vec3().to_array()).collect(), triangles).map_err(wrong)?;
+                let mesh =
+                    Mesh::new(corners.iter().map(|corner| corner.as_vec3().to_array()).collect(), triangles).map_err(wrong)?;
                 let with = |triangle: Polygon| {
                     let triangle = triangle.group(group);
                     material.map_or(triangle, |material| triangle.material(material))

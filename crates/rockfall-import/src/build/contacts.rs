@@ -10,6 +10,9 @@ use super::merge::Merged;
 /// Greatest number of materials. Geoms with further coefficients have the last one.
 const MOST_MATERIALS: usize = 30;
 
+/// Greatest number of masks.
+const MOST_MASKS: usize = 300;
+
 /// The groups and materials of geoms.
 pub(super) struct Contacts {
     masks: Vec<Mask>,
@@ -29,11 +32,16 @@ struct Users {
 }
 
 impl Contacts {
-    pub(super) fn of(model: &Model, merged: &Merged, notes: &mut Notes) -> Self {
-        let all = || model.links.iter().enumerate().flat_map(|(link, of)| of.geoms.iter().map(move |geom| (merged.tops[link], geom)));
+    pub(super) fn of(model: &Model, merged: &Merged, notes: &mut Notes) -> crate::Result<Self> {
+        let all =
+            || model.links.iter().enumerate().flat_map(|(link, of)| of.geoms.iter().map(move |geom| (merged.tops[link], geom)));
         let mut masks: Vec<Mask> = all().map(|(_, geom)| geom.mask).collect();
         masks.sort_unstable();
         masks.dedup();
+        if masks.len() > MOST_MASKS {
+            let message = format!("geoms have more than {MOST_MASKS} combinations of contype and conaffinity");
+            return Err(model.links[0].element.wrong(message));
+        }
         let mut users: Vec<Option<Users>> = masks.iter().map(|_| None).collect();
         let mut frictions: Vec<Friction> = Vec::new();
         for (top, geom) in all() {
@@ -56,7 +64,7 @@ impl Contacts {
             let text = "collide in the scene, because groups cannot say that they do not, unless they overlap at the start";
             notes.push(format!("{}: geoms with {a} and those with {b} {text}", model.links[0].element.file.display()));
         }
-        Self { masks, groups, is_exact: wrong.is_empty(), frictions, materials: Vec::new(), numbers: Vec::new() }
+        Ok(Self { masks, groups, is_exact: wrong.is_empty(), frictions, materials: Vec::new(), numbers: Vec::new() })
     }
 
     /// Whether exactly those geoms meet that meet in the file.
@@ -117,7 +125,8 @@ fn groups(masks: &[Mask], users: &[Users]) -> (Vec<Option<u16>>, Vec<[usize; 2]>
     for a in 0..count {
         for b in 0..=a {
             let is_one_body = !users[a].several && !users[b].several && users[a].first == users[b].first;
-            if roots[a] == roots[b] && !is_alone[a] && !is_one_body && !masks[a].meets(masks[b]) && (a != b || users[a].several) {
+            if roots[a] == roots[b] && !is_alone[a] && !is_one_body && !masks[a].meets(masks[b]) && (a != b || users[a].several)
+            {
                 wrong.push([b, a]);
             }
         }
@@ -151,7 +160,11 @@ mod tests {
         assert_eq!(of(&[(1, 1)], true), (vec![Some(0)], vec![]));
         assert_eq!(of(&[(0, 1)], true), (vec![None], vec![]), "nothing meets");
         assert_eq!(of(&[(1, 1), (2, 2)], true), (vec![Some(0), Some(1)], vec![]), "two worlds");
-        assert_eq!(of(&[(1, 0), (1, 1)], true), (vec![Some(0), Some(0)], vec![[0, 0]]), "the parts of an ant do not meet each other");
+        assert_eq!(
+            of(&[(1, 0), (1, 1)], true),
+            (vec![Some(0), Some(0)], vec![[0, 0]]),
+            "the parts of an ant do not meet each other"
+        );
         assert_eq!(of(&[(0, 0), (1, 1)], true), (vec![None, Some(0)], vec![]), "visuals");
         assert_eq!(of(&[(1, 0), (0, 1)], false), (vec![Some(0), Some(0)], vec![]), "one body each");
     }

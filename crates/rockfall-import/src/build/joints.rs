@@ -15,7 +15,13 @@ use super::{Builder, anchor};
 const FAR: f32 = 1e9;
 
 impl Builder<'_> {
-    pub(super) fn add_joints(&mut self, model: &Model, bodies: &[Body], ids: &[Option<RigidBodyId>], poses: &[Pose]) -> Result<()> {
+    pub(super) fn add_joints(
+        &mut self,
+        model: &Model,
+        bodies: &[Body],
+        ids: &[Option<RigidBodyId>],
+        poses: &[Pose],
+    ) -> Result<()> {
         for (number, body) in bodies.iter().enumerate() {
             for edge in &body.joints {
                 let ends = [anchor(ids, edge.above), anchor(ids, number)];
@@ -113,7 +119,8 @@ impl Builder<'_> {
         if bounds == springs.len() {
             joint = joint.max_force(springs.iter().map(|spring| spring.most).sum::<f64>() as f32);
         } else if bounds > 0 {
-            let text = "the greatest force of its actuator is not taken over, because it would bound the spring and the damping too";
+            let text =
+                "the greatest force of its actuator is not taken over, because it would bound the spring and the damping too";
             self.notes.add(&of.element, text);
         }
         joint

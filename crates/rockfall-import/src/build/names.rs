@@ -21,7 +21,8 @@ impl Names {
     /// A name of one word that nothing else has.
     pub(super) fn word(&mut self, wanted: &str, element: &Element, notes: &mut Notes) -> String {
         let is_allowed = |letter: char| !letter.is_whitespace() && !letter.is_control() && !"=,#".contains(letter);
-        let mut word: String = wanted.chars().take(LONGEST).map(|letter| if is_allowed(letter) { letter } else { '_' }).collect();
+        let mut word: String =
+            wanted.chars().take(LONGEST).map(|letter| if is_allowed(letter) { letter } else { '_' }).collect();
         if !word.starts_with(|first: char| first.is_alphabetic() || first == '_') {
             word.insert(0, '_');
         }

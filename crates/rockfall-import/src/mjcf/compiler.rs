@@ -113,7 +113,8 @@ impl Compiler {
         }
         if let Some([a, b, c, d, e, f]) = of.numbers("xyaxes")? {
             let x = DVec3::new(a, b, c).try_normalize().ok_or_else(|| wrong("xyaxes", "0"))?;
-            let y = DVec3::new(d, e, f).reject_from_normalized(x).try_normalize().ok_or_else(|| wrong("xyaxes", "on one line"))?;
+            let y =
+                DVec3::new(d, e, f).reject_from_normalized(x).try_normalize().ok_or_else(|| wrong("xyaxes", "on one line"))?;
             return Ok(DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))).normalize());
         }
         if let Some(z) = of.vector("zaxis")? {

@@ -102,7 +102,8 @@ impl Sizes<'_> {
     fn at(&self, place: usize) -> Result<f64> {
         let element = self.of.element;
         let size = self.sizes.get(place).copied();
-        let size = size.ok_or_else(|| element.wrong(format!("size has {} numbers, expected {}", self.sizes.len(), place + 1)))?;
+        let size =
+            size.ok_or_else(|| element.wrong(format!("size has {} numbers, expected {}", self.sizes.len(), place + 1)))?;
         positive(element, "size", size)
     }
 

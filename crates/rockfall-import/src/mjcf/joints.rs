@@ -56,7 +56,17 @@ impl Mjcf<'_> {
             return Err(element.wrong("another joint has this name, expected names that differ"));
         }
         let element = element.alone();
-        self.links[link].joints.push(LinkJoint { name, element, motion, at, axis, reference: start, limits, springs, friction });
+        self.links[link].joints.push(LinkJoint {
+            name,
+            element,
+            motion,
+            at,
+            axis,
+            reference: start,
+            limits,
+            springs,
+            friction,
+        });
         Ok(())
     }
 }

@@ -11,7 +11,9 @@ impl Mjcf<'_> {
     fn named(&self, element: &Element, key: &str) -> Result<Option<usize>> {
         let Some(name) = element.attribute(key) else { return Ok(None) };
         let found = self.names.get(name).copied();
-        found.map(Some).ok_or_else(|| element.wrong(format!("no body has the name {}, expected the name of a body", quoted(name))))
+        found
+            .map(Some)
+            .ok_or_else(|| element.wrong(format!("no body has the name {}, expected the name of a body", quoted(name))))
     }
 
     /// Joints that close loops.

@@ -56,7 +56,10 @@ fn masses_places_and_joints() {
     let spread = box_mass * height * height + 2.0 * (0.3 - height) * (0.3 - height);
     let ball = 0.4 * 2.0 * 0.01;
     let third = box_mass / 3.0;
-    close(trunk.inertia[..3].iter().copied(), [third * 0.10 + ball + spread, third * 0.13 + ball + spread, third * 0.05 + ball]);
+    close(
+        trunk.inertia[..3].iter().copied(),
+        [third * 0.10 + ball + spread, third * 0.13 + ball + spread, third * 0.05 + ball],
+    );
     close(body(&scene, "arm").centre(), [1.0, 0.0, 1.0]);
     let radius = 0.1_f64;
     close([mass(&scene, "arm").mass], [500.0 * std::f64::consts::PI * radius.powi(2) * (1.0 + 4.0 / 3.0 * radius)]);

@@ -92,7 +92,12 @@ fn the_text_of_the_scene_is_read_back() {
 #[test]
 fn meshes_are_found_beside_and_above_the_file() {
     let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
-    for (name, place) in [("m.obj", "m.obj"), ("../shapes/m.obj", "shapes/m.obj"), ("package://box/shapes/m.obj", "box/shapes/m.obj"), ("package://gone/shapes/m.obj", "shapes/m.obj")] {
+    for (name, place) in [
+        ("m.obj", "m.obj"),
+        ("../shapes/m.obj", "shapes/m.obj"),
+        ("package://box/shapes/m.obj", "box/shapes/m.obj"),
+        ("package://gone/shapes/m.obj", "shapes/m.obj"),
+    ] {
         let text = format!(
             r#"<robot name="r"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
             <collision><geometry><mesh filename="{name}" scale="2 2 2"/></geometry></collision></link></robot>"#
