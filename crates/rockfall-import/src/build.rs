@@ -21,7 +21,7 @@ use contacts::Contacts;
 use names::Names;
 
 /// Greatest number of links.
-const MOST_LINKS: usize = 10_000;
+pub(crate) const MOST_LINKS: usize = 10_000;
 /// Rounds in which pairs are found that overlap at the start. Pairs that joints keep apart are not found again.
 const ROUNDS: usize = 3;
 

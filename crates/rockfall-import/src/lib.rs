@@ -11,8 +11,8 @@
 //! # }
 //! ```
 //!
-//! A link of a URDF file or a body of an MJCF file becomes a rigid body with a shape of its own, and a joint becomes a joint. Links without a
-//! joint between them become one body. The scene has the contact law `rigid`, and z is up. `docs/robots.md` in the repository lists what is
+//! A link of a URDF file or a body of an MJCF file becomes a rigid body with a shape of its own, and a joint becomes a joint. Links
+//! without a joint between them become one body. The scene has the contact law `rigid`, and z is up. `docs/robots.md` in the repository lists what is
 //! taken over.
 //!
 //! Files may come from strangers. The size, the nesting and the number of elements of a file are limited, a document type is refused, and
@@ -41,8 +41,8 @@ pub use error::{Error, Result};
 pub struct Imported {
     /// The scene. Lengths are in m, masses in kg.
     pub scene: Scene,
-    /// What the file has that the scene does not have, or has in another form. Each is a sentence that begins with the file, the line and the
-    /// element.
+    /// What the file has that the scene does not have, or has in another form. Each begins with the file, the
+    /// line and the element.
     pub notes: Vec<String>,
 }
 

@@ -91,8 +91,8 @@ impl Mass {
         [x.x, y.y, z.z, x.y, x.z, y.z]
     }
 
-    /// The nearest inertia that a body of this mass can have: moments greater than 0, none greater than the sum of the others. The second value
-    /// is whether it differs.
+    /// The nearest inertia that a body of this mass can have: moments greater than 0, none greater than the sum of the others.
+    /// The second value is whether it differs.
     pub(crate) fn repaired(&self) -> (Self, bool) {
         let properties = MassProperties { mass: self.mass, centre: self.centre.to_array(), inertia: self.elements() };
         let (moments, axes) = properties.principal();

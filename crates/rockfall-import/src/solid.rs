@@ -113,7 +113,8 @@ fn prism(radius: f64, half: f64) -> Vec<DVec3> {
     (0..SIDES).flat_map(|k| [corner(k, -half), corner(k, half)]).collect()
 }
 
-/// Points of the unit ball: poles and rings of 5, turned against each other, and 4 on the equator. A hull of 16 vertices has at most 28 faces.
+/// Points of the unit ball: poles and rings of 5, turned against each other, and 4 on the equator. A hull of 16 vertices
+/// has at most 28 faces.
 fn ball() -> Vec<DVec3> {
     let ring = |height: f64, shift: f64| {
         let radius = (1.0 - height * height).sqrt();

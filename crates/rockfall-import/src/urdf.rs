@@ -77,7 +77,7 @@ impl Urdf<'_> {
                     link.pose = origin(edge.element)?;
                     self.join(&mut link, edge)?;
                 }
-                None => self.root(&mut link, order.len()),
+                None => self.root(&mut link, order.len(), has_fixed_mass(name, &order, &edges)),
             }
             numbers.insert(name, links.len());
             links.push(link);
@@ -86,9 +86,9 @@ impl Urdf<'_> {
     }
 
     /// The link that no joint has as a child.
-    fn root(&mut self, link: &mut Link, count: usize) {
+    fn root(&mut self, link: &mut Link, count: usize, has_fixed_mass: bool) {
         link.parent = Some(0);
-        if link.name == "world" || link.mass.mass <= 0.0 && !self.has_fixed_mass(&link.name) {
+        if link.name == "world" || link.mass.mass <= 0.0 && !has_fixed_mass {
             if link.name != "world" && count > 1 {
                 self.notes.add(&link.element, "the root link has no mass, so it is the world");
             }
@@ -100,32 +100,6 @@ impl Urdf<'_> {
                 format!("the robot is not held: add `@joint fixed world {} at=0,0,0` to the scene to fix its root", link.name);
             self.notes.add(&link.element, text);
         }
-    }
-
-    /// Whether links with mass are fixed to a link.
-    fn has_fixed_mass(&self, root: &str) -> bool {
-        let mut merged = HashSet::from([root]);
-        let fixed: Vec<[&str; 2]> =
-            self.root.all("joint").filter(|joint| joint.attribute("type") == Some("fixed")).filter_map(ends).collect();
-        loop {
-            let before = merged.len();
-            for [parent, child] in &fixed {
-                if merged.contains(parent) {
-                    merged.insert(child);
-                }
-            }
-            if merged.len() == before {
-                break;
-            }
-        }
-        let has_mass = |link: &&Element| {
-            let mass = link.child("inertial").and_then(|inertial| inertial.child("mass"));
-            mass.and_then(|mass| mass.number("value").ok().flatten()).is_some_and(|mass| mass > 0.0)
-        };
-        self.root
-            .all("link")
-            .filter(|link| link.attribute("name").is_some_and(|name| merged.contains(name)))
-            .any(|link| has_mass(&link))
     }
 
     fn link(&mut self, element: &Element) -> Result<Link> {
@@ -263,6 +237,9 @@ fn tree(root: &Element) -> Result<Tree<'_>> {
             return Err(link.wrong("another link has this name, expected names that differ"));
         }
     }
+    if links.len() > build::MOST_LINKS {
+        return Err(root.wrong(format!("more than {} links", build::MOST_LINKS)));
+    }
     if links.is_empty() {
         return Err(root.wrong("no link, expected at least one"));
     }
@@ -298,6 +275,20 @@ fn tree(root: &Element) -> Result<Tree<'_>> {
         return Err(lost.wrong("the links form a loop, expected a tree with a root"));
     }
     Ok((order, edges))
+}
+
+/// Whether links with mass are fixed to a root.
+fn has_fixed_mass(root: &str, order: &[&Element], edges: &HashMap<&str, Edge<'_>>) -> bool {
+    let mass = |link: &Element| link.child("inertial")?.child("mass")?.number("value").ok()?;
+    let mut merged = HashSet::from([root]);
+    order.iter().filter_map(|link| Some((*link, link.attribute("name")?))).any(|(link, name)| {
+        let is_fixed = |edge: &Edge<'_>| edge.element.attribute("type") == Some("fixed") && merged.contains(edge.parent);
+        let is_part = name == root || edges.get(name).is_some_and(is_fixed);
+        if is_part {
+            merged.insert(name);
+        }
+        is_part && mass(link).is_some_and(|mass| mass > 0.0)
+    })
 }
 
 fn ends(joint: &Element) -> Option<[&str; 2]> {

@@ -15,6 +15,8 @@ const LARGEST_FILE: u64 = 64 << 20;
 const MOST_ELEMENTS: usize = 500_000;
 /// Greatest depth of elements.
 const DEEPEST: usize = 200;
+/// Greatest number of attributes of an element.
+const MOST_ATTRIBUTES: usize = 200;
 /// Greatest number of files.
 const MOST_FILES: usize = 500;
 /// Longest value that a message quotes, in characters.
@@ -76,6 +78,9 @@ impl Reader {
         if self.elements > MOST_ELEMENTS {
             return Err(element.wrong(format!("more than {MOST_ELEMENTS} elements")));
         }
+        if element.attributes.len() > MOST_ATTRIBUTES {
+            return Err(element.wrong(format!("more than {MOST_ATTRIBUTES} attributes")));
+        }
         if depth > DEEPEST {
             return Err(element.wrong(format!("elements are nested deeper than {DEEPEST}")));
         }
@@ -125,6 +130,16 @@ impl Element {
     pub(crate) fn alone(&self) -> Self {
         let (name, file, attributes) = (self.name.clone(), self.file.clone(), self.attributes.clone());
         Self { name, file, line: self.line, attributes, children: Vec::new() }
+    }
+
+    /// Adds the attributes of another element. They replace those of the same name.
+    pub(crate) fn overlay(&mut self, other: &Self) {
+        for (key, value) in &other.attributes {
+            match self.attributes.iter_mut().find(|(known, _)| known == key) {
+                Some((_, old)) => old.clone_from(value),
+                None => self.attributes.push((key.clone(), value.clone())),
+            }
+        }
     }
 
     pub(crate) fn attribute(&self, name: &str) -> Option<&str> {

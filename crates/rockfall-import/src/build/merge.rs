@@ -7,6 +7,9 @@ use crate::notes::Notes;
 
 use rockfall::glam::DQuat;
 
+/// Greatest number of joints of a link: a body has six ways to move.
+const MOST_JOINTS: usize = 6;
+
 /// Where links are and with which others they move.
 #[derive(Debug)]
 pub(super) struct Merged {
@@ -38,6 +41,9 @@ pub(super) fn merged(model: &Model, notes: &mut Notes) -> Result<Merged> {
     let (mut poses, mut tops) = (vec![Pose::NONE; count], vec![0; count]);
     let mut starts: Vec<Vec<f64>> = Vec::with_capacity(count);
     for (number, link) in model.links.iter().enumerate() {
+        if link.joints.len() > MOST_JOINTS {
+            return Err(link.element.wrong(format!("it has {} joints, expected at most {MOST_JOINTS}", link.joints.len())));
+        }
         starts.push(link.joints.iter().map(|joint| start(joint, notes)).collect());
         let Some(parent) = link.parent else { continue };
         poses[number] = poses[parent].then(&link.pose);

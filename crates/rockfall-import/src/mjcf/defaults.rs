@@ -23,7 +23,7 @@ pub(super) struct Defaults {
 struct Class {
     parent: Option<usize>,
     /// By tag.
-    elements: HashMap<String, Vec<Element>>,
+    elements: HashMap<String, Element>,
 }
 
 /// The attributes of an element, with those of its class where it has none.
@@ -55,7 +55,8 @@ impl Defaults {
         }
         for child in &section.children {
             if child.name != "default" {
-                self.classes[class].elements.entry(child.name.clone()).or_default().push(child.alone());
+                let elements = &mut self.classes[class].elements;
+                elements.entry(child.name.clone()).or_insert_with(|| child.alone()).overlay(child);
                 continue;
             }
             if self.classes.len() >= MOST {
@@ -91,8 +92,7 @@ impl<'a> Attributes<'a> {
         self.element.attribute(key).or_else(|| {
             let mut next = Some(self.class);
             while let Some(class) = next.map(|class| &self.defaults.classes[class]) {
-                let given = class.elements.get(&self.element.name).into_iter().flatten().rev();
-                if let Some(value) = given.filter_map(|element| element.attribute(key)).next() {
+                if let Some(value) = class.elements.get(&self.element.name).and_then(|element| element.attribute(key)) {
                     return Some(value);
                 }
                 next = class.parent;

@@ -50,7 +50,7 @@ fn urdf() {
             ":3: <box>: size=0 is not allowed",
         ),
         ("<robot name=\"r\"/>".to_owned(), ":1: <robot name=\"r\">: no link, expected at least one"),
-        ("<robot>\n<link name=\"a\">".to_owned(), ":2: the file: "),
+        ("<robot>\n<link name=\"a\">".to_owned(), ":1: the file: "),
         ("<html/>".to_owned(), ":1: <html>: the root element is unknown, expected <robot> or <mujoco>"),
     ];
     for (text, expected) in cases {

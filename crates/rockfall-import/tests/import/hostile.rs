@@ -42,8 +42,10 @@ const ROBOTS: [&str; 2] = [
     <link name="b"><inertial><origin xyz="0 0 1" rpy="0 1 0"/><mass value="2"/><inertia ixx="1" iyy="1" izz="1"/></inertial>
     <collision><geometry><cylinder radius="0.1" length="1"/></geometry></collision></link>
     <joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 1 0"/><limit lower="-1" upper="2"/></joint></robot>"#,
-    r#"<mujoco><compiler angle="radian" eulerseq="XYZ"/><default><geom density="300"/><default class="c"><joint damping="1"/></default></default>
-    <worldbody><geom type="plane" size="1 1 1"/><body name="a" pos="0 0 1" euler="0 1 0" childclass="c"><freejoint/><geom size="0.1 0.2" type="capsule"/>
+    r#"<mujoco><compiler angle="radian" eulerseq="XYZ"/><default>
+    <geom density="300"/><default class="c"><joint damping="1"/></default></default>
+    <worldbody><geom type="plane" size="1 1 1"/><body name="a" pos="0 0 1" euler="0 1 0" childclass="c"><freejoint/>
+    <geom size="0.1 0.2" type="capsule"/>
     <body><joint name="j" type="slide" range="-1 1"/><joint name="k"/><geom type="ellipsoid" size="0.1 0.2 0.1"/></body></body></worldbody>
     <actuator><position joint="j" kp="2"/></actuator><equality><weld body1="a"/></equality></mujoco>"#,
 ];

@@ -40,7 +40,8 @@ fn compound_pendulum_of_a_urdf_file() {
     let text = r#"<robot name="pendulum"><link name="world"/><link name="rod">
       <inertial><origin xyz="0 0 -0.5"/><mass value="2"/><inertia ixx="0.1666666667" iyy="0.1666666667" izz="0.001"/></inertial>
       <collision><origin xyz="0 0 -0.5"/><geometry><box size="0.05 0.05 1"/></geometry></collision></link>
-      <joint name="hinge" type="continuous"><parent link="world"/><child link="rod"/><origin xyz="0 0 2" rpy="0 0.1 0"/><axis xyz="0 1 0"/></joint>
+      <joint name="hinge" type="continuous"><parent link="world"/><child link="rod"/>
+      <origin xyz="0 0 2" rpy="0 0.1 0"/><axis xyz="0 1 0"/></joint>
     </robot>"#;
     let found = period(text, "hinge");
     assert!((found / expected() - 1.0).abs() < 5e-3, "{found}, expected {}", expected());
