@@ -183,6 +183,8 @@ pub(crate) struct JointState {
     pub(crate) torque: Vec3,
     /// It exerts nothing any more.
     pub(crate) broken: bool,
+    /// Impulse of the spring between both visits of the biased pass, otherwise 0.
+    pub(crate) spring: f32,
 }
 
 impl JointState {
@@ -211,7 +213,7 @@ impl JointState {
         let impulses = JointImpulses::from_array(*impulses);
         let is_limit = [impulses.lower, impulses.upper, impulses.cone].iter().all(|impulse| *impulse >= 0.0);
         let fits = all.iter().all(|number| number.is_finite()) && is_limit && *broken < 2;
-        fits.then_some(Self { impulses, force, torque, broken: *broken == 1 })
+        fits.then_some(Self { impulses, force, torque, broken: *broken == 1, spring: 0.0 })
     }
 }
 

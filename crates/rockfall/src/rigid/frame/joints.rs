@@ -409,11 +409,11 @@ impl Visit {
         }
     }
 
-    /// The spring, once in a substep. Its impulse stays as it is.
+    /// The spring, in both visits of the biased pass. Its impulse stays as it is.
     fn spring(&self, joint: &Joint, position: f32, state: &mut JointState, pivot: &mut Pivot) {
         let Drive { stiffness, damping, target, spring_limit, locked, .. } = joint.drive;
         let damping = if joint.kind.is_ball() { 0.0 } else { damping };
-        if !self.biased || !self.is_first || locked || (stiffness == 0.0 && damping == 0.0) {
+        if !self.biased || locked || (stiffness == 0.0 && damping == 0.0) {
             return;
         }
         let h = self.h;
@@ -424,8 +424,13 @@ impl Visit {
         let theta = (1.0 - 1.0 / (stiffness * h * h * inverse)).max(0.0);
         let resistance = h * damping + theta * h * h * stiffness;
         let speed = push.dot(pivot.speed()) + turn.dot(pivot.rate());
-        let impulse = -(h * stiffness * off + resistance * speed) / (1.0 + resistance * inverse);
-        let impulse = within(impulse, spring_limit, h);
+        let before = std::mem::take(&mut state.spring);
+        let step = -(h * stiffness * off + resistance * speed + before) / (1.0 + resistance * inverse);
+        let all = within(before + step, spring_limit, h);
+        if self.is_first {
+            state.spring = all;
+        }
+        let impulse = all - before;
         pivot.push(impulse * push);
         pivot.turn(impulse * turn);
         state.force += Vec3::from(impulse * push);

@@ -204,7 +204,7 @@ fn spring_push(joint: Joint, ends: ptr<function, Ends>, axis: vec3f) -> Push {
     return alone;
 }
 
-// The push of the spring.
+// What the spring adds in a visit. Between both visits of the biased pass, its impulse is in the last row of the joint.
 fn spring_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis) -> Push {
     let h = frame.h;
     let stiffness = joint_row(joint.number, 5u).w;
@@ -216,9 +216,13 @@ fn spring_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis) -> Push {
     let damping = select(h * drive.x, 0.0, is_ball(joint.flags)) + max(h * h * stiffness - 1.0 / k, 0.0);
     let speed = point_speed((*ends).b, joint.arm_b) - point_speed((*ends).a, joint.arm_a);
     let rate = dot(push.impulse, speed) + dot(push.moment, (*ends).b.spin - (*ends).a.spin);
-    let wanted = h * stiffness * beyond_target(joint, axis.position) + damping * rate;
+    let kept = JOINT_STATE_ROWS * joint.number + 4u;
+    let old = select(joint_states[kept].w, 0.0, is_first_visit);
+    let wanted = h * stiffness * beyond_target(joint, axis.position) + damping * rate + old;
     let most = h * drive.y;
-    let size = clamp(-wanted / (1.0 + damping * k), -most, most);
+    let next = clamp(old - wanted / (1.0 + damping * k), -most, most);
+    joint_states[kept].w = select(0.0, next, is_first_visit);
+    let size = next - old;
     let all = Push(size * push.impulse, size * push.moment);
     push_ends(joint, ends, all);
     return all;
@@ -235,7 +239,7 @@ fn solve_free(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<
     let limits = joint_row(joint.number, 5u).xy;
     // A ball whose axes are almost opposite has no twist.
     let has_row = !is_ball(joint.flags) || dot(joint.axes[0], joint.other) >= -0.9;
-    if has_row && biased && is_first_visit && (joint.flags & SPRUNG) != 0u {
+    if has_row && biased && (joint.flags & SPRUNG) != 0u {
         add_load(joint.number, spring_row(joint, ends, axis));
     }
     if has_row && !biased && drive.w > 0.0 {

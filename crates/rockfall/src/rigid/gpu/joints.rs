@@ -241,5 +241,5 @@ fn state_rows(states: &[JointState]) -> Vec<StateRow> {
 fn state_of(rows: &StateRow) -> JointState {
     let [[a, b, c, locked], [d, e, f, motor], [friction, lower, upper, cone], [x, y, z, broken], [u, v, w, _]] = *rows;
     let impulses = JointImpulses::from_array([a, b, c, locked, d, e, f, motor, friction, lower, upper, cone]);
-    JointState { impulses, force: Vec3::new(x, y, z), torque: Vec3::new(u, v, w), broken: broken != 0.0 }
+    JointState { impulses, force: Vec3::new(x, y, z), torque: Vec3::new(u, v, w), broken: broken != 0.0, spring: 0.0 }
 }
