@@ -13,6 +13,7 @@ mod film;
 mod flow;
 mod fork;
 mod gauges;
+mod groups;
 mod ids;
 mod joints;
 mod laws;
@@ -63,6 +64,8 @@ mod _rockfall {
     #[pymodule_export]
     use crate::gauges::{add_gauge, gauges};
     #[pymodule_export]
+    use crate::groups::{group_meets, set_group_meets};
+    #[pymodule_export]
     use crate::joints::{add_joint, joint_names, joint_readings, set_joints};
     #[pymodule_export]
     use crate::laws::{
@@ -87,7 +90,7 @@ mod _rockfall {
     #[pymodule_export]
     use crate::picture::{Picture, Studio, framing, trails_of, warning_of_letters};
     #[pymodule_export]
-    use crate::scene::{Scene, group_meets, set_group_meets};
+    use crate::scene::Scene;
     #[pymodule_export]
     use crate::shared::SharedArray;
     #[pymodule_export]

@@ -4,8 +4,8 @@ use rockfall::glam::Vec3;
 use rockfall::{Scene, Sphere};
 
 use crate::block::Block;
-use crate::draw::joints::fixed_ends;
 use crate::extent::{Extent, extents_of_static_objects};
+use crate::joints::fixed_ends;
 use crate::survey::Survey;
 
 /// Static objects larger than this times the extent of the spheres are surroundings and need not be in the picture. A bin around the
@@ -35,8 +35,7 @@ const GROUND_DISTANCE: f32 = 0.15;
 
 /// Returns the minimum and maximum corners of the part of a scene that a picture should show: the spheres without outliers, the
 /// points of the tethers and distance joints, nearby boxes and polygons that are not much larger than the spheres together, and
-/// a part of what the
-/// spheres may fall onto.
+/// a part of what the spheres may fall onto.
 pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
     bounds_of_survey(&Survey::new(scene), scene)
 }

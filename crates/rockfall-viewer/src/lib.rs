@@ -24,6 +24,7 @@ pub mod film;
 #[doc(hidden)]
 pub mod grasp;
 mod groups;
+mod joints;
 pub mod legend;
 mod mark;
 pub mod overlay;

@@ -3,9 +3,9 @@
 use rockfall::glam::Vec3;
 use rockfall::{Body, Scene, SphereId};
 
-use crate::draw::joints::fixed_ends;
 use crate::extent::{Extent, extents_of_static_objects};
 use crate::groups::{Group, groups};
+use crate::joints::fixed_ends;
 
 /// Approximate number of bodies whose places are kept.
 const MOST_BODIES: usize = 1000;
@@ -112,8 +112,7 @@ impl Survey {
     }
 
     /// Returns the survey of a picture and of the start of its run, if that needs not much more room than the picture alone. So
-    /// a machine is in
-    /// view from where its bodies come.
+    /// a machine is in view from where its bodies come.
     pub fn from_start(self, start: Self, scene: &Scene) -> Self {
         let mut both = start;
         both.add(scene);
@@ -220,8 +219,7 @@ impl Survey {
     }
 
     /// All places of many bodies, without those outside the majority of bodies that leave it, if all need far more room. The
-    /// majority is between the 5 % and
-    /// the 95 % quantile of each coordinate, or nearer to that than [`OUTLIER_DISTANCE`] times its size.
+    /// majority is between the 5 % and the 95 % quantile of each coordinate, or nearer to that than [`OUTLIER_DISTANCE`] times its size.
     fn without_outliers(&self, groups: &[&Group]) -> Vec<(Vec3, f32)> {
         let places: Vec<Vec3> = self.paths(groups.iter().copied()).map(|(place, _)| place).collect();
         let Some(core) = central(&places) else { return Vec::new() };

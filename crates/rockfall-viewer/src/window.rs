@@ -30,6 +30,7 @@ pub mod pace;
 mod panel;
 pub mod past;
 mod picked_window;
+mod plots;
 mod quit_window;
 pub mod rates;
 mod report;

@@ -5,9 +5,9 @@ use std::collections::VecDeque;
 use rockfall::glam::Vec3;
 use rockfall::{Body, Counts, ObjectId, Result, Scene, Simulation, SphereDiagnostics};
 
-use crate::draw::joints::{JointPlace, places};
 use crate::draw::net_force;
 use crate::draw::range::{RecentPercentile, percentile};
+use crate::joints::{JointPlace, places};
 use crate::palette::Rgb;
 use crate::plot::{Graph, Plots};
 use crate::tags::{colour_of, name_of, object_of};

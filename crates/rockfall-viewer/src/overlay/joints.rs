@@ -1,7 +1,7 @@
 //! Marks of joints.
 
 use super::Projection;
-use crate::draw::joints::JointPlace;
+use crate::joints::JointPlace;
 use crate::mark::Mark;
 use crate::palette::Rgb;
 
@@ -13,8 +13,7 @@ const AXIS: f32 = 1.3;
 const RIM_WIDTH: f32 = 0.1;
 
 /// Adds a diamond at the anchor of a joint, and a line along its axis. The anchors of a distance joint have a line between
-/// them, and those of a
-/// slider, or of a joint that gives way, a thin one.
+/// them, and those of a slider, or of a joint that gives way, a thin one.
 pub(super) fn mark(joint: &JointPlace, projection: &Projection, em: f32, marks: &mut Vec<Mark>) {
     let [start, end] = joint.ends.map(|place| projection.place(place));
     let Some(at) = end else { return };

@@ -5,7 +5,7 @@ use egui_plot::{Line, PlotPoints};
 use rockfall::JointReading;
 
 use super::constants_panel::row;
-use super::panel::{colour, plot, stroke, widened};
+use super::plots::{colour, plot, stroke, widened};
 use super::viewer::Viewer;
 use crate::drives::{Control, Drive, controls, has_drive};
 

@@ -1,17 +1,15 @@
 //! The panel: numbers, constants, colours and plots.
 
-use std::ops::RangeInclusive;
+use egui::{RichText, Ui};
+use egui_plot::{Line, PlotPoints};
 
-use egui::{Color32, RichText, Ui};
-use egui_plot::{GridMark, Line, Plot, PlotPoints};
-
+use super::plots::{colour, plot, stroke, widened};
 use super::viewer::Viewer;
 use super::watch::GaugeSample;
 use super::{constants_panel, joints_panel};
 use crate::draw::{ColourBy, Style};
 use crate::legend::{Legend, number};
 use crate::palette::{Kind, Rgb};
-use crate::plot::axes::{exponent, label, multiples, ranges, step};
 use crate::plot::{self as quantities, ABSENT, COLOURS as GAUGE_COLOURS, ENERGIES};
 use crate::whole;
 
@@ -23,8 +21,6 @@ const PHASES: [(&str, Rgb); 4] = [
     ("positions", [0x00, 0x9e, 0x73]),
 ];
 const PLOT_HEIGHT: f32 = 130.0;
-/// Least distance of two ticks of a vertical axis, in points. The axis leaves out the numbers of nearer ones.
-const TICK_DISTANCE: f32 = 30.0;
 /// Width of the scroll bar beside the panel.
 const SCROLL_BAR: f32 = 10.0;
 
@@ -101,10 +97,6 @@ fn colours(ui: &mut Ui, viewer: &mut Viewer) {
     }
 }
 
-pub(super) fn colour(rgb: Rgb) -> Color32 {
-    Color32::from_rgb(rgb[0], rgb[1], rgb[2])
-}
-
 fn swatch(ui: &mut Ui, kind: &Kind) {
     let (place, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
     ui.painter().rect_filled(place, 3.0, colour(kind.colour));
@@ -135,45 +127,6 @@ fn scale(ui: &mut Ui, title: &str, range: [f32; 2], colours: &[Rgb]) {
         });
     });
     ui.vertical_centered(|ui| ui.label(RichText::new(title).weak()));
-}
-
-pub(super) fn stroke(rgb: Rgb) -> egui::Stroke {
-    egui::Stroke::new(1.5, colour(rgb))
-}
-
-pub(super) fn plot(name: &str, height: f32) -> Plot<'_> {
-    Plot::new(name)
-        .height(height)
-        .allow_scroll(false)
-        .allow_zoom(false)
-        .allow_drag(false)
-        .allow_boxed_zoom(false)
-        .show_crosshair(false)
-        .y_axis_min_width(34.0)
-        .x_grid_spacer(|input| ticks(input.bounds, 5.0))
-        .y_grid_spacer(move |input| ticks(input.bounds, f64::from(height / TICK_DISTANCE)))
-        .x_axis_formatter(tick)
-        .y_axis_formatter(tick)
-}
-
-/// Widens the axes of a plot whose points are nearly one value.
-pub(super) fn widened<'a>(plot: Plot<'a>, points: &[[f64; 2]]) -> Plot<'a> {
-    let [[from, to], [low, high]] = ranges(points);
-    plot.include_x(from).include_x(to).include_y(low).include_y(high)
-}
-
-/// The ticks of an axis.
-fn ticks((low, high): (f64, f64), most: f64) -> Vec<GridMark> {
-    let marks = |step_size: f64| multiples([low, high], step_size).map(|value| GridMark { value, step_size }).collect();
-    step([low, high], most).map_or_else(Vec::new, marks)
-}
-
-/// The label of a tick with the digits that its distance from the next one needs.
-fn tick(mark: GridMark, range: &RangeInclusive<f64>) -> String {
-    match exponent([*range.start(), *range.end()]) {
-        0 => label(mark.value, mark.step_size, 0),
-        _ => number(mark.value as f32),
-    }
 }
 
 fn energies(ui: &mut Ui, viewer: &mut Viewer) {

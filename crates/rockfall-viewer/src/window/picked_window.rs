@@ -8,7 +8,7 @@ use rockfall::glam::Vec3;
 
 use super::track::Point;
 use super::viewer::Viewer;
-use super::{marks, panel};
+use super::{marks, plots};
 use crate::palette::Rgb;
 use crate::plot::{Quantity, colours_of};
 use crate::whole::ball;
@@ -84,9 +84,9 @@ fn plot(ui: &mut Ui, tracks: &[(&str, &VecDeque<Point>)], colours: &[Rgb], quant
     let shown: Vec<Vec<[f64; 2]>> = shown.collect();
     let title = format!("{} in {} over time in s", quantity.name(), quantity.unit());
     ui.label(RichText::new(&title).weak().small());
-    panel::widened(panel::plot(&title, PLOT_HEIGHT), &shown.concat()).show(ui, |plot| {
+    plots::widened(plots::plot(&title, PLOT_HEIGHT), &shown.concat()).show(ui, |plot| {
         for (((name, _), points), colour) in tracks.iter().zip(shown).zip(colours) {
-            plot.line(Line::new(*name, PlotPoints::from(points)).stroke(panel::stroke(*colour)));
+            plot.line(Line::new(*name, PlotPoints::from(points)).stroke(plots::stroke(*colour)));
         }
     });
 }
@@ -107,7 +107,7 @@ fn motion(ui: &mut Ui, title: &str, viewer: &mut Viewer) {
     if tracks.len() > 1 {
         ui.horizontal_wrapped(|ui| {
             for ((title, _), colour) in tracks.iter().zip(&colours) {
-                ui.label(RichText::new(*title).color(panel::colour(*colour)).small());
+                ui.label(RichText::new(*title).color(plots::colour(*colour)).small());
             }
         });
     }

@@ -116,8 +116,7 @@ pub(crate) enum Laid {
 /// A connection of two bodies, as a builder: `Joint::hinge(Anchor::World, door, [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]).limits(-1.5, 0.0)`.
 ///
 /// Its **position** is the angle in rad of a hinge and of the twist of a ball about the axis, the way in units along the axis
-/// of a slider, or
-/// the distance in units of the anchors of a distance joint. Angles and ways are 0 in the places of the bodies in which
+/// of a slider, or the distance in units of the anchors of a distance joint. Angles and ways are 0 in the places of the bodies in which
 /// [`Scene::add_joint`](crate::Scene::add_joint) adds the joint, and measure how the second body moves against the first one.
 /// Motors, springs, friction and limits act along it. A joint of the kind fixed has none of these.
 ///
@@ -156,8 +155,7 @@ pub struct Joint {
     /// Whether its bodies collide. Those of other joints pass through each other.
     pub collides: bool,
     /// For a distance joint: the distance at the start, in units. `None` before it was added, for that of its anchors. It keeps
-    /// this distance unless
-    /// it has limits, a motor, a spring or friction.
+    /// this distance unless it has limits, a motor, a spring or friction.
     pub length: Option<f32>,
     pub(crate) laid: Laid,
 }

@@ -86,8 +86,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Invalid`] for numbers out of their range, limits that do not contain the position at the start, an axis of 0, a
-    /// value that its kind
-    /// does not have, a name that another joint has or that is not one word, and for ends that are the same body or cannot move.
+    /// value that its kind does not have, a name that another joint has or that is not one word, and for ends that are the same body or cannot move.
     /// [`Error::StaleHandle`] for a body or sphere that is not in the scene.
     pub fn add_joint(&mut self, mut joint: Joint) -> Result<JointId> {
         [joint.a, joint.b] = joint.anchors().map(|anchor| self.whole_end(anchor));
@@ -118,8 +117,7 @@ impl Scene {
     }
 
     /// Changes the limits, the motor, the spring, the friction, the length and the strength of a joint. Its kind, its ends, its
-    /// name and whether its
-    /// bodies collide cannot be changed.
+    /// name and whether its bodies collide cannot be changed.
     ///
     /// # Errors
     /// [`Error::Invalid`] for numbers out of their range, [`Error::StaleHandle`] when it is not in the scene. Nothing is changed then.

@@ -15,6 +15,7 @@ use crate::rigid::frame::{Frame, detect};
 use crate::rigid::gpu::RigidGpu;
 use crate::rigid::gpu::rows::{BELT, BodyRow, ROUND};
 use crate::rigid::gpu::search::{COUNT_WORDS, FoundPoint, FoundRow, Inputs, Search};
+use crate::rigid::groups::GroupWords;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Hull, Shape};
 use crate::rigid::world::RigidWorld;
@@ -288,10 +289,12 @@ fn parts() -> Scene {
         let body = scene.kinematic(shape, at, random.vector());
         scene.world.bodies[body].spin = random.vector();
     }
-    let mut lists = crate::scene::Scene::new();
-    lists.set_group_meets(1, [0, 2]).unwrap();
+    // Group 1 meets 0 and 2, these meet themselves too, and 3 meets itself alone.
+    let groups = [(0, 0b011), (1 | 1 << 16, 0b101), (2 | 2 << 16, 0b110)].map(|(own, meets)| (own, meets | 1 << 30));
+    let groups = [groups[0], groups[1], groups[2], (3 | 31 << 16, 0)];
     for (k, collider) in scene.world.colliders.iter_mut().enumerate() {
-        collider.group = lists.groups.words(if k == 0 { 0 } else { k as u16 % 4 });
+        let (own, meets) = groups[k % 4];
+        collider.group = GroupWords { own, meets };
     }
     for (k, collider) in scene.world.colliders.iter_mut().enumerate().skip(1) {
         collider.surface_velocity = if k % 7 == 0 { Vec3::X } else { Vec3::ZERO };
