@@ -92,5 +92,5 @@ def test_groups_meet_those_of_their_list() -> None:
     np.testing.assert_allclose(sim.bodies.positions[:, 1], 0.5, atol=0.01)
     with pytest.raises(ValueError, match="group: expected integers from 0 to 65535"):
         scene.set_group_meets(-1, [0])
-    with pytest.raises(ValueError, match="group.meets = 31 groups is not allowed"):
+    with pytest.raises(ValueError, match="group.meets: 31 groups is not allowed"):
         scene.set_group_meets(2, range(40))

@@ -74,7 +74,7 @@ impl Builder<'_> {
     fn note_hull(&mut self, geom: &Geom) {
         match geom.solid {
             Solid::Cylinder { .. } => {
-                self.notes.replaced(&geom.element, "cylinders are prisms of 16 sides with the same volume")
+                self.notes.replaced(&geom.element, "cylinders are prisms of 16 sides with the same volume");
             }
             Solid::Ellipsoid { .. } => self.notes.replaced(&geom.element, "ellipsoids are hulls of 16 points on them"),
             Solid::Mesh(_) => self.notes.replaced(&geom.element, "meshes are the convex hulls of their vertices"),

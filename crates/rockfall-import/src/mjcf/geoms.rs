@@ -52,10 +52,7 @@ impl Mjcf<'_> {
         let kind = of.get("type").unwrap_or(if mesh.is_some() { "mesh" } else { "sphere" }).to_owned();
         let mut pose = self.compiler.pose(&of)?;
         let size = Sizes { of, sizes: of.list("size")?.unwrap_or_default() };
-        let along = match of.numbers::<6>("fromto")? {
-            Some([a, b, c, d, e, f]) => Some((DVec3::new(a, b, c), DVec3::new(d, e, f))),
-            None => None,
-        };
+        let along = of.numbers::<6>("fromto")?.map(|[a, b, c, d, e, f]| (DVec3::new(a, b, c), DVec3::new(d, e, f)));
         let half = match along {
             Some((from, to)) => {
                 let line = to - from;

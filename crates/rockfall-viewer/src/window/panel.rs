@@ -1,6 +1,6 @@
 //! The panel: numbers, constants, colours and plots.
 
-use egui::{RichText, Ui};
+use egui::{Color32, RichText, Ui};
 use egui_plot::{Line, PlotPoints};
 
 use super::plots::{colour, plot, stroke, widened};

@@ -183,7 +183,7 @@ pub(crate) struct JointState {
     pub(crate) torque: Vec3,
     /// It exerts nothing any more.
     pub(crate) broken: bool,
-    /// Impulse of the spring between both visits of the biased pass, otherwise 0.
+    /// Impulse of a damper between both visits of the biased pass, otherwise 0.
     pub(crate) spring: f32,
 }
 

@@ -31,7 +31,7 @@ fn too_many_groups_are_refused() {
     let mut scene = Scene::new();
     scene.set_group_meets(100, 0..29).unwrap();
     let error = scene.set_group_meets(100, 0..30).unwrap_err().to_string();
-    assert_eq!(error, "group.meets = 31 groups is not allowed, expected at most 30 groups that have a list or are in one");
+    assert_eq!(error, "group.meets: 31 groups is not allowed, expected at most 30 groups that have a list or are in one");
     assert_eq!(scene.group_meets(100).unwrap().len(), 29, "the old list stays");
 }
 
@@ -55,11 +55,11 @@ fn wrong_lists_are_refused_with_their_line() {
     for (line, expected) in [
         (
             "@group 4 meets=1,x",
-            "line 1: @group meets: \"x\" is not a group, expected whole numbers from 0 to 65535 with commas, or none",
+            "scene.txt:1: @group meets: 'x' is not a group, expected whole numbers from 0 to 65535 with commas, or none",
         ),
-        ("@group 4 meets=65536", "line 1: @group meets: \"65536\" is not a group"),
-        ("@group 4 meet=1", "line 1: @group \"meet\": an unknown key, did you mean meets?"),
-        ("@group 4 meets=1\n@group 4 meets=2", "line 2: @group meets: group 4 has another list already"),
+        ("@group 4 meets=65536", "scene.txt:1: @group meets: '65536' is not a group"),
+        ("@group 4 meet=1", "scene.txt:1: @group 'meet': an unknown key, did you mean meets?"),
+        ("@group 4 meets=1\n@group 4 meets=2", "scene.txt:2: @group meets: group 4 has another list already"),
     ] {
         let error = read(line).unwrap_err().to_string();
         assert!(error.contains(expected), "{line}: {error}");

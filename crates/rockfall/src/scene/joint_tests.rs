@@ -203,10 +203,13 @@ fn joints_of_capsules_stay_in_their_places() {
     scene.check_joints().unwrap();
 }
 
+/// Makes a joint of the spheres of two capsules.
+type Join = fn([SphereId; 2], [SphereId; 2]) -> Joint;
+
 /// Whichever sphere of a capsule has the joint, its bodies overlap without a warning, unless they collide.
 #[test]
 fn joined_capsules_may_overlap() {
-    let of = |joint: Option<fn([SphereId; 2], [SphereId; 2]) -> Joint>| {
+    let of = |joint: Option<Join>| {
         let mut scene = Scene::new();
         scene.settings.contact_law = ContactLaw::Rigid;
         let mut capsule = |from: [f32; 3], to: [f32; 3]| {

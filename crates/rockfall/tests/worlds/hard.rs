@@ -62,5 +62,5 @@ fn joints_of_worlds_are_read_and_driven(backend: Backend) {
     worlds.run(1, FRAME).expect("a frame");
     assert!(worlds.joints(2).expect("joints")[0].position.abs() < 1e-5, "its motor stands still again");
     let error = worlds.update_joint(0, 1, |_| ()).expect_err("one joint").to_string();
-    assert_eq!(error, "joint = 1 of 1 is not allowed, expected a number below that of joints");
+    assert_eq!(error, "joint: 1 of 1 is not allowed, expected a number below that of joints");
 }

@@ -5,7 +5,7 @@
 // | array | rows of a joint |
 // |---|---|
 // | `joints` | place at A, cone; turn of A; place at B, target; turn of B; a, b, flags, frequency of the rows times the substep; limits, their middle, stiffness; damping, limit of the spring, speed, limit of the motor; friction, strengths, 0 |
-// | `joint_states` | impulses: three rows in the order of `JointImpulses::to_array`; force, 1 if it is broken; torque, 0. Within a frame, force and torque are sums of impulses, and the 0 is the impulse of the spring between two visits |
+// | `joint_states` | impulses: three rows in the order of `JointImpulses::to_array`; force, 1 if it is broken; torque, 0. Within a frame, force and torque are sums of impulses, and the 0 is the impulse of a damper between two visits |
 // | `joint_order` | no rows: the numbers of the joints, colour by colour |
 
 @group(0) @binding(42) var<storage, read> joints: array<vec4u>;

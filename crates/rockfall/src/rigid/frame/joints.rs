@@ -409,11 +409,12 @@ impl Visit {
         }
     }
 
-    /// The spring, in both visits of the biased pass. Its impulse stays as it is.
+    /// The spring in the first visit of the biased pass, a damper in both. Its impulse stays as it is.
     fn spring(&self, joint: &Joint, position: f32, state: &mut JointState, pivot: &mut Pivot) {
         let Drive { stiffness, damping, target, spring_limit, locked, .. } = joint.drive;
         let damping = if joint.kind.is_ball() { 0.0 } else { damping };
-        if !self.biased || locked || (stiffness == 0.0 && damping == 0.0) {
+        let acts = if stiffness == 0.0 { damping > 0.0 } else { self.is_first };
+        if !self.biased || locked || !acts {
             return;
         }
         let h = self.h;
@@ -427,7 +428,7 @@ impl Visit {
         let before = std::mem::take(&mut state.spring);
         let step = -(h * stiffness * off + resistance * speed + before) / (1.0 + resistance * inverse);
         let all = within(before + step, spring_limit, h);
-        if self.is_first {
+        if self.is_first && stiffness == 0.0 {
             state.spring = all;
         }
         let impulse = all - before;

@@ -204,7 +204,7 @@ fn spring_push(joint: Joint, ends: ptr<function, Ends>, axis: vec3f) -> Push {
     return alone;
 }
 
-// What the spring adds in a visit. Between both visits of the biased pass, its impulse is in the last row of the joint.
+// What the spring adds in a visit. Between both visits of the biased pass, the impulse of a damper is in the last row of the joint.
 fn spring_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis) -> Push {
     let h = frame.h;
     let stiffness = joint_row(joint.number, 5u).w;
@@ -239,7 +239,8 @@ fn solve_free(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<
     let limits = joint_row(joint.number, 5u).xy;
     // A ball whose axes are almost opposite has no twist.
     let has_row = !is_ball(joint.flags) || dot(joint.axes[0], joint.other) >= -0.9;
-    if has_row && biased && (joint.flags & SPRUNG) != 0u {
+    let acts = is_first_visit || joint_row(joint.number, 5u).w == 0.0;
+    if has_row && biased && acts && (joint.flags & SPRUNG) != 0u {
         add_load(joint.number, spring_row(joint, ends, axis));
     }
     if has_row && !biased && drive.w > 0.0 {
