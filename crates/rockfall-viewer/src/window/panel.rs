@@ -199,19 +199,3 @@ fn phases(ui: &mut Ui, viewer: &mut Viewer) {
     let plot = if samples.is_empty() { widened(plot, &[]) } else { plot };
     plot.show(ui, |plot| lines.for_each(|line| plot.line(line)));
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ticks_have_the_digits_that_they_need() {
-        let labels = |range: RangeInclusive<f64>, step_size: f64| {
-            multiples([*range.start(), *range.end()], step_size)
-                .map(|value| tick(GridMark { value, step_size }, &range))
-                .collect()
-        };
-        let found: [Vec<String>; 3] = [labels(0.0..=1.0, 0.5), labels(-1.0..=0.2, 0.5), labels(0.0..=3e6, 1e6)];
-        assert_eq!(found, [vec!["0.0", "0.5", "1.0"], vec!["-1.0", "-0.5", "0.0"], vec!["0", "1e6", "2e6", "3e6"]]);
-    }
-}

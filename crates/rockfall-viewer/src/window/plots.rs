@@ -54,3 +54,19 @@ fn tick(mark: GridMark, range: &RangeInclusive<f64>) -> String {
         _ => number(mark.value as f32),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_have_the_digits_that_they_need() {
+        let labels = |range: RangeInclusive<f64>, step_size: f64| {
+            multiples([*range.start(), *range.end()], step_size)
+                .map(|value| tick(GridMark { value, step_size }, &range))
+                .collect()
+        };
+        let found: [Vec<String>; 3] = [labels(0.0..=1.0, 0.5), labels(-1.0..=0.2, 0.5), labels(0.0..=3e6, 1e6)];
+        assert_eq!(found, [vec!["0.0", "0.5", "1.0"], vec!["-1.0", "-0.5", "0.0"], vec!["0", "1e6", "2e6", "3e6"]]);
+    }
+}
