@@ -56,7 +56,7 @@ fn json_is_one_object_with_all_keys() {
     let object: Value = serde_json::from_str(&out).unwrap();
     let mut keys: Vec<&str> = object.as_object().unwrap().keys().map(String::as_str).collect();
     keys.sort_unstable();
-    let expected = "backend broad_phase collisions comments contacts device dt energy_end energy_growth_without_cause energy_start \
+    let expected = "backend broad_phase broken_joints collisions comments contacts device dt energy_end energy_growth_without_cause energy_start \
                     flow integrator max_overlap max_overlap_radii non_finite objects passages precision replays scene seconds settings steps steps_per_second substeps time";
     assert_eq!(keys, expected.split(' ').collect::<Vec<_>>());
     assert_eq!(object["scene"], "scene.txt");
@@ -66,7 +66,7 @@ fn json_is_one_object_with_all_keys() {
     assert_eq!(object["dt"], 0.02);
     assert_eq!(object["objects"]["spheres"], 2);
     assert_eq!(object["objects"]["boxes"], 1);
-    assert_eq!(object["objects"].as_object().unwrap().len(), 9);
+    assert_eq!(object["objects"].as_object().unwrap().len(), 10);
     assert!(object["collisions"].as_u64().unwrap() > 0, "{out}");
     assert_eq!(object["non_finite"], 0);
     assert!(object["steps_per_second"].as_f64().unwrap() > 0.0);
