@@ -1,7 +1,7 @@
 //! Robots of URDF and MJCF files as scenes of the rockfall physics engine.
 //!
 //! ```no_run
-//! # fn main() -> rockfall_import::Result<()> {
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let imported = rockfall_import::load_urdf("robot.urdf")?;
 //! for note in &imported.notes {
 //!     eprintln!("{note}");
