@@ -12,7 +12,8 @@
 //! ```
 //!
 //! A link of a URDF file or a body of an MJCF file becomes a rigid body with a shape of its own, and a joint becomes a joint. Links
-//! without a joint between them become one body. The scene has the contact law `rigid`, and z is up. `docs/robots.md` in the repository lists what is
+//! without a joint between them become one body. The scene has the contact law `rigid`, and z is up. `docs/robots.md`
+//! in the repository lists what is
 //! taken over.
 //!
 //! Files may come from strangers. The size, the nesting and the number of elements of a file are limited, a document type is refused, and

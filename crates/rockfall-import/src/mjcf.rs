@@ -59,16 +59,7 @@ pub(crate) fn convert(path: &Path, root: Element) -> Result<Imported> {
     let mut notes = Notes::default();
     let compiler = Compiler::of(&root, &mut notes)?;
     let defaults = Defaults::of(&root)?;
-    let world = Link {
-        name: "world".to_owned(),
-        element: Element::empty("worldbody", path),
-        parent: None,
-        pose: Pose::NONE,
-        joints: Vec::new(),
-        is_free: false,
-        mass: Mass::NONE,
-        geoms: Vec::new(),
-    };
+    let world = Link::alone("world".to_owned(), Element::empty("worldbody", path), Mass::NONE, Vec::new());
     let mut mjcf = Mjcf {
         path,
         compiler,

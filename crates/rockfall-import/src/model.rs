@@ -35,6 +35,13 @@ pub(crate) struct Link {
     pub(crate) geoms: Vec<Geom>,
 }
 
+impl Link {
+    /// A link without a parent, at the origin.
+    pub(crate) fn alone(name: String, element: Element, mass: Mass, geoms: Vec<Geom>) -> Self {
+        Self { name, element, parent: None, pose: Pose::NONE, joints: Vec::new(), is_free: false, mass, geoms }
+    }
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Motion {
     Hinge,

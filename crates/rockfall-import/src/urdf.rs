@@ -57,16 +57,7 @@ impl Urdf<'_> {
         }
         let (order, edges) = tree(self.root)?;
         let world = Element::empty("robot", self.path);
-        let mut links = vec![Link {
-            name: "world".to_owned(),
-            element: world,
-            parent: None,
-            pose: Pose::NONE,
-            joints: Vec::new(),
-            is_free: false,
-            mass: Mass::NONE,
-            geoms: Vec::new(),
-        }];
+        let mut links = vec![Link::alone("world".to_owned(), world, Mass::NONE, Vec::new())];
         let mut numbers: HashMap<&str, usize> = HashMap::new();
         for element in &order {
             let name = element.needed("name")?;
@@ -115,7 +106,7 @@ impl Urdf<'_> {
         }
         let name = element.needed("name")?.to_owned();
         let element = element.alone();
-        Ok(Link { name, element, parent: None, pose: Pose::NONE, joints: Vec::new(), is_free: false, mass, geoms })
+        Ok(Link::alone(name, element, mass, geoms))
     }
 
     fn geom(&mut self, collision: &Element) -> Result<Option<Geom>> {

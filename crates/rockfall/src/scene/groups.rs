@@ -46,7 +46,8 @@ impl Groups {
 }
 
 impl Scene {
-    /// Sets the groups whose objects those of a group touch. Without a list, a group touches itself alone. With one, it touches the groups of its
+    /// Sets the groups whose objects those of a group touch. Without a list, a group touches itself alone. With one, it
+    /// touches the groups of its
     /// list, and itself only if the list has it; and those whose lists have it. Needs the contact law [`Rigid`](crate::ContactLaw::Rigid).
     ///
     /// # Errors

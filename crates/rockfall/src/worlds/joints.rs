@@ -30,7 +30,8 @@ impl Worlds {
         }
     }
 
-    /// Changes the drive, the limits and the strength of a joint of a world, from the next step on, until [`Worlds::reset`]. `joint` counts joints in order of
+    /// Changes the drive, the limits and the strength of a joint of a world, from the next step on, until
+    /// [`Worlds::reset`]. `joint` counts joints in order of
     /// addition.
     ///
     /// # Errors

@@ -86,7 +86,8 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Invalid`] for numbers out of their range, limits that do not contain the position at the start, an axis of 0, a
-    /// value that its kind does not have, a name that another joint has or that is not one word, and for ends that are the same body or cannot move.
+    /// value that its kind does not have, a name that another joint has or that is not one word, and for ends that are
+    /// the same body or cannot move.
     /// [`Error::StaleHandle`] for a body or sphere that is not in the scene.
     pub fn add_joint(&mut self, mut joint: Joint) -> Result<JointId> {
         [joint.a, joint.b] = joint.anchors().map(|anchor| self.whole_end(anchor));
