@@ -144,12 +144,13 @@ macro_rules! constant_table {
                 angular_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
             }
             host {
-                /// Contact law: `thesis`, `linear`, `hertz-mindlin` or `rigid`. The second and the third need materials and keep
+                /// Contact law: `auto`, `thesis`, `linear`, `hertz-mindlin` or `rigid`. `auto` is `rigid` in scenes with a placed
+                /// body, an inlet with a shape, or a joint, and otherwise `thesis`. `linear` and `hertz-mindlin` need materials and keep
                 /// a tangential spring for every contact. They do not use `contact_force`, `contact_damping`, `friction` and
                 /// `resting_overlap`. Setting them by name (also in a scene text and in Python) switches `collisions` off. With
                 /// `rigid`, contacts are hard: a solver takes frames of 1/60 s in substeps, and of the settings of contacts it
                 /// uses `restitution` and `coulomb_friction` alone. Setting it by name sets them to 0 and 0.5.
-                contact_law: law = ContactLaw::Thesis, "", None;
+                contact_law: law = ContactLaw::Auto, "", None;
                 /// Gravity G in units/s².
                 gravity: finite = 1.0, "units/s²", Some((-10.0, 20.0));
                 /// Whether collisions are handled as impulses. If not, contact forces act in collisions too.
@@ -201,6 +202,9 @@ impl Settings {
         others.filter(|(name, _)| !is_law(name)).try_for_each(|(name, value)| self.set(name, value))
     }
 
+    /// The restitution and the coefficient of friction of the law `rigid` where nothing else is given.
+    pub(crate) const RIGID: [f32; 2] = [0.0, 0.5];
+
     /// The settings that a contact law sets when it is set by name.
     pub(crate) const FOLLOW_LAW: [&str; 3] = ["collisions", "restitution", "coulomb_friction"];
 
@@ -210,7 +214,7 @@ impl Settings {
             self.collisions = false;
         }
         if self.contact_law == ContactLaw::Rigid {
-            (self.restitution, self.coulomb_friction) = (0.0, 0.5);
+            [self.restitution, self.coulomb_friction] = Self::RIGID;
         }
     }
 
@@ -352,7 +356,7 @@ fn direction(field: &'static str, value: &str) -> Result<Vec3> {
 
 fn law(field: &'static str, value: &str) -> Result<ContactLaw> {
     let law = ContactLaw::ALL.into_iter().find(|law| law.name() == value.trim());
-    law.ok_or_else(|| invalid(field, value, "thesis, linear, hertz-mindlin, user or rigid"))
+    law.ok_or_else(|| invalid(field, value, "auto, thesis, linear, hertz-mindlin, user or rigid"))
 }
 
 fn precision(field: &'static str, value: &str) -> Result<Precision> {
@@ -398,7 +402,6 @@ impl fmt::Display for Precision {
 #[non_exhaustive]
 pub enum ContactLaw {
     /// The law of the thesis: stiffness and damping in proportion to the reduced mass, and friction without history.
-    #[default]
     Thesis,
     /// Springs of constant stiffness, with a tangential spring up to Coulomb's limit (Cundall and Strack 1979).
     Linear,
@@ -408,11 +411,15 @@ pub enum ContactLaw {
     User,
     /// Hard contacts: a solver finds the impulses of all contacts of a frame (docs/physics.md section 11).
     Rigid,
+    /// Chosen by the objects of the scene: see [`Scene::contact_law`](crate::Scene::contact_law). A simulation has the law that was
+    /// chosen.
+    #[default]
+    Auto,
 }
 
 impl ContactLaw {
     /// All laws. The place of a law is its number in the kernels.
-    pub const ALL: [Self; 5] = [Self::Thesis, Self::Linear, Self::HertzMindlin, Self::User, Self::Rigid];
+    pub const ALL: [Self; 6] = [Self::Thesis, Self::Linear, Self::HertzMindlin, Self::User, Self::Rigid, Self::Auto];
 
     /// Name in scene files.
     pub const fn name(self) -> &'static str {
@@ -422,6 +429,7 @@ impl ContactLaw {
             Self::HertzMindlin => "hertz-mindlin",
             Self::User => "user",
             Self::Rigid => "rigid",
+            Self::Auto => "auto",
         }
     }
 
@@ -432,12 +440,12 @@ impl ContactLaw {
 
     /// The law of a number.
     pub(crate) fn from_number(number: u32) -> Self {
-        Self::ALL.into_iter().find(|law| law.number() == number).unwrap_or_default()
+        Self::ALL.into_iter().find(|law| law.number() == number).unwrap_or(Self::Thesis)
     }
 
     /// Whether contacts have a tangential spring, which is kept from step to step.
     pub const fn has_history(self) -> bool {
-        !matches!(self, Self::Thesis | Self::Rigid)
+        !matches!(self, Self::Thesis | Self::Rigid | Self::Auto)
     }
 }
 

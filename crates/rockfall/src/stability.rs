@@ -300,7 +300,7 @@ impl Scene {
 
     /// The bounds of the contact force; `None` if no moving body can touch anything, and for contact laws other than the thesis's.
     fn contact_steps(&self, [force, damping]: [f64; 2], integrator: Integrator) -> Option<Steps> {
-        if self.settings.contact_law.has_history() {
+        if self.contact_law().has_history() {
             return None;
         }
         let crowd = self.crowd();

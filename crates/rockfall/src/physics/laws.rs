@@ -112,9 +112,7 @@ pub(crate) fn energy(view: &View, ids: [u32; 2], constants: &Constants, bodies: 
 fn stiffness(law: ContactLaw, constants: &Constants, bodies: &Bodies, overlap: f32, before: Option<f32>) -> Stiffness {
     match law {
         ContactLaw::HertzMindlin => hertz_mindlin::stiffness(constants, bodies.radius, overlap, before),
-        // The thesis's law, that of the program and `rigid` do not use this function.
-        ContactLaw::Linear | ContactLaw::Thesis | ContactLaw::User | ContactLaw::Rigid => {
-            linear::stiffness(constants, bodies.radius, bodies.mass)
-        }
+        // The other laws do not use this function.
+        _ => linear::stiffness(constants, bodies.radius, bodies.mass),
     }
 }

@@ -34,11 +34,9 @@ impl Scene {
     /// # Errors
     /// [`Error::Invalid`], which names the first object or pair of materials without a constant.
     pub fn check_contact_law(&self, integrator: Integrator) -> Result<()> {
-        let law = self.settings.contact_law;
+        let law = self.contact_law();
         let refused = |value: String, expected: &'static str| Err(Error::Invalid { field: "contact_law", value, expected });
-        if law != ContactLaw::Rigid && self.shapes().iter().any(|shape| !shape.hulls.is_empty()) {
-            return refused(format!("{law} with a hull"), "rigid: hulls need `set contact_law rigid`");
-        }
+        self.check_shapes_of_law()?;
         self.check_joints()?;
         self.check_groups()?;
         if !law.has_history() {
@@ -113,9 +111,32 @@ impl Scene {
         Ok(())
     }
 
+    /// Checks that the contact law moves the shapes of the placed bodies and of the inlets.
+    fn check_shapes_of_law(&self) -> Result<()> {
+        let law = self.contact_law();
+        if law == ContactLaw::Rigid {
+            return Ok(());
+        }
+        let placed = self.bodies().iter().map(|body| body.shape).chain(self.inlets().iter().filter_map(|inlet| inlet.shape));
+        for id in placed {
+            let shape = self.shapes.get(id)?;
+            let (with, expected) = match law {
+                _ if !shape.hulls.is_empty() => ("a hull", "rigid: hulls need `set contact_law rigid`"),
+                _ if !shape.boxes.is_empty() => ("a body with a box", "rigid: boxes that move need `set contact_law rigid`"),
+                ContactLaw::Thesis => {
+                    ("a rigid body", "auto or rigid, or a grain law such as linear: the law of the thesis has no rigid bodies")
+                }
+                _ => continue,
+            };
+            let called = shape.name.as_deref().map_or(String::new(), |name| format!(" ({})", quoted(name)));
+            return Err(Error::Invalid { field: "contact_law", value: format!("{law} with {with}{called}"), expected });
+        }
+        Ok(())
+    }
+
     /// Checks that the scene may have the model of cohesion of two materials.
     fn check_cohesion(&self, one: u16, other: u16) -> Result<()> {
-        let Settings { contact_law: law, collisions, .. } = self.settings;
+        let Settings { contact_law: law, collisions, .. } = self.chosen_settings();
         if !self.sticks_by_necks(one, other) || law == ContactLaw::HertzMindlin && !collisions {
             return Ok(());
         }
@@ -151,7 +172,7 @@ impl Scene {
     /// The distance at which contacts with JKR cohesion tear, divided by the smallest radius of a sphere or rod: no contact is
     /// longer, in units of the radius of any of its objects. 0 in scenes without such cohesion.
     pub(crate) fn neck(&self) -> f64 {
-        if self.settings.contact_law != ContactLaw::HertzMindlin {
+        if self.contact_law() != ContactLaw::HertzMindlin {
             return 0.0;
         }
         let numbers = 1..=self.materials().len() as u16;
@@ -169,7 +190,7 @@ impl Scene {
     /// rolling friction, rolling damping (negative for the model of constant torque), twisting friction, cohesion (see
     /// [`PAIR_WORDS`](crate::model::layout::PAIR_WORDS)). 0 where the law has no constants for the pair.
     pub(crate) fn law_constants(&self, one: u16, other: u16, dampings: &mut Dampings) -> [f32; 8] {
-        let law = self.settings.contact_law;
+        let law = self.contact_law();
         let pair = self.pair_of_numbers(one, other);
         let known = match law {
             ContactLaw::Thesis => return [0.0, 0.0, self.damping_of_bodies(pair, dampings), 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -179,7 +200,7 @@ impl Scene {
             },
             ContactLaw::HertzMindlin => self.moduli(one, other),
             ContactLaw::User => Some(self.moduli(one, other).unwrap_or_default()),
-            ContactLaw::Rigid => None,
+            ContactLaw::Rigid | ContactLaw::Auto => None,
         };
         let Some([normal, tangential]) = known else {
             return [0.0; 8];
@@ -237,7 +258,7 @@ impl Scene {
 
     /// Whether the settings give contacts of rigid bodies such a damping.
     fn damps_bodies(&self) -> bool {
-        self.settings.contact_law == ContactLaw::Thesis && self.settings.collisions
+        self.contact_law() == ContactLaw::Thesis && self.settings.collisions
     }
 
     /// Names of the materials.

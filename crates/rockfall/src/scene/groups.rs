@@ -76,7 +76,7 @@ impl Scene {
 
     /// Checks that the contact law knows lists of groups, if the scene has any.
     pub(crate) fn check_groups(&self) -> Result<()> {
-        let law = self.settings.contact_law;
+        let law = self.contact_law();
         match self.groups.lists().next() {
             Some((group, _)) if law != ContactLaw::Rigid => {
                 let expected = "rigid: `meets` of groups needs `set contact_law rigid`";

@@ -130,7 +130,7 @@ impl Scene {
 
     /// Whether the settings let a network be a body: with collisions, capsules stay those of the thesis.
     fn may_be_body(&self, network: &Network) -> bool {
-        let Settings { contact_law, collisions, continuous_collisions, .. } = self.settings;
+        let Settings { contact_law, collisions, continuous_collisions, .. } = self.chosen_settings();
         if contact_law == ContactLaw::Rigid {
             return true;
         }

@@ -191,7 +191,7 @@ impl Scene {
                 expected: "a scene that is periodic along both axes of the shear",
             });
         }
-        let Settings { collisions, coulomb_friction, linear_damping, contact_law, .. } = self.settings;
+        let Settings { collisions, coulomb_friction, linear_damping, contact_law, .. } = self.chosen_settings();
         let impulses = !contact_law.has_history() && coulomb_friction != 0.0;
         let found = [
             (!self.rods().is_empty(), "a rod"),

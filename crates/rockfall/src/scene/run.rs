@@ -3,7 +3,7 @@
 use super::Scene;
 use crate::error::{Error, Result};
 use crate::rigid::common;
-use crate::settings::{ContactLaw, DEFAULT_FRAME, DEFAULT_TIME_STEP, Integrator, IntegratorChoice};
+use crate::settings::{ContactLaw, DEFAULT_FRAME, DEFAULT_TIME_STEP, Integrator, IntegratorChoice, Settings};
 
 /// How a scene is meant to be run: the line `@run` of its text. Programs use these values where they are not told otherwise; options
 /// of the command line override each of them.
@@ -76,9 +76,38 @@ impl Scene {
         self.time_step().unwrap_or(DEFAULT_TIME_STEP)
     }
 
+    /// The contact law of a simulation of this scene: that of its settings. For `auto`, it is `rigid` if the scene has a placed body,
+    /// an inlet with a shape, or a joint, and otherwise `thesis`.
+    pub fn contact_law(&self) -> ContactLaw {
+        match self.settings.contact_law {
+            ContactLaw::Auto if self.needs_rigid() => ContactLaw::Rigid,
+            ContactLaw::Auto => ContactLaw::Thesis,
+            given => given,
+        }
+    }
+
+    /// Whether the scene has objects that only the contact law `rigid` moves in every form.
+    fn needs_rigid(&self) -> bool {
+        !self.bodies().is_empty() || !self.joints().is_empty() || self.inlets().iter().any(|inlet| inlet.shape.is_some())
+    }
+
+    /// The settings with the contact law that a simulation takes. Where `auto` means `rigid`, a restitution and a coefficient of
+    /// friction that have the defaults of [`Settings`] become those of `rigid`.
+    pub(crate) fn chosen_settings(&self) -> Settings {
+        let mut settings = self.settings;
+        settings.contact_law = self.contact_law();
+        if self.settings.contact_law == ContactLaw::Auto && settings.contact_law == ContactLaw::Rigid {
+            let (plain, hard) = (Settings::default(), Settings::RIGID);
+            let or = |given: f32, plain: f32, hard: f32| if given == plain { hard } else { given };
+            settings.restitution = or(settings.restitution, plain.restitution, hard[0]);
+            settings.coulomb_friction = or(settings.coulomb_friction, plain.coulomb_friction, hard[1]);
+        }
+        settings
+    }
+
     /// Whether the contact law is `rigid`.
     pub(crate) fn is_rigid(&self) -> bool {
-        self.settings.contact_law == ContactLaw::Rigid
+        self.contact_law() == ContactLaw::Rigid
     }
 
     /// The integrator of a simulation of this scene, for a choice in its [`Options`](crate::Options): the one that is given, or else
@@ -86,6 +115,6 @@ impl Scene {
     pub fn integrator(&self, choice: IntegratorChoice) -> Integrator {
         let own = self.run.integrator.unwrap_or_default();
         let choice = if choice == IntegratorChoice::Auto { own } else { choice };
-        choice.resolve(self.settings.contact_law)
+        choice.resolve(self.contact_law())
     }
 }

@@ -157,6 +157,7 @@ impl Scene {
                 reader.add_joints()
             })
             .map_err(|(line, Wrong { field, message })| Error::SceneLine { file: name.to_owned(), line, field, message })?;
+        reader.choose_law();
         Ok(Loaded { scene: reader.scene, warnings: reader.warnings, comments: reader.comments, title: title.lines })
     }
 

@@ -107,8 +107,11 @@ impl Scene {
     ///
     /// The damping ratio Cd / (2 sqrt(Cc)) determines the restitution of a contact and is kept. `friction` is not changed, so
     /// friction becomes weaker in proportion to the contact force.
+    ///
+    /// The contact law is that of [`Scene::contact_law`]. Where `auto` means `rigid`, a restitution and a `coulomb_friction` that have
+    /// the defaults of [`Settings`] become 0 and 0.5.
     pub fn resolved_settings(&self) -> Settings {
-        let mut settings = self.settings;
+        let mut settings = self.chosen_settings();
         settings.precision = self.chosen_precision().precision;
         let share = f64::from(settings.resting_overlap);
         let load = if share > 0.0 { self.heaviest_load() } else { 0.0 };

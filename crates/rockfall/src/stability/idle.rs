@@ -6,7 +6,7 @@ use crate::settings::{ContactLaw, Settings};
 impl Scene {
     /// The constants that differ from their defaults and have no effect in this scene, with the reason for each.
     pub fn idle_settings(&self) -> Vec<(&'static str, String)> {
-        let Settings { contact_law: law, collisions, coulomb_friction, gravity, .. } = self.settings;
+        let Settings { contact_law: law, collisions, coulomb_friction, gravity, .. } = self.chosen_settings();
         let of_law = (law != ContactLaw::Thesis).then(|| format!("contact law {law} does not use it"));
         let of_rigid = of_law.clone().filter(|_| law == ContactLaw::Rigid);
         let of_impulses = (!collisions).then(|| match law {

@@ -63,7 +63,7 @@ impl Scene {
     /// for `linear`, (15 m u² / (16 E* sqrt(r)))^(2/5) for `hertz-mindlin`, and u / sqrt(Cc) for the law of the thesis. Damping
     /// makes it less.
     pub fn deep_impact(&self) -> Option<DeepImpact> {
-        let law = self.settings.contact_law;
+        let law = self.contact_law();
         if self.settings.collisions || matches!(law, ContactLaw::User | ContactLaw::Rigid) {
             return None;
         }
@@ -107,7 +107,7 @@ impl Scene {
     fn depth_of_impact(&self, sphere: &Sphere, wall: u16, speed: f64, force: f64) -> Option<(f64, f64)> {
         let own = self.material_number(sphere.material).ok()?;
         let [mass, radius] = [sphere.mass, sphere.radius].map(f64::from);
-        match self.settings.contact_law {
+        match self.contact_law() {
             // Without a contact force nothing is meant to be held.
             ContactLaw::Thesis => (force > 0.0).then(|| (speed / force.sqrt(), 2.0)),
             ContactLaw::Linear => {
@@ -119,7 +119,7 @@ impl Scene {
                 let [normal, _] = self.moduli(own, wall)?;
                 Some(((15.0 * mass * speed * speed / (16.0 * f64::from(normal) * radius.sqrt())).powf(0.4), 2.5))
             }
-            ContactLaw::User | ContactLaw::Rigid => None,
+            ContactLaw::User | ContactLaw::Rigid | ContactLaw::Auto => None,
         }
     }
 }

@@ -32,7 +32,7 @@ impl Scene {
     }
 
     fn slippery_pair(&self) -> Option<String> {
-        if !self.settings.contact_law.has_history() || self.settings.coulomb_friction > 0.0 {
+        if !self.contact_law().has_history() || self.settings.coulomb_friction > 0.0 {
             return None;
         }
         let number = |material| self.material_number(material).ok().filter(|number| *number > 0);

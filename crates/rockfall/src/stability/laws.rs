@@ -72,12 +72,12 @@ impl Scene {
     /// The time that bounds the time step of a contact law with history; `None` for the law of the thesis, and where no moving
     /// sphere has the constants of the law.
     pub fn law_time(&self) -> Option<LawTime> {
-        let law = self.settings.contact_law;
+        let law = self.contact_law();
         let times = self.moving_surfaces().filter_map(|(index, sphere)| {
             let id = sphere.material?;
             let mass = f64::from(sphere.mass);
             let seconds = match law {
-                ContactLaw::Thesis | ContactLaw::User | ContactLaw::Rigid => return None,
+                ContactLaw::Thesis | ContactLaw::User | ContactLaw::Rigid | ContactLaw::Auto => return None,
                 ContactLaw::Linear => {
                     let (number, radius) = (self.material_number(Some(id)).ok()?, 0.5 * f64::from(sphere.radius));
                     let of = |other| self.normal_stiffness(number, other, radius, 0.5 * mass);
@@ -114,14 +114,14 @@ impl Scene {
             ("surface_energy", self.pairs.values().any(|pair| is_given(pair.surface_energy))),
         ];
         let names: Vec<&str> = given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
-        let law = self.settings.contact_law;
+        let law = self.contact_law();
         (!names.is_empty() && !law.has_history()).then(|| {
             format!("contact law {law}: {} of pairs has no effect; linear, hertz-mindlin and user use it", names.join(", "))
         })
     }
 
     fn hertz_time(&self) -> Option<LawTime> {
-        let (law, speed) = (self.settings.contact_law, self.greatest_speed());
+        let (law, speed) = (self.contact_law(), self.greatest_speed());
         if law != ContactLaw::HertzMindlin || speed <= 0.0 {
             return None;
         }

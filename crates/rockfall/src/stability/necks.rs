@@ -42,7 +42,7 @@ impl Scene {
     /// Shortest half period of a moving sphere in contact with one of equal size and mass, about the overlap without a force,
     /// and the index of the sphere.
     fn neck_time(&self) -> Option<(f64, usize)> {
-        if self.settings.contact_law != ContactLaw::HertzMindlin {
+        if self.contact_law() != ContactLaw::HertzMindlin {
             return None;
         }
         let numbers = 1..=self.materials().len() as u16;

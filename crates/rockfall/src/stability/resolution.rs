@@ -137,7 +137,7 @@ impl Scene {
         if self.is_rigid() {
             return None;
         }
-        if self.settings.contact_law.has_history() {
+        if self.contact_law().has_history() {
             return Some(PrecisionReason::History);
         }
         if self.is_periodic() {

@@ -63,7 +63,7 @@ impl Scene {
 
     /// The overlap of a sphere with a wall under a force. With the laws that have materials, that of two such spheres.
     fn overlap_of_one(&self, sphere: &Sphere, force: f64) -> Option<f64> {
-        if self.settings.contact_law == ContactLaw::Thesis {
+        if self.contact_law() == ContactLaw::Thesis {
             let stiffness = f64::from(self.resolved_settings().contact_force) * f64::from(sphere.mass);
             return (stiffness > 0.0).then(|| force / stiffness);
         }

@@ -48,7 +48,7 @@ impl Scene {
     /// `linear`, and 4/3 E* sqrt(r/2) overlap^1.5 = F for `hertz-mindlin`. The load l is estimated as in
     /// [`Scene::resolved_settings`], and 3 because contacts do not carry equal shares. A body alone has l = 1, without the 3.
     pub fn soft_material(&self) -> Option<SoftMaterial> {
-        let law = self.settings.contact_law;
+        let law = self.contact_law();
         let crowd = self.crowd();
         if !law.has_history() || crowd == Crowd::None || self.settings.gravity == 0.0 {
             return None;
@@ -75,8 +75,8 @@ impl Scene {
     pub(super) fn overlap_under(&self, sphere: &Sphere, force: f64) -> Option<(f64, f64)> {
         let number = self.material_number(Some(sphere.material?)).ok()?;
         let [mass, radius] = [sphere.mass, sphere.radius].map(f64::from);
-        match self.settings.contact_law {
-            ContactLaw::Thesis | ContactLaw::User | ContactLaw::Rigid => None,
+        match self.contact_law() {
+            ContactLaw::Thesis | ContactLaw::User | ContactLaw::Rigid | ContactLaw::Auto => None,
             ContactLaw::Linear => Some((force / self.normal_stiffness(number, number, 0.5 * radius, 0.5 * mass)?, 1.0)),
             ContactLaw::HertzMindlin => {
                 let [normal, _] = self.moduli(number, number)?;

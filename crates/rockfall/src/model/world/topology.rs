@@ -37,7 +37,7 @@ impl World {
         let mut adjacency = Adjacency::default();
         let mut topology = Vec::new();
         let layout = &mut self.step.layout;
-        layout.law = scene.settings.contact_law.number();
+        layout.law = scene.contact_law().number();
         layout.spheres = counts.spheres as u32;
         layout.rods = counts.rods as u32;
         layout.boxes = counts.boxes as u32;
@@ -256,7 +256,7 @@ fn pack_pairs(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) -> u3
     (layout.materials, layout.pairs_at) = (0, 0);
     // Rounded up, so that the AABBs hold every contact.
     layout.neck = (scene.neck() * (1.0 + 1e-5)) as f32;
-    let law = scene.settings.contact_law;
+    let law = scene.contact_law();
     if scene.pairs.is_empty() && !law.has_history() && !scene.has_damped_bodies() {
         return 0;
     }

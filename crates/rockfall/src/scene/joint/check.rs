@@ -206,7 +206,7 @@ impl Scene {
     /// Checks that the contact law suits the joints of the scene, and that their ends can move against each other.
     pub(crate) fn check_joints(&self) -> Result<()> {
         let Some(first) = self.joints().first() else { return Ok(()) };
-        let law = self.settings.contact_law;
+        let law = self.contact_law();
         if law != ContactLaw::Rigid {
             let called = first.name.as_deref().map_or(String::new(), |name| format!(" ({})", crate::error::quoted(name)));
             let expected = "rigid: joints need `set contact_law rigid`";

@@ -3,8 +3,8 @@
 use super::comment::is_number;
 use super::line::{Line, Wrong};
 use super::{LineWarning, Reader};
-use crate::error::{Error, nearest, quoted};
-use crate::settings::Settings;
+use crate::error::{Error, Result, nearest, quoted};
+use crate::settings::{ContactLaw, Settings};
 
 /// A value for a message, or a word in place of one that is missing or long.
 fn shown(value: &str) -> &str {
@@ -61,15 +61,28 @@ impl Reader<'_> {
                 other => other.to_string(),
             },
         };
-        let before = self.scene.settings;
-        self.scene.settings.set(name, &value).map_err(wrong)?;
         if name == "contact_law" {
-            // The order of the lines does not matter.
-            for given in Settings::FOLLOW_LAW.into_iter().filter(|name| self.set_at.contains_key(name)) {
-                let value = before.get(given).unwrap_or_default();
-                self.scene.settings.set(given, &value).map_err(wrong)?;
-            }
+            self.set_law(&value).map_err(wrong)
+        } else {
+            self.scene.settings.set(name, &value).map_err(wrong)
+        }
+    }
+
+    /// Sets the contact law, and what follows from it unless the text sets that: the order of the lines does not matter.
+    fn set_law(&mut self, law: &str) -> Result<()> {
+        let before = self.scene.settings;
+        self.scene.settings.set("contact_law", law)?;
+        for given in Settings::FOLLOW_LAW.into_iter().filter(|name| self.set_at.contains_key(name)) {
+            self.scene.settings.set(given, &before.get(given).unwrap_or_default())?;
         }
         Ok(())
+    }
+
+    /// Sets the law `rigid` if the text leaves the choice, and its objects need this law.
+    pub(super) fn choose_law(&mut self) {
+        if self.scene.settings.contact_law == ContactLaw::Auto && self.scene.is_rigid() {
+            // Both values were read before.
+            let _ = self.set_law(ContactLaw::Rigid.name());
+        }
     }
 }
