@@ -47,6 +47,7 @@ use crate::rigid::common::{FREQUENCY, REPEATS};
 pub(crate) use crate::rigid::common::{FrameReport, MOST_MARGIN};
 use crate::rigid::history::History;
 use crate::rigid::joints::JointState;
+use joints::Joints;
 use crate::rigid::world::RigidWorld;
 use bodies::Bodies;
 use contacts::{Contacts, Found, for_each};
@@ -109,7 +110,7 @@ impl Solved {
             frame.substep();
         }
         let Frame { bodies, contacts, joints, h, .. } = frame;
-        Self { found, bodies, contacts, joints, h }
+        Self { found, bodies, contacts, joints: joints.states, h }
     }
 
     /// The same with the margins of other bodies. They matter to the manifolds alone, so with the same manifolds all else is the same.
@@ -126,7 +127,7 @@ struct Frame<'a> {
     world: &'a RigidWorld,
     bodies: Bodies,
     contacts: Contacts,
-    joints: Vec<JointState>,
+    joints: Joints<'a>,
     h: f32,
     /// Substeps that are done.
     done: u32,
@@ -161,7 +162,7 @@ impl<'a> Frame<'a> {
         let relax = Pass { biased: false, ..biased };
         let is_round = contacts.pairs.iter().any(|pair| pair.round);
         let ratio = if world.history.substep > 0.0 { h / world.history.substep } else { 1.0 };
-        let joints = joints::begin(&world.joints, ratio, h);
+        let joints = Joints::begin(world, ratio, h);
         Self { world, bodies, contacts, joints, h, done: 0, is_round, biased, relax }
     }
 
@@ -169,15 +170,15 @@ impl<'a> Frame<'a> {
         impacts::impacts(self.world, &mut self.contacts, &mut self.bodies, self.h);
         springs::pull(self.world, &mut self.bodies, self.done);
         self.bodies.kick(self.h);
-        joints::warm_start(&self.world.joints, &mut self.joints, &mut self.bodies);
+        self.joints.warm_start(&mut self.bodies);
         passes::warm_start(&mut self.contacts, &mut self.bodies);
         self.spare();
-        joints::pass(&self.world.joints, &mut self.joints, &mut self.bodies, &self.biased, self.h);
+        self.joints.pass(&mut self.bodies, &self.biased);
         passes::pass(&mut self.contacts, &mut self.bodies, &self.biased);
         self.bodies.follow();
         self.bodies.drift(self.h, self.world.gravity.into());
         self.refresh();
-        joints::pass(&self.world.joints, &mut self.joints, &mut self.bodies, &self.relax, self.h);
+        self.joints.pass(&mut self.bodies, &self.relax);
         passes::pass(&mut self.contacts, &mut self.bodies, &self.relax);
         self.bodies.follow();
         self.done += 1;
@@ -197,6 +198,7 @@ impl<'a> Frame<'a> {
     /// Forms the geometry and the rows of all blocks anew.
     fn refresh(&mut self) {
         let (world, bodies, h) = (self.world, &self.bodies, self.h);
+        self.joints.refresh(bodies);
         let count = self.contacts.blocks.len();
         let mut done = vec![(); count];
         for_each(self.contacts.part(0..count), &mut done, &|view| refresh::refresh(world, bodies, view, h));

@@ -25,6 +25,7 @@ mod contacts;
 mod joints;
 mod kernels;
 mod past;
+mod prepare;
 pub(crate) mod rows;
 pub(crate) mod scan;
 pub(crate) mod search;
@@ -368,20 +369,22 @@ impl GpuFrame {
     fn encode_round_impacts(&self, pass: &mut wgpu::ComputePass<'_>) {
         let left_over = self.left_over();
         self.dispatch(pass, BEFORE_IMPACTS, self.bodies, 0);
+        // The second word of the calls that follow says that what was found stands while the bodies were not reflected.
+        self.dispatch(pass, FIND_ALL_ROUND, self.blocks, call(0, false));
         for _ in 0..ROUNDS {
             for colour in 0..COLOURS {
-                self.dispatch(pass, FIND_ROUND, self.blocks_of(colour), call(colour, false));
+                self.dispatch(pass, FIND_ROUND, self.blocks_of(colour), call(colour, true));
                 self.dispatch(pass, STRIKE_ROUND, self.blocks_of(colour), call(colour, false));
             }
             if left_over > 0 {
-                self.dispatch(pass, FIND_ROUND, left_over, call(COLOURS, false));
+                self.dispatch(pass, FIND_ROUND, left_over, call(COLOURS, true));
                 self.dispatch(pass, FIND_LEFT_OVER_ROUND, left_over, 0);
                 self.dispatch(pass, COUNT_LEFT_OVER, self.bodies, 0);
                 self.dispatch(pass, STRIKE_LEFT_OVER_ROUND, left_over, 0);
                 self.dispatch(pass, MEAN_OF_IMPACTS, self.bodies, 0);
             }
         }
-        self.dispatch(pass, FIND_ALL_ROUND, self.blocks, 0);
+        self.dispatch(pass, FIND_ALL_ROUND, self.blocks, call(0, true));
         self.dispatch(pass, WAIT_ROUND, self.blocks, 0);
         self.dispatch(pass, CARRY_ROUND, self.blocks, 0);
         self.dispatch(pass, LOAD, self.blocks, 0);

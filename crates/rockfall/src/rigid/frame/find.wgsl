@@ -58,10 +58,23 @@ fn hit_along_path(block: Block) -> Hit {
     return hit;
 }
 
+// Reflections of both bodies in the substep; -1 if a body has left-over blocks, whose copies change it, too.
+fn strikes_of(block: Block) -> f32 {
+    if share_of(block.a) != 0.0 || share_of(block.b) != 0.0 {
+        return -1.0;
+    }
+    return bodies[BODY_ROWS * block.a + 8u].w + bodies[BODY_ROWS * block.b + 8u].w;
+}
+
+// With 1 in `call.biased`, what was found before stands unless a body was reflected since then.
 fn find_block(k: u32) {
     let block = block_at(k);
+    let strikes = strikes_of(block);
+    if call.biased == 1u && strikes >= 0.0 && floor(0.5 * loads[hit_row(k)].w) == strikes {
+        return;
+    }
     let hit = hit_along_path(block);
-    loads[hit_row(k)] = vec4f(f32(hit.found), hit.time, hit.depth, f32(hit.waits));
+    loads[hit_row(k)] = vec4f(f32(hit.found), hit.time, hit.depth, f32(hit.waits) + 2.0 * max(strikes, 0.0));
     if !hit.found {
         return;
     }

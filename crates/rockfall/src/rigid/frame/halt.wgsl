@@ -29,5 +29,5 @@ fn halt(body: u32) {
     bodies[at + 3u] = vec4f(0.0, 0.0, 0.0, bodies[at + 3u].w);
     bodies[at + 6u] = vec4f(0.0, 0.0, 0.0, bodies[at + 6u].w);
     bodies[at + 7u].w = 1.0;
-    bodies[at + 8u] = vec4f(0.0);
+    bodies[at + 8u] = vec4f(0.0, 0.0, 0.0, bodies[at + 8u].w + 1.0);
 }

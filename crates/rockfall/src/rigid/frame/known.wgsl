@@ -7,7 +7,7 @@
 
 fn hit_of(k: u32, block: Block) -> Hit {
     let found = loads[hit_row(k)];
-    return Hit(found.x != 0.0, found.y, found.z, found.w != 0.0);
+    return Hit(found.x != 0.0, found.y, found.z, may_wait(found));
 }
 
 fn normal_met(sight: Sight, pair: u32, first: u32) -> vec3f {

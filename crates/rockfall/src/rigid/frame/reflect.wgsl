@@ -157,5 +157,6 @@ fn put_after(body: u32, after: After, clock: f32) {
     bodies[at + 4u] = vec4f(mass.diagonal, bodies[at + 4u].w);
     bodies[at + 5u] = vec4f(mass.beside, bodies[at + 5u].w);
     bodies[at + 6u] = vec4f(after.momentum, bodies[at + 6u].w);
-    bodies[at + 8u] = vec4f(spin, 0.0);
+    // Of a body with left-over blocks, this is the number of those that are hit.
+    bodies[at + 8u] = vec4f(spin, select(0.0, bodies[at + 8u].w + 1.0, share_of(body) == 0.0));
 }

@@ -4,7 +4,7 @@
 //
 // | array | rows of an entry |
 // |---|---|
-// | `bodies` | x, clock; q; v, 1/m; omega, path; I^-1 xx yy zz, left-over blocks; I^-1 xy xz yz, margin; L, rho; v_0, stopped; omega_0, hits |
+// | `bodies` | x, clock; q; v, 1/m; omega, path; I^-1 xx yy zz, left-over blocks; I^-1 xy xz yz, margin; L, rho; v_0, stopped; omega_0, hits or reflections in the substep |
 // | `constants` | principal axes; J, width; g + (F + F_s)/m, 1 with springs or joints; torque. After all bodies: the velocities of the surfaces of the colliders, a row each |
 // | `blocks` | a, b, first pair, pairs; first point, info, time, 0 |
 // | `pairs` | n, mu; belt (2), first point, info; n in coordinates of a, e; colliders (2), a, b |

@@ -10,7 +10,7 @@ fn wait_round(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) grou
     }
     let block = block_at(k);
     let hit = loads[hit_row(k)];
-    let waits = atomicLoad(&report[3]) != 0u && hit.x != 0.0 && hit.w != 0.0;
+    let waits = atomicLoad(&report[3]) != 0u && hit.x != 0.0 && may_wait(hit);
     blocks[BLOCK_ROWS * k + 1u].y = select(block.info & ~WAITS, block.info | WAITS, waits);
     for (var pair = block.first_pair; waits && pair < block.first_pair + block.pairs; pair++) {
         let face = face_at(pair);

@@ -12,7 +12,7 @@ use crate::rigid::gpu::{MOST_GROUPS, RigidGpu, THREADS};
 pub(super) struct Arrays {
     pub(super) gpu: Arc<RigidGpu>,
     /// Kinds of shapes of the scene.
-    kinds: Kinds,
+    pub(super) kinds: Kinds,
     buffers: Vec<Option<wgpu::Buffer>>,
     groups: Vec<OnceLock<wgpu::BindGroup>>,
 }

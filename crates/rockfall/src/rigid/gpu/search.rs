@@ -9,7 +9,7 @@ use wgpu::BufferUsages;
 
 use crate::rigid::gpu::kernels::{
     APART, BODIES, BOUND, BOUNDS, CANDIDATES, CELLS, COLLIDERS, CONSTANTS, COUNTS, ENDS, FOUND, HULLS, Kernel, MEMBERS,
-    NARROW_BOXES, NARROW_ROUND, NARROW_SOLIDS, OPEN, OWNED, PAIR_UP, SCALES, SCATTER, SEARCH, SEARCH_STAGES, Stage, join,
+    NARROW_BOXES, NARROW_ROUND, NARROW_SOLIDS, OPEN, OWNED, PAIR_UP, SCALES, SCATTER, SEARCH, SEARCH_STAGES, join,
 };
 use crate::rigid::gpu::scan::Scan;
 use crate::rigid::gpu::{MOST_GROUPS, RigidGpu, THREADS};
@@ -119,7 +119,7 @@ pub(crate) struct Search {
 }
 
 impl Content {
-    fn of(world: &RigidWorld) -> Self {
+    pub(super) fn of(world: &RigidWorld) -> Self {
         let any = |is: fn(&Shape) -> bool| world.shapes.iter().any(is);
         let sharp_box = |shape: &Shape| matches!(shape.core, Core::Box { .. }) && shape.radius <= 0.0;
         let flat = |shape: &Shape| matches!(shape.core, Core::Box { .. } | Core::Face { .. } | Core::Hull(_));
@@ -130,6 +130,11 @@ impl Content {
             solids: world.shapes.iter().any(|shape| flat(shape) && !sharp_box(shape)),
             flat: world.shapes.iter().any(flat),
         }
+    }
+
+    /// The stages that the search of such a scene has.
+    pub(super) fn stages(self) -> Vec<usize> {
+        (0..SEARCH_STAGES.len()).filter(|stage| self.needs(*stage)).collect()
     }
 
     fn needs(self, stage: usize) -> bool {
@@ -159,10 +164,16 @@ impl Content {
 
 impl RigidGpu {
     /// A kernel of the search for scenes with this content, compiled at its first use.
-    fn search_kernel(&self, number: usize, stage: &Stage, content: Content) -> Kernel {
-        let mut kernels = self.search_kernels.lock().unwrap_or_else(PoisonError::into_inner);
-        let build = || Kernel::build(&self.device, stage, self.text(content.text(stage.file)), &[(0, false), (SEARCH, false)]);
-        kernels.entry((number, content)).or_insert_with(build).clone()
+    pub(super) fn search_kernel(&self, number: usize, content: Content) -> Kernel {
+        let kernels = || self.search_kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = kernels().get(&(number, content)).cloned();
+        // Without the lock, so that several are compiled at a time.
+        known.unwrap_or_else(|| {
+            let stage = &SEARCH_STAGES[number];
+            let text = self.text(content.text(stage.file));
+            let kernel = Kernel::build(&self.device, stage, text, &[(0, false), (SEARCH, false)]);
+            kernels().entry((number, content)).or_insert(kernel).clone()
+        })
     }
 }
 
@@ -177,9 +188,8 @@ impl Search {
         let (bodies, colliders) = (world.bodies.len() as u32, world.colliders.len() as u32);
         assert!(inputs.bodies.size() >= 144 * u64::from(bodies) && inputs.colliders.size() >= 80 * u64::from(colliders));
         let content = Content::of(world);
-        let kernel =
-            |(number, stage): (usize, &Stage)| content.needs(number).then(|| gpu.search_kernel(number, stage, content));
-        let kernels = SEARCH_STAGES.iter().enumerate().map(kernel).collect();
+        let kernel = |number| content.needs(number).then(|| gpu.search_kernel(number, content));
+        let kernels = (0..SEARCH_STAGES.len()).map(kernel).collect();
         // At most half of the slots are in use.
         let slots = (2 * colliders.max(1)).next_power_of_two();
         let fineness = (f64::from(1 << USUAL_LEVEL) / usual_size(world, dt)) as f32;

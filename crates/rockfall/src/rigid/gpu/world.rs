@@ -75,6 +75,7 @@ impl GpuWorld {
         let bodies = world.bodies.len() as u32;
         let mut frame = gpu.frame(rows);
         frame.is_round = world.shapes.iter().any(Shape::is_round);
+        gpu.prepare(world, frame.arrays.kinds, frame.is_round);
         let arrays = &mut frame.arrays;
         arrays.upload(SURFACES, cast_slice(&surface_rows(world)));
         arrays.make(OLD_STARTS, 4 * u64::from(bodies + 1));
