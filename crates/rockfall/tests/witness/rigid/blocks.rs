@@ -89,7 +89,7 @@ impl Solver {
         let [a, b] = self.states(bodies);
         let points: Vec<Point> =
             seen.places.iter().map(|&(places, id)| Point::new(self.local([a, b], places), id)).collect();
-        Pair { colliders, is_round, local: a.q.inverse() * seen.n, n: seen.n, last: points.clone(), points }
+        Pair { colliders, is_round, local: a.q.inverse() * seen.n, n: seen.n, points }
     }
 
     /// Places that are seen from the centre of a, in coordinates of both bodies.

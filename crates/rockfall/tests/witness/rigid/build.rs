@@ -36,7 +36,7 @@ fn body_state(body: &RigidBody) -> Seen {
     }
 }
 
-/// What moves in a scene, in the order in which it was added.
+/// What moves in a scene, in the order of the numbers of bodies: rigid bodies, then loose balls.
 enum Mover<'a> {
     Ball(&'a Sphere, Anchor),
     Clump(&'a RigidBody, Anchor),
@@ -52,6 +52,7 @@ fn movers(scene: &Scene) -> Vec<Mover<'_>> {
             _ => {}
         }
     }
+    found.sort_by_key(|mover| !matches!(mover, Mover::Ball(..)));
     found
 }
 

@@ -6,6 +6,7 @@
 //! velocity, so tolerances of velocities are far above the rounding of a velocity. Where the copies differ much, a decision (a hit, a
 //! sweep more, another point) lies within rounding; such frames are counted and not compared, and end the comparison of the scene.
 
+use std::cell::RefCell;
 use std::fmt::{self, Write as _};
 
 use rand::SeedableRng;
@@ -95,7 +96,7 @@ pub(crate) struct Trial<'a> {
 impl Trial<'_> {
     fn copies(&self, count: std::ops::Range<u64>) -> Vec<Solver> {
         let start = solver(self.scene);
-        count.map(|seed| Solver { noise: Some(Pcg64Mcg::seed_from_u64(seed)), mistake: self.mistake, ..start.clone() }).collect()
+        count.map(|seed| Solver { noise: Some(RefCell::new(Pcg64Mcg::seed_from_u64(seed))), mistake: self.mistake, ..start.clone() }).collect()
     }
 
     /// Compares all frames.

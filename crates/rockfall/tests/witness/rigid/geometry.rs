@@ -28,17 +28,19 @@ impl Solver {
     pub(crate) fn sight(&self, pair: &Pair, states: [State; 2]) -> Sight {
         let found = if pair.is_round { self.manifold(pair.colliders, states, f64::INFINITY) } else { None };
         let [a, b] = states;
-        let spots = |n: DVec3, all: Vec<([DVec3; 2], [DVec3; 2], u32)>| {
-            all.into_iter().map(|(at, on, id)| Spot { at, id, on, s: (on[1] - on[0]).dot(n) }).collect()
+        let size = self.blunt(pair);
+        let spot = |(at, on, id): ([DVec3; 2], [DVec3; 2], u32), n: DVec3| {
+            let on = [on[0] + self.errors(size), on[1] + self.errors(size)];
+            Spot { at, id, on, s: (on[1] - on[0]).dot(n) }
         };
+        let spots = |n: DVec3, all: Vec<([DVec3; 2], [DVec3; 2], u32)>| all.into_iter().map(|one| spot(one, n)).collect();
         if let Some(seen) = found {
             let all = seen.places.iter().map(|&(on, id)| (self.local(states, on), on, id)).collect();
             return Sight { n: seen.n, spots: spots(seen.n, all), hidden_by: None };
         }
         let n = a.q * pair.local;
-        let points = if pair.is_round { &pair.last } else { &pair.points };
         let on = |point: &Point| [a.q * point.at[0], b.x - a.x + b.q * point.at[1]];
-        Sight { n, spots: spots(n, points.iter().map(|point| (point.at, on(point), point.id)).collect()), hidden_by: None }
+        Sight { n, spots: spots(n, pair.points.iter().map(|point| (point.at, on(point), point.id)).collect()), hidden_by: None }
     }
 
     /// All pairs of a block in a pose, with the places of balls that others hide.
@@ -48,9 +50,12 @@ impl Solver {
             return sights;
         }
         let ball = |k: usize| block.pairs[k].colliders[1];
+        // Static balls neither hide nor are hidden (section 11.12).
+        let is_ball = |k: usize| self.colliders[k].shape.is_ball();
         let radius = |k: usize| self.colliders[ball(k)].shape.radius;
         let mut places: Vec<(f64, usize)> = (0..sights.len())
-            .filter(|&k| self.colliders[ball(k)].shape.is_ball() && !sights[k].spots.is_empty())
+            .filter(|&k| is_ball(ball(k)) && !is_ball(block.pairs[k].colliders[0]))
+            .filter(|&k| !sights[k].spots.is_empty())
             .map(|k| (sights[k].spots[0].s + radius(k), k))
             .collect();
         places.sort_by(|one, other| one.0.total_cmp(&other.0));
@@ -77,26 +82,19 @@ impl Solver {
         let bodies = self.blocks[k].bodies;
         let states = self.states(bodies);
         self.take(k, states, self.h);
-        self.blocks[k].waits = false;
         let two_points = self.made(Mistake::TwoPoints);
         let d = states[1].x - states[0].x;
-        let size = self.blunt(bodies);
-        for p in 0..self.blocks[k].pairs.len() {
-            for i in 0..self.blocks[k].pairs[p].points.len() {
-                let error = self.error(size);
-                let point = &mut self.blocks[k].pairs[p].points[i];
-                point.s += error;
-                let [on_a, on_b] = point.arms;
-                let c = 0.5 * (on_a + on_b);
-                point.arms = if two_points { [on_a, on_b - d] } else { [c, c - d] };
-            }
+        for point in self.blocks[k].pairs.iter_mut().flat_map(|pair| &mut pair.points) {
+            let [on_a, on_b] = point.arms;
+            let c = 0.5 * (on_a + on_b);
+            point.arms = if two_points { [on_a, on_b - d] } else { [c, c - d] };
         }
     }
 
     /// The size of the coordinates by whose differences gaps are found.
-    fn blunt(&self, bodies: [usize; 2]) -> f64 {
-        let sizes = bodies.map(|k| {
-            let body = &self.bodies[k];
+    fn blunt(&self, pair: &Pair) -> f64 {
+        let sizes = pair.colliders.map(|k| {
+            let body = &self.bodies[self.colliders[k].body];
             body.state.x.abs().max_element() + if body.rho.is_finite() { body.rho } else { 0.0 }
         });
         sizes[0].max(sizes[1])
@@ -114,7 +112,7 @@ impl Solver {
             let before = |id: u32| pair.points.iter().find(|point| same || point.id == id).copied();
             let mut points: Vec<Point> = sight.spots.iter().map(|spot| fresh(before(spot.id), spot, sight.n, belt)).collect();
             if pair.is_round {
-                (pair.local, pair.last) = (states[0].q.inverse() * sight.n, points.clone());
+                pair.local = states[0].q.inverse() * sight.n;
             }
             if let Some(by) = sight.hidden_by {
                 points.drain(..).for_each(|point| given.push((by, point)));

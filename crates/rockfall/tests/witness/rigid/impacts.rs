@@ -18,7 +18,6 @@ struct Hit {
 struct Sought {
     pair: usize,
     spot: Spot,
-    n: DVec3,
     /// Approach speed, and the acceleration with which it grows.
     u: f64,
     a: f64,
@@ -29,6 +28,7 @@ struct Sought {
 impl Solver {
     pub(crate) fn impacts(&mut self) {
         let mut any = false;
+        self.blocks.iter_mut().for_each(|block| block.waits = false);
         for _ in 0..2 {
             for k in 0..self.blocks.len() {
                 if let Some(hit) = self.hit(k) {
@@ -54,7 +54,10 @@ impl Solver {
     }
 
     fn at(&self, bodies: [usize; 2], t: f64) -> [State; 2] {
-        bodies.map(|k| self.bodies[k].at(t, self.g))
+        bodies.map(|k| {
+            let state = self.bodies[k].at(t, self.g);
+            State { v: state.v + self.error_of(state.v), w: state.w + self.error_of(state.w), ..state }
+        })
     }
 
     fn hit(&self, k: usize) -> Option<Hit> {
@@ -74,12 +77,11 @@ impl Solver {
         let (mut first, mut depth, mut is_near) = (f64::INFINITY, 0.0_f64, true);
         for (pair, sight) in block.pairs.iter().map(|pair| self.sight(pair, states)).enumerate() {
             for &spot in &sight.spots {
-                let (n, u) = (sight.n, approach(states, &spot, sight.n));
-                let a = -acceleration.dot(n);
+                let (u, a) = (approach(states, &spot, sight.n), -acceleration.dot(sight.n));
                 if u <= least_speed || u + a.max(0.0) * left <= field * h {
                     continue;
                 }
-                let sought = Sought { pair, spot, n, u, a, late: (0.01 * left).min(1e-4 * rho / u) };
+                let sought = Sought { pair, spot, u, a, late: (0.01 * left).min(1e-4 * rho / u) };
                 let found = if block.pairs[pair].is_round {
                     self.search(k, &sought, start)
                 } else {

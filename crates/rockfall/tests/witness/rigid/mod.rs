@@ -40,7 +40,7 @@ fn compare(name: &str, kind: Kind, seeds: Range<u64>, frames: usize, mistake: Op
 fn assert_agreement(name: &str, kind: Kind, seeds: Range<u64>, frames: usize) -> Tally {
     let tally = compare(name, kind, seeds, frames, None);
     println!("{name}: {tally}");
-    let shown: String = tally.failures.iter().take(2).cloned().collect();
+    let shown: String = tally.failures.iter().take(60).cloned().collect();
     let names: Vec<&str> = tally.failures.iter().filter_map(|text| text.lines().next()).collect();
     assert!(tally.failures.is_empty(), "{} differences\n{shown}\n{names:#?}", tally.failures.len());
     assert!(10 * tally.undecided < tally.frames, "too many frames are undecided: {tally}");

@@ -141,7 +141,7 @@ impl Solver {
         for _ in 0..8 {
             let states = block.bodies.map(|body| self.kicked_at(body, start + t));
             let sight = self.sight(&block.pairs[p], states);
-            let spot = least(&sight).expect("a round pair has a point");
+            let Some(spot) = least(&sight) else { return 0.0 };
             let closing = approach(states, &spot, sight.n);
             if spot.s < 1e-4 * rho {
                 return 0.0;

@@ -1,5 +1,6 @@
 //! Bodies, blocks and a frame (docs/physics.md sections 11.1, 11.2 and 11.9).
 
+use std::cell::RefCell;
 use std::collections::HashMap;
 
 use rand::RngExt;
@@ -164,9 +165,8 @@ pub(crate) struct Pair {
     pub(crate) local: DVec3,
     /// In the world, for the rows.
     pub(crate) n: DVec3,
+    /// A round pair whose place is hidden has none.
     pub(crate) points: Vec<Point>,
-    /// A round pair whose place is hidden has no points; these are its last ones.
-    pub(crate) last: Vec<Point>,
 }
 
 /// All pairs of two bodies.
@@ -196,7 +196,7 @@ pub(crate) struct Solver {
     pub(crate) blocks: Vec<Block>,
     pub(crate) colours: HashMap<[usize; 2], u8>,
     /// Errors of the size of the rounding of f32, for tolerances.
-    pub(crate) noise: Option<Pcg64Mcg>,
+    pub(crate) noise: Option<RefCell<Pcg64Mcg>>,
     pub(crate) mistake: Option<Mistake>,
     /// Impacts and rejected frames so far.
     pub(crate) impacts: usize,
@@ -209,13 +209,17 @@ impl Solver {
     }
 
     /// A random error of up to three roundings of a number of this size.
-    pub(crate) fn error(&mut self, size: f64) -> f64 {
-        self.noise.as_mut().map_or(0.0, |rng| 3.0 * ROUNDING * size * rng.random_range(-1.0..1.0))
+    pub(crate) fn error(&self, size: f64) -> f64 {
+        self.noise.as_ref().map_or(0.0, |rng| 3.0 * ROUNDING * size * rng.borrow_mut().random_range(-1.0..1.0))
     }
 
-    pub(crate) fn error_of(&mut self, v: DVec3) -> DVec3 {
-        let size = v.length();
+    /// Errors of a vector of this size.
+    pub(crate) fn errors(&self, size: f64) -> DVec3 {
         DVec3::new(self.error(size), self.error(size), self.error(size))
+    }
+
+    pub(crate) fn error_of(&self, v: DVec3) -> DVec3 {
+        self.errors(v.length())
     }
 
     /// The radius of the smaller body with mass.
