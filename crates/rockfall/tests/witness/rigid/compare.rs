@@ -22,7 +22,7 @@ use super::solver::{ROUNDING, Solver};
 const COPIES: u64 = 6;
 const MORE_COPIES: u64 = 40;
 /// A difference may be this factor times the change by errors in the copies,
-const SPREAD: f64 = 3.0;
+const SPREAD: f64 = 5.0;
 /// and this number of roundings more.
 const FLOOR: f64 = 16.0;
 /// A frame is undecided if its tolerance exceeds this fraction of the sizes of the scene.
@@ -94,8 +94,7 @@ pub(crate) struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    fn copies(&self, count: std::ops::Range<u64>) -> Vec<Solver> {
-        let start = solver(self.scene);
+    fn copies(&self, start: &Solver, count: std::ops::Range<u64>) -> Vec<Solver> {
         count.map(|seed| Solver { noise: Some(RefCell::new(Pcg64Mcg::seed_from_u64(seed))), mistake: self.mistake, ..start.clone() }).collect()
     }
 
@@ -103,8 +102,9 @@ impl Trial<'_> {
     pub(crate) fn run(&self, tally: &mut Tally) {
         let options = Options::new().backend(Backend::Cpu);
         let mut simulation = Simulation::with_options(self.scene.clone(), options).expect("a valid scene");
-        let mut witness = Solver { mistake: self.mistake, ..solver(self.scene) };
-        let mut copies = self.copies(0..COPIES);
+        let start = solver(self.scene);
+        let mut witness = Solver { mistake: self.mistake, ..start.clone() };
+        let mut copies = self.copies(&start, 0..COPIES);
         tally.scenes += 1;
         for frame in 0..self.frames {
             simulation.run(1, self.dt).expect("a frame");
@@ -116,7 +116,7 @@ impl Trial<'_> {
                 break;
             };
             if failing(&witness, &engine, &allowed) {
-                let mut more = self.copies(COPIES..MORE_COPIES);
+                let mut more = self.copies(&start, COPIES..MORE_COPIES);
                 more.iter_mut().for_each(|copy| (0..=frame).for_each(|_| copy.advance(self.dt.into())));
                 copies.extend(more);
                 let Some(wider) = tolerances(&witness, &copies) else {
@@ -202,6 +202,9 @@ fn described(witness: &Solver) -> String {
     let mut text = format!("  g {} mu {} e {} substeps {}\n", witness.g, witness.mu, witness.e, witness.substeps);
     for (at, body) in witness.bodies.iter().enumerate().filter(|(_, body)| body.has_mass) {
         let _ = writeln!(text, "  body {at} m {} J {} rho {}", body.mass, body.moments, body.rho);
+    }
+    for link in &witness.links {
+        let _ = writeln!(text, "  {link:?}");
     }
     for block in &witness.blocks {
         let _ = writeln!(text, "  block {:?} colour {}", block.bodies, block.colour);

@@ -159,7 +159,14 @@ impl Solver {
             let belt = self.belt(pair, states);
             points.extend(spots.iter().filter(|spot| spot.s <= hit.depth).map(|spot| (*n, arms_at(states, spot), belt)));
         }
-        let Some(impulses) = self.bounced(&mut sides, &points) else { return false };
+        let Some(impulses) = self.bounced(&mut sides, &points) else {
+            if self.noise.is_none() { println!("EVENT"); }
+            match std::env::var("WR_CLOCK").unwrap_or_default().as_str() {
+                "a" | "b" => for k in bodies { if self.bodies[k].has_mass { self.bodies[k].clock = time; } },
+                _ => {}
+            }
+            return std::env::var("WR_CLOCK").unwrap_or_default() != "" && std::env::var("WR_CLOCK").unwrap_or_default() != "a";
+        };
         self.impacts += 1;
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             let State { x, q, .. } = states[side];

@@ -228,6 +228,7 @@ impl Link {
             self.drive(sides, &pose, visit.h);
         } else {
             self.spring(sides, &pose, visit);
+            self.damp(sides, visit);
         }
         self.bounds(sides, &pose, visit, &soft);
         if let Some((p, row)) = pose.axis.filter(|_| self.locked) {
@@ -324,9 +325,9 @@ impl Link {
         }
     }
 
-    /// The spring and the damping.
-    fn spring(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
-        let (h, k) = (visit.h, self.stiffness);
+    /// The damping of a ball.
+    fn damp(&mut self, sides: &mut Sides, visit: Visit) {
+        let h = visit.h;
         let is_ball = self.kind == JointKind::Ball;
         if is_ball && self.damping > 0.0 && visit.is_first {
             let give = sides.inverses[0] + sides.inverses[1] + DMat3::from_diagonal(DVec3::splat(1.0 / (h * self.damping)));
@@ -334,6 +335,12 @@ impl Link {
             sides.twist(m);
             self.load.torque += m;
         }
+    }
+
+    /// The spring and the damping.
+    fn spring(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
+        let (h, k) = (visit.h, self.stiffness);
+        let is_ball = self.kind == JointKind::Ball;
         let c = if is_ball { 0.0 } else { self.damping };
         let acts = (k > 0.0 && visit.is_first) || (k == 0.0 && c > 0.0);
         let Some((p, row)) = pose.axis.filter(|_| acts) else { return };

@@ -48,6 +48,17 @@ fn assert_agreement(name: &str, kind: Kind, seeds: Range<u64>, frames: usize) ->
 }
 
 #[test]
+fn many() {
+    let get = |name: &str| -> u64 { std::env::var(name).unwrap().parse().unwrap() };
+    let seeds = get("WR_FROM")..get("WR_TO");
+    for (name, kind) in [("grazes", scenes::grazes as Kind)] {
+        let tally = compare(name, kind, seeds.clone(), 5, None);
+        println!("{name}: {tally}");
+        for text in &tally.failures { println!("{text}"); }
+    }
+}
+
+#[test]
 fn the_cpu_agrees_with_the_witness_on_balls_on_floors() {
     let tally = assert_agreement("balls on a floor", scenes::balls_on_floor, 0..300, 6);
     assert!(tally.impacts > 200 && tally.points > 500, "{tally}");
