@@ -40,17 +40,19 @@ impl Solver {
     }
 
     fn are_linked(&self, bodies: [usize; 2]) -> bool {
-        bodies[0] != 0 && self.links.iter().any(|link| !link.collides && (link.bodies == bodies || link.bodies == [bodies[1], bodies[0]]))
+        bodies[0] != 0
+            && self.links.iter().any(|link| !link.collides && (link.bodies == bodies || link.bodies == [bodies[1], bodies[0]]))
     }
 
     /// Finds pairs and blocks, and matches points with those of the last frame.
-    pub(crate) fn find_blocks(&mut self, _dt: f64, margins: &[f64]) {
+    pub(crate) fn find_blocks(&mut self, margins: &[f64]) {
         let mut blocks: HashMap<[usize; 2], Vec<Pair>> = HashMap::new();
         let count = self.colliders.len();
         let boxes: Vec<[DVec3; 2]> = (0..count).map(|k| self.bounds(k, margins[self.colliders[k].body])).collect();
         for one in 0..count {
             for other in one + 1..count {
-                let colliders = if self.colliders[one].body <= self.colliders[other].body { [one, other] } else { [other, one] };
+                let colliders =
+                    if self.colliders[one].body <= self.colliders[other].body { [one, other] } else { [other, one] };
                 let bodies = colliders.map(|k| self.colliders[k].body);
                 let overlap = boxes[one][0].cmple(boxes[other][1]).all() && boxes[other][0].cmple(boxes[one][1]).all();
                 let free = bodies.iter().any(|&k| self.bodies[k].has_mass);
@@ -64,10 +66,8 @@ impl Solver {
             }
         }
         let old = std::mem::take(&mut self.blocks);
-        let mut found: Vec<Block> = blocks
-            .into_iter()
-            .map(|(bodies, pairs)| Block { bodies, pairs, colour: 0, waits: false, left: self.h })
-            .collect();
+        let mut found: Vec<Block> =
+            blocks.into_iter().map(|(bodies, pairs)| Block { bodies, pairs, colour: 0, waits: false, left: self.h }).collect();
         found.sort_by_key(|block| block.bodies);
         for block in &mut found {
             block.pairs.sort_by_key(|pair| pair.colliders);
@@ -87,8 +87,7 @@ impl Solver {
     fn pair(&self, colliders: [usize; 2], bodies: [usize; 2], seen: &Seen) -> Pair {
         let is_round = colliders.iter().any(|&k| self.colliders[k].shape.is_ball());
         let [a, b] = self.states(bodies);
-        let points: Vec<Point> =
-            seen.places.iter().map(|&(places, id)| Point::new(self.local([a, b], places), id)).collect();
+        let points: Vec<Point> = seen.places.iter().map(|&(places, id)| Point::new(self.local([a, b], places), id)).collect();
         Pair { colliders, is_round, local: a.q.inverse() * seen.n, n: seen.n, points }
     }
 
@@ -129,7 +128,8 @@ impl Solver {
                 let gap = |point: &Point| (states[1].x + states[1].q * point.at[1] - world(point.at[0])).dot(pair.n);
                 pair.points.iter().map(gap).fold(f64::INFINITY, f64::min).abs()
             };
-            let best = (0..block.pairs.len()).reduce(|best, k| if least(&block.pairs[k]) < least(&block.pairs[best]) { k } else { best });
+            let best = (0..block.pairs.len())
+                .reduce(|best, k| if least(&block.pairs[k]) < least(&block.pairs[best]) { k } else { best });
             if let Some(best) = best {
                 kept[best].fill(true);
             }
@@ -225,4 +225,3 @@ fn matched(pair: &mut Pair, old: &[Point], rho: f64) {
         }
     }
 }
-

@@ -119,10 +119,8 @@ impl Boxes {
             return None;
         }
         let bit = |is: bool, value: u32| if is { value } else { 0 };
-        let sides = bit(n[next(i)] > 0.0, 1)
-            + bit(n[last(i)] > 0.0, 2)
-            + bit(tau(next(j)) > 0.0, 4)
-            + bit(tau(last(j)) > 0.0, 8);
+        let sides =
+            bit(n[next(i)] > 0.0, 1) + bit(n[last(i)] > 0.0, 2) + bit(tau(next(j)) > 0.0, 4) + bit(tau(last(j)) > 0.0, 8);
         let number = 16 * (3 * i + j) as u32 + sides;
         Manifold::one(n, x, y, (1 << 31) + (number << 12))
     }
@@ -150,7 +148,9 @@ impl Boxes {
         let (m, one, other) = (*p + tau * b[k] * r.col(k), b[next(k)] * r.col(next(k)), b[last(k)] * r.col(last(k)));
         let four = [m - one - other, m + one - other, m + one + other, m - one + other];
         let mut polygon: Vec<(DVec3, u32)> = four.into_iter().zip(0..).collect();
-        for (number, (along, side)) in [(next(i), 1.0), (next(i), -1.0), (last(i), 1.0), (last(i), -1.0)].into_iter().enumerate() {
+        for (number, (along, side)) in
+            [(next(i), 1.0), (next(i), -1.0), (last(i), 1.0), (last(i), -1.0)].into_iter().enumerate()
+        {
             if four.iter().any(|y| side * y[along] > a[along] + 1e-4 * least) {
                 polygon = cut(&polygon, 4 + number as u32, |y| side * y[along] - a[along]);
             }

@@ -44,7 +44,8 @@ enum Mover<'a> {
 
 fn movers(scene: &Scene) -> Vec<Mover<'_>> {
     let mut found = Vec::new();
-    let bodies: HashMap<_, _> = scene.body_ids().zip(scene.bodies()).map(|(id, body)| (body.spheres()[0], (id, body))).collect();
+    let bodies: HashMap<_, _> =
+        scene.body_ids().zip(scene.bodies()).map(|(id, body)| (body.spheres()[0], (id, body))).collect();
     for (id, sphere) in scene.sphere_ids().zip(scene.spheres()) {
         match (bodies.get(&id), scene.body_of_sphere(id)) {
             (Some(&(body, state)), _) => found.push(Mover::Clump(state, Anchor::Body(body))),
@@ -189,7 +190,8 @@ pub(crate) fn solver(scene: &Scene) -> Solver {
         body.rho = body.rho.max(collider.shape.reach(collider.place, collider.turn));
         body.width = body.width.min(collider.shape.width());
     }
-    let links = scene.joints().iter().map(|joint| Link::new(joint, joint.anchors().map(|end| numbers.get(&end).copied().unwrap_or(0))));
+    let links =
+        scene.joints().iter().map(|joint| Link::new(joint, joint.anchors().map(|end| numbers.get(&end).copied().unwrap_or(0))));
     let settings = scene.settings;
     let mut solver = Solver {
         bodies,

@@ -25,6 +25,8 @@ const MORE_COPIES: u64 = 40;
 const SPREAD: f64 = 5.0;
 /// and this number of roundings more.
 const FLOOR: f64 = 16.0;
+/// A frame that exceeds its tolerance by up to this factor is counted as close and is no failure. Few may be.
+const CLOSE: f64 = 2.0;
 /// A frame is undecided if its tolerance exceeds this fraction of the sizes of the scene.
 const UNDECIDED: f64 = 0.003;
 
@@ -35,6 +37,8 @@ pub(crate) struct Tally {
     pub(crate) scenes: usize,
     pub(crate) frames: usize,
     pub(crate) undecided: usize,
+    /// Frames that exceed the tolerance by a factor of at most [`CLOSE`].
+    pub(crate) close: usize,
     pub(crate) impacts: usize,
     pub(crate) points: usize,
     pub(crate) rejections: usize,
@@ -48,8 +52,11 @@ pub(crate) struct Tally {
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { scenes, frames, undecided, impacts, points, rejections, worst, largest, widest, .. } = self;
-        write!(f, "{scenes} scenes: {frames} frames compared, {undecided} undecided, {impacts} impacts, {points} points, ")?;
+        let Self { scenes, frames, undecided, close, impacts, points, rejections, worst, largest, widest, .. } = self;
+        write!(
+            f,
+            "{scenes} scenes: {frames} frames compared, {undecided} undecided, {close} close, {impacts} impacts, {points} points, "
+        )?;
         let shown = |all: &[f64; 4]| all.map(|one| format!("{one:.1e}")).join(" ");
         let (largest, widest) = (shown(largest), shown(widest));
         write!(f, "{rejections} repeats; largest difference {worst:.2} of the tolerance, {largest} of {widest}")
@@ -95,7 +102,13 @@ pub(crate) struct Trial<'a> {
 
 impl Trial<'_> {
     fn copies(&self, start: &Solver, count: std::ops::Range<u64>) -> Vec<Solver> {
-        count.map(|seed| Solver { noise: Some(RefCell::new(Pcg64Mcg::seed_from_u64(seed))), mistake: self.mistake, ..start.clone() }).collect()
+        count
+            .map(|seed| Solver {
+                noise: Some(RefCell::new(Pcg64Mcg::seed_from_u64(seed))),
+                mistake: self.mistake,
+                ..start.clone()
+            })
+            .collect()
     }
 
     /// Compares all frames.
@@ -178,13 +191,14 @@ impl Tally {
     }
 
     fn compare(&mut self, witness: &Solver, engine: &[Seen], allowed: &[[f64; 4]]) -> Option<String> {
-        let mut text = String::new();
+        let (mut text, mut most) = (String::new(), 0.0_f64);
         assert_eq!(witness.seen().len(), engine.len(), "the numbers of bodies");
         for (at, ((one, two), allowed)) in witness.seen().iter().zip(engine).zip(allowed).enumerate() {
             let far = differences(one, two);
             for field in 0..4 {
                 let ratio = if far[field].is_nan() { f64::INFINITY } else { far[field] / allowed[field] };
                 self.worst = self.worst.max(ratio);
+                most = most.max(ratio);
                 self.largest[field] = self.largest[field].max(far[field]);
                 self.widest[field] = self.widest[field].max(allowed[field]);
                 if ratio > 1.0 {
@@ -194,7 +208,8 @@ impl Tally {
                 }
             }
         }
-        (!text.is_empty()).then_some(text)
+        self.close += usize::from(most > 1.0 && most <= CLOSE);
+        (most > CLOSE).then_some(text)
     }
 }
 
@@ -210,7 +225,8 @@ fn described(witness: &Solver) -> String {
         let _ = writeln!(text, "  block {:?} colour {}", block.bodies, block.colour);
         for pair in &block.pairs {
             let of = |point: &super::solver::Point| (point.id, point.s, point.normal, point.tangent.length());
-            let _ = writeln!(text, "    {:?} n {:.6} {:?}", pair.colliders, pair.n, pair.points.iter().map(of).collect::<Vec<_>>());
+            let _ =
+                writeln!(text, "    {:?} n {:.6} {:?}", pair.colliders, pair.n, pair.points.iter().map(of).collect::<Vec<_>>());
         }
     }
     text

@@ -136,18 +136,10 @@ impl Solver {
 /// A point in a new pose, with the impulses of an old one.
 fn fresh(before: Option<Point>, spot: &Spot, n: DVec3, belt: DVec3) -> Point {
     let (normal, tangent) = before.map_or((0.0, DVec3::ZERO), |old| (old.normal, old.tangent));
-    Point {
-        normal,
-        tangent: tangent - n * n.dot(tangent),
-        s: spot.s,
-        arms: spot.on,
-        belt,
-        ..Point::new(spot.at, spot.id)
-    }
+    Point { normal, tangent: tangent - n * n.dot(tangent), s: spot.s, arms: spot.on, belt, ..Point::new(spot.at, spot.id) }
 }
 
 /// The least gap of a sight.
 pub(crate) fn least(sight: &Sight) -> Option<Spot> {
     sight.spots.iter().copied().reduce(|best, spot| if spot.s < best.s { spot } else { best })
 }
-

@@ -32,7 +32,8 @@ impl Solver {
         for _ in 0..2 {
             for k in 0..self.blocks.len() {
                 if let Some(hit) = self.hit(k) {
-                    any |= self.reflect(k, &hit);
+                    self.reflect(k, &hit);
+                    any = true;
                 }
             }
         }
@@ -142,8 +143,8 @@ impl Solver {
         None
     }
 
-    /// Reflects a block; returns whether anything happens.
-    fn reflect(&mut self, k: usize, hit: &Hit) -> bool {
+    /// Reflects a block.
+    fn reflect(&mut self, k: usize, hit: &Hit) {
         let block = &self.blocks[k];
         let (bodies, g, time) = (block.bodies, self.g, hit.time);
         let states = self.at(bodies, time);
@@ -159,13 +160,12 @@ impl Solver {
             let belt = self.belt(pair, states);
             points.extend(spots.iter().filter(|spot| spot.s <= hit.depth).map(|spot| (*n, arms_at(states, spot), belt)));
         }
+        // Without impulses the clocks are set all the same, and the block counts as reflected.
         let Some(impulses) = self.bounced(&mut sides, &points) else {
-            if self.noise.is_none() { println!("EVENT"); }
-            match std::env::var("WR_CLOCK").unwrap_or_default().as_str() {
-                "a" | "b" => for k in bodies { if self.bodies[k].has_mass { self.bodies[k].clock = time; } },
-                _ => {}
+            for k in bodies {
+                self.bodies[k].clock = if self.bodies[k].has_mass { time } else { 0.0 };
             }
-            return std::env::var("WR_CLOCK").unwrap_or_default() != "" && std::env::var("WR_CLOCK").unwrap_or_default() != "a";
+            return;
         };
         self.impacts += 1;
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
@@ -185,7 +185,6 @@ impl Solver {
             body.state.w = body.inverse(body.state.q) * body.l;
             body.clock = time;
         }
-        true
     }
 
     /// The impulses of points with normals, levers and surface velocities.

@@ -12,16 +12,16 @@ use super::solver::{Solver, State};
 /// Impulses of rows. Blocks and the friction of a ball have theirs along the axes of the joint.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Impulses {
-    linear: DVec3,
-    angular: DVec3,
-    rub: DVec3,
-    lower: f64,
-    upper: f64,
-    cone: f64,
-    motor: f64,
-    friction: f64,
-    locked: f64,
-    spring: f64,
+    pub(super) linear: DVec3,
+    pub(super) angular: DVec3,
+    pub(super) rub: DVec3,
+    pub(super) lower: f64,
+    pub(super) upper: f64,
+    pub(super) cone: f64,
+    pub(super) motor: f64,
+    pub(super) friction: f64,
+    pub(super) locked: f64,
+    pub(super) spring: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -65,48 +65,48 @@ impl std::ops::DivAssign<f64> for Load {
 
 /// A row along a line through the anchor, or about it.
 #[derive(Clone, Copy, Debug)]
-enum Row {
+pub(super) enum Row {
     Linear(DVec3),
     Angular(DVec3),
 }
 
 /// A joint in a pose.
-struct Pose {
-    e: [DVec3; 3],
-    f1: DVec3,
-    arms: [DVec3; 2],
+pub(super) struct Pose {
+    pub(super) e: [DVec3; 3],
+    pub(super) f1: DVec3,
+    pub(super) arms: [DVec3; 2],
     /// Deviations of linear and angular rows.
-    linear: DVec3,
-    angular: DVec3,
+    pub(super) linear: DVec3,
+    pub(super) angular: DVec3,
     /// Position along the free axis, and its row.
-    axis: Option<(f64, Row)>,
+    pub(super) axis: Option<(f64, Row)>,
 }
 
 impl Sides {
-    fn turning(&self) -> DVec3 {
+    pub(super) fn turning(&self) -> DVec3 {
         self.w[1] - self.w[0]
     }
 
-    fn twist(&mut self, m: DVec3) {
+    pub(super) fn twist(&mut self, m: DVec3) {
         self.w[0] -= self.inverses[0] * m;
         self.w[1] += self.inverses[1] * m;
     }
 
-    fn rate(&self, arms: [DVec3; 2], row: Row) -> f64 {
+    pub(super) fn rate(&self, arms: [DVec3; 2], row: Row) -> f64 {
         match row {
             Row::Linear(n) => self.slip(arms).dot(n),
             Row::Angular(n) => self.turning().dot(n),
         }
     }
 
-    fn give(&self, arms: [DVec3; 2], row: Row) -> f64 {
+    pub(super) fn give(&self, arms: [DVec3; 2], row: Row) -> f64 {
         match row {
             Row::Linear(n) => self.k(arms, n, n),
             Row::Angular(n) => n.dot((self.inverses[0] + self.inverses[1]) * n),
         }
     }
 
-    fn act(&mut self, arms: [DVec3; 2], row: Row, impulse: f64) {
+    pub(super) fn act(&mut self, arms: [DVec3; 2], row: Row, impulse: f64) {
         match row {
             Row::Linear(n) => self.push(arms, impulse * n),
             Row::Angular(n) => self.twist(impulse * n),
@@ -115,7 +115,7 @@ impl Sides {
 }
 
 /// Solves a system whose rows and columns outside of `0..3` of the list of axes are left out.
-fn solved(rows: &[usize], k: impl Fn(usize, usize) -> f64, right: DVec3) -> DVec3 {
+pub(super) fn solved(rows: &[usize], k: impl Fn(usize, usize) -> f64, right: DVec3) -> DVec3 {
     let mut matrix = DMat3::IDENTITY;
     let mut wanted = DVec3::ZERO;
     for &i in rows {
@@ -127,11 +127,11 @@ fn solved(rows: &[usize], k: impl Fn(usize, usize) -> f64, right: DVec3) -> DVec
     matrix.inverse() * wanted
 }
 
-fn along(e: [DVec3; 3], v: DVec3) -> DVec3 {
+pub(super) fn along(e: [DVec3; 3], v: DVec3) -> DVec3 {
     DVec3::new(e[0].dot(v), e[1].dot(v), e[2].dot(v))
 }
 
-fn across(e: [DVec3; 3], v: DVec3) -> DVec3 {
+pub(super) fn across(e: [DVec3; 3], v: DVec3) -> DVec3 {
     e[0] * v.x + e[1] * v.y + e[2] * v.z
 }
 
@@ -289,115 +289,15 @@ impl Link {
             one(c, row, 1.0, &mut self.impulses.cone);
         }
     }
-
-    /// The motor and the friction.
-    fn drive(&mut self, sides: &mut Sides, pose: &Pose, h: f64) {
-        let mut one = |row: Row, speed: f64, most: f64, impulse: &mut f64| {
-            let change = -(sides.rate(pose.arms, row) - speed) / sides.give(pose.arms, row);
-            let to = (*impulse + change).clamp(-h * most, h * most);
-            sides.act(pose.arms, row, to - *impulse);
-            *impulse = to;
-        };
-        if let (Some((p, row)), Some(mut speed)) = (pose.axis, self.speed) {
-            let mut most = self.most;
-            if let Some([a, b]) = self.limits {
-                if (speed > 0.0 && p >= b) || (speed < 0.0 && p <= a) {
-                    most = 0.0;
-                } else if speed > 0.0 {
-                    speed = speed.min((b - p) / h);
-                } else if speed < 0.0 {
-                    speed = speed.max((a - p) / h);
-                }
-            }
-            one(row, speed, most, &mut self.impulses.motor);
-        }
-        if self.friction <= 0.0 {
-            return;
-        }
-        if self.kind == JointKind::Ball {
-            let k = sides.inverses[0] + sides.inverses[1];
-            let old = across(pose.e, self.impulses.rub);
-            let to = (old - k.inverse() * sides.turning()).clamp_length_max(h * self.friction);
-            sides.twist(to - old);
-            self.impulses.rub = along(pose.e, to);
-        } else if let Some((_, row)) = pose.axis {
-            one(row, 0.0, self.friction, &mut self.impulses.friction);
-        }
-    }
-
-    /// The damping of a ball.
-    fn damp(&mut self, sides: &mut Sides, visit: Visit) {
-        let h = visit.h;
-        let is_ball = self.kind == JointKind::Ball;
-        if is_ball && self.damping > 0.0 && visit.is_first {
-            let give = sides.inverses[0] + sides.inverses[1] + DMat3::from_diagonal(DVec3::splat(1.0 / (h * self.damping)));
-            let m = -(give.inverse() * sides.turning());
-            sides.twist(m);
-            self.load.torque += m;
-        }
-    }
-
-    /// The spring and the damping.
-    fn spring(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
-        let (h, k) = (visit.h, self.stiffness);
-        let is_ball = self.kind == JointKind::Ball;
-        let c = if is_ball { 0.0 } else { self.damping };
-        let acts = (k > 0.0 && visit.is_first) || (k == 0.0 && c > 0.0);
-        let Some((p, row)) = pose.axis.filter(|_| acts) else { return };
-        let (push, twist) = self.answer(sides, pose, row);
-        let slip = |sides: &Sides| push.dot(sides.slip(pose.arms)) + twist.dot(sides.turning());
-        let act = |sides: &mut Sides, impulse: f64| {
-            sides.push(pose.arms, impulse * push);
-            sides.twist(impulse * twist);
-        };
-        let before = slip(sides);
-        act(sides, 1.0);
-        let give = slip(sides) - before;
-        act(sides, -1.0);
-        let mut off = p - self.rest;
-        if self.kind.turns() {
-            off -= TAU * (off / TAU).round();
-        }
-        let theta = if k > 0.0 { (1.0 - 1.0 / (k * h * h * give)).max(0.0) } else { 0.0 };
-        let part = h * c + theta * h * h * k;
-        let old = self.impulses.spring;
-        let change = -(h * k * off + part * before + old) / (1.0 + part * give);
-        let to = (old + change).clamp(-h * self.most, h * self.most);
-        act(sides, to - old);
-        self.impulses.spring = to;
-        let beside = match row {
-            Row::Linear(n) => (push - n, twist),
-            Row::Angular(n) => (push, twist - n),
-        };
-        self.load.force += (to - old) * beside.0;
-        self.load.torque += (to - old) * beside.1;
-    }
-
-    /// The push and the twist of an impulse of 1 of the spring, with what the joint answers at once.
-    fn answer(&self, sides: &Sides, pose: &Pose, row: Row) -> (DVec3, DVec3) {
-        let (e, arms) = (pose.e, pose.arms);
-        match row {
-            Row::Angular(t) => {
-                let u = (sides.inverses[1] * t).cross(arms[1]) + (sides.inverses[0] * t).cross(arms[0]);
-                (-across(e, solved(&[0, 1, 2], |i, j| sides.k(arms, e[i], e[j]), along(e, u))), t)
-            }
-            Row::Linear(n) if self.kind == JointKind::Slider => {
-                let w = sides.inverses[1] * arms[1].cross(n) + sides.inverses[0] * arms[0].cross(n);
-                let sum = sides.inverses[0] + sides.inverses[1];
-                (n, -across(e, solved(&[0, 1, 2], |i, j| e[i].dot(sum * e[j]), along(e, w))))
-            }
-            Row::Linear(n) => (n, DVec3::ZERO),
-        }
-    }
 }
 
 #[derive(Clone, Copy)]
-struct Visit {
-    relax: bool,
-    is_first: bool,
-    h: f64,
+pub(super) struct Visit {
+    pub(super) relax: bool,
+    pub(super) is_first: bool,
+    pub(super) h: f64,
     /// 1, or 0 for a mistake.
-    bias: f64,
+    pub(super) bias: f64,
 }
 
 impl Solver {

@@ -7,6 +7,7 @@ mod boxes;
 mod build;
 mod closest;
 mod compare;
+mod drives;
 mod geometry;
 mod impacts;
 mod joints;
@@ -40,22 +41,12 @@ fn compare(name: &str, kind: Kind, seeds: Range<u64>, frames: usize, mistake: Op
 fn assert_agreement(name: &str, kind: Kind, seeds: Range<u64>, frames: usize) -> Tally {
     let tally = compare(name, kind, seeds, frames, None);
     println!("{name}: {tally}");
-    let shown: String = tally.failures.iter().take(60).cloned().collect();
+    let shown: String = tally.failures.iter().take(2).cloned().collect();
     let names: Vec<&str> = tally.failures.iter().filter_map(|text| text.lines().next()).collect();
     assert!(tally.failures.is_empty(), "{} differences\n{shown}\n{names:#?}", tally.failures.len());
+    assert!(tally.close <= 1 + tally.frames / 2_000, "too many frames exceed the tolerance: {tally}");
     assert!(10 * tally.undecided < tally.frames, "too many frames are undecided: {tally}");
     tally
-}
-
-#[test]
-fn many() {
-    let get = |name: &str| -> u64 { std::env::var(name).unwrap().parse().unwrap() };
-    let seeds = get("WR_FROM")..get("WR_TO");
-    for (name, kind) in [("grazes", scenes::grazes as Kind)] {
-        let tally = compare(name, kind, seeds.clone(), 5, None);
-        println!("{name}: {tally}");
-        for text in &tally.failures { println!("{text}"); }
-    }
 }
 
 #[test]
@@ -67,7 +58,7 @@ fn the_cpu_agrees_with_the_witness_on_balls_on_floors() {
 #[test]
 fn the_cpu_agrees_with_the_witness_on_balls_that_meet() {
     let tally = assert_agreement("balls that meet", scenes::balls_with_balls, 1_000..1_300, 6);
-    assert!(tally.impacts > 200 && tally.points > 500, "{tally}");
+    assert!(tally.impacts > 200 && tally.points > 100, "{tally}");
 }
 
 #[test]
@@ -78,7 +69,7 @@ fn the_cpu_agrees_with_the_witness_on_free_bodies() {
 #[test]
 fn the_cpu_agrees_with_the_witness_on_boxes_on_floors() {
     let tally = assert_agreement("boxes on a floor", scenes::boxes_on_floor, 3_000..3_200, 5);
-    assert!(tally.impacts > 200 && tally.points > 500, "{tally}");
+    assert!(tally.impacts > 80 && tally.points > 300, "{tally}");
 }
 
 #[test]

@@ -72,7 +72,8 @@ impl Poly {
         // The width of a face with the radius 0 (section 11.13).
         let area = u.cross(v).length();
         let sides = [2.0 * u + v, u + 2.0 * v, u - v].map(DVec3::length);
-        let width = if triangle { 3.0 * area / sides[0].max(sides[1]).max(sides[2]) } else { 2.0 * area / u.length().max(v.length()) };
+        let width =
+            if triangle { 3.0 * area / sides[0].max(sides[1]).max(sides[2]) } else { 2.0 * area / u.length().max(v.length()) };
         Self { vertices, faces, edges, half: 0.5 * width }
     }
 
@@ -264,9 +265,8 @@ impl Pair<'_> {
             }
         }
         let (incident, product) = incident.expect("a face at a vertex");
-        let corners = |poly: &Poly, facet: usize| -> Vec<DVec3> {
-            poly.faces[facet].corners.iter().map(|&k| poly.vertices[k]).collect()
-        };
+        let corners =
+            |poly: &Poly, facet: usize| -> Vec<DVec3> { poly.faces[facet].corners.iter().map(|&k| poly.vertices[k]).collect() };
         let (ring, faced) = (corners(own, number), corners(other, incident));
         let features = (1 << 30) + ((side as u32) << 24) + ((number as u32) << 18) + ((incident as u32) << 12);
         let places: Vec<(DVec3, DVec3, u32)> = if ring.len() == 2 {
@@ -309,11 +309,7 @@ impl Pair<'_> {
         let (edges, (face, separation)) = (self.best_edges(0.0)?, self.best_face(0.0)?);
         let edge = edges.map_or(f64::NEG_INFINITY, |(_, value)| value);
         let by_edges = || edges.and_then(|(edges, _)| self.edges(edges));
-        let found = if edge > separation {
-            by_edges().or_else(|| self.face(face))
-        } else {
-            self.face(face).or_else(by_edges)
-        };
+        let found = if edge > separation { by_edges().or_else(|| self.face(face)) } else { self.face(face).or_else(by_edges) };
         found.or_else(|| {
             let (poly, n) = if face.0 == 0 { (&self.a, self.a.faces[face.1].n) } else { (&self.b, -self.b.faces[face.1].n) };
             let b = Poly::of(self.cores[1]).placed(self.p, self.r);

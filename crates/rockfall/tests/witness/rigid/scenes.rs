@@ -272,17 +272,3 @@ pub(crate) fn free_bodies(seed: u64) -> Draw {
     }
     draw
 }
-
-/// Fast turning boxes and clumps that graze a floor: the rotation may take a point away again before its impact.
-pub(crate) fn grazes(seed: u64) -> Draw {
-    let mut draw = Draw::new(seed);
-    draw.scene.settings.restitution = draw.between(0.1, 1.0);
-    draw.floor();
-    let (half, turn) = (draw.half(), draw.turn());
-    // The height of the lowest corner.
-    let reach = (0..3).map(|k| (turn * (Vec3::AXES[k] * half[k])).y.abs()).sum::<f32>();
-    let at = Vec3::new(-0.5, reach + draw.between(0.0, 0.004), 0.0);
-    let (speed, spin) = (draw.between(0.02, 0.6), draw.between(5.0, 25.0));
-    draw.cuboid(half, at, turn, speed, spin);
-    draw
-}

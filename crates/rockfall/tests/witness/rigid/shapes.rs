@@ -14,7 +14,11 @@ pub(crate) enum Core {
     /// All points with y of at most 0.
     HalfSpace,
     /// A parallelogram with the half edges u and v, or the triangle u, v, -u - v, in the plane z = 0.
-    Face { u: DVec3, v: DVec3, triangle: bool },
+    Face {
+        u: DVec3,
+        v: DVec3,
+        triangle: bool,
+    },
     /// A box with these half edges.
     Cuboid(DVec3),
     Point,

@@ -266,7 +266,7 @@ impl Solver {
         self.h = dt / f64::from(self.substeps);
         self.bodies.iter_mut().for_each(|body| body.path = 0.0);
         self.links.iter_mut().for_each(Link::begin);
-        self.find_blocks(dt, margins);
+        self.find_blocks(margins);
         self.colour(dt);
         self.refresh_all();
         for _ in 0..self.substeps {
