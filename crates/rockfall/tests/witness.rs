@@ -52,6 +52,8 @@ mod mistakes;
 mod mixtures;
 #[path = "witness/perturb.rs"]
 mod perturb;
+#[path = "witness/rigid/mod.rs"]
+mod rigid;
 #[path = "witness/rims.rs"]
 mod rims;
 #[path = "witness/scenes.rs"]
