@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -233,3 +234,21 @@ def test_scenes_can_be_changed_and_have_no_concerns(name: str) -> None:
     envs: Any = VECTORS[name](scene, 2, backend="cpu")
     envs.reset(seed=0)
     assert np.isfinite(envs.step(envs.action_space.sample())[0]).all()
+
+
+def test_a_robot_of_a_file_becomes_an_environment(tmp_path: Path) -> None:
+    path = tmp_path / "arm.xml"
+    path.write_text("""
+<mujoco><worldbody><body name="arm" pos="0 0 2">
+  <joint name="shoulder" type="hinge" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 0 0 -1" size="0.05"/>
+</body></worldbody></mujoco>""")
+    envs = rf.gym.make_vec(
+        rf.load_mjcf(path), 3, dt=1 / 60, frame_skip=2, motors=[rf.gym.Motor("shoulder", 40.0)], backend="cpu",
+        observe=lambda look: np.concatenate([look.joints.positions, look.joints.speeds], axis=1),
+        reward=lambda before, after, actions: after.bodies.positions[:, 0, 2],
+    )  # fmt: skip
+    observations, _ = envs.reset(seed=0)
+    assert not observations.any()
+    observations, rewards, _, _, _ = envs.step([[1.0], [0.0], [-1.0]])
+    assert observations[0, 0] > 0.005 and observations[2, 0] < -0.005 and abs(observations[1, 0]) < 1e-6
+    np.testing.assert_allclose(rewards[[0, 2]], rewards[0], rtol=1e-5)

@@ -38,7 +38,9 @@ def cart_pole() -> Scene:
     """
     scene = _empty(0.0)
     cart = scene.add_shape(Shape(mass=1.0).box([-0.2, -0.1, -0.15], [0.2, 0.1, 0.15], group=_NOTHING))
-    pole = scene.add_shape(Shape(mass=0.1).box([-0.02, 0.0, -0.02], [0.02, 1.0, 0.02], group=_NOTHING))
+    # The pole has the inertia of a thin rod.
+    rod = Shape(mass=0.1, centre=[0, 0.5, 0], inertia=[0.1 / 12, 1e-5, 0.1 / 12, 0, 0, 0])
+    pole = scene.add_shape(rod.box([-0.05, 0.0, -0.05], [0.05, 1.0, 0.05], group=_NOTHING))
     scene.add_box([-3.0, -0.13, -0.2], [3.0, -0.1, 0.2], group=_NOTHING, colour="#9aa3ad")
     bodies = [scene.add_body(cart, [0, 0, 0], colour="#39424e"), scene.add_body(pole, [0, 0, 0], colour="#c9a25e")]
     scene.add_joint("slider", None, bodies[0], at=[0, 0, 0], axis=[1, 0, 0], name="slide")
