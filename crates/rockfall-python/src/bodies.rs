@@ -167,6 +167,17 @@ pub(crate) fn add_static_body(
     })
 }
 
+/// Sets a field of the state of a body from a row. Names of other fields are ignored.
+pub(crate) fn put(body: &mut RigidBody, field: &str, rows: &[f32], row: usize) {
+    match field {
+        "position" => body.set_centre(vector(rows, row).as_dvec3()),
+        "orientation" => body.orientation = quaternion(rows, row),
+        "velocity" => body.velocity = vector(rows, row),
+        "angular_momentum" => body.angular_momentum = vector(rows, row),
+        _ => {}
+    }
+}
+
 /// Sets fields of the states of bodies: pairs of a name and an array with one row per body. Nothing changes if a row is wrong.
 #[pyfunction]
 pub(crate) fn set_bodies(target: &Bound<'_, PyAny>, numbers: Numbers<'_>, fields: Vec<(String, Rows<'_>)>) -> PyResult<()> {
@@ -178,14 +189,7 @@ pub(crate) fn set_bodies(target: &Bound<'_, PyAny>, numbers: Numbers<'_>, fields
         let before = before.or_raise()?;
         for (k, id) in handles.iter().enumerate() {
             let changed = doors.update_body(*id, &|body: &mut RigidBody| {
-                for (name, rows) in &fields {
-                    match *name {
-                        "position" => body.set_centre(vector(rows, k).as_dvec3()),
-                        "orientation" => body.orientation = quaternion(rows, k),
-                        "velocity" => body.velocity = vector(rows, k),
-                        _ => body.angular_momentum = vector(rows, k),
-                    }
-                }
+                fields.iter().for_each(|(name, rows)| put(body, name, rows, k));
             });
             if let Err(error) = changed {
                 for (id, before) in handles[..k].iter().zip(&before) {

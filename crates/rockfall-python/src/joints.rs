@@ -27,7 +27,7 @@ fn anchor(ids: &Ids, (kind, number): &End) -> PyResult<Anchor> {
 }
 
 /// Sets a number of a joint by its name in Python.
-fn set(joint: &mut Joint, field: &str, value: f32) -> PyResult<()> {
+pub(crate) fn set(joint: &mut Joint, field: &str, value: f32) -> PyResult<()> {
     let limits = |joint: &Joint| joint.limits.unwrap_or([f32::NEG_INFINITY, f32::INFINITY]);
     match field {
         "speed" => joint.speed = Some(value).filter(|speed| !speed.is_nan()),
@@ -106,15 +106,17 @@ pub(crate) fn joint_names(target: &Bound<'_, PyAny>) -> PyResult<Vec<(usize, Opt
     })
 }
 
+/// Position, speed, error, force and torque of a joint.
+pub(crate) fn numbers(reading: &JointReading) -> [f32; 9] {
+    let ([a, b, c], [d, e, f]) = (reading.force.to_array(), reading.torque.to_array());
+    [reading.position, reading.speed, reading.error, a, b, c, d, e, f]
+}
+
 /// What all joints do: nine numbers and whether it is broken, for each.
 #[pyfunction]
 pub(crate) fn joint_readings<'py>(target: &Bound<'py, PyAny>) -> PyResult<(Bound<'py, PyArray1<f32>>, Vec<bool>)> {
     let simulation = target.cast::<Simulation>().map_err(|_| PyTypeError::new_err("target: expected a Simulation"))?;
     let readings = simulation.get().read(target.py(), |running| running.simulation.joints().or_raise())?;
-    let numbers = |reading: &JointReading| {
-        let loads = [reading.force, reading.torque].map(|load| load.to_array());
-        [reading.position, reading.speed, reading.error].into_iter().chain(loads.into_iter().flatten()).collect::<Vec<f32>>()
-    };
     let broken = readings.iter().map(|reading| reading.broken).collect();
     Ok((PyArray1::from_vec(target.py(), readings.iter().flat_map(numbers).collect()), broken))
 }

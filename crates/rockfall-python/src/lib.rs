@@ -104,6 +104,10 @@ mod _rockfall {
     #[pymodule_export]
     use crate::worlds::Worlds;
     #[pymodule_export]
+    use crate::worlds::mechanisms::{
+        place_world_joints, set_world_bodies, set_world_joints, world_bodies, world_joint_names, world_joints,
+    };
+    #[pymodule_export]
     use crate::worlds::observe::{
         set_worlds_time_step, world_concerns, world_contacts, world_energies, world_simulation, worlds_time_step,
     };

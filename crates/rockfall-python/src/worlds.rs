@@ -21,6 +21,7 @@ use crate::simulation::{Methods, options};
 use crate::states::Field;
 use crate::tables::{BackendInfo, Report};
 
+pub(crate) mod mechanisms;
 pub(crate) mod observe;
 
 /// Worlds, as arrays with room for the largest of them: a row of numbers per world.
@@ -123,14 +124,14 @@ impl Worlds {
         self.locked(py, |worlds| Ok(worlds.len()))
     }
 
-    /// Number of spheres and of springs of each world.
-    fn counts<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray1<i64>>; 2]> {
+    /// Number of spheres, springs, joints and rigid bodies of each world.
+    fn counts<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray1<i64>>; 4]> {
         let counts = self.locked(py, |worlds| {
-            let mut counts = [const { Vec::new() }; 2];
+            let mut counts = [const { Vec::new() }; 4];
             for world in 0..worlds.len() {
                 let scene = worlds.scene(world)?;
-                counts[0].push(scene.spheres().len() as i64);
-                counts[1].push(scene.springs().len() as i64);
+                let own = [scene.spheres().len(), scene.springs().len(), scene.joints().len(), scene.bodies().len()];
+                counts.iter_mut().zip(own).for_each(|(all, own)| all.push(own as i64));
             }
             Ok(counts)
         })?;

@@ -369,6 +369,14 @@ impl Worlds {
         Ok(self.worlds.par_iter().map(states).collect())
     }
 
+    /// Brings the present states of all worlds to their scenes: see [`Worlds::scene`].
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the GPU fails.
+    pub fn sync(&mut self) -> Result<()> {
+        self.bring_to_host()
+    }
+
     /// Brings the present states of all worlds to the scenes of their simulations.
     fn bring_to_host(&mut self) -> Result<()> {
         self.refresh()?;

@@ -52,6 +52,7 @@ from rockfall._tables import to_pandas
 from rockfall._trajectory import Frame, Recording, Trajectory
 from rockfall._view import view
 from rockfall._window import Window
+from rockfall._world_mechanisms import WorldBodies, WorldJoints
 from rockfall._worlds import Worlds
 
 if TYPE_CHECKING:
@@ -112,6 +113,8 @@ __all__ = [
     "Trajectory",
     "WallLoad",
     "Window",
+    "WorldBodies",
+    "WorldJoints",
     "Worlds",
     "devices",
     "evolve",

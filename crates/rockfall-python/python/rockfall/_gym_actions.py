@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from gymnasium import spaces
 
-from rockfall._arrays import FloatArray, floats, whole
+from rockfall._arrays import FloatArray, floats, integers, whole
 from rockfall._look import number
+from rockfall._world_mechanisms import FASTEST
 from rockfall._worlds import Worlds
 
 
@@ -47,10 +49,46 @@ class Force:
         return found.astype(np.float32)
 
 
-class Actuators:
-    """Applies actions to worlds: first the numbers for the springs, then those for the forces."""
+@dataclass(frozen=True)
+class Motor:
+    """A torque on the axis of a hinge or a force on that of a slider, which a number of an action sets: ``strength * number``.
 
-    def __init__(self, worlds: Worlds, strength: float, muscles: bool, forces: Iterable[Force]) -> None:
+    See :meth:`Worlds.set_joint_forces`.
+    """
+
+    #: Name of the joint, or its number in order of addition.
+    joint: int | str
+    #: Greatest torque in mass units²/s², or force in mass units/s².
+    strength: float = 1.0
+    #: Speed up to which the motor pushes, in rad/s or units/s. By default more than joints reach.
+    fastest: float | None = None
+
+    def _place(self, worlds: Worlds, place: int) -> int:
+        """The number of the joint, which is the same in all worlds."""
+        names = worlds.joints.names
+        if not isinstance(self.joint, str):
+            number = whole(f"motors[{place}].joint", self.joint)
+            if number >= min(len(own) for own in names):
+                raise LookupError(f"motors[{place}].joint: there is no joint {number} in every body")
+            return number
+        found = {own.index(self.joint) if self.joint in own else -1 for own in names}
+        if len(found) != 1 or -1 in found:
+            raise LookupError(f"motors[{place}].joint: expected a joint in the same place of every body, got {self.joint!r}")
+        return found.pop()
+
+
+class Actuators:
+    """Applies actions to worlds: first the numbers for the springs, then those for the forces, then those for the motors."""
+
+    def __init__(
+        self,
+        worlds: Worlds,
+        strength: float,
+        muscles: bool,
+        forces: Iterable[Force],
+        motors: Iterable[Motor],
+        choices: npt.ArrayLike | None,
+    ) -> None:
         self._worlds = worlds
         self._strength = strength
         self._lengths, self._forces = worlds.rest_lengths, worlds.external_forces
@@ -64,19 +102,58 @@ class Actuators:
         for place, force in enumerate(given):
             on[place, :common] = force._on(common, place)
         self._on = on
+        self._set_motors(list(motors))
         if self.count == 0:
             raise ValueError("muscles, forces: expected springs or forces that actions change, got none")
+        self._choices = None if choices is None else self._checked(choices)
+
+    def _set_motors(self, motors: Sequence[Motor]) -> None:
+        for place, motor in enumerate(motors):
+            if not isinstance(motor, Motor):
+                raise TypeError(f"motors: expected a rockfall.gym.Motor at place {place}, got {type(motor).__name__}")
+        self._joints = np.array([motor._place(self._worlds, place) for place, motor in enumerate(motors)], np.int64)
+        strengths = [number(f"motors[{place}].strength", motor.strength) for place, motor in enumerate(motors)]
+        fastest = [
+            FASTEST if motor.fastest is None else number(f"motors[{place}].fastest", motor.fastest, positive=True)
+            for place, motor in enumerate(motors)
+        ]
+        self._strengths, self._fastest = np.array(strengths, np.float32), np.array(fastest, np.float32)
+
+    def _checked(self, choices: npt.ArrayLike) -> FloatArray:
+        rows = floats("choices", choices, (self.count,))
+        if np.ndim(choices) != 2 or len(rows) == 0:
+            raise ValueError(f"choices: expected an array of shape (C, {self.count}), got {np.shape(choices)}")
+        return rows
+
+    @property
+    def space(self) -> spaces.Space[Any]:
+        """The actions of one environment."""
+        if self._choices is not None:
+            return spaces.Discrete(len(self._choices))
+        return spaces.Box(-1.0, 1.0, (self.count,), np.float32)
+
+    def rows(self, name: str, actions: npt.ArrayLike) -> FloatArray:
+        """Actions as numbers of shape (W, M + F): those that are given, or those that whole numbers choose."""
+        if self._choices is None:
+            return floats(name, actions, (self.count,), len(self._worlds))
+        numbers = integers(name, actions, len(self._worlds))
+        if (numbers >= len(self._choices)).any():
+            raise ValueError(f"{name}: expected whole numbers below {len(self._choices)}, got {int(numbers.max())}")
+        found: FloatArray = self._choices[numbers]
+        return found
 
     @property
     def count(self) -> int:
         """Number of numbers in an action."""
-        return self._springs + len(self._on)
+        return self._springs + len(self._on) + len(self._joints)
 
     def apply(self, actions: FloatArray) -> None:
         """Applies actions of shape (W, M + F), which are from -1 to 1."""
-        springs, forces = actions[:, : self._springs], actions[:, self._springs :]
+        springs, forces, motors = np.split(actions, [self._springs, self._springs + len(self._on)], axis=1)
         if self._springs:
             self._worlds.rest_lengths = self._lengths * (1.0 + self._strength * springs)
         if len(self._on):
             added: Any = np.einsum("wf,fni->wni", forces, self._on)
             self._worlds.external_forces = self._forces + added
+        if len(self._joints):
+            self._worlds.set_joint_forces(motors * self._strengths, joints=self._joints, fastest=self._fastest)

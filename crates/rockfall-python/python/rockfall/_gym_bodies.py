@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from rockfall._arrays import FloatArray, whole
+from rockfall._arrays import FloatArray, IntArray, whole
 from rockfall._look import number
 from rockfall._scene import Scene
+from rockfall._world_mechanisms import WorldBodies, WorldJoints
+from rockfall._worlds import Worlds
 
 #: Distance of a cart from the origin, in units, and angle of its pole, in rad, that end an episode.
 _FAR, _LEANS = 2.4, 0.5
@@ -29,6 +33,42 @@ class Look:
     centres: npt.NDArray[np.float64]
     #: Times since the start of each episode, of shape (W,), in s.
     times: npt.NDArray[np.float64]
+    #: What the joints do: positions and speeds of shape (W, J), and more.
+    joints: WorldJoints
+    #: States of the rigid bodies: positions of shape (W, B, 3) in units, and more.
+    bodies: WorldBodies
+
+
+@dataclass(frozen=True)
+class Start:
+    """How a mechanism begins an episode. What is None stays as in the scene."""
+
+    #: Positions of the joints of shape (J,), in rad or units (:meth:`Worlds.place_joints`); or one number for all.
+    positions: npt.ArrayLike | None = None
+    #: Rates of the positions of shape (J,), in rad/s or units/s.
+    speeds: npt.ArrayLike = 0.0
+    #: Centre of mass of the first rigid body of shape (3,), in units.
+    place: npt.ArrayLike | None = None
+    #: Its orientation, a unit quaternion w, x, y, z of shape (4,).
+    turn: npt.ArrayLike | None = None
+    #: Velocity of its centre of shape (3,), in units/s.
+    velocity: npt.ArrayLike | None = None
+    #: Its angular velocity of shape (3,), in rad/s.
+    spin: npt.ArrayLike | None = None
+
+
+def begin(worlds: Worlds, numbers: IntArray, starts: Sequence[Start]) -> None:
+    """Lets each of some worlds begin in its own way. All starts give the same of their fields."""
+    names = {"positions": "place", "orientations": "turn", "velocities": "velocity", "spins": "spin"}
+    rows = {name: [getattr(start, field) for start in starts] for name, field in names.items()}
+    given: dict[str, Any] = {name: np.stack(row)[:, None] for name, row in rows.items() if row[0] is not None}
+    if given:
+        worlds.set_bodies(numbers, 0, **given)
+    if starts[0].positions is not None:
+        shape = (len(worlds.joints),)
+        positions = np.stack([np.broadcast_to(np.asarray(start.positions), shape) for start in starts])
+        speeds = np.stack([np.broadcast_to(np.asarray(start.speeds), shape) for start in starts])
+        worlds.place_joints(positions, speeds, numbers)
 
 
 def walker(length: int = 3, width: int = 2, height: int = 2, *, stiffness: float = 1500.0) -> Scene:
@@ -92,3 +132,13 @@ def is_lost(look: Look) -> npt.NDArray[np.bool_]:
 def upright(before: Look, after: Look, actions: FloatArray) -> npt.NDArray[np.float64]:
     """1 for each step."""
     return np.ones(len(after.times))
+
+
+def surroundings(look: Look, clock: float) -> FloatArray:
+    """Height of the centre of mass, sin and cos of a clock, positions of the spheres from the centre of mass, and their velocities."""
+    count = len(look.times)
+    turns = 2.0 * np.pi * clock * look.times
+    places = np.where(look.mask[:, :, None], look.positions - look.centres[:, None, :], 0.0)
+    parts = [look.centres[:, 1:2], np.sin(turns)[:, None], np.cos(turns)[:, None]]
+    parts += [places.reshape(count, -1), look.velocities.reshape(count, -1)]
+    return np.concatenate(parts, axis=1).astype(np.float32)

@@ -15,8 +15,9 @@ from gymnasium.vector.utils import batch_space
 from rockfall._arrays import FloatArray, floats, time_step, whole
 from rockfall._attributes import keywords
 from rockfall._filming import Live
-from rockfall._gym_actions import Actuators, Force
-from rockfall._gym_bodies import Look, walker
+from rockfall._gym_actions import Actuators, Force, Motor
+from rockfall._gym_bodies import Look, Start, begin, surroundings, walker
+from rockfall._gym_checks import amount, bounds_of, reset_mask_of
 from rockfall._scene import Scene
 from rockfall._worlds import Worlds
 from rockfall.typing import BackendName, IntegratorName
@@ -55,10 +56,18 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         Whether actions have a number for each spring.
     forces : iterable of Force, optional
         Forces on spheres. Actions have a number for each of them, after those for the springs.
+    motors : iterable of Motor, optional
+        Torques and forces of joints. Actions have a number for each of them, after those for the forces.
+    choices : array_like, shape (C, M + F), optional
+        The actions among which there is a choice. The actions of the environment are then whole numbers below C.
     clock : float
         Frequency of the clock in observations, in 1/s.
     noise : float
-        Standard deviation of the velocities at the start of an episode about those of the body, in units/s.
+        Standard deviation of the velocities at the start of an episode about those of the body, in units/s. Not for bodies with
+        rigid bodies.
+    start : callable, optional
+        ``start(random)`` with a NumPy generator of random numbers returns the :class:`Start` of an episode of one environment, in
+        place of ``noise``.
     bounds : float or (array_like, array_like)
         Bounds of observations: the greatest size of all numbers, or the least and the greatest value of each of the D numbers.
         Numbers outside are clipped.
@@ -88,9 +97,9 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
     Notes
     -----
     W is the number of environments, N the largest number of spheres in a body, M the largest number of springs (0 without
-    ``muscles``), and F the number of forces. An action has a number from -1 to 1 for each spring, in order of addition: the rest
+    ``muscles``), and F the number of forces and motors. An action has a number from -1 to 1 for each spring, in order of addition: the rest
     length becomes ``length * (1 + strength * action)``. Then it has a number for each of ``forces`` (:class:`Force`), which add
-    to the external forces of the body. Numbers outside of the range are clipped. Bodies with fewer spheres or springs than others
+    to the external forces of the body, and for each of ``motors`` (:class:`Motor`). Numbers outside of the range are clipped. Bodies with fewer spheres or springs than others
     have zeros in their observations, and ignore the last numbers for the springs.
 
     ``reset(seed=5)`` gives the environments the seeds 5, 6, 7 and so on; a list gives each its own. The same seeds and actions give
@@ -113,8 +122,11 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         strength: float = 0.25,
         muscles: bool = True,
         forces: Iterable[Force] = (),
+        motors: Iterable[Motor] = (),
+        choices: npt.ArrayLike | None = None,
         clock: float = 1.0,
         noise: float = 0.01,
+        start: Callable[[np.random.Generator], Start] | None = None,
         bounds: float | tuple[npt.ArrayLike, npt.ArrayLike] = _BOUND,
         observe: Callable[[Look], npt.ArrayLike] | None = None,
         reward: Callable[[Look, Look, FloatArray], npt.ArrayLike] | None = None,
@@ -134,12 +146,13 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
             raise ValueError(f"autoreset_mode: expected one of {expected}, got {autoreset_mode!r}") from None
         self._frame_skip = whole("frame_skip", frame_skip, least=1)
         self._max_steps = whole("max_steps", max_steps, least=1)
-        self._clock = _number("clock", clock)
-        self._noise = _number("noise", noise)
-        self._observe, self._reward, self._terminate = observe, reward, terminate
+        self._clock = amount("clock", clock)
+        self._noise = amount("noise", noise)
+        self._start, self._observe, self._reward, self._terminate = start, observe, reward, terminate
         #: The worlds, one per environment.
         self.worlds = _worlds(bodies, num_envs, time_step("dt", dt), backend, integrator)
-        self._actuators = Actuators(self.worlds, _number("strength", strength, 1.0), bool(muscles), forces)
+        self._actuators = Actuators(self.worlds, amount("strength", strength, 1.0), bool(muscles), forces, motors, choices)
+        self._is_loose = len(self.worlds.bodies) == 0
         self._live: Live | None = None
         self.num_envs = len(self.worlds)
         self.render_mode, self._render_size = render_mode, render_size
@@ -154,9 +167,9 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         self._ended = np.zeros(self.num_envs, np.bool_)
         self._randoms = [np.random.default_rng() for _ in range(self.num_envs)]
         self._last = self._look()
-        self._low, self._high = _bounds(bounds, self._observed(self._last).shape[1])
+        self._low, self._high = bounds_of(bounds, self._observed(self._last).shape[1])
         self.single_observation_space = spaces.Box(self._low, self._high, dtype=np.float32)
-        self.single_action_space = spaces.Box(-1.0, 1.0, (self._actuators.count,), np.float32)
+        self.single_action_space = self._actuators.space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
 
@@ -180,7 +193,7 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         """
         chosen = np.ones(self.num_envs, np.bool_)
         if options is not None and "reset_mask" in options:
-            chosen = _reset_mask(options["reset_mask"], self.num_envs)
+            chosen = reset_mask_of(options["reset_mask"], self.num_envs)
         if isinstance(seed, (int, np.integer)):
             self._np_random_seed = whole("seed", seed)
             self._np_random = np.random.default_rng(self._np_random_seed)
@@ -200,8 +213,8 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
 
         Parameters
         ----------
-        actions : array_like, shape (W, M + F)
-            Numbers from -1 to 1 for the springs and the forces.
+        actions : array_like, shape (W, M + F), or (W,) of int with ``choices``
+            Numbers from -1 to 1 for the springs, the forces and the motors; or which of the choices.
 
         Returns
         -------
@@ -209,7 +222,9 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
             Observations of float32 and shape (W, D), rewards of float64, terminations and truncations of bool and shape (W,), and
             infos.
         """
-        given = floats("actions", actions, (self._actuators.count,), self.num_envs)
+        return self._advance(self._actuators.rows("actions", actions))
+
+    def _advance(self, given: FloatArray) -> tuple[FloatArray, _Doubles, _Bools, _Bools, _Infos]:
         again = self._ended.copy()
         if self.autoreset_mode == AutoresetMode.DISABLED and again.any():
             numbers = np.flatnonzero(again).tolist()
@@ -259,7 +274,9 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         """Begins the episodes of the chosen environments."""
         numbers = np.flatnonzero(chosen)
         self.worlds.reset(numbers)
-        if self._noise > 0.0:
+        if self._start is not None:
+            begin(self.worlds, numbers, [self._start(self._randoms[place]) for place in numbers])
+        elif self._noise > 0.0 and self._is_loose:
             velocities = self._velocities[numbers].astype(np.float64)
             for row, place in zip(velocities, numbers, strict=True):
                 # As many random numbers as the body needs, so that it does not matter how large other bodies are.
@@ -274,7 +291,7 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         total = self._masses.sum(axis=1, keepdims=True)
         centres = np.einsum("wn,wni->wi", self._masses, positions, dtype=np.float64) / np.where(total > 0, total, 1.0)
         times: _Doubles = self._elapsed.astype(np.float64) * (self._frame_skip * self.worlds.dt)
-        return Look(positions, velocities, self._mask, centres, times)
+        return Look(positions, velocities, self._mask, centres, times, self.worlds.joints, self.worlds.bodies)
 
     def _observations(self, look: Look) -> FloatArray:
         found: FloatArray = np.clip(self._observed(look), self._low, self._high)
@@ -286,11 +303,7 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
             if found.ndim != 2 or len(found) != self.num_envs:
                 raise ValueError(f"observe: expected an array of shape ({self.num_envs}, D), got {found.shape}")
             return found
-        turns = 2.0 * np.pi * self._clock * look.times
-        places = np.where(look.mask[:, :, None], look.positions - look.centres[:, None, :], 0.0)
-        parts = [look.centres[:, 1:2], np.sin(turns)[:, None], np.cos(turns)[:, None]]
-        parts += [places.reshape(self.num_envs, -1), look.velocities.reshape(self.num_envs, -1)]
-        return np.concatenate(parts, axis=1).astype(np.float32)
+        return surroundings(look, self._clock)
 
     def _rewards(self, before: Look, after: Look, actions: FloatArray) -> _Doubles:
         if self._reward is None:
@@ -354,8 +367,8 @@ class WorldEnv(gymnasium.Env[FloatArray, FloatArray]):
     def step(self, action: npt.ArrayLike) -> tuple[FloatArray, float, bool, bool, _Infos]:
         """Apply an action. A step after the end of an episode continues the episode."""
         self._envs._ended[:] = False
-        rows = floats("action", action, (self._envs._actuators.count,), 1)
-        observations, rewards, terminations, truncations, infos = self._envs.step(rows)
+        rows = self._envs._actuators.rows("action", action)
+        observations, rewards, terminations, truncations, infos = self._envs._advance(rows)
         return observations[0], float(rewards[0]), bool(terminations[0]), bool(truncations[0]), {"centre": infos["centre"][0]}
 
     def render(self) -> Any:
@@ -383,30 +396,3 @@ def _worlds(bodies: Any, num_envs: Any, dt: float, backend: BackendName, integra
     if num_envs is not None and num_envs != len(worlds):
         raise ValueError(f"num_envs: expected the number of bodies, {len(worlds)}, got {num_envs}")
     return worlds
-
-
-def _number(name: str, value: Any, most: float | None = None) -> float:
-    number = float(floats(name, value, (), 1, not_negative=True)[0])
-    if most is not None and number > most:
-        raise ValueError(f"{name}: expected a number from 0 to {most:g}, got {value}")
-    return float(value)
-
-
-def _bounds(given: Any, width: int) -> tuple[FloatArray, FloatArray]:
-    """The least and the greatest value of each number of an observation."""
-    if isinstance(given, tuple) and len(given) == 2:
-        low, high = (np.array(np.broadcast_to(np.asarray(side, np.float32), (width,))) for side in given)
-    else:
-        high = np.full(width, _number("bounds", given), np.float32)
-        low = -high
-    if not (low < high).all():
-        raise ValueError("bounds: expected values that are greater than the least ones")
-    return low, high
-
-
-def _reset_mask(value: Any, count: int) -> _Bools:
-    if not isinstance(value, np.ndarray) or value.dtype != np.bool_ or value.shape != (count,):
-        raise ValueError(f"options: expected a bool array of shape ({count},) as reset_mask, got {value!r}")
-    if not value.any():
-        raise ValueError("options: expected a reset_mask with at least one True")
-    return value.copy()

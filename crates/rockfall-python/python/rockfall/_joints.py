@@ -171,34 +171,20 @@ class JointObjects(Bodies):
         _rockfall.set_joints(self._native, ids.tolist(), fields)
 
 
-class JointStates:
-    """What all joints do at present, in order of addition, as :attr:`Simulation.joints` returns them. Each attribute is a new array."""
+class JointReadings:
+    """What joints do at present. N is their number. Joints of worlds have rows for W worlds before that: (W, N) in place of (N,)."""
 
-    def __init__(self, simulation: Simulation) -> None:
-        simulation._commit()
-        numbers, broken = _rockfall.joint_readings(simulation._native)
-        self._rows = numbers.reshape(-1, 9)
-        self._broken = np.array(broken, dtype=np.bool_)
-        named = _rockfall.joint_names(simulation._native)
-        self._ids, self._names = [number for number, _ in named], [name for _, name in named]
+    #: Nine numbers for each joint, and whether it is broken.
+    _rows: FloatArray
+    _broken: npt.NDArray[np.bool_]
 
     def __len__(self) -> int:
-        return len(self._rows)
+        return int(self._rows.shape[-2])
 
     def _column(self, columns: int | slice) -> FloatArray:
-        array: FloatArray = self._rows[:, columns].copy()
+        array: FloatArray = self._rows[..., columns].copy()
         array.flags.writeable = False
         return array
-
-    @property
-    def ids(self) -> IntArray:
-        """Numbers of the joints, as :meth:`Objects.add_joint` returned them, of shape (N,)."""
-        return np.array(self._ids, dtype=np.int64)
-
-    @property
-    def names(self) -> list[str | None]:
-        """Names; None for a joint without one."""
-        return list(self._names)
 
     @property
     def positions(self) -> FloatArray:
@@ -229,3 +215,25 @@ class JointStates:
     def broken(self) -> npt.NDArray[np.bool_]:
         """Whether each is broken, of shape (N,). Its other numbers are 0 then."""
         return self._broken.copy()
+
+
+class JointStates(JointReadings):
+    """What all joints do at present, in order of addition, as :attr:`Simulation.joints` returns them. Each attribute is a new array."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        simulation._commit()
+        numbers, broken = _rockfall.joint_readings(simulation._native)
+        self._rows = numbers.reshape(-1, 9)
+        self._broken = np.array(broken, dtype=np.bool_)
+        named = _rockfall.joint_names(simulation._native)
+        self._ids, self._names = [number for number, _ in named], [name for _, name in named]
+
+    @property
+    def ids(self) -> IntArray:
+        """Numbers of the joints, as :meth:`Objects.add_joint` returned them, of shape (N,)."""
+        return np.array(self._ids, dtype=np.int64)
+
+    @property
+    def names(self) -> list[str | None]:
+        """Names; None for a joint without one."""
+        return list(self._names)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, TypedDict
 
+import numpy as np
 import numpy.typing as npt
 
 from rockfall._arrays import FloatArray
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from gymnasium.vector import AutoresetMode
 
     from rockfall._scene import Scene
-    from rockfall.gym import Force, Look
+    from rockfall.gym import Force, Look, Motor, Start
 
 
 class TagOptions(TypedDict, total=False):
@@ -139,8 +140,11 @@ class EnvOptions(TypedDict, total=False):
     strength: float
     muscles: bool
     forces: Iterable[Force]
+    motors: Iterable[Motor]
+    choices: npt.ArrayLike | None
     clock: float
     noise: float
+    start: Callable[[np.random.Generator], Start] | None
     bounds: float | tuple[npt.ArrayLike, npt.ArrayLike]
     observe: Callable[[Look], npt.ArrayLike] | None
     reward: Callable[[Look, Look, FloatArray], npt.ArrayLike] | None

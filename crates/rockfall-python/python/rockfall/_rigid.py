@@ -188,32 +188,14 @@ class RigidBodies(NamedTuple):
     rods: IntArray
 
 
-class BodyStates:
-    """States of all rigid bodies in order of addition, as :attr:`Objects.bodies` returns them. Each attribute is a new array.
-
-    In a simulation on an NVIDIA card the arrays are on the device, and PyTorch and others take them by DLPack without a copy through
-    the host, as those of :attr:`Simulation.positions`. They cannot be written to.
-    """
-
-    def __init__(self, objects: Rigid) -> None:
-        self._objects = objects
+class BodyFields:
+    """States of rigid bodies. N is their number. Bodies of worlds have rows for W worlds before that: (W, N, 3) in place of (N, 3)."""
 
     def __len__(self) -> int:
-        return len(self.positions)
+        return int(self.positions.shape[-2])
 
     def _field(self, field: str, width: int = 3) -> FloatArray:
-        self._objects._edited()
-        shared_bodies = getattr(self._objects._native, "shared_bodies", None)
-        shared = shared_bodies(field) if shared_bodies else None
-        if shared is not None:
-            # A DeviceArray does what an array does.
-            on_device = DeviceArray(shared)
-            on_device._freeze()
-            return cast(FloatArray, on_device)
-        array: FloatArray = _rockfall.body_states(self._objects._native, field).reshape(-1, width)
-        # A copy, in which a change would be lost.
-        array.flags.writeable = False
-        return array
+        raise NotImplementedError
 
     @property
     def positions(self) -> FloatArray:
@@ -234,6 +216,31 @@ class BodyStates:
     def angular_momenta(self) -> FloatArray:
         """Angular momenta about the centres of mass along the axes of the world, of shape (N, 3), in mass units²/s."""
         return self._field("angular_momentum")
+
+
+class BodyStates(BodyFields):
+    """States of all rigid bodies in order of addition, as :attr:`Objects.bodies` returns them. Each attribute is a new array.
+
+    In a simulation on an NVIDIA card the arrays are on the device, and PyTorch and others take them by DLPack without a copy through
+    the host, as those of :attr:`Simulation.positions`. They cannot be written to.
+    """
+
+    def __init__(self, objects: Rigid) -> None:
+        self._objects = objects
+
+    def _field(self, field: str, width: int = 3) -> FloatArray:
+        self._objects._edited()
+        shared_bodies = getattr(self._objects._native, "shared_bodies", None)
+        shared = shared_bodies(field) if shared_bodies else None
+        if shared is not None:
+            # A DeviceArray does what an array does.
+            on_device = DeviceArray(shared)
+            on_device._freeze()
+            return cast(FloatArray, on_device)
+        array: FloatArray = _rockfall.body_states(self._objects._native, field).reshape(-1, width)
+        # A copy, in which a change would be lost.
+        array.flags.writeable = False
+        return array
 
 
 class Rigid(Bodies):

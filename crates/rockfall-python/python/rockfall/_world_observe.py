@@ -16,7 +16,7 @@ from rockfall._scene import Scene
 from rockfall._simulation import SceneWarning, Simulation
 from rockfall._tables import contact_table
 from rockfall._warnings import warn
-from rockfall._world_states import WorldStates
+from rockfall._world_mechanisms import WorldMechanisms
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 _MOST_CHECKED = 64
 
 
-class ObservedWorlds(WorldStates):
+class ObservedWorlds(WorldMechanisms):
     """Worlds that are observed. A base of :class:`Worlds`."""
 
     _dt: float

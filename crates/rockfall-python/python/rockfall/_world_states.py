@@ -38,12 +38,12 @@ class WorldStates(Strict):
     @property
     def mask(self) -> npt.NDArray[np.bool_]:
         """Which rows of arrays of spheres exist, of shape (W, N)."""
-        return _mask(self.sphere_counts)
+        return mask_of(self.sphere_counts)
 
     @property
     def spring_mask(self) -> npt.NDArray[np.bool_]:
         """Which rows of arrays of springs exist, of shape (W, M)."""
-        return _mask(self.spring_counts)
+        return mask_of(self.spring_counts)
 
     @property
     def positions(self) -> FloatArray:
@@ -186,7 +186,7 @@ class WorldStates(Strict):
         """An array with a row for each of some worlds, of the same size for all, in which rows that do not exist are 0."""
         counts = self.sphere_counts if columns else self.spring_counts
         room = int(counts.max(initial=0))
-        array = floats(name, _hidden(value, _mask(counts)[numbers], columns), (room, *columns), len(numbers))
+        array = floats(name, hidden(value, mask_of(counts)[numbers], columns), (room, *columns), len(numbers))
         exists = np.arange(room) < counts[numbers, None]
         if columns == (4,):
             quaternions(name, array[exists])
@@ -211,12 +211,12 @@ def frozen(array: FloatArray) -> FloatArray:
     return array
 
 
-def _mask(counts: IntArray) -> npt.NDArray[np.bool_]:
+def mask_of(counts: IntArray) -> npt.NDArray[np.bool_]:
     mask: npt.NDArray[np.bool_] = np.arange(int(counts.max(initial=0))) < counts[:, None]
     return mask
 
 
-def _hidden(value: Any, exists: npt.NDArray[np.bool_], columns: tuple[int, ...]) -> Any:
+def hidden(value: Any, exists: npt.NDArray[np.bool_], columns: tuple[int, ...]) -> Any:
     """A value with zeros in the rows that do not exist, if it has the right shape and some rows do not exist."""
     if exists.all():
         return value

@@ -1,7 +1,7 @@
 """Creatures in worlds as environments of Gymnasium: ``pip install 'rockfall[gym]'``.
 
-Each environment is a world with a body of spheres and springs. Actions set rest lengths of the springs, its muscles, and forces on
-the spheres (:class:`Force`). All environments of a vector step together, on all cores or on the GPU.
+Each environment is a world with a body of spheres and springs, or with a robot. Actions set rest lengths of the springs, its
+muscles, forces on the spheres (:class:`Force`) and torques of joints (:class:`Motor`). All environments of a vector step together, on all cores or on the GPU.
 
 >>> import rockfall as rf
 >>> envs = rf.gym.make_vec(num_envs=16)
@@ -24,9 +24,11 @@ except ImportError as error:
 from rockfall._attributes import keywords
 from rockfall._film import Film
 from rockfall._filming import Live, Shot
-from rockfall._gym_actions import Force
-from rockfall._gym_bodies import Look, cart, is_lost, tilt, upright, walker
+from rockfall._gym_actions import Force, Motor
+from rockfall._gym_bodies import Look, Start, cart, is_lost, tilt, upright, walker
 from rockfall._gym_env import WorldEnv, WorldsVectorEnv
+from rockfall._gym_robots import AntEnv, AntVectorEnv, CartPoleEnv, CartPoleVectorEnv, HopperEnv, HopperVectorEnv
+from rockfall._gym_scenes import ant, cart_pole, hopper
 from rockfall._look import look
 from rockfall._progress import Progress
 from rockfall._scene import Scene
@@ -37,7 +39,9 @@ if TYPE_CHECKING:
     from rockfall._options import EnvOptions, PictureOptions, VectorOptions
 
 __all__ = [
-    "CartEnv", "CartVectorEnv", "Force", "Look", "WorldEnv", "WorldsVectorEnv", "cart", "film", "make", "make_vec", "walker",
+    "AntEnv", "AntVectorEnv", "CartEnv", "CartPoleEnv", "CartPoleVectorEnv", "CartVectorEnv", "Force", "HopperEnv",
+    "HopperVectorEnv", "Look", "Motor", "Start", "WorldEnv", "WorldsVectorEnv", "ant", "cart", "cart_pole", "film", "hopper",
+    "make", "make_vec", "walker",
 ]
 
 #: Options of environments with a cart. Observations are place and velocity of the cart, angle of the pole and its rate.
@@ -156,7 +160,13 @@ def film(
         envs._live = None
 
 
-gymnasium.register(
-    "rockfall/Walker-v0", entry_point="rockfall.gym:WorldEnv", vector_entry_point="rockfall.gym:WorldsVectorEnv"
-)
-gymnasium.register("rockfall/Cart-v0", entry_point="rockfall.gym:CartEnv", vector_entry_point="rockfall.gym:CartVectorEnv")
+for _name, _env, _vector in (
+    ("Walker", "WorldEnv", "WorldsVectorEnv"),
+    ("Cart", "CartEnv", "CartVectorEnv"),
+    ("CartPole", "CartPoleEnv", "CartPoleVectorEnv"),
+    ("Hopper", "HopperEnv", "HopperVectorEnv"),
+    ("Ant", "AntEnv", "AntVectorEnv"),
+):
+    gymnasium.register(
+        f"rockfall/{_name}-v0", entry_point=f"rockfall.gym:{_env}", vector_entry_point=f"rockfall.gym:{_vector}"
+    )

@@ -10,6 +10,7 @@ use crate::error::{Error, Result, quoted};
 
 mod check;
 mod lay;
+mod place;
 
 pub(crate) use lay::name_is_taken;
 

@@ -409,6 +409,16 @@ impl Scene {
         Ok(self.frame(id)?.spin.as_vec3())
     }
 
+    /// Sets the angular velocity of a rigid body along the axes of the world, in rad/s.
+    ///
+    /// # Errors
+    /// As for [`Scene::update_body`].
+    pub fn set_body_spin(&mut self, id: RigidBodyId, spin: impl Into<Vec3>) -> Result<()> {
+        let body = self.bodies.get(id)?;
+        let momentum = self.shape_mass(body.shape)?.tensor(wide(body.orientation)) * spin.into().as_dvec3();
+        self.update_body(id, |body| body.angular_momentum = momentum.as_vec3())
+    }
+
     /// The rigid body that a sphere is part of.
     pub fn body_of_sphere(&self, id: SphereId) -> Option<RigidBodyId> {
         let owner = self.members.of_sphere(id)?;

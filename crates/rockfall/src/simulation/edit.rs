@@ -308,11 +308,16 @@ impl Simulation {
     /// # Errors
     /// As for [`Scene::update_body`] and [`Simulation::sync`].
     pub fn update_body(&mut self, id: RigidBodyId, change: impl FnOnce(&mut RigidBody)) -> Result<()> {
+        self.move_bodies(|scene| scene.update_body(id, change))
+    }
+
+    /// Changes poses and motions of rigid bodies.
+    pub(crate) fn move_bodies(&mut self, change: impl FnOnce(&mut Scene) -> Result<()>) -> Result<()> {
         // The change may depend on the present state.
         self.sync()?;
-        self.scene.update_body(id, change)?;
+        // A change that fails may have moved some.
         self.dirty = Dirty::Everything;
-        Ok(())
+        change(&mut self.scene)
     }
 
     fn edit(&mut self, id: SphereId, edit: Edit) -> Result<()> {

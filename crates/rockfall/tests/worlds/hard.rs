@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use rockfall::glam::Vec3;
 use rockfall::{Backend, Options, Scene, Simulation, Worlds};
 
 use crate::common::*;
@@ -21,6 +22,7 @@ fn scene(cubes: usize) -> Scene {
 both! {
     worlds_with_hard_contacts_are_those_of_simulations,
     joints_of_worlds_are_read_and_driven,
+    joints_of_worlds_are_placed,
 }
 
 fn worlds_with_hard_contacts_are_those_of_simulations(backend: Backend) {
@@ -63,4 +65,37 @@ fn joints_of_worlds_are_read_and_driven(backend: Backend) {
     assert!(worlds.joints(2).expect("joints")[0].position.abs() < 1e-5, "its motor stands still again");
     let error = worlds.update_joint(0, 1, |_| ()).expect_err("one joint").to_string();
     assert_eq!(error, "joint: 1 of 1 is not allowed, expected a number below that of joints");
+}
+
+/// A cart on a slider along x, with a pole on a hinge about z.
+fn joints_of_worlds_are_placed(backend: Backend) {
+    let text = "set contact_law rigid\nset gravity 0\n@body cart mass=1\nB -0.2 -0.1 -0.1 0.4 0 0 0 0.2 0 0 0 0.2\n@end\n\
+                @body pole mass=1\nB -0.05 0 -0.05 0.1 0 0 0 1 0 0 0 0.1\n@end\n@place cart at=0,0,0 name=cart\n\
+                @place pole at=0,0,0 name=pole\n@joint slider world cart at=0,0,0 axis=1,0,0\n\
+                @joint hinge cart pole at=0,0,0 axis=0,0,1\n";
+    let scene = Scene::parse(text, Path::new("test")).expect("a valid scene").scene;
+    let mut worlds = Worlds::new(vec![scene; 2], Options::new().backend(backend)).expect("worlds");
+    worlds.place_joints(1, &[2.0, 0.5], &[3.0, -1.0]).expect("places");
+    let all = worlds.all_joints().expect("joints");
+    assert!(all[0].iter().all(|joint| joint.position == 0.0 && joint.speed == 0.0), "{:?}", all[0]);
+    for (joint, (position, speed)) in all[1].iter().zip([(2.0, 3.0), (0.5, -1.0)]) {
+        assert!((joint.position - position).abs() < 1e-6 && (joint.speed - speed).abs() < 1e-5, "{joint:?}");
+        assert!(joint.error < 1e-6, "{joint:?}");
+    }
+    worlds.sync().expect("states");
+    let scene = worlds.scene(1).expect("a world");
+    let (pole, id) = (&scene.bodies()[1], scene.body_ids().nth(1).expect("a pole"));
+    let (sine, cosine) = 0.5_f32.sin_cos();
+    assert!((pole.position - Vec3::new(2.0 - 0.5 * sine, 0.5 * cosine, 0.0)).length() < 1e-6, "{pole:?}");
+    assert!((pole.velocity - Vec3::new(3.0 + 0.5 * cosine, 0.5 * sine, 0.0)).length() < 1e-5, "{pole:?}");
+    assert!((scene.body_spin(id).expect("a spin") - Vec3::NEG_Z).length() < 1e-5);
+
+    let spins = [Vec3::new(0.0, 0.0, 2.0)];
+    worlds.update_bodies(0, &[1], Some(&spins), |_, pole| pole.velocity = Vec3::new(-1.0, 0.0, 0.0)).expect("a pole");
+    let speed = worlds.joints(0).expect("joints")[1].speed;
+    assert!((speed - 2.0).abs() < 1e-5, "{speed}");
+    let error = worlds.update_bodies(0, &[2], None, |_, _| ()).expect_err("two bodies").to_string();
+    assert_eq!(error, "body: 2 of 2 is not allowed, expected a number below that of rigid bodies");
+    let error = worlds.place_joints(0, &[1.0], &[0.0, 0.0]).expect_err("two joints").to_string();
+    assert_eq!(error, "positions: 1 for 2 is not allowed, expected one number per joint");
 }

@@ -182,6 +182,14 @@ impl Simulation {
         Ok(())
     }
 
+    /// Moves bodies so that their joints have these positions and speeds: see [`Scene::place_joints`].
+    ///
+    /// # Errors
+    /// As for [`Scene::place_joints`] and [`Simulation::sync`].
+    pub fn place_joints(&mut self, positions: &[f32], speeds: &[f32]) -> Result<()> {
+        self.move_bodies(|scene| scene.place_joints(positions, speeds))
+    }
+
     /// What all joints do at present, in order of addition. Before the first step there are no forces.
     ///
     /// # Errors
