@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/period.wgsl
-// requires physics/wall_damping.wgsl physics/walls.wgsl physics/rigid_box.wgsl physics/rigid_parts.wgsl
+// requires physics/wall_damping.wgsl physics/walls.wgsl physics/rigid_parts.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
 
@@ -84,27 +84,6 @@ fn without_distant_rods(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin:
             & (id >= step.spheres) & (id - step.spheres < step.rods) {
             if touch_static_or_rod(sphere, id, own).overlap <= 0.0 {
                 kept &= ~(1u << (e - begin));
-            }
-        }
-    }
-    return kept;
-}
-
-// Removes spheres from `given`, a mask of ENTRIES_PER_MASK entries of a sphere from `begin` on: those that have none of `bits`, of which one is
-// the solid of a box, and that do not touch the sphere.
-fn without_distant_boxes(sphere: u32, bits: u32, first: vec2u, begin: u32, count: u32, given: u32) -> u32 {
-    if !BODY_BOXES {
-        return given;
-    }
-    let word = box_word(sphere);
-    var kept = given;
-    for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e++) {
-        let entry = entry_at(slot_at(first, e));
-        let id = entry_id(entry);
-        if (((given >> (e - begin)) & 1u) != 0u) & ((entry & bits) == 0u) & (id < step.spheres) {
-            let other = box_word(id);
-            if is_solid(word) | is_solid(other) {
-                kept &= ~select(0u, 1u << (e - begin), touch_solid(sphere, id, word, other).overlap <= 0.0);
             }
         }
     }
@@ -230,16 +209,6 @@ fn contact_point(a: u32, at: f32, overlap: f32, n: vec3f) -> vec3f {
     return own.xyz + (own.w - overlap) * n;
 }
 
-// The contact point on the surface of a wall: for the solid of a box, the corner that it touches.
-fn point_on_wall(a: u32, wall: u32, found: Touch) -> vec3f {
-    if RIGID_BODIES {
-        if is_solid(box_word(a)) {
-            return state[position_at(a)].xyz + corner_seen(a, wall, u32(found.b));
-        }
-    }
-    return contact_point(a, found.a, found.overlap, found.n);
-}
-
 // The side of B. A moving wall has the velocity of the contact point.
 fn second_side(a: u32, b: u32, found: Touch) -> Side {
     return moving_side(side_of(b, found.b), a, b, found);
@@ -259,7 +228,7 @@ fn moving_side(plain: Side, a: u32, b: u32, found: Touch) -> Side {
     if WALLS {
         if b >= step.spheres + step.rods {
             let wall = wall_of(b);
-            half.velocity = velocity_of_surface(wall, point_on_wall(a, b, found), found.n);
+            half.velocity = velocity_of_surface(wall, contact_point(a, found.a, found.overlap, found.n), found.n);
             half.spin = wall.spin;
         }
     }

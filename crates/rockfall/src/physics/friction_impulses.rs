@@ -18,7 +18,6 @@ use crate::physics::collision::body::{Body, Capsule, member_rows, sphere_rows};
 use crate::physics::contact::{Approach, Sides, Slip, Touches, arms, normal_forces};
 use crate::physics::pairs::Surface;
 use crate::physics::rigid::{lever, shared_damping};
-use crate::physics::rigid_box::core_point;
 use crate::physics::sides::sides;
 use crate::physics::touch::{Touch, present_line};
 
@@ -226,10 +225,7 @@ impl FrictionImpulse {
     /// Returns the impulse on the rigid body of object `id`, which is A or B, and its torque about the centre of the body.
     fn push_on_body(&self, view: &View, id: u32, body: &RigidRecord) -> [Vec3; 2] {
         let Load { at, impulse, torque } = self.load(view, id, self.impulse);
-        let other = if id == self.a { self.b } else { self.a };
-        let (object, other) = (view.object(id), view.object(other));
-        let from_centre = core_point(view, object, other, &self.touch).map_or(Vec3::ZERO, |(place, _)| place);
-        [impulse, (lever(view, view, body, object, at) + from_centre).cross(impulse) + torque]
+        [impulse, lever(view, view, body, view.object(id), at).cross(impulse) + torque]
     }
 }
 

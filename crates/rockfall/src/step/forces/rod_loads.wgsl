@@ -28,14 +28,14 @@ fn add_contact(id: u32, own: Bar, entry: u32, sum: ptr<function, RodLoad>) {
     let a = min(id, other);
     let b = max(id, other);
     let feature = entry_feature(entry);
-    let found = uncovered(a, b, touch_bar(id, own, other, feature), feature);
+    let found = uncovered(a, b, touch_bar(id, own, other, feature));
     let a_side = side_of(a, found.a);
     let b_side = second_side(a, b, found);
     if !(found.overlap > 0.0) | (a_side.inverse_mass + b_side.inverse_mass <= 0.0) {
         return;
     }
     let is_a = id < other;
-    let contact = contact_force(in_body(a_side, a, found.a, b, found), in_body(b_side, b, found.b, a, found), found, a, b);
+    let contact = contact_force(in_body(a_side, a, found.a, found), in_body(b_side, b, found.b, found), found, a, b);
     let force = select(-contact.force, contact.force, is_a);
     let push = Push(force, contact.torque_per_arm, select(contact.arm_b, contact.arm_a, is_a), found.overlap);
     add_to_ends(push, select(found.b, found.a, is_a), is_a, sum);
