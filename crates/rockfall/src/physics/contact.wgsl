@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/period.wgsl
-// requires physics/wall_damping.wgsl physics/walls.wgsl physics/rigid_parts.wgsl
+// requires physics/walls.wgsl physics/rigid_parts.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
 
@@ -314,33 +314,10 @@ fn has_force(overlap: f32, approach: f32, radius: f32, a: u32, b: u32) -> bool {
     return ((step.flags & FLAG_COLLISIONS) == 0u) | !(fresh | (approach < -threshold)) | has_forces_alone(a, b);
 }
 
-// The damping of the contact of two objects: that for the restitution, if it has forces alone and collisions are switched on
-// (docs/physics.md section 4.16).
-fn damping_of(a: u32, b: u32) -> f32 {
-    if RIGID_BODIES {
-        if has_forces_alone(a, b) {
-            return pair_property(a, b, 6u, step.contact_damping);
-        }
-    }
-    return step.contact_damping;
-}
-
 // Repulsion and damping per reduced mass: (2.18, 2.19).
-fn pressure_of(overlap: f32, approach: f32, damping: f32) -> f32 {
-    let press = step.contact_force * overlap + damping * approach;
+fn pressure_of(overlap: f32, approach: f32) -> f32 {
+    let press = step.contact_force * overlap + step.contact_damping * approach;
     return select(max(press, 0.0), press, (step.flags & FLAG_PULL) != 0u);
-}
-
-// Coulomb friction of a contact with forces alone, which is at most `most` (docs/physics.md section 4.16).
-fn body_friction(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32, most: f32) -> vec3f {
-    let t = slip_of(a_side, b_side, arms, n, approach);
-    let size = length(t);
-    if size == 0.0 {
-        return vec3f(0.0);
-    }
-    let turning = arms.x * arms.x * a_side.inverse_inertia + arms.y * arms.y * b_side.inverse_inertia;
-    let stopping = 0.5 / ((a_side.inverse_mass + b_side.inverse_mass + turning) * step.dt);
-    return min(most / size, stopping) * t;
 }
 
 // Contact force of two objects that overlap, by their ids `a` and `b`. The inverse masses must not both be 0.
@@ -355,8 +332,7 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
     if !has_force(overlap, approach, radius, a, b) {
         return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
     }
-    let damping = damping_of(a, b) * shared_damping(a, b, overlap, n, vec2f(a_side.inverse_mass, b_side.inverse_mass));
-    let press = pressure_of(overlap, approach, damping);
+    let press = pressure_of(overlap, approach);
     let arms = arms_of(a_side, b_side, overlap, b_moves);
     var friction = vec3f(0.0);
     // With Coulomb friction, impulses replace the friction force. The reason for the combined condition is in objects.wgsl
@@ -369,12 +345,6 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
             let turning = arms.x * arms.x * a_side.inverse_inertia + arms.y * arms.y * b_side.inverse_inertia;
             let most = 0.5 / ((inverse_mass + turning) * step.dt);
             friction = min(friction_of(a, b) * reduced_mass * overlap / sqrt(sqrt(tt)), most) * t;
-        }
-    }
-    if RIGID_BODIES {
-        let mu = coulomb_friction_of(a, b);
-        if (mu > 0.0) & has_forces_alone(a, b) {
-            friction = body_friction(a_side, b_side, arms, n, approach, mu * max(press, 0.0) * reduced_mass);
         }
     }
     return ContactForce(friction - press * reduced_mass * n, cross(n, friction), arms.x, arms.y);

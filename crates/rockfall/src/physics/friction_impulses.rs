@@ -17,7 +17,7 @@ use crate::physics::collision::all::impulse_in;
 use crate::physics::collision::body::{Body, Capsule, member_rows, sphere_rows};
 use crate::physics::contact::{Approach, Sides, Slip, Touches, arms, normal_forces};
 use crate::physics::pairs::Surface;
-use crate::physics::rigid::{lever, shared_damping};
+use crate::physics::rigid::lever;
 use crate::physics::sides::sides;
 use crate::physics::touch::{Touch, present_line};
 
@@ -148,9 +148,7 @@ impl<'a> FrictionImpulses<'a> {
         let surface = Surface::of(view, a, b);
         let mut limit = surface.collision_friction * normal_impulse;
         if surface.coulomb_friction > 0.0 && touch.overlap > 0.0 {
-            let factor = shared_damping(view, [a, b], &touch, [of_a.inverse_mass.x, of_b.inverse_mass.x]);
-            let damping = Vec4::splat(factor * view.step.constants.contact_damping);
-            let force = normal_forces(view.step, of_a, of_b, overlap, &approach, damping).max(Vec4::ZERO).x;
+            let force = normal_forces(view.step, of_a, of_b, overlap, &approach).max(Vec4::ZERO).x;
             limit += surface.coulomb_friction * view.step.constants.dt * force;
         }
         let unit = FrictionImpulse { a, b, touch, impulse: t / speed, arms: arms.map(|arm| arm.x) };

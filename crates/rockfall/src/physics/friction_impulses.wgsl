@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
 // requires physics/contact.wgsl physics/collision/pressed.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/rigid_side.wgsl
-// requires physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl physics/wall_damping.wgsl step/collisions/record_of.wgsl
+// requires physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl
 
 // Friction impulses of pressed contacts (docs/physics.md section 3.9). The impulse of a contact counts every body as if it were
@@ -135,8 +135,7 @@ fn limit_of(slot: vec2u, pair: vec2u, a: Side, b: Side, found: Touch, approach: 
     }
     if (overlap > 0.0) & (in_contacts > 0.0) {
         if has_force(overlap, approach, smaller_radius(a.radius, b.radius, b_moves), pair.x, pair.y) {
-            let factor = shared_damping(pair.x, pair.y, overlap, found.n, vec2f(a.inverse_mass, b.inverse_mass));
-            let pressure = pressure_of(overlap, approach, factor * step.contact_damping);
+            let pressure = pressure_of(overlap, approach);
             let force = max(pressure, 0.0) / (a.inverse_mass + b.inverse_mass);
             limit += in_contacts * step.dt * force;
         }

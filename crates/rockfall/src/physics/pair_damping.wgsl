@@ -113,10 +113,7 @@ fn pair_damping(a: u32, b: u32, o: f32, n: vec3f, w: f32) -> f32 {
             let torque_a = cross(lever, met.xyz);
             let torque_b = cross(lever_b, met.xyz);
             var kappa = 1.0;
-            if LAW == LAW_THESIS {
-                let mass = one.inverse_mass + turning(one, torque_a) + (other.inverse_mass + turning(other, torque_b));
-                kappa = w / mass;
-            } else if LAW == LAW_HERTZ_MINDLIN {
+            if LAW == LAW_HERTZ_MINDLIN {
                 kappa = sqrt(radii.x * radii.y / (radii.x + radii.y) / reduced * met.w / o);
             }
             let push = kappa * met.w;

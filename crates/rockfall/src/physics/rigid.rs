@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_THESIS};
+use crate::model::layout::LAW_HERTZ_MINDLIN;
 use crate::model::view::{Object, RigidRecord, View};
 use crate::physics::motions::{Motions, Touch};
 use crate::physics::side::{Side, side};
@@ -132,7 +132,6 @@ fn wall_damping(view: &View, own: u32, touch: &Touch, inverse_mass: f32) -> f32 
             continue;
         }
         let stiffness = match view.step.layout.law {
-            LAW_THESIS => inverse_mass / (body.inverse_mass + body.turning(place.cross(touch.normal))),
             LAW_HERTZ_MINDLIN => (radius * overlap / (body.radius * touch.overlap)).sqrt(),
             _ => 1.0,
         };
@@ -182,9 +181,6 @@ fn pair_damping(view: &View, own: [u32; 2], touch: &Touch, inverse_mass: f32) ->
             }
             let turns = [k, l].map(|member| member.place.cross(normal));
             let stiffness = match view.step.layout.law {
-                LAW_THESIS => {
-                    inverse_mass / (one.inverse_mass + one.turning(turns[0]) + (other.inverse_mass + other.turning(turns[1])))
-                }
                 LAW_HERTZ_MINDLIN => (reduced([k, l]) / own_reduced * overlap / touch.overlap).sqrt(),
                 _ => 1.0,
             };

@@ -39,9 +39,7 @@ fn wall_damping(a: u32, o: f32, n: vec3f, w: f32) -> f32 {
             continue;
         }
         var kappa = 1.0;
-        if LAW == LAW_THESIS {
-            kappa = w / (body.inverse_mass + turning(body, cross(lever, n)));
-        } else if LAW == LAW_HERTZ_MINDLIN {
+        if LAW == LAW_HERTZ_MINDLIN {
             kappa = sqrt(radius * oj / (body.radius * o));
         }
         sums += kappa * oj * vec2f(1.0, oj);

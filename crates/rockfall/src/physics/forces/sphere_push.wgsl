@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/order.wgsl model/step.wgsl physics/chain.wgsl physics/collision/crossings.wgsl physics/contact.wgsl
-// requires physics/forces/net_force.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/rigid_side.wgsl
+// requires physics/forces/net_force.wgsl physics/geometry.wgsl physics/round_pair.wgsl
 
 // A contact of a sphere by the law of the thesis.
 
@@ -46,6 +46,6 @@ fn push_of(i: u32, partner: u32, own: vec4f, plain_side: Side, other: LoadedEntr
             return Push(vec3f(0.0), vec3f(0.0), 0.0, found.overlap);
         }
     }
-    let contact = contact_force(in_body(side, i, 0.0, found), in_body(their_side, id, found.b, found), found, i, id);
+    let contact = contact_force(side, their_side, found, i, id);
     return Push(contact.force, contact.torque_per_arm, contact.arm_a, found.overlap);
 }

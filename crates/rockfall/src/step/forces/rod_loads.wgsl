@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/chain.wgsl physics/forces/due.wgsl physics/forces/net_force.wgsl physics/forces/rod_load.wgsl physics/geometry.wgsl
-// requires physics/laws/history.wgsl physics/laws/mover_contact.wgsl physics/seams_of_list.wgsl physics/rigid_side.wgsl
+// requires physics/laws/history.wgsl physics/laws/mover_contact.wgsl physics/seams_of_list.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -35,7 +35,7 @@ fn add_contact(id: u32, own: Bar, entry: u32, sum: ptr<function, RodLoad>) {
         return;
     }
     let is_a = id < other;
-    let contact = contact_force(in_body(a_side, a, found.a, found), in_body(b_side, b, found.b, found), found, a, b);
+    let contact = contact_force(a_side, b_side, found, a, b);
     let force = select(-contact.force, contact.force, is_a);
     let push = Push(force, contact.torque_per_arm, select(contact.arm_b, contact.arm_a, is_a), found.overlap);
     add_to_ends(push, select(found.b, found.a, is_a), is_a, sum);
