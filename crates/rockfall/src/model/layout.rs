@@ -52,11 +52,13 @@ constants! {
     /// Body of a sphere that belongs to no rigid body.
     pub const NO_RIGID: u32 = u32::MAX;
     /// Vectors of a rigid body: position, low part of the position, velocity, angular momentum, orientation. The
-    /// last one has the residues of velocity and angular momentum. The others are scratch: four sums over the evaluations of RK4;
-    /// velocity, angular momentum, orientation, position and its low part of the stage state.
-    pub const RIGID_ROWS: u32 = 15;
+    /// last one has the residues of velocity and angular momentum. The others are scratch.
+    pub const RIGID_ROWS: u32 = 13;
     /// Row of a rigid body with its residues.
-    pub const RESIDUE_ROW: u32 = 14;
+    pub const RESIDUE_ROW: u32 = 12;
+    /// First row of a rigid body with the state after the drift of velocity Verlet: velocity, angular momentum, orientation, position and
+    /// its low part.
+    pub const STAGE_ROW: u32 = 7;
     /// Row of a rigid body with the residues after the drift of velocity Verlet.
     pub const DRIFTED_ROW: u32 = 6;
     /// Pass of `move_bodies` after the drift of velocity Verlet.

@@ -19,7 +19,6 @@ impl World {
     /// them.
     pub(crate) fn is_covered(&self, pair: &Pair, line: &Line) -> bool {
         !self.made(Mistake::Covered)
-            && !self.has_box(pair)
             && (self.covers(pair.a, line.at[0], pair.b, line.at[1], line.n)
                 || self.covers(pair.b, line.at[1], pair.a, line.at[0], -line.n))
     }
