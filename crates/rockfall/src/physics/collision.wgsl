@@ -1,4 +1,5 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/quaternion.wgsl physics/round_pair.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/scale.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/quaternion.wgsl
+// requires physics/round_pair.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/scale.wgsl
 // requires physics/walls.wgsl step/collisions/rows.wgsl
 
 // The two sides of a contact in the collision phase: their kind, velocity along the normal and inverse mass

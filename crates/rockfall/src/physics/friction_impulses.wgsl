@@ -1,5 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/contact.wgsl physics/collision/pressed.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/rigid_side.wgsl
+// requires physics/contact.wgsl physics/collision/pressed.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl
+// requires physics/rigid_parts.wgsl physics/rigid_side.wgsl
 // requires physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl
 

@@ -14,7 +14,8 @@ pub(crate) fn never_meet(view: &View, a: u32, b: u32) -> bool {
         && view.body_of(view.object(a)).is_some_and(|body| view.body_of(view.object(b)) == Some(body))
 }
 
-/// The side of an object in a contact, with the mass and inertia of the rigid body that it belongs to, if any. `parameter` is that of the
+/// The side of an object in a contact, with the mass and inertia of the rigid body that it belongs to, if any. `parameter` is
+/// that of the
 /// contact on a rod.
 pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, touch: &Touch) -> Side {
     let side = side(view, object, parameter);

@@ -1,7 +1,8 @@
 // requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/round_pair.wgsl physics/rigid.wgsl
 // requires physics/rigid_lever.wgsl physics/rigid_parts.wgsl
 
-// The side of an object in a contact, with the mass and inertia of the rigid body that it belongs to, if any. `at` is the parameter on a
+// The side of an object in a contact, with the mass and inertia of the rigid body that it belongs to, if any. `at` is the
+// parameter on a
 // rod.
 fn in_body(half: Side, id: u32, at: f32, found: Touch) -> Side {
     if !RIGID_BODIES {

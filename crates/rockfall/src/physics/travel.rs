@@ -10,7 +10,8 @@ use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
 use crate::model::view::View;
 
-/// Margin of AABBs for exact lists, in units of the radius, as in the functions below. It covers rounding, and spheres that hardly move keep their lists.
+/// Margin of AABBs for exact lists, in units of the radius, as in the functions below. It covers rounding, and spheres that
+/// hardly move keep their lists.
 pub(crate) const EXACT_MARGIN: f32 = 0.02;
 /// Most that the device adds to the margin of AABBs where it repeats a step, in units of 0.02 of that length.
 pub(crate) const MOST_OF_REPEAT: f32 = 10.0;

@@ -128,7 +128,8 @@ impl Scene {
         networks.into_iter().filter_map(|network| self.implied_body(network, &mut forms)).collect()
     }
 
-    /// Whether the settings let a network be a body: under the law `rigid`, and a pair of spheres under a law with history without
+    /// Whether the settings let a network be a body: under the law `rigid`, and a pair of spheres under a law with history
+    /// without
     /// collisions.
     fn may_be_body(&self, network: &Network) -> bool {
         let Settings { contact_law, collisions, .. } = self.chosen_settings();

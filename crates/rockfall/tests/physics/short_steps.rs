@@ -26,7 +26,8 @@ fn twist() -> ForceLaw {
     ForceLaw::new("twist").wgsl("torque = vec3f(0.0, 0.0, 3.7);").function(function)
 }
 
-/// Spheres that are apart, with the speeds along y and as spins about z, and under a law with history a rigid body of two balls with the
+/// Spheres that are apart, with the speeds along y and as spins about z, and under a law with history a rigid body of two balls
+/// with the
 /// second speed.
 fn flight(law: ContactLaw) -> Scene {
     let mut scene = with(|settings| {

@@ -1,4 +1,5 @@
-// requires model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl
+// requires model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl physics/rigid.wgsl
+// requires physics/rigid_lever.wgsl
 // requires step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
 // The impulses on rigid bodies by the collisions in the records (docs/physics.md section 3.11). Those of lone collisions act at another place.

@@ -1,4 +1,5 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/laws/history.wgsl physics/laws/shared.wgsl physics/smooth.wgsl physics/surface.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl
+// requires physics/laws/history.wgsl physics/laws/shared.wgsl physics/smooth.wgsl physics/surface.wgsl
 
 // What a contact of a law with history begins with in a step (docs/physics.md section 4.11).
 

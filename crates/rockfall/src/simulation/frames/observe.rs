@@ -86,7 +86,8 @@ impl Frames {
     }
 }
 
-/// Overlaps in which a box or a hull of a rigid body takes part, the deepest point of each pair: both bodies, and the depth in units and in half the least edge or
+/// Overlaps in which a box or a hull of a rigid body takes part, the deepest point of each pair: both bodies, and the depth in
+/// units and in half the least edge or
 /// diameter of the smaller body.
 ///
 /// # Errors

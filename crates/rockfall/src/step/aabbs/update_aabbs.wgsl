@@ -1,4 +1,5 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/period.wgsl physics/smooth.wgsl physics/travel.wgsl physics/wall_bounds.wgsl physics/walls.wgsl step/broad_phase/due.wgsl
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/period.wgsl physics/smooth.wgsl physics/travel.wgsl
+// requires physics/wall_bounds.wgsl physics/walls.wgsl step/broad_phase/due.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -12,7 +13,8 @@ struct Hull {
     max: vec3f,
 }
 
-// Where lists may be rebuilt in every step, a step that a body left its AABB in is repeated with larger AABBs, in units of the radius.
+// Where lists may be rebuilt in every step, a step that a body left its AABB in is repeated with larger AABBs, in units of the
+// radius.
 fn repeat_margin() -> f32 {
     let is_repeated = has_only_escaped(status.rejected) & (step.list_interval == 1.0) & !has_exact_lists();
     return select(0.0, 0.02 * min(1.25 * bitcast<f32>(status.escape_ratio) + 1.0, MOST_OF_REPEAT), is_repeated);

@@ -2,7 +2,8 @@
 //!
 //! The thread of its first sphere sums the loads of its member spheres, moves the body as the integrator moves a sphere, and writes the member spheres to
 //! the state that the integrator has just written. The integrator leaves them out. The passes are
-//! [`AFTER_DRIFT`] and [`AFTER_KICK`] with velocity Verlet, and [`AFTER_EULER`]: no contact law that has rigid bodies allows RK4. Every pass also writes the record of the body in the
+//! [`AFTER_DRIFT`] and [`AFTER_KICK`] with velocity Verlet, and [`AFTER_EULER`]: no contact law that has rigid bodies allows
+//! RK4. Every pass also writes the record of the body in the
 //! topology, with the centre and the inertia in that state, which contacts read. Pass [`BEFORE_STEP`] moves no body: a rejected
 //! step may have left another record, and in a world that was just packed the spheres have not been placed by the device.
 //! Pass [`AFTER_COLLISIONS`] places the spheres of the bodies that `push_bodies` has changed.

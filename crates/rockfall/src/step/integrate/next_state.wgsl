@@ -1,4 +1,5 @@
-// requires model/step.wgsl physics/forces/load.wgsl physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl
+// requires model/step.wgsl physics/forces/load.wgsl physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl
+// requires physics/motion.wgsl
 
 // Writes what the evaluations up to this one add to velocity and angular momentum in the step. Stage states alone would lose it by
 // rounding.
