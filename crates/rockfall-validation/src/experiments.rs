@@ -55,7 +55,6 @@ experiments! {
     boxes: "Periodic boxes, and grains that come and go",
     shear: "A sheared box",
     bodies: "Rigid bodies",
-    blocks: "Boxes that move",
     hard: "Hard contacts",
     rest: "Rest",
     silent: "Slow motion, stiff chains, and symplectic Euler",

@@ -61,7 +61,6 @@ experiments!(
     boxes,
     shear,
     bodies,
-    blocks,
     hard,
     rest,
     silent,

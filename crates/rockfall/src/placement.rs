@@ -12,7 +12,7 @@ use crate::physics::surface::visible_row;
 use crate::report::short_number;
 use crate::scene::{Anchor, Body, Handle, ImpliedBody, Scene, SphereId};
 use crate::settings::{BroadPhase, Integrator};
-use crate::simulation::frames::observe::overlaps_of_hulls;
+use crate::simulation::frames::observe::overlaps_of_solids;
 use crate::simulation::observe::{body, smaller_radius};
 use crate::simulation::observed::{observe, view_and_lists};
 use crate::user_laws::set::UserLaws;
@@ -101,10 +101,9 @@ impl Scene {
             })
         };
         let mut overlaps: Vec<Overlap> = (0..world.movers()).into_par_iter().flat_map_iter(of_mover).collect();
-        let is_hull = |body: &Body| matches!(body, Body::Sphere(id) if self.hull_of_sphere(*id).is_some());
-        overlaps.retain(|overlap| !overlap.bodies.iter().any(is_hull));
-        let of_hulls = overlaps_of_hulls(self)?.into_iter();
-        overlaps.extend(of_hulls.map(|(bodies, units, radii)| Overlap { bodies, units, radii, what: Inside::Surface }));
+        overlaps.retain(|overlap| !overlap.bodies.iter().any(|body| self.is_of_solid(*body)));
+        let of_solids = overlaps_of_solids(self)?.into_iter();
+        overlaps.extend(of_solids.map(|(bodies, units, radii)| Overlap { bodies, units, radii, what: Inside::Surface }));
         self.retain_unjoined(&mut overlaps);
         found.deepest = overlaps.iter().map(|overlap| overlap.radii).fold(0.0, f32::max);
         overlaps.retain(|overlap| overlap.radii > DEEP);
@@ -112,6 +111,15 @@ impl Scene {
         overlaps.sort_by(|a, b| b.radii.total_cmp(&a.radii));
         found.overlaps = overlaps;
         Ok(found)
+    }
+
+    /// Whether a sphere or a rod is part of a box or a hull of a rigid body.
+    pub(crate) fn is_of_solid(&self, body: Body) -> bool {
+        match body {
+            Body::Sphere(id) => self.box_of_sphere(id).is_some() || self.hull_of_sphere(id).is_some(),
+            Body::Rod(id) => self.is_edge_of_box(id),
+            Body::Box(_) | Body::Polygon(_) => false,
+        }
     }
 
     /// Removes overlaps of bodies that do not collide because of a joint.

@@ -50,7 +50,6 @@ mod necks;
 mod resolution;
 mod rods;
 mod servos;
-mod sides;
 mod softness;
 mod speed;
 
@@ -210,7 +209,7 @@ impl Scene {
         });
         let mut warnings: Vec<Warning> = springs.chain(tethers).collect();
         let settings = self.resolved_settings();
-        let contact = [settings.contact_force, settings.contact_damping.max(self.greatest_damping_of_bodies())].map(f64::from);
+        let contact = [settings.contact_force, settings.contact_damping].map(f64::from);
         let steps = self.contact_steps(contact, integrator);
         warnings.extend(steps.and_then(|steps| warn(Stiff::Contact, contact, steps)));
         let chain = self.stiffest_link();
@@ -304,9 +303,6 @@ impl Scene {
             return None;
         }
         let crowd = self.crowd();
-        // The bounds of a pile are those of twelve neighbours, which are as stiff as two sides with a factor of 2.
-        let side = self.stiffness_of_sides() * if crowd == Crowd::Many { 0.5 } else { 1.0 };
-        let (force, damping) = (side.max(1.0) * force, side.max(1.0).sqrt() * damping);
         match crowd {
             Crowd::None => None,
             Crowd::Pair => Some(few_steps(1.0, force, damping, integrator)),

@@ -8,22 +8,12 @@ mod common;
 
 #[path = "witness/advance.rs"]
 mod advance;
-#[path = "witness/bodies.rs"]
-mod bodies;
-#[path = "witness/boxes.rs"]
-mod boxes;
-#[path = "witness/bricks.rs"]
-mod bricks;
 #[path = "witness/chains.rs"]
 mod chains;
 #[path = "witness/closed.rs"]
 mod closed;
-#[path = "witness/closed_boxes.rs"]
-mod closed_boxes;
 #[path = "witness/closed_surfaces.rs"]
 mod closed_surfaces;
-#[path = "witness/clumps.rs"]
-mod clumps;
 #[path = "witness/collide.rs"]
 mod collide;
 #[path = "witness/compare.rs"]
@@ -32,12 +22,8 @@ mod compare;
 mod disagree;
 #[path = "witness/draw.rs"]
 mod draw;
-#[path = "witness/factors.rs"]
-mod factors;
 #[path = "witness/forces.rs"]
 mod forces;
-#[path = "witness/frames.rs"]
-mod frames;
 #[path = "witness/friction_impulses.rs"]
 mod friction_impulses;
 #[path = "witness/geometry.rs"]

@@ -21,11 +21,11 @@ fn body(simulation: &mut Simulation) -> Result<RigidBody> {
 
 /// A free body with these moments about the axes of its shape.
 fn free(moments: [f32; 3], momentum: Vec3, turn: Quat) -> Result<Simulation> {
-    let mut scene = with(|settings| (settings.gravity, settings.collisions) = (0.0, false));
+    let (mut scene, stuff) = on_floor(ContactLaw::Linear, Vec3::ZERO, Pair::default())?;
     let [x, y, z] = moments;
-    let shape = Shape::new().sphere([0.3, 0.0, 0.0], 0.1).mass_properties(1.0, [0.0; 3], [x, y, z, 0.0, 0.0, 0.0]);
+    let shape = Shape::new().material(stuff).sphere([0.3, 0.0, 0.0], 0.1).mass_properties(1.0, [0.0; 3], [x, y, z, 0.0, 0.0, 0.0]);
     let shape = scene.add_shape(shape)?;
-    scene.add_body(Placement::new(shape).turned(turn).angular_momentum(momentum))?;
+    scene.add_body(Placement::new(shape).at([0.0, 2.0, 0.0]).turned(turn).angular_momentum(momentum))?;
     on_cpu(scene, Integrator::VelocityVerlet)
 }
 

@@ -39,7 +39,7 @@ constants! {
     /// Place of that number.
     pub const RIGID_PRESSED: u32 = 19;
     /// Words of a box of a shape: centre x, y, z from the centre of mass, rounding radius, half the edges of the core x, y, z, the rotation
-    /// from its edges to the coordinates of the shape x, y, z, w.
+    /// from its edges to the coordinates of the shape x, y, z, w. No stage reads them, only the viewer.
     pub const SHAPE_BOX_WORDS: u32 = 11;
     /// Bit of the word of a part of a box: a vertex or an edge, and not the solid.
     pub const BOX_RIM: u32 = 1 << 31;
@@ -52,11 +52,14 @@ constants! {
     /// Body of a sphere that belongs to no rigid body.
     pub const NO_RIGID: u32 = u32::MAX;
     /// Vectors of a rigid body: position, low part of the position, velocity, angular momentum, orientation. The
-    /// last one has the residues of velocity and angular momentum. The others are scratch: four sums over the evaluations of RK4;
-    /// velocity, angular momentum, orientation, position and its low part of the stage state.
-    pub const RIGID_ROWS: u32 = 15;
+    /// last one has the residues of velocity and angular momentum. The others are scratch.
+    pub const RIGID_ROWS: u32 = 13;
     /// Row of a rigid body with its residues.
-    pub const RESIDUE_ROW: u32 = 14;
+    pub const RESIDUE_ROW: u32 = 12;
+    /// First row of a rigid body with the state after the drift of velocity Verlet: velocity, angular momentum, orientation,
+    /// position and
+    /// its low part.
+    pub const STAGE_ROW: u32 = 7;
     /// Row of a rigid body with the residues after the drift of velocity Verlet.
     pub const DRIFTED_ROW: u32 = 6;
     /// Pass of `move_bodies` after the drift of velocity Verlet.
@@ -228,12 +231,12 @@ constants! {
     pub const EDGES_AT: u32 = LINE;
     /// First word, in the buffer `cells`, of the greatest absolute coordinate of the AABB centres on each level of the grid, stored
     /// as the bits of a float.
-    pub const FARTHEST_AT: u32 = EDGES_AT + LAYERS * LINE;
+    pub const FARTHEST_AT: u32 = EDGES_AT + LINE;
     /// First word of the cells in the buffer `cells`. Word 1 of the buffer is not 0 when lists are to be rebuilt. Word 2 is the number of
     /// objects that sort-and-skip has put in order. Word 3 is the number of long movers.
-    pub const CELLS_AT: u32 = FARTHEST_AT + LAYERS * LINE;
-    /// First word, in the buffer `cells`, of the masks of the levels that have objects, one mask for each layer.
-    pub const MASKS_AT: u32 = 4;
+    pub const CELLS_AT: u32 = FARTHEST_AT + LINE;
+    /// Word, in the buffer `cells`, of the mask of the levels that have objects.
+    pub const MASK_AT: u32 = 4;
     /// Number of cells that one workgroup sums.
     pub const CELL_BLOCK: u32 = 4096;
     /// Words of the sum of a block. The first word holds the sum; the others pad it to a row of four words, which the kernels read
@@ -255,11 +258,8 @@ constants! {
     /// Movers on this level of the grid and above are long: their AABB is more than four cells of size `cell_size` wide. They test
     /// hundreds of objects, so a workgroup builds the list of each.
     pub const LONG_LEVEL: u32 = LEVEL_BIAS + 3;
-    /// Number of levels of a layer of the grid. Level l of layer k has the number `k LEVELS + l`.
+    /// Number of levels of the grid.
     pub const LEVELS: u32 = 32;
-    /// Number of layers of the grid: of boxes of bodies the solids, the vertices and the edges, and before them all other objects. Movers
-    /// search the layers of objects that they may touch.
-    pub const LAYERS: u32 = 4;
     /// Level of objects that are too large for all other levels. All of them are in one cell.
     pub const TOP_LEVEL: u32 = LEVELS - 1;
     /// A row of cells starts at `y ROW_Y + z ROW_Z + level ROW_LEVEL + x` of the table, modulo the table size. The factors are odd
@@ -320,7 +320,7 @@ pub(crate) const LENGTH_WORD: usize = 3;
 
 /// Bits of the feature in a list entry, in scenes with rods (see
 /// [`Step::entry_id_bits`](crate::model::step::Step::entry_id_bits)). A rod has up to [`BOX_FEATURES`] contacts with a box,
-/// each with a list entry of its own. The solid of a box of a rigid body has an entry for each corner of a wall. The feature is 0 for every
+/// each with a list entry of its own. The feature is 0 for every
 /// other pair.
 pub const FEATURE_BITS: u32 = 4;
 

@@ -132,7 +132,7 @@ block! {
         /// First word of the parts of boxes and hulls, by insertion index of spheres, then by rod; 0 if no rigid body has a box or hull. A
         /// word is 0 for an object that belongs to none, otherwise the first word of the box, with
         /// [`BOX_RIM`](crate::model::layout::BOX_RIM) for a vertex or an edge, or that of the hull, with
-        /// [`HULL_PART`](crate::model::layout::HULL_PART).
+        /// [`HULL_PART`](crate::model::layout::HULL_PART). No stage reads them, only the viewer.
         pub rigid_parts_at: u32,
         /// First word of the tags: group (low 16 bits) and material (high 16 bits) of every object, by id.
         pub tags_at: u32,
@@ -151,7 +151,7 @@ block! {
         /// Size of the grid's cells at level [`LEVEL_BIAS`](crate::model::layout::LEVEL_BIAS), in units. It is a little more
         /// than the size of most bodies.
         pub cell_size: f32,
-        /// The smallest radius of a sphere, without the parts of boxes, in units.
+        /// The smallest radius of a sphere, in units.
         pub least_radius: f32,
         /// Lowest level of the grid that objects are put on, however small they are.
         pub least_level: u32,

@@ -13,7 +13,6 @@ const LARGE: bool = true;
 const MUSCLES: bool = true;
 const WALLS: bool = true;
 const RIGID_BODIES: bool = true;
-const BODY_BOXES: bool = true;
 // Whether passages of spheres through polygons are counted.
 const PASSAGES: bool = true;
 const TRIANGLES: bool = true;

@@ -39,8 +39,6 @@ pub struct Traits {
     pub servos: bool,
     /// There are rigid bodies.
     pub rigid: bool,
-    /// Some rigid bodies have boxes.
-    pub body_boxes: bool,
     /// There are polygons.
     pub polygons: bool,
     /// Some polygons are triangles.
@@ -95,7 +93,6 @@ impl Step {
             walls: layout.walls_at != 0,
             servos: has(FLAG_SERVOS),
             rigid: layout.rigid_bodies > 0,
-            body_boxes: layout.rigid_parts_at > 0,
             polygons: layout.polygons > 0,
             triangles: has(FLAG_TRIANGLES),
             smooth: has(FLAG_SMOOTH),

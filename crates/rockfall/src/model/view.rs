@@ -19,7 +19,7 @@ use crate::user_laws::{ContactForceLaw, ForceInput, MOST_PARAMETERS};
 mod rigid;
 mod walls;
 
-pub(crate) use rigid::{BodyBox, PartOfBox, RigidRecord};
+pub(crate) use rigid::RigidRecord;
 pub(crate) use walls::Wall;
 
 /// A squared distance up to this counts as zero (docs/physics.md section 2.3).

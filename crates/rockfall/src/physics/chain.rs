@@ -5,7 +5,6 @@ use glam::Vec3;
 use crate::model::layout::GROUP_MASK;
 use crate::model::view::{Object, RodRecord, TINY, View};
 use crate::physics::geometry::AT_END;
-use crate::physics::rigid_box::has_box;
 use crate::physics::touch::{Touch, ignore, line, overlapping};
 
 /// Where the contact of two rods is looked for before one of them covers the contact of an end sphere: up to this part of its length
@@ -32,7 +31,7 @@ pub(crate) fn touch(view: &View, id_a: u32, id_b: u32, feature: u32) -> Option<T
 
 /// Whether another part of its chain covers the contact of two spheres or rods on one side. `false` for other objects.
 pub(crate) fn is_covered(view: &View, a: Object, b: Object, touch: &Touch) -> bool {
-    if view.step.layout.rods == 0 || has_box(view, a, b) {
+    if view.step.layout.rods == 0 {
         return false;
     }
     let (a, b) = (Part { object: a, parameter: touch.a }, Part { object: b, parameter: touch.b });

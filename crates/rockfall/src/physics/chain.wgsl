@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/rigid_box.wgsl physics/rigid_parts.wgsl
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl
 
 // Which contacts of spheres and rods other parts of their chains cover (docs/physics.md section 2.13).
 
@@ -156,15 +156,8 @@ fn is_covered(a: u32, b: u32, found: Touch) -> bool {
     return false;
 }
 
-// A contact, unless its chain covers it, and with the geometry of boxes of bodies. `n` points from a to b.
-fn uncovered(a: u32, b: u32, found: Touch, feature: u32) -> Touch {
-    if RIGID_BODIES {
-        let one = box_word(a);
-        let other = box_word(b);
-        if (one | other) != 0u {
-            return touch_parts(a, b, one, other, found, feature);
-        }
-    }
+// A contact, unless its chain covers it. `n` points from a to b.
+fn uncovered(a: u32, b: u32, found: Touch) -> Touch {
     if is_covered(a, b, found) {
         return no_touch();
     }
@@ -174,7 +167,7 @@ fn uncovered(a: u32, b: u32, found: Touch, feature: u32) -> Touch {
 // Contact of a mover with another object, from the one that was added first.
 fn contact_with(own: Own, id: u32, feature: u32) -> Touch {
     let pair = ordered(own.id, id);
-    return uncovered(pair.x, pair.y, touch_with(own, id, feature), feature);
+    return uncovered(pair.x, pair.y, touch_with(own, id, feature));
 }
 
 // Contact of two objects. `a` must be a mover.

@@ -20,7 +20,6 @@ use crate::model::view::{Object, View};
 use crate::physics::chain::touch;
 use crate::physics::contact::{collision_velocity, smaller_radius};
 use crate::physics::rigid::{lever, velocity_of};
-use crate::physics::rigid_box::toucher;
 use crate::physics::side::Side;
 use crate::physics::sides::{sides, wall_of};
 use crate::physics::touch::ROUNDING;
@@ -57,23 +56,19 @@ impl Collision {
     /// The contact `touch` of two objects, with the velocities of the state `at`. `wall` is the velocity of B if it is a box or polygon.
     fn of(view: &View, at: &impl Motions, [a, b]: [u32; 2], feature: u32, touch: Touch, wall: Vec3) -> Self {
         let mut collision = Self { a, b, feature, touch, parts: [Part::NONE; 4], len: 0, approach: -wall.dot(touch.normal) };
-        collision.add_side(view, at, [a, b], touch.a, -1.0);
-        collision.add_side(view, at, [b, a], touch.b, 1.0);
+        collision.add_side(view, at, a, touch.a, -1.0);
+        collision.add_side(view, at, b, touch.b, 1.0);
         collision
     }
 
-    /// Adds the bodies of the side of the first one of two objects, and the velocity of that side.
-    fn add_side(&mut self, view: &View, at: &impl Motions, ids: [u32; 2], parameter: f32, sign: f32) {
+    /// Adds the bodies of the side of an object, and the velocity of that side.
+    fn add_side(&mut self, view: &View, at: &impl Motions, id: u32, parameter: f32, sign: f32) {
         let n = self.touch.normal;
-        let [object, other] = ids.map(|id| view.object(id));
+        let object = view.object(id);
         if let Some(body) = view.body_of(object) {
             let record = at.rigid_body(view, body);
             self.approach -= sign * n.dot(velocity_of(view, at, object, parameter));
-            let mut lever = lever(view, at, &record, object, parameter);
-            if let Some(from_centre) = toucher(view, object, other, &self.touch) {
-                lever += from_centre;
-                self.approach -= sign * n.dot(view.spin(ids[0]).cross(from_centre));
-            }
+            let lever = lever(view, at, &record, object, parameter);
             return self.add(Part::of_rigid(body, &record, lever.cross(n), sign));
         }
         let capsule = match object {

@@ -1,4 +1,5 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/quaternion.wgsl physics/round_pair.wgsl physics/rigid.wgsl physics/rigid_box.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/scale.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/quaternion.wgsl
+// requires physics/round_pair.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/scale.wgsl
 // requires physics/walls.wgsl step/collisions/rows.wgsl
 
 // The two sides of a contact in the collision phase: their kind, velocity along the normal and inverse mass
@@ -19,8 +20,6 @@ struct ContactSide {
     spheres: vec2u,
     // Parameter of the contact from end 1 to end 2 of a rod; 0 or 1 for an end sphere of a capsule.
     at: f32,
-    // Of the solid of a box: the vector from its centre to a point of the line on which an impulse acts.
-    reach: vec3f,
 }
 
 // An end of a side: a sphere, and its share of the impulse of the contact.
@@ -50,15 +49,14 @@ struct SideMotion {
 
 const NO_TURN: vec4f = vec4f(0.0, 0.0, 0.0, 1.0);
 
-// The side of an object. It is not the solid of a box.
+// The side of an object.
 fn contact_side(id: u32, at: f32) -> ContactSide {
-    let whole = vec3f(0.0);
     if RIGID_BODIES {
         if rigid_body_of(id) != NO_RIGID {
             if RODS & (id >= step.spheres) {
-                return ContactSide(BODY, id, rod_ends(id - step.spheres), at, whole);
+                return ContactSide(BODY, id, rod_ends(id - step.spheres), at);
             }
-            return ContactSide(BODY, id, vec2u(id), 0.0, whole);
+            return ContactSide(BODY, id, vec2u(id), 0.0);
         }
     }
     if id < step.spheres {
@@ -66,34 +64,17 @@ fn contact_side(id: u32, at: f32) -> ContactSide {
             let rod = capsule_with(id);
             if rod != NONE {
                 let ends = rod_ends(rod);
-                return ContactSide(CAPSULE, id, ends, select(0.0, 1.0, ends.y == id), whole);
+                return ContactSide(CAPSULE, id, ends, select(0.0, 1.0, ends.y == id));
             }
         }
-        return ContactSide(SPHERE, id, vec2u(id), 0.0, whole);
+        return ContactSide(SPHERE, id, vec2u(id), 0.0);
     }
     if RODS & (id - step.spheres < step.rods) {
         let rod = id - step.spheres;
         let is_free = !(rod_length(rod) > 0.0);
-        return ContactSide(select(CAPSULE, ROD, is_free | !is_capsule(rod)), id, rod_ends(rod), at, whole);
+        return ContactSide(select(CAPSULE, ROD, is_free | !is_capsule(rod)), id, rod_ends(rod), at);
     }
-    return ContactSide(STATIC, id, vec2u(0u), 0.0, whole);
-}
-
-// The side of an object that another one touches. `at` and `other_at` are the parameters on both.
-fn touched_side(id: u32, at: f32, other: u32, other_at: f32) -> ContactSide {
-    var half = contact_side(id, at);
-    half.reach = reach_of_solid(id, other, other_at);
-    return half;
-}
-
-// `toucher` of the solid of a box, and 0 for other objects.
-fn reach_of_solid(id: u32, other: u32, other_at: f32) -> vec3f {
-    if RIGID_BODIES {
-        if is_solid(box_word(id)) {
-            return toucher(id, other, other_at);
-        }
-    }
-    return vec3f(0.0);
+    return ContactSide(STATIC, id, vec2u(0u), 0.0);
 }
 
 // The motion of a side, with positions as seen from its first sphere.
@@ -187,7 +168,7 @@ struct Hold {
 // `poise` is the motion of the side, now or at an earlier time.
 fn hold_of(half: ContactSide, poise: SideMotion, n: vec3f) -> Hold {
     let record = rigid_record(rigid_body_of(half.id));
-    let torque = cross(mix(poise.x1, poise.x2, half.at) + half.reach - poise.centre, n);
+    let torque = cross(mix(poise.x1, poise.x2, half.at) - poise.centre, n);
     // The record has the present inertia.
     let now = turned_vector(vec4f(-poise.turn.xyz, poise.turn.w), torque);
     let turning = turned_vector(poise.turn, by_inverse_inertia(record, now));
@@ -203,9 +184,7 @@ fn response(half: ContactSide, poise: SideMotion, n: vec3f) -> vec2f {
     if RIGID_BODIES {
         if half.kind == BODY {
             let hold = hold_of(half, poise, n);
-            let momentum = state[momentum_at(half.spheres.x)];
-            let velocity = mix(poise.v1, poise.v2, half.at) + cross(momentum.w * momentum.xyz, half.reach);
-            return vec2f(dot(velocity, n), hold.inverse_mass);
+            return vec2f(dot(mix(poise.v1, poise.v2, half.at), n), hold.inverse_mass);
         }
     }
     if !RODS | (half.kind == SPHERE) {
@@ -239,12 +218,12 @@ fn approach_of(a: ContactSide, b: ContactSide, a_poise: SideMotion, b_poise: Sid
 
 // The approach velocity and the inverse mass of the contact `found` of two objects, in the present state.
 fn approach_at(a: u32, b: u32, found: Touch) -> ApproachSpeed {
-    let one = touched_side(a, found.a, b, found.b);
-    let two = touched_side(b, found.b, a, found.a);
+    let one = contact_side(a, found.a);
+    let two = contact_side(b, found.b);
     var motion = side_motion(two);
     if WALLS {
         if two.kind == STATIC {
-            motion.v1 = velocity_of_wall(wall_of(b), point_on_wall(a, b, found));
+            motion.v1 = velocity_of_wall(wall_of(b), contact_point(a, found.a, found.overlap, found.n));
         }
     }
     return approach_of(one, two, side_motion(one), motion, found.n);

@@ -11,7 +11,6 @@ use crate::model::view::{TINY, View};
 use crate::physics::first_contact::time_of_visible_beginning;
 use crate::physics::geometry::ROUNDED;
 use crate::physics::pairs::{Surface, Surfaces};
-use crate::physics::rigid::shared_damping;
 use crate::physics::side::Side;
 use crate::physics::sides::sides;
 use crate::physics::touch::Touch;
@@ -88,33 +87,10 @@ pub(crate) fn contact_force(view: &View, lists: &Lists, [id_a, id_b]: [u32; 2], 
         }
     }
     let [a, b] = sides.each_ref().map(Sides::splat);
-    let mut surface = Surface::of(view, id_a, id_b);
-    surface.damping *= shared_damping(view, [id_a, id_b], touch, sides.each_ref().map(|side| side.inverse_mass));
-    let surfaces = Surfaces::splat(&surface);
+    let surfaces = Surfaces::splat(&Surface::of(view, id_a, id_b));
     let of_four = contact_forces(view.step, &a, &b, &Touches::splat(touch), &surfaces);
-    let [mut force, mut torque_a, mut torque_b] = [of_four.force, of_four.torque_a, of_four.torque_b].map(|v| v.to_rows()[0]);
-    let mu = surfaces.coulomb_friction.x;
-    if mu > 0.0 && view.has_forces_alone([id_a, id_b].map(|id| view.object(id))) {
-        let press = (-force.dot(touch.normal)).max(0.0);
-        let friction = body_friction(view.step, &sides, touch, mu, press);
-        let [arm_a, arm_b] = arms(&a, &b, Vec4::splat(touch.overlap)).map(|arm| arm.x);
-        let torque = touch.normal.cross(friction);
-        (force, torque_a, torque_b) = (force + friction, arm_a * torque, arm_b * torque);
-    }
+    let [force, torque_a, torque_b] = [of_four.force, of_four.torque_a, of_four.torque_b].map(|v| v.to_rows()[0]);
     ContactForce { force, torque_a, torque_b }
-}
-
-/// The friction force on A of a contact with forces alone and the coefficient `mu` of Coulomb friction, where the normal force is `press`.
-fn body_friction(step: &Step, [a, b]: &[Side; 2], touch: &Touch, mu: f32, press: f32) -> Vec3 {
-    let [one, other] = [a, b].map(Sides::splat);
-    let arms = arms(&one, &other, Vec4::splat(touch.overlap));
-    let approach = (a.velocity - b.velocity).dot(touch.normal);
-    let slip = Slip::of(&one, &other, Vec3x4::splat(touch.normal), arms, Vec4::splat(approach));
-    let t = slip.velocity.to_rows()[0];
-    let [arm_a, arm_b] = arms.map(|arm| arm.x);
-    let w = a.inverse_mass + b.inverse_mass + arm_a * arm_a * a.inverse_inertia + arm_b * arm_b * b.inverse_inertia;
-    let size = t.length();
-    if size * size <= slip.rounded.x { Vec3::ZERO } else { t * (mu * press / size).min(0.5 / (w * step.constants.dt)) }
 }
 
 impl Touches {
@@ -144,21 +120,21 @@ impl Approach {
     }
 }
 
-/// Returns the normal forces of four contacts, (Cc o + Cd u) m*, with this damping Cd. Positive forces push the objects apart. Forces are not
+/// Returns the normal forces of four contacts, (Cc o + Cd u) m*. Positive forces push the objects apart. Forces are not
 /// negative, unless the settings allow contact damping to pull.
 ///
 /// While collisions are switched on, the force is 0 in two cases (docs/physics.md section 4.4):
 /// - The pair separates fast. An impulse has already made it rebound, and a force would add energy (E22).
 /// - The overlap began within this step. The collision phase has not seen it yet. The impulse follows in the next step.
 #[inline]
-pub(crate) fn normal_forces(step: &Step, a: &Sides, b: &Sides, overlap: Vec4, approach: &Approach, damping: Vec4) -> Vec4 {
-    pressures(step, overlap, approach.velocity, damping) * acting_masses(step, a, b, overlap, approach)
+pub(crate) fn normal_forces(step: &Step, a: &Sides, b: &Sides, overlap: Vec4, approach: &Approach) -> Vec4 {
+    pressures(step, overlap, approach.velocity) * acting_masses(step, a, b, overlap, approach)
 }
 
 /// Normal forces divided by the reduced masses.
 #[inline]
-fn pressures(step: &Step, overlap: Vec4, approach: Vec4, damping: Vec4) -> Vec4 {
-    let pressure = step.constants.contact_force * overlap + damping * approach;
+fn pressures(step: &Step, overlap: Vec4, approach: Vec4) -> Vec4 {
+    let pressure = step.constants.contact_force * overlap + step.constants.contact_damping * approach;
     if step.constants.flags & FLAG_PULL == 0 { pressure.max(Vec4::ZERO) } else { pressure }
 }
 
@@ -221,7 +197,7 @@ pub(crate) fn contact_forces(
     let (n, overlap) = (touches.normal, touches.overlap);
     let approach = Approach::of(step, a, b, n);
     let mass = acting_masses(step, a, b, overlap, &approach);
-    let normal = n * (pressures(step, overlap, approach.velocity, surfaces.damping) * mass);
+    let normal = n * (pressures(step, overlap, approach.velocity) * mass);
     let [arm_a, arm_b] = arms(a, b, overlap);
     // Friction impulses replace the friction force.
     let has_impulses = surfaces.coulomb_friction.cmpgt(Vec4::ZERO);

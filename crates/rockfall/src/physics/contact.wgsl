@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/period.wgsl
-// requires physics/wall_damping.wgsl physics/walls.wgsl physics/rigid_box.wgsl physics/rigid_parts.wgsl
+// requires physics/walls.wgsl physics/rigid_parts.wgsl
 
 // The contact law (docs/physics.md section 4), and functions that search the pair lists.
 
@@ -84,27 +84,6 @@ fn without_distant_rods(sphere: u32, own: vec4f, bits: u32, first: vec2u, begin:
             & (id >= step.spheres) & (id - step.spheres < step.rods) {
             if touch_static_or_rod(sphere, id, own).overlap <= 0.0 {
                 kept &= ~(1u << (e - begin));
-            }
-        }
-    }
-    return kept;
-}
-
-// Removes spheres from `given`, a mask of ENTRIES_PER_MASK entries of a sphere from `begin` on: those that have none of `bits`, of which one is
-// the solid of a box, and that do not touch the sphere.
-fn without_distant_boxes(sphere: u32, bits: u32, first: vec2u, begin: u32, count: u32, given: u32) -> u32 {
-    if !BODY_BOXES {
-        return given;
-    }
-    let word = box_word(sphere);
-    var kept = given;
-    for (var e = begin; e < min(count, begin + ENTRIES_PER_MASK); e++) {
-        let entry = entry_at(slot_at(first, e));
-        let id = entry_id(entry);
-        if (((given >> (e - begin)) & 1u) != 0u) & ((entry & bits) == 0u) & (id < step.spheres) {
-            let other = box_word(id);
-            if is_solid(word) | is_solid(other) {
-                kept &= ~select(0u, 1u << (e - begin), touch_solid(sphere, id, word, other).overlap <= 0.0);
             }
         }
     }
@@ -230,16 +209,6 @@ fn contact_point(a: u32, at: f32, overlap: f32, n: vec3f) -> vec3f {
     return own.xyz + (own.w - overlap) * n;
 }
 
-// The contact point on the surface of a wall: for the solid of a box, the corner that it touches.
-fn point_on_wall(a: u32, wall: u32, found: Touch) -> vec3f {
-    if RIGID_BODIES {
-        if is_solid(box_word(a)) {
-            return state[position_at(a)].xyz + corner_seen(a, wall, u32(found.b));
-        }
-    }
-    return contact_point(a, found.a, found.overlap, found.n);
-}
-
 // The side of B. A moving wall has the velocity of the contact point.
 fn second_side(a: u32, b: u32, found: Touch) -> Side {
     return moving_side(side_of(b, found.b), a, b, found);
@@ -259,7 +228,7 @@ fn moving_side(plain: Side, a: u32, b: u32, found: Touch) -> Side {
     if WALLS {
         if b >= step.spheres + step.rods {
             let wall = wall_of(b);
-            half.velocity = velocity_of_surface(wall, point_on_wall(a, b, found), found.n);
+            half.velocity = velocity_of_surface(wall, contact_point(a, found.a, found.overlap, found.n), found.n);
             half.spin = wall.spin;
         }
     }
@@ -345,33 +314,10 @@ fn has_force(overlap: f32, approach: f32, radius: f32, a: u32, b: u32) -> bool {
     return ((step.flags & FLAG_COLLISIONS) == 0u) | !(fresh | (approach < -threshold)) | has_forces_alone(a, b);
 }
 
-// The damping of the contact of two objects: that for the restitution, if it has forces alone and collisions are switched on
-// (docs/physics.md section 4.16).
-fn damping_of(a: u32, b: u32) -> f32 {
-    if RIGID_BODIES {
-        if has_forces_alone(a, b) {
-            return pair_property(a, b, 6u, step.contact_damping);
-        }
-    }
-    return step.contact_damping;
-}
-
 // Repulsion and damping per reduced mass: (2.18, 2.19).
-fn pressure_of(overlap: f32, approach: f32, damping: f32) -> f32 {
-    let press = step.contact_force * overlap + damping * approach;
+fn pressure_of(overlap: f32, approach: f32) -> f32 {
+    let press = step.contact_force * overlap + step.contact_damping * approach;
     return select(max(press, 0.0), press, (step.flags & FLAG_PULL) != 0u);
-}
-
-// Coulomb friction of a contact with forces alone, which is at most `most` (docs/physics.md section 4.16).
-fn body_friction(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32, most: f32) -> vec3f {
-    let t = slip_of(a_side, b_side, arms, n, approach);
-    let size = length(t);
-    if size == 0.0 {
-        return vec3f(0.0);
-    }
-    let turning = arms.x * arms.x * a_side.inverse_inertia + arms.y * arms.y * b_side.inverse_inertia;
-    let stopping = 0.5 / ((a_side.inverse_mass + b_side.inverse_mass + turning) * step.dt);
-    return min(most / size, stopping) * t;
 }
 
 // Contact force of two objects that overlap, by their ids `a` and `b`. The inverse masses must not both be 0.
@@ -386,8 +332,7 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
     if !has_force(overlap, approach, radius, a, b) {
         return ContactForce(vec3f(0.0), vec3f(0.0), 0.0, 0.0);
     }
-    let damping = damping_of(a, b) * shared_damping(a, b, overlap, n, vec2f(a_side.inverse_mass, b_side.inverse_mass));
-    let press = pressure_of(overlap, approach, damping);
+    let press = pressure_of(overlap, approach);
     let arms = arms_of(a_side, b_side, overlap, b_moves);
     var friction = vec3f(0.0);
     // With Coulomb friction, impulses replace the friction force. The reason for the combined condition is in objects.wgsl
@@ -400,12 +345,6 @@ fn contact_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32) -> Co
             let turning = arms.x * arms.x * a_side.inverse_inertia + arms.y * arms.y * b_side.inverse_inertia;
             let most = 0.5 / ((inverse_mass + turning) * step.dt);
             friction = min(friction_of(a, b) * reduced_mass * overlap / sqrt(sqrt(tt)), most) * t;
-        }
-    }
-    if RIGID_BODIES {
-        let mu = coulomb_friction_of(a, b);
-        if (mu > 0.0) & has_forces_alone(a, b) {
-            friction = body_friction(a_side, b_side, arms, n, approach, mu * max(press, 0.0) * reduced_mass);
         }
     }
     return ContactForce(friction - press * reduced_mass * n, cross(n, friction), arms.x, arms.y);

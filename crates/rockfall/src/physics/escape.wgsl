@@ -1,4 +1,4 @@
-// requires model/step.wgsl physics/period.wgsl physics/rigid_parts.wgsl physics/travel.wgsl
+// requires model/step.wgsl physics/period.wgsl physics/travel.wgsl
 
 // Tests whether a sphere is still inside the ball for which its pair list is valid.
 
@@ -23,14 +23,14 @@ fn distance_outside(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     return length(nearest_image(position - middle)) + slide_in_step() + radius - room + ROUNDING_SLACK * max(max(far.x, far.y), far.z);
 }
 
-// How far a sphere at a place is outside the ball that its AABB encloses, in units of 0.02 times the length of its margin; 0 when it is
+// How far a sphere at a place is outside the ball that its AABB encloses, in units of 0.02 times its radius; 0 when it is
 // inside.
-fn escape_ratio(sphere: u32, position: vec3f, radius: f32, aabb: Aabb) -> f32 {
+fn escape_ratio(position: vec3f, radius: f32, aabb: Aabb) -> f32 {
     let out = distance_outside(position, radius + step.neck * radius, aabb);
     if out <= 0.0 {
         return 0.0;
     }
-    return clamp(out / (0.02 * margin_length(sphere, radius)), 1e-3, 1e30);
+    return clamp(out / (0.02 * radius), 1e-3, 1e30);
 }
 
 // Requests new lists when a moving sphere, at its present velocity, may leave the ball that its AABB encloses within the
@@ -41,7 +41,7 @@ fn request_rebuild(sphere: u32, centre: vec4f, velocity: vec4f) {
         atomicOr(&status.rebuild, REBUILD_REQUESTED);
         return;
     }
-    let reach = centre.w + step.neck * centre.w + travel_bound(velocity, margin_length(sphere, centre.w), step.list_interval);
+    let reach = centre.w + step.neck * centre.w + travel_bound(velocity, centre.w, step.list_interval);
     if velocity.w > 0.0 {
         if distance_outside(position_ahead(centre.xyz, velocity), reach, aabbs[sphere]) > 0.0 {
             // Among millions of spheres, most find the flag already set. A load is cheaper than an atomic write.

@@ -17,8 +17,7 @@ use crate::physics::collision::all::impulse_in;
 use crate::physics::collision::body::{Body, Capsule, member_rows, sphere_rows};
 use crate::physics::contact::{Approach, Sides, Slip, Touches, arms, normal_forces};
 use crate::physics::pairs::Surface;
-use crate::physics::rigid::{lever, shared_damping};
-use crate::physics::rigid_box::core_point;
+use crate::physics::rigid::lever;
 use crate::physics::sides::sides;
 use crate::physics::touch::{Touch, present_line};
 
@@ -149,9 +148,7 @@ impl<'a> FrictionImpulses<'a> {
         let surface = Surface::of(view, a, b);
         let mut limit = surface.collision_friction * normal_impulse;
         if surface.coulomb_friction > 0.0 && touch.overlap > 0.0 {
-            let factor = shared_damping(view, [a, b], &touch, [of_a.inverse_mass.x, of_b.inverse_mass.x]);
-            let damping = Vec4::splat(factor * view.step.constants.contact_damping);
-            let force = normal_forces(view.step, of_a, of_b, overlap, &approach, damping).max(Vec4::ZERO).x;
+            let force = normal_forces(view.step, of_a, of_b, overlap, &approach).max(Vec4::ZERO).x;
             limit += surface.coulomb_friction * view.step.constants.dt * force;
         }
         let unit = FrictionImpulse { a, b, touch, impulse: t / speed, arms: arms.map(|arm| arm.x) };
@@ -226,10 +223,7 @@ impl FrictionImpulse {
     /// Returns the impulse on the rigid body of object `id`, which is A or B, and its torque about the centre of the body.
     fn push_on_body(&self, view: &View, id: u32, body: &RigidRecord) -> [Vec3; 2] {
         let Load { at, impulse, torque } = self.load(view, id, self.impulse);
-        let other = if id == self.a { self.b } else { self.a };
-        let (object, other) = (view.object(id), view.object(other));
-        let from_centre = core_point(view, object, other, &self.touch).map_or(Vec3::ZERO, |(place, _)| place);
-        [impulse, (lever(view, view, body, object, at) + from_centre).cross(impulse) + torque]
+        [impulse, lever(view, view, body, view.object(id), at).cross(impulse) + torque]
     }
 }
 

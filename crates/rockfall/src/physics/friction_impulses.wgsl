@@ -1,6 +1,7 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/contact.wgsl physics/collision/pressed.wgsl physics/rigid.wgsl physics/rigid_box.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/rigid_side.wgsl
-// requires physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl physics/wall_damping.wgsl step/collisions/record_of.wgsl
+// requires physics/contact.wgsl physics/collision/pressed.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl
+// requires physics/rigid_parts.wgsl physics/rigid_side.wgsl
+// requires physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl
 
 // Friction impulses of pressed contacts (docs/physics.md section 3.9). The impulse of a contact counts every body as if it were
@@ -38,20 +39,15 @@ fn pressed_on_capsule(rod: u32) -> f32 {
     return f32(pressed_in(ends.x) + pressed_in(ends.y) + pressed_in(step.spheres + rod));
 }
 
-// The lever of a contact on the rigid body that an object is a part of: of a solid, that of the point of its core.
-fn friction_lever(half: ContactSide, other: u32, found: Touch) -> vec3f {
+// The lever of a contact on the rigid body that an object is a part of.
+fn friction_lever(half: ContactSide) -> vec3f {
     if !RIGID_BODIES {
         return vec3f(0.0);
     }
     if half.kind != BODY {
         return vec3f(0.0);
     }
-    let lever = lever_on_body(rigid_record(rigid_body_of(half.id)), half.id, half.at);
-    let word = box_word(half.id);
-    if is_solid(word) {
-        return lever + core_point(half.id, other, word, found);
-    }
-    return lever;
+    return lever_on_body(rigid_record(rigid_body_of(half.id)), half.id, half.at);
 }
 
 fn friction_side(half: ContactSide) -> Side {
@@ -140,25 +136,12 @@ fn limit_of(slot: vec2u, pair: vec2u, a: Side, b: Side, found: Touch, approach: 
     }
     if (overlap > 0.0) & (in_contacts > 0.0) {
         if has_force(overlap, approach, smaller_radius(a.radius, b.radius, b_moves), pair.x, pair.y) {
-            let factor = shared_damping(pair.x, pair.y, overlap, found.n, vec2f(a.inverse_mass, b.inverse_mass));
-            let pressure = pressure_of(overlap, approach, factor * step.contact_damping);
+            let pressure = pressure_of(overlap, approach);
             let force = max(pressure, 0.0) / (a.inverse_mass + b.inverse_mass);
             limit += in_contacts * step.dt * force;
         }
     }
     return limit;
-}
-
-// The signed geometry of two objects, with that of boxes of bodies. `found` is that of the spheres and rods that stand for them.
-fn signed_part(a: ContactSide, b: ContactSide, found: Touch, feature: u32) -> Touch {
-    if RIGID_BODIES {
-        let one = box_word(a.id);
-        let other = box_word(b.id);
-        if (one | other) != 0u {
-            return touch_parts(a.id, b.id, one, other, found, feature);
-        }
-    }
-    return found;
 }
 
 // The friction impulse of a list entry. `row` is the mover of the list. The impulse is 0 where there is none.
@@ -170,7 +153,7 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
     let a_poise = side_motion_from(a, origin_of(a));
     let b_poise = side_motion_from(b, origin_of(a));
     let by_vertex = meets_by_vertex(a, b, a_poise, entry_feature(entry));
-    let found = signed_part(a, b, signed_touch(a, b, a_poise, b_poise, entry_feature(entry), by_vertex), entry_feature(entry));
+    let found = signed_touch(a, b, a_poise, b_poise, entry_feature(entry), by_vertex);
     var friction = FrictionImpulse(vec3f(0.0), found.n, vec2f(0.0), vec2f(found.a, found.b), pair.x, vec3f(0.0), vec3f(0.0));
     if found.overlap == NO_CONTACT_LINE {
         return friction;
@@ -180,8 +163,8 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
         b.at = select(b.at, found.b, (b.id >= step.spheres) & (b.kind != STATIC));
     }
     let b_moves = pair.y < step.spheres + step.rods;
-    let a_side = in_body(friction_side(a), pair.x, a.at, pair.y, found);
-    let b_side = in_body(moving_side(friction_side(b), pair.x, pair.y, found), pair.y, b.at, pair.x, found);
+    let a_side = in_body(friction_side(a), pair.x, a.at, found);
+    let b_side = in_body(moving_side(friction_side(b), pair.x, pair.y, found), pair.y, b.at, found);
     let approach = dot(a_side.velocity - b_side.velocity, found.n);
     friction.arms = arms_of(a_side, b_side, found.overlap, b_moves);
     let t = slip_of(a_side, b_side, friction.arms, found.n, approach);
@@ -191,8 +174,8 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
         return friction;
     }
     let p = t / speed;
-    friction.lever_a = friction_lever(a, pair.y, found);
-    friction.lever_b = friction_lever(b, pair.x, found);
+    friction.lever_a = friction_lever(a);
+    friction.lever_b = friction_lever(b);
     // Gt of docs/physics.md section 3.9.
     let gt = slip_inverse_mass_of(a, friction.lever_a, found.n, p, friction.arms.x, true)
         + slip_inverse_mass_of(b, friction.lever_b, found.n, p, friction.arms.y, false);

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_box.wgsl
+// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/quaternion.wgsl physics/rigid.wgsl
 // requires physics/rigid_form.wgsl physics/rigid_parts.wgsl
 
 // Damping of the contacts of the spheres of two bodies, at least one of which is a rigid body (docs/physics.md section 4.16).
@@ -54,28 +54,12 @@ fn place_in(party: Party, k: u32) -> vec3f {
     return turned_vector(party.orientation, vector_at(party.places + 3u * k));
 }
 
-// The radius of a member; of the solid of a box, that of the sphere around it.
+// The radius of a member.
 fn radius_of_member(party: Party, k: u32) -> f32 {
     if party.record == NONE {
         return party.radius;
     }
     return float_at(party.members + party.count + k);
-}
-
-// `box_word` of a member.
-fn word_of_member(party: Party, k: u32) -> u32 {
-    if !BODY_BOXES | (party.record == NONE) {
-        return 0u;
-    }
-    return topology[party.members + 2u * party.count + k];
-}
-
-// The radius of a sphere with a word; of the solid of a box, its rounding radius.
-fn round_radius(radius: f32, word: u32) -> f32 {
-    if is_solid(word) {
-        return float_at(word + 3u);
-    }
-    return radius;
 }
 
 // A torque times the inverse inertia times itself.
@@ -95,36 +79,12 @@ struct Sums {
     torque_b: vec3f,
 }
 
-// Overlap and normal of two members with these words, which are `d` apart. The overlap is 0 where they never touch.
-fn member_contact(one: Party, other: Party, words: vec2u, radii: vec2f, d: vec3f) -> vec4f {
-    if (words.x | words.y) != 0u {
-        if is_solid(words.x) == is_solid(words.y) {
-            return vec4f(0.0);
-        }
-        if is_solid(words.x) {
-            let box = box_in(one.record, words.x);
-            let nearest = from_core(box, d);
-            return vec4f(nearest.xyz, radii.y + box.radius - nearest.w);
-        }
-        let box = box_in(other.record, words.y);
-        let nearest = from_core(box, -d);
-        return vec4f(-nearest.xyz, radii.x + box.radius - nearest.w);
-    }
-    let distance = length(d);
-    return vec4f(d / max(distance, TINY), radii.x + radii.y - distance);
-}
-
 // Factor of the damping of the contact of spheres a and b with the overlap o, the normal n and the inverse mass w.
 fn pair_damping(a: u32, b: u32, o: f32, n: vec3f, w: f32) -> f32 {
     let one = party_of(a);
     let other = party_of(b);
-    let own_words = vec2u(word_of_member(one, one.own), word_of_member(other, other.own));
-    var apart = (one.radius + other.radius - o) * n;
-    if (own_words.x | own_words.y) != 0u {
-        apart = between(a, b);
-    }
-    let own_radii = vec2f(round_radius(one.radius, own_words.x), round_radius(other.radius, own_words.y));
-    let reduced = own_radii.x * own_radii.y / (own_radii.x + own_radii.y);
+    let apart = (one.radius + other.radius - o) * n;
+    let reduced = one.radius * other.radius / (one.radius + other.radius);
     var total = Sums(vec2f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
     for (var k = 0u; k < one.count; k++) {
         let lever = place_in(one, k);
@@ -135,34 +95,26 @@ fn pair_damping(a: u32, b: u32, o: f32, n: vec3f, w: f32) -> f32 {
             continue;
         }
         for (var l = 0u; l < other.count; l++) {
-            var lever_a = lever;
-            var lever_b = place_in(other, l);
+            let lever_b = place_in(other, l);
             let radii = vec2f(radius, radius_of_member(other, l));
             let is_own = (k == one.own) & (l == other.own);
             let d = seen + (lever_b - other.own_place);
             if (dot(d, d) > (radii.x + radii.y) * (radii.x + radii.y)) & !is_own {
                 continue;
             }
-            let words = vec2u(word_of_member(one, k), word_of_member(other, l));
             var met = vec4f(n, o);
             if !is_own {
-                met = member_contact(one, other, words, radii, d);
+                let distance = length(d);
+                met = vec4f(d / max(distance, TINY), radii.x + radii.y - distance);
             }
             if !(met.w > 0.0) {
                 continue;
             }
-            // A solid is touched on the line through the centre of the other sphere.
-            lever_a += select(vec3f(0.0), d, is_solid(words.x));
-            lever_b -= select(vec3f(0.0), d, is_solid(words.y));
-            let torque_a = cross(lever_a, met.xyz);
+            let torque_a = cross(lever, met.xyz);
             let torque_b = cross(lever_b, met.xyz);
             var kappa = 1.0;
-            if LAW == LAW_THESIS {
-                let mass = one.inverse_mass + turning(one, torque_a) + (other.inverse_mass + turning(other, torque_b));
-                kappa = w / mass;
-            } else if LAW == LAW_HERTZ_MINDLIN {
-                let round = vec2f(round_radius(radii.x, words.x), round_radius(radii.y, words.y));
-                kappa = sqrt(round.x * round.y / (round.x + round.y) / reduced * met.w / o);
+            if LAW == LAW_HERTZ_MINDLIN {
+                kappa = sqrt(radii.x * radii.y / (radii.x + radii.y) / reduced * met.w / o);
             }
             let push = kappa * met.w;
             total.sums += push * vec2f(1.0, met.w);

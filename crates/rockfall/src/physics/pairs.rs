@@ -16,16 +16,13 @@ pub(crate) struct Surface {
     pub(crate) coulomb_friction: f32,
     /// Coefficient of Coulomb friction in collisions.
     pub(crate) collision_friction: f32,
-    /// Damping of contact forces with the law of the thesis.
-    pub(crate) damping: f32,
 }
 
 impl Surface {
     /// The constants of the scene.
     fn of_scene(step: &Step) -> Self {
-        let Constants { restitution, friction, coulomb_friction, collision_friction, contact_damping: damping, .. } =
-            step.constants;
-        Self { restitution, friction, coulomb_friction, collision_friction, damping }
+        let Constants { restitution, friction, coulomb_friction, collision_friction, .. } = step.constants;
+        Self { restitution, friction, coulomb_friction, collision_friction }
     }
 
     /// The properties of a pair of objects: those of their materials, and the constants of the scene for the others.
@@ -40,20 +37,13 @@ impl Surface {
             friction: or(given[1], of_scene.friction),
             coulomb_friction: or(given[2], of_scene.coulomb_friction),
             collision_friction: or(given[3], of_scene.collision_friction),
-            // Contacts with forces alone rebound by their damping (docs/physics.md section 4.16).
-            damping: if view.has_forces_alone([a, b].map(|id| view.object(id))) {
-                or(given[6], of_scene.damping)
-            } else {
-                of_scene.damping
-            },
         }
     }
 }
 
-/// The friction and the damping of four contacts.
+/// The friction of four contacts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surfaces {
-    pub(crate) damping: Vec4,
     pub(crate) friction: Vec4,
     pub(crate) coulomb_friction: Vec4,
 }
@@ -61,9 +51,8 @@ pub(crate) struct Surfaces {
 impl Surfaces {
     /// Repeats one pair four times.
     pub(crate) fn splat(surface: &Surface) -> Self {
-        let Surface { damping, friction, coulomb_friction, .. } = *surface;
-        let [damping, friction, coulomb_friction] = [damping, friction, coulomb_friction].map(Vec4::splat);
-        Self { damping, friction, coulomb_friction }
+        let [friction, coulomb_friction] = [surface.friction, surface.coulomb_friction].map(Vec4::splat);
+        Self { friction, coulomb_friction }
     }
 
     /// The pairs of an object with four others.
@@ -74,7 +63,6 @@ impl Surfaces {
         }
         let all = others.map(|other| Surface::of(view, object, other));
         Self {
-            damping: Vec4::from_array(all.map(|surface| surface.damping)),
             friction: Vec4::from_array(all.map(|surface| surface.friction)),
             coulomb_friction: Vec4::from_array(all.map(|surface| surface.coulomb_friction)),
         }

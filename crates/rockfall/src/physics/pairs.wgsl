@@ -44,8 +44,6 @@ fn collision_friction_of(a: u32, b: u32) -> f32 {
     return pair_property(a, b, 3u, step.collision_friction);
 }
 
-// The law of the thesis has a damping at place 6 (`damping_of`), negative for that of the scene.
-
 // Constants of a law with history: normal, tangential, damping, friction.
 fn law_constants_of(a: u32, b: u32) -> vec4f {
     let at = pair_at(a, b) + 4u;

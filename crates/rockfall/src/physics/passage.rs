@@ -7,11 +7,6 @@ use crate::model::layout::{DEEP_OVERLAP, FAST_WAY, OUTLINE_SLACK};
 use crate::model::view::{Object, PolygonRecord, View};
 use crate::scene::Surface;
 
-/// Whether passages of a sphere are counted: not those of the parts of bodies with boxes.
-pub(crate) fn is_watched(view: &View, sphere: u32) -> bool {
-    view.step.layout.rigid_parts_at == 0 || view.body_of_sphere(sphere).is_none()
-}
-
 /// Whether a moving sphere moves so far in a step that it may pass a wall before a deep contact was seen.
 pub(crate) fn is_fast(view: &View, sphere: u32) -> bool {
     view.step.constants.dt * view.own_velocity(sphere).length() > FAST_WAY * view.radius(sphere)

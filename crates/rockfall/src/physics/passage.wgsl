@@ -1,11 +1,6 @@
-// requires model/step.wgsl physics/rigid.wgsl
+// requires model/step.wgsl
 
 // Which spheres may pass a wall with their centre within a step (docs/physics.md section 2.20).
-
-// Whether passages of a sphere are counted: not those of the parts of bodies with boxes.
-fn is_watched(sphere: u32) -> bool {
-    return !BODY_BOXES | is_free(sphere);
-}
 
 // Whether a moving sphere moves so far in a step that it may pass a wall before a deep contact was seen.
 fn is_fast(radius: f32, velocity: vec4f) -> bool {

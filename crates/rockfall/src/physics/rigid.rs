@@ -2,25 +2,26 @@
 
 use glam::Vec3;
 
-use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_THESIS};
+use crate::model::layout::LAW_HERTZ_MINDLIN;
 use crate::model::view::{Object, RigidRecord, View};
 use crate::physics::motions::{Motions, Touch};
-use crate::physics::rigid_box::{core_point, has_box, is_solid, solid_and_ball};
 use crate::physics::side::{Side, side};
 use crate::rotate::rotated;
 
-/// The side of an object in a contact with another one, with the mass and inertia of the rigid body that it belongs to, if any. `parameter`
-/// is that of the contact on a rod.
-pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, other: Object, touch: &Touch) -> Side {
-    let mut side = side(view, object, parameter);
-    let Some((body, mut radius)) = view.body_of(object).zip(side.radius) else { return side };
+/// Whether two objects never touch because they are parts of one rigid body. Lists leave such pairs out.
+pub(crate) fn never_meet(view: &View, a: u32, b: u32) -> bool {
+    view.step.layout.rigid_bodies > 0
+        && view.body_of(view.object(a)).is_some_and(|body| view.body_of(view.object(b)) == Some(body))
+}
+
+/// The side of an object in a contact, with the mass and inertia of the rigid body that it belongs to, if any. `parameter` is
+/// that of the
+/// contact on a rod.
+pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, touch: &Touch) -> Side {
+    let side = side(view, object, parameter);
+    let Some((body, radius)) = view.body_of(object).zip(side.radius) else { return side };
     let body = view.rigid_body(body);
-    let mut lever = lever(view, view, &body, object, parameter);
-    if let Some((from_centre, rounding)) = core_point(view, object, other, touch) {
-        lever += from_centre;
-        side.velocity += side.spin.cross(from_centre);
-        (radius, side.radius) = (rounding, Some(rounding));
-    }
+    let lever = lever(view, view, &body, object, parameter);
     let across = lever.cross(touch.normal);
     let reach = 1.0 + lever.length() / radius;
     Side {
@@ -87,7 +88,6 @@ struct Member {
     sphere: u32,
     /// Its place from the centre of the party.
     place: Vec3,
-    /// Of the solid of a box, that of the sphere around it.
     radius: f32,
 }
 
@@ -122,19 +122,17 @@ impl Party {
 
 /// The same for a sphere and a wall, which is taken as a plane.
 fn wall_damping(view: &View, own: u32, touch: &Touch, inverse_mass: f32) -> f32 {
-    let is_solid = |sphere: u32| is_solid(view, Object::Sphere(sphere));
-    if view.body_of_sphere(own).is_none() || is_solid(own) {
+    if view.body_of_sphere(own).is_none() {
         return 1.0;
     }
     let body = Party::of(view, own);
     let (mut force, mut moment, mut energy) = (0.0, Vec3::ZERO, 0.0);
-    for Member { sphere, place, radius } in body.members(view) {
+    for Member { place, radius, .. } in body.members(view) {
         let overlap = touch.overlap + ((place - body.place).dot(touch.normal) + (radius - body.radius));
-        if overlap <= 0.0 || is_solid(sphere) {
+        if overlap <= 0.0 {
             continue;
         }
         let stiffness = match view.step.layout.law {
-            LAW_THESIS => inverse_mass / (body.inverse_mass + body.turning(place.cross(touch.normal))),
             LAW_HERTZ_MINDLIN => (radius * overlap / (body.radius * touch.overlap)).sqrt(),
             _ => 1.0,
         };
@@ -150,44 +148,18 @@ fn wall_damping(view: &View, own: u32, touch: &Touch, inverse_mass: f32) -> f32 
 /// Least part of the response that forces without resistance to each other would have.
 const LEAST_RESPONSE: f32 = 0.25;
 
-/// Overlap and normal of two members of parties, which are `apart`. `None` where they never touch.
-fn member_contact(view: &View, [k, l]: [Member; 2], apart: Vec3) -> Option<(f32, Vec3)> {
-    let objects = [k, l].map(|member| Object::Sphere(member.sphere));
-    if !has_box(view, objects[0], objects[1]) {
-        return Some((k.radius + l.radius - apart.length(), apart.normalize_or_zero()));
-    }
-    match objects.map(|object| is_solid(view, object)) {
-        [true, false] => {
-            let (outward, overlap) = solid_and_ball(&view.box_of(objects[0])?, apart, l.radius);
-            Some((overlap, outward))
-        }
-        [false, true] => {
-            let (outward, overlap) = solid_and_ball(&view.box_of(objects[1])?, -apart, k.radius);
-            Some((overlap, -outward))
-        }
-        _ => None,
-    }
-}
-
-/// The radius of a sphere; of the solid of a box, its rounding radius.
-fn round_radius(view: &View, member: Member) -> f32 {
-    let object = Object::Sphere(member.sphere);
-    let of_box = view.box_of(object).filter(|_| is_solid(view, object));
-    of_box.map_or(member.radius, |body_box| body_box.radius)
-}
-
 /// Factor of the damping of a contact of two spheres, at least one of which belongs to a rigid body. `inverse_mass` is that of the contact.
 ///
 /// The places of the other spheres follow from those of the two that touch, the orientations and the forms of the bodies.
 fn pair_damping(view: &View, own: [u32; 2], touch: &Touch, inverse_mass: f32) -> f32 {
     let [one, other] = own.map(|sphere| Party::of(view, sphere));
     let reduced = |pair: [Member; 2]| {
-        let [r, s] = pair.map(|member| round_radius(view, member));
+        let [r, s] = pair.map(|member| member.radius);
         r * s / (r + s)
     };
     let of = |party: &Party| Member { sphere: party.sphere, place: party.place, radius: party.radius };
     let own_reduced = reduced([of(&one), of(&other)]);
-    let between = own_distance(view, own, touch, one.radius + other.radius);
+    let between = (one.radius + other.radius - touch.overlap) * touch.normal;
     let (mut push, mut energy, mut force, mut torques) = (0.0, 0.0, Vec3::ZERO, [Vec3::ZERO; 2]);
     for k in one.members(view) {
         let seen = between - (k.place - one.place);
@@ -200,17 +172,16 @@ fn pair_damping(view: &View, own: [u32; 2], touch: &Touch, inverse_mass: f32) ->
             if apart.length_squared() > (k.radius + l.radius).powi(2) && !is_own {
                 continue;
             }
-            let met = if is_own { Some((touch.overlap, touch.normal)) } else { member_contact(view, [k, l], apart) };
-            let Some((overlap, normal)) = met.filter(|met| met.0 > 0.0) else { continue };
-            // A solid is touched on the line through the centre of the other sphere.
-            let lever = |member: Member, way: Vec3| {
-                member.place + if is_solid(view, Object::Sphere(member.sphere)) { way } else { Vec3::ZERO }
+            let (overlap, normal) = if is_own {
+                (touch.overlap, touch.normal)
+            } else {
+                (k.radius + l.radius - apart.length(), apart.normalize_or_zero())
             };
-            let turns = [lever(k, apart), lever(l, -apart)].map(|lever| lever.cross(normal));
+            if overlap <= 0.0 || overlap.is_nan() {
+                continue;
+            }
+            let turns = [k, l].map(|member| member.place.cross(normal));
             let stiffness = match view.step.layout.law {
-                LAW_THESIS => {
-                    inverse_mass / (one.inverse_mass + one.turning(turns[0]) + (other.inverse_mass + other.turning(turns[1])))
-                }
                 LAW_HERTZ_MINDLIN => (reduced([k, l]) / own_reduced * overlap / touch.overlap).sqrt(),
                 _ => 1.0,
             };
@@ -224,12 +195,4 @@ fn pair_damping(view: &View, own: [u32; 2], touch: &Touch, inverse_mass: f32) ->
     let mass = one.inverse_mass + other.inverse_mass;
     let response = mass * force.length_squared() + (one.turning(torques[0]) + other.turning(torques[1]));
     (inverse_mass * energy / response.max(LEAST_RESPONSE * mass * push * push)).sqrt()
-}
-
-/// The vector between the centres of two spheres that touch. `reach` is the sum of their radii.
-fn own_distance(view: &View, [a, b]: [u32; 2], touch: &Touch, reach: f32) -> Vec3 {
-    if has_box(view, Object::Sphere(a), Object::Sphere(b)) {
-        return view.between(a, b);
-    }
-    (reach - touch.overlap) * touch.normal
 }

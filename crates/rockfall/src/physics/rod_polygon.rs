@@ -97,12 +97,11 @@ pub(crate) fn line(at: &impl Motions, rod: RodRecord, polygon: &PolygonRecord, f
     Contact::of(&polygon_from(at, polygon, origin), ends(at, rod, origin), rod.radius, feature).map(|contact| contact.touch)
 }
 
-/// Returns the contact of a rod with a feature of a polygon that it overlaps, unless its end spheres carry it, and whether it is with a
-/// vertex.
-pub(crate) fn overlapping(view: &View, rod: RodRecord, polygon: &PolygonRecord, feature: u32) -> Option<(Touch, bool)> {
+/// Returns the contact of a rod with a feature of a polygon that it overlaps, unless its end spheres carry it.
+pub(crate) fn overlapping(view: &View, rod: RodRecord, polygon: &PolygonRecord, feature: u32) -> Option<Touch> {
     let origin = origin_of(view, rod);
     Contact::carried(&polygon_from(view, polygon, origin), ends(view, rod, origin), rod.radius, feature)
-        .map(|contact| (contact.touch, contact.is_vertex))
+        .map(|contact| contact.touch)
 }
 
 /// A contact of the axis of a rod.

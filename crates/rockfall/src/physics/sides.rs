@@ -5,7 +5,6 @@ use glam::Vec3;
 use crate::model::period::Periods;
 use crate::model::view::{Object, View, Wall};
 use crate::physics::rigid::side_in_body;
-use crate::physics::rigid_box::core_point;
 use crate::physics::side::{Side, side};
 use crate::physics::touch::{Motions, Touch};
 
@@ -13,15 +12,14 @@ use crate::physics::touch::{Motions, Touch};
 /// acceleration of its side is the sum of both, because it may accelerate against A (docs/physics.md section 2.12). In a sheared scene B has
 /// the velocity of its nearest image (section 2.14).
 pub(crate) fn sides(view: &View, [a, b]: [u32; 2], touch: &Touch) -> [Side; 2] {
-    let of_a = side_in_body(view, view.object(a), touch.a, view.object(b), touch);
+    let of_a = side_in_body(view, view.object(a), touch.a, touch);
     let of_b = match view.wall(view.object(b)) {
         None => {
-            let own = side_in_body(view, view.object(b), touch.b, view.object(a), touch);
+            let own = side_in_body(view, view.object(b), touch.b, touch);
             Side { velocity: own.velocity + image_velocity(view, a, b), ..own }
         }
         Some(wall) => {
-            let core = core_point(view, view.object(a), view.object(b), touch).map_or(Vec3::ZERO, |(place, _)| place);
-            let place = place_of(view, view, view.object(a), touch.a) + core;
+            let place = place_of(view, view, view.object(a), touch.a);
             let reach = of_a.radius.unwrap_or(0.0) - touch.overlap;
             Side {
                 velocity: wall.surface_velocity_at(place + reach * touch.normal, touch.normal),
@@ -61,14 +59,12 @@ fn wall_acceleration(view: &View, wall: &Wall, a: Object) -> f32 {
 /// The wall of a contact, if B is one that moves, and the contact point on its surface: the end of the arm of A. `at` has the positions.
 pub(crate) fn wall_of(view: &View, at: &impl Motions, [a, b]: [u32; 2], touch: &Touch) -> Option<(Wall, Vec3)> {
     let wall = view.wall(view.object(b))?;
-    let core = core_point(view, view.object(a), view.object(b), touch);
-    let (core, radius) = match (core, view.object(a)) {
-        (Some(core), _) => core,
-        (None, Object::Sphere(sphere)) => (Vec3::ZERO, view.radius(sphere)),
-        (None, Object::Rod(rod)) => (Vec3::ZERO, view.rod(rod).radius),
-        (None, Object::Cuboid(_) | Object::Polygon(_)) => return None,
+    let radius = match view.object(a) {
+        Object::Sphere(sphere) => view.radius(sphere),
+        Object::Rod(rod) => view.rod(rod).radius,
+        Object::Cuboid(_) | Object::Polygon(_) => return None,
     };
-    Some((wall, place_of(view, at, view.object(a), touch.a) + core + (radius - touch.overlap) * touch.normal))
+    Some((wall, place_of(view, at, view.object(a), touch.a) + (radius - touch.overlap) * touch.normal))
 }
 
 /// The centre of a sphere, or the point of the axis of a rod at a parameter.

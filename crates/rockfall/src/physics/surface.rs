@@ -9,8 +9,6 @@ use crate::model::lists::{Entry, Lists};
 use crate::model::view::{BoxRecord, Object, RodRecord, View};
 use crate::physics::chain::touch;
 use crate::physics::geometry::{box_contains, box_parameters};
-use crate::physics::hidden_corners;
-use crate::physics::rigid_box::is_solid;
 use crate::physics::rod_polygon::Edges;
 use crate::physics::smooth;
 use crate::physics::touch::{Feature, Motions, Touch, box_from, ends, is_over_face, line, origin_of};
@@ -117,9 +115,6 @@ impl Hidden {
         // Boxes and polygons are the last entries of a list.
         let is_static = |place: &u32| list(*place).id() >= view.step.movers();
         let first = (0..count).rev().take_while(is_static).last().unwrap_or(count);
-        if is_solid(view, view.object(mover)) {
-            return Self(hidden_corners::hidden(view, mover, &(first..count).map(list).collect::<Vec<_>>()));
-        }
         // Of one box or polygon, only edges of a polygon hide each other.
         if count - first < 2 || (list(first).id() == list(count - 1).id() && !is_polygon(view, &list(first))) {
             return Self(Vec::new());

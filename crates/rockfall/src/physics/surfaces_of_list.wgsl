@@ -1,4 +1,4 @@
-// requires model/entries.wgsl model/lists.wgsl model/step.wgsl physics/contact.wgsl physics/corners_of_list.wgsl physics/rigid_parts.wgsl physics/surface.wgsl
+// requires model/entries.wgsl model/lists.wgsl model/step.wgsl physics/contact.wgsl physics/surface.wgsl
 
 // The hidden entries in the list of a sphere.
 
@@ -9,12 +9,6 @@ fn is_static_entry(first: vec2u, e: u32) -> bool {
 // Which of the entries from `begin` on, up to ENTRIES_PER_MASK, are hidden: a bit each.
 fn hidden_entries(i: u32, own: vec4f, first: vec2u, begin: u32, count: u32) -> u32 {
     let end = min(begin + ENTRIES_PER_MASK, count);
-    if RIGID_BODIES {
-        let word = box_word(i);
-        if is_solid(word) {
-            return hidden_corners(i, word, first, begin, count);
-        }
-    }
     // Boxes and polygons are the last entries. One alone is not hidden.
     if count < 2u {
         return 0u;

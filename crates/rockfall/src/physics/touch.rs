@@ -10,7 +10,6 @@ use crate::physics::geometry::{
 };
 use crate::physics::motions::round;
 pub(crate) use crate::physics::motions::{Motions, Touch, box_from, ends, origin_of};
-use crate::physics::rigid_box::{has_box, is_solid, touch_corner, touch_edges, touch_solid};
 use crate::physics::rod_polygon;
 use crate::physics::side::side;
 
@@ -24,22 +23,9 @@ pub(crate) fn overlapping(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
     if ignore(view, a, b) {
         return None;
     }
-    // The corner and the solid stand for a contact of an edge of a box with a vertex of a wall.
-    let is_edge = view.part_of_box(a).is_some();
     let touch = match (a, b) {
-        (Object::Rod(rod), Object::Cuboid(b)) => {
-            let cuboid = view.cuboid(b);
-            let touch = rod_box(view, view.rod(rod), &cuboid, feature)?;
-            let by_vertex = is_edge && rod_edge(view, view.rod(rod), &cuboid, feature, true).is_none();
-            Some(touch).filter(|_| !by_vertex)
-        }
-        (Object::Rod(rod), Object::Polygon(b)) => {
-            let (touch, by_vertex) = rod_polygon::overlapping(view, view.rod(rod), &view.polygon(b), feature)?;
-            Some(touch).filter(|_| !(is_edge && by_vertex))
-        }
-        (Object::Sphere(_), Object::Cuboid(_) | Object::Polygon(_)) if is_solid(view, a) => {
-            touch_corner(view, a, b, feature).filter(|touch| touch.overlap > 0.0)
-        }
+        (Object::Rod(rod), Object::Cuboid(b)) => rod_box(view, view.rod(rod), &view.cuboid(b), feature),
+        (Object::Rod(rod), Object::Polygon(b)) => rod_polygon::overlapping(view, view.rod(rod), &view.polygon(b), feature),
         _ => line(view, view, a, b, None).filter(|touch| touch.overlap > 0.0),
     }?;
     // A rod cannot move at a fixed end.
@@ -67,7 +53,6 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
         (Object::Rod(rod), Object::Polygon(polygon)) => {
             rod_polygon::line(view, view.rod(rod), &view.polygon(polygon), feature)?
         }
-        (Object::Sphere(_), Object::Cuboid(_) | Object::Polygon(_)) if is_solid(view, a) => touch_corner(view, a, b, feature)?,
         _ => line(view, view, a, b, None)?,
     };
     let inverse_mass = side(view, a, touch.a).inverse_mass + side(view, b, touch.b).inverse_mass;
@@ -158,9 +143,7 @@ impl Feature {
 /// (docs/physics.md section 2.10). `feature` is the part that a contact keeps.
 pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature: Option<Feature>) -> Option<Touch> {
     match (a, b, feature) {
-        (Object::Sphere(a), Object::Sphere(b), _) => {
-            touch_solid(view, at, [a, b]).or_else(|| Some(at.spheres([a, b], [view.radius(a), view.radius(b)])))
-        }
+        (Object::Sphere(a), Object::Sphere(b), _) => Some(at.spheres([a, b], [view.radius(a), view.radius(b)])),
         (Object::Sphere(a), Object::Rod(b), _) => sphere_rod(view, at, a, view.rod(b)),
         (Object::Rod(a), Object::Rod(b), _) => rod_rod(view, at, [a, b]),
         (Object::Sphere(a), Object::Cuboid(b), _) => Some(at.on_box(a, view.radius(a), &view.cuboid(b))),
@@ -181,10 +164,7 @@ pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature
 /// Returns the signed geometry of objects A and B in the present state, in which a list entry gives the feature.
 pub(crate) fn present_line(view: &View, a: u32, b: u32, feature: u32) -> Option<Touch> {
     let (a, b) = (view.object(a), view.object(b));
-    match b {
-        Object::Cuboid(_) | Object::Polygon(_) if is_solid(view, a) => touch_corner(view, a, b, feature),
-        _ => line(view, view, a, b, Feature::of(view, a, b, feature)),
-    }
+    line(view, view, a, b, Feature::of(view, a, b, feature))
 }
 
 fn sphere_rod(view: &View, at: &impl Motions, sphere: u32, rod: RodRecord) -> Option<Touch> {
@@ -200,10 +180,6 @@ fn rod_rod(view: &View, at: &impl Motions, rods: [u32; 2]) -> Option<Touch> {
     let origin = origin_of(at, a);
     let [of_a, of_b] = [ends(at, a, origin), ends(at, b, origin)];
     let pair = segment_segment(of_a, of_b, reach)?;
-    if has_box(view, Object::Rod(rods[0]), Object::Rod(rods[1])) {
-        let [one, other] = [of_a, of_b].map(|ends| (ends[1] - ends[0]).normalize_or_zero());
-        return touch_edges(view, at, rods, &pair, one.cross(other).length());
-    }
     Some(round(pair.d, reach, pair.normal.unwrap_or(Vec3::Y), pair.a, pair.b))
 }
 

@@ -10,7 +10,8 @@ use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
 use crate::model::view::View;
 
-/// Margin of AABBs for exact lists, in units of [`View::margin_length`], as in the functions below. It covers rounding, and spheres that hardly move keep their lists.
+/// Margin of AABBs for exact lists, in units of the radius, as in the functions below. It covers rounding, and spheres that
+/// hardly move keep their lists.
 pub(crate) const EXACT_MARGIN: f32 = 0.02;
 /// Most that the device adds to the margin of AABBs where it repeats a step, in units of 0.02 of that length.
 pub(crate) const MOST_OF_REPEAT: f32 = 10.0;
@@ -55,7 +56,7 @@ pub(crate) fn escape_ratio(view: &View, aabbs: &[Aabb], sphere: u32) -> f32 {
 pub(crate) fn outside(view: &View, aabbs: &[Aabb], sphere: u32, centre: Vec3) -> f32 {
     let (step, radius) = (view.step, view.radius(sphere));
     let out = distance_outside(step, &aabbs[sphere as usize], centre, radius + step.layout.neck * radius);
-    if out <= 0.0 { 0.0 } else { (out / (0.02 * view.margin_length(sphere))).clamp(1e-3, 1e30) }
+    if out <= 0.0 { 0.0 } else { (out / (0.02 * radius)).clamp(1e-3, 1e30) }
 }
 
 /// Whether a moving sphere at `centre` with `velocity` may leave the ball that its AABB encloses before the next opportunity to
@@ -67,7 +68,7 @@ pub(crate) fn needs_rebuild(view: &View, aabbs: &[Aabb], sphere: u32, centre: Ve
         return true;
     }
     let middle = position_ahead(step, centre, velocity.extend(view.inverse_mass(sphere)));
-    let way = travel_bound(step, velocity, view.margin_length(sphere), step.lists.list_interval);
+    let way = travel_bound(step, velocity, radius, step.lists.list_interval);
     let reach = radius + step.layout.neck * radius + way;
     !view.is_fixed(sphere) && distance_outside(step, &aabbs[sphere as usize], middle, reach) > 0.0
 }

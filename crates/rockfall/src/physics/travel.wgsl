@@ -4,7 +4,8 @@
 // will be after `lead` steps at its present velocity. A ball around that point can be smaller than one around the present
 // position.
 
-// Margin of AABBs for exact lists, in units of `margin_length`, as in the functions below. It covers rounding, and spheres that hardly move keep their lists.
+// Margin of AABBs for exact lists, in units of the radius, as in the functions below. It covers rounding, and spheres that
+// hardly move keep their lists.
 const EXACT_MARGIN: f32 = 0.02;
 const MOST_OF_REPEAT: f32 = 10.0;
 

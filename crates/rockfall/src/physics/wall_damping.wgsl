@@ -25,7 +25,7 @@ fn shared_damping(a: u32, b: u32, o: f32, n: vec3f, w: vec2f) -> f32 {
 
 // The same for a sphere and a wall, which is taken as a plane. `w` is the inverse mass of the sphere.
 fn wall_damping(a: u32, o: f32, n: vec3f, w: f32) -> f32 {
-    if (body_of_sphere(a) == NO_RIGID) || is_solid(box_word(a)) {
+    if body_of_sphere(a) == NO_RIGID {
         return 1.0;
     }
     let body = party_of(a);
@@ -35,13 +35,11 @@ fn wall_damping(a: u32, o: f32, n: vec3f, w: f32) -> f32 {
         let lever = place_in(body, k);
         let radius = radius_of_member(body, k);
         let oj = o + (dot(lever - body.own_place, n) + (radius - body.radius));
-        if !(oj > 0.0) || is_solid(word_of_member(body, k)) {
+        if !(oj > 0.0) {
             continue;
         }
         var kappa = 1.0;
-        if LAW == LAW_THESIS {
-            kappa = w / (body.inverse_mass + turning(body, cross(lever, n)));
-        } else if LAW == LAW_HERTZ_MINDLIN {
+        if LAW == LAW_HERTZ_MINDLIN {
             kappa = sqrt(radius * oj / (body.radius * o));
         }
         sums += kappa * oj * vec2f(1.0, oj);

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result, quoted};
 use crate::scene::restitution::damping_for;
-use crate::scene::{Body, CohesionModel, Material, Pair, Rod, RollingModel, Scene};
+use crate::scene::{Body, CohesionModel, Material, RollingModel, Scene};
 use crate::settings::{ContactLaw, Integrator, Settings};
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
@@ -193,14 +193,13 @@ impl Scene {
         let law = self.contact_law();
         let pair = self.pair_of_numbers(one, other);
         let known = match law {
-            ContactLaw::Thesis => return [0.0, 0.0, self.damping_of_bodies(pair, dampings), 0.0, 0.0, 0.0, 0.0, 0.0],
             ContactLaw::Linear => match pair.stiffness {
                 Some(stiffness) => Some([stiffness, TANGENTIAL_RATIO * stiffness]),
                 None => pair.characteristic_velocity.zip(self.moduli(one, other)).map(|(speed, [young, _])| [-young, speed]),
             },
             ContactLaw::HertzMindlin => self.moduli(one, other),
             ContactLaw::User => Some(self.moduli(one, other).unwrap_or_default()),
-            ContactLaw::Rigid | ContactLaw::Auto => None,
+            ContactLaw::Thesis | ContactLaw::Rigid | ContactLaw::Auto => None,
         };
         let Some([normal, tangential]) = known else {
             return [0.0; 8];
@@ -218,47 +217,6 @@ impl Scene {
         let cohesion = self.neck_constant(one, other).map_or_else(of_dmt, |constant| -constant as f32);
         let [rolling, twisting] = [pair.rolling_friction, pair.twisting_friction].map(Option::unwrap_or_default);
         [normal, tangential, damping, friction, rolling, rolling_damping, twisting, cohesion]
-    }
-
-    /// The damping with which contacts of rigid bodies have the restitution of a pair, or -1 for `contact_damping` (docs/physics.md
-    /// section 4.16).
-    fn damping_of_bodies(&self, pair: Pair, dampings: &mut Dampings) -> f32 {
-        if !self.has_damped_bodies() {
-            return -1.0;
-        }
-        let restitution = pair.restitution.unwrap_or(self.settings.restitution);
-        dampings.of(ContactLaw::Linear, restitution) * self.settings.contact_force.max(0.0).sqrt()
-    }
-
-    /// The greatest damping of contacts of rigid bodies that follows from a restitution, in 1/s; 0 where none does.
-    pub(crate) fn greatest_damping_of_bodies(&self) -> f32 {
-        if !self.damps_bodies() || !self.may_have_forces_alone() {
-            return 0.0;
-        }
-        let numbers = 0..=self.materials().len() as u16;
-        let pairs = numbers.clone().flat_map(|one| numbers.clone().map(move |other| self.pair_of_numbers(one, other)));
-        // A pair without a restitution has that of the scene.
-        let restitutions = pairs.map(|pair| pair.restitution.unwrap_or(self.settings.restitution));
-        let least = restitutions.fold(f32::INFINITY, f32::min);
-        damping_for(ContactLaw::Linear, least) * self.resolved_settings().contact_force.max(0.0).sqrt()
-    }
-
-    /// Whether contacts of the scene may have forces alone (docs/physics.md section 4.16): a rod of free length may end in a body.
-    fn may_have_forces_alone(&self) -> bool {
-        let is_loose = |rod: &Rod| rod.length.is_none() && self.body_of_sphere(rod.end1) != self.body_of_sphere(rod.end2);
-        let has_loose = || self.rods().iter().any(is_loose);
-        let has_rods_of_free_length = || self.rods().iter().any(|rod| rod.length.is_none());
-        has_loose() || has_rods_of_free_length() && !self.bodies_to_imply().is_empty()
-    }
-
-    /// Whether contacts of rigid bodies rebound by a damping that follows from the restitution.
-    pub(crate) fn has_damped_bodies(&self) -> bool {
-        self.damps_bodies() && self.whole_bodies().next().is_some()
-    }
-
-    /// Whether the settings give contacts of rigid bodies such a damping.
-    fn damps_bodies(&self) -> bool {
-        self.contact_law() == ContactLaw::Thesis && self.settings.collisions
     }
 
     /// Names of the materials.

@@ -1,4 +1,4 @@
-//! Implied bodies: capsules and frames of rods that move as rigid bodies (docs/physics.md section 1.6).
+//! Implied bodies: capsules, and under the law `rigid` frames of rods, that move as rigid bodies (docs/physics.md section 1.6).
 
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};
@@ -128,16 +128,12 @@ impl Scene {
         networks.into_iter().filter_map(|network| self.implied_body(network, &mut forms)).collect()
     }
 
-    /// Whether the settings let a network be a body: with collisions, capsules stay those of the thesis.
+    /// Whether the settings let a network be a body: under the law `rigid`, and a pair of spheres under a law with history
+    /// without
+    /// collisions.
     fn may_be_body(&self, network: &Network) -> bool {
-        let Settings { contact_law, collisions, continuous_collisions, .. } = self.chosen_settings();
-        if contact_law == ContactLaw::Rigid {
-            return true;
-        }
-        match network.spheres.len() {
-            2 => contact_law.has_history() && !collisions,
-            _ => !(collisions && continuous_collisions),
-        }
+        let Settings { contact_law, collisions, .. } = self.chosen_settings();
+        contact_law == ContactLaw::Rigid || network.spheres.len() == 2 && contact_law.has_history() && !collisions
     }
 
     /// Adds an implied body whose spheres are where they should be.

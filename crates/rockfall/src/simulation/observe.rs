@@ -20,7 +20,6 @@ use crate::physics::laws::before::spring_before;
 use crate::physics::laws::contact::{LawForce, law_force, normal_energy};
 use crate::physics::laws::history::Histories;
 use crate::physics::laws::neck::contact;
-use crate::physics::rigid_box::{core_point, is_solid};
 use crate::physics::side::{Side, side};
 use crate::physics::sides::sides;
 use crate::physics::surface::visible_row;
@@ -259,12 +258,9 @@ fn deepest(scene: &Scene, world: &World, counts: impl Fn(&View, u32, Entry, &Tou
     most
 }
 
-/// The smaller radius of two objects of which at least one is a sphere or a rod. The solid of a box has none.
+/// The smaller radius of two objects of which at least one is a sphere or a rod.
 pub(crate) fn smaller_radius(view: &View, a: u32, b: u32) -> f32 {
-    let radius = |id| match view.object(id) {
-        object if is_solid(view, object) => f32::INFINITY,
-        object => side(view, object, 0.0).radius.unwrap_or(f32::INFINITY),
-    };
+    let radius = |id| side(view, view.object(id), 0.0).radius.unwrap_or(f32::INFINITY);
     radius(a).min(radius(b))
 }
 
@@ -307,10 +303,7 @@ fn contact_point(view: &View, collision: &Collision) -> Vec3 {
             let [one, two] = rod.ends.map(|end| view.position(end));
             (one.lerp(two, touch.a), rod.radius)
         }
-        Object::Sphere(sphere) => match core_point(view, view.object(collision.a), view.object(collision.b), touch) {
-            Some((place, radius)) => (view.position(sphere) + place, radius),
-            None => (view.position(sphere), view.radius(sphere)),
-        },
+        Object::Sphere(sphere) => (view.position(sphere), view.radius(sphere)),
         Object::Cuboid(_) | Object::Polygon(_) => (Vec3::ZERO, 0.0),
     };
     centre + (radius - shared) * touch.normal

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::scene::{BoxPart, Scene, Sphere};
+use crate::scene::{Scene, Sphere};
 use crate::settings::ContactLaw;
 use crate::stability::{at_most, nearest};
 
@@ -62,11 +62,9 @@ impl LawTime {
 }
 
 impl Scene {
-    /// The moving spheres, with their numbers, except those that stand for boxes: in a contact, a box has the radius of its rounding.
+    /// The moving spheres, with their numbers.
     pub(super) fn moving_surfaces(&self) -> impl Iterator<Item = (usize, &Sphere)> {
-        let is_solid = |id| matches!(self.box_of_sphere(id), Some(BoxPart::Solid(_)));
-        let moving = self.sphere_ids().zip(self.spheres()).enumerate().filter(|(_, (_, sphere))| !sphere.fixed);
-        moving.filter(move |(_, (id, _))| !is_solid(*id)).map(|(number, (_, sphere))| (number, sphere))
+        self.spheres().iter().enumerate().filter(|(_, sphere)| !sphere.fixed)
     }
 
     /// The time that bounds the time step of a contact law with history; `None` for the law of the thesis, and where no moving

@@ -86,7 +86,7 @@ impl Scene {
             let along = axis.dot(accelerations[b] - accelerations[a]).abs() / f64::from(length);
             (!one.fixed && !two.fixed).then_some((along, ends))
         };
-        // Rods of frames are parts of rigid bodies, which keep it.
+        // Rods of implied bodies are parts of rigid bodies, which keep it.
         let frames: HashSet<RodId> = self.bodies_to_imply().into_iter().flat_map(|body| body.rods).collect();
         let loose = self.rod_ids().zip(self.rods()).filter(|(id, _)| !frames.contains(id));
         let strains = loose.filter_map(|(_, rod)| strain([rod.end1, rod.end2], rod.length?));

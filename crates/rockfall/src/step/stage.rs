@@ -22,7 +22,7 @@ pub enum Slot {
     Ended,
     /// The rates that a step ends with: `Rates`, `Y2` in a pass with [`EARLY`].
     EndedRates,
-    /// The state in which pass p of `move_bodies` puts the spheres of rigid bodies: `Y2`, `Y3`, `Y4` for p = 0, 1, 2, `Y4` for
+    /// The state in which a pass of `move_bodies` puts the spheres of rigid bodies: `Y4` for
     /// [`AFTER_DRIFT`](crate::model::layout::AFTER_DRIFT), else `Start`.
     Placed,
     /// The input of pass p of a sort: `Y2` for even p, `Y3` for odd p.
@@ -44,13 +44,7 @@ impl Slot {
             Self::EndedRates => Buffer::Y2,
             Self::Next => STATES[pass as usize + 1],
             Self::Placed if pass == AFTER_DRIFT => Buffer::Y4,
-            Self::Placed => {
-                if pass < 3 {
-                    STATES[pass as usize + 1]
-                } else {
-                    Buffer::Start
-                }
-            }
+            Self::Placed => Buffer::Start,
             Self::Unsorted => STATES[1 + pass as usize % 2],
             Self::Sorted => STATES[2 - pass as usize % 2],
         }

@@ -86,7 +86,6 @@ const SHARED: &[Part] = &[
     part!("physics/collision/pressed.wgsl"),
     part!("physics/collision/pushed.wgsl"),
     part!("physics/contact.wgsl"),
-    part!("physics/corners_of_list.wgsl"),
     part!("physics/escape.wgsl"),
     part!("physics/fine.wgsl"),
     part!("physics/forces/attached.wgsl"),
@@ -125,7 +124,6 @@ const SHARED: &[Part] = &[
     part!("physics/residue.wgsl"),
     part!("physics/quaternion.wgsl"),
     part!("physics/rigid.wgsl"),
-    part!("physics/rigid_box.wgsl"),
     part!("physics/rigid_form.wgsl"),
     part!("physics/rigid_lever.wgsl"),
     part!("physics/rigid_parts.wgsl"),
@@ -245,8 +243,6 @@ pub struct Variant {
     pub walls: bool,
     /// There may be rigid bodies.
     pub rigid: bool,
-    /// Rigid bodies may have boxes.
-    pub body_boxes: bool,
     /// Passages through polygons are counted.
     pub passages: bool,
     /// There may be triangles.
@@ -294,7 +290,6 @@ impl Variant {
             muscles: traits.muscles,
             walls: traits.walls,
             rigid: traits.rigid,
-            body_boxes: traits.body_boxes,
             passages: traits.counts_passages(),
             triangles: traits.triangles,
             smooth: traits.smooth,
@@ -324,7 +319,6 @@ impl Variant {
             ("MUSCLES", self.muscles),
             ("WALLS", self.walls),
             ("RIGID_BODIES", self.rigid),
-            ("BODY_BOXES", self.body_boxes),
             ("PASSAGES", self.passages & self.worlds.is_none()),
             ("TRIANGLES", self.triangles),
             ("SMOOTH", self.smooth),

@@ -113,13 +113,14 @@ fn two_fly_off_fast(_part: usize) -> Scene {
     scene
 }
 
-/// Each kind of object meets others than the solids, vertices and edges of boxes do.
-fn boxes_of_bodies(part: usize) -> Scene {
+/// Parts of one body never meet.
+fn rigid_bodies(part: usize) -> Scene {
     let mut scene = long_rods_among_small_spheres(part);
     let random = &mut random();
-    for half in [[0.25, 0.15, 0.2], [0.9, 0.6, 0.7]] {
-        let shape = Shape::new().cuboid(Cuboid::between(half.map(|x: f32| -x), half)).mass(1.0);
-        let shape = scene.add_shape(shape).unwrap();
+    for reach in [0.25_f32, 0.9] {
+        let shape =
+            Shape::new().capsule([-reach, 0.0, 0.0], [reach, 0.0, 0.0], 0.4 * reach).sphere([0.0, reach, 0.0], 0.5 * reach);
+        let shape = scene.add_shape(shape.mass(1.0)).unwrap();
         for _ in 0..80 / part {
             let axis = Vec3::from_array(place(random, [1.0; 3]));
             let turn = Quat::from_axis_angle(axis.try_normalize().unwrap_or(Vec3::X), 2.0);
@@ -151,7 +152,7 @@ const SCENES: [(&str, Make); 11] = [
     ("equal spheres", equal_spheres),
     ("radii 1:50", radii_1_to_50),
     ("long rods among small spheres", long_rods_among_small_spheres),
-    ("boxes of bodies", boxes_of_bodies),
+    ("rigid bodies", rigid_bodies),
     ("hundreds of large boxes and polygons", hundreds_of_large_boxes_and_polygons),
     ("flat layer", flat_layer),
     ("tall column", tall_column),

@@ -175,9 +175,15 @@ fn rods_in_chunks_give_bitwise_identical_results() {
 /// Dimers that fall on a floor.
 #[test]
 fn bodies_in_chunks_give_bitwise_identical_results() {
-    let mut scene = with(|settings| (settings.gravity, settings.collisions) = (10.0, false));
-    floor_box(&mut scene);
-    let shape = scene.add_shape(Shape::new().sphere([-0.08, 0.0, 0.0], 0.1).sphere([0.08, 0.0, 0.0], 0.12)).expect("a shape");
+    let mut scene = with(|settings| {
+        settings.set("contact_law", "linear").expect("a law");
+        settings.gravity = 10.0;
+    });
+    let stuff = scene.add_material(Material::new("stuff").density(1000.0)).expect("a material");
+    scene.set_pair(stuff, stuff, Pair::default().stiffness(1e4)).expect("a pair");
+    scene.add_box(Cuboid::between([-9.0, -1.0, -9.0], [9.0, 0.0, 9.0]).material(stuff)).expect("a floor");
+    let shape = Shape::new().material(stuff).sphere([-0.08, 0.0, 0.0], 0.1).sphere([0.08, 0.0, 0.0], 0.12);
+    let shape = scene.add_shape(shape).expect("a shape");
     for body in 0..100_u8 {
         let [x, z] = [body % 10, body / 10].map(|k| 0.45 * f64::from(k) - 2.0);
         let turn = Quat::from_rotation_z(0.03 * f32::from(body));

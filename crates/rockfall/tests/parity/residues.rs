@@ -24,7 +24,7 @@ const DT: f32 = 1e-8;
 /// Radius of single spheres. Those of bodies follow from the state of the body, with rounding.
 const RADIUS: f32 = 0.5;
 
-/// Rows of balls that touch their neighbours, and dimers that touch each other.
+/// Rows of balls that touch their neighbours, and under a law with history dimers that touch each other.
 fn scene(law: ContactLaw) -> Scene {
     let mut scene = Scene::new();
     (scene.settings.contact_law, scene.settings.collisions, scene.settings.gravity) = (law, false, 9.81);
@@ -38,7 +38,7 @@ fn scene(law: ContactLaw) -> Scene {
         let place = [0.97 * f32::from(k % 8), 3.0 * f32::from(k / 8), 0.1];
         let ball = Sphere::new(place, RADIUS).density(1.0).velocity(velocity).angular_momentum(velocity.map(|v| 0.1 * v));
         scene.add_sphere(ball.material(stuff)).unwrap();
-        if k % 8 == 3 {
+        if k % 8 == 3 && law != ContactLaw::Thesis {
             let placed = Placement::new(shape).at([1.45 * f64::from(k / 8), -4.0, 2.0]).velocity(velocity);
             scene.add_body(placed.angular_momentum(velocity)).unwrap();
         }
@@ -162,7 +162,7 @@ fn backends_agree_on_residues() {
     }
     // The stage states of RK4 hardly differ from those of the step before. Every sort moves residues too.
     let expected = ["drift", "kick", "move_bodies", "key_spheres", "symplectic_euler", "move_bodies", "key_spheres", "finish"];
-    assert_eq!(moved, [&expected[..], &["move_bodies", "key_spheres"]].concat(), "stages that change residues");
+    assert_eq!(moved, [&expected[..], &["key_spheres"]].concat(), "stages that change residues");
 }
 
 static MISTAKES: [Mistake; 7] = [

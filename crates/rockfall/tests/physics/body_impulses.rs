@@ -1,7 +1,9 @@
 //! Collisions of rigid bodies as impulses (docs/physics.md section 3.11).
 
 use rockfall::glam::{DVec3, Quat, Vec3};
-use rockfall::{Backend, Cuboid, Energy, Integrator, Placement, Rod, Scene, Shape, Simulation, Sphere};
+use rockfall::{
+    Backend, Cuboid, Energy, Integrator, Material, MaterialId, Pair, Placement, Rod, Scene, Shape, Simulation, Sphere,
+};
 
 use crate::common::{on, open, with};
 
@@ -14,44 +16,41 @@ both! {
     an_elastic_clump_on_springs_keeps_its_energy,
 }
 
-const INTEGRATORS: [Integrator; 3] = [Integrator::Rk4, Integrator::SymplecticEuler, Integrator::VelocityVerlet];
+const INTEGRATORS: [Integrator; 2] = [Integrator::SymplecticEuler, Integrator::VelocityVerlet];
 
 /// The integrators of a case: all of them, or one in a shorter test.
 fn integrators(case: usize, shorter: u64) -> impl Iterator<Item = Integrator> {
-    INTEGRATORS.into_iter().enumerate().filter(move |(number, _)| shorter == 1 || *number == case % 3).map(|(_, kind)| kind)
+    INTEGRATORS.into_iter().enumerate().filter(move |(number, _)| shorter == 1 || *number == case % 2).map(|(_, kind)| kind)
 }
 
-/// A smooth scene with collisions.
-fn scene(gravity: f32, restitution: f32) -> Scene {
-    with(|settings| {
-        (settings.gravity, settings.restitution, settings.friction) = (gravity, restitution, 0.0);
-        (settings.contact_damping, settings.activation_threshold) = (0.0, 0.0);
-    })
+/// A smooth scene with collisions, and its material.
+fn scene(gravity: f32, restitution: f32) -> (Scene, MaterialId) {
+    let mut scene = with(|settings| {
+        settings.set("contact_law", "linear").expect("a law");
+        settings.collisions = true;
+        (settings.gravity, settings.activation_threshold) = (gravity, 0.0);
+    });
+    let stuff = scene.add_material(Material::new("stuff")).unwrap();
+    scene.set_pair(stuff, stuff, Pair::default().restitution(restitution).friction(0.0).stiffness(1e3)).unwrap();
+    (scene, stuff)
+}
+
+/// A floor whose surface is at the height 0.
+fn add_floor(scene: &mut Scene, material: MaterialId) {
+    scene.add_box(Cuboid::between([-50.0, -1.0, -50.0], [50.0, 0.0, 50.0]).material(material)).unwrap();
 }
 
 /// Three spheres and a rod, with three different moments of inertia.
-fn clump() -> Shape {
-    let shape = Shape::new().sphere([0.0; 3], 0.2).sphere([0.3, 0.1, 0.0], 0.15).sphere([0.0, 0.1, 0.4], 0.1);
+fn clump(material: MaterialId) -> Shape {
+    let shape =
+        Shape::new().material(material).sphere([0.0; 3], 0.2).sphere([0.3, 0.1, 0.0], 0.15).sphere([0.0, 0.1, 0.4], 0.1);
     shape.rod(0, 1, 0.1).mass_properties(2.0, [0.1, 0.05, 0.1], [0.05, 0.08, 0.06, 0.005, -0.004, 0.002])
 }
 
-fn add_clump(scene: &mut Scene, at: [f64; 3], velocity: [f32; 3], spin: [f32; 3], turn: f32) {
-    let shape = scene.add_shape(clump()).unwrap();
+fn add_clump((scene, material): (&mut Scene, MaterialId), at: [f64; 3], velocity: [f32; 3], spin: [f32; 3], turn: f32) {
+    let shape = scene.add_shape(clump(material)).unwrap();
     let turn = Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), turn);
     scene.add_body(Placement::new(shape).at(at).turned(turn).velocity(velocity).spin(spin)).unwrap();
-}
-
-/// A tetrahedron of rods of fixed length, which is an implied body.
-fn add_frame(scene: &mut Scene, at: Vec3, velocity: Vec3) {
-    let places = [[0.0, 0.0, 0.0], [0.8, 0.0, 0.1], [0.2, 0.1, 0.7], [0.3, 0.7, 0.2]].map(Vec3::from_array);
-    let balls = places.map(|place| {
-        let turning = Vec3::new(0.5, 2.0, -1.0).cross(place - Vec3::splat(0.3));
-        scene.add_sphere(Sphere::new(at + place, 0.1).mass(1.0 + place.x).velocity(velocity + turning)).unwrap()
-    });
-    for (one, two) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
-        let length = places[one].distance(places[two]);
-        scene.add_rod(Rod::new(balls[one], balls[two], 0.05).length(length)).unwrap();
-    }
 }
 
 /// How much an energy and a momentum have changed, relative to their sizes.
@@ -64,18 +63,18 @@ fn changes(first: &Energy, last: &Energy) -> [f64; 3] {
     ]
 }
 
-/// Two clumps, a ball and a frame meet. The energy, the momentum and the angular momentum of free bodies stay.
+/// Two clumps, or a clump and a ball, meet. The energy, the momentum and the angular momentum of free bodies stay.
 fn elastic_bodies_that_meet_keep_energy_and_momentum(backend: Backend) {
     let shorter = on(backend, 1_u64, 4);
     for seed in 0..16 / shorter {
         for integrator in integrators(seed as usize, shorter) {
             let turn = 0.4 * seed as f32;
-            let mut scene = scene(0.0, 1.0);
-            add_clump(&mut scene, [-1.0, 0.03 * seed as f64, 0.0], [2.0, 0.1, 0.2], [1.0, 2.0, 3.0], turn);
-            match seed % 3 {
-                0 => add_clump(&mut scene, [0.3, 0.0, 0.1], [-1.0, 0.0, 0.0], [0.0, -2.0, 1.0], 1.0 - turn),
-                1 => add_frame(&mut scene, Vec3::new(0.2, -0.3, -0.2), Vec3::new(-1.0, 0.0, 0.1)),
-                _ => drop(scene.add_sphere(Sphere::new([0.4, 0.05, 0.1], 0.25).mass(1.5)).unwrap()),
+            let (mut scene, stuff) = scene(0.0, 1.0);
+            add_clump((&mut scene, stuff), [-1.0, 0.03 * seed as f64, 0.0], [2.0, 0.1, 0.2], [1.0, 2.0, 3.0], turn);
+            if seed % 2 == 0 {
+                add_clump((&mut scene, stuff), [0.3, 0.0, 0.1], [-1.0, 0.0, 0.0], [0.0, -2.0, 1.0], 1.0 - turn);
+            } else {
+                scene.add_sphere(Sphere::new([0.4, 0.05, 0.1], 0.25).mass(1.5).material(stuff)).unwrap();
             }
             let mut simulation = open(scene, backend, integrator);
             let first = simulation.energy().unwrap();
@@ -92,31 +91,22 @@ fn elastic_bodies_that_meet_keep_energy_and_momentum(backend: Backend) {
     }
 }
 
-/// A clump and a frame bounce on a floor for a long time.
+/// A clump bounces on a floor for a long time.
 fn elastic_bodies_keep_bouncing(backend: Backend) {
     let shorter = on(backend, 1_u64, 4);
-    let of = |frame: bool| integrators(usize::from(frame), shorter).map(move |kind| (frame, kind));
-    for (is_frame, integrator) in [false, true].into_iter().flat_map(of) {
-        let mut scene = scene(5.0, 1.0);
-        scene.add_box(Cuboid::between([-50.0, -1.0, -50.0], [50.0, 0.0, 50.0])).unwrap();
-        if is_frame {
-            add_frame(&mut scene, Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.3, 0.0, 0.0));
-        } else {
-            add_clump(&mut scene, [0.0, 1.5, 0.0], [0.3, 0.0, 0.0], [3.0, 1.0, -2.0], 0.7);
-        }
+    for integrator in integrators(0, shorter) {
+        let (mut scene, stuff) = scene(5.0, 1.0);
+        add_floor(&mut scene, stuff);
+        add_clump((&mut scene, stuff), [0.0, 1.5, 0.0], [0.3, 0.0, 0.0], [3.0, 1.0, -2.0], 0.7);
         let mut simulation = open(scene, backend, integrator);
         let first = simulation.energy().unwrap();
         let report = simulation.run(4000 / shorter.pow(2), 4e-3).unwrap();
         let last = simulation.energy().unwrap();
         let kept = last.total() / first.total();
-        println!("{backend} {integrator} {is_frame}: {} collisions, keeps {kept}", report.total_collisions);
+        println!("{backend} {integrator}: {} collisions, keeps {kept}", report.total_collisions);
         let allowed = if integrator == Integrator::SymplecticEuler { 0.01 } else { 1e-3 };
-        assert!((kept - 1.0).abs() < allowed, "{backend} {integrator} {is_frame}: {first:?} {last:?}");
-        assert!(
-            report.total_collisions > 10 / shorter.pow(2),
-            "{backend} {integrator} {is_frame}: {}",
-            report.total_collisions
-        );
+        assert!((kept - 1.0).abs() < allowed, "{backend} {integrator}: {first:?} {last:?}");
+        assert!(report.total_collisions > 10 / shorter.pow(2), "{backend} {integrator}: {}", report.total_collisions);
     }
 }
 
@@ -124,13 +114,13 @@ fn elastic_bodies_keep_bouncing(backend: Backend) {
 fn the_touched_point_rebounds_with_the_restitution(backend: Backend) {
     let shorter = on(backend, 1_u64, 4);
     for restitution in [0.0, 0.5, 1.0].into_iter().take(4 - shorter.min(2) as usize) {
-        let mut scene = scene(0.0, restitution);
-        scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])).unwrap();
-        let shape = Shape::new().sphere([0.0; 3], 0.2).sphere([0.5, 0.3, 0.0], 0.2);
+        let (mut scene, stuff) = scene(0.0, restitution);
+        add_floor(&mut scene, stuff);
+        let shape = Shape::new().material(stuff).sphere([0.0; 3], 0.2).sphere([0.5, 0.3, 0.0], 0.2);
         let shape = scene.add_shape(shape.mass_properties(2.0, [0.25, 0.2, 0.1], [0.1, 0.2, 0.3, 0.01, 0.0, 0.0])).unwrap();
         let body = scene.add_body(Placement::new(shape).at([0.0, 0.203, 0.0]).velocity([0.0, -1.0, 0.0])).unwrap();
         let lower = scene.body(body).unwrap().spheres()[0];
-        let mut simulation = open(scene, backend, Integrator::Rk4);
+        let mut simulation = open(scene, backend, Integrator::VelocityVerlet);
         // The first step that finds the overlap.
         let report = simulation.run(5, 1e-3).unwrap();
         let after = simulation.sync().unwrap().sphere(lower).unwrap().velocity.y;
@@ -142,14 +132,14 @@ fn the_touched_point_rebounds_with_the_restitution(backend: Backend) {
 /// A plate of 25 spheres that lands flat is one cluster, and rebounds with e as a whole.
 fn a_flat_landing_rebounds_with_the_restitution(backend: Backend) {
     for restitution in [0.5, 1.0] {
-        let mut scene = scene(0.0, restitution);
-        scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])).unwrap();
+        let (mut scene, stuff) = scene(0.0, restitution);
+        add_floor(&mut scene, stuff);
         let place = |k: u8| 0.15 * (f32::from(k) - 2.0);
         let cells = (0..5).flat_map(|i| (0..5).map(move |j| [place(i), 0.0, place(j)]));
-        let shape = cells.fold(Shape::new().density(1000.0), |shape, at| shape.sphere(at, 0.1));
+        let shape = cells.fold(Shape::new().material(stuff).density(1000.0), |shape, at| shape.sphere(at, 0.1));
         let shape = scene.add_shape(shape).unwrap();
         scene.add_body(Placement::new(shape).at([0.1, 0.103, 0.05]).velocity([0.0, -1.0, 0.0])).unwrap();
-        let mut simulation = open(scene, backend, Integrator::Rk4);
+        let mut simulation = open(scene, backend, Integrator::VelocityVerlet);
         simulation.run(10, 1e-3).unwrap();
         let scene = simulation.sync().unwrap();
         let (velocity, momentum) = (scene.bodies()[0].velocity, scene.bodies()[0].angular_momentum);
@@ -161,14 +151,14 @@ fn a_flat_landing_rebounds_with_the_restitution(backend: Backend) {
 /// A clump that springs and a tether pull bounces between walls. The work of its displacements on the springs is taken from the rebound.
 fn an_elastic_clump_on_springs_keeps_its_energy(backend: Backend) {
     let shorter = on(backend, 1_u64, 4);
-    let mut scene = scene(3.0, 1.0);
-    scene.add_box(Cuboid::between([-5.0, -1.0, -5.0], [5.0, 0.0, 5.0])).unwrap();
-    add_clump(&mut scene, [0.0, 0.8, 0.0], [0.5, 0.0, 0.0], [3.0, 1.0, -2.0], 0.7);
+    let (mut scene, stuff) = scene(3.0, 1.0);
+    add_floor(&mut scene, stuff);
+    add_clump((&mut scene, stuff), [0.0, 0.8, 0.0], [0.5, 0.0, 0.0], [3.0, 1.0, -2.0], 0.7);
     let spheres = scene.bodies()[0].spheres().to_vec();
     for (sphere, at) in [(spheres[0], [0.3, 0.4, 0.0]), (spheres[2], [-0.2, 0.5, 0.3])] {
         scene.add_tether(rockfall::Tether::new(sphere, at, 40.0).length(0.1)).unwrap();
     }
-    let mut simulation: Simulation = open(scene, backend, Integrator::Rk4);
+    let mut simulation: Simulation = open(scene, backend, Integrator::VelocityVerlet);
     let first = simulation.energy().unwrap().total();
     let report = simulation.run(3000 / shorter.pow(2), 2e-3).unwrap();
     let last = simulation.energy().unwrap().total();
@@ -187,8 +177,8 @@ fn a_rigid_capsule_is_a_case_of_a_rigid_body(backend: Backend) {
     let axis = places[1] - places[0];
     let spin = spin - spin.dot(axis) / axis.length_squared() * axis;
     let states = |as_body: bool, backend: Backend, integrator: Integrator| {
-        let mut scene = scene(3.0, 0.8);
-        scene.add_box(Cuboid::between([-9.0, -1.0, -9.0], [9.0, 0.0, 9.0])).unwrap();
+        let (mut scene, stuff) = scene(3.0, 0.8);
+        add_floor(&mut scene, stuff);
         let ends = if as_body {
             let arms = places.map(|place| place - centre);
             let mut inertia = [0.0; 6];
@@ -199,7 +189,7 @@ fn a_rigid_capsule_is_a_case_of_a_rigid_body(backend: Backend) {
                 let sign = [1.0, 1.0, 1.0, -mass, -mass, -mass];
                 (0..6).for_each(|k| inertia[k] += sign[k] * own[k]);
             }
-            let shape = Shape::new().sphere(arms[0], radius).sphere(arms[1], radius).rod(0, 1, radius);
+            let shape = Shape::new().material(stuff).sphere(arms[0], radius).sphere(arms[1], radius).rod(0, 1, radius);
             let shape = scene.add_shape(shape.mass_properties(mass, [0.0; 3], inertia)).unwrap();
             let placed = Placement::new(shape).at(centre.as_dvec3()).velocity(velocity).spin(spin);
             let body = scene.add_body(placed).unwrap();
@@ -209,14 +199,14 @@ fn a_rigid_capsule_is_a_case_of_a_rigid_body(backend: Backend) {
                 .map(|end| {
                     let velocity = velocity + spin.cross(places[end] - centre);
                     let inertia = 0.4 * masses[end] * radius * radius;
-                    let ball = Sphere::new(places[end], radius).mass(masses[end]).velocity(velocity);
+                    let ball = Sphere::new(places[end], radius).mass(masses[end]).velocity(velocity).material(stuff);
                     scene.add_sphere(ball.angular_momentum(inertia * spin)).unwrap()
                 })
                 .collect();
-            scene.add_rod(Rod::new(ends[0], ends[1], radius).length(axis.length())).unwrap();
+            scene.add_rod(Rod::new(ends[0], ends[1], radius).length(axis.length()).material(stuff)).unwrap();
             ends
         };
-        scene.add_sphere(Sphere::new([0.1, 1.6, 0.05], 0.2).mass(0.5).velocity([0.0, -3.0, 0.0])).unwrap();
+        scene.add_sphere(Sphere::new([0.1, 1.6, 0.05], 0.2).mass(0.5).velocity([0.0, -3.0, 0.0]).material(stuff)).unwrap();
         let mut simulation = open(scene, backend, integrator);
         let report = simulation.run(250, 1e-3).unwrap();
         assert!(report.total_collisions > 1, "{backend} {integrator}: {}", report.total_collisions);

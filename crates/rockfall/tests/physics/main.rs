@@ -8,7 +8,6 @@ mod bodies;
 mod body_friction;
 mod body_impulses;
 mod body_springs;
-mod box_impulses;
 mod boxes;
 mod closed_form;
 mod contact_laws;

@@ -26,7 +26,9 @@ fn twist() -> ForceLaw {
     ForceLaw::new("twist").wgsl("torque = vec3f(0.0, 0.0, 3.7);").function(function)
 }
 
-/// Spheres that are apart, with the speeds along y and as spins about z, and a rigid body of two balls with the second speed.
+/// Spheres that are apart, with the speeds along y and as spins about z, and under a law with history a rigid body of two balls
+/// with the
+/// second speed.
 fn flight(law: ContactLaw) -> Scene {
     let mut scene = with(|settings| {
         settings.set("contact_law", &law.to_string()).expect("a law");
@@ -40,6 +42,9 @@ fn flight(law: ContactLaw) -> Scene {
                 Sphere::new([x, 0.0, z], 0.5).mass(1.0).velocity([0.3, speed, 0.0]).angular_momentum([0.0, 0.0, speed]);
             scene.add_sphere(sphere.material(stuff)).unwrap();
         }
+    }
+    if law == ContactLaw::Thesis {
+        return scene;
     }
     let dimer = Shape::new().material(stuff).sphere([-0.4, 0.0, 0.0], 0.5).sphere([0.4, 0.0, 0.0], 0.5).mass(2.0);
     let dimer = scene.add_shape(dimer).unwrap();

@@ -240,24 +240,6 @@ fn properties_that_the_law_does_not_use_are_reported() {
     assert_eq!(concerns("set contact_law linear\n"), Vec::<String>::new());
 }
 
-/// Contacts of a box of a body collide by impulses, so the restitution does not shorten the time step. It does where a rod of free
-/// length ends in a body, whose contacts have forces alone.
-#[test]
-fn the_restitution_of_bodies_with_boxes_needs_no_shorter_step() {
-    let largest = |restitution: f32, rod: &str| {
-        let text = format!(
-            "set gravity 9.81\nset resting_overlap 0.02\nset restitution {restitution}\n@body tall density=1000\n\
-             B -0.5 -1.5 -0.5 1 0 0 0 3 0 0 0 1\nS 9 0 0 0 0 0 0 0 0 0 1 0.1\n@end\n@place tall at=0,2,0 first=20\n\
-             B -20 -1 -20 40 0 0 0 1 0 0 0 40\nS 1 3 2 0 0 0 0 0 0 0 1 0.1\n{rod}"
-        );
-        let scene = Scene::parse(&text, std::path::Path::new("a.txt")).unwrap().scene;
-        scene.stability(0.1, Integrator::Rk4)[0].largest_dt
-    };
-    assert!((largest(0.0, "") - largest(0.75, "")).abs() < 1e-9);
-    let rod = "R 20 1 0.05\n";
-    assert!(largest(0.0, rod) < 0.5 * largest(0.75, rod));
-}
-
 /// A chain of fixed lengths, let go level, keeps its energy in the first swing at the step that `stability` asks for, and gains more
 /// than all of it at five times this step. A pendulum of one rod and a chain that nothing holds have no bound.
 #[test]

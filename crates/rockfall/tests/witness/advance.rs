@@ -33,8 +33,6 @@ impl World {
         kick(self, late);
         let pressed = self.change_velocities(impulses);
         kick(self, -late);
-        // A collision may have turned bodies.
-        self.place_members();
         self.apply_friction_impulses(&pressed);
         pressed
     }
@@ -129,6 +127,5 @@ impl World {
             ball.v += time * rates.v[at];
             ball.l += time * rates.l[at];
         }
-        self.advance_clumps(motion, rates, time);
     }
 }

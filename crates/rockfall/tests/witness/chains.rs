@@ -15,11 +15,9 @@ const NEAR_END: f64 = 1e-4;
 const STRAIGHT: f64 = 0.01;
 
 impl World {
-    /// Whether a part of a chain covers a contact of two balls or bars. Contacts of boxes of bodies are those of their table, so nothing covers
-    /// them.
+    /// Whether a part of a chain covers a contact of two balls or bars.
     pub(crate) fn is_covered(&self, pair: &Pair, line: &Line) -> bool {
         !self.made(Mistake::Covered)
-            && !self.has_box(pair)
             && (self.covers(pair.a, line.at[0], pair.b, line.at[1], line.n)
                 || self.covers(pair.b, line.at[1], pair.a, line.at[0], -line.n))
     }

@@ -56,7 +56,7 @@ impl World {
     /// Finds the pressed contacts, and which of them collide (docs/physics.md section 3.1) and are lone (section 3.5).
     pub(crate) fn find(&self) -> Vec<Pressed> {
         let mut pressed = Vec::new();
-        for (pair, line) in self.touches().into_iter().filter(|(pair, _)| self.may_collide(pair)) {
+        for (pair, line) in self.touches() {
             let mass: f64 = sides(&pair, &line).into_iter().map(|side| self.unprojected(side, line.n)).sum();
             if line.o > PRESSED * self.least_radius(&pair) && mass > 0.0 {
                 let collides = self.closing(&pair, &line) > self.threshold(&pair);
@@ -70,11 +70,6 @@ impl World {
         pressed
     }
 
-    /// Whether a contact gets impulses.
-    pub(crate) fn may_collide(&self, pair: &Pair) -> bool {
-        !(self.has_forces_alone(pair) || self.made(Mistake::BodyForces) && self.has_clump(pair))
-    }
-
     fn is_lone(&self, pressed: &[Pressed], k: usize) -> bool {
         let this = &pressed[k];
         self.touched(&this.pair, &this.line).into_iter().all(|body| {
@@ -85,9 +80,7 @@ impl World {
                 self.touched(&other.pair, &other.line).contains(&body) && !(of_sphere && of_static && across)
             };
             let others = pressed.iter().enumerate().filter(|&(l, _)| l != k);
-            !self.has_box(&this.pair)
-                && !matches!(body, Body::Network(_))
-                && !others.into_iter().any(|(_, other)| influences(other))
+            !matches!(body, Body::Network(_)) && !others.into_iter().any(|(_, other)| influences(other))
         })
     }
 
@@ -96,9 +89,8 @@ impl World {
         let mut pressed = self.find();
         let accelerations = self.free_accelerations();
         let (mut change, mut moved) = (Motion::none(self), vec![DVec3::ZERO; self.balls.len()]);
-        let mut turned = self.clone();
         for contact in pressed.iter_mut().filter(|contact| contact.lone) {
-            self.lone(contact, &accelerations, &mut change, &mut moved, &mut turned);
+            self.lone(contact, &accelerations, &mut change, &mut moved);
         }
         self.cluster(&mut pressed, &mut change);
         for (at, ball) in self.balls.iter_mut().enumerate() {
@@ -106,23 +98,11 @@ impl World {
             ball.v += change.v[at];
             ball.l += change.l[at];
         }
-        for (number, clump) in self.clumps.iter_mut().enumerate() {
-            clump.v += change.clump_v[number];
-            clump.l += change.clump_l[number];
-            (clump.x, clump.q) = (turned.clumps[number].x, turned.clumps[number].q);
-        }
         pressed
     }
 
     /// A lone collision at its time of contact (docs/physics.md section 3.6).
-    fn lone(
-        &self,
-        contact: &mut Pressed,
-        accelerations: &[DVec3],
-        change: &mut Motion,
-        moved: &mut [DVec3],
-        turned: &mut Self,
-    ) {
+    fn lone(&self, contact: &mut Pressed, accelerations: &[DVec3], change: &mut Motion, moved: &mut [DVec3]) {
         let pair = contact.pair;
         let bodies = self.touched(&pair, &contact.line);
         let face = self.on_face(&pair);
@@ -144,13 +124,13 @@ impl World {
         };
         let mut tau = 0.0_f64;
         for _ in 0..4 {
-            let Some((line, u)) = closing(&self.back(contact, &bodies, accelerations, tau, true), tau, true) else { break };
+            let Some((line, u)) = closing(&self.back(&bodies, accelerations, tau, true), tau, true) else { break };
             tau = (tau + line.o / u).clamp(0.0, self.dt);
         }
         if self.made(Mistake::NoReturn) {
             tau = 0.0;
         }
-        let mut then = self.back(contact, &bodies, accelerations, tau, false);
+        let mut then = self.back(&bodies, accelerations, tau, false);
         let (line, u) = closing(&then, tau, false).unwrap_or_else(|| {
             tau = 0.0;
             then = self.clone();
@@ -169,11 +149,6 @@ impl World {
                     change.l[ball] += impulse.l[ball];
                 }
                 Body::Capsule(bar) => self.capsule_forth(bar, tau, &impulse, change, moved),
-                Body::Clump(clump) => {
-                    turned.clump_forth(&then, clump, tau, &impulse);
-                    change.clump_v[clump] += impulse.clump_v[clump];
-                    change.clump_l[clump] += impulse.clump_l[clump];
-                }
                 Body::Network(_) => {}
             }
         }
@@ -202,7 +177,6 @@ impl World {
             let p = side.sign * line.n;
             match (self.capsule_of(side), then.capsule_of(side)) {
                 (Some((now, _)), Some((past, at))) => now.give(p, past.torque(at, p), DVec3::ZERO, &mut way),
-                _ if self.clump_of(side.thing).is_some() => self.displace_clump(then, side, p, &mut way),
                 _ => then.give(side, p, &mut way),
             }
         }
@@ -215,13 +189,8 @@ impl World {
 
     /// Moves these bodies back in time. Positions follow a parabola with the accelerations if `curved` is set, and
     /// straight lines otherwise. Velocities change by the accelerations in both cases.
-    fn back(&self, contact: &Pressed, bodies: &[Body], accelerations: &[DVec3], tau: f64, curved: bool) -> Self {
+    fn back(&self, bodies: &[Body], accelerations: &[DVec3], tau: f64, curved: bool) -> Self {
         let mut world = self.clone();
-        for side in sides(&contact.pair, &contact.line) {
-            if let Some(clump) = self.clump_of(side.thing) {
-                world.clump_back(side, self.clump_acceleration(clump), tau, curved);
-            }
-        }
         for &body in bodies {
             match body {
                 Body::Single(ball) => {
@@ -236,7 +205,7 @@ impl World {
                     let shift = way(v);
                     world.place(bar, &Rigid::of(self, bar), shift, d, v - tau * a, q);
                 }
-                Body::Network(_) | Body::Clump(_) => {}
+                Body::Network(_) => {}
             }
         }
         world
@@ -343,7 +312,7 @@ impl World {
             free += self.unprojected(side, line.n);
             for (body, mass) in self.bodies(side, line.n) {
                 scale += match body {
-                    Body::Network(_) | Body::Clump(_) => self.couplings(body, side, line, colliding),
+                    Body::Network(_) => self.couplings(body, side, line, colliding),
                     _ => mass * self.count(body, line, colliding),
                 };
             }

@@ -8,9 +8,8 @@
 use std::fmt::{self, Write as _};
 
 use rockfall::glam::DVec3;
-use rockfall::{Backend, Integrator, Options, Report, RigidBody, Simulation, SphereState};
+use rockfall::{Backend, Integrator, Options, Report, Simulation, SphereState};
 
-use crate::bodies::state_of;
 use crate::collide::Pressed;
 use crate::perturb::{EPS, perturbed, scale};
 use crate::scenes::{Plan, Regime, together};
@@ -110,13 +109,13 @@ fn field_differences(one: &Ball, two: &Ball) -> [f64; 4] {
 fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, runs: u64) -> Option<Vec<[f64; 4]>> {
     let (before, after) = (scale(world), scale(&outcome.world));
     let speed = before.speed.max(after.speed);
-    let (balls, expected) = (world.compared(), outcome.world.compared());
+    let (balls, expected) = (&world.balls, &outcome.world.balls);
     let mut spread = vec![[0.0_f64; 4]; balls.len()];
     let mut lost = outcome.world.lost;
     for seed in 0..runs {
         let other = run(perturbed(world, seed), part, lengths_due);
         lost |= other.world.lost || other.collisions() != outcome.collisions();
-        for (most, (one, two)) in spread.iter_mut().zip(other.world.compared().iter().zip(&expected)) {
+        for (most, (one, two)) in spread.iter_mut().zip(other.world.balls.iter().zip(expected)) {
             for (most, far) in most.iter_mut().zip(field_differences(one, two)) {
                 *most = most.max(far);
             }
@@ -127,8 +126,7 @@ fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, r
     // SHAKE divides the rounding error of positions by the time step. In a network, a part of the length tolerance is
     // divided by it too.
     let off = |at: usize| {
-        let swept = positions && at < world.balls.len() && world.clump_at(at).is_none();
-        let mut rods = world.bars.iter().filter(|bar| swept && bar.length.is_some() && bar.ends.contains(&at));
+        let mut rods = world.bars.iter().filter(|bar| positions && bar.length.is_some() && bar.ends.contains(&at));
         let network = in_network(at);
         let length =
             rods.next().map(|bar| 3.0 * EPS * before.place + if network { NETWORK * bar.length.unwrap_or(0.0) } else { 0.0 });
@@ -150,13 +148,13 @@ fn tolerances(world: &World, part: Part, lengths_due: bool, outcome: &Outcome, r
             std::array::from_fn(|field| floors[field] + factor * spread[at][field])
         })
         .collect();
-    let wide = |(at, (tolerance, ball)): (usize, (&[f64; 4], &Ball))| {
-        let size = world.size(at).unwrap_or(ball.radius);
+    let wide = |(tolerance, ball): (&[f64; 4], &Ball)| {
+        let size = ball.radius;
         let least = speed.max(0.3 * size);
         let limits = [0.1 * size, least, least * ball.inertia() / ball.radius, 1.0];
         tolerance.iter().zip(limits).any(|(tolerance, limit)| *tolerance > UNDECIDED * limit)
     };
-    lost |= tolerances.iter().zip(&balls).enumerate().any(wide);
+    lost |= tolerances.iter().zip(balls).any(wide);
     (!lost).then_some(tolerances)
 }
 
@@ -177,8 +175,6 @@ struct Made<'a> {
     part: Part,
     lengths_due: bool,
     states: &'a [SphereState],
-    /// States of rigid bodies.
-    bodies: &'a [SphereState],
     report: Report,
 }
 
@@ -214,8 +210,7 @@ impl Trial<'_> {
                     return;
                 }
                 let (states, report) = (simulation.spheres().expect("spheres are read back"), simulation.report());
-                let bodies: Vec<SphereState> = bodies(&worlds, &mut simulation).iter().map(state_of).collect();
-                let made = Made { step, part, lengths_due: due, states: &states, bodies: &bodies, report };
+                let made = Made { step, part, lengths_due: due, states: &states, report };
                 self.judge(&worlds, &made, tally);
                 due = always_due || due && part == Part::Collisions;
             }
@@ -223,18 +218,18 @@ impl Trial<'_> {
     }
 
     fn judge(&self, worlds: &[World], made: &Made, tally: &mut Tally) {
-        let &Made { step, part, lengths_due, states, bodies, report } = made;
-        let (mut first, mut first_body) = (0, 0);
+        let &Made { step, part, lengths_due, states, report } = made;
+        let mut first = 0;
         let (mut collisions, mut known) = (0, true);
         for (cluster, world) in worlds.iter().enumerate() {
             let outcome = run(world.clone(), part, lengths_due);
-            let (next, next_body) = (first + world.balls.len(), first_body + world.listed());
-            let own = [&states[first..next], &bodies[first_body..next_body]].concat();
-            (first, first_body) = (next, next_body);
+            let next = first + world.balls.len();
+            let own = &states[first..next];
+            first = next;
             collisions += outcome.collisions();
             let differing = |runs: u64| {
                 let allowed = tolerances(world, part, lengths_due, &outcome, runs)?;
-                Some(differences(&outcome.world, &own, &allowed))
+                Some(differences(&outcome.world, own, &allowed))
             };
             let mut found = differing(RUNS);
             if found.as_ref().is_some_and(|found| found.0 > 1.0) {
@@ -265,13 +260,10 @@ impl Trial<'_> {
 
 /// Makes the next step evaluate the forces at its start: the witness does not know those of the step before.
 fn evaluate_again(simulation: &mut Simulation) {
-    let scene = simulation.scene();
-    let (id, body) = (scene.sphere_ids().find(|id| scene.body_of_sphere(*id).is_none()), scene.body_ids().next());
-    if let Some(id) = id {
+    let first = simulation.scene().sphere_ids().next();
+    if let Some(id) = first {
         let velocity = simulation.sync().expect("the state").sphere(id).expect("the sphere").velocity;
         simulation.set_velocity(id, velocity).expect("the same velocity");
-    } else if let Some(body) = body {
-        simulation.update_body(body, |_| ()).expect("the same state");
     }
 }
 
@@ -282,21 +274,6 @@ fn load(worlds: &mut [World], simulation: &mut Simulation) {
     for (ball, state) in worlds.iter_mut().flat_map(|world| &mut world.balls).zip(&states) {
         ball.set(state);
     }
-    let bodies = bodies(worlds, simulation);
-    let listed = worlds.iter_mut().flat_map(|world| world.clumps.iter_mut().filter(|clump| !clump.implied));
-    listed.zip(&bodies).for_each(|(clump, body)| clump.set(body));
-    for world in worlds {
-        world.form_frames();
-        world.place_members();
-    }
-}
-
-/// The rigid bodies of the engine.
-fn bodies(worlds: &[World], simulation: &mut Simulation) -> Vec<RigidBody> {
-    if worlds.iter().all(|world| world.listed() == 0) {
-        return Vec::new();
-    }
-    simulation.sync().expect("the state").bodies().to_vec()
 }
 
 fn engine(simulation: &mut Simulation, part: Part, dt: f32) -> rockfall::Result<()> {
@@ -310,7 +287,7 @@ fn engine(simulation: &mut Simulation, part: Part, dt: f32) -> rockfall::Result<
 /// Returns the largest difference in units of the tolerance, and a description of all that exceed it.
 fn differences(world: &World, states: &[SphereState], allowed: &[[f64; 4]]) -> (f64, String) {
     let (mut worst, mut text) = (0.0_f64, String::new());
-    for (at, ((ball, state), allowed)) in world.compared().iter().zip(states).zip(allowed).enumerate() {
+    for (at, ((ball, state), allowed)) in world.balls.iter().zip(states).zip(allowed).enumerate() {
         let mut seen = ball.clone();
         seen.set(state);
         let far = field_differences(ball, &seen);
@@ -337,10 +314,6 @@ pub(crate) fn describe(world: &World, contacts: &[Pressed]) -> String {
     for (at, ball) in world.balls.iter().enumerate() {
         let body = world.body[at];
         let _ = writeln!(text, "  {at} {body:?} m {} r {} x {} v {} l {}", ball.mass, ball.radius, ball.x, ball.v, ball.l);
-    }
-    for clump in &world.clumps {
-        let (mass, moments, members) = (clump.mass, clump.moments, &clump.members);
-        let _ = writeln!(text, "  body m {mass} J {moments} x {} v {} l {} {members:?}", clump.x, clump.v, clump.l);
     }
     for bar in &world.bars {
         let _ = writeln!(text, "  rod {:?} r {} length {:?}", bar.ends, bar.radius, bar.length);

@@ -58,18 +58,3 @@ set gravity 0
 set restitution 0.5";
     assert_agreement_on(scene, 0.02);
 }
-
-/// A frame in a scene without declared bodies is damped as every rigid body (docs/physics.md section 4.16).
-#[test]
-fn a_frame_is_damped_for_its_coefficient_of_restitution() {
-    let scene = "S 1 0 0.06 0 0.3 -2 0 0 0 0 1 0.1
-S 2 0.9 0.6 0.1 0.3 -2 0 0 0 0 2 0.15
-S 3 0.1 0.8 0.7 0.3 -2 0 0 0 0 0.7 0.12
-R 1 2 0.05 1.0543244
-R 1 3 0.05 1.0235233
-R 2 3 0.05 1.0198039
-P -5 0 -5 0 0 10 10 0 0
-set restitution 0.4
-set contact_damping 0";
-    assert_agreement_on(scene, 0.005);
-}

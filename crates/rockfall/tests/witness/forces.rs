@@ -22,18 +22,18 @@ pub(crate) struct Slip {
 
 impl World {
     /// Inverse mass of a side along the normal. Capsules and networks count as free spheres.
-    pub(crate) fn free_mass(&self, side: Side, n: DVec3) -> f64 {
-        if let Some(mass) = self.clump_mass(side, n) {
-            return mass;
-        }
+    fn free_mass(&self, side: Side) -> f64 {
         self.shares(side).into_iter().map(|(ball, share)| share * share * self.balls[ball].w()).sum()
     }
 
-    pub(crate) fn free_inertia(&self, side: Side) -> f64 {
-        if let Some(inertia) = self.clump_inertia(side) {
-            return inertia;
-        }
+    fn free_inertia(&self, side: Side) -> f64 {
         self.shares(side).into_iter().map(|(ball, share)| share * share * self.balls[ball].i()).sum()
+    }
+
+    /// Inverse mass of a contact against slip, for the bound of friction.
+    fn slip_mass(&self, pair: &Pair, line: &Line, arms: [f64; 2]) -> f64 {
+        let of = |(side, arm): (Side, f64)| self.free_mass(side) + arm * arm * self.free_inertia(side);
+        sides(pair, line).into_iter().zip(arms).map(of).sum()
     }
 
     pub(crate) fn slip(&self, pair: &Pair, line: &Line, motion: &Motion) -> Slip {
@@ -63,14 +63,11 @@ impl World {
         let c = self.threshold(pair);
         let separating_fast = u < -c && !self.made(Mistake::Separating);
         let new_overlap = u > c && line.o < 2.0 * u * self.dt;
-        let mass = self.free_mass(a, line.n) + self.free_mass(b, line.n);
-        let rigid = self.has_clump(pair) || self.has_forces_alone(pair);
-        let has_rules = self.set.collisions && self.may_collide(pair);
-        if mass == 0.0 || has_rules && (separating_fast || new_overlap) {
+        let mass = self.free_mass(a) + self.free_mass(b);
+        if mass == 0.0 || self.set.collisions && (separating_fast || new_overlap) {
             return None;
         }
-        let damping = if rigid { self.clump_damping(pair, line) } else { self.set.damping };
-        let strength = self.set.stiffness * line.o + damping * u;
+        let strength = self.set.stiffness * line.o + self.set.damping * u;
         Some((1.0 / mass, if pull { strength } else { strength.max(0.0) } / mass))
     }
 
@@ -87,7 +84,6 @@ impl World {
             let size = match self.set.coulomb {
                 0.0 if self.made(Mistake::FrictionBound) => law,
                 0.0 => law.min(bound),
-                _ if self.has_forces_alone(pair) => self.clump_friction(normal, bound),
                 _ => 0.0,
             };
             friction = size * slip.t / speed;
@@ -97,7 +93,7 @@ impl World {
             let torque = arm * line.n.cross(friction);
             for (ball, share) in self.shares(side) {
                 loads.v[ball] += share * force;
-                loads.l[ball] += share * (torque + side.core.cross(force));
+                loads.l[ball] += share * torque;
             }
         }
     }
@@ -145,9 +141,7 @@ impl World {
     pub(crate) fn pulled_accelerations(&self) -> Vec<DVec3> {
         let forces = self.pull_forces();
         let of = |(ball, force): (&Ball, DVec3)| if ball.fixed { DVec3::ZERO } else { self.set.gravity + force / ball.mass };
-        let mut accelerations = self.balls.iter().zip(forces.iter().copied()).map(of).collect::<Vec<_>>();
-        self.pull_clumps(&forces, &mut accelerations);
-        accelerations
+        self.balls.iter().zip(forces).map(of).collect()
     }
 
     /// Accelerations by everything except contacts. Both ends of a capsule have that of its centre (docs/physics.md
@@ -174,9 +168,8 @@ impl World {
         for (pair, line) in self.touches() {
             self.contact(&pair, &line, &motion, &mut loads);
         }
-        self.load_clumps(&motion, &mut loads);
         for (ball, state) in self.balls.iter().enumerate() {
-            if state.fixed || self.clump_at(ball).is_some() {
+            if state.fixed {
                 (loads.v[ball], loads.l[ball]) = (DVec3::ZERO, DVec3::ZERO);
             } else {
                 loads.v[ball] = loads.v[ball] / state.mass + self.set.gravity - self.set.linear_damping * motion.v[ball];

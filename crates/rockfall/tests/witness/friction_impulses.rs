@@ -29,11 +29,6 @@ impl World {
             ball.v += change.v[at];
             ball.l += change.l[at];
         }
-        for (number, clump) in self.clumps.iter_mut().enumerate() {
-            clump.v += change.clump_v[number];
-            clump.l += change.clump_l[number];
-        }
-        self.place_members();
     }
 
     fn apply_friction_to_one(&self, contact: &Pressed, pressed: &[Pressed], motion: &Motion, change: &mut Motion) {
@@ -65,11 +60,6 @@ impl World {
 
     /// Sum of N_b times the tangential inverse mass over the bodies of one side.
     fn friction_scale(&self, side_impulse: &SideImpulse, pressed: &[Pressed]) -> f64 {
-        let &SideImpulse { side, p, torque } = side_impulse;
-        if let Some((clump, mass)) = self.clump_tangential_mass(side, p, torque) {
-            let all = pressed.iter().flat_map(|contact| sides(&contact.pair, &contact.line));
-            return mass * all.filter(|&side| self.bodies_of(side).contains(&Body::Clump(clump))).count() as f64;
-        }
         if let Some((rigid, at)) = self.capsule_of(side_impulse.side) {
             let torque = rigid.torque(at, side_impulse.p) + side_impulse.torque;
             let across = rigid.across(torque);
@@ -97,10 +87,6 @@ impl World {
     }
 
     fn apply_to_side(&self, side_impulse: &SideImpulse, j: f64, change: &mut Motion) {
-        let &SideImpulse { side, p, torque } = side_impulse;
-        if self.push_and_turn_clump(side, j * p, j * torque, change) {
-            return;
-        }
         if let Some((rigid, at)) = self.capsule_of(side_impulse.side) {
             let torque = rigid.torque(at, side_impulse.p) + side_impulse.torque;
             let across = rigid.across(torque);

@@ -22,14 +22,12 @@ pub(crate) enum Thing {
     Face(usize),
 }
 
-/// Feature of a box or polygon that a rod or a solid touches.
+/// Feature of a box or polygon that a rod touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Feature {
     None,
     Edge(usize),
     Vertex(usize),
-    /// Corner of a wall that the solid of a box of a body touches.
-    Corner(usize),
 }
 
 /// Two objects that may touch.
@@ -49,13 +47,11 @@ pub(crate) struct Line {
     pub(crate) o: f64,
     /// Parameters on A and on B, for rods.
     pub(crate) at: [f64; 2],
-    /// From the centre of A and of B to the point where its arm begins: 0 but for the solid of a box of a body.
-    pub(crate) core: [DVec3; 2],
 }
 
 impl Line {
     pub(crate) fn new(n: DVec3, o: f64, at: [f64; 2]) -> Self {
-        Self { n, o, at, core: [DVec3::ZERO; 2] }
+        Self { n, o, at }
     }
 }
 
@@ -187,15 +183,6 @@ pub(crate) fn is_on_face(world: &World, ball: &Ball, thing: Thing) -> bool {
     }
 }
 
-pub(crate) fn face_corners(face: &Face) -> Vec<DVec3> {
-    let &Face { corner, left, right, is_triangle, .. } = face;
-    let mut corners = vec![corner, corner + left, corner + right];
-    if !is_triangle {
-        corners.push(corner + left + right);
-    }
-    corners
-}
-
 /// Contact with the nearest point of a polygon. There is none behind the plane of a parallelogram.
 pub(crate) fn sphere_face(ball: &Ball, face: &Face) -> Option<Line> {
     let (place, mut up) = place_over(ball.x, face);
@@ -264,7 +251,7 @@ fn rod_box(bar: &Bar, ends: [DVec3; 2], block: &Block, feature: Feature, slack: 
             let (a, d) = point_segment(place, ends[0], ends[1], bar.radius)?;
             (a, -d, out)
         }
-        Feature::None | Feature::Corner(_) => return None,
+        Feature::None => return None,
     };
     let axis_point = ends[0].lerp(ends[1], a);
     let inside = in_box(block, axis_point).into_iter().all(|t| (-slack..=1.0 + slack).contains(&t));
@@ -286,17 +273,10 @@ impl World {
     /// 2.10).
     pub(crate) fn line(&self, pair: &Pair) -> Option<Line> {
         match (pair.a, pair.b) {
-            (Thing::Ball(a), Thing::Ball(b)) => {
-                Some(self.line_of_solid(a, b).unwrap_or_else(|| sphere_sphere(&self.balls[a], &self.balls[b])))
-            }
-            (Thing::Ball(a), Thing::Block(_) | Thing::Face(_)) if self.is_solid(a) => match pair.feature {
-                Feature::Corner(corner) => self.line_of_corner(a, pair.b, corner),
-                _ => None,
-            },
+            (Thing::Ball(a), Thing::Ball(b)) => Some(sphere_sphere(&self.balls[a], &self.balls[b])),
             (Thing::Ball(a), Thing::Bar(b)) => sphere_rod(&self.balls[a], &self.bars[b], self.ends(b)),
             (Thing::Ball(a), Thing::Block(b)) => Some(sphere_box(&self.balls[a], &self.blocks[b])),
             (Thing::Ball(a), Thing::Face(b)) => sphere_face(&self.balls[a], &self.faces[b]),
-            (Thing::Bar(a), Thing::Bar(b)) if self.is_edge(a) || self.is_edge(b) => self.line_of_edges(a, b),
             (Thing::Bar(a), Thing::Bar(b)) => rod_rod(&self.bars[a], self.ends(a), &self.bars[b], self.ends(b)),
             (Thing::Bar(a), Thing::Block(b)) => {
                 rod_box(&self.bars[a], self.ends(a), &self.blocks[b], pair.feature, self.slack).map(|found| found.0)
@@ -319,7 +299,7 @@ impl World {
     /// Contact line of a pair after a collision. For a rod that has moved away from a box it is that of the edge or the
     /// vertex with this number, whichever is nearer (docs/physics.md section 2.10).
     pub(crate) fn nearer_line(&self, pair: &Pair) -> Option<Line> {
-        let has_both = |pair: &Pair| matches!((pair.a, pair.b), (Thing::Bar(bar), Thing::Block(_)) if !self.is_edge(bar));
+        let has_both = |pair: &Pair| matches!((pair.a, pair.b), (Thing::Bar(_), Thing::Block(_)));
         let number = match pair.feature {
             Feature::Edge(number) | Feature::Vertex(number) if number < 8 && has_both(pair) => number,
             _ => return self.line(pair),
@@ -354,6 +334,15 @@ impl World {
         balls.chain(bars).chain(blocks).chain(faces).collect()
     }
 
+    /// Radius of a sphere or rod.
+    pub(crate) fn radius(&self, thing: Thing) -> Option<f64> {
+        match thing {
+            Thing::Ball(ball) => Some(self.balls[ball].radius),
+            Thing::Bar(bar) => Some(self.bars[bar].radius),
+            Thing::Block(_) | Thing::Face(_) => None,
+        }
+    }
+
     fn group(&self, thing: Thing) -> u16 {
         match thing {
             Thing::Ball(ball) => self.balls[ball].group,
@@ -371,7 +360,7 @@ impl World {
         }
     }
 
-    /// Whether two objects may touch: they are in one group, at least one can move, and they are not parts of one body.
+    /// Whether two objects may touch: they are in one group, and at least one can move.
     pub(crate) fn may_touch(&self, a: Thing, b: Thing) -> bool {
         let related = match (a, b) {
             (Thing::Ball(a), Thing::Ball(b)) => {
@@ -381,14 +370,12 @@ impl World {
             (Thing::Bar(a), Thing::Bar(b)) => self.bars[a].ends.iter().any(|end| self.bars[b].ends.contains(end)),
             _ => false,
         };
-        let related = related || self.clump_of(a).is_some_and(|clump| self.clump_of(b) == Some(clump));
-        !related && self.parts_may_touch(a, b) && self.group(a) == self.group(b) && (self.can_move(a) || self.can_move(b))
+        !related && self.group(a) == self.group(b) && (self.can_move(a) || self.can_move(b))
     }
 
     fn touch(&self, a: Thing, b: Thing, found: &mut Vec<(Pair, Line)>) {
         let plain = Pair { a, b, feature: Feature::None };
         match (a, b) {
-            (Thing::Ball(ball), Thing::Block(_) | Thing::Face(_)) if self.is_solid(ball) => self.touch_corners(ball, b, found),
             (Thing::Bar(bar), Thing::Block(block)) => {
                 let (rod, ends) = (&self.bars[bar], self.ends(bar));
                 let hit = |feature: Feature| {
@@ -397,7 +384,7 @@ impl World {
                 };
                 let before = found.len();
                 found.extend((0..12).filter_map(|edge| hit(Feature::Edge(edge))));
-                if found.len() == before && !self.is_edge(bar) {
+                if found.len() == before {
                     found.extend((0..8).filter_map(|vertex| hit(Feature::Vertex(vertex))));
                 }
             }

@@ -8,7 +8,6 @@ use rand::seq::SliceRandom;
 use rand_pcg::Pcg64Mcg;
 
 use crate::advance::Course;
-use crate::geometry::Thing;
 use crate::world::{Mistake, Sweeps, World};
 
 /// Relative error at which an implementation may end its sweeps (docs/physics.md section 5.4).
@@ -21,11 +20,11 @@ const SWEEPS: usize = 400;
 const MANY: usize = 20_000;
 
 impl World {
-    /// Rods of fixed length with at least one end that can move, except those of rigid bodies.
+    /// Rods of fixed length with at least one end that can move.
     fn held(&self) -> Vec<(usize, [usize; 2], f64)> {
         let movable = |ends: [usize; 2]| ends.into_iter().any(|end| !self.balls[end].fixed);
         let held = self.bars.iter().enumerate().filter_map(|(number, bar)| bar.length.map(|length| (number, bar.ends, length)));
-        held.filter(|&(bar, ends, _)| movable(ends) && self.clump_of(Thing::Bar(bar)).is_none()).collect()
+        held.filter(|&(_, ends, _)| movable(ends)).collect()
     }
 
     /// Repeats sweeps over all rods until the errors are within the tolerance. `correct` corrects one rod and returns
@@ -106,7 +105,6 @@ impl World {
     pub(crate) fn turn(&mut self, course: &Course) {
         for at in 0..self.balls.len() {
             match self.capsule_end(at) {
-                None if self.clump_at(at).is_some() => {}
                 None => self.balls[at].q = turn_by(course.spin[at] * self.dt) * self.balls[at].q,
                 Some((bar, 0)) => self.turn_capsule(bar, &course.old),
                 Some(_) => {}

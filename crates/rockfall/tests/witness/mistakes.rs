@@ -1,7 +1,7 @@
 //! Deliberate mistakes of the witness, by which the comparison itself is checked.
 
 /// All deliberate mistakes.
-pub(crate) const MISTAKES: [Mistake; 32] = [
+pub(crate) const MISTAKES: [Mistake; 18] = [
     Mistake::Restitution,
     Mistake::RodShares,
     Mistake::CapsuleTorque,
@@ -20,20 +20,6 @@ pub(crate) const MISTAKES: [Mistake; 32] = [
     Mistake::WallVelocity,
     Mistake::WallReturn,
     Mistake::Belts,
-    Mistake::BodyLever,
-    Mistake::WallFactor,
-    Mistake::PairFactor,
-    Mistake::BodyTurn,
-    Mistake::BodyForces,
-    Mistake::BodyDamping,
-    Mistake::BodyBound,
-    Mistake::WallWeights,
-    Mistake::FrameInertia,
-    Mistake::CoreLever,
-    Mistake::EdgeTaper,
-    Mistake::WallCorners,
-    Mistake::SolidFactor,
-    Mistake::BodyFriction,
 ];
 
 /// A deliberate mistake of the witness. The comparison must detect each of them.
@@ -75,32 +61,4 @@ pub(crate) enum Mistake {
     WallReturn,
     /// Surface velocities of walls are ignored.
     Belts,
-    /// Rigid bodies have their mass alone at a contact.
-    BodyLever,
-    /// Several contacts of a rigid body with a wall damp as if each were alone.
-    WallFactor,
-    /// Several contacts of two bodies damp as if each were alone.
-    PairFactor,
-    /// Rigid bodies turn about their angular velocity.
-    BodyTurn,
-    /// Contacts of rigid bodies get no impulses, and forces at every overlap.
-    BodyForces,
-    /// Contacts of rigid bodies damp as those with forces alone.
-    BodyDamping,
-    /// The bound of friction ignores the distance of a contact from the centre of a rigid body.
-    BodyBound,
-    /// Contacts of a rigid body with a wall count as equally stiff.
-    WallWeights,
-    /// The moments of inertia of the balls of a frame are ignored.
-    FrameInertia,
-    /// The solid of a box of a body is touched at its centre.
-    CoreLever,
-    /// Edges of boxes of bodies touch with their whole overlap near their ends.
-    EdgeTaper,
-    /// Corners of walls do not touch boxes of bodies.
-    WallCorners,
-    /// Several contacts of two bodies through solids damp as if each were alone.
-    SolidFactor,
-    /// The tangential inverse mass of a rigid body ignores the lever of the contact.
-    BodyFriction,
 }

@@ -2,9 +2,9 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use rockfall::glam::{DQuat, DVec3};
+use rockfall::glam::DVec3;
 
-use crate::world::{Ball, Mistake, Sweeps, World};
+use crate::world::{Ball, Sweeps, World};
 
 /// Half a unit in the last place of an f32, relative.
 pub(crate) const EPS: f64 = 6e-8;
@@ -29,7 +29,6 @@ pub(crate) fn perturbed(world: &World, seed: u64) -> World {
     let scale = scale(world);
     let mut near = |size: f64| 3.0 * EPS * size * rng.random_range(-1.0..1.0);
     let mut world = World { sweeps: Sweeps::WithinTolerance(seed), slack: near(10.0), ..world.clone() };
-    let reaches: Vec<Ball> = world.clumps_as_balls().collect();
     for ball in &mut world.balls {
         for axis in 0..3 {
             ball.x[axis] += near(scale.place);
@@ -38,29 +37,6 @@ pub(crate) fn perturbed(world: &World, seed: u64) -> World {
         }
         ball.radius += near(ball.radius);
         ball.mass += near(ball.mass);
-    }
-    let points = world.made(Mistake::FrameInertia);
-    for (clump, size) in world.clumps.iter_mut().zip(reaches) {
-        for axis in 0..3 {
-            clump.x[axis] += near(scale.place);
-            clump.v[axis] += near(scale.speed);
-            clump.l[axis] += near(clump.l.length().max(scale.speed * clump.moments.min_element() / size.radius));
-            clump.moments[axis] += near(clump.moments[axis]);
-            // The places of its spheres are rounded one by one.
-            clump.members.iter_mut().for_each(|(_, arm)| arm[axis] += near(scale.place));
-        }
-        clump.mass += near(clump.mass);
-        if clump.implied {
-            // Axes of nearly equal moments depend on rounding.
-            clump.weigh(&world.balls, points);
-        }
-        clump.q = (clump.q * DQuat::from_xyzw(near(1.0), near(1.0), near(1.0), 1.0)).normalize();
-    }
-    world.place_members();
-    for core in &mut world.cores {
-        core.half += DVec3::from_array([0; 3].map(|_| near(scale.place)));
-        core.radius += near(core.radius);
-        core.turn = (core.turn * DQuat::from_xyzw(near(1.0), near(1.0), near(1.0), 1.0)).normalize();
     }
     for bar in &mut world.bars {
         bar.radius += near(bar.radius);

@@ -94,11 +94,9 @@ impl World {
         self.rimmed(bar, face, feature).filter(|found| found.line.o > 0.0 && !lies_along)
     }
 
-    /// The features of a polygon that a rod touches, without those that are no edges of the surface. An edge of a box of a body touches no
-    /// vertices.
+    /// The features of a polygon that a rod touches, without those that are no edges of the surface.
     pub(crate) fn rims(&self, bar: usize, face: usize) -> Vec<(usize, Line)> {
-        let counts = |found: &Rimmed| !(found.is_vertex && self.is_edge(bar));
-        let of = |feature| self.carried(bar, face, feature).filter(counts).map(|found| (feature, found));
+        let of = |feature| self.carried(bar, face, feature).map(|found| (feature, found));
         let seen = (0..4).filter_map(of).filter(|(feature, found)| !self.is_rim_hidden(bar, (face, *feature), found));
         seen.map(|(feature, found)| (feature, found.line)).collect()
     }

@@ -7,7 +7,6 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::glam::Vec3;
 use rockfall::{Integrator, MotionId, Scene, Settings, Sphere, SphereId};
 
-use crate::clumps::{Scale, copy_spheres};
 use crate::draw::{Draw, direction};
 
 /// Settings and time step of one step.
@@ -25,7 +24,7 @@ pub(crate) struct Plan {
 }
 
 /// Kinds of clusters.
-const RECIPES: [fn(&mut Draw); 28] = [
+const RECIPES: [fn(&mut Draw); 22] = [
     Draw::duel,
     Draw::crowd,
     Draw::corner,
@@ -48,12 +47,6 @@ const RECIPES: [fn(&mut Draw); 28] = [
     Draw::overlaid,
     Draw::groove,
     Draw::sunk,
-    Draw::clump_and_balls,
-    Draw::landing,
-    Draw::clumps,
-    Draw::brick_and_balls,
-    Draw::bricks,
-    Draw::brick_landing,
 ];
 
 /// Number of kinds of clusters.
@@ -146,15 +139,15 @@ fn sized(scene: &Scene, size: f32, heavy: f32) -> Scene {
         sphere.force *= mass * size;
         sphere
     };
-    copy_spheres(scene, &mut new, &Scale { size, groups: 0 }, change, factor);
+    copy_spheres(scene, &mut new, change);
     copy_rest(scene, &mut new, &Copy { size, ..PLAIN });
     new
 }
 
-/// A scene with changed spheres. Rigid bodies stay as they are.
+/// A scene with changed spheres.
 pub(crate) fn rebuilt(scene: &Scene, change: impl Fn(usize, Sphere) -> Sphere) -> Scene {
     let mut new = Scene::new();
-    copy_spheres(scene, &mut new, &Scale { size: 1.0, groups: 0 }, change, |_| 1.0);
+    copy_spheres(scene, &mut new, change);
     copy_rest(scene, &mut new, &PLAIN);
     new
 }
@@ -175,13 +168,19 @@ struct Copy {
 /// A copy without changes.
 const PLAIN: Copy = Copy { offset: 0, size: 1.0, groups: 0 };
 
-/// Adds all objects of a scene except its spheres and rigid bodies to another scene.
+/// Adds the spheres of a scene to another one. `change` makes a copy of a sphere.
+fn copy_spheres(from: &Scene, to: &mut Scene, change: impl Fn(usize, Sphere) -> Sphere) {
+    for (at, sphere) in from.spheres().iter().enumerate() {
+        to.add_sphere(change(at, *sphere)).expect("a valid sphere");
+    }
+}
+
+/// Adds all objects of a scene except its spheres to another scene.
 fn copy_rest(from: &Scene, to: &mut Scene, copy: &Copy) {
     let &Copy { offset, size, groups } = copy;
     let (old, new): (Vec<SphereId>, Vec<SphereId>) = (from.sphere_ids().collect(), to.sphere_ids().collect());
     let map = |id: SphereId| new[offset + old.iter().position(|&known| known == id).expect("a sphere of the scene")];
-    let own = from.rod_ids().zip(from.rods()).filter(|(id, _)| from.body_of_rod(*id).is_none());
-    for mut rod in own.map(|(_, rod)| *rod) {
+    for mut rod in from.rods().iter().copied() {
         (rod.end1, rod.end2) = (map(rod.end1), map(rod.end2));
         rod.radius *= size;
         rod.length = rod.length.map(|length| size * length);
@@ -242,7 +241,7 @@ pub(crate) fn together(plan: &Plan) -> Scene {
         let offset = scene.spheres().len();
         let groups = GROUPS * number as u16;
         let grouped = |_: usize, sphere: Sphere| sphere.group(groups + sphere.group);
-        copy_spheres(cluster, &mut scene, &Scale { size: 1.0, groups }, grouped, |_| 1.0);
+        copy_spheres(cluster, &mut scene, grouped);
         copy_rest(cluster, &mut scene, &Copy { offset, size: 1.0, groups });
     }
     scene

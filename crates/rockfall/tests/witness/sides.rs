@@ -5,35 +5,26 @@ use rockfall::glam::DVec3;
 use crate::geometry::{Line, Pair, Thing};
 use crate::world::{Body, Mistake, World};
 
-/// Velocities and angular momenta of all spheres and rigid bodies, or changes of them.
+/// Velocities and angular momenta of all spheres, or changes of them.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     pub(crate) v: Vec<DVec3>,
     pub(crate) l: Vec<DVec3>,
-    /// The same of rigid bodies.
-    pub(crate) clump_v: Vec<DVec3>,
-    pub(crate) clump_l: Vec<DVec3>,
 }
 
 impl Motion {
     pub(crate) fn none(world: &World) -> Self {
-        let (zeros, clump_v) = (vec![DVec3::ZERO; world.balls.len()], vec![DVec3::ZERO; world.clumps.len()]);
-        Self { v: zeros.clone(), l: zeros, clump_l: clump_v.clone(), clump_v }
+        let zeros = vec![DVec3::ZERO; world.balls.len()];
+        Self { v: zeros.clone(), l: zeros }
     }
 
     pub(crate) fn of(world: &World) -> Self {
-        let (balls, clumps) = (world.balls.iter(), world.clumps.iter());
-        Self {
-            v: balls.clone().map(|ball| ball.v).collect(),
-            l: balls.map(|ball| ball.l).collect(),
-            clump_v: clumps.clone().map(|clump| clump.v).collect(),
-            clump_l: clumps.map(|clump| clump.l).collect(),
-        }
+        let balls = world.balls.iter();
+        Self { v: balls.clone().map(|ball| ball.v).collect(), l: balls.map(|ball| ball.l).collect() }
     }
 
     pub(crate) fn add(&mut self, other: &Self, times: f64) {
-        let own = [&mut self.v, &mut self.l, &mut self.clump_v, &mut self.clump_l];
-        for (own, other) in own.into_iter().zip([&other.v, &other.l, &other.clump_v, &other.clump_l]) {
+        for (own, other) in [(&mut self.v, &other.v), (&mut self.l, &other.l)] {
             own.iter_mut().zip(other).for_each(|(one, other)| *one += times * *other);
         }
     }
@@ -99,14 +90,12 @@ pub(crate) struct Side {
     pub(crate) thing: Thing,
     /// Parameter of the contact on a rod.
     pub(crate) at: f64,
-    /// From the centre of the sphere to the point where the arm begins: 0 but for the solid of a box of a body.
-    pub(crate) core: DVec3,
     /// -1 on A, 1 on B: the impulse on this side is along `sign` n.
     pub(crate) sign: f64,
 }
 
 pub(crate) fn sides(pair: &Pair, line: &Line) -> [Side; 2] {
-    let side = |k: usize, thing, sign| Side { thing, at: line.at[k], core: line.core[k], sign };
+    let side = |k: usize, thing, sign| Side { thing, at: line.at[k], sign };
     [side(0, pair.a, -1.0), side(1, pair.b, 1.0)]
 }
 
@@ -142,8 +131,7 @@ impl World {
     /// Velocity of the contact point of a side, from the velocities of its spheres (2.7).
     pub(crate) fn velocity(&self, side: Side, motion: &Motion) -> DVec3 {
         let counting = self.shares(side).into_iter().filter(|&(ball, _)| self.counts(side, ball));
-        let at_centre: DVec3 = counting.map(|(ball, share)| share * motion.v[ball]).sum();
-        at_centre + self.spin(side, motion).cross(side.core)
+        counting.map(|(ball, share)| share * motion.v[ball]).sum()
     }
 
     /// Spin of a side, from the spins of its spheres (2.7).
@@ -166,9 +154,6 @@ impl World {
 
     /// Changes by an impulse `p` on a side, before the projection of networks.
     pub(crate) fn give(&self, side: Side, p: DVec3, change: &mut Motion) {
-        if self.push_clump(side, p, change) {
-            return;
-        }
         match self.capsule_of(side) {
             Some((rigid, at)) => {
                 let turns = if self.made(Mistake::CapsuleTorque) { 0.0 } else { 1.0 };
@@ -194,9 +179,6 @@ impl World {
 
     /// Inverse mass of a side along a unit vector, before the projection of networks.
     pub(crate) fn unprojected(&self, side: Side, n: DVec3) -> f64 {
-        if let Some(mass) = self.clump_mass(side, n) {
-            return mass;
-        }
         match self.capsule_of(side) {
             Some((rigid, at)) => 1.0 / rigid.mass + rigid.torque(at, n).length_squared() / rigid.it,
             None => self.shares(side).into_iter().map(|(ball, share)| share * share * self.balls[ball].w()).sum(),
@@ -218,9 +200,6 @@ impl World {
     /// Changes of a body that is not a capsule by a unit impulse along n on a side.
     pub(crate) fn pushed(&self, body: Body, side: Side, n: DVec3) -> Motion {
         let mut change = Motion::none(self);
-        if self.push_clump(side, n, &mut change) {
-            return change;
-        }
         for (ball, share) in self.shares(side).into_iter().filter(|&(ball, _)| self.body[ball] == Some(body)) {
             change.v[ball] += share * self.balls[ball].w() * n;
         }
@@ -231,8 +210,7 @@ impl World {
     /// The velocity along n that a side gets through a body that is not a capsule.
     pub(crate) fn along(&self, body: Body, side: Side, n: DVec3, change: &Motion) -> f64 {
         let own = self.shares(side).into_iter().filter(|&(ball, _)| self.body[ball] == Some(body));
-        let at_centre: f64 = own.map(|(ball, share)| share * change.v[ball].dot(n)).sum();
-        at_centre + self.spin(side, change).cross(side.core).dot(n)
+        own.map(|(ball, share)| share * change.v[ball].dot(n)).sum()
     }
 
     /// The bodies of both sides. A body on both sides appears twice.

@@ -150,7 +150,7 @@ impl World {
     /// The point of a wall that a contact touches: the end of the arm of A.
     pub(crate) fn wall_point(&self, pair: &Pair, line: &Line) -> DVec3 {
         let (x, radius) = match pair.a {
-            Thing::Ball(ball) => (self.balls[ball].x + line.core[0], self.round_radius(ball)),
+            Thing::Ball(ball) => (self.balls[ball].x, self.balls[ball].radius),
             Thing::Bar(bar) => {
                 let [one, two] = self.ends(bar);
                 (one.lerp(two, line.at[0]), self.bars[bar].radius)

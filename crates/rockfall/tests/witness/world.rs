@@ -3,8 +3,6 @@
 use rockfall::glam::{DQuat, DVec3, Vec3};
 use rockfall::{Integrator, Scene, Settings, SphereState};
 
-use crate::bodies::Clump;
-use crate::boxes::{Core, Part, cores};
 pub(crate) use crate::mistakes::Mistake;
 use crate::walls::{Path, at_rest};
 
@@ -110,8 +108,6 @@ pub(crate) enum Body {
     Capsule(usize),
     /// A network, by its index.
     Network(usize),
-    /// A rigid body of spheres, by its index. It gets no impulses.
-    Clump(usize),
 }
 
 /// The constants of docs/physics.md section 6.
@@ -167,10 +163,6 @@ pub(crate) enum Sweeps {
 pub(crate) struct World {
     pub(crate) balls: Vec<Ball>,
     pub(crate) bars: Vec<Bar>,
-    pub(crate) clumps: Vec<Clump>,
-    /// Boxes of rigid bodies, and what every sphere is of them.
-    pub(crate) cores: Vec<Core>,
-    pub(crate) parts: Vec<Part>,
     pub(crate) pulls: Vec<Pull>,
     /// Walls where they are at `time`.
     pub(crate) blocks: Vec<Block>,
@@ -228,13 +220,9 @@ impl World {
             group: rod.group,
         });
         let (blocks, faces) = at_rest(scene);
-        let (cores, parts) = cores(scene, number);
         let mut world = Self {
             balls: balls.collect(),
             bars: bars.collect(),
-            clumps: Clump::all(scene, number),
-            cores,
-            parts,
             pulls: pulls(scene, number),
             blocks: blocks.clone(),
             faces: faces.clone(),
@@ -254,11 +242,6 @@ impl World {
             pulled: None,
         };
         world.find_bodies();
-        world.find_frames();
-        world.find_members();
-        world.restore_frames();
-        world.form_frames();
-        world.place_members();
         world.place_walls(0.0);
         world
     }

@@ -110,10 +110,8 @@ fn check_bodies(world: &World) -> Result<()> {
     {
         let [shape, members, count] = [record[11], record[12], record[13]];
         slice(world, shape, u64::from(SHAPE_WORDS) + 3 * u64::from(count), "the shape of a body")?;
-        let members = slice(world, members, 3 * u64::from(count), "the spheres of a body")?;
-        let (members, of_members) = members.split_at(count as usize);
-        ensure(count > 0 && members.iter().all(|sphere| *sphere < spheres), "a sphere of a body")?;
-        of_members[count as usize..].iter().try_for_each(|part| check_part(world, *part))?;
+        let members = slice(world, members, 2 * u64::from(count), "the spheres of a body")?;
+        ensure(count > 0 && members[..count as usize].iter().all(|sphere| *sphere < spheres), "a sphere of a body")?;
     }
     Ok(())
 }

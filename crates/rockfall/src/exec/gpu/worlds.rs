@@ -185,7 +185,6 @@ impl DeviceWorlds {
             muscles: false,
             walls: false,
             rigid: false,
-            body_boxes: false,
             passages: false,
             triangles: false,
             smooth: false,

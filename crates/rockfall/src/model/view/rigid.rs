@@ -4,11 +4,9 @@ use std::ops::Range;
 
 use glam::{Quat, Vec3, Vec4};
 
-use crate::model::layout::{BOX_RIM, HULL_PART, NO_RIGID, RIGID_PRESSED, RIGID_WORDS, SHAPE_WORDS};
+use crate::model::layout::{NO_RIGID, RIGID_PRESSED, RIGID_WORDS, SHAPE_WORDS};
 use crate::model::rigid::{Moments, Pose, times};
-use crate::model::step::Layout;
 use crate::model::view::{Object, View};
-use crate::rotate::{product, rotated};
 
 /// A rigid body in the state that forces are evaluated in.
 #[derive(Clone, Copy, Debug)]
@@ -45,76 +43,7 @@ impl RigidRecord {
     }
 }
 
-/// A box of a rigid body in the state that forces are evaluated in.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BodyBox {
-    /// The centre, rounded.
-    pub(crate) centre: Vec3,
-    /// Turns coordinates along its edges into those of the scene.
-    pub(crate) turn: Quat,
-    /// Half the edges of the core.
-    pub(crate) half: Vec3,
-    /// The rounding radius.
-    pub(crate) radius: f32,
-}
-
-/// What an object is of a box of a rigid body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PartOfBox {
-    /// A sphere that stands for the solid.
-    Solid,
-    /// A vertex or an edge.
-    Rim,
-}
-
 impl View<'_> {
-    /// The word of an object in the table of parts of boxes.
-    fn box_word(&self, object: Object) -> u32 {
-        let Layout { rigid_parts_at: at, spheres, .. } = self.step.layout;
-        let word = match object {
-            _ if at == 0 => 0,
-            Object::Sphere(sphere) => self.topology[(at + self.insertion_index(sphere)) as usize],
-            Object::Rod(rod) => self.topology[(at + spheres + rod) as usize],
-            Object::Cuboid(_) | Object::Polygon(_) => 0,
-        };
-        if word & (BOX_RIM | HULL_PART) == HULL_PART { 0 } else { word }
-    }
-
-    /// What an object is of a box of a rigid body, if it is part of one.
-    pub(crate) fn part_of_box(&self, object: Object) -> Option<PartOfBox> {
-        match self.box_word(object) {
-            0 => None,
-            word if word & BOX_RIM != 0 => Some(PartOfBox::Rim),
-            _ => Some(PartOfBox::Solid),
-        }
-    }
-
-    /// The length that the margin of the AABB of a sphere is measured in: the radius, or half the shortest edge of the box that the sphere
-    /// is a part of, because a vertex moves as its box does.
-    pub(crate) fn margin_length(&self, sphere: u32) -> f32 {
-        let at = (self.box_word(Object::Sphere(sphere)) & !BOX_RIM) as usize;
-        if at == 0 {
-            return self.radius(sphere);
-        }
-        let [rounding, half @ ..] = [3, 4, 5, 6].map(|place| f32::from_bits(self.topology[at + place]));
-        Vec3::from_array(half).min_element() + rounding
-    }
-
-    /// The box that an object is a part of.
-    pub(crate) fn box_of(&self, object: Object) -> Option<BodyBox> {
-        let at = (self.box_word(object) & !BOX_RIM) as usize;
-        let body = self.body_of(object).filter(|_| at != 0)?;
-        let body = self.rigid_body(body);
-        let float = |place: usize| f32::from_bits(self.topology[at + place]);
-        let vector = |place: usize| Vec3::new(float(place), float(place + 1), float(place + 2));
-        Some(BodyBox {
-            centre: body.centre + rotated(body.orientation, vector(0)),
-            turn: product(body.orientation, Quat::from_xyzw(float(7), float(8), float(9), float(10))),
-            half: vector(4),
-            radius: float(3),
-        })
-    }
-
     /// The rigid body of a sphere.
     pub(crate) fn body_of_sphere(&self, sphere: u32) -> Option<u32> {
         if self.step.layout.rigid_bodies == 0 {

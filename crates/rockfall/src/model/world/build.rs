@@ -6,10 +6,8 @@ use crate::error::Result;
 use crate::fine::Fine;
 use crate::model::layout::{CELL_BLOCK, CELLS_AT, FEW_MOVERS, LEVEL_BIAS, LINE, SLICE, SUM_WORDS, SWEEPS_LISTED};
 use crate::model::step::{ListSettings, Step};
-use crate::model::view::PartOfBox;
 use crate::model::world::World;
 use crate::model::world::order::{size_class, spatial_order};
-use crate::model::world::rigid::parts_of_boxes;
 use crate::scene::{Rod, Scene, Sphere, SphereId};
 use crate::settings::BroadPhase;
 use crate::user_laws::set::UserLaws;
@@ -236,13 +234,9 @@ impl World {
 
 /// Returns the cell size, which is a little more than the AABBs of most spheres at rest, and the lowest level of the grid.
 ///
-/// Every mover searches every level. So when radii differ little, all spheres but the largest 2 % are put on one level. The vertices of
-/// boxes do not count, because the solids and edges around them are far larger.
+/// Every mover searches every level. So when radii differ little, all spheres but the largest 2 % are put on one level.
 fn typical_cell(scene: &Scene) -> (f32, u32) {
-    let parts = parts_of_boxes(scene);
-    let is_vertex = |index: usize| parts.get(index).is_some_and(|part| *part == Some(PartOfBox::Rim));
-    let spheres = scene.spheres().iter().enumerate().filter(|(index, _)| !is_vertex(*index));
-    let mut radii: Vec<f32> = spheres.map(|(_, sphere)| sphere.radius).collect();
+    let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
     let count = radii.len();
     let mut quantile = |place: usize| match count {
         0 => 1.0,
@@ -254,11 +248,9 @@ fn typical_cell(scene: &Scene) -> (f32, u32) {
     (size.clamp(1e-20, 1e20), least_level)
 }
 
-/// The smallest radius of a sphere that is no part of a box.
+/// The smallest radius of a sphere.
 fn least_radius(scene: &Scene) -> f32 {
-    let parts = parts_of_boxes(scene);
-    let spheres = scene.spheres().iter().enumerate().filter(|(index, _)| !matches!(parts.get(*index), Some(Some(_))));
-    spheres.map(|(_, sphere)| sphere.radius).fold(f32::INFINITY, f32::min)
+    scene.spheres().iter().map(|sphere| sphere.radius).fold(f32::INFINITY, f32::min)
 }
 
 /// Whether some sphere or rod at rest is so large that it belongs to [`LONG_LEVEL`](crate::model::layout::LONG_LEVEL) or above.
@@ -272,11 +264,7 @@ fn has_long_movers(scene: &Scene, cell: f32) -> bool {
 }
 
 fn order_in_space(scene: &Scene) -> Vec<u32> {
-    let mut balls: Vec<Vec4> = scene.spheres().iter().map(|sphere| sphere.position.extend(sphere.radius)).collect();
-    // The solids of boxes have the longest lists, so they come last, as large spheres do.
-    for (ball, part) in balls.iter_mut().zip(parts_of_boxes(scene)) {
-        ball.w = if part == Some(PartOfBox::Solid) { f32::MAX } else { ball.w };
-    }
+    let balls: Vec<Vec4> = scene.spheres().iter().map(|sphere| sphere.position.extend(sphere.radius)).collect();
     spatial_order(&balls, typical_cell(scene).0)
 }
 

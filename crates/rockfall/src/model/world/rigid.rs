@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::model::layout::{BOX_RIM, HULL_PART, NO_RIGID, RIGID_ROWS, RIGID_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS};
 use crate::model::rigid::{Moments, Pose};
 use crate::model::step::Layout;
-use crate::model::view::{PartOfBox, View};
+use crate::model::view::View;
 use crate::model::world::World;
 use crate::scene::{AnyForm, BodyHandles, BoxPart, Core, Form, Kinetics, Scene, Shape, ShapeHull, ShapeId, WholeBody};
 
@@ -86,7 +86,7 @@ impl FormKey {
 }
 
 /// Appends the rigid bodies of a scene: records, bodies of spheres, forms, members. Of its members, each body has the insertion indices, then
-/// the radii, then the words of [`Layout::rigid_parts_at`].
+/// the radii.
 pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) -> Result<()> {
     let count = scene.whole_bodies().count();
     (layout.rigid_bodies, layout.rigid_at, layout.rigid_of_at) = (count as u32, 0, 0);
@@ -125,10 +125,6 @@ pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec
         if let AnyForm::Shape(_, shape) = body.form {
             put_parts(scene, &body, shape, form, layout, topology)?;
         }
-        for sphere in body.spheres {
-            let table = layout.rigid_parts_at as usize;
-            topology.push(if table == 0 { 0 } else { topology[table + scene.spheres.index(*sphere)?] });
-        }
         let mut record = [0; RIGID_WORDS as usize];
         let mut put = |at: usize, numbers: &[f32]| {
             record[at..at + numbers.len()].iter_mut().zip(numbers).for_each(|(word, x)| *word = x.to_bits());
@@ -141,26 +137,6 @@ pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec
         topology[layout.rigid_at as usize + number * RIGID_WORDS as usize..][..record.len()].copy_from_slice(&record);
     }
     Ok(())
-}
-
-/// What the spheres are of boxes of bodies, in insertion order. Empty if there are no boxes of bodies.
-pub(super) fn parts_of_boxes(scene: &Scene) -> Vec<Option<PartOfBox>> {
-    let mut parts = Vec::new();
-    for body in scene.whole_bodies() {
-        let shape = match body.form {
-            AnyForm::Shape(_, shape) if !shape.boxes.is_empty() => shape,
-            _ => continue,
-        };
-        parts.resize(scene.spheres().len(), None);
-        for (number, sphere) in body.spheres.iter().enumerate() {
-            let Ok(index) = scene.spheres.index(*sphere) else { continue };
-            parts[index] = shape.box_of_sphere(number).map(|part| match part {
-                BoxPart::Solid(_) => PartOfBox::Solid,
-                BoxPart::Rim(_) => PartOfBox::Rim,
-            });
-        }
-    }
-    parts
 }
 
 /// The greatest distance of a point of a sphere of a body from the centre of mass. `places` are those in its form.

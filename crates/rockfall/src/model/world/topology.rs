@@ -257,7 +257,7 @@ fn pack_pairs(scene: &Scene, layout: &mut Layout, topology: &mut Vec<u32>) -> u3
     // Rounded up, so that the AABBs hold every contact.
     layout.neck = (scene.neck() * (1.0 + 1e-5)) as f32;
     let law = scene.contact_law();
-    if scene.pairs.is_empty() && !law.has_history() && !scene.has_damped_bodies() {
+    if scene.pairs.is_empty() && !law.has_history() {
         return 0;
     }
     let mut flags = 0;

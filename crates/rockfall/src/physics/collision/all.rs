@@ -17,7 +17,6 @@ use crate::physics::collision::body::Body;
 use crate::physics::collision::cluster;
 use crate::physics::collision::cluster::Touching;
 use crate::physics::collision::{Change, Collision, lone};
-use crate::physics::rigid_box::has_box;
 
 /// Smallest number of collisions per parallel task.
 const MIN_PER_TASK: usize = 16;
@@ -99,12 +98,11 @@ fn collisions(view: &View, lists: &Lists) -> Vec<Collision> {
     collisions
 }
 
-/// Whether a collision is lone: no other pressed contact touches its bodies, none of them is a network, and no part of a box touches. A single sphere
+/// Whether a collision is lone: no other pressed contact touches its bodies, and none of them is a network. A single sphere
 /// may also have pressed contacts with boxes and polygons at right angles to the collision, because collisions in a
 /// right-angled corner do not influence each other.
 fn is_lone(view: &View, lists: &Lists, k: &Collision) -> bool {
-    !has_box(view, view.object(k.a), view.object(k.b))
-        && k.parts().iter().all(|part| !matches!(part.body, Body::Network(_)) && is_alone_on(view, lists, k, part.body))
+    k.parts().iter().all(|part| !matches!(part.body, Body::Network(_)) && is_alone_on(view, lists, k, part.body))
 }
 
 fn is_alone_on(view: &View, lists: &Lists, k: &Collision, body: Body) -> bool {

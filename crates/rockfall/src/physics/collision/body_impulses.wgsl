@@ -1,4 +1,5 @@
-// requires model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl physics/contact.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl
+// requires model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl physics/rigid.wgsl
+// requires physics/rigid_lever.wgsl
 // requires step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
 // The impulses on rigid bodies by the collisions in the records (docs/physics.md section 3.11). Those of lone collisions act at another place.
@@ -19,9 +20,7 @@ fn at_on_row(k: Record, row: u32) -> f32 {
 
 // The lever of record k on a body, at a row of it.
 fn lever_of_record(record: u32, row: u32, k: Record) -> vec3f {
-    let is_a = k.a_id == row;
-    let reach = reach_of_solid(row, select(k.a_id, k.b_id, is_a), select(k.a, k.b, is_a));
-    return lever_on_body(record, row, at_on_row(k, row)) + reach;
+    return lever_on_body(record, row, at_on_row(k, row));
 }
 
 fn add_to_body(record: u32, row: u32, sweeps: u32, kick: ptr<function, BodyKick>) {

@@ -151,9 +151,7 @@ fn couple_side(k: Record, number: u32, half: ContactSide, side: f32) {
 // Side A (0) or B (1) of a collision.
 fn side_of_record(k: Record, side: u32) -> ContactSide {
     let is_b = side == 1u;
-    let ids = select(vec2u(k.a_id, k.b_id), vec2u(k.b_id, k.a_id), is_b);
-    let at = select(vec2f(k.a, k.b), vec2f(k.b, k.a), is_b);
-    return touched_side(ids.x, at.x, ids.y, at.y);
+    return contact_side(select(k.a_id, k.b_id, is_b), select(k.a, k.b, is_b));
 }
 
 // Finds and writes all couplings of a collision that is left to the sweeps. Those on rigid bodies have been collected.

@@ -14,7 +14,6 @@ use crate::physics::laws::before::spring_before;
 use crate::physics::laws::contact::{LawForce, Spring, law_force};
 use crate::physics::laws::history::{Histories, Owned, key, owner, pack};
 use crate::physics::laws::neck::contact;
-use crate::physics::rigid_box::core_point;
 use crate::physics::surface::Hidden;
 use crate::physics::touch::Touch;
 
@@ -42,12 +41,12 @@ impl Contacts<'_> {
         if view.step.layout.law == LAW_THESIS {
             let touch = touch(view, a, b, feature)?;
             let loads = contact_force(view, lists, [a, b], &touch);
-            return Some((touch, about_centres(view, [a, b], &touch, loads), None));
+            return Some((touch, loads, None));
         }
         let touch = contact(view, histories, a, b, feature)?;
         let before = spring_before(view, histories, [a, b], feature, &touch);
         let LawForce { loads, spring, .. } = law_force(view, [a, b], &touch, before);
-        Some((touch, about_centres(view, [a, b], &touch, loads), Some(spring)))
+        Some((touch, loads, Some(spring)))
     }
 
     /// Calls `take` for every contact of a mover, in the order of its list, starting at entry `from`. The arguments are the load on
@@ -126,20 +125,6 @@ impl Contacts<'_> {
                 tally.count_contact(touch.overlap);
             }
         }
-    }
-}
-
-/// The loads of a contact with torques about the centres of the spheres: the force on a solid acts at the point of its core.
-fn about_centres(view: &View, [a, b]: [u32; 2], touch: &Touch, loads: ContactForce<Vec3>) -> ContactForce<Vec3> {
-    if view.step.layout.rigid_parts_at == 0 {
-        return loads;
-    }
-    let (a, b) = (view.object(a), view.object(b));
-    let lever = |object, other| core_point(view, object, other, touch).map_or(Vec3::ZERO, |(lever, _)| lever);
-    ContactForce {
-        torque_a: loads.torque_a + lever(a, b).cross(loads.force),
-        torque_b: loads.torque_b - lever(b, a).cross(loads.force),
-        ..loads
     }
 }
 

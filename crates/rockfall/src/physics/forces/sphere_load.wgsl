@@ -26,7 +26,6 @@ fn add_contacts(i: u32, net: ptr<function, Net>) {
         if RODS {
             rest = without_distant_rods(i, own, ENTRY_OVERLAPS, first, begin, count, rest);
         }
-        rest = without_distant_boxes(i, ENTRY_OVERLAPS, first, begin, count, rest);
         rest &= ~hidden_entries(i, own, first, begin, count);
         var now = meet(first, begin, rest);
         while rest != 0u {

@@ -1,5 +1,5 @@
 // requires model/entries.wgsl model/order.wgsl model/step.wgsl physics/chain.wgsl physics/collision/crossings.wgsl physics/contact.wgsl
-// requires physics/forces/net_force.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/rigid_side.wgsl
+// requires physics/forces/net_force.wgsl physics/geometry.wgsl physics/round_pair.wgsl
 
 // A contact of a sphere by the law of the thesis.
 
@@ -33,7 +33,7 @@ fn push_of(i: u32, partner: u32, own: vec4f, plain_side: Side, other: LoadedEntr
     } else {
         found = touch_static_or_rod(i, id, own);
     }
-    found = uncovered(i, id, found, entry_feature(other.entry));
+    found = uncovered(i, id, found);
     if id >= step.spheres {
         their_side = moving_side(other_side(id, found.b), i, id, found);
     }
@@ -46,6 +46,6 @@ fn push_of(i: u32, partner: u32, own: vec4f, plain_side: Side, other: LoadedEntr
             return Push(vec3f(0.0), vec3f(0.0), 0.0, found.overlap);
         }
     }
-    let contact = contact_force(in_body(side, i, 0.0, id, found), in_body(their_side, id, found.b, i, found), found, i, id);
-    return about_centre(Push(contact.force, contact.torque_per_arm, contact.arm_a, found.overlap), i, id, found);
+    let contact = contact_force(side, their_side, found, i, id);
+    return Push(contact.force, contact.torque_per_arm, contact.arm_a, found.overlap);
 }

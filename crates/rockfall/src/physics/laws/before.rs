@@ -5,7 +5,6 @@ use crate::physics::geometry::point_over_polygon;
 use crate::physics::laws::contact::{Spring, Start};
 use crate::physics::laws::history::{Histories, feature_bits};
 use crate::physics::laws::shared::shared;
-use crate::physics::rigid_box::is_solid;
 use crate::physics::sides::sides;
 use crate::physics::surface::hides;
 use crate::physics::touch::Touch;
@@ -31,9 +30,7 @@ pub(crate) fn spring_before(view: &View, histories: &Histories, ids: [u32; 2], f
 
 /// The spring of a box or polygon that the new contact of a sphere hides, or [`Spring::PASSAGE`].
 fn on_surface(view: &View, histories: &Histories, [a, b]: [u32; 2], touch: &Touch) -> Option<Spring> {
-    // A corner that a solid touches keeps its place on the wall.
-    let is_ball = a < view.step.layout.spheres && !is_solid(view, view.object(a));
-    if !is_ball || b < view.step.movers() || touch.overlap <= 0.0 {
+    if a >= view.step.layout.spheres || b < view.step.movers() || touch.overlap <= 0.0 {
         return None;
     }
     let (bits, movers, objects) = (feature_bits(view.step), view.step.movers(), view.step.objects());

@@ -1,4 +1,5 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/laws/history.wgsl physics/laws/shared.wgsl physics/rigid_parts.wgsl physics/smooth.wgsl physics/surface.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl
+// requires physics/laws/history.wgsl physics/laws/shared.wgsl physics/smooth.wgsl physics/surface.wgsl
 
 // What a contact of a law with history begins with in a step (docs/physics.md section 4.11).
 
@@ -51,11 +52,7 @@ struct Before {
 // The spring before the step of the contact of a and b, of which a was added first, and its share in that of neighbours.
 fn spring_before(a: u32, b: u32, feature: u32, found: Touch) -> Before {
     var before = Before(spring_of(a, b, feature), SpringShare(1.0, 1.0, false));
-    var is_ball = (a < step.spheres) & is_static(b) & (found.overlap > 0.0);
-    if RIGID_BODIES {
-        // A corner keeps its place on the wall.
-        is_ball = is_ball & !is_solid(box_word(a));
-    }
+    let is_ball = (a < step.spheres) & is_static(b) & (found.overlap > 0.0);
     let is_new = before.spring.overlap == 0.0;
     if is_new & is_ball {
         before.spring = spring_on_surface(a, b, found);

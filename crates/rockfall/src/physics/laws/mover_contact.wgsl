@@ -33,8 +33,8 @@ fn mover_contact(mover: u32, entry: u32) -> MoverContact {
             return no_mover_contact();
         }
     }
-    let a_side = in_body(side_of(pair.x, found.a), pair.x, found.a, pair.y, found);
-    let b_side = in_body(second_side(pair.x, pair.y, found), pair.y, found.b, pair.x, found);
+    let a_side = in_body(side_of(pair.x, found.a), pair.x, found.a, found);
+    let b_side = in_body(second_side(pair.x, pair.y, found), pair.y, found.b, found);
     if a_side.inverse_mass + b_side.inverse_mass <= 0.0 {
         return no_mover_contact();
     }
@@ -47,7 +47,6 @@ fn mover_contact(mover: u32, entry: u32) -> MoverContact {
         push.torque_per_arm = fma(push.torque_per_arm, vec3f(push.arm), select(-law.moment, law.moment, is_a));
         push.arm = 1.0;
     }
-    push = about_centre(push, mover, entry_id(entry), found);
     let owns = (first_owns(pair.x, pair.y) == is_a) & advances_springs();
     return MoverContact(push, select(found.b, found.a, is_a), true, is_a, owns, law.spring);
 }

@@ -74,16 +74,16 @@ fn neighbours(
     })
 }
 
-/// The spheres of the same rigid body that overlap a sphere. Spheres of boxes have none.
+/// The spheres of the same rigid body that overlap a sphere.
 fn overlapped<'a>(view: &'a View, id: u32) -> impl Iterator<Item = u32> + use<'a> {
-    let is_round = move |id: u32| id < view.step.layout.spheres && view.part_of_box(view.object(id)).is_none();
-    let body = is_round(id).then(|| view.body_of_sphere(id)).flatten().map(|body| view.rigid_body(body));
+    let is_sphere = id < view.step.layout.spheres;
+    let body = is_sphere.then(|| view.body_of_sphere(id)).flatten().map(|body| view.rigid_body(body));
     body.into_iter().flat_map(move |body| {
         let members = move || view.members(body).map(|(index, place)| (view.slot_of(index), place));
         let own = members().find(|(sphere, _)| *sphere == id).map_or(Vec3::ZERO, |(_, place)| place);
         members().map(move |(sphere, place)| (sphere, place - own)).filter_map(move |(sphere, apart)| {
             let most = NEIGHBOURS_WITHIN * (view.radius(sphere) + view.radius(id));
-            (sphere != id && apart.length_squared() < most * most && is_round(sphere)).then_some(sphere)
+            (sphere != id && apart.length_squared() < most * most).then_some(sphere)
         })
     })
 }

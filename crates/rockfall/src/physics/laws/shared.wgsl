@@ -28,7 +28,7 @@ struct Members {
 }
 
 fn members_of(id: u32) -> Members {
-    if (id >= step.spheres) || (body_of_sphere(id) == NO_RIGID) || (box_word(id) != 0u) {
+    if (id >= step.spheres) || (body_of_sphere(id) == NO_RIGID) {
         return Members(id, 1u, 0u, 0u, 0u);
     }
     let record = rigid_record(body_of_sphere(id));
@@ -39,7 +39,7 @@ fn members_of(id: u32) -> Members {
     return found;
 }
 
-// The id of a member that is the object itself or overlaps it, or NONE. Spheres of boxes overlap none.
+// The id of a member that is the object itself or overlaps it, or NONE.
 fn overlapped(group: Members, k: u32) -> u32 {
     if k == group.own {
         return group.id;
@@ -47,11 +47,10 @@ fn overlapped(group: Members, k: u32) -> u32 {
     let apart = vector_at(group.places + 3u * k) - vector_at(group.places + 3u * group.own);
     let radii = group.members + group.count;
     let most = NEIGHBOURS_WITHIN * (float_at(radii + k) + float_at(radii + group.own));
-    let sphere = id_of(topology[group.members + k]);
-    if (dot(apart, apart) >= most * most) || (box_word(sphere) != 0u) {
+    if dot(apart, apart) >= most * most {
         return NONE;
     }
-    return sphere;
+    return id_of(topology[group.members + k]);
 }
 
 // The elastic force at an overlap, up to a factor.

@@ -86,24 +86,24 @@ impl Frames {
     }
 }
 
-/// Overlaps in which a hull takes part, the deepest point of each pair: both bodies, and the depth in units and in half the least edge or
+/// Overlaps in which a box or a hull of a rigid body takes part, the deepest point of each pair: both bodies, and the depth in
+/// units and in half the least edge or
 /// diameter of the smaller body.
 ///
 /// # Errors
 /// [`Error::Invalid`](crate::Error::Invalid) for objects that the law `rigid` does not know.
-pub(crate) fn overlaps_of_hulls(scene: &Scene) -> Result<Vec<([Part; 2], f32, f32)>> {
-    if scene.shapes().iter().all(|shape| shape.hulls.is_empty()) {
+pub(crate) fn overlaps_of_solids(scene: &Scene) -> Result<Vec<([Part; 2], f32, f32)>> {
+    if scene.shapes().iter().all(|shape| shape.boxes.is_empty() && shape.hulls.is_empty()) {
         return Ok(Vec::new());
     }
     let mut implied = scene.clone();
     implied.imply_bodies();
     let mut frames = Frames::of(&implied)?;
     frames.place_motions(&implied, 0.0, DEFAULT_TIME_STEP);
-    let is_hull = |part: &Part| matches!(part, Part::Sphere(id) if scene.hull_of_sphere(*id).is_some());
     let mut found: Vec<([Part; 2], f32, f32)> = Vec::new();
     for touch in frames.touches() {
         let mut parts = touch.colliders.map(|at| frames.parts[at as usize]);
-        if !parts.iter().any(is_hull) || touch.overlap <= 0.0 {
+        if !parts.iter().any(|part| scene.is_of_solid(*part)) || touch.overlap <= 0.0 {
             continue;
         }
         parts.sort_by_key(|part| rank(scene, *part));

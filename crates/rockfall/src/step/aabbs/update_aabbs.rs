@@ -119,7 +119,7 @@ fn grown(step: &Step, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
     (min - room, max + room)
 }
 
-/// Part of the margin of a step that is repeated, in units of [`View::margin_length`].
+/// Part of the margin of a step that is repeated, in units of the radius.
 fn repeat_margin(world: &World) -> f32 {
     let World { step, status, .. } = world;
     if !status.has_only_escaped() || step.lists.list_interval != 1.0 || step.has_exact_lists() {
@@ -138,7 +138,7 @@ fn margin(view: &View, repeat: f32, sphere: u32) -> f32 {
     if view.is_fixed(sphere) {
         return 0.0;
     }
-    let (unit, velocity) = (view.margin_length(sphere), image_velocity(view, sphere));
+    let (unit, velocity) = (view.radius(sphere), image_velocity(view, sphere));
     let travel = travel_bound(view.step, velocity, unit, view.step.lists.lookahead);
     let is_continuous = view.step.constants.flags & FLAG_CONTINUOUS != 0;
     let travel = if is_continuous { travel.max(trail(view.step, velocity, unit)) } else { travel };

@@ -1,4 +1,5 @@
-// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/period.wgsl physics/rigid_parts.wgsl physics/smooth.wgsl physics/travel.wgsl physics/wall_bounds.wgsl physics/walls.wgsl step/broad_phase/due.wgsl
+// requires model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/period.wgsl physics/smooth.wgsl physics/travel.wgsl
+// requires physics/wall_bounds.wgsl physics/walls.wgsl step/broad_phase/due.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -12,13 +13,14 @@ struct Hull {
     max: vec3f,
 }
 
-// Where lists may be rebuilt in every step, a step that a body left its AABB in is repeated with larger AABBs, in units of `margin_length`.
+// Where lists may be rebuilt in every step, a step that a body left its AABB in is repeated with larger AABBs, in units of the
+// radius.
 fn repeat_margin() -> f32 {
     let is_repeated = has_only_escaped(status.rejected) & (step.list_interval == 1.0) & !has_exact_lists();
     return select(0.0, 0.02 * min(1.25 * bitcast<f32>(status.escape_ratio) + 1.0, MOST_OF_REPEAT), is_repeated);
 }
 
-// Returns the distance that a sphere may move before its list is rebuilt. `unit` is its `margin_length`.
+// Returns the distance that a sphere may move before its list is rebuilt. `unit` is its radius.
 fn margin(velocity: vec4f, unit: f32) -> f32 {
     let spare = (select((step.margin_scale - 1.0) * 0.02, EXACT_MARGIN, has_exact_lists()) + repeat_margin()) * unit;
     var travel = travel_bound(velocity, unit, step.lookahead);
@@ -45,7 +47,7 @@ fn image_velocity(centre: vec3f, velocity: vec4f) -> vec4f {
 fn ball_hull(sphere: u32, radius: f32) -> Hull {
     let centre = state[position_at(sphere)];
     let velocity = image_velocity(centre.xyz, state[velocity_at(sphere)]);
-    let reach = vec3f(radius + step.neck * radius + margin(velocity, margin_length(sphere, centre.w)));
+    let reach = vec3f(radius + step.neck * radius + margin(velocity, centre.w));
     let middle = position_ahead(centre.xyz, velocity);
     return Hull(middle - reach, middle + reach);
 }

@@ -1,8 +1,9 @@
 //! Integrates rigid bodies and places their spheres (docs/physics.md sections 1.5, 4.16 and 5.9).
 //!
 //! The thread of its first sphere sums the loads of its member spheres, moves the body as the integrator moves a sphere, and writes the member spheres to
-//! the state that the integrator has just written. The integrator leaves them out. The passes are those of the force evaluations of RK4,
-//! [`AFTER_DRIFT`] and [`AFTER_KICK`] with velocity Verlet, and [`AFTER_EULER`]. Every pass also writes the record of the body in the
+//! the state that the integrator has just written. The integrator leaves them out. The passes are
+//! [`AFTER_DRIFT`] and [`AFTER_KICK`] with velocity Verlet, and [`AFTER_EULER`]: no contact law that has rigid bodies allows
+//! RK4. Every pass also writes the record of the body in the
 //! topology, with the centre and the inertia in that state, which contacts read. Pass [`BEFORE_STEP`] moves no body: a rejected
 //! step may have left another record, and in a world that was just packed the spheres have not been placed by the device.
 //! Pass [`AFTER_COLLISIONS`] places the spheres of the bodies that `push_bodies` has changed.
@@ -19,7 +20,7 @@ use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{
     AFTER_COLLISIONS, AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, DRIFTED_ROW, GRAIN, PUSHED_ROW, RATE_WORDS,
-    RESIDUE_ROW, RIGID_ROWS,
+    RESIDUE_ROW, RIGID_ROWS, STAGE_ROW,
 };
 use crate::model::part::part;
 use crate::model::residue::{Increased, increased};
@@ -73,7 +74,7 @@ fn row(rows: &[Vec4], place: usize) -> Vec3 {
 fn set_stage(rows: &mut [Vec4], pose: &Pose) {
     let Pose { position: Fine { high, low }, velocity, momentum, orientation } = *pose;
     let vectors = [velocity.extend(0.0), momentum.extend(0.0), orientation.into(), high.extend(0.0), low.extend(0.0)];
-    rows[9..14].copy_from_slice(&vectors);
+    rows[STAGE_ROW as usize..][..vectors.len()].copy_from_slice(&vectors);
 }
 
 /// A body during a pass.
@@ -101,30 +102,6 @@ impl Passing<'_> {
         Rates { acceleration, torque: sum.torque - angular_damping * pose.momentum }
     }
 
-    /// The next stage state of RK4.
-    fn advance(&self, rows: &mut [Vec4]) -> Pose {
-        let dt = self.view.step.constants.dt;
-        let start = Pose::of(rows);
-        if self.pass == 0 {
-            set_stage(rows, &start);
-            rows[5..9].fill(Vec4::ZERO);
-        }
-        let stage = Pose { velocity: row(rows, 9), momentum: row(rows, 10), orientation: Quat::from_vec4(rows[11]), ..start };
-        let Rates { acceleration, torque } = self.rates(&stage);
-        let (weight, c) = (if self.pass == 0 { 1.0 } else { 2.0 }, if self.pass == 2 { dt } else { 0.5 * dt });
-        for (place, rate) in [(5, weight * acceleration), (6, acceleration), (7, weight * torque), (8, torque)] {
-            rows[place] += rate.extend(0.0);
-        }
-        let next = Pose {
-            velocity: start.velocity + c * acceleration,
-            momentum: start.momentum + c * torque,
-            orientation: self.moments.turned(start.orientation, stage.momentum, c),
-            ..start.moved(c * stage.velocity)
-        };
-        set_stage(rows, &next);
-        next
-    }
-
     /// The pose with a velocity and an angular momentum after these increments. Row `from` has the residues before, `to` gets those after.
     fn increased(&self, rows: &mut [Vec4], [from, to]: [u32; 2], pose: Pose, by: [Vec3; 2]) -> Pose {
         let before = self.view.step.has_residues().then_some(rows[from as usize]);
@@ -133,21 +110,6 @@ impl Passing<'_> {
             rows[to as usize] = residues;
         }
         Pose { velocity, momentum: angular_momentum, ..pose }
-    }
-
-    /// The new state of RK4.
-    fn finish(&self, rows: &mut [Vec4]) -> Pose {
-        let dt = self.view.step.constants.dt;
-        let start = Pose::of(rows);
-        let stage = Pose { velocity: row(rows, 9), momentum: row(rows, 10), orientation: Quat::from_vec4(rows[11]), ..start };
-        let Rates { acceleration, torque } = self.rates(&stage);
-        let mean_momentum = start.momentum + dt / 6.0 * row(rows, 8);
-        let next = Pose {
-            orientation: self.moments.turned(start.orientation, mean_momentum, dt),
-            ..start.moved(dt * (start.velocity + dt / 6.0 * row(rows, 6)))
-        };
-        let by = [dt / 6.0 * (row(rows, 5) + acceleration), dt / 6.0 * (row(rows, 7) + torque)];
-        self.increased(rows, [RESIDUE_ROW; 2], next, by)
     }
 
     /// The state after a kick for a time and a drift for the whole step. Row `residues` gets the residues after it.
@@ -171,11 +133,12 @@ impl Passing<'_> {
     /// Velocity Verlet: the state after the second half of the kick, and the rates that it keeps.
     fn kick(&self, rows: &mut [Vec4]) -> (Pose, Rates) {
         let half = 0.5 * self.view.step.constants.dt;
+        let rows_of_stage = &rows[STAGE_ROW as usize..];
         let stage = Pose {
-            position: Fine { high: row(rows, 12), low: row(rows, 13) },
-            velocity: row(rows, 9),
-            momentum: row(rows, 10),
-            orientation: Quat::from_vec4(rows[11]),
+            position: Fine { high: row(rows_of_stage, 3), low: row(rows_of_stage, 4) },
+            velocity: row(rows_of_stage, 0),
+            momentum: row(rows_of_stage, 1),
+            orientation: Quat::from_vec4(rows_of_stage[2]),
         };
         let rates = self.rates(&stage);
         let by = [half * rates.acceleration, half * rates.torque];
@@ -191,13 +154,11 @@ impl Passing<'_> {
             BEFORE_STEP => start,
             AFTER_EULER => self.kicked_and_moved(&mut rows, &self.rates(&start), self.view.step.constants.dt, RESIDUE_ROW),
             AFTER_DRIFT => self.drift(&mut rows, kept),
-            AFTER_KICK => {
+            _ => {
                 let (pose, rates) = self.kick(&mut rows);
                 keeps = Some(rates);
                 pose
             }
-            3 => self.finish(&mut rows),
-            _ => self.advance(&mut rows),
         };
         let is_bad = !pose.is_finite();
         if is_bad {
@@ -216,16 +177,11 @@ impl Passing<'_> {
 
 /// Whether a pass writes the state after the step.
 fn ends_step(pass: u32) -> bool {
-    matches!(pass, 3 | AFTER_KICK | AFTER_EULER)
+    matches!(pass, AFTER_KICK | AFTER_EULER)
 }
 
 fn stage_of(pass: u32) -> BadStage {
-    match pass {
-        1 | AFTER_KICK => BadStage::Forces2,
-        2 => BadStage::Forces3,
-        3 => BadStage::Forces4,
-        _ => BadStage::Forces1,
-    }
+    if pass == AFTER_KICK { BadStage::Forces2 } else { BadStage::Forces1 }
 }
 
 fn move_bodies(world: &mut World, pass: u32) {
@@ -318,11 +274,7 @@ fn move_all(world: &mut World, pass: u32) -> Vec<Moved> {
 
 /// Writes the member spheres to the state that the pass places them in, and their orientations at the end of the step.
 fn place_members(world: &mut World, pass: u32, moved: &[Moved]) {
-    let to = match pass {
-        0..=2 => pass as usize + 1,
-        AFTER_DRIFT => 3,
-        _ => 0,
-    };
+    let to = if pass == AFTER_DRIFT { 3 } else { 0 };
     let is_new = to == 0;
     let mut state = std::mem::take(&mut world.states[to]);
     let view = View::new(&world.step, &world.topology, if is_new { &state } else { &world.states[0] });

@@ -16,28 +16,22 @@
 // uniform block alone.
 var<private> body_pass: u32;
 
-// The state that forces are evaluated in. The position is that of `start`.
-fn stage_of(body: u32, start: Pose) -> Pose {
-    return Pose(start.position, pose_row(body, 9u).xyz, pose_row(body, 10u).xyz, pose_row(body, 11u));
+// The state after the drift, in which forces are evaluated.
+fn stage_of(body: u32) -> Pose {
+    return Pose(
+        Fine(pose_row(body, STAGE_ROW + 3u).xyz, pose_row(body, STAGE_ROW + 4u).xyz),
+        pose_row(body, STAGE_ROW).xyz,
+        pose_row(body, STAGE_ROW + 1u).xyz,
+        pose_row(body, STAGE_ROW + 2u),
+    );
 }
 
 fn put_stage(body: u32, pose: Pose) {
-    put_pose_row(body, 9u, vec4f(pose.velocity, 0.0));
-    put_pose_row(body, 10u, vec4f(pose.momentum, 0.0));
-    put_pose_row(body, 11u, pose.orientation);
-    put_pose_row(body, 12u, vec4f(pose.position.high, 0.0));
-    put_pose_row(body, 13u, vec4f(pose.position.low, 0.0));
-}
-
-// Adds a rate to one of the sums over the evaluations.
-fn add_to_sum(body: u32, place: u32, rate: vec3f) -> vec3f {
-    var before = vec3f(0.0);
-    if body_pass != 0u {
-        before = pose_row(body, place).xyz;
-    }
-    let sum = before + rate;
-    put_pose_row(body, place, vec4f(sum, 0.0));
-    return sum;
+    put_pose_row(body, STAGE_ROW, vec4f(pose.velocity, 0.0));
+    put_pose_row(body, STAGE_ROW + 1u, vec4f(pose.momentum, 0.0));
+    put_pose_row(body, STAGE_ROW + 2u, pose.orientation);
+    put_pose_row(body, STAGE_ROW + 3u, vec4f(pose.position.high, 0.0));
+    put_pose_row(body, STAGE_ROW + 4u, vec4f(pose.position.low, 0.0));
 }
 
 // The rates of change from the loads of the members, which were evaluated in the state `pose` (docs/physics.md section 4.16).
@@ -55,28 +49,6 @@ fn rates_of(form: Form, pose: Pose) -> Rates {
     );
 }
 
-// RK4: the next stage state.
-fn advanced(body: u32, form: Form) -> Pose {
-    let start = start_of(body);
-    var stage = start;
-    if body_pass != 0u {
-        stage = stage_of(body, start);
-    }
-    let rates = rates_of(form, stage);
-    let weight = select(2.0, 1.0, body_pass == 0u);
-    let c = select(0.5, 1.0, body_pass == 2u) * step.dt;
-    add_to_sum(body, 5u, weight * rates.acceleration);
-    add_to_sum(body, 6u, rates.acceleration);
-    add_to_sum(body, 7u, weight * rates.torque);
-    add_to_sum(body, 8u, rates.torque);
-    return Pose(
-        fine_moved(start.position, c * stage.velocity),
-        start.velocity + c * rates.acceleration,
-        start.momentum + c * rates.torque,
-        freely_turned(start.orientation, form.moments, stage.momentum, c),
-    );
-}
-
 // The pose with a velocity and an angular momentum after these increments. Row `from_` has the residues before, `to` gets those after.
 fn increased_pose(body: u32, from_: u32, to: u32, pose: Pose, by_velocity: vec3f, by_momentum: vec3f) -> Pose {
     var residues = vec4f(0.0);
@@ -88,22 +60,6 @@ fn increased_pose(body: u32, from_: u32, to: u32, pose: Pose, by_velocity: vec3f
         put_pose_row(body, to, new_.residues);
     }
     return Pose(pose.position, new_.velocity, new_.momentum, pose.orientation);
-}
-
-// RK4: the new state.
-fn finished(body: u32, form: Form) -> Pose {
-    let start = start_of(body);
-    let rates = rates_of(form, stage_of(body, start));
-    let sixth = step.dt / 6.0;
-    let moved = Pose(
-        fine_moved(start.position, step.dt * (start.velocity + sixth * pose_row(body, 6u).xyz)),
-        start.velocity,
-        start.momentum,
-        freely_turned(start.orientation, form.moments, start.momentum + sixth * pose_row(body, 8u).xyz, step.dt),
-    );
-    let by_velocity = sixth * (pose_row(body, 5u).xyz + rates.acceleration);
-    let by_momentum = sixth * (pose_row(body, 7u).xyz + rates.torque);
-    return increased_pose(body, RESIDUE_ROW, RESIDUE_ROW, moved, by_velocity, by_momentum);
 }
 
 // The state after a kick for a time and a drift for the whole step. Row `to` gets the residues after it.
@@ -136,9 +92,6 @@ fn keep_rates(body: u32, rates: Rates) {
 
 // The number of the pass in a report of a state that is not finite.
 fn reported_stage() -> u32 {
-    if body_pass < 4u {
-        return body_pass + 1u;
-    }
     return select(1u, 2u, body_pass == AFTER_KICK);
 }
 
@@ -152,8 +105,7 @@ fn stopped_body(body: u32, form: Form) -> Pose {
 
 // Velocity Verlet: the second half of the kick.
 fn after_kick(body: u32, form: Form) -> Pose {
-    var pose = stage_of(body, start_of(body));
-    pose.position = Fine(pose_row(body, 12u).xyz, pose_row(body, 13u).xyz);
+    var pose = stage_of(body);
     let rates = rates_of(form, pose);
     let half = 0.5 * step.dt;
     pose = increased_pose(body, DRIFTED_ROW, RESIDUE_ROW, pose, half * rates.acceleration, half * rates.torque);
@@ -170,22 +122,15 @@ fn moved_body(body: u32, form: Form) -> Pose {
     if body_pass == AFTER_KICK {
         return after_kick(body, form);
     }
-    var pose = start;
-    if body_pass < 3u {
-        pose = advanced(body, form);
-    } else if body_pass == 3u {
-        pose = finished(body, form);
+    var rates = Rates(vec3f(0.0), vec3f(0.0));
+    if (body_pass == AFTER_DRIFT) & (status.forces_due == 0u) {
+        rates = kept_rates_of_body(body);
     } else {
-        var rates = Rates(vec3f(0.0), vec3f(0.0));
-        if (body_pass == AFTER_DRIFT) & (status.forces_due == 0u) {
-            rates = kept_rates_of_body(body);
-        } else {
-            rates = rates_of(form, start);
-        }
-        let is_drift = body_pass == AFTER_DRIFT;
-        let residues_to = select(RESIDUE_ROW, DRIFTED_ROW, is_drift);
-        pose = kicked(body, form, start, rates, select(1.0, 0.5, is_drift) * step.dt, residues_to);
+        rates = rates_of(form, start);
     }
+    let is_drift = body_pass == AFTER_DRIFT;
+    let residues_to = select(RESIDUE_ROW, DRIFTED_ROW, is_drift);
+    let pose = kicked(body, form, start, rates, select(1.0, 0.5, is_drift) * step.dt, residues_to);
     if !pose_is_finite(pose) {
         return stopped_body(body, form);
     }
@@ -301,7 +246,7 @@ fn move_bodies(
         return;
     }
     let pose = moved_body(body, form);
-    let is_new = (body_pass == 3u) | (body_pass >= AFTER_KICK);
+    let is_new = body_pass >= AFTER_KICK;
     if is_new {
         put_pose(body, pose);
     } else {

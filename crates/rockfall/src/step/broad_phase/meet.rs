@@ -6,8 +6,7 @@ use crate::model::layout::{BOX_FEATURES, ENTRY_BITS, FEATURE_BITS, WORKGROUP};
 use crate::model::period::Periods;
 use crate::model::step::Aabb;
 use crate::model::view::{Object, View};
-use crate::physics::corners::corners;
-use crate::physics::rigid_box::{is_solid, never_meet};
+use crate::physics::rigid::never_meet;
 use crate::physics::rod_polygon::features;
 
 /// Calls `take` with each list entry of a mover, in ascending order of id, then feature.
@@ -65,7 +64,7 @@ pub(crate) fn same_group(a: &Aabb, b: &Aabb) -> bool {
 }
 
 /// Calls `take` with each entry that an object makes in the list of a mover that may meet it. A box makes one entry for each
-/// feature in the list of a rod, and so does a polygon; one for each corner in the list of the solid of a box. A mover makes none in its own list. Parts of rigid bodies that never touch make none.
+/// feature in the list of a rod, and so does a polygon. A mover makes none in its own list. Parts of one rigid body make none.
 pub(crate) fn entries(view: &View, mover: u32, id: u32, mut take: impl FnMut(u32)) {
     let layout = &view.step.layout;
     let is_rod = mover >= layout.spheres;
@@ -75,7 +74,6 @@ pub(crate) fn entries(view: &View, mover: u32, id: u32, mut take: impl FnMut(u32
     let features = match view.object(id) {
         Object::Cuboid(_) if is_rod => BOX_FEATURES,
         Object::Polygon(polygon) if is_rod => features(view.polygon(polygon).surface),
-        wall @ (Object::Cuboid(_) | Object::Polygon(_)) if is_solid(view, view.object(mover)) => corners(view, wall),
         _ => 1,
     };
     for feature in 0..features {

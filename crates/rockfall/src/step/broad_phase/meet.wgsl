@@ -21,39 +21,13 @@ fn entries_of_polygon(index: u32) -> u32 {
     return u32((surface == SURFACE_CONE) | (surface == SURFACE_BALL));
 }
 
-// Whether boxes and polygons make several entries in the list of a mover: of a rod, or of the solid of a box.
-fn has_features(mover: u32) -> bool {
-    if RODS & (mover >= step.spheres) {
-        return true;
-    }
-    if !RIGID_BODIES {
-        return false;
-    }
-    return is_solid(box_word(mover));
-}
-
-// Returns the number of corners of a box or polygon (docs/physics.md section 2.16).
-fn corners_of(id: u32) -> u32 {
-    let polygons = step.spheres + step.rods + step.boxes;
-    if id < polygons {
-        return 8u;
-    }
-    let surface = topology[step.polygons_at + (id - polygons) * POLYGON_WORDS + 9u];
-    return select(0u, select(4u, 3u, surface == SURFACE_TRIANGLE), surface <= SURFACE_TRIANGLE);
-}
-
 // Returns the number of entries that an object makes in the list of a mover. A box makes one for each feature in the list of
-// a rod, and so does a polygon. Both make one for each corner in the list of the solid of a box. Parts of rigid bodies that never touch make none.
+// a rod, and so does a polygon. Parts of one rigid body make none.
 fn entries_of(mover: u32, id: u32) -> u32 {
     if never_meet(mover, id) {
         return 0u;
     }
     let movers = step.spheres + step.rods;
-    if RIGID_BODIES {
-        if (id >= movers) & (mover < step.spheres) & has_features(mover) {
-            return corners_of(id);
-        }
-    }
     if !(RODS & (mover >= step.spheres)) | (id < movers) {
         return 1u;
     }

@@ -9,13 +9,6 @@ const ROUNDING: f32 = 1e-5;
 
 fn radius_of(id: u32) -> f32 {
     if id < step.spheres {
-        if RIGID_BODIES {
-            let word = box_word(id);
-            if is_solid(word) {
-                // The rounding radius.
-                return float_at(word + 3u);
-            }
-        }
         return state[position_at(id)].w;
     }
     if RODS {
@@ -82,8 +75,7 @@ fn entries_to_classify(own: Own, first: vec2u, begin: u32, count: u32) -> u32 {
     }
     if own.id < step.spheres {
         let near = entries_near(own.place, bits, first, begin, count);
-        let met = without_distant_rods(own.id, own.place, bits, first, begin, count, near);
-        return without_distant_boxes(own.id, bits, first, begin, count, met);
+        return without_distant_rods(own.id, own.place, bits, first, begin, count, near);
     }
     return touching_rod(own.id, own.bar, bits, first, begin, count);
 }
@@ -154,7 +146,7 @@ fn mark_head(mover: u32, collides: bool) {
 
 fn check_escape(sphere: u32) {
     let own = state[position_at(sphere)];
-    let ratio = escape_ratio(sphere, own.xyz, own.w, aabbs[sphere]);
+    let ratio = escape_ratio(own.xyz, own.w, aabbs[sphere]);
     if (ratio > 0.0) & (inverse_mass(sphere) > 0.0) {
         report_escape(ratio, ESCAPED_IN_COLLISIONS);
     }

@@ -19,9 +19,9 @@ fn check_path(i: u32, centre: vec4f, velocity: vec4f) {
     if velocity.w <= 0.0 {
         return;
     }
-    var ratio = escape_ratio(i, centre.xyz, centre.w, aabbs[i]);
+    var ratio = escape_ratio(centre.xyz, centre.w, aabbs[i]);
     if has_moved() {
-        ratio = max(ratio, escape_ratio(i, centre.xyz - step.dt * velocity.xyz, centre.w, aabbs[i]));
+        ratio = max(ratio, escape_ratio(centre.xyz - step.dt * velocity.xyz, centre.w, aabbs[i]));
     }
     if ratio > 0.0 {
         report_escape(ratio, ESCAPED_ON_PATHS);

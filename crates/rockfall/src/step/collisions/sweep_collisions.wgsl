@@ -40,7 +40,7 @@ fn change_on_body(half: ContactSide) -> vec3f {
         torque += next[momentum_at(sphere)].xyz;
     }
     let turning = by_inverse_inertia(record, torque);
-    return float_at(record + 3u) * impulse + cross(turning, lever_on_body(record, half.id, half.at) + half.reach);
+    return float_at(record + 3u) * impulse + cross(turning, lever_on_body(record, half.id, half.at));
 }
 
 // The change of velocity of one side of a contact, at the contact, after this number of sweeps.
@@ -76,10 +76,10 @@ fn sweep(r: u32) {
     if (gathered != 0u) & (sweeps != 0u) {
         let k = record_at(r);
         if (gathered & GATHERED_A) != 0u {
-            change += dot(k.n, change_at(touched_side(k.a_id, k.a, k.b_id, k.b), sweeps));
+            change += dot(k.n, change_at(contact_side(k.a_id, k.a), sweeps));
         }
         if (gathered & GATHERED_B) != 0u {
-            change -= dot(k.n, change_at(touched_side(k.b_id, k.b, k.a_id, k.a), sweeps));
+            change -= dot(k.n, change_at(contact_side(k.b_id, k.b), sweeps));
         }
     }
     put_sweep(r, sweeps, change);

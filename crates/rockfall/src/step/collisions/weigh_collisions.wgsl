@@ -75,8 +75,7 @@ struct Weight {
 }
 
 fn weigh_bodies(k: Record, r: u32) -> Weight {
-    // Parts of boxes are left to the sweeps (docs/physics.md section 3.11).
-    var sum = Weight(0.0, 0.0, !has_box(k.a_id, k.b_id), 0u, false);
+    var sum = Weight(0.0, 0.0, true, 0u, false);
     for (var side = 0u; side < 2u; side++) {
         let half = side_of_record(k, side);
         // A sphere has one end, and both ends of a capsule have the same rows.
@@ -132,18 +131,13 @@ fn weight_of_end(k: Record, number: u32, half: ContactSide, side: u32, end: u32,
 fn weight_of_body(k: Record, number: u32, half: ContactSide, sign: f32) -> Weight {
     let body = rigid_body_of(half.id);
     let hold = hold_of(half, side_motion(half), k.n);
-    // Contacts that do not collide decide only whether a collision is lone, and parts of boxes have none.
-    let may_be_lone = !has_box(k.a_id, k.b_id);
     var sum = Weight(0.0, hold.inverse_mass, true, 0u, false);
     for (var member = 0u; member < topology[hold.record + 13u]; member++) {
         let sphere = id_of(topology[topology[hold.record + 12u] + member]);
         let rods = rods_of(sphere);
         for (var r = 0u; r <= rods.y; r++) {
             let row = row_of_member(body, sphere, rods, r);
-            if row == NONE {
-                continue;
-            }
-            if may_be_lone | has_collisions(row) {
+            if row != NONE {
                 add_couplings_of_row(k, number, hold, row, sign, &sum);
             }
         }

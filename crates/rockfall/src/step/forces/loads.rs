@@ -29,7 +29,7 @@ use crate::model::world::World;
 use crate::physics::forces::attached::add_attached;
 use crate::physics::forces::contacts::{Contacts, Load};
 use crate::physics::laws::history::{BLOCK_WORDS, Chains, Histories, Owned, Record};
-use crate::physics::passage::{is_fast, is_watched};
+use crate::physics::passage::is_fast;
 use crate::physics::travel::{escape_ratio, needs_rebuild};
 use crate::step::moves::{FORCES, Moves};
 use crate::step::stage::{Access, Binding, Slot, Stage, read, write};
@@ -162,5 +162,5 @@ pub(crate) fn note_place(view: &View, aabbs: &[Aabb], pass: u32, sphere: u32, ta
     tally.note_escape(ESCAPED_IN_LOADS + pass, escape_ratio(view, aabbs, sphere));
     tally.rebuild |= pass == 3 && needs_rebuild(view, aabbs, sphere, view.position(sphere), view.velocity(sphere));
     let has_walls = view.step.layout.polygons > 0;
-    tally.fast |= has_walls && is_fast(view, sphere) && is_watched(view, sphere) && view.step.traits().counts_passages();
+    tally.fast |= has_walls && is_fast(view, sphere) && view.step.traits().counts_passages();
 }

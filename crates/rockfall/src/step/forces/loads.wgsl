@@ -33,7 +33,7 @@ fn put_load(i: u32, net: Net, inverse_mass: f32) {
 // Reports a sphere that is outside its AABB. In the last pass of several, requests new lists if it may soon leave it.
 fn check_place(i: u32, velocity: vec4f) {
     let place = state[position_at(i)];
-    let ratio = escape_ratio(i, place.xyz, place.w, aabbs[i]);
+    let ratio = escape_ratio(place.xyz, place.w, aabbs[i]);
     if ratio > 0.0 {
         report_escape(ratio, ESCAPED_IN_LOADS + evaluation());
     }
@@ -41,7 +41,7 @@ fn check_place(i: u32, velocity: vec4f) {
         request_rebuild(i, place, velocity);
     }
     if PASSAGES {
-        if is_watched(i) & is_fast(place.w, velocity) {
+        if is_fast(place.w, velocity) {
             // A load is cheaper than an atomic write, and most find the word set.
             if atomicLoad(&status.counters[0].fast) == 0u {
                 atomicStore(&status.counters[0].fast, 1u);

@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/contact.wgsl
 // requires physics/chain.wgsl physics/forces/due.wgsl physics/forces/net_force.wgsl physics/forces/rod_load.wgsl physics/geometry.wgsl
-// requires physics/laws/history.wgsl physics/laws/mover_contact.wgsl physics/seams_of_list.wgsl physics/rigid_side.wgsl
+// requires physics/laws/history.wgsl physics/laws/mover_contact.wgsl physics/seams_of_list.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -28,14 +28,14 @@ fn add_contact(id: u32, own: Bar, entry: u32, sum: ptr<function, RodLoad>) {
     let a = min(id, other);
     let b = max(id, other);
     let feature = entry_feature(entry);
-    let found = uncovered(a, b, touch_bar(id, own, other, feature), feature);
+    let found = uncovered(a, b, touch_bar(id, own, other, feature));
     let a_side = side_of(a, found.a);
     let b_side = second_side(a, b, found);
     if !(found.overlap > 0.0) | (a_side.inverse_mass + b_side.inverse_mass <= 0.0) {
         return;
     }
     let is_a = id < other;
-    let contact = contact_force(in_body(a_side, a, found.a, b, found), in_body(b_side, b, found.b, a, found), found, a, b);
+    let contact = contact_force(a_side, b_side, found, a, b);
     let force = select(-contact.force, contact.force, is_a);
     let push = Push(force, contact.torque_per_arm, select(contact.arm_b, contact.arm_a, is_a), found.overlap);
     add_to_ends(push, select(found.b, found.a, is_a), is_a, sum);

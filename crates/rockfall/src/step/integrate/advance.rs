@@ -56,7 +56,7 @@ fn advance(world: &mut World, pass: u32) {
         .at_evaluation(&world.status, pass)
         .with_laws(&world.user_laws);
     let next = |sphere: u32, tally: &mut Tally| {
-        if !view.is_integrated(sphere) {
+        if view.is_fixed(sphere) {
             return Motion::of(&start, sphere);
         }
         next_state(&start, &view, pass, sphere, &sphere_rates(&view, &world.wrenches, sphere), tally)
@@ -93,7 +93,7 @@ fn put_increments(world: &mut World, pass: u32) {
     let rows = of_velocities.par_iter_mut().zip(of_momenta).enumerate().with_min_len(GRAIN);
     rows.for_each(|(sphere, (of_velocity, of_momentum))| {
         let sphere = sphere as u32;
-        if view.is_integrated(sphere) {
+        if !view.is_fixed(sphere) {
             let before = if pass == 0 { [Vec3::ZERO; 2] } else { view.increments(sphere) };
             let Rates { acceleration, torque } = sphere_rates(&view, &world.wrenches, sphere);
             *of_velocity = (before[0] + weight * acceleration).extend(0.0);

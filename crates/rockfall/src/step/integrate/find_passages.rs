@@ -15,7 +15,7 @@ use crate::model::lists::Lists;
 use crate::model::part::part;
 use crate::model::view::{Object, View};
 use crate::model::world::World;
-use crate::physics::passage::{is_deep, is_fast, is_watched, passes};
+use crate::physics::passage::{is_deep, is_fast, passes};
 use crate::settings::Integrator;
 use crate::step::moves::NONE;
 use crate::step::stage::{Stage, read, write};
@@ -48,7 +48,7 @@ pub(crate) fn find_passages(world: &mut World, _pass: u32) {
     let lists = Lists::new(&world.step, &world.lists);
     let is_due = |sphere: &u32| {
         let may_pass = is_fast(&view, *sphere) || is_deep(deepest, view.radius(*sphere));
-        may_pass && !view.is_fixed(*sphere) && is_watched(&view, *sphere) && view.is_own(*sphere)
+        may_pass && !view.is_fixed(*sphere) && view.is_own(*sphere)
     };
     let spheres = (0..world.step.layout.spheres).into_par_iter().with_min_len(GRAIN);
     let count = |mut tally: Tally, sphere: u32| {

@@ -104,7 +104,7 @@ fn find_passages(
     }
     let radius = state[position_at(i)].w;
     let velocity = state[velocity_at(i)];
-    if (velocity.w <= 0.0) | !is_watched(i) | !(is_fast(radius, velocity) | is_deep(deepest, radius)) {
+    if (velocity.w <= 0.0) | !(is_fast(radius, velocity) | is_deep(deepest, radius)) {
         return;
     }
     if is_own(i) {

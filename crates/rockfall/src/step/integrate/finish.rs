@@ -109,7 +109,7 @@ pub(crate) fn finished(
     let [y2, y3, y4] = views.map(|view| Motion::of(&view, sphere));
     let last = &views[2];
     let [w1, w2, w3, w4] = [y, y2, y3, y4].map(|motion| motion.angular_momentum * last.inverse_inertia(sphere));
-    if !last.is_integrated(sphere) {
+    if last.is_fixed(sphere) {
         return (y, w1);
     }
     let spin = (w1 + 2.0 * w2 + 2.0 * w3 + w4) / 6.0;

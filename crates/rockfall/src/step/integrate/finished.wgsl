@@ -1,4 +1,4 @@
-// requires model/step.wgsl physics/forces/load.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/residue.wgsl physics/rigid.wgsl
+// requires model/step.wgsl physics/forces/load.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/residue.wgsl
 
 // What stage states 2 to 4 add to a vector of a sphere, velocity or angular momentum, by region: three times the change without the
 // slope at Y4.
@@ -25,7 +25,7 @@ fn finish_sphere(i: u32, load: Load) -> Finished {
     let old_velocity = start_row(1u, i);
     let old_momentum = start_row(2u, i);
     var spin = old_momentum.xyz * old_momentum.w;
-    if (old_velocity.w > 0.0) & is_free(i) {
+    if old_velocity.w > 0.0 {
         let rates = sphere_rates(i, old_velocity.w, load);
         let low = start_row(3u, i).xyz;
         var after = Motion(old_position.xyz, low, vec3f(0.0), vec3f(0.0));

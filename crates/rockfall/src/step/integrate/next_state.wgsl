@@ -1,4 +1,5 @@
-// requires model/step.wgsl physics/forces/load.wgsl physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl physics/motion.wgsl physics/rigid.wgsl
+// requires model/step.wgsl physics/forces/load.wgsl physics/forces/rates.wgsl physics/forces/sphere_rates.wgsl
+// requires physics/motion.wgsl
 
 // Writes what the evaluations up to this one add to velocity and angular momentum in the step. Stage states alone would lose it by
 // rounding.
@@ -25,7 +26,7 @@ fn write_next(i: u32, load: Load) {
         low = start_row(3u, i).xyz;
     }
     var after = Motion(old_position.xyz, low, old_velocity.xyz, old_momentum.xyz);
-    if (old_velocity.w > 0.0) & is_free(i) {
+    if old_velocity.w > 0.0 {
         let c = select(0.5, 1.0, evaluation() == 2u) * step.dt;
         let by = c * state[velocity_at(i)].xyz;
         if DOUBLE {

@@ -1,9 +1,8 @@
-// requires model/step.wgsl physics/rigid_parts.wgsl
+// requires model/step.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> pairs: array<vec2u>;
-@group(0) @binding(4) var<storage, read> topology: array<u32>;
-@group(0) @binding(5) var<storage, read> status: Status;
+@group(0) @binding(4) var<storage, read> status: Status;
 
 // Spreads the low 10 bits of each component, with two zero bits between neighbours.
 fn spread(bits: vec3u) -> vec3u {
@@ -14,12 +13,9 @@ fn spread(bits: vec3u) -> vec3u {
     return (x | (x << vec3u(2u))) & vec3u(0x9249249u);
 }
 
-// Returns the size class of a sphere: 0 for up to 4 cells wide, 1 for up to 16, 2 for up to 64, 3 for more, and for the solid of a box. Large
+// Returns the size class of a sphere: 0 for up to 4 cells wide, 1 for up to 16, 2 for up to 64, 3 for more. Large
 // spheres come after all small ones in memory, so that long lists are adjacent.
-fn size_class(sphere: u32, radius: f32) -> u32 {
-    if is_solid(box_word(sphere)) {
-        return 3u;
-    }
+fn size_class(radius: f32) -> u32 {
     let cells = vec3f(4.0, 16.0, 64.0) * step.cell_size;
     let larger = select(vec3u(0u), vec3u(1u), vec3f(2.0 * radius) > cells);
     return larger.x + larger.y + larger.z;
@@ -39,5 +35,5 @@ fn key_spheres(
     let far = vec3f(1073741824.0);
     let cell = vec3i(clamp(floor(ball.xyz / step.cell_size), -far, far));
     let axes = spread(vec3u(cell));
-    pairs[i] = vec2u(axes.x | (axes.y << 1u) | (axes.z << 2u) | (size_class(i, ball.w) << 30u), i);
+    pairs[i] = vec2u(axes.x | (axes.y << 1u) | (axes.z << 2u) | (size_class(ball.w) << 30u), i);
 }

@@ -84,7 +84,7 @@ fn contribution(mover: u32, wall: u32, feature: u32, servo: u32) -> vec2f {
             return nothing;
         }
     }
-    let a_side = in_body(side_of(mover, found.a), mover, found.a, wall, found);
+    let a_side = in_body(side_of(mover, found.a), mover, found.a, found);
     let b_side = second_side(mover, wall, found);
     if a_side.inverse_mass <= 0.0 {
         return nothing;
@@ -110,7 +110,7 @@ fn contribution(mover: u32, wall: u32, feature: u32, servo: u32) -> vec2f {
     var way = servos[at + 1u].xyz;
     if servos[at + 3u].x != 0.0 {
         let moving = wall_of(wall);
-        let place = moving.corner + lever_on_wall(moving, point_on_wall(mover, wall, found));
+        let place = moving.corner + lever_on_wall(moving, contact_point(mover, found.a, found.overlap, found.n));
         way = cross(way, place - servos[at + 2u].xyz);
     }
     let along = dot(way, found.n);

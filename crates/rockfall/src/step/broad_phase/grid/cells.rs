@@ -12,14 +12,14 @@ use glam::{IVec3, Vec3, Vec4};
 
 use crate::model::lanes::{LANES, Vec3x4};
 use crate::model::layout::{
-    CELLS_AT, EDGES_AT, FARTHEST_AT, FEW_STATICS, FLAG_GROUPS, LAYERS, LEVEL_BIAS, LEVELS, LONG_LEVEL, MASKS_AT, ROW_LEVEL,
-    ROW_Y, ROW_Z, SLICE, TOP_LEVEL,
+    CELLS_AT, EDGES_AT, FARTHEST_AT, FEW_STATICS, FLAG_GROUPS, LEVEL_BIAS, LEVELS, LONG_LEVEL, MASK_AT, ROW_LEVEL, ROW_Y,
+    ROW_Z, SLICE, TOP_LEVEL,
 };
 use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
-use crate::model::view::{PartOfBox, View};
+use crate::model::view::View;
 use crate::model::world::World;
-use crate::physics::rigid_box::never_meet;
+use crate::physics::rigid::never_meet;
 use crate::step::broad_phase::meet::{entries, may_meet, same_group};
 
 /// The most movers that search the grid together.
@@ -34,7 +34,7 @@ const CELL_SHAPE: Vec4 = Vec4::new(0.5, 1.0, 1.0, 1.0);
 /// Size of cells for exact lists, as a part of the usual size. AABBs hardly have a margin then, so smaller cells hold them.
 const EXACT_CELL: f32 = 0.75;
 
-/// A level of a layer of the grid: cells of one size.
+/// A level of the grid: cells of one size.
 #[derive(Clone, Copy, Debug)]
 struct Level {
     number: u32,
@@ -53,33 +53,11 @@ fn key(step: &Step, x: i32, y: i32, z: i32, level: u32) -> u32 {
     row.wrapping_add(x as u32) & (step.layout.cells - 1)
 }
 
-/// The layer of the grid that an object is in: of boxes of bodies 1 for the solids, 2 for the vertices, 3 for the edges; 0 for all other
-/// objects.
-fn layer_of(view: &View, object: u32) -> u32 {
-    match view.part_of_box(view.object(object)) {
-        Some(PartOfBox::Solid) => 1,
-        Some(PartOfBox::Rim) => 2 + u32::from(object >= view.step.layout.spheres),
-        None => 0,
-    }
-}
-
-/// Mask of the layers that a mover searches: those of objects that it may touch (docs/physics.md section 2.16).
-fn layers_around(view: &View, mover: u32) -> u32 {
-    match (view.part_of_box(view.object(mover)), mover < view.step.layout.spheres) {
-        (Some(PartOfBox::Solid), _) => 0b0101,
-        (Some(PartOfBox::Rim), false) => 0b1001,
-        (None, false) => 0b1101,
-        (_, true) => 0b0011,
-    }
-}
-
 /// Returns the place in the table of the cell of an object, the number of the level of the cell, and the largest edge of the object.
-pub(crate) fn key_of(view: &View, object: u32, aabb: &Aabb) -> (u32, u32, f32) {
-    let step = view.step;
-    let first = LEVELS * layer_of(view, object);
+pub(crate) fn key_of(step: &Step, aabb: &Aabb) -> (u32, u32, f32) {
     let largest = largest_edge(aabb);
-    let levels = (step.layout.least_level..TOP_LEVEL).map(|level| Level::new(step, first + level));
-    let level = levels.into_iter().find(|level| largest <= level.size).unwrap_or(Level::new(step, first + TOP_LEVEL));
+    let mut levels = (step.layout.least_level..TOP_LEVEL).map(|level| Level::new(step, level));
+    let level = levels.find(|level| largest <= level.size).unwrap_or(Level::new(step, TOP_LEVEL));
     let [min, max] = [aabb.min, aabb.max].map(|bound| Vec3::from_array(bound).extend(0.0));
     let IVec3 { x, y, z } = level.cell(0.5 * min + 0.5 * max);
     (key(step, x, y, z, level.number), level.number, largest)
@@ -152,8 +130,8 @@ pub(crate) struct Around {
 impl<'a> Grid<'a> {
     pub(crate) fn new(view: View<'a>, aabbs: &'a [Aabb], cells: &'a [u32], extents: &'a [Vec4]) -> Self {
         let step = view.step;
-        let has_objects = |number: &u32| cells[(MASKS_AT + number / LEVELS) as usize] >> (number % LEVELS) & 1 == 1;
-        let levels = (0..LAYERS * LEVELS).filter(has_objects);
+        let has_objects = |number: &u32| cells[MASK_AT as usize] >> number & 1 == 1;
+        let levels = (0..LEVELS).filter(has_objects);
         Self {
             step,
             view,
@@ -184,8 +162,7 @@ impl<'a> Grid<'a> {
         if aabbs.iter().all(|aabb| self.is_long(aabb)) {
             return movers.for_each(|_| take(&mut around.entries));
         }
-        let layers = movers.clone().fold(0, |layers, mover| layers | layers_around(&self.view, mover));
-        self.spans(&hull, layers, &mut around.spans);
+        self.spans(&hull, &mut around.spans);
         around.gather(self, &hull);
         for (mover, aabb) in movers.zip(aabbs) {
             if self.is_long(aabb) {
@@ -210,7 +187,7 @@ impl<'a> Grid<'a> {
     /// Returns the entries of a long mover, in any order.
     pub(crate) fn long_list<'b>(&self, mover: u32, around: &'b mut Around) -> &'b mut [u32] {
         let own = &self.aabbs[mover as usize];
-        self.spans(own, layers_around(&self.view, mover), &mut around.spans);
+        self.spans(own, &mut around.spans);
         around.gather(self, own);
         around.find(self, mover);
         &mut around.entries
@@ -220,15 +197,15 @@ impl<'a> Grid<'a> {
     /// counts once for each row in which it is found.
     pub(crate) fn count_long(&self, mover: u32, around: &mut Around) -> u32 {
         let own = &self.aabbs[mover as usize];
-        self.rows(own, layers_around(&self.view, mover), &mut around.spans);
+        self.rows(own, &mut around.spans);
         around.gather(self, own);
         around.find(self, mover);
         around.entries.iter().filter(|entry| *entry & self.step.entry_id_mask() != mover).count() as u32
     }
 
-    /// Writes the ranges of sorted objects in the cells of some layers around an AABB to `spans`. Each object is in one range only.
-    fn spans(&self, aabb: &Aabb, layers: u32, spans: &mut Vec<(u32, u32)>) {
-        self.rows(aabb, layers, spans);
+    /// Writes the ranges of sorted objects in the cells around an AABB to `spans`. Each object is in one range only.
+    fn spans(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
+        self.rows(aabb, spans);
         spans.sort_unstable();
         let mut done = 0;
         for (start, end) in spans {
@@ -240,15 +217,15 @@ impl<'a> Grid<'a> {
 
     /// Writes the range of sorted objects in every row of cells around an AABB and its images to `spans`. Rows may share places of the
     /// table.
-    fn rows(&self, aabb: &Aabb, layers: u32, spans: &mut Vec<(u32, u32)>) {
+    fn rows(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
         spans.clear();
         match Periods::of(self.step) {
-            None => self.rows_around(aabb, layers, spans),
+            None => self.rows_around(aabb, spans),
             Some(periods) => {
                 let images = periods.images().map(|way| aabb.moved(way));
                 images
                     .filter(|image| periods.reaches(image, self.largest_edge()))
-                    .for_each(|image| self.rows_around(&image, layers, spans));
+                    .for_each(|image| self.rows_around(&image, spans));
             }
         }
     }
@@ -259,9 +236,9 @@ impl<'a> Grid<'a> {
     }
 
     /// Adds the rows of cells around one AABB to `spans`.
-    fn rows_around(&self, aabb: &Aabb, layers: u32, spans: &mut Vec<(u32, u32)>) {
+    fn rows_around(&self, aabb: &Aabb, spans: &mut Vec<(u32, u32)>) {
         let all = self.sorted.len() as u32;
-        for level in self.levels.iter().filter(|level| layers >> (level.number / LEVELS) & 1 == 1) {
+        for level in &self.levels {
             let block = level.around(aabb);
             if block.covers_too_much(all, self.step.layout.cells) {
                 if level.is_within(aabb) {
@@ -397,13 +374,13 @@ pub(crate) fn pair_tests(world: &World) -> u64 {
 pub(crate) fn longest_search(world: &World) -> u64 {
     let grid = Grid::new(View::new(&world.step, &world.topology, &world.states[0]), &world.aabbs, &world.cells, &world.extents);
     let mut spans = Vec::new();
-    let mut looked_at = |mover: usize, aabb: &Aabb| {
-        grid.rows(aabb, layers_around(&grid.view, mover as u32), &mut spans);
+    let looked_at = |aabb: &Aabb| {
+        grid.rows(aabb, &mut spans);
         spans.iter().map(|(start, end)| u64::from(end - start)).sum()
     };
     let movers = &world.aabbs[..world.movers() as usize];
-    let movers = movers.iter().enumerate().filter(|(_, aabb)| !grid.is_long(aabb));
-    movers.map(|(mover, aabb)| looked_at(mover, aabb)).max().unwrap_or(0)
+    let movers = movers.iter().filter(|aabb| !grid.is_long(aabb));
+    movers.map(looked_at).max().unwrap_or(0)
 }
 
 /// Returns the centre of an AABB, and half its largest edge, enlarged to allow for the rounding of centres.
@@ -439,7 +416,7 @@ impl Block {
 impl Level {
     fn new(step: &Step, number: u32) -> Self {
         let usual = if step.has_exact_lists() { EXACT_CELL * step.layout.cell_size } else { step.layout.cell_size };
-        let size = usual * 2f32.powi((number % LEVELS) as i32 - LEVEL_BIAS as i32);
+        let size = usual * 2f32.powi(number as i32 - LEVEL_BIAS as i32);
         Self { number, size, edge: size, farthest: f32::INFINITY }
     }
 
@@ -473,7 +450,7 @@ impl Level {
     /// Returns the cell of a place. The coordinates are clamped, so that places far out have a cell too. Clamping keeps their
     /// order.
     fn cell(&self, place: Vec4) -> IVec3 {
-        if self.number % LEVELS == TOP_LEVEL {
+        if self.number == TOP_LEVEL {
             return IVec3::ZERO;
         }
         let far = Vec4::splat((1 << 30) as f32);

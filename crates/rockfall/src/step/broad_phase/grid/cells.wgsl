@@ -1,9 +1,8 @@
-// requires model/step.wgsl physics/rigid_parts.wgsl
+// requires model/step.wgsl
 
 // The grid: which cell an object is in.
 //
-// The grid has layers: of boxes of bodies the solids, the vertices and the edges, and all other objects. Movers search the layers of objects
-// that they may touch. A layer has levels of cells. The cells of a level are twice as large as those of the level below. Cells are half as wide
+// The grid has levels of cells. The cells of a level are twice as large as those of the level below. Cells are half as wide
 // along x as along y and z. A row of cells along x is one span of memory, and narrower cells make the ends of the span fit
 // more closely.
 //
@@ -26,45 +25,9 @@ const CELL_SHAPE: vec3f = vec3f(0.5, 1.0, 1.0);
 // Size of cells for exact lists, as a part of the usual size. AABBs hardly have a margin then, so smaller cells hold them.
 const EXACT_CELL: f32 = 0.75;
 
-const LAYER_OF_ALL: u32 = 0u;
-const LAYER_OF_SOLIDS: u32 = 1u;
-const LAYER_OF_VERTICES: u32 = 2u;
-const LAYER_OF_EDGES: u32 = 3u;
-// Number of layers that a scene has.
-const LAYERS_IN_USE: u32 = select(1u, LAYERS, BODY_BOXES);
-const LEVELS_IN_USE: u32 = LAYERS_IN_USE * LEVELS;
-
-fn layer_of(object: u32) -> u32 {
-    let word = box_word(object);
-    if (word & BOX_RIM) == 0u {
-        return select(LAYER_OF_SOLIDS, LAYER_OF_ALL, word == 0u);
-    }
-    return select(LAYER_OF_EDGES, LAYER_OF_VERTICES, object < step.spheres);
-}
-
-// Whether a mover searches a layer (docs/physics.md section 2.16 has the table of contacts).
-fn searches_layer(mover: u32, layer: u32) -> bool {
-    if layer == LAYER_OF_ALL {
-        return true;
-    }
-    let is_rod = mover >= step.spheres;
-    let word = box_word(mover);
-    switch layer {
-        case LAYER_OF_SOLIDS: {
-            return !(is_rod | is_solid(word));
-        }
-        case LAYER_OF_VERTICES: {
-            return is_solid(word) | (is_rod & (word == 0u));
-        }
-        default: {
-            return is_rod;
-        }
-    }
-}
-
-// The size of cells on the level with this number.
-fn cell_size(number: u32) -> f32 {
-    return ldexp(step.cell_size * select(1.0, EXACT_CELL, has_exact_lists()), i32(number % LEVELS) - i32(LEVEL_BIAS));
+// The size of cells on a level.
+fn cell_size(level: u32) -> f32 {
+    return ldexp(step.cell_size * select(1.0, EXACT_CELL, has_exact_lists()), i32(level) - i32(LEVEL_BIAS));
 }
 
 fn largest_edge(aabb: Aabb) -> f32 {
@@ -88,7 +51,7 @@ fn is_long(aabb: Aabb) -> bool {
 // Returns the cell of a place. The coordinates are clamped, so that places far out or at infinity have a cell too. Clamping
 // keeps the order of coordinates.
 fn cell_coordinates(place: vec3f, level: u32) -> vec3i {
-    if level % LEVELS == TOP_LEVEL {
+    if level == TOP_LEVEL {
         return vec3i(0);
     }
     let far = vec3f(1073741824.0);

@@ -2,7 +2,7 @@
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
-use crate::model::layout::{CELLS_AT, MASKS_AT};
+use crate::model::layout::{CELLS_AT, MASK_AT};
 use crate::model::part::part;
 use crate::model::status::REBUILD_REQUESTED;
 use crate::model::world::World;
@@ -26,6 +26,6 @@ fn clear_cells(world: &mut World, _pass: u32) {
         return;
     }
     world.cells[3] = 0;
-    world.cells[MASKS_AT as usize..(CELLS_AT + world.step.layout.cells) as usize].fill(0);
+    world.cells[MASK_AT as usize..(CELLS_AT + world.step.layout.cells) as usize].fill(0);
     world.status.pair_rows_needed = 0;
 }

@@ -21,7 +21,7 @@ fn clear_cells(
         return;
     }
     if block == 0u {
-        for (var k = local + MASKS_AT; k < CELLS_AT; k += WORKGROUP) {
+        for (var k = local + MASK_AT; k < CELLS_AT; k += WORKGROUP) {
             cells[k] = 0u;
         }
     }

@@ -8,10 +8,9 @@ use rayon::prelude::*;
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;
 use crate::model::layout::GRAIN;
-use crate::model::layout::{CELLS_AT, EDGES_AT, FARTHEST_AT, LEVELS, MASKS_AT};
+use crate::model::layout::{CELLS_AT, EDGES_AT, FARTHEST_AT, MASK_AT};
 use crate::model::part::part;
 use crate::model::status::REBUILD_REQUESTED;
-use crate::model::view::View;
 use crate::model::world::World;
 use crate::step::broad_phase::grid::cells::{greatest_coordinate, is_long, is_tested_apart, key_of};
 use crate::step::moves::{Moves, NONE};
@@ -22,12 +21,7 @@ use crate::step::wgsl::Wgsl;
 pub(crate) const STAGE: Stage = Stage {
     name: "count_cells",
     wgsl: Wgsl::File(part!("step/broad_phase/grid/count_cells.wgsl")),
-    bindings: &[
-        read("aabbs", Buffer::Aabbs),
-        write("cells", Buffer::Cells),
-        read("topology", Buffer::Topology),
-        read("status", Buffer::Status),
-    ],
+    bindings: &[read("aabbs", Buffer::Aabbs), write("cells", Buffer::Cells), read("status", Buffer::Status)],
     threads: Threads::WideObjects,
     // Adds to its cell, which is read and written; writes the key.
     moves: |_| Moves { aabbs: 1, cells: 2, keys: 1, ..NONE },
@@ -39,12 +33,11 @@ fn count_cells(world: &mut World, _pass: u32) {
         return;
     }
     let step = &world.step;
-    let view = View::new(step, &world.topology, &world.states[0]);
-    let objects = world.aabbs.par_iter().enumerate().with_min_len(GRAIN);
-    let keys: Vec<_> = objects.map(|(object, aabb)| key_of(&view, object as u32, aabb)).collect();
+    let objects = world.aabbs.par_iter().with_min_len(GRAIN);
+    let keys: Vec<_> = objects.map(|aabb| key_of(step, aabb)).collect();
     for (object, (key, level, largest)) in keys.into_iter().enumerate() {
         if !is_tested_apart(step, object as u32) {
-            world.cells[(MASKS_AT + level / LEVELS) as usize] |= 1 << (level % LEVELS);
+            world.cells[MASK_AT as usize] |= 1 << level;
             let edge = &mut world.cells[(EDGES_AT + level) as usize];
             // Floats that are not negative have the order of their bits.
             *edge = (*edge).max(largest.max(0.0).to_bits());

@@ -2,21 +2,20 @@
 
 @group(0) @binding(2) var<storage, read> aabbs: array<Aabb>;
 @group(0) @binding(3) var<storage, read_write> cells: array<atomic<u32>>;
-@group(0) @binding(4) var<storage, read> topology: array<u32>;
-@group(0) @binding(5) var<storage, read> status: Status;
+@group(0) @binding(4) var<storage, read> status: Status;
 
-// What the objects of a workgroup contribute to the data of the levels: masks of the levels that have objects, and for each
+// What the objects of a workgroup contribute to the data of the levels: a mask of the levels that have objects, and for each
 // level the bits of the largest edge and of the greatest absolute coordinate of a centre. Floats that are not negative have
 // the order of their bits.
-var<workgroup> masks: array<atomic<u32>, LAYERS_IN_USE>;
-var<workgroup> edges: array<atomic<u32>, LEVELS_IN_USE>;
-var<workgroup> farthest: array<atomic<u32>, LEVELS_IN_USE>;
+var<workgroup> mask: atomic<u32>;
+var<workgroup> edges: array<atomic<u32>, LEVELS>;
+var<workgroup> farthest: array<atomic<u32>, LEVELS>;
 
 fn clear_levels(local: u32) {
-    if local < LAYERS_IN_USE {
-        atomicStore(&masks[local], 0u);
+    if local == 0u {
+        atomicStore(&mask, 0u);
     }
-    if local < LEVELS_IN_USE {
+    if local < LEVELS {
         atomicStore(&edges[local], 0u);
         atomicStore(&farthest[local], 0u);
     }
@@ -26,8 +25,7 @@ fn clear_levels(local: u32) {
 // unless every mover tests it separately.
 fn count_object(object: u32) {
     let aabb = aabbs[object];
-    let layer = layer_of(object);
-    let level = layer * LEVELS + level_of(aabb);
+    let level = level_of(aabb);
     let centre = 0.5 * aabb.min + 0.5 * aabb.max;
     let cell = cell_coordinates(centre, level);
     let key = cell_key(cell.x, row_key(cell.y, cell.z, level));
@@ -38,9 +36,9 @@ fn count_object(object: u32) {
     }
     if (object < step.spheres + step.rods) | !are_statics_tested_apart() {
         let edge = bitcast<u32>(max(largest_edge(aabb), 0.0));
-        let bit = 1u << (level % LEVELS);
-        if (atomicLoad(&masks[layer]) & bit) == 0u {
-            atomicOr(&masks[layer], bit);
+        let bit = 1u << level;
+        if (atomicLoad(&mask) & bit) == 0u {
+            atomicOr(&mask, bit);
         }
         if edge > atomicLoad(&edges[level]) {
             atomicMax(&edges[level], edge);
@@ -56,13 +54,13 @@ fn count_object(object: u32) {
 // Adds the data of the workgroup to that of the levels, after all its objects are counted. Most workgroups have nothing new
 // to add, and a read takes less time than an atomic update.
 fn record_levels(local: u32) {
-    if local < LAYERS_IN_USE {
-        let mine = atomicLoad(&masks[local]);
-        if (mine & ~atomicLoad(&cells[MASKS_AT + local])) != 0u {
-            atomicOr(&cells[MASKS_AT + local], mine);
+    if local == 0u {
+        let mine = atomicLoad(&mask);
+        if (mine & ~atomicLoad(&cells[MASK_AT])) != 0u {
+            atomicOr(&cells[MASK_AT], mine);
         }
     }
-    if local < LEVELS_IN_USE {
+    if local < LEVELS {
         let mine = atomicLoad(&edges[local]);
         if mine > 0u {
             if mine > atomicLoad(&cells[EDGES_AT + local]) {

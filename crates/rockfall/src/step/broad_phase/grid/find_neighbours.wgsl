@@ -50,7 +50,7 @@ fn emit(mover: u32, place: u32) {
             ids[found] = place;
         }
         found += 1u;
-        if has_features(mover) {
+        if RODS & (mover >= step.spheres) {
             entries += entries_of(mover, id_at(place));
         } else {
             entries += 1u;
@@ -171,7 +171,7 @@ fn order_run(mover: u32) {
 // Returns the number of entries that the kept ids of the run make.
 fn entries_of_run(mover: u32) -> u32 {
     var sum = kept;
-    if has_features(mover) {
+    if RODS & (mover >= step.spheres) {
         sum = 0u;
         for (var k = 0u; k < kept; k++) {
             sum += entries_of(mover, ids[run_at + k]);

@@ -237,7 +237,7 @@ fn is_image_in_box(own: Aabb, image: u32) -> bool {
         return true;
     }
     var edge = 0.0;
-    for (var level = 0u; level < LEVELS_IN_USE; level++) {
+    for (var level = 0u; level < LEVELS; level++) {
         edge = max(edge, bitcast<f32>(cells[EDGES_AT + level]));
     }
     let from_ = vec3f(step.from_x, step.from_y, step.from_z);
@@ -253,7 +253,7 @@ fn emit_neighbours(mover: u32, portion: Portion) {
     for (var image = 0u; image < IMAGES; image++) {
         let own = image_of(aabbs[mover], image);
         if is_image_in_box(own, image) {
-            search_layers(mover, own, portion);
+            search_cells(mover, own, portion);
         }
     }
 }
@@ -277,24 +277,16 @@ fn emit_statics(mover: u32, portion: Portion) {
     }
 }
 
-fn search_layers(mover: u32, own: Aabb, portion: Portion) {
+// Emits the objects in the cells around an AABB of a mover.
+fn search_cells(mover: u32, own: Aabb, portion: Portion) {
     let probe = probe_of(mover, own);
-    for (var layer = 0u; layer < LAYERS_IN_USE; layer++) {
-        if searches_layer(mover, layer) {
-            search_cells(mover, own, probe, layer, portion);
-        }
-    }
-}
-
-// Emits the objects in the cells of a layer around an AABB of a mover.
-fn search_cells(mover: u32, own: Aabb, probe: Probe, layer: u32, portion: Portion) {
     let thread = thread_of(portion);
     let threads = threads_of(portion);
     // Whether all sorted objects are tested, because the AABB covers too many cells.
     var tests_all = false;
-    var levels = cells[MASKS_AT + layer];
+    var levels = cells[MASK_AT];
     for (var rest = levels; rest != 0u; rest &= rest - 1u) {
-        let level = layer * LEVELS + firstTrailingBit(rest);
+        let level = firstTrailingBit(rest);
         if covers_too_much(cells_around(own, level)) {
             let beyond = is_beyond(own, level);
             levels &= ~select(0u, rest & (~rest + 1u), beyond);
@@ -302,7 +294,7 @@ fn search_cells(mover: u32, own: Aabb, probe: Probe, layer: u32, portion: Portio
         }
     }
     for (var rest = levels; rest != 0u; rest &= rest - 1u) {
-        let level = layer * LEVELS + firstTrailingBit(rest);
+        let level = firstTrailingBit(rest);
         let range = cells_around(own, level);
         var y = range.low.y + portion.y;
         var z = range.low.z + portion.z;
