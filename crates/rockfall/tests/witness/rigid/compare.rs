@@ -54,10 +54,8 @@ pub(crate) struct Tally {
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { scenes, frames, undecided, close, impacts, points, rejections, worst, .. } = self;
-        write!(
-            f,
-            "{scenes} scenes: {frames} frames compared, {undecided} undecided, {close} close, {impacts} impacts, {points} points, "
-        )?;
+        write!(f, "{scenes} scenes: {frames} frames compared, {undecided} undecided, {close} close, ")?;
+        write!(f, "{impacts} impacts, {points} points, ")?;
         let shown = |all: &[f64; 4]| all.map(|one| format!("{one:.1e}")).join(" ");
         let (largest, widest) = (shown(&self.largest), shown(&self.widest));
         write!(f, "{rejections} repeats; largest difference {worst:.2} of the tolerance, {largest} of {widest}")
