@@ -160,7 +160,8 @@ impl Solver {
             let belt = self.belt(pair, states);
             points.extend(spots.iter().filter(|spot| spot.s <= hit.depth).map(|spot| (*n, arms_at(states, spot), belt)));
         }
-        // Without impulses the clocks are set all the same, and the block counts as reflected.
+        // Here the text leaves open what counts ("nothing happens"), and the witness follows the engine: the clocks are set
+        // without impulses, too, and the block counts as reflected.
         let Some(impulses) = self.bounced(&mut sides, &points) else {
             for k in bodies {
                 self.bodies[k].clock = if self.bodies[k].has_mass { time } else { 0.0 };
