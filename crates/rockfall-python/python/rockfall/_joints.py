@@ -172,7 +172,10 @@ class JointObjects(Bodies):
 
 
 class JointReadings:
-    """What joints do at present. N is their number. Joints of worlds have rows for W worlds before that: (W, N) in place of (N,)."""
+    """What joints do at present.
+
+    N is their number. Joints of worlds have rows for W worlds before that: (W, N) in place of (N,).
+    """
 
     #: Nine numbers for each joint, and whether it is broken.
     _rows: FloatArray
@@ -218,7 +221,10 @@ class JointReadings:
 
 
 class JointStates(JointReadings):
-    """What all joints do at present, in order of addition, as :attr:`Simulation.joints` returns them. Each attribute is a new array."""
+    """What all joints do at present, in order of addition, as :attr:`Simulation.joints` returns them.
+
+    Each attribute is a new array.
+    """
 
     def __init__(self, simulation: Simulation) -> None:
         simulation._commit()
