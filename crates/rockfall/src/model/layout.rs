@@ -57,8 +57,7 @@ constants! {
     /// Row of a rigid body with its residues.
     pub const RESIDUE_ROW: u32 = 12;
     /// First row of a rigid body with the state after the drift of velocity Verlet: velocity, angular momentum, orientation,
-    /// position and
-    /// its low part.
+    /// position and its low part.
     pub const STAGE_ROW: u32 = 7;
     /// Row of a rigid body with the residues after the drift of velocity Verlet.
     pub const DRIFTED_ROW: u32 = 6;

@@ -15,8 +15,7 @@ pub(crate) fn never_meet(view: &View, a: u32, b: u32) -> bool {
 }
 
 /// The side of an object in a contact, with the mass and inertia of the rigid body that it belongs to, if any. `parameter` is
-/// that of the
-/// contact on a rod.
+/// that of the contact on a rod.
 pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, touch: &Touch) -> Side {
     let side = side(view, object, parameter);
     let Some((body, radius)) = view.body_of(object).zip(side.radius) else { return side };

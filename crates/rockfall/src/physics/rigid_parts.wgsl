@@ -1,8 +1,7 @@
 // requires model/order.wgsl model/step.wgsl
 
 // Which rigid body an object is a part of, and which pairs never touch because of that (docs/physics.md section 1.5). Lists
-// leave such
-// pairs out.
+// leave such pairs out.
 
 // The rigid body of a sphere, or NO_RIGID.
 fn body_of_sphere(sphere: u32) -> u32 {

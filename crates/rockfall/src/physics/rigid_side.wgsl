@@ -2,8 +2,7 @@
 // requires physics/rigid_lever.wgsl physics/rigid_parts.wgsl
 
 // The side of an object in a contact, with the mass and inertia of the rigid body that it belongs to, if any. `at` is the
-// parameter on a
-// rod.
+// parameter on a rod.
 fn in_body(half: Side, id: u32, at: f32, found: Touch) -> Side {
     if !RIGID_BODIES {
         return half;

@@ -129,8 +129,7 @@ impl Scene {
     }
 
     /// Whether the settings let a network be a body: under the law `rigid`, and a pair of spheres under a law with history
-    /// without
-    /// collisions.
+    /// without collisions.
     fn may_be_body(&self, network: &Network) -> bool {
         let Settings { contact_law, collisions, .. } = self.chosen_settings();
         contact_law == ContactLaw::Rigid || network.spheres.len() == 2 && contact_law.has_history() && !collisions

@@ -27,8 +27,7 @@ fn twist() -> ForceLaw {
 }
 
 /// Spheres that are apart, with the speeds along y and as spins about z, and under a law with history a rigid body of two balls
-/// with the
-/// second speed.
+/// with the second speed.
 fn flight(law: ContactLaw) -> Scene {
     let mut scene = with(|settings| {
         settings.set("contact_law", &law.to_string()).expect("a law");

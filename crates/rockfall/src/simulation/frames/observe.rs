@@ -87,8 +87,7 @@ impl Frames {
 }
 
 /// Overlaps in which a box or a hull of a rigid body takes part, the deepest point of each pair: both bodies, and the depth in
-/// units and in half the least edge or
-/// diameter of the smaller body.
+/// units and in half the least edge or diameter of the smaller body.
 ///
 /// # Errors
 /// [`Error::Invalid`](crate::Error::Invalid) for objects that the law `rigid` does not know.
