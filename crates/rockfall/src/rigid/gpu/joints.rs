@@ -7,8 +7,8 @@ use glam::Vec3;
 use crate::rigid::gpu::arrays::Arrays;
 use crate::rigid::gpu::joint_groups::Groups;
 use crate::rigid::gpu::kernels::{
-    APART, CLOSE_JOINTS, JOINT_ORDER, JOINT_STATES, JOINTS, OPEN_JOINTS, PUSH_GROUPS, PUSH_JOINTS, PUSH_JOINTS_AGAIN, RELAX_GROUPS,
-    RELAX_JOINTS, RELAX_JOINTS_AGAIN, WARM_GROUPS, WARM_JOINTS,
+    APART, CLOSE_JOINTS, JOINT_ORDER, JOINT_STATES, JOINTS, OPEN_JOINTS, PUSH_GROUPS, PUSH_JOINTS, PUSH_JOINTS_AGAIN,
+    RELAX_GROUPS, RELAX_JOINTS, RELAX_JOINTS_AGAIN, WARM_GROUPS, WARM_JOINTS,
 };
 use crate::rigid::gpu::{CALL, Part, calls};
 use crate::rigid::joints::{Drive, Free, Joint, JointImpulses, JointState, Joints};
