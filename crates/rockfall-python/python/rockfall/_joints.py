@@ -67,7 +67,8 @@ class JointObjects(Bodies):
         collide: bool = False,
         name: str | None = None,
     ) -> int:
-        """Add a joint between two bodies in their present places and return its number. It needs ``settings.contact_law = "rigid"``.
+        """Add a joint between two bodies in their present places and return its number. Joints need the contact law ``rigid``,
+        which ``"auto"`` chooses for them.
 
         The position of a joint is the angle in rad of a hinge and of the twist of a ball, the way in units along the axis of a slider,
         or the distance in units of the anchors of a distance joint. Angles and ways are 0 in the present places.
