@@ -15,7 +15,7 @@ const GRAVITY: f64 = 9.81;
 /// Time of a frame, s.
 const FRAME: f32 = 1.0 / 60.0;
 
-fn empty(gravity: f64, substeps: u64) -> Scene {
+fn empty(gravity: f64, substeps: u32) -> Scene {
     let mut scene = with(|settings| (settings.contact_law, settings.gravity) = (ContactLaw::Rigid, gravity as f32));
     scene.run.substeps = Some(substeps);
     scene
@@ -39,7 +39,7 @@ fn agm(mut a: f64, mut b: f64) -> f64 {
 }
 
 /// The period of a rod that hangs from a hinge and swings with an amplitude in rad, over that of small swings.
-fn period(amplitude: f64, substeps: u64) -> Result<f64> {
+fn period(amplitude: f64, substeps: u32) -> Result<f64> {
     let mut scene = empty(GRAVITY, substeps);
     let angle = amplitude - FRAC_PI_2;
     let rod = add_rod(&mut scene, 0.5 * DVec3::new(angle.cos(), angle.sin(), 0.0), angle)?;
