@@ -163,7 +163,7 @@ impl RigidGpu {
     pub(crate) fn with_mistake(&self, mistake: [&'static str; 2]) -> Arc<Self> {
         assert!(kernels::count(mistake[0]) > 0, "{} is in no kernel", mistake[0]);
         let other = Self::new(self.device.clone(), self.queue.clone());
-        Arc::new(Self { mistake: Some(mistake), ..other })
+        Arc::new(Self { mistake: Some(mistake), merges: self.merges, ..other })
     }
 
     /// The text of a kernel that is compiled.

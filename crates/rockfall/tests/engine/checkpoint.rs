@@ -248,9 +248,9 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    for version in [0, 22, 24] {
+    for version in [0, 23, 25] {
         newer[8] = version;
-        let expected = format!("it has version {version} of the format, this rockfall reads version 23");
+        let expected = format!("it has version {version} of the format, this rockfall reads version 24");
         assert!(assert_rejected(&newer).contains(&expected));
     }
 }
