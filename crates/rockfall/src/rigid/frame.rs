@@ -47,10 +47,10 @@ use crate::rigid::common::{FREQUENCY, REPEATS};
 pub(crate) use crate::rigid::common::{FrameReport, MOST_MARGIN};
 use crate::rigid::history::History;
 use crate::rigid::joints::JointState;
-use joints::Joints;
 use crate::rigid::world::RigidWorld;
 use bodies::Bodies;
 use contacts::{Contacts, Found, for_each};
+use joints::Joints;
 use rows::{Pass, Softness};
 use times::Scope;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]

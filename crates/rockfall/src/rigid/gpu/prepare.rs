@@ -15,17 +15,35 @@ use crate::rigid::world::RigidWorld;
 
 /// The stages of every frame, in which the slow ones to compile come first.
 const ALWAYS: &[usize] = &[
-    SOLVE, RECALL, GATHER, KEEP, LAY, RANK, BUCKET, ENLIST, TAKE, COUNT_COLOURS, ARRANGE, RELIST, DRIFT, KICK, LOAD, SETTLE,
-    BEFORE_IMPACTS, SUM_UP, STORE, CALM, WIDEN,
+    SOLVE,
+    RECALL,
+    GATHER,
+    KEEP,
+    LAY,
+    RANK,
+    BUCKET,
+    ENLIST,
+    TAKE,
+    COUNT_COLOURS,
+    ARRANGE,
+    RELIST,
+    DRIFT,
+    KICK,
+    LOAD,
+    SETTLE,
+    BEFORE_IMPACTS,
+    SUM_UP,
+    STORE,
+    CALM,
+    WIDEN,
 ];
 /// Those of blocks without round pairs.
 const SHARP: &[usize] = &[STRIKE, CARRY, SEEK, REFRESH];
 /// Those of blocks that may have round pairs.
 const ROUND: &[usize] =
     &[FIND_ROUND, FIND_ALL_ROUND, SPARE_ROUND, REFRESH_ROUND, CARRY_ROUND, STRIKE_ROUND, WAIT_ROUND, SEEK_ROUND];
-const JOINTED: &[usize] = &[
-    PUSH_JOINTS, PUSH_JOINTS_AGAIN, RELAX_JOINTS, RELAX_JOINTS_AGAIN, WARM_JOINTS, OPEN_JOINTS, CLOSE_JOINTS,
-];
+const JOINTED: &[usize] =
+    &[PUSH_JOINTS, PUSH_JOINTS_AGAIN, RELAX_JOINTS, RELAX_JOINTS_AGAIN, WARM_JOINTS, OPEN_JOINTS, CLOSE_JOINTS];
 
 impl RigidGpu {
     /// Compiles the kernels that frames of a world use. Those of left-over blocks, which few scenes have, are compiled at their first use.
@@ -43,9 +61,11 @@ impl RigidGpu {
         // A device of a browser belongs to one thread, and compiles at the first use.
         #[cfg(not(target_family = "wasm"))]
         rayon::join(
-            || stages.par_iter().with_max_len(1).for_each(|stage| {
-                self.kernel(*stage, kinds);
-            }),
+            || {
+                stages.par_iter().with_max_len(1).for_each(|stage| {
+                    self.kernel(*stage, kinds);
+                })
+            },
             || content.stages().into_par_iter().with_max_len(1).for_each(|number| drop(self.search_kernel(number, content))),
         );
         #[cfg(target_family = "wasm")]
