@@ -123,7 +123,8 @@ def test_places_of_joints_are_those_that_are_read() -> None:
 def test_what_is_free_follows_its_first_body() -> None:
     worlds = worlds_of(rf.gym.ant(), 2)
     half = np.sqrt(0.5)
-    worlds.set_bodies(1, 0, positions=[[3.0, 2.0, 1.0]], orientations=[[half, 0, half, 0]], velocities=[[1, 0, 0]], spins=[[0, 2, 0]])
+    worlds.set_bodies(1, 0, positions=[[3.0, 2.0, 1.0]], orientations=[[half, 0, half, 0]])
+    worlds.set_bodies(1, 0, velocities=[[1, 0, 0]], spins=[[0, 2, 0]])
     worlds.place_joints(np.full(8, 0.1), 0.0, 1)
     joints, bodies = worlds.joints, worlds.bodies
     np.testing.assert_allclose(joints.positions[1], 0.1, atol=1e-6)
@@ -178,7 +179,7 @@ def test_copies_and_checkpoints_keep_motors_and_places() -> None:
 WRONG: list[tuple[str, dict[str, Any], type[Exception], str]] = [
     ("set_joints", {"speed": [1.0, 2.0, 3.0]}, ValueError, r"speed: expected shape \(3, 2\), \(2,\) or \(\), got \(3,\)"),
     ("set_joints", {"pace": 1.0}, TypeError, "pace: not a number of a joint"),
-    ("set_joints", {"joints": 2, "speed": 1.0}, ValueError, "joint: 2 of 2 is not allowed, expected a number below that of joints"),
+    ("set_joints", {"joints": 2, "speed": 1.0}, ValueError, "joint: 2 of 2 is not allowed, expected a number below"),
     ("set_joints", {"worlds": 3, "speed": 1.0}, LookupError, "worlds: there is no world 3"),
     ("set_joints", {"max_force": -1.0}, ValueError, "joint.max_force: -1.0 is not allowed"),
     ("set_joint_forces", {"forces": [1.0]}, ValueError, r"speed: expected shape \(3, 2\)"),

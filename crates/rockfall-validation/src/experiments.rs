@@ -56,6 +56,7 @@ experiments! {
     shear: "A sheared box",
     bodies: "Rigid bodies",
     hard: "Hard contacts",
+    joints: "Joints",
     rest: "Rest",
     silent: "Slow motion, stiff chains, and symplectic Euler",
     #[cfg(feature = "gpu")]

@@ -62,6 +62,7 @@ experiments!(
     shear,
     bodies,
     hard,
+    joints,
     rest,
     silent,
     #[cfg(feature = "gpu")]

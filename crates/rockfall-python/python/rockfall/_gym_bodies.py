@@ -135,7 +135,7 @@ def upright(before: Look, after: Look, actions: FloatArray) -> npt.NDArray[np.fl
 
 
 def surroundings(look: Look, clock: float) -> FloatArray:
-    """Height of the centre of mass, sin and cos of a clock, positions of the spheres from the centre of mass, and their velocities."""
+    """Height of the centre of mass, sin and cos of a clock, and positions from the centre and velocities of the spheres."""
     count = len(look.times)
     turns = 2.0 * np.pi * clock * look.times
     places = np.where(look.mask[:, :, None], look.positions - look.centres[:, None, :], 0.0)

@@ -66,8 +66,8 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
         Standard deviation of the velocities at the start of an episode about those of the body, in units/s. Not for bodies with
         rigid bodies.
     start : callable, optional
-        ``start(random)`` with a NumPy generator of random numbers returns the :class:`Start` of an episode of one environment, in
-        place of ``noise``.
+        ``start(random)`` with a NumPy generator of random numbers returns the :class:`Start` of an episode of one
+        environment, in place of ``noise``.
     bounds : float or (array_like, array_like)
         Bounds of observations: the greatest size of all numbers, or the least and the greatest value of each of the D numbers.
         Numbers outside are clipped.
@@ -97,10 +97,11 @@ class WorldsVectorEnv(VectorEnv[FloatArray, FloatArray, npt.NDArray[Any]]):
     Notes
     -----
     W is the number of environments, N the largest number of spheres in a body, M the largest number of springs (0 without
-    ``muscles``), and F the number of forces and motors. An action has a number from -1 to 1 for each spring, in order of addition: the rest
-    length becomes ``length * (1 + strength * action)``. Then it has a number for each of ``forces`` (:class:`Force`), which add
-    to the external forces of the body, and for each of ``motors`` (:class:`Motor`). Numbers outside of the range are clipped. Bodies with fewer spheres or springs than others
-    have zeros in their observations, and ignore the last numbers for the springs.
+    ``muscles``), and F the number of forces and motors. An action has a number from -1 to 1 for each spring, in order of
+    addition: the rest length becomes ``length * (1 + strength * action)``. Then it has a number for each of ``forces``
+    (:class:`Force`), which add to the external forces of the body, and for each of ``motors`` (:class:`Motor`). Numbers
+    outside of the range are clipped. Bodies with fewer spheres or springs than others have zeros in their observations, and
+    ignore the last numbers for the springs.
 
     ``reset(seed=5)`` gives the environments the seeds 5, 6, 7 and so on; a list gives each its own. The same seeds and actions give
     bitwise identical results, and environment k of a vector behaves as a single :class:`WorldEnv` with its body and seed.

@@ -99,8 +99,7 @@ def _seen_from(turns: FloatArray, vectors: FloatArray) -> FloatArray:
     """Vectors in coordinates of bodies with these orientations."""
     scalar, axis = turns[:, :1], -turns[:, 1:]
     twice = 2.0 * np.cross(axis, vectors)
-    found: FloatArray = vectors + scalar * twice + np.cross(axis, twice)
-    return found
+    return (vectors + scalar * twice + np.cross(axis, twice)).astype(np.float32)
 
 
 def _ant_state(look: Look) -> FloatArray:
@@ -179,12 +178,13 @@ _ANT: dict[str, Any] = {
 class CartPoleEnv(WorldEnv):
     """A cart on a rail with a pole to balance: the environment ``rockfall/CartPole-v0``, after CartPole-v1 of Gymnasium.
 
-    The action is 0 for a force of -10 N on the cart along x, or 1 for 10 N. Observations are the place of the cart in m, its velocity
-    in m/s, the angle of the pole in rad and its rate in rad/s. They begin between -0.05 and 0.05. The reward is 1 for each step of
-    0.02 s. An episode ends when the cart is more than 2.4 m from the middle or the pole leans by more than 12 degrees.
+    The action is 0 for a force of -10 N on the cart along x, or 1 for 10 N. Observations are the place of the cart in m, its
+    velocity in m/s, the angle of the pole in rad and its rate in rad/s. They begin between -0.05 and 0.05. The reward is 1
+    for each step of 0.02 s. An episode ends when the cart is more than 2.4 m from the middle or the pole leans by more than
+    12 degrees.
 
-    Different from CartPole-v1: a step is one frame of the solver, not one of Euler, and bounds of velocities are finite. Options are
-    those of :class:`WorldsVectorEnv`.
+    Different from CartPole-v1: a step is one frame of the solver, not one of Euler, and bounds of velocities are finite.
+    Options are those of :class:`WorldsVectorEnv`.
     """
 
     def __init__(self, body: Scene | None = None, **options: Unpack[EnvOptions]) -> None:
@@ -205,14 +205,14 @@ class CartPoleVectorEnv(WorldsVectorEnv):
 class HopperEnv(WorldEnv):
     """A leg that hops: the environment ``rockfall/Hopper-v0``, after Hopper-v5 of Gymnasium.
 
-    The action has three numbers from -1 to 1: the torques of thigh, leg and foot. Observations are 11 numbers: height of the torso in
-    m, angles of torso, thigh, leg and foot in rad, and the rates of the place along x, of the height and of these angles, from -10 to 10.
-    All begin within 0.005 of the scene. A step takes 0.008 s. The reward is the velocity along x in m/s, and 1 while it is healthy,
-    less 0.001 times the sum of the squares of the action. It is healthy while the torso is higher than 0.7 m and leans by less than
-    0.2 rad, and all other numbers are less than 100. Otherwise the episode ends.
+    The action has three numbers from -1 to 1: the torques of thigh, leg and foot. Observations are 11 numbers: height of the
+    torso in m, angles of torso, thigh, leg and foot in rad, and the rates of the place along x, of the height and of these
+    angles, from -10 to 10. All begin within 0.005 of the scene. A step takes 0.008 s. The reward is the velocity along x in
+    m/s, and 1 while it is healthy, less 0.001 times the sum of the squares of the action. It is healthy while the torso is
+    higher than 0.7 m and leans by less than 0.2 rad, and all other numbers are less than 100. Otherwise the episode ends.
 
-    Different from Hopper-v5: the greatest torque is 60 N m and not 200, up to 10 rad/s, because the joints have no armature and no
-    damping. The torso is on two carriers of 0.1 kg. Friction with the ground is 2 everywhere. Options are those of
+    Different from Hopper-v5: the greatest torque is 60 N m and not 200, up to 10 rad/s, because the joints have no armature
+    and no damping. The torso is on two carriers of 0.1 kg. Friction with the ground is 2 everywhere. Options are those of
     :class:`WorldsVectorEnv`.
     """
 
@@ -235,11 +235,11 @@ class AntEnv(WorldEnv):
     """A ball that walks on four legs: the environment ``rockfall/Ant-v0``, after Ant-v5 of Gymnasium.
 
     The action has eight numbers from -1 to 1: the torques of hip_4, ankle_4, hip_1, ankle_1, hip_2, ankle_2, hip_3 and ankle_3.
-    Observations are 27 numbers with z up: height of the torso in m, its orientation w, x, y, z, the angles of hip_1, ankle_1 and
-    so on to ankle_4 in rad, the velocity of the torso in m/s, its angular velocity in its own coordinates in rad/s, and the
-    rates of the joints. Places and angles begin within 0.1 of the scene, and velocities have a standard deviation of 0.1. A step
-    takes 0.05 s. The reward is the velocity along x in m/s, and 1 while it is healthy, less half the sum of the squares of the action.
-    It is healthy while the torso is between 0.2 and 1 m high. Otherwise the episode ends.
+    Observations are 27 numbers with z up: height of the torso in m, its orientation w, x, y, z, the angles of hip_1, ankle_1
+    and so on to ankle_4 in rad, the velocity of the torso in m/s, its angular velocity in its own coordinates in rad/s, and
+    the rates of the joints. Places and angles begin within 0.1 of the scene, and velocities have a standard deviation of 0.1.
+    A step takes 0.05 s. The reward is the velocity along x in m/s, and 1 while it is healthy, less half the sum of the
+    squares of the action. It is healthy while the torso is between 0.2 and 1 m high. Otherwise the episode ends.
 
     Different from Ant-v5: there are no contact forces in observations and no contact cost. The greatest torque is 3 N m and not
     150, up to 10 rad/s, because the joints have no armature and no damping. A step has 3 frames of 1/60 s. Options are those of

@@ -33,8 +33,8 @@ def _add_ground(scene: Scene) -> None:
 def cart_pole() -> Scene:
     """A cart on a rail along x with a pole on a hinge: the scene of :class:`CartPoleEnv`.
 
-    The cart has a mass of 1, and the pole a mass of 0.1 and a length of 1 unit. The joints are ``slide`` and ``hinge``. The hinge
-    turns clockwise as seen from +z, so a positive angle leans toward +x. Gravity is 9.81 units/s² along -y.
+    The cart has a mass of 1, and the pole a mass of 0.1 and a length of 1 unit. The joints are ``slide`` and ``hinge``. The
+    hinge turns clockwise as seen from +z, so a positive angle leans toward +x. Gravity is 9.81 units/s² along -y.
     """
     scene = _empty(0.0)
     cart = scene.add_shape(Shape(mass=1.0).box([-0.2, -0.1, -0.15], [0.2, 0.1, 0.15], group=_NOTHING))
@@ -51,8 +51,9 @@ def cart_pole() -> Scene:
 def hopper() -> Scene:
     """A leg with a torso and a foot that moves in the plane of x and y: the scene of :class:`HopperEnv`.
 
-    The joints are ``rail`` (along x), ``lift`` (along y), ``turn``, ``thigh``, ``leg`` and ``foot``, and the bodies two carriers of
-    0.1 kg between world and torso, then torso, thigh, leg and foot. Lengths and masses are those of Gymnasium's hopper.
+    The joints are ``rail`` (along x), ``lift`` (along y), ``turn``, ``thigh``, ``leg`` and ``foot``, and the bodies two
+    carriers of 0.1 kg between world and torso, then torso, thigh, leg and foot. Lengths and masses are those of Gymnasium's
+    hopper.
     """
     scene = _empty(2.0)
     _add_ground(scene)
@@ -80,8 +81,8 @@ def hopper() -> Scene:
 def ant() -> Scene:
     """A ball with four legs of two links: the scene of :class:`AntEnv`.
 
-    The joints are ``hip_1``, ``ankle_1`` and so on to ``ankle_4``, and the first body is the torso. Lengths and densities are those of
-    Gymnasium's ant. The parts touch the ground and not each other.
+    The joints are ``hip_1``, ``ankle_1`` and so on to ``ankle_4``, and the first body is the torso. Lengths and densities are
+    those of Gymnasium's ant. The parts touch the ground and not each other.
     """
     scene = _empty(1.0)
     _add_ground(scene)

@@ -67,7 +67,8 @@ class JointObjects(Bodies):
         collide: bool = False,
         name: str | None = None,
     ) -> int:
-        """Add a joint between two bodies in their present places and return its number. It needs ``settings.contact_law = "rigid"``.
+        """Add a joint between two bodies in their present places and return its number. Joints need the contact law ``rigid``,
+        which ``"auto"`` chooses for them.
 
         The position of a joint is the angle in rad of a hinge and of the twist of a ball, the way in units along the axis of a slider,
         or the distance in units of the anchors of a distance joint. Angles and ways are 0 in the present places.
@@ -172,7 +173,10 @@ class JointObjects(Bodies):
 
 
 class JointReadings:
-    """What joints do at present. N is their number. Joints of worlds have rows for W worlds before that: (W, N) in place of (N,)."""
+    """What joints do at present.
+
+    N is their number. Joints of worlds have rows for W worlds before that: (W, N) in place of (N,).
+    """
 
     #: Nine numbers for each joint, and whether it is broken.
     _rows: FloatArray
@@ -218,7 +222,10 @@ class JointReadings:
 
 
 class JointStates(JointReadings):
-    """What all joints do at present, in order of addition, as :attr:`Simulation.joints` returns them. Each attribute is a new array."""
+    """What all joints do at present, in order of addition, as :attr:`Simulation.joints` returns them.
+
+    Each attribute is a new array.
+    """
 
     def __init__(self, simulation: Simulation) -> None:
         simulation._commit()

@@ -189,7 +189,10 @@ class RigidBodies(NamedTuple):
 
 
 class BodyFields:
-    """States of rigid bodies. N is their number. Bodies of worlds have rows for W worlds before that: (W, N, 3) in place of (N, 3)."""
+    """States of rigid bodies.
+
+    N is their number. Bodies of worlds have rows for W worlds before that: (W, N, 3) in place of (N, 3).
+    """
 
     def __len__(self) -> int:
         return int(self.positions.shape[-2])
@@ -221,8 +224,8 @@ class BodyFields:
 class BodyStates(BodyFields):
     """States of all rigid bodies in order of addition, as :attr:`Objects.bodies` returns them. Each attribute is a new array.
 
-    In a simulation on an NVIDIA card the arrays are on the device, and PyTorch and others take them by DLPack without a copy through
-    the host, as those of :attr:`Simulation.positions`. They cannot be written to.
+    In a simulation on an NVIDIA card the arrays are on the device, and PyTorch and others take them by DLPack without a copy
+    through the host, as those of :attr:`Simulation.positions`. They cannot be written to.
     """
 
     def __init__(self, objects: Rigid) -> None:

@@ -26,9 +26,9 @@ def _to_text(name: str, value: Any, default: str) -> str:
         return "on" if value else "off"
     if "," in default:
         return ",".join(str(number) for number in floats(name, value, (3,), 1)[0])
-    if default in ("thesis", "auto"):
+    if default == "auto":
         if not isinstance(value, str):
-            what = "a contact law" if default == "thesis" else "a precision"
+            what = "a contact law" if name == "contact_law" else "a precision"
             raise TypeError(f"{name}: expected the name of {what}, got {value!r}")
         return value
     if isinstance(value, (bool, str, bytes)):

@@ -25,8 +25,9 @@ _BODY = {"positions": ("position", 3), "orientations": ("orientation", 4), "velo
 class WorldJoints(JointReadings):
     """What all joints of all worlds do at present, as :attr:`Worlds.joints` returns them. Each attribute is a new array.
 
-    W is the number of worlds and N the largest number of joints in a world. Joints are in order of addition. Rows of joints that do
-    not exist are 0. Shapes are (W, N) where those of :attr:`Simulation.joints` are (N,), and (W, N, 3) where they are (N, 3).
+    W is the number of worlds and N the largest number of joints in a world. Joints are in order of addition. Rows of joints
+    that do not exist are 0. Shapes are (W, N) where those of :attr:`Simulation.joints` are (N,), and (W, N, 3) where they are
+    (N, 3).
     """
 
     def __init__(self, native: Any) -> None:
@@ -47,8 +48,8 @@ class WorldJoints(JointReadings):
 class WorldBodies(BodyFields):
     """States of all rigid bodies of all worlds, as :attr:`Worlds.bodies` returns them. Each attribute is a new array.
 
-    W is the number of worlds and N the largest number of rigid bodies in a world. Bodies are in order of addition. Rows of bodies
-    that do not exist are 0. Shapes are (W, N, 3), and (W, N, 4) for orientations.
+    W is the number of worlds and N the largest number of rigid bodies in a world. Bodies are in order of addition. Rows of
+    bodies that do not exist are 0. Shapes are (W, N, 3), and (W, N, 4) for orientations.
     """
 
     def __init__(self, native: Any) -> None:
@@ -77,7 +78,7 @@ class WorldMechanisms(WorldStates):
 
     @property
     def joints(self) -> WorldJoints:
-        """What all joints do at present: ``joints.positions``, ``speeds``, ``forces``, ``torques``, ``errors`` and ``broken``."""
+        """What all joints do at present: ``positions``, ``speeds``, ``forces``, ``torques``, ``errors`` and ``broken``."""
         return WorldJoints(self._native)
 
     @property
@@ -105,7 +106,8 @@ class WorldMechanisms(WorldStates):
         LookupError
             For a world that does not exist. Nothing is changed then.
         ValueError, TypeError
-            For another name or shape, a joint that does not exist, and numbers out of their range. Joints before a wrong one are set.
+            For another name or shape, a joint that does not exist, and numbers out of their range. Joints before a wrong one
+            are set.
         """
         chosen, places = self._numbers(worlds), self._places("joints", joints, 2)
         shape = (len(chosen), len(places))
@@ -127,9 +129,9 @@ class WorldMechanisms(WorldStates):
     ) -> None:
         """Let motors exert torques on the axes of hinges and forces on those of sliders, until they are changed.
 
-        The motor of each joint seeks the speed ``fastest`` in the direction of the force, and its greatest force is the size of it:
-        ``speed`` and ``max_force`` of :meth:`set_joints`. A joint that turns faster is braked. ``max_force`` also bounds springs and
-        dampers of the joints.
+        The motor of each joint seeks the speed ``fastest`` in the direction of the force, and its greatest force is the size
+        of it: ``speed`` and ``max_force`` of :meth:`set_joints`. A joint that turns faster is braked. ``max_force`` also
+        bounds springs and dampers of the joints.
 
         Parameters
         ----------
@@ -153,9 +155,9 @@ class WorldMechanisms(WorldStates):
     ) -> None:
         """Move bodies so that joints have these positions and speeds.
 
-        Bodies that joints connect to the world are placed from there. Otherwise the first body of the first joint stays as it is, and
-        what is connected to it follows. A ball has the position as its twist and no swing. Numbers of fixed joints and of
-        distance joints are ignored.
+        Bodies that joints connect to the world are placed from there. Otherwise the first body of the first joint stays as it
+        is, and what is connected to it follows. A ball has the position as its twist and no swing. Numbers of fixed joints
+        and of distance joints are ignored.
 
         Parameters
         ----------
@@ -192,7 +194,9 @@ class WorldMechanisms(WorldStates):
         angular_momenta: npt.ArrayLike | None = None,
         spins: npt.ArrayLike | None = None,
     ) -> None:
-        """Set the states of rigid bodies. What is not given stays. Joints that this pulls apart draw together in the next steps.
+        """Set the states of rigid bodies.
+
+        What is not given stays. Joints that this pulls apart draw together in the next steps.
 
         Parameters
         ----------

@@ -1,7 +1,8 @@
 """Creatures in worlds as environments of Gymnasium: ``pip install 'rockfall[gym]'``.
 
 Each environment is a world with a body of spheres and springs, or with a robot. Actions set rest lengths of the springs, its
-muscles, forces on the spheres (:class:`Force`) and torques of joints (:class:`Motor`). All environments of a vector step together, on all cores or on the GPU.
+muscles, forces on the spheres (:class:`Force`) and torques of joints (:class:`Motor`). All environments of a vector step
+together, on all cores or on the GPU.
 
 >>> import rockfall as rf
 >>> envs = rf.gym.make_vec(num_envs=16)

@@ -31,7 +31,7 @@ KindName = Literal["sphere", "rod", "capsule", "spring", "tether", "box", "polyg
 TaggedName = Literal["sphere", "rod", "capsule", "spring", "box", "polygon"]
 #: What the colours of pictures show.
 ColourName = Literal["kind", "speed", "contacts", "overlap", "force", "body", "contact-force", "tension"]
-ContactLawName = Literal["thesis", "linear", "hertz-mindlin", "user", "rigid"]
+ContactLawName = Literal["auto", "thesis", "linear", "hertz-mindlin", "user", "rigid"]
 #: How surfaces of objects are drawn, for :meth:`Objects.set_tag`.
 LookName = Literal["plain", "striped", "wood", "stone", "glass"]
 PrecisionName = Literal["auto", "single", "double"]

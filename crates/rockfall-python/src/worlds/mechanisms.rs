@@ -68,8 +68,8 @@ pub(crate) fn world_joint_names(worlds: &Bound<'_, Worlds>) -> PyResult<Vec<Vec<
     })
 }
 
-/// States of all bodies of all worlds: of each the centre, the orientation w, x, y, z, the velocity, the angular momentum and the
-/// angular velocity. Then the number of bodies of each world.
+/// States of all bodies of all worlds: of each the centre, the orientation w, x, y, z, the velocity, the angular momentum and
+/// the angular velocity. Then the number of bodies of each world.
 #[pyfunction]
 pub(crate) fn world_bodies<'py>(worlds: &Bound<'py, Worlds>) -> PyResult<Bodies<'py>> {
     let py = worlds.py();
@@ -121,8 +121,8 @@ pub(crate) fn set_world_joints(
     unknown
 }
 
-/// Moves the bodies of some worlds so that their joints have these positions and speeds, from rows with room for the joints of the
-/// world that has most.
+/// Moves the bodies of some worlds so that their joints have these positions and speeds, from rows with room for the joints
+/// of the world that has most.
 #[pyfunction]
 pub(crate) fn place_world_joints(
     worlds: &Bound<'_, Worlds>,

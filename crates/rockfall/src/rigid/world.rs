@@ -100,6 +100,11 @@ pub(crate) struct RigidWorld {
 }
 
 impl RigidWorld {
+    /// Of each body, whether it has mass.
+    pub(crate) fn with_mass(&self) -> Vec<bool> {
+        self.bodies.iter().map(|body| body.inverse_mass > 0.0).collect()
+    }
+
     /// The constants of a contact of two materials.
     pub(crate) fn surface(&self, a: u16, b: u16) -> Surface {
         self.surfaces[usize::from(a) * self.materials + usize::from(b)]

@@ -74,9 +74,9 @@ impl Worlds {
         self.move_bodies(world, |scene| scene.place_joints(positions, speeds))
     }
 
-    /// Changes poses and motions of rigid bodies of a world. `bodies` counts them in order of addition. `change` gets the place in
-    /// `bodies` and the body. `spins` are angular velocities along the axes of the world in rad/s, one per body; they
-    /// replace the angular momenta.
+    /// Changes poses and motions of rigid bodies of a world. `bodies` counts them in order of addition. `change` gets the
+    /// place in `bodies` and the body. `spins` are angular velocities along the axes of the world in rad/s, one per body;
+    /// they replace the angular momenta.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a world or a body that does not exist. Otherwise as for

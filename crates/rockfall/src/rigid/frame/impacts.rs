@@ -25,10 +25,9 @@ pub(super) fn impacts(world: &RigidWorld, contacts: &mut Contacts, bodies: &mut 
     let mut any = false;
     for _ in 0..ROUNDS {
         for colour in 0..COLOURS {
-            let hits = hits(&scope, contacts, bodies, contacts.colour(colour));
-            any |= !hits.is_empty();
-            for (k, hit) in hits {
-                let ends = reflect(&scope, contacts, bodies, k, &hit, [1.0; 2]);
+            for (k, hit) in hits(&scope, contacts, bodies, contacts.colour(colour)) {
+                let Some(ends) = reflect(&scope, contacts, bodies, k, &hit, [1.0; 2]) else { continue };
+                any = true;
                 for (side, i) in contacts.blocks[k].sides().into_iter().enumerate() {
                     put(bodies, i, &ends[side], hit.time);
                 }
@@ -74,7 +73,7 @@ fn put(bodies: &mut Bodies, i: usize, after: &After, time: f32) {
     }
 }
 
-/// All left-over blocks that are hit, at once: bodies are split among them, and take the mean. Whether there are any.
+/// All left-over blocks that are hit, at once: bodies are split among them, and take the mean. Whether any is reflected.
 fn left_over(scope: &Scope<'_>, contacts: &Contacts, bodies: &mut Bodies) -> bool {
     let hits = hits(scope, contacts, bodies, contacts.colour(COLOURS));
     if hits.is_empty() {
@@ -83,18 +82,21 @@ fn left_over(scope: &Scope<'_>, contacts: &Contacts, bodies: &mut Bodies) -> boo
     let mut counts = vec![0_u32; bodies.count()];
     hits.iter().flat_map(|(k, _)| contacts.blocks[*k].sides()).for_each(|i| counts[i] += 1);
     let before: &Bodies = &bodies.clone();
+    let mut any = false;
     let ends = hits.iter().map(|(k, hit)| {
         let shares = contacts.blocks[*k].sides().map(|i| if before.constants[i].dynamic { counts[i] as f32 } else { 1.0 });
         reflect(scope, contacts, before, *k, hit, shares)
     });
     for ((k, hit), ends) in hits.iter().zip(ends) {
+        let Some(ends) = ends else { continue };
+        any = true;
         for (side, i) in contacts.blocks[*k].sides().into_iter().enumerate() {
             let share = 1.0 / counts[i] as f32;
             let after = mean(bodies, before, i, &ends[side], share);
             put(bodies, i, &after, hit.time);
         }
     }
-    true
+    any
 }
 
 /// Adds the change of a copy at its share to the present state of a body.
@@ -121,18 +123,24 @@ struct Joined {
     speed: f32,
 }
 
-/// The bodies of a block after its impact, with inverse masses multiplied by `shares`.
-fn reflect(scope: &Scope<'_>, contacts: &Contacts, bodies: &Bodies, k: usize, hit: &Hit, shares: [f32; 2]) -> [After; 2] {
+/// The bodies of a block after its impact, with inverse masses multiplied by `shares`; `None` if no impulse acts.
+fn reflect(
+    scope: &Scope<'_>,
+    contacts: &Contacts,
+    bodies: &Bodies,
+    k: usize,
+    hit: &Hit,
+    shares: [f32; 2],
+) -> Option<[After; 2]> {
     let block = &contacts.blocks[k];
     let state = scope.state(bodies, block, hit.time);
     let masses = [0, 1].map(|s| mass_at(bodies, block.sides()[s], state.0[s].turn).split(shares[s]));
     let [a, b] = state.1;
     let mut sides = Sides { a, b, mass_a: &masses[0], mass_b: &masses[1] };
     let mut points = joined(scope, contacts, block, &state, &sides, hit.depth);
-    if let Some(scale) = inelastic(&mut points, sides) {
-        restitute(&mut points, &mut sides, scale);
-    }
-    [0, 1].map(|s| {
+    let scale = inelastic(&mut points, sides)?;
+    restitute(&mut points, &mut sides, scale);
+    Some([0, 1].map(|s| {
         let moment = points.iter().fold(Vec3A::ZERO, |sum, point| {
             let [t1, t2] = point.pair.tangents;
             let push = point.normal * point.pair.normal + (point.tangent.x * t1 + point.tangent.y * t2);
@@ -141,7 +149,7 @@ fn reflect(scope: &Scope<'_>, contacts: &Contacts, bodies: &Bodies, k: usize, hi
         let i = block.sides()[s];
         let momentum = bodies.momenta[i] + shares[s] * moment;
         back(scope, bodies, i, &state.0[s], [sides.a, sides.b][s].velocity, momentum, hit.time)
-    })
+    }))
 }
 
 fn mass_at(bodies: &Bodies, i: usize, turn: Quat) -> Mass {

@@ -5,9 +5,10 @@ use bytemuck::cast_slice;
 use glam::Vec3;
 
 use crate::rigid::gpu::arrays::Arrays;
+use crate::rigid::gpu::joint_groups::Groups;
 use crate::rigid::gpu::kernels::{
-    APART, CLOSE_JOINTS, JOINT_ORDER, JOINT_STATES, JOINTS, OPEN_JOINTS, PUSH_JOINTS, PUSH_JOINTS_AGAIN, RELAX_JOINTS,
-    RELAX_JOINTS_AGAIN, WARM_JOINTS,
+    APART, CLOSE_JOINTS, JOINT_ORDER, JOINT_STATES, JOINTS, OPEN_JOINTS, PUSH_GROUPS, PUSH_JOINTS, PUSH_JOINTS_AGAIN,
+    RELAX_GROUPS, RELAX_JOINTS, RELAX_JOINTS_AGAIN, WARM_GROUPS, WARM_JOINTS,
 };
 use crate::rigid::gpu::{CALL, Part, calls};
 use crate::rigid::joints::{Drive, Free, Joint, JointImpulses, JointState, Joints};
@@ -36,8 +37,10 @@ pub(super) struct OnDevice {
     count: u32,
     /// First entry of each colour in the order, and the end.
     colours: Vec<u32>,
-    /// Offset of the call of all joints. Those of the colours follow.
+    /// Offset of the call of all joints. Those of the colours follow, or the one of the groups.
     first_call: u32,
+    /// How many workgroups have whole mechanisms; `None` where each colour is a dispatch.
+    groups: Option<u32>,
     /// Pairs of bodies that do not collide, each with its joint.
     apart: Vec<([u32; 2], u32)>,
     bodies: usize,
@@ -48,9 +51,9 @@ pub(super) struct OnDevice {
 }
 
 impl OnDevice {
-    /// Uploads the joints of a world with so many bodies.
-    pub(super) fn new(arrays: &mut Arrays, joints: &Joints, bodies: usize) -> Self {
-        let mut this = Self { bodies, apart: joints.apart(), ..Self::default() };
+    /// Uploads the joints of a world with these bodies, each with whether it has mass.
+    pub(super) fn new(arrays: &mut Arrays, joints: &Joints, has_mass: &[bool]) -> Self {
+        let mut this = Self { bodies: has_mass.len(), apart: joints.apart(), ..Self::default() };
         // Room for all pairs: joints may be whole again in a state that is put.
         arrays.upload(APART, cast_slice(&this.apart_words(&[])));
         if joints.is_empty() {
@@ -60,7 +63,14 @@ impl OnDevice {
         (this.count, this.colours) = (joints.list.len() as u32, joints.colours.clone());
         let mut blocks = calls();
         this.first_call = blocks.len() as u32;
-        let starts = std::iter::once([0, this.count]).chain(this.colours.windows(2).map(|ends| [ends[0], ends[1]]));
+        let groups = arrays.gpu.merges.then(|| Groups::of(joints, has_mass)).flatten();
+        this.groups = groups.as_ref().map(|groups| groups.groups);
+        let first = groups.as_ref().map_or(0, Groups::first);
+        let mut starts = vec![[first, first + this.count]];
+        match &groups {
+            Some(groups) => starts.push([groups.groups, groups.colours]),
+            None => starts.extend(this.colours.windows(2).map(|ends| [ends[0], ends[1]])),
+        }
         for call in starts {
             let end = blocks.len();
             blocks.resize(end + CALL as usize, 0);
@@ -69,10 +79,15 @@ impl OnDevice {
         arrays.upload_uniform(1, &blocks);
         this.frequencies.clone_from(&joints.frequencies);
         arrays.upload(JOINTS, cast_slice(&this.rows_of(&joints.list)));
-        arrays.upload(JOINT_ORDER, cast_slice(&joints.order));
+        arrays.upload(JOINT_ORDER, cast_slice(groups.as_ref().map_or(&joints.order, |groups| &groups.words)));
         arrays.upload(JOINT_STATES, cast_slice(&state_rows(&joints.states)));
         this.backup = Some(arrays.gpu.storage(arrays.get(JOINT_STATES).size()));
         this
+    }
+
+    /// Whether workgroups have whole mechanisms.
+    pub(super) fn is_grouped(&self) -> bool {
+        self.groups.is_some()
     }
 
     /// Takes over the drives of the next frame. The joints are those of the start.
@@ -128,14 +143,17 @@ impl OnDevice {
 
     /// Adds what the joints do in a part of a frame.
     pub(super) fn encode(&self, arrays: &Arrays, pass: &mut wgpu::ComputePass<'_>, part: Part) {
-        let stages = match part {
+        let (of_groups, stages) = match part {
             Part::Load => return arrays.dispatch(pass, OPEN_JOINTS, self.count, self.first_call),
             Part::Settle => return arrays.dispatch(pass, CLOSE_JOINTS, self.count, self.first_call),
-            Part::Kick => &[WARM_JOINTS][..],
-            Part::Biased => &[PUSH_JOINTS, PUSH_JOINTS_AGAIN],
-            Part::Relax => &[RELAX_JOINTS, RELAX_JOINTS_AGAIN],
+            Part::Kick => (WARM_GROUPS, &[WARM_JOINTS][..]),
+            Part::Biased => (PUSH_GROUPS, &[PUSH_JOINTS, PUSH_JOINTS_AGAIN][..]),
+            Part::Relax => (RELAX_GROUPS, &[RELAX_JOINTS, RELAX_JOINTS_AGAIN][..]),
             _ => return,
         };
+        if let Some(groups) = self.groups {
+            return arrays.dispatch_groups(pass, of_groups, groups, self.first_call + CALL);
+        }
         let count = self.colours.len().saturating_sub(1);
         for (round, stage) in stages.iter().enumerate() {
             // There and back again; the relax pass begins at the end.

@@ -85,6 +85,8 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/arc.wgsl"
     "rigid/frame/joint.wgsl"
     "rigid/frame/joints.wgsl"
+    "rigid/frame/joint_groups.wgsl"
+    "rigid/frame/pass_few.wgsl"
 );
 
 /// Bindings of the arrays. 0 and 1 are uniform.
@@ -201,6 +203,10 @@ pub(super) const RELAX_JOINTS: usize = 46;
 pub(super) const CLOSE_JOINTS: usize = 47;
 pub(super) const PUSH_JOINTS_AGAIN: usize = 48;
 pub(super) const RELAX_JOINTS_AGAIN: usize = 49;
+pub(super) const PUSH_GROUPS: usize = 50;
+pub(super) const RELAX_GROUPS: usize = 51;
+pub(super) const WARM_GROUPS: usize = 52;
+pub(super) const SOLVE_FEW: usize = 53;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
@@ -303,6 +309,10 @@ pub(super) const STAGES: &[Stage] = &[
     Stage { name: "close_joints", file: "rigid/frame/joints.wgsl", bindings: LINKS },
     Stage { name: "push_joints_again", file: "rigid/frame/joints.wgsl", bindings: LINKED },
     Stage { name: "relax_joints_again", file: "rigid/frame/joints.wgsl", bindings: LINKED },
+    Stage { name: "push_groups", file: "rigid/frame/joint_groups.wgsl", bindings: LINKED },
+    Stage { name: "relax_groups", file: "rigid/frame/joint_groups.wgsl", bindings: LINKED },
+    Stage { name: "warm_groups", file: "rigid/frame/joint_groups.wgsl", bindings: LINKED },
+    Stage { name: "solve_few", file: "rigid/frame/pass_few.wgsl", bindings: SOLVER },
 ];
 
 pub(super) const OPEN: usize = 0;

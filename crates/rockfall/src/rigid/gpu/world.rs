@@ -75,12 +75,12 @@ impl GpuWorld {
         let bodies = world.bodies.len() as u32;
         let mut frame = gpu.frame(rows);
         frame.is_round = world.shapes.iter().any(Shape::is_round);
-        gpu.prepare(world, frame.arrays.kinds, frame.is_round);
         let arrays = &mut frame.arrays;
         arrays.upload(SURFACES, cast_slice(&surface_rows(world)));
         arrays.make(OLD_STARTS, 4 * u64::from(bodies + 1));
         frame.springs = springs::OnDevice::new(arrays, &world.springs, &rows.constants);
-        frame.joints = joints::OnDevice::new(arrays, &world.joints, world.bodies.len());
+        frame.joints = joints::OnDevice::new(arrays, &world.joints, &world.with_mass());
+        gpu.prepare(world, frame.arrays.kinds, [frame.is_round, frame.joints.is_grouped()]);
         let search = Search::new(gpu, world, 1.0 / 60.0, inputs(&frame.arrays));
         let reading = |words: u32| gpu.buffer("rigid counts", 4 * u64::from(words), wgpu::BufferUsages::MAP_READ);
         let mut this = Self {

@@ -40,7 +40,10 @@ fn frame_of(axis: Option<DVec3>) -> DQuat {
 impl JointFrame {
     fn seen_from((centre, turn): EndPose, point: DVec3, frame: DQuat) -> Self {
         let back = turn.inverse();
-        Self { place: (back * (point - centre)).as_vec3(), turn: (back * frame).normalize().as_quat() }
+        // What is left of rounding in coordinates of the world would be a tail of digits in texts.
+        let noise = 4.0 * f64::EPSILON * (point.abs() + centre.abs()).max_element();
+        let place = (back * (point - centre)).to_array().map(|x| if x.abs() <= noise { 0.0 } else { x as f32 });
+        Self { place: place.into(), turn: (back * frame).normalize().as_quat() }
     }
 
     fn in_world(&self, (centre, turn): EndPose) -> EndPose {

@@ -15,8 +15,8 @@ const STILL: Frame = Frame { centre: DVec3::ZERO, turn: DQuat::IDENTITY, velocit
 /// Position and speed of a joint.
 type Motion = (f64, f64);
 
-/// The frame of one end of a joint, from that of the other one. `ends` begin with the known one. `motion` is that of the unknown
-/// one against it.
+/// The frame of one end of a joint, from that of the other one. `ends` begin with the known one. `motion` is that of the
+/// unknown one against it.
 fn other_end(kind: JointKind, known: &Frame, ends: [JointFrame; 2], (position, speed): Motion) -> Frame {
     let [own, other] = ends;
     let anchor = known.centre + known.turn * own.place.as_dvec3();
@@ -75,13 +75,13 @@ impl Scene {
     /// Moves bodies so that their joints have these positions and speeds, one of each per joint in order of addition: rad and
     /// rad/s, or units and units/s.
     ///
-    /// A body that joints connect to the world is placed from there. Otherwise the first body of the first joint stays as it is,
-    /// and all that it is connected to follows. A ball has the position as its twist and no swing. Numbers of fixed
+    /// A body that joints connect to the world is placed from there. Otherwise the first body of the first joint stays as it
+    /// is, and all that it is connected to follows. A ball has the position as its twist and no swing. Numbers of fixed
     /// joints are ignored. Distance joints, and those that close a loop or end at a sphere that moves, place nothing.
     ///
     /// # Errors
-    /// [`Error::Invalid`] for another number of positions or speeds than joints, and for numbers that are not finite. Nothing is
-    /// changed then.
+    /// [`Error::Invalid`] for another number of positions or speeds than joints, and for numbers that are not finite. Nothing
+    /// is changed then.
     pub fn place_joints(&mut self, positions: &[f32], speeds: &[f32]) -> Result<()> {
         let count = self.joints().len();
         for (field, values) in [("positions", positions), ("speeds", speeds)] {

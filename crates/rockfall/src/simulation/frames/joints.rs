@@ -50,8 +50,7 @@ impl Builder<'_> {
             let end = |side: usize| self.end(&bodies, anchors[side], frames[side], ends[side]);
             list.push(row_of(joint, [end(0), end(1)]));
         }
-        let has_mass: Vec<bool> = self.world.bodies.iter().map(|body| body.inverse_mass > 0.0).collect();
-        self.world.joints = Joints::new(list, &has_mass);
+        self.world.joints = Joints::new(list, &self.world.with_mass());
         Ok(())
     }
 

@@ -1,10 +1,11 @@
 //! Comparison of the engine with the witness over some frames.
 //!
-//! Both begin in the same state and run on their own. The tolerance follows from the rounding of f32: copies of the witness run with random
-//! errors of up to three roundings (6e-8 each) in places, velocities, momenta and gaps of every substep. What these errors change, the
-//! rounding of the engine may change, too. A gap with an error of one rounding of a coordinate, divided by a substep, is an error of a
-//! velocity, so tolerances of velocities are far above the rounding of a velocity. Where the copies differ much, a decision (a hit, a
-//! sweep more, another point) lies within rounding; such frames are counted and not compared, and end the comparison of the scene.
+//! Both begin in the same state and run on their own. The tolerance follows from the rounding of f32: copies of the witness
+//! run with random errors of up to three roundings (6e-8 each) in places, velocities, momenta and points of contact of every
+//! substep. What these errors change, the rounding of the engine may change, too. A gap with an error of one rounding of a
+//! coordinate, divided by a substep, is an error of a velocity, so tolerances of velocities are far above the rounding of a
+//! velocity. Where the copies differ much, a decision (a hit, a sweep more, another point) lies within rounding. Such frames
+//! are counted and not compared, and end the comparison of the scene.
 
 use std::cell::RefCell;
 use std::fmt::{self, Write as _};
@@ -52,13 +53,11 @@ pub(crate) struct Tally {
 
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { scenes, frames, undecided, close, impacts, points, rejections, worst, largest, widest, .. } = self;
-        write!(
-            f,
-            "{scenes} scenes: {frames} frames compared, {undecided} undecided, {close} close, {impacts} impacts, {points} points, "
-        )?;
+        let Self { scenes, frames, undecided, close, impacts, points, rejections, worst, .. } = self;
+        write!(f, "{scenes} scenes: {frames} frames compared, {undecided} undecided, {close} close, ")?;
+        write!(f, "{impacts} impacts, {points} points, ")?;
         let shown = |all: &[f64; 4]| all.map(|one| format!("{one:.1e}")).join(" ");
-        let (largest, widest) = (shown(largest), shown(widest));
+        let (largest, widest) = (shown(&self.largest), shown(&self.widest));
         write!(f, "{rejections} repeats; largest difference {worst:.2} of the tolerance, {largest} of {widest}")
     }
 }

@@ -32,8 +32,7 @@ impl Solver {
         for _ in 0..2 {
             for k in 0..self.blocks.len() {
                 if let Some(hit) = self.hit(k) {
-                    self.reflect(k, &hit);
-                    any = true;
+                    any |= self.reflect(k, &hit);
                 }
             }
         }
@@ -144,7 +143,7 @@ impl Solver {
     }
 
     /// Reflects a block.
-    fn reflect(&mut self, k: usize, hit: &Hit) {
+    fn reflect(&mut self, k: usize, hit: &Hit) -> bool {
         let block = &self.blocks[k];
         let (bodies, g, time) = (block.bodies, self.g, hit.time);
         let states = self.at(bodies, time);
@@ -160,13 +159,7 @@ impl Solver {
             let belt = self.belt(pair, states);
             points.extend(spots.iter().filter(|spot| spot.s <= hit.depth).map(|spot| (*n, arms_at(states, spot), belt)));
         }
-        // Without impulses the clocks are set all the same, and the block counts as reflected.
-        let Some(impulses) = self.bounced(&mut sides, &points) else {
-            for k in bodies {
-                self.bodies[k].clock = if self.bodies[k].has_mass { time } else { 0.0 };
-            }
-            return;
-        };
+        let Some(impulses) = self.bounced(&mut sides, &points) else { return false };
         self.impacts += 1;
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             let State { x, q, .. } = states[side];
@@ -185,6 +178,7 @@ impl Solver {
             body.state.w = body.inverse(body.state.q) * body.l;
             body.clock = time;
         }
+        true
     }
 
     /// The impulses of points with normals, levers and surface velocities.

@@ -218,7 +218,6 @@ impl Pair<'_> {
 
     /// The best edges and their separation. The outer `None` is beyond the reach.
     #[expect(clippy::option_option, reason = "no manifold, and no axis of edges")]
-    #[expect(clippy::type_complexity, reason = "two edges and a number")]
     fn best_edges(&self, pi: f64) -> Option<Option<((usize, usize), f64)>> {
         let mut best: Option<((usize, usize), f64)> = None;
         for i in 0..self.a.edges.len() {
