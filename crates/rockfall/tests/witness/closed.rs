@@ -155,18 +155,6 @@ fn a_sliding_ball_finally_rolls() {
     close(ball.v.x + 0.49 * ball.spin().z, 0.0, 1e-6);
 }
 
-/// A frame slides on three corners. Friction 0.5 at a gravity of 1 stops its initial speed of 1 after 2 s and a way of 1.
-#[test]
-fn a_sliding_frame_finally_rests() {
-    let mut world = world(known::FRAME, 0.01);
-    let before = world.balls[3].x.x;
-    run(&mut world, 3.0);
-    for ball in &world.balls {
-        close(ball.v.x, 0.0, 1e-3);
-    }
-    close(world.balls[3].x.x - before, 1.0, 0.02);
-}
-
 /// Two triangles with a common side are a network, whose spheres can turn freely. They slide and finally roll at 5/7 of their speed,
 /// except for the effect of the overlap.
 #[test]

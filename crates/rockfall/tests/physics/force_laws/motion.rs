@@ -57,11 +57,12 @@ fn drag_on_both_spheres_slows_a_dimer_and_its_turn(backend: Backend) {
         let placement = Placement::new(dimer).velocity([1.0, 2.0, -3.0]).spin([0.0, 0.0, 0.5]);
         let body = scene.add_body(placement).expect("a body");
         let mut simulation = with_laws(scene, backend, [law]);
-        simulation.run(64, DT).expect("steps");
+        // A law with history has no RK4.
+        simulation.run(1024, DT / 16.0).expect("steps");
         let (left, inertia) = ((-0.75_f64).exp(), 2.0_f64 * (1.0 + 0.4 * 0.25));
         let body = simulation.sync().expect("the state").body(body).expect("the body");
-        near(body.velocity, [1.0_f64, 2.0, -3.0].map(|v| v * left), 1e-4, "velocity");
-        near(body.angular_momentum, [0.0, 0.0, 0.5 * inertia * (-2.0_f64 * 0.75 / inertia).exp()], 1e-4, "angular momentum");
+        near(body.velocity, [1.0_f64, 2.0, -3.0].map(|v| v * left), 1e-3, "velocity");
+        near(body.angular_momentum, [0.0, 0.0, 0.5 * inertia * (-2.0_f64 * 0.75 / inertia).exp()], 1e-3, "angular momentum");
     }
 }
 
