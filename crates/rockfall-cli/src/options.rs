@@ -84,7 +84,7 @@ pub(crate) const DEFAULT_TIME_STEP: f32 = 0.02;
 
 /// Whether a step of a scene is a frame, which the solver of the contact law `rigid` divides itself.
 pub(crate) fn is_rigid(scene: &Scene) -> bool {
-    scene.settings.contact_law == ContactLaw::Rigid
+    scene.contact_law() == ContactLaw::Rigid
 }
 
 /// Options that select the device and the algorithms.

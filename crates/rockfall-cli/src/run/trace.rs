@@ -102,7 +102,7 @@ impl TraceFile {
 /// Whether all energy that is neither in a column of the trace nor work was dissipated, apart from what tangential springs store.
 /// Other contact laws have forces without a potential, and external forces do work of their own.
 fn is_balanced(scene: &Scene, past: &Past) -> bool {
-    let law = scene.settings.contact_law;
+    let law = scene.contact_law();
     let is_free = || scene.spheres().iter().all(|sphere| sphere.force.length_squared() == 0.0);
     matches!(law, ContactLaw::Linear | ContactLaw::HertzMindlin) && !past.changed && is_free()
 }

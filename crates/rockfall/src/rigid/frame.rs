@@ -167,7 +167,9 @@ impl<'a> Frame<'a> {
     }
 
     fn substep(&mut self) {
-        impacts::impacts(self.world, &mut self.contacts, &mut self.bodies, self.h);
+        if impacts::impacts(self.world, &mut self.contacts, &mut self.bodies, self.h) {
+            self.joints.refresh(&self.bodies);
+        }
         springs::pull(self.world, &mut self.bodies, self.done);
         self.bodies.kick(self.h);
         self.joints.warm_start(&mut self.bodies);

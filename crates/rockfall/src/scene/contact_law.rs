@@ -36,9 +36,9 @@ impl Scene {
     pub fn check_contact_law(&self, integrator: Integrator) -> Result<()> {
         let law = self.contact_law();
         let refused = |value: String, expected: &'static str| Err(Error::Invalid { field: "contact_law", value, expected });
-        self.check_shapes_of_law()?;
         self.check_joints()?;
         self.check_groups()?;
+        self.check_shapes_of_law()?;
         if !law.has_history() {
             return Ok(());
         }

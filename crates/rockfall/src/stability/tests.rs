@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Muscle, Precision, Spring, Tether};
+use crate::{ContactLaw, Muscle, Precision, Spring, Tether};
 
 #[test]
 fn a_muscle_needs_ten_steps_in_a_period() {
@@ -169,8 +169,8 @@ fn a_small_ball_sinks() {
 #[test]
 fn a_resting_overlap_chooses_the_contact_force_of_a_column() {
     let mut scene = balls([0.1, 0.3, 0.5, 0.7].map(|y| Sphere::new([0.0, y, 0.0], 0.1).mass(3.0)));
-    // Otherwise the precision is chosen, too.
-    scene.settings.precision = Precision::Single;
+    // Otherwise these are chosen, too.
+    (scene.settings.contact_law, scene.settings.precision) = (ContactLaw::Thesis, Precision::Single);
     assert_eq!(scene.resolved_settings(), scene.settings);
     scene.settings.gravity = 9.0;
     scene.settings.resting_overlap = 0.05;

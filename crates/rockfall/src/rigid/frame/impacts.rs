@@ -18,8 +18,8 @@ const ROUNDS: usize = 2;
 const SWEEPS: usize = 16;
 const FRICTION_SWEEPS: usize = 4;
 
-/// All impacts of a substep.
-pub(super) fn impacts(world: &RigidWorld, contacts: &mut Contacts, bodies: &mut Bodies, h: f32) {
+/// All impacts of a substep. Whether any body was reflected, and so has another pose at its start.
+pub(super) fn impacts(world: &RigidWorld, contacts: &mut Contacts, bodies: &mut Bodies, h: f32) -> bool {
     let scope = Scope { world, h };
     contacts.blocks.iter_mut().for_each(|block| block.waits = false);
     let mut any = false;
@@ -35,11 +35,12 @@ pub(super) fn impacts(world: &RigidWorld, contacts: &mut Contacts, bodies: &mut 
         }
         any |= left_over(&scope, contacts, bodies);
         if !any {
-            return;
+            return false;
         }
     }
     wait(&scope, contacts, bodies);
     carry(&scope, contacts, bodies);
+    true
 }
 
 /// The blocks of a range that are hit. Blocks of one colour do not change each other's.

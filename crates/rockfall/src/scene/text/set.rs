@@ -78,9 +78,13 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Sets the law `rigid` if the text leaves the choice, and its objects need this law.
+    /// Sets the law `rigid` where the text leaves the choice and the objects need this law, if a line gives a number that `auto` would
+    /// take for the default of another law.
     pub(super) fn choose_law(&mut self) {
-        if self.scene.settings.contact_law == ContactLaw::Auto && self.scene.is_rigid() {
+        let (now, plain) = (self.scene.settings, Settings::default());
+        let is_plain = |name: &str| self.set_at.contains_key(name) && now.get(name) == plain.get(name);
+        let is_mistaken = is_plain("restitution") || is_plain("coulomb_friction");
+        if now.contact_law == ContactLaw::Auto && self.scene.is_rigid() && is_mistaken {
             // Both values were read before.
             let _ = self.set_law(ContactLaw::Rigid.name());
         }

@@ -251,7 +251,9 @@ pub(super) fn stage(gpu: &Arc<RigidGpu>, frame: &mut Frame<'_>, part: Part) -> (
     on_device.run(if part == Part::Kick { &[Part::Load, Part::Kick] } else { std::slice::from_ref(&part) });
     let found = on_device.read().unwrap();
     match part {
-        Part::Impacts => impacts::impacts(frame.world, &mut frame.contacts, &mut frame.bodies, frame.h),
+        Part::Impacts => {
+            impacts::impacts(frame.world, &mut frame.contacts, &mut frame.bodies, frame.h);
+        }
         Part::Kick => {
             frame.bodies.kick(frame.h);
             passes::warm_start(&mut frame.contacts, &mut frame.bodies);
