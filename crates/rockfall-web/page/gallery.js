@@ -9,6 +9,8 @@ export const GALLERY = [
     named("Tower of bricks", "tower", "A ball hits a tower of thirty bricks.", 1 / 60),
     named("House of cards", "cards", "A ball rolls into a house of cards of three storeys.", 1 / 60),
     named("Linkage", "linkage", "Motors drive a four-bar linkage and a crank with a slider.", 1 / 60),
+    named("Clock", "escapement", "A motor, a wheel with teeth, an anchor and a pendulum: an escapement that ticks.", 1 / 60),
+    named("Marble machine", "marbles", "Marbles roll down ramps and move a rocker, a wheel and a bucket.", 1 / 60),
     named("Ragdolls", "ragdolls", "Three ragdolls fall down a flight of stairs.", 1 / 60),
     named("Wrecking ball", "crane", "A crane swings a ball on a chain into a wall of bricks.", 1 / 60),
     named("Tower of capsules", "capsules", "A heavy ball hits a tower of logs."),
