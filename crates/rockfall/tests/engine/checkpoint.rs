@@ -273,7 +273,7 @@ fn bodies_are_kept() {
 }
 
 fn bodies() -> Scene {
-    let text = "set precision single\n@material a density=2 young=1e4 poisson=0.3\n@body bone mass=3 rounding=0.1\n@use a\n@group 2\nS 0 0 0 0 0 0 0 0 0 0 - 1\n@colour red\n\
+    let text = "set contact_law rigid\nset precision single\n@material a density=2 young=1e4 poisson=0.3\n@body bone mass=3 rounding=0.1\n@use a\n@group 2\nS 0 0 0 0 0 0 0 0 0 0 - 1\n@colour red\n\
                 S 1 4 0 0 0 0 0 0 0 0 - 0.5\nB 6 -0.5 -0.5 1 0 0 0 1 0 0 0 1\n@end\n@body top mass=2 centre=0,0.5,0 inertia=1,2,2,0.25,0,0\n\
                 C 0 0 0 0 1 0 0 0 0 - 0.25\n@end\nS 7 0 9 0 0 0 0 0 0 0 1 0.5 0\n@place bone at=0,20,0 spin=1,2,3\n\
                 @place top at=1,30,0 orientation=0.6,0,0.8,0 velocity=1,2,3 name=stick\n@place bone at=0,40,0 first=9\nK 7 10 1 40 0\n";
