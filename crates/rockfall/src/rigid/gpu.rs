@@ -43,8 +43,8 @@ use arrays::Arrays;
 use kernels::{
     BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, CARRY_ROUND, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT, EXPOSE,
     FIND_ALL_ROUND, FIND_LEFT_OVER, FIND_LEFT_OVER_ROUND, FIND_ROUND, HULLS, KICK, Kernel, Kinds, LISTS, LOAD, LOADS, MEAN,
-    MEAN_OF_IMPACTS, PAIRS, POINTS, PULL, REFRESH, REFRESH_ROUND, REPORT, SEEK, SEEK_ROUND, SETTLE, SOLVE, SOLVE_FEW,
-    SOLVE_LEFT_OVER, SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND, join,
+    MEAN_OF_IMPACTS, PAIRS, POINTS, PULL, REFRESH, REFRESH_ROUND, REPORT, SEEK, SEEK_ROUND, SETTLE, SOLVE, SOLVE_LEFT_OVER,
+    SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND, join,
 };
 use rows::{BlockRow, BodyRow, ContactRow, FrameRow, FrameRows, PairRow, PointRow, ROUND};
 use scan::ScanKernels;
@@ -64,8 +64,6 @@ const LOAD_BYTES: usize = 48;
 const COPIES_BYTES: usize = 128;
 /// Words of the report.
 const REPORT_WORDS: u32 = 8;
-/// Blocks of a colour that share a dispatch with other colours at most: the threads of a workgroup.
-const FEW_BLOCKS: u32 = 256;
 /// Rounds of impacts.
 const ROUNDS: usize = 2;
 
@@ -78,7 +76,7 @@ pub(crate) struct RigidGpu {
     kernels: Vec<OnceLock<Kernel>>,
     scans: OnceLock<ScanKernels>,
     search_kernels: Mutex<HashMap<(usize, search::Content), Kernel>>,
-    /// Whether dispatches of few threads cost more than barriers in a workgroup, so that small colours share one. Software has no such cost.
+    /// Whether a dispatch costs more than barriers in a workgroup, so that mechanisms share one. In software it does not.
     merges: bool,
     /// A text of the kernels, and what stands in its place. For tests of the comparison with the CPU.
     mistake: Option<[&'static str; 2]>,
@@ -152,7 +150,7 @@ impl RigidGpu {
         Self { device, queue, kernels, scans: OnceLock::new(), search_kernels: Mutex::default(), merges, mistake: None }
     }
 
-    /// The same device, on which small colours share a dispatch.
+    /// The same device, on which mechanisms share a dispatch.
     #[cfg(test)]
     pub(crate) fn merging(&self) -> Arc<Self> {
         Arc::new(Self { merges: true, ..Self::new(self.device.clone(), self.queue.clone()) })
@@ -406,26 +404,13 @@ impl GpuFrame {
         self.colours[colour as usize + 1] - self.colours[colour as usize]
     }
 
-    /// The first colour from which on no colour has more blocks than a workgroup has threads, so that one dispatch has them all. Without
-    /// at least two such colours there are none.
-    fn first_of_few(&self) -> u32 {
-        let is_large = |colour: &u32| self.blocks_of(*colour) > FEW_BLOCKS;
-        let first = (0..COLOURS).rev().find(is_large).map_or(0, |colour| colour + 1);
-        let present = (first..COLOURS).filter(|colour| self.blocks_of(*colour) > 0).count();
-        if self.arrays.gpu.merges && present > 1 { first } else { COLOURS }
-    }
-
     fn left_over(&self) -> u32 {
         self.blocks - self.colours[COLOURS as usize]
     }
 
     fn encode_pass(&self, pass: &mut wgpu::ComputePass<'_>, biased: bool) {
-        let few = self.first_of_few();
-        for colour in 0..few {
+        for colour in 0..COLOURS {
             self.dispatch(pass, SOLVE, self.blocks_of(colour), call(colour, biased));
-        }
-        if self.colours[few as usize] < self.colours[COLOURS as usize] {
-            self.arrays.dispatch_groups(pass, SOLVE_FEW, 1, call(few, biased));
         }
         let left_over = self.left_over();
         if left_over > 0 {

@@ -86,7 +86,6 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/joint.wgsl"
     "rigid/frame/joints.wgsl"
     "rigid/frame/joint_groups.wgsl"
-    "rigid/frame/pass_few.wgsl"
 );
 
 /// Bindings of the arrays. 0 and 1 are uniform.
@@ -206,7 +205,6 @@ pub(super) const RELAX_JOINTS_AGAIN: usize = 49;
 pub(super) const PUSH_GROUPS: usize = 50;
 pub(super) const RELAX_GROUPS: usize = 51;
 pub(super) const WARM_GROUPS: usize = 52;
-pub(super) const SOLVE_FEW: usize = 53;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
@@ -312,7 +310,6 @@ pub(super) const STAGES: &[Stage] = &[
     Stage { name: "push_groups", file: "rigid/frame/joint_groups.wgsl", bindings: LINKED },
     Stage { name: "relax_groups", file: "rigid/frame/joint_groups.wgsl", bindings: LINKED },
     Stage { name: "warm_groups", file: "rigid/frame/joint_groups.wgsl", bindings: LINKED },
-    Stage { name: "solve_few", file: "rigid/frame/pass_few.wgsl", bindings: SOLVER },
 ];
 
 pub(super) const OPEN: usize = 0;

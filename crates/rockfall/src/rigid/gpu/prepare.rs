@@ -8,7 +8,7 @@ use crate::rigid::gpu::kernels::{
     ARRANGE, BEFORE_IMPACTS, BUCKET, CALM, CARRY, CARRY_ROUND, CLOSE_JOINTS, COUNT_COLOURS, DRIFT, ENLIST, FIND_ALL_ROUND,
     FIND_ROUND, GATHER, KEEP, KICK, Kinds, LAY, LOAD, OPEN_JOINTS, PULL, PUSH_GROUPS, PUSH_JOINTS, PUSH_JOINTS_AGAIN, RANK,
     RECALL, REFRESH, REFRESH_ROUND, RELAX_GROUPS, RELAX_JOINTS, RELAX_JOINTS_AGAIN, RELIST, SEEK, SEEK_ROUND, SETTLE, SOLVE,
-    SOLVE_FEW, SPARE_ROUND, STORE, STRIKE, STRIKE_ROUND, SUM_UP, TAKE, WAIT_ROUND, WARM_GROUPS, WARM_JOINTS, WIDEN,
+    SPARE_ROUND, STORE, STRIKE, STRIKE_ROUND, SUM_UP, TAKE, WAIT_ROUND, WARM_GROUPS, WARM_JOINTS, WIDEN,
 };
 use crate::rigid::gpu::search::Content;
 use crate::rigid::world::RigidWorld;
@@ -55,7 +55,6 @@ impl RigidGpu {
         let stages = [
             of(is_round, ROUND),
             of(!world.joints.is_empty(), if is_grouped { GROUPED } else { JOINTED }),
-            of(self.merges, &[SOLVE_FEW]),
             of(!is_round, SHARP),
             ALWAYS,
             of(!world.springs.list.is_empty(), &[PULL]),

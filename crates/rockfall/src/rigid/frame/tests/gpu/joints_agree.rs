@@ -90,7 +90,7 @@ fn machines_agree() {
     assert!(found.is_close() && found.broken > 0, "{:?} {:?}", found.most, found.unequal);
 }
 
-/// Workgroups that have whole mechanisms, and small colours that share a dispatch, give the bits of a dispatch for each colour.
+/// Workgroups that have whole mechanisms give the bits of a dispatch for each colour.
 #[test]
 fn shared_dispatches_change_nothing() {
     let plain = open();
@@ -109,7 +109,7 @@ fn shared_dispatches_change_nothing() {
 /// The right text of a kernel, and a wrong one.
 const MISTAKES: &[[&str; 2]] = &[
     ["let low_y = e.x / d.x;", "let low_y = 0.0;"],
-    ["let rate = side * rate_of(ends, lever);", "let rate = rate_of(ends, lever);"],
+    ["let k = straight + (dot(turn_a, response_a) + dot(turn_b, response_b));", "let k = straight + dot(turn_a, response_a);"],
     ["joint.apart * joint.axes, old, biased)", "vec3f(0.0), old, biased)"],
     ["let there = select(2u * call.biased - 1u - step, step, is_first);", "let there = step % call.biased;"],
 ];
