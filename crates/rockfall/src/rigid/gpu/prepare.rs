@@ -50,6 +50,10 @@ const JOINTED: &[usize] =
 impl RigidGpu {
     /// Compiles the kernels that frames of a world use. Those of left-over blocks, which few scenes have, are compiled at their first use.
     pub(super) fn prepare(&self, world: &RigidWorld, kinds: Kinds, [is_round, is_grouped]: [bool; 2]) {
+        // Software compiles on the processor that the frames need, and tests of mistakes need few kernels.
+        if !self.merges || self.mistake.is_some() {
+            return;
+        }
         let content = Content::of(world);
         let of = |uses: bool, stages: &'static [usize]| if uses { stages } else { &[] };
         let stages = [
