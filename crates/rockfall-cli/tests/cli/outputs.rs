@@ -166,7 +166,7 @@ fn json_has_energies_overlap_settings_and_integrator() {
     let (out, _) = rockfall.run(run, 0);
     for text in [
         "integrator  symplectic-euler\n",
-        "settings    restitution 0.25, linear_damping 0.1, gravity 9; else the default values\n",
+        "settings    restitution 0.25, linear_damping 0.1, contact_law thesis, gravity 9; else the default values\n",
         "comments    2 lines of the scene\n",
         " at the end, 0.018 radii",
     ] {
