@@ -141,7 +141,8 @@ def test_arrays_of_other_libraries_are_taken_and_given() -> None:
     np.testing.assert_array_equal(shared, position)
     twin = rf.Scene()
     twin.add_spheres(sim.positions, sim.radii, sim.masses, sim.velocities, orientation=sim.orientations)
-    # The scene of a simulation has the precision that was chosen for it.
+    # The scene of a simulation has the contact law and the precision that were chosen for it.
+    twin.settings.contact_law = sim.scene.settings.contact_law
     twin.settings.precision = sim.scene.settings.precision
     assert twin.to_text() == sim.scene.to_text(), "what comes out of one call goes into another"
     views = sim.state
