@@ -70,7 +70,7 @@ impl RigidGpu {
             || {
                 stages.par_iter().with_max_len(1).for_each(|stage| {
                     self.kernel(*stage, kinds);
-                })
+                });
             },
             || content.stages().into_par_iter().with_max_len(1).for_each(|number| drop(self.search_kernel(number, content))),
         );
