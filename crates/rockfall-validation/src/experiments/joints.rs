@@ -76,7 +76,7 @@ fn pendulum(outcome: &mut Outcome) -> Result<()> {
             let what = format!("rod on a hinge, {degrees}°, {substeps} substeps: period over that of small swings");
             outcome.check(what, exact(degrees), found, bound * exact(degrees));
         }
-        chart = chart.add(colour, Mark::Points, &format!("{substeps} substeps"), measured);
+        chart = chart.add(colour, Mark::Points, format!("{substeps} substeps"), measured);
     }
     outcome.charts.push(chart);
     Ok(())
