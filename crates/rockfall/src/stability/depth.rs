@@ -135,7 +135,7 @@ impl Scene {
         let crowd = self.crowd();
         let [gravity, force] = [settings.gravity.abs(), settings.contact_force].map(f64::from);
         // Without a contact force no body is meant to rest.
-        let other_law = settings.contact_law != ContactLaw::Thesis;
+        let other_law = self.contact_law() != ContactLaw::Thesis;
         if other_law || force <= 0.0 || settings.resting_overlap > 0.0 || crowd == Crowd::None {
             return None;
         }

@@ -201,7 +201,7 @@ impl Scene {
     /// Overlap of a sphere on one like it under its own weight; `None` if there is no force against overlaps, or an unknown one.
     fn overlap_alone(&self, sphere: &Sphere, settings: &Settings) -> Option<f64> {
         let gravity = f64::from(settings.gravity.abs());
-        if settings.contact_law == ContactLaw::Thesis {
+        if self.contact_law() == ContactLaw::Thesis {
             let force = f64::from(settings.contact_force);
             return (force > 0.0).then(|| gravity / force);
         }
