@@ -193,7 +193,7 @@ impl Scene {
         }
         let overlapping = movers().filter(|(index, _)| !sets.is_held(*index)).filter_map(|(index, sphere)| {
             let overlap = self.overlap_alone(sphere, &settings)?;
-            Some(Coarse { overlap: Some((settings.contact_law, overlap)), ..of_radius((index, sphere)) })
+            Some(Coarse { overlap: Some((self.contact_law(), overlap)), ..of_radius((index, sphere)) })
         });
         overlapping.max_by(|a, b| a.excess().total_cmp(&b.excess())).filter(|worst| worst.excess() > 1.0)
     }
