@@ -66,7 +66,8 @@ fn period(amplitude: f64, substeps: u32) -> Result<f64> {
 
 fn pendulum(outcome: &mut Outcome) -> Result<()> {
     let exact = |degrees: f64| 1.0 / agm(1.0, (0.5 * degrees.to_radians()).cos());
-    let mut chart = Chart::new("joints-pendulum", "A rod on a hinge", Axis::linear("amplitude, degrees"), Axis::linear("period / that of small swings"))
+    let [across, up] = ["amplitude, degrees", "period / that of small swings"].map(Axis::linear);
+    let mut chart = Chart::new("joints-pendulum", "A rod on a hinge", across, up)
         .add(0, Mark::Line, "theory", curve(5.0, 172.0, 200, exact));
     for (colour, substeps, bound) in [(1, 4, 0.06), (2, 16, 0.004)] {
         let mut measured = Vec::new();
