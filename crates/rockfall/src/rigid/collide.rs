@@ -99,7 +99,7 @@ impl Manifold {
 type Function = fn(&Shape, &Shape, &Pose, f32) -> Option<Manifold>;
 
 /// Who meets whom: row a, column b, in the order of [`kind`]. The lower half is the upper one, flipped.
-const TABLE: [[Option<Function>; 6]; 6] = {
+const TABLE: [[Option<Function>; 7]; 7] = {
     const HALF: Option<Function> = Some(half_space::collide);
     const POLY: Option<Function> = Some(polyhedra::collide);
     const BOX: Option<Function> = Some(box_box::collide);
@@ -108,30 +108,32 @@ const TABLE: [[Option<Function>; 6]; 6] = {
     const BALL: Option<Function> = Some(ball::collide);
     const NONE: Option<Function> = None;
     [
-        // half-space, face, box, hull, segment, point
-        [NONE, HALF, HALF, HALF, HALF, BALL],
-        [NONE, POLY, POLY, POLY, ROD, BALL],
-        [NONE, NONE, BOX, POLY, ROD, BALL],
-        [NONE, NONE, NONE, POLY, ROD, BALL],
-        [NONE, NONE, NONE, NONE, RODS, BALL],
-        [NONE, NONE, NONE, NONE, NONE, BALL],
+        // cone or bowl, half-space, face, box, hull, segment, point
+        [NONE, NONE, NONE, NONE, NONE, NONE, BALL],
+        [NONE, NONE, HALF, HALF, HALF, HALF, BALL],
+        [NONE, NONE, POLY, POLY, POLY, ROD, BALL],
+        [NONE, NONE, NONE, BOX, POLY, ROD, BALL],
+        [NONE, NONE, NONE, NONE, POLY, ROD, BALL],
+        [NONE, NONE, NONE, NONE, NONE, RODS, BALL],
+        [NONE, NONE, NONE, NONE, NONE, NONE, BALL],
     ]
 };
 
 /// Row of a core in the table.
 fn kind(core: &Core) -> usize {
     match core {
-        Core::HalfSpace => 0,
-        Core::Face { .. } => 1,
-        Core::Box { .. } => 2,
-        Core::Hull(_) => 3,
-        Core::Segment { .. } => 4,
-        Core::Point => 5,
+        Core::Cone { .. } | Core::Bowl { .. } => 0,
+        Core::HalfSpace => 1,
+        Core::Face { .. } => 2,
+        Core::Box { .. } => 3,
+        Core::Hull(_) => 4,
+        Core::Segment { .. } => 5,
+        Core::Point => 6,
     }
 }
 
 /// The contact points of two shapes whose separation is at most `reach`; `None` if there are none. `b_in_a` is the pose of
-/// b in coordinates of a. Two half-spaces have none: they belong to bodies without mass.
+/// b in coordinates of a. Two smooth walls have none: they belong to bodies without mass.
 pub(crate) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option<Manifold> {
     let (row, column) = (kind(&a.core), kind(&b.core));
     if row <= column {

@@ -35,6 +35,8 @@ pub(crate) enum Core {
         is_triangle: bool,
         /// Touched only from z > 0.
         one_sided: bool,
+        /// Balls do not touch it. It is a part of a smooth wall, which they touch itself.
+        is_facet: bool,
     },
     /// A box about the origin along the axes.
     Box {
@@ -45,6 +47,20 @@ pub(crate) enum Core {
     Hull(Arc<Hull>),
     /// The half-space y <= 0. Only for bodies without mass.
     HalfSpace,
+    /// A cylinder or a cone without caps about the y axis. Only balls touch it, and only bodies without mass have it.
+    Cone {
+        /// Half the length of the axis, in units.
+        half: f32,
+        /// The radii at y = -half and y = half, in units.
+        radii: [f32; 2],
+        /// Touched from inside, else from outside.
+        inside: bool,
+    },
+    /// A sphere about the origin that is touched from inside. Only balls touch it, and only bodies without mass have it.
+    Bowl {
+        /// In units.
+        radius: f32,
+    },
 }
 
 /// A convex hull with at most [`MOST_FACES`] faces, about its own centre of mass.

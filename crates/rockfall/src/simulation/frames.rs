@@ -17,12 +17,14 @@ use crate::step::walls::move_walls::place_walls;
 mod build;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
+mod facets;
 mod joints;
 mod keep;
 mod motions;
 pub(crate) mod observe;
 mod predict;
 mod springs;
+mod walls;
 
 pub use joints::JointReading;
 pub use predict::HardContacts;

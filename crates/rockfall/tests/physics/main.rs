@@ -23,6 +23,7 @@ mod hard_mechanisms;
 mod hard_motions;
 mod hard_samples;
 mod hard_springs;
+mod hard_walls;
 mod hulls;
 mod laws;
 mod meshes;

@@ -15,13 +15,25 @@ fn box_of_half_space(normal: vec3f, origin: vec3f) -> Box {
         select(vec3f(-FAR), origin, is_along & (normal <= vec3f(0.0))), select(vec3f(FAR), origin, is_along & (normal > vec3f(0.0))));
 }
 
+// A smooth wall with its axis along y.
+fn box_of_smooth(shape: Shape, y: vec3f, origin: vec3f) -> Box {
+    if shape.more == HALF_SPACE {
+        return box_of_half_space(y, origin);
+    }
+    var half = vec3f(shape.size.x);
+    if shape.more != BOWL {
+        half = abs(y) * shape.size.x + max(shape.size.y, shape.size.z) * sqrt(max(vec3f(1.0) - y * y, vec3f(0.0)));
+    }
+    return Box(origin - half, origin + half);
+}
+
 // The box along the outer axes around the core of a shape.
 fn box_of_core(shape: Shape, origin: vec3f, turn: vec4f) -> Box {
     let x = turned_vector(turn, vec3f(1.0, 0.0, 0.0));
     let y = turned_vector(turn, vec3f(0.0, 1.0, 0.0));
     let z = turned_vector(turn, vec3f(0.0, 0.0, 1.0));
-    if shape.core == CORE_HALF_SPACE {
-        return box_of_half_space(y, origin);
+    if shape.core == CORE_SMOOTH {
+        return box_of_smooth(shape, y, origin);
     }
     if HULLS & (shape.core == CORE_HULL) {
         var box = Box(vec3f(FAR), vec3f(-FAR));

@@ -6,11 +6,11 @@
 fn is_own_pair(a: Shape, b: Shape, is_left: bool) -> bool {
     let most = max(a.core, b.core);
     let are_boxes = a.core == CORE_BOX && b.core == CORE_BOX && a.radius + b.radius <= 0.0;
-    return are_boxes || (min(a.core, b.core) == CORE_HALF_SPACE && most > CORE_HALF_SPACE && most < CORE_SEGMENT);
+    return are_boxes || (min(a.core, b.core) == CORE_SMOOTH && most > CORE_SMOOTH && most < CORE_SEGMENT);
 }
 
 fn collide_in_order(a: Shape, b: Shape, position: vec3f, axes: mat3x3f, reach: f32) -> Manifold {
-    if a.core == CORE_HALF_SPACE {
+    if a.core == CORE_SMOOTH {
         return collide_half_space(a, Solid(b, position, axes), reach);
     }
     return collide_boxes(a.size.xyz, b.size.xyz, position, axes, reach);

@@ -12,7 +12,7 @@ fn collide_in_order(a: Shape, b: Shape, position: vec3f, axes: mat3x3f, reach: f
     }
     if CAPSULES {
         let other = Solid(b, position, axes);
-        if a.core == CORE_HALF_SPACE {
+        if a.core == CORE_SMOOTH {
             return collide_half_space(a, other, reach);
         }
         let own = Solid(a, vec3f(0.0), mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0)));

@@ -4,7 +4,7 @@
 
 fn is_own_pair(a: Shape, b: Shape, is_left: bool) -> bool {
     let are_boxes = a.core == CORE_BOX && b.core == CORE_BOX && a.radius + b.radius <= 0.0;
-    return min(a.core, b.core) > CORE_HALF_SPACE && max(a.core, b.core) < CORE_SEGMENT && (is_left || !are_boxes);
+    return min(a.core, b.core) > CORE_SMOOTH && max(a.core, b.core) < CORE_SEGMENT && (is_left || !are_boxes);
 }
 
 fn collide_in_order(a: Shape, b: Shape, position: vec3f, axes: mat3x3f, reach: f32) -> Manifold {

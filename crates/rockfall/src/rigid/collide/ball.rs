@@ -1,6 +1,6 @@
 //! A ball against everything.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::rigid::collide::Manifold;
 use crate::rigid::collide::solid::face_corners;
@@ -24,14 +24,24 @@ pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
     (separation <= reach).then(|| Manifold::single(normal, (place, centre), (a.radius, b.radius), 0))
 }
 
-/// The place of a core nearest to a point; `None` on the far side of a one-sided face.
+/// The place of a core nearest to a point; `None` on the far side of what is touched from one side only, and for facets.
 pub(crate) fn nearest(core: &Core, point: Vec3) -> Option<Nearest> {
     Some(match core {
         Core::Point => away(Vec3::ZERO, point, Vec3::Y),
         Core::Segment { half } => away(Vec3::new(0.0, point.y.clamp(-half, *half), 0.0), point, Vec3::X),
         Core::HalfSpace => Nearest { place: Vec3::new(point.x, 0.0, point.z), normal: Vec3::Y },
         Core::Box { half } => on_box(*half, point),
-        Core::Face { u, v, is_triangle, one_sided } => {
+        Core::Cone { half, radii, inside } => return on_cone(*half, *radii, *inside, point),
+        Core::Bowl { radius } => {
+            let distance = point.length();
+            if distance > *radius {
+                return None;
+            }
+            let outward = if distance > 0.0 { point / distance } else { Vec3::Y };
+            Nearest { place: outward * *radius, normal: -outward }
+        }
+        Core::Face { is_facet: true, .. } => return None,
+        Core::Face { u, v, is_triangle, one_sided, .. } => {
             if *one_sided && point.z < 0.0 {
                 return None;
             }
@@ -41,6 +51,25 @@ pub(crate) fn nearest(core: &Core, point: Vec3) -> Option<Nearest> {
         }
         Core::Hull(hull) => on_hull(hull, point),
     })
+}
+
+/// The place of a cone nearest to a point on its touched side: in the half-plane that the axis bounds and that contains the point.
+fn on_cone(half: f32, radii: [f32; 2], inside: bool, point: Vec3) -> Option<Nearest> {
+    let beside = Vec3::new(point.x, 0.0, point.z);
+    let distance = beside.length();
+    let out = if distance > 0.0 { beside / distance } else { Vec3::X };
+    // In coordinates (distance from the axis, y).
+    let start = Vec2::new(radii[0], -half);
+    let along = Vec2::new(radii[1] - radii[0], 2.0 * half);
+    let from = Vec2::new(distance, point.y) - start;
+    let away_from_axis = Vec2::new(along.y, -along.x) / along.length();
+    let normal = if inside { -away_from_axis } else { away_from_axis };
+    if from.dot(normal) < 0.0 {
+        return None;
+    }
+    let place = start + along * (from.dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    let in_space = |flat: Vec2| out * flat.x + Vec3::Y * flat.y;
+    Some(away(in_space(place), point, in_space(normal)))
 }
 
 /// The direction from a place to a point, or `otherwise` where they are one.

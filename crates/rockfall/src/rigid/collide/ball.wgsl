@@ -61,7 +61,7 @@ fn place_on_core_face(shape: Shape, point: vec3f) -> CorePlace {
     }
     place = select(place, foot, is_inside);
     var found = direction_to(place, point, vec3f(0.0, 0.0, unit_sign(point.z)));
-    found.exists = (shape.more & ONE_SIDED) == 0u || point.z >= 0.0;
+    found.exists = (shape.more & FACET) == 0u && ((shape.more & ONE_SIDED) == 0u || point.z >= 0.0);
     return found;
 }
 
@@ -106,9 +106,43 @@ fn place_on_core_hull(shape: Shape, point: vec3f) -> CorePlace {
     return inside;
 }
 
-fn place_on_core(shape: Shape, point: vec3f) -> CorePlace {
-    if shape.core == CORE_HALF_SPACE {
+// In the half-plane that the axis bounds and that contains the point: x is the distance from the axis there.
+fn place_on_core_cone(shape: Shape, point: vec3f) -> CorePlace {
+    let far = length(point.xz);
+    var out = vec3f(1.0, 0.0, 0.0);
+    if far > 0.0 {
+        out = vec3f(point.x, 0.0, point.z) / far;
+    }
+    let low = vec2f(shape.size.y, -shape.size.x);
+    let edge = vec2f(shape.size.z, shape.size.x) - low;
+    let offset = vec2f(far, point.y) - low;
+    let side = select(1.0, -1.0, shape.more == CONE_FROM_INSIDE);
+    let flat_normal = side * vec2f(edge.y, -edge.x) / length(edge);
+    let nearest = low + clamp(dot(offset, edge) / dot(edge, edge), 0.0, 1.0) * edge;
+    let up = vec3f(0.0, 1.0, 0.0);
+    var found = direction_to(nearest.x * out + nearest.y * up, point, flat_normal.x * out + flat_normal.y * up);
+    found.exists = dot(offset, flat_normal) >= 0.0;
+    return found;
+}
+
+fn place_on_core_smooth(shape: Shape, point: vec3f) -> CorePlace {
+    if shape.more == HALF_SPACE {
         return CorePlace(vec3f(point.x, 0.0, point.z), vec3f(0.0, 1.0, 0.0), true);
+    }
+    if shape.more == BOWL {
+        let far = length(point);
+        var out = vec3f(0.0, 1.0, 0.0);
+        if far > 0.0 {
+            out = point / far;
+        }
+        return CorePlace(shape.size.x * out, -out, far <= shape.size.x);
+    }
+    return place_on_core_cone(shape, point);
+}
+
+fn place_on_core(shape: Shape, point: vec3f) -> CorePlace {
+    if shape.core == CORE_SMOOTH {
+        return place_on_core_smooth(shape, point);
     }
     if shape.core == CORE_FACE {
         return place_on_core_face(shape, point);

@@ -113,7 +113,7 @@ fn capsule_above_half_space(a: Shape, b: Solid, reach: f32) -> Manifold {
     manifold.normal = vec3f(0.0, 1.0, 0.0);
     for (var k = 0u; k < 2u; k++) {
         let end = vertex_of(b, k);
-        if end.y <= reach + a.radius + b.shape.radius {
+        if a.more == HALF_SPACE && end.y <= reach + a.radius + b.shape.radius {
             manifold.on_a[manifold.count] = vec3f(end.x, a.radius, end.z);
             manifold.on_b[manifold.count] = vec3f(end.x, end.y - b.shape.radius, end.z);
             manifold.ids[manifold.count] = id_of_vertex(k);

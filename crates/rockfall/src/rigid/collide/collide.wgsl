@@ -12,7 +12,7 @@ fn axes_of(turn: vec4f) -> mat3x3f {
 // A pair whose cores are in the order of the table, without balls and capsules.
 fn collide_flat_in_order(a: Shape, b: Shape, position: vec3f, axes: mat3x3f, reach: f32) -> Manifold {
     let other = Solid(b, position, axes);
-    if a.core == CORE_HALF_SPACE {
+    if a.core == CORE_SMOOTH {
         return collide_half_space(a, other, reach);
     }
     var manifold = no_contact();

@@ -6,7 +6,8 @@ fn collide_half_space(a: Shape, b: Solid, reach: f32) -> Manifold {
     let most = reach + a.radius + b.shape.radius;
     var candidates: Candidates;
     candidates.count = 0u;
-    let count = vertices_of_core(b.shape);
+    // Other smooth walls are touched by balls only.
+    let count = select(0u, vertices_of_core(b.shape), a.more == HALF_SPACE);
     for (var number = 0u; number < MOST_CANDIDATES && number < count; number++) {
         let vertex = vertex_of(b, number);
         if vertex.y <= most {

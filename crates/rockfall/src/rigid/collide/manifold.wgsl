@@ -3,11 +3,18 @@
 // Shapes and contact points (docs/physics.md section 11.13).
 
 // Cores, in the order of the table. A pair is solved with the earlier core first.
-const CORE_HALF_SPACE: u32 = 0u;
+const CORE_SMOOTH: u32 = 0u;
+// What a smooth wall is, in `more`. All but half-spaces are touched by balls only.
+const HALF_SPACE: u32 = 0u;
+const CONE_FROM_OUTSIDE: u32 = 1u;
+const CONE_FROM_INSIDE: u32 = 2u;
+const BOWL: u32 = 3u;
 const CORE_FACE: u32 = 1u;
 // What a face is, in `more`.
 const ONE_SIDED: u32 = 1u;
 const TRIANGLE: u32 = 2u;
+// Balls do not touch it.
+const FACET: u32 = 4u;
 const CORE_BOX: u32 = 2u;
 const CORE_HULL: u32 = 3u;
 const CORE_SEGMENT: u32 = 4u;
@@ -26,11 +33,12 @@ const NO_SEPARATION: f32 = -3e38;
 
 // A core and a radius: two rows of four words in memory.
 struct Shape {
-    // Box: half the edges. Segment: half the length in x. Face: u.x, u.y, v.x, v.y. Others: not used.
+    // Box: half the edges. Segment: half the length in x. Face: u.x, u.y, v.x, v.y. Cone: half the length, and the radii at its lower
+    // and upper end. Bowl: the radius in x. Others: not used.
     size: vec4f,
     radius: f32,
     core: u32,
-    // Hull: where its lists begin. Face: 1 if it is touched from one side only.
+    // Hull: where its lists begin. Face, smooth wall: the bits or the number above.
     more: u32,
     spare: u32,
 }

@@ -16,7 +16,7 @@ pub(super) fn vertices(shape: &Shape, pose: &Pose) -> Vec<DVec3> {
         Core::Face { u, v, .. } => vec![*u + *v, *u - *v, -*u - *v, *v - *u].into_iter().map(|p| p.as_dvec3()).collect(),
         Core::Box { half } => (0..8).map(|k| half.as_dvec3() * signs(k)).collect(),
         Core::Hull(hull) => hull.vertices.iter().map(|p| p.as_dvec3()).collect(),
-        Core::HalfSpace => Vec::new(),
+        Core::HalfSpace | Core::Cone { .. } | Core::Bowl { .. } => Vec::new(),
     };
     inner.into_iter().map(|p| pose.position.as_dvec3() + turn * p).collect()
 }

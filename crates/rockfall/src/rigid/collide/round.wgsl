@@ -30,7 +30,7 @@ fn collide_round_in_order(a: Shape, b: Shape, position: vec3f, axes: mat3x3f, re
     }
     if CAPSULES {
         let other = Solid(b, position, axes);
-        if a.core == CORE_HALF_SPACE {
+        if a.core == CORE_SMOOTH {
             return capsule_above_half_space(a, other, reach);
         }
         if a.core == CORE_SEGMENT {

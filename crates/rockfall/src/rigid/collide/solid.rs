@@ -52,7 +52,7 @@ const TRIANGLE_LOOPS: [&[u8]; 5] = [&[0, 1, 2], &[2, 1, 0], &[0, 1], &[1, 2], &[
 const TRIANGLE_EDGES: [[u8; 4]; 6] = [[0, 1, 0, 2], [1, 2, 0, 3], [2, 0, 0, 4], [0, 1, 1, 2], [1, 2, 1, 3], [2, 0, 1, 4]];
 
 impl<'a> Solid<'a> {
-    /// The polyhedron of a core in a pose. A half-space has no vertices.
+    /// The polyhedron of a core in a pose. Smooth walls have no vertices.
     pub(super) fn new(core: &'a Core, pose: &Pose) -> Self {
         let mut solid = Solid {
             vertices: [Vec3::ZERO; MOST_VERTICES],
@@ -63,7 +63,7 @@ impl<'a> Solid<'a> {
             centre: pose.position,
         };
         match core {
-            Core::HalfSpace => {}
+            Core::HalfSpace | Core::Cone { .. } | Core::Bowl { .. } => {}
             Core::Point => solid.set_vertices([Vec3::ZERO]),
             Core::Segment { half } => solid.set_vertices([Vec3::new(0.0, -half, 0.0), Vec3::new(0.0, *half, 0.0)]),
             Core::Face { u, v, is_triangle, .. } => {

@@ -50,16 +50,31 @@ fn shape(kind: &str, random: &mut Random) -> Shape {
         "capsule" => Shape::capsule(random.between(0.1, 1.0), random.between(0.1, 0.5)),
         "face" => {
             let [u, v] = [Vec3::new(0.8, 0.1, 0.0), Vec3::new(random.between(-0.3, 0.3), 0.6, 0.0)];
-            Shape { core: Core::Face { u, v, is_triangle: false, one_sided: random.between(0.0, 1.0) < 0.5 }, radius: 0.0 }
+            Shape {
+                core: Core::Face { u, v, is_triangle: false, one_sided: random.between(0.0, 1.0) < 0.5, is_facet: false },
+                radius: 0.0,
+            }
         }
         "triangle" => {
             let [u, v] = [Vec3::new(0.8, random.between(-0.3, 0.3), 0.0), Vec3::new(random.between(-0.5, 0.1), 0.6, 0.0)];
             let one_sided = random.between(0.0, 1.0) < 0.5;
-            Shape { core: Core::Face { u, v, is_triangle: true, one_sided }, radius: 0.0 }
+            Shape { core: Core::Face { u, v, is_triangle: true, one_sided, is_facet: false }, radius: 0.0 }
         }
         "hull" => {
             let points: Vec<Vec3> = (0..8).map(|_| random.vector(0.8)).collect();
             Shape { core: Core::Hull(Arc::new(Hull::new(&points).expect("a hull").0)), radius: 0.0 }
+        }
+        "cone" => {
+            let radii = [random.between(0.5, 2.0), random.between(0.0, 2.0)];
+            Shape {
+                core: Core::Cone { half: random.between(0.2, 2.0), radii, inside: random.between(0.0, 1.0) < 0.5 },
+                radius: 0.0,
+            }
+        }
+        "bowl" => Shape { core: Core::Bowl { radius: random.between(1.0, 3.0) }, radius: 0.0 },
+        "facet" => {
+            let core = Core::Face { u: Vec3::X, v: Vec3::Y, is_triangle: false, one_sided: true, is_facet: true };
+            Shape { core, radius: 0.0 }
         }
         _ => Shape { core: Core::HalfSpace, radius: 0.0 },
     }
@@ -87,6 +102,12 @@ fn cases() -> Vec<Case> {
         "triangle hull",
         "hull box",
         "hull hull",
+        "cone ball",
+        "bowl ball",
+        "facet ball",
+        "facet box",
+        "cone box",
+        "bowl capsule",
     ] {
         for _ in 0..EACH {
             let shapes: Vec<Shape> = kind.split(' ').map(|name| shape(name, &mut random)).collect();

@@ -55,8 +55,11 @@ pub(crate) fn collider_rows(world: &RigidWorld) -> (Vec<ColliderRow>, Vec<[u32; 
 pub(crate) fn shape_row(shape: &Shape, hulls: &mut Vec<[u32; 4]>) -> ShapeRow {
     let (size, core, more) = match &shape.core {
         Core::HalfSpace => ([0.0; 4], 0, 0),
-        Core::Face { u, v, is_triangle, one_sided } => {
-            ([u.x, u.y, v.x, v.y], 1, u32::from(*one_sided) | u32::from(*is_triangle) << 1)
+        Core::Cone { half, radii: [low, high], inside } => ([*half, *low, *high, 0.0], 0, 1 + u32::from(*inside)),
+        Core::Bowl { radius } => ([*radius, 0.0, 0.0, 0.0], 0, 3),
+        Core::Face { u, v, is_triangle, one_sided, is_facet } => {
+            let more = u32::from(*one_sided) | u32::from(*is_triangle) << 1 | u32::from(*is_facet) << 2;
+            ([u.x, u.y, v.x, v.y], 1, more)
         }
         Core::Box { half } => ([half.x, half.y, half.z, 0.0], 2, 0),
         Core::Hull(hull) => ([0.0; 4], 3, put_hull(hull, shape.width(), hulls)),

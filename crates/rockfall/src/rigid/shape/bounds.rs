@@ -1,6 +1,6 @@
 //! Bounds of shapes.
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 
 use crate::rigid::broad::Aabb;
 use crate::rigid::pose::Pose;
@@ -29,6 +29,11 @@ impl Shape {
                 })
             }
             Core::HalfSpace => half_space(turn.y_axis, pose.position),
+            Core::Cone { half, radii, .. } => {
+                let beside = (Vec3::ONE - turn.y_axis * turn.y_axis).max(Vec3::ZERO).map(f32::sqrt);
+                around(turn.y_axis.abs() * *half + radii[0].max(radii[1]) * beside)
+            }
+            Core::Bowl { radius } => around(Vec3::splat(*radius)),
         };
         Aabb { min: core.min - self.radius, max: core.max + self.radius }
     }
@@ -43,6 +48,8 @@ impl Shape {
             Core::Box { half } => half.length(),
             Core::Hull(hull) => hull.vertices.iter().map(|vertex| vertex.length()).fold(0.0, f32::max),
             Core::HalfSpace => f32::INFINITY,
+            Core::Cone { half, radii, .. } => Vec2::new(*half, radii[0].max(radii[1])).length(),
+            Core::Bowl { radius } => *radius,
         };
         core + self.radius
     }
@@ -60,7 +67,7 @@ impl Shape {
             }
             Core::Box { half } => 2.0 * half.min_element(),
             Core::Hull(hull) => hull_width(hull),
-            Core::HalfSpace => f32::INFINITY,
+            Core::HalfSpace | Core::Cone { .. } | Core::Bowl { .. } => f32::INFINITY,
         };
         core + 2.0 * self.radius
     }

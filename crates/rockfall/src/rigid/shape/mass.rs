@@ -25,7 +25,7 @@ impl Shape {
                 let centre = sum.first / sum.volume;
                 from_moments(sum.volume, sum.second - outer(centre) * sum.volume)
             }
-            Core::Face { .. } | Core::HalfSpace => (0.0, DMat3::ZERO),
+            Core::Face { .. } | Core::HalfSpace | Core::Cone { .. } | Core::Bowl { .. } => (0.0, DMat3::ZERO),
         }
     }
 }

@@ -170,6 +170,7 @@ fn bounds_touch_the_shape() {
                 v: Vec3::new(-0.2, 0.9, 0.0),
                 is_triangle: false,
                 one_sided: false,
+                is_facet: false,
             },
             radius: 0.1,
         },

@@ -5,15 +5,12 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::{Owner, motions};
+use super::{Owner, motions, walls};
 use crate::error::Result;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
-use crate::scene::{
-    AnyForm, BOX_SPHERES, Body as Part, Inlet, MaterialId, MotionId, Polygon, Scene, ShapeHull, Surface as WallSurface,
-    WholeBody, upright,
-};
+use crate::scene::{AnyForm, BOX_SPHERES, Body as Part, Inlet, MaterialId, Scene, ShapeHull, WholeBody};
 
 /// A world under construction, and who its bodies are in the scene.
 pub(super) struct Builder<'a> {
@@ -86,44 +83,11 @@ impl<'a> Builder<'a> {
             places[self.scene.body_number(cuboid.motion)? as usize].push(cuboid.frame().0);
         }
         for polygon in self.scene.polygons() {
-            places[self.scene.body_number(polygon.motion)? as usize].push(polygon.corner.as_dvec3());
+            places[self.scene.body_number(polygon.motion)? as usize].push(walls::middle_of(polygon));
         }
         for (number, places) in places.into_iter().enumerate().skip(1) {
             self.origins.push(motions::middle(places.into_iter()));
             self.add(Body::fixed(Kind::Kinematic, Pose::IDENTITY), Owner::Motion(number - 1));
-        }
-        Ok(())
-    }
-
-    /// The body that carries a wall, and where its origin lies before any motion.
-    fn carrier(&self, motion: Option<MotionId>) -> Result<(u32, DVec3)> {
-        let number = self.scene.body_number(motion)?;
-        Ok((number, number.checked_sub(1).map_or(DVec3::ZERO, |motion| self.origins[motion as usize])))
-    }
-
-    /// Colliders of the world and of motions: boxes, polygons and fixed spheres.
-    fn walls(&mut self) -> Result<()> {
-        for (id, cuboid) in self.scene.box_ids().zip(self.scene.boxes()) {
-            let (body, origin) = self.carrier(cuboid.motion)?;
-            let (centre, turn, half) = cuboid.frame();
-            let place = Pose::new((centre - origin).as_vec3(), turn.as_quat());
-            let shape = self.shape(Core::Box { half: half.as_vec3() }, 0.0);
-            let collider = self.collider(Part::Box(id), body, shape, place, (cuboid.group, cuboid.material))?;
-            collider.surface_velocity = cuboid.surface_velocity;
-            self.widen(body);
-        }
-        for (id, polygon) in self.scene.polygon_ids().zip(self.scene.polygons()) {
-            let (body, origin) = self.carrier(polygon.motion)?;
-            let (core, place) = core_and_place(polygon, origin);
-            let shape = self.shape(core, 0.0);
-            let collider = self.collider(Part::Polygon(id), body, shape, place, (polygon.group, polygon.material))?;
-            collider.surface_velocity = polygon.surface_velocity;
-            self.widen(body);
-        }
-        for (id, sphere) in self.scene.sphere_ids().zip(self.scene.spheres()).filter(|(_, sphere)| sphere.fixed) {
-            let shape = self.shape(Core::Point, sphere.radius);
-            let place = Pose::new(sphere.position, sphere.orientation);
-            self.collider(Part::Sphere(id), 0, shape, place, (sphere.group, sphere.material))?;
         }
         Ok(())
     }
@@ -219,16 +183,6 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Lets the radius of a body that carries walls reach the last collider. Planes have no end, and do not turn.
-    fn widen(&mut self, body: u32) {
-        let Some(collider) = self.world.colliders.last() else { return };
-        let reach = collider.place.position.length() + self.world.shapes[collider.shape as usize].extent();
-        let body = &mut self.world.bodies[body as usize];
-        if body.kind == Kind::Kinematic && reach.is_finite() {
-            body.radius = body.radius.max(reach);
-        }
-    }
-
     fn add(&mut self, body: Body, owner: Owner) -> u32 {
         self.world.bodies.push(body);
         self.owners.push(owner);
@@ -236,17 +190,23 @@ impl<'a> Builder<'a> {
     }
 
     /// The number of a shape, which equal colliders share.
-    fn shape(&mut self, core: Core, radius: f32) -> u32 {
+    pub(super) fn shape(&mut self, core: Core, radius: f32) -> u32 {
         let sizes: [f32; 6] = match &core {
             Core::Point | Core::HalfSpace | Core::Hull(_) => [0.0; 6],
             Core::Segment { half } => [*half, 0.0, 0.0, 0.0, 0.0, 0.0],
             Core::Face { u, v, .. } => [u.x, u.y, u.z, v.x, v.y, v.z],
+            Core::Cone { half, radii: [low, high], .. } => [*half, *low, *high, 0.0, 0.0, 0.0],
+            Core::Bowl { radius } => [*radius, 0.0, 0.0, 0.0, 0.0, 0.0],
             Core::Box { half } => [half.x, half.y, half.z, 0.0, 0.0, 0.0],
         };
         let kind = match &core {
             Core::Point => 0,
             Core::Segment { .. } => 1,
-            Core::Face { one_sided, is_triangle, .. } => 2 + u32::from(*one_sided) + 8 * u32::from(*is_triangle),
+            Core::Face { one_sided, is_triangle, is_facet, .. } => {
+                2 + u32::from(*one_sided) + 8 * u32::from(*is_triangle) + 16 * u32::from(*is_facet)
+            }
+            Core::Cone { inside, .. } => 7 + 32 * u32::from(*inside),
+            Core::Bowl { .. } => 32,
             Core::Box { .. } => 4,
             Core::Hull(_) => 5,
             Core::HalfSpace => 6,
@@ -263,7 +223,7 @@ impl<'a> Builder<'a> {
         })
     }
 
-    fn collider(
+    pub(super) fn collider(
         &mut self,
         part: Part,
         body: u32,
@@ -293,24 +253,8 @@ impl<'a> Builder<'a> {
 }
 
 /// A segment between two points: half its length, and its place. Its own axis is y.
-fn segment(from: DVec3, to: DVec3) -> (f32, Pose) {
+pub(super) fn segment(from: DVec3, to: DVec3) -> (f32, Pose) {
     let along = to - from;
     let turn = DQuat::from_rotation_arc(DVec3::Y, along.try_normalize().unwrap_or(DVec3::Y));
     ((0.5 * along.length()) as f32, Pose::new((0.5 * (from + to)).as_vec3(), turn.as_quat()))
-}
-
-/// The core of a parallelogram, a triangle or a plane, and where it lies from an origin. A parallelogram is touched on the side of L x R,
-/// a triangle on both.
-fn core_and_place(polygon: &Polygon, origin: DVec3) -> (Core, Pose) {
-    let (corner, left, right) = (polygon.corner.as_dvec3() - origin, polygon.left.as_dvec3(), polygon.right.as_dvec3());
-    let normal = left.cross(right).normalize();
-    if polygon.surface == WallSurface::Plane {
-        return (Core::HalfSpace, Pose::new(corner.as_vec3(), DQuat::from_rotation_arc(DVec3::Y, normal).as_quat()));
-    }
-    let turn = upright(left, normal.cross(left));
-    let inner = |edge: DVec3| (turn.inverse() * edge).as_vec3() * Vec3::new(1.0, 1.0, 0.0);
-    let is_triangle = polygon.surface == WallSurface::Triangle;
-    let centre = (left + right) / if is_triangle { 3.0 } else { 2.0 };
-    let [u, v] = if is_triangle { [-centre, left - centre] } else { [0.5 * left, 0.5 * right] }.map(inner);
-    (Core::Face { u, v, is_triangle, one_sided: !is_triangle }, Pose::new((corner + centre).as_vec3(), turn.as_quat()))
 }

@@ -2,22 +2,29 @@
 
 use crate::error::{Error, Result};
 use crate::options::Options;
-use crate::scene::Scene;
+use crate::scene::{RodId, Scene};
 use crate::simulation::frames::motions::turns_planes;
 
 fn refused(value: &str) -> Result<()> {
-    let expected = "spheres, capsules, placed bodies, joints, springs, tethers, inlets, outlets, gauges, and as walls boxes, parallelograms, \
-                    triangles, meshes and planes, still or on motions: the contact law rigid has nothing else yet";
+    let expected = "spheres, capsules, placed bodies, rods of fixed length, joints, springs, tethers, inlets, outlets, gauges, and \
+                    all walls, still or on motions: the contact law rigid has nothing else yet";
     Err(Error::Invalid { field: "contact_law", value: format!("rigid with {value}"), expected })
 }
 
-/// Checks that all rods belong to bodies that move as a whole.
+/// Checks that all rods are capsules, parts of bodies, or keep a distance.
 ///
 /// # Errors
 /// [`Error::Invalid`] if there is another rod.
 pub(in crate::simulation) fn check_rods(scene: &Scene) -> Result<()> {
-    let is_loose = |id| scene.body_of_rod(id).is_none() && scene.implied_of_rod(id).is_none();
-    if scene.rod_ids().any(is_loose) { refused("a rod that is not a capsule or part of a body") } else { Ok(()) }
+    let is_free = |id| scene.rod(id).is_ok_and(|rod| rod.length.is_none()) && !is_fixed_or_part(scene, id);
+    if scene.rod_ids().any(is_free) { refused("a rod of free length between moving spheres") } else { Ok(()) }
+}
+
+/// Whether a rod is part of a body, or lies between fixed spheres.
+fn is_fixed_or_part(scene: &Scene, id: RodId) -> bool {
+    let is_fixed = |sphere| scene.sphere(sphere).is_ok_and(|sphere| sphere.fixed);
+    let is_part = scene.body_of_rod(id).is_some() || scene.implied_of_rod(id).is_some();
+    is_part || scene.rod(id).is_ok_and(|rod| is_fixed(rod.end1) && is_fixed(rod.end2))
 }
 
 /// Checks that the law `rigid` knows every object of a scene and every option.
@@ -29,7 +36,6 @@ pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<(
         (scene.motions().iter().any(|motion| motion.servo.is_some()), "a servo"),
         (turns_planes(scene), "a plane that turns"),
         (scene.is_periodic(), "periodic boundaries"),
-        (scene.polygons().iter().any(|polygon| polygon.surface.is_round()), "a cone, a cylinder or a ball as a wall"),
         (!options.force_laws.is_empty(), "a force of the program"),
     ];
     if let Some((_, what)) = has.into_iter().find(|(has, _)| *has) {

@@ -6,12 +6,13 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3, Vec3};
 
 use super::build::Builder;
+use super::springs::ends_of_spheres;
 use super::{Frames, Owner};
 use crate::error::Result;
 use crate::rigid::frame::{JointMotion, motions_of_joints};
 use crate::rigid::joints::{Drive, End, Joint as Row, JointState, Joints, Kind};
 use crate::rigid::pose::Pose;
-use crate::scene::{Anchor, Joint, JointFrame, JointId, JointKind, Scene};
+use crate::scene::{Anchor, Joint, JointFrame, JointId, JointKind, RodId, Scene, SphereId};
 use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
 
@@ -36,13 +37,14 @@ pub struct JointReading {
 }
 
 impl Builder<'_> {
-    /// All joints in order of addition.
+    /// All joints in order of addition, then the rods that only keep a distance.
     pub(super) fn joints(&mut self) -> Result<()> {
-        if self.scene.joints().is_empty() {
+        let mut list = self.joints_of_rods()?;
+        if list.is_empty() && self.scene.joints().is_empty() {
             return Ok(());
         }
         let bodies: HashMap<Anchor, u32> = self.numbers();
-        let mut list = Vec::with_capacity(self.scene.joints().len());
+        let rods = list.split_off(0);
         for joint in self.scene.joints() {
             let ends = self.scene.joint_poses_of(joint, false)?;
             let frames = joint.ends().unwrap_or([JointFrame { place: Vec3::ZERO, turn: glam::Quat::IDENTITY }; 2]);
@@ -50,8 +52,28 @@ impl Builder<'_> {
             let end = |side: usize| self.end(&bodies, anchors[side], frames[side], ends[side]);
             list.push(row_of(joint, [end(0), end(1)]));
         }
+        list.extend(rods);
         self.world.joints = Joints::new(list, &self.world.with_mass());
         Ok(())
+    }
+
+    /// Rods of fixed length that are not part of a body, as joints that keep the distance of their ends.
+    fn joints_of_rods(&self) -> Result<Vec<Row>> {
+        let scene = self.scene;
+        let rods: Vec<_> = scene.rod_ids().filter(|id| keeps_distance(scene, *id)).collect();
+        let ends = if rods.is_empty() { HashMap::new() } else { ends_of_spheres(scene, &self.owners) };
+        let end = |id: SphereId| -> Result<End> {
+            let fixed = (0, scene.sphere(id)?.position);
+            let (body, place) = ends.get(&id).map_or(fixed, |end| (end.body, end.place));
+            Ok(End { body, place, turn: glam::Quat::IDENTITY })
+        };
+        let row = |id: &RodId| {
+            let rod = scene.rod(*id)?;
+            let drive = Drive { locked: true, target: rod.length.unwrap_or_default(), ..Drive::default() };
+            let (ends, strength) = ([end(rod.end1)?, end(rod.end2)?], [f32::INFINITY; 2]);
+            Ok(Row { kind: Kind::DISTANCE, ends, drive, strength, collides: false })
+        };
+        rods.iter().map(row).collect()
     }
 
     /// Numbers of the bodies to which ends are attached. All others are the world.
@@ -83,6 +105,13 @@ impl Builder<'_> {
         let back = own.as_dquat().normalize().inverse();
         End { body, place: (back * (point - position.as_dvec3())).as_vec3(), turn: (back * turn).as_quat().normalize() }
     }
+}
+
+/// Whether a rod only keeps the distance of its ends: it has a fixed length, is not part of a body, and an end is loose.
+pub(crate) fn keeps_distance(scene: &Scene, id: RodId) -> bool {
+    let is_loose = scene.body_of_rod(id).is_none() && scene.implied_of_rod(id).is_none();
+    let is_fixed = |sphere: SphereId| scene.sphere(sphere).is_ok_and(|sphere| sphere.fixed);
+    is_loose && scene.rod(id).is_ok_and(|rod| rod.length.is_some() && !(is_fixed(rod.end1) && is_fixed(rod.end2)))
 }
 
 fn kind_of(kind: JointKind) -> Kind {
@@ -212,7 +241,8 @@ impl Simulation {
             let JointMotion { position, speed, error } = motion;
             JointReading { position, speed, error, force: state.force, torque: state.torque, broken: false }
         };
-        let all = frames.world.joints.states.iter().zip(motions_of_joints(&frames.world)).map(read).collect();
+        let states = frames.world.joints.states.iter().take(self.scene.joints().len());
+        let all = states.zip(motions_of_joints(&frames.world)).map(read).collect();
         self.frames = Some(frames);
         Ok(all)
     }

@@ -4,14 +4,16 @@ use std::collections::HashMap;
 
 use super::Frames;
 use crate::rigid::world::{Collider, RigidWorld};
+use crate::scene::Body as Part;
 
 impl Frames {
     /// Takes over what another world has learnt of the colliders and joints that both have: impulses, colours and margins.
     pub(super) fn keep(&mut self, before: &Self) {
         self.substeps = before.substeps;
-        let numbers: HashMap<_, u32> = self.parts.iter().copied().zip(0..).collect();
+        let numbers: HashMap<_, u32> = numbered(&self.parts).zip(0..).collect();
+        let of_old: Vec<_> = numbered(&before.parts).map(|part| numbers.get(&part).copied()).collect();
         let same = |old: usize| {
-            let new = *numbers.get(&before.parts[old])?;
+            let new = of_old[old]?;
             let colliders =
                 [(&before.world, old), (&self.world, new as usize)].map(|(world, at)| (world, &world.colliders[at]));
             is_same(colliders).then_some(new)
@@ -37,6 +39,16 @@ impl Frames {
             }
         }
     }
+}
+
+/// What each collider is in the scene, and which one of that. Several colliders of one object follow each other.
+fn numbered(parts: &[Part]) -> impl Iterator<Item = (Part, u32)> {
+    let mut before = None;
+    parts.iter().map(move |part| {
+        let number = before.filter(|(last, _)| last == part).map_or(0, |(_, number)| number + 1);
+        before = Some((*part, number));
+        (*part, number)
+    })
 }
 
 /// Whether two colliders are the same but for the numbers of their body and their shape.

@@ -5,13 +5,14 @@ use std::fmt;
 
 use super::Frames;
 use super::check::check;
+use super::joints::keeps_distance;
 use crate::error::Result;
 use crate::options::Options;
 use crate::report::short_number;
 use crate::rigid::frame::{JointMotion, auto_substeps, least_width, motions_of_joints};
 use crate::rigid::joints::Joint;
 use crate::rigid::spring_bound::SpringBound;
-use crate::scene::{RunDefaults, Scene};
+use crate::scene::{Body, RunDefaults, Scene};
 
 /// How the solver of the contact law `rigid` takes a scene (docs/physics.md section 11).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +45,7 @@ impl Scene {
     pub(crate) fn concerns_of_frames(&self, dt: f32) -> Vec<String> {
         // Substeps that the solver chooses suit the contacts.
         let has_links = !(self.springs().is_empty() && self.tethers().is_empty() && self.joints().is_empty());
-        if self.run.substeps.is_none() && !has_links {
+        if self.run.substeps.is_none() && !has_links && self.rods().is_empty() {
             return Vec::new();
         }
         // An object that the law does not know is an error elsewhere.
@@ -57,7 +58,22 @@ impl Scene {
                 short_number(muscle.steps, 3)
             )
         });
-        frames.concern().into_iter().chain(muscle).chain(self.concern_of_joints(frames.substeps)).collect()
+        let joints = self.concern_of_joints(frames.substeps);
+        frames.concern().into_iter().chain(muscle).chain(joints).chain(self.concern_of_rods()).collect()
+    }
+
+    /// Rods that touch nothing.
+    fn concern_of_rods(&self) -> Option<String> {
+        let mut scene = self.clone();
+        scene.imply_bodies();
+        let count = scene.rod_ids().filter(|id| keeps_distance(&scene, *id)).count();
+        let rods = if count == 1 { "1 rod keeps".to_owned() } else { format!("{count} rods keep") };
+        (count > 0).then(|| {
+            format!(
+                "{rods} the distance of the ends and touch{} nothing under the contact law rigid, because no body has them as a part",
+                if count == 1 { "es" } else { "" }
+            )
+        })
     }
 
     /// The first joint whose anchors miss each other at the start, and the one whose bodies differ most in mass, if they are too soft.
@@ -65,14 +81,18 @@ impl Scene {
         let mut scene = self.clone();
         scene.imply_bodies();
         let world = Frames::of(&scene).ok()?.world;
-        let name = |number: usize| self.joints()[number].name.clone().unwrap_or_else(|| format!("number {number}"));
+        let rods: Vec<_> = scene.rod_ids().filter(|id| keeps_distance(&scene, *id)).collect();
+        let name = |number: usize| match self.joints().get(number) {
+            Some(joint) => format!("the joint {}", joint.name.clone().unwrap_or_else(|| format!("number {number}"))),
+            None => scene.name_of(Body::Rod(rods[number - self.joints().len()])),
+        };
         let ends = |joint: &Joint| joint.ends.map(|end| &world.bodies[end.body as usize]);
         let missed = |(number, (joint, motion)): (usize, (&Joint, JointMotion))| {
             let size = ends(joint).iter().map(|body| body.radius).filter(|radius| radius.is_finite()).fold(0.0, f32::max);
             (motion.error > 1e-3 * size).then(|| {
                 let error = short_number(motion.error.into(), 3);
                 format!(
-                    "the anchors of the joint {} miss each other by {error} at the start; the first frames pull them together",
+                    "the anchors of {} miss each other by {error} at the start; the first frames pull them together",
                     name(number)
                 )
             })
@@ -82,7 +102,9 @@ impl Scene {
             if a > 0.0 && b > 0.0 { (a / b).max(b / a) } else { 1.0 }
         };
         let list = &world.joints.list;
-        let first = list.iter().zip(motions_of_joints(&world)).enumerate().find_map(missed);
+        // Rods whose ends miss their length are told of elsewhere.
+        let of_joints = list.iter().zip(motions_of_joints(&world)).take(self.joints().len());
+        let first = of_joints.enumerate().find_map(missed);
         let heaviest = (0..list.len()).max_by(|one, other| ratio(&list[*one]).total_cmp(&ratio(&list[*other])));
         first.or_else(|| {
             let number = heaviest?;
@@ -90,9 +112,7 @@ impl Scene {
             let ratio = short_number(ratio(&list[number]).into(), 3);
             let joint = name(number);
             (needed > substeps).then(|| {
-                format!(
-                    "the joint {joint} connects masses with a ratio of {ratio}: it opens less with --substeps {needed} or more"
-                )
+                format!("{joint} connects masses with a ratio of {ratio}: it opens less with --substeps {needed} or more")
             })
         })
     }

@@ -14,10 +14,10 @@ use crate::scene::{AnyForm, RunDefaults, Scene, SphereId, Tether, WholeBody};
 
 /// An end of a spring.
 #[derive(Clone, Copy, Debug)]
-struct End {
-    body: u32,
+pub(super) struct End {
+    pub(super) body: u32,
     /// In coordinates of the body.
-    place: Vec3,
+    pub(super) place: Vec3,
     /// Velocity of the surface of a fixed sphere, in units/s.
     belt: Vec3,
 }
@@ -34,7 +34,7 @@ fn places(whole: &WholeBody<'_>) -> Vec<Vec3> {
 }
 
 /// Where each sphere that is not fixed belongs.
-fn ends_of_spheres(scene: &Scene, owners: &[Owner]) -> HashMap<SphereId, End> {
+pub(super) fn ends_of_spheres(scene: &Scene, owners: &[Owner]) -> HashMap<SphereId, End> {
     let bodies: Vec<WholeBody<'_>> = scene.whole_bodies().collect();
     let mut ends = HashMap::new();
     for (body, owner) in (0..).zip(owners) {

@@ -15,7 +15,7 @@ fn half_space() -> Shape {
 }
 
 fn square(one_sided: bool) -> Shape {
-    Shape { core: Core::Face { u: Vec3::X, v: Vec3::Y, is_triangle: false, one_sided }, radius: 0.0 }
+    Shape { core: Core::Face { u: Vec3::X, v: Vec3::Y, is_triangle: false, one_sided, is_facet: false }, radius: 0.0 }
 }
 
 fn at(x: f32, y: f32, z: f32) -> Pose {
@@ -108,6 +108,50 @@ fn one_sided_faces_have_one_side() {
         }
         assert!(collide(&square(true), mover, &at(5.0, 0.0, 0.1), 0.05).is_none());
     }
+}
+
+/// The nearest of many points of a cone, by search.
+fn nearest_by_search(half: f32, [low, high]: [f32; 2], point: Vec3) -> f32 {
+    let along = (0..=400).map(|k| k as f32 / 400.0);
+    let on_edge = |share: f32| (low + (high - low) * share, (2.0 * share - 1.0) * half);
+    let away = |(radius, y): (f32, f32)| {
+        let around = (0..720).map(|k| (std::f32::consts::TAU * k as f32 / 720.0).sin_cos());
+        around.map(|(z, x)| point.distance(Vec3::new(radius * x, y, radius * z))).fold(f32::INFINITY, f32::min)
+    };
+    along.map(on_edge).map(away).fold(f32::INFINITY, f32::min)
+}
+
+#[test]
+fn balls_touch_cones_and_bowls_at_the_nearest_place_on_one_side() {
+    let mut random = Random(11);
+    let ball = Shape::ball(0.3);
+    let (mut touched, mut free) = (0, 0);
+    for _ in 0..60 {
+        let (half, radii) = (random.between(0.3, 2.0), [random.between(0.4, 2.0), random.between(0.0, 2.0)]);
+        let centre = random.vector(2.0);
+        let distance = nearest_by_search(half, radii, centre);
+        let [inner, outer] = [true, false].map(|inside| {
+            let wall = Shape { core: Core::Cone { half, radii, inside }, radius: 0.0 };
+            let pose = Pose::new(centre, Quat::IDENTITY);
+            let found = collide(&wall, &ball, &pose, 10.0);
+            check_swap(&wall, &ball, &pose, 10.0, &found);
+            found
+        });
+        // One side has it, the other has none.
+        assert!(inner.is_some() != outer.is_some(), "{half} {radii:?} {centre}");
+        let found = inner.or(outer).expect("a place");
+        assert!((found.least() + 0.3 - distance).abs() < 1e-2, "{half} {radii:?} {centre}: {found:?} for {distance}");
+        *if inner.is_some() { &mut touched } else { &mut free } += 1;
+        // A box touches facets instead.
+        let wall = Shape { core: Core::Cone { half, radii, inside: true }, radius: 0.0 };
+        assert!(collide(&wall, &Shape::cuboid(Vec3::ONE), &Pose::new(centre, Quat::IDENTITY), 10.0).is_none());
+    }
+    assert!(touched > 10 && free > 10, "{touched} {free}");
+    let bowl = Shape { core: Core::Bowl { radius: 2.0 }, radius: 0.0 };
+    let found = collide(&bowl, &ball, &at(0.0, -1.8, 0.0), 0.0).expect("a contact");
+    assert!((found.least() + 0.1).abs() < 1e-6 && found.normal == Vec3::Y, "{found:?}");
+    assert!(collide(&bowl, &ball, &at(0.0, -2.1, 0.0), 1.0).is_none());
+    assert!(collide(&bowl, &ball, &at(0.0, 0.0, 0.0), 2.0).is_some(), "at the centre it has some direction");
 }
 
 #[test]

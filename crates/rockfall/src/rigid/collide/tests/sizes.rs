@@ -20,7 +20,10 @@ fn aligned_shapes_give_numbers() {
         Shape::cuboid(half),
         Shape { radius: 0.25, ..Shape::cuboid(half) },
         Shape::cuboid(Vec3::new(0.5, 0.005, 0.5)),
-        Shape { core: Core::Face { u: Vec3::X * 0.5, v: Vec3::Y * 0.5, is_triangle: false, one_sided: false }, radius: 0.0 },
+        Shape {
+            core: Core::Face { u: Vec3::X * 0.5, v: Vec3::Y * 0.5, is_triangle: false, one_sided: false, is_facet: false },
+            radius: 0.0,
+        },
         hull(&cube),
         hull(&prism(8, 0.5, 0.5)),
         Shape { core: Core::HalfSpace, radius: 0.0 },
@@ -153,7 +156,13 @@ fn round_shapes_of_all_sizes_meet() {
             0 => Shape::cuboid(half),
             1 => hull(&prism(3 + round % 20, 1.0, 1.0).iter().map(|p| *p * half).collect::<Vec<_>>()),
             _ => Shape {
-                core: Core::Face { u: half * Vec3::X, v: half * Vec3::Y, is_triangle: false, one_sided: false },
+                core: Core::Face {
+                    u: half * Vec3::X,
+                    v: half * Vec3::Y,
+                    is_triangle: false,
+                    one_sided: false,
+                    is_facet: false,
+                },
                 radius: 0.0,
             },
         };

@@ -86,7 +86,7 @@ impl Scene {
         let centre = (a + b + c) / 3.0;
         let turn = Quat::from_rotation_arc(Vec3::Z, (b - a).cross(c - a).normalize());
         let [u, v] = [a, b].map(|corner| (turn.inverse() * (corner - centre)) * Vec3::new(1.0, 1.0, 0.0));
-        let core = Core::Face { u, v, is_triangle: true, one_sided: false };
+        let core = Core::Face { u, v, is_triangle: true, one_sided: false, is_facet: false };
         self.attach(0, Shape { core, radius: 0.0 }, Pose::new(centre, turn));
     }
 

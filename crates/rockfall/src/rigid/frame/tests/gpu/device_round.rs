@@ -151,7 +151,7 @@ fn ground(restitution: f32) -> Scene {
     let up = Quat::from_rotation_arc(Vec3::Z, Vec3::Y);
     for x in -3..3 {
         for z in -3..3 {
-            let core = Core::Face { u: 0.5 * Vec3::X, v: 0.5 * Vec3::Y, is_triangle: false, one_sided: true };
+            let core = Core::Face { u: 0.5 * Vec3::X, v: 0.5 * Vec3::Y, is_triangle: false, one_sided: true, is_facet: false };
             let at = Vec3::new(x as f32 + 0.5, 0.0, z as f32 + 0.5);
             scene.attach(0, Shape { core, radius: 0.0 }, Pose::new(at, up));
         }

@@ -220,7 +220,7 @@ fn pose(random: &mut Random, half: Vec3) -> Pose {
 
 fn face(one_sided: bool) -> Shape {
     let (u, v) = (Vec3::new(1.5, 0.1, 0.0), Vec3::new(-0.2, 1.2, 0.0));
-    Shape { core: Core::Face { u, v, is_triangle: false, one_sided }, radius: 0.0 }
+    Shape { core: Core::Face { u, v, is_triangle: false, one_sided, is_facet: false }, radius: 0.0 }
 }
 
 fn hull(random: &mut Random) -> Shape {
