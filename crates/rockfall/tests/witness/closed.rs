@@ -237,7 +237,7 @@ fn impulses_obey_the_conservation_laws() {
         let what = format!("seed {seed} kind {}", seed as usize % scenes::KINDS);
         let rigid = before.balls.iter().enumerate().all(|(at, _)| is_rigid(&before, at));
         if rigid {
-            // Truncated sweeps may leave a small excess where an impulse was reset to 0 (docs/physics section 8).
+            // Truncated sweeps may leave a small excess where an impulse was reset to 0 (docs/physics section 3.8).
             gained += usize::from(k > k0 * (1.0 + 1e-5) + 10.0 * slack);
             assert!(k <= k0 * (1.0 + 3e-4) + 10.0 * slack, "{what}: {k0} -> {k}\n{}", describe(&before, &pressed));
         }
