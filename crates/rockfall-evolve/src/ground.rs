@@ -16,7 +16,7 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// Level ground at height 0 with Earth's gravity. Feet stick by the friction of the thesis (docs/physics.md section 4.5): about
+    /// Level ground at height 0 with Earth's gravity. Feet stick by the friction of the thesis (docs/physics section 4.5): about
     /// 0.6 times the normal force at 0.1 units/s. There are no impulses, so that small creatures run on a GPU side by side
     /// ([`WorldPath::Device`](rockfall::WorldPath::Device)).
     ///

@@ -1,4 +1,4 @@
-"""Boxes of shapes, and rigid bodies of them (docs/physics.md section 1.5)."""
+"""Boxes of shapes, and rigid bodies of them (docs/physics section 1.5)."""
 
 from __future__ import annotations
 

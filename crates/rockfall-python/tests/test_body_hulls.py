@@ -1,4 +1,4 @@
-"""Convex hulls of shapes under the contact law ``rigid`` (docs/physics.md section 11)."""
+"""Convex hulls of shapes under the contact law ``rigid`` (docs/physics section 11)."""
 
 from __future__ import annotations
 

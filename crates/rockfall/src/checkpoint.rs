@@ -97,7 +97,7 @@ pub struct Checkpoint {
     /// Velocity Verlet: acceleration and torque of every sphere in the last force evaluation. Empty for other integrators, and where
     /// the next step evaluates the forces again. It does so if another number of spheres is found here.
     pub(crate) rates: Vec<[f32; 6]>,
-    /// Residues of velocities (docs/physics.md section 5.10) of all spheres in insertion order, then of all rigid bodies. Empty where
+    /// Residues of velocities (docs/physics section 5.10) of all spheres in insertion order, then of all rigid bodies. Empty where
     /// steps are not short.
     pub(crate) residues: Vec<[u32; 4]>,
     /// What the law `rigid` keeps of its bodies and contacts.

@@ -1,4 +1,4 @@
-//! Positions as the sum of two `f32` vectors (docs/physics.md section 5.8).
+//! Positions as the sum of two `f32` vectors (docs/physics section 5.8).
 
 use std::ops::{Add, Sub};
 

@@ -64,7 +64,7 @@
 //! The time step must suit the springs, contacts and speeds of the scene ([`Scene::stability`], [`Scene::tunnelling`]). The
 //! contact force must suit the radii ([`Scene::sinking`], [`Settings::resting_overlap`]).
 //!
-//! `docs/physics.md` in the repository specifies the model in full. Comments in the code cite its sections and errata.
+//! `docs/physics` in the repository specifies the model in full. Comments in the code cite its sections and errata.
 //!
 //! # Features
 //! - `gpu` (default): the wgpu backend, and `wgsl`. Without this feature only the CPU backend is built, which needs no graphics

@@ -1,4 +1,4 @@
-//! The formulas of docs/physics.md, in Rust for the CPU backend and in WGSL for the kernels.
+//! The formulas of docs/physics, in Rust for the CPU backend and in WGSL for the kernels.
 //!
 //! Both versions are written from the specification. Neither is a translation of the other, so a comparison of their results
 //! finds mistakes in either.

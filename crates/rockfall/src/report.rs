@@ -29,7 +29,7 @@ pub struct Report {
     pub list_builds: u64,
     /// Number of times that a body was stopped because its state was no longer finite.
     pub non_finite: u64,
-    /// Number of times that the centre of a sphere passed a polygon, a triangle or a plane within a step (docs/physics.md section
+    /// Number of times that the centre of a sphere passed a polygon, a triangle or a plane within a step (docs/physics section
     /// 2.20): an impact deeper than the radius, or a way longer than that. Not counted with `continuous_collisions`, with the contact
     /// law `rigid`, for bodies with boxes, for worlds in one dispatch, and in scenes that several processes share.
     pub passages: u64,

@@ -1,4 +1,4 @@
-//! Hard contacts: bodies, shapes, colliders, pairs and contacts, and the solver of the contact law `rigid` (docs/physics.md section 11).
+//! Hard contacts: bodies, shapes, colliders, pairs and contacts, and the solver of the contact law `rigid` (docs/physics section 11).
 //!
 //! | room | what it knows |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! The constants that can be changed while a simulation runs (docs/physics.md section 6, thesis section 2.8), the integrators
+//! The constants that can be changed while a simulation runs (docs/physics section 6, thesis section 2.8), the integrators
 //! and the broad phases.
 
 use std::fmt;
@@ -365,7 +365,7 @@ fn precision(field: &'static str, value: &str) -> Result<Precision> {
     precision.ok_or_else(|| invalid(field, value, "auto, single or double"))
 }
 
-/// How precise the geometry of contacts is (docs/physics.md section 5.8).
+/// How precise the geometry of contacts is (docs/physics section 5.8).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Precision {
@@ -398,7 +398,7 @@ impl fmt::Display for Precision {
     }
 }
 
-/// The law of the forces in contacts (docs/physics.md sections 4.3 to 4.6 and 4.11).
+/// The law of the forces in contacts (docs/physics sections 4.3 to 4.6 and 4.11).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ContactLaw {
@@ -410,7 +410,7 @@ pub enum ContactLaw {
     HertzMindlin,
     /// A law that the program defines ([`ContactForceLaw`](crate::ContactForceLaw)).
     User,
-    /// Hard contacts: a solver finds the impulses of all contacts of a frame (docs/physics.md section 11).
+    /// Hard contacts: a solver finds the impulses of all contacts of a frame (docs/physics section 11).
     Rigid,
     /// Chosen by the objects of the scene: see [`Scene::contact_law`](crate::Scene::contact_law). A simulation has the law that was
     /// chosen.

@@ -270,7 +270,7 @@ fn backends_agree_on_every_stage_under_other_settings() {
         settings.contact_damping = 30.0;
         settings.contact_force = 400.0;
         settings.friction = 20.0;
-        // Strong enough that gravity sets the threshold velocity of some contacts (docs/physics.md section 3.1).
+        // Strong enough that gravity sets the threshold velocity of some contacts (docs/physics section 3.1).
         settings.gravity = 9.81;
     });
     for (seed, settings) in [(20, off), (21, odd)] {

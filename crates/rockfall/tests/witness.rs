@@ -1,6 +1,6 @@
 //! A reference implementation ("witness") of one step in f64, and comparisons of the engine with it.
 //!
-//! The witness follows `docs/physics.md` alone, not the code of either backend. It is small and slow: it finds pairs by
+//! The witness follows `docs/physics` alone, not the code of either backend. It is small and slow: it finds pairs by
 //! testing all of them, solves networks with a dense matrix, and does not depend on the order of bodies.
 
 #[macro_use]

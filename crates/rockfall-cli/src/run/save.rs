@@ -36,7 +36,7 @@ pub(super) fn write(path: &Path, mut file: AtomicFile, simulation: &mut Simulati
     note_springs(path, simulation)
 }
 
-/// Notes that a text leaves out the springs of contacts (docs/physics.md section 4.11), if there are any.
+/// Notes that a text leaves out the springs of contacts (docs/physics section 4.11), if there are any.
 fn note_springs(path: &Path, simulation: &mut Simulation) -> Result<(), Failure> {
     let kept = simulation.contacts()?.iter().filter(|contact| contact.springs.is_some()).count();
     if kept > 0 {

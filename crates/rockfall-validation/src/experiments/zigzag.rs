@@ -71,7 +71,7 @@ pub(crate) fn run(_: Effort) -> Result<Outcome> {
             };
             outcome.check(format!("{integrator}: pressure on the walls / statics - 1, worst case"), 0.0, part(0), 0.01);
             outcome.check(format!("{integrator}: pressure on the contact below / statics - 1, worst case"), 0.0, part(1), 0.01);
-            // With symplectic Euler the kinetic energy is that of v + G h/2 (docs/physics.md section 5.2).
+            // With symplectic Euler the kinetic energy is that of v + G h/2 (docs/physics section 5.2).
             let late = if integrator == Integrator::SymplecticEuler { 0.5 * STEP } else { 0.0 };
             let at_rest = 0.5 * BALLS as f64 * f64::from(late).powi(2);
             outcome.check(format!("{integrator}: kinetic energy at rest"), at_rest, kinetic, 1e-6);

@@ -1,4 +1,4 @@
-//! Implied bodies in a checkpoint (docs/physics.md section 1.6): the length of what follows in bytes, 0 if there are none; the number of
+//! Implied bodies in a checkpoint (docs/physics section 1.6): the length of what follows in bytes, 0 if there are none; the number of
 //! forms, each with its mass, moments, principal axes and places; the number of bodies, each with its form, its spheres, its rods and its
 //! state.
 

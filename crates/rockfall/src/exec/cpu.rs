@@ -1,6 +1,6 @@
 //! The CPU backend: runs the same stages over the same arrays, in plain Rust with rayon.
 //!
-//! It is written from the formulas of physics.md, never translated from the WGSL, so that each of the two can reveal errors in
+//! It is written from the formulas of docs/physics, never translated from the WGSL, so that each of the two can reveal errors in
 //! the other.
 
 use crate::model::world::World;

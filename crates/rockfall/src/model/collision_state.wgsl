@@ -1,6 +1,6 @@
 // requires model/state_rows.wgsl model/step.wgsl
 
-// The velocities of `state` in the phase of collisions: those at the time of the positions (docs/physics.md section 5.2).
+// The velocities of `state` in the phase of collisions: those at the time of the positions (docs/physics section 5.2).
 
 fn velocity_at(sphere: u32) -> u32 {
     return select(1u, 4u, HALF_STEP) * step.spheres + sphere;

@@ -46,7 +46,7 @@ constants! {
     /// Bit of the word of a sphere that stands for a hull. The other bits are the first word of its triangles: their number, then the
     /// corners x, y, z of each from the centre of the sphere. No stage reads them, only the viewer.
     pub const HULL_PART: u32 = 1 << 30;
-    /// Words of a shape before the places of its spheres, x, y, z from the centre of mass: 1 / J_m, kappa x, y, z (docs/physics.md section
+    /// Words of a shape before the places of its spheres, x, y, z from the centre of mass: 1 / J_m, kappa x, y, z (docs/physics section
     /// 5.9), and the rotation from the principal axes to the coordinates of the shape, x, y, z, w.
     pub const SHAPE_WORDS: u32 = 8;
     /// Body of a sphere that belongs to no rigid body.
@@ -142,7 +142,7 @@ constants! {
     pub const FLAG_PERIODIC: u32 = 4096;
     /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): some polygons are smooth walls.
     pub const FLAG_SMOOTH: u32 = 8192;
-    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): velocities have residues (docs/physics.md section 5.10).
+    /// Bit of [`Constants::flags`](crate::model::step::Constants::flags): velocities have residues (docs/physics section 5.10).
     pub const FLAG_RESIDUES: u32 = 16_384;
     /// Region of a state with the residues of velocity and angular momentum. In the stage states of RK4, the increments of the velocity
     /// so far; those of the angular momentum follow.
@@ -159,7 +159,7 @@ constants! {
     pub const SURFACE_CONE: u32 = 3;
     /// Surface of a polygon: a ball that is touched from outside. The next number is that of one that is touched from inside.
     pub const SURFACE_BALL: u32 = 5;
-    /// A sphere whose way in a step is longer than this, in radii, may pass a wall (docs/physics.md section 2.20).
+    /// A sphere whose way in a step is longer than this, in radii, may pass a wall (docs/physics section 2.20).
     pub const FAST_WAY: f32 = 0.25;
     /// Overlap, in radii, from which the centre of a slower sphere may be near a wall.
     pub const DEEP_OVERLAP: f32 = 0.5;
@@ -215,7 +215,7 @@ constants! {
     pub const EARLY: u32 = 64;
     /// Number of sweeps over the impulses of collisions that share bodies.
     pub const SWEEPS: u32 = 8;
-    /// Factors omega of the sweeps (docs/physics.md section 3.7). Each applies to two sweeps.
+    /// Factors omega of the sweeps (docs/physics section 3.7). Each applies to two sweeps.
     pub const SWEEP_SIZES: [f32; 4] = [1.250_98, 2.668_52, 1.816_11, 1.0];
     /// Words of a collision in the buffer `collisions`.
     pub const COLLISION_WORDS: u32 = 48;

@@ -1,4 +1,4 @@
-//! The phases of muscles (docs/physics.md section 4.9), and the clock of muscles and motions.
+//! The phases of muscles (docs/physics section 4.9), and the clock of muscles and motions.
 //!
 //! A phase is an integer number of 2^-64 turns. Sums and products of integers are exact modulo one turn. So a phase does not
 //! lose precision in a long run, does not depend on how the steps are divided into calls, and is the same on both backends.

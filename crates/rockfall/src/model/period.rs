@@ -1,4 +1,4 @@
-//! Periodic boundaries: the nearest image of a position (docs/physics.md section 2.14).
+//! Periodic boundaries: the nearest image of a position (docs/physics section 2.14).
 
 use glam::{DVec3, Vec3};
 

@@ -1,4 +1,4 @@
-//! Residues: what rounding to f32 leaves of velocities and angular momenta (docs/physics.md section 5.10).
+//! Residues: what rounding to f32 leaves of velocities and angular momenta (docs/physics section 5.10).
 
 use glam::{IVec3, UVec3, Vec3, Vec4};
 

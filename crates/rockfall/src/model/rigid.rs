@@ -1,4 +1,4 @@
-//! The state and the moments of inertia of rigid bodies (docs/physics.md sections 1.5 and 5.9).
+//! The state and the moments of inertia of rigid bodies (docs/physics sections 1.5 and 5.9).
 
 use glam::{Mat3, Quat, Vec3, Vec4};
 

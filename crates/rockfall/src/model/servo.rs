@@ -1,4 +1,4 @@
-//! The record of a servo in [`Buffer::Servos`](crate::model::buffer::Buffer::Servos), and the poses that follow from it (docs/physics.md
+//! The record of a servo in [`Buffer::Servos`](crate::model::buffer::Buffer::Servos), and the poses that follow from it (docs/physics
 //! section 2.18).
 
 use glam::{Vec3, Vec4};

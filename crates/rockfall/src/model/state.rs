@@ -22,7 +22,7 @@ pub(crate) struct Motion {
     pub(crate) low: Vec3,
     pub(crate) velocity: Vec3,
     pub(crate) angular_momentum: Vec3,
-    /// What rounding left of velocity and angular momentum (docs/physics.md section 5.10).
+    /// What rounding left of velocity and angular momentum (docs/physics section 5.10).
     pub(crate) residues: Vec4,
 }
 

@@ -298,7 +298,7 @@ impl Step {
         if self.constants.flags & FLAG_VERLET == 0 { 0 } else { 3 }
     }
 
-    /// Whether geometry uses the low parts of positions (docs/physics.md section 5.8).
+    /// Whether geometry uses the low parts of positions (docs/physics section 5.8).
     pub const fn is_double(&self) -> bool {
         self.constants.flags & FLAG_DOUBLE != 0
     }
@@ -327,17 +327,17 @@ impl Step {
         if self.is_half_step() { 5 } else { 4 }
     }
 
-    /// Whether velocities have residues (docs/physics.md section 5.10).
+    /// Whether velocities have residues (docs/physics section 5.10).
     pub const fn has_residues(&self) -> bool {
         self.constants.flags & FLAG_RESIDUES != 0
     }
 
-    /// Whether velocities are half a step behind positions (docs/physics.md section 5.2).
+    /// Whether velocities are half a step behind positions (docs/physics section 5.2).
     pub const fn is_half_step(&self) -> bool {
         self.constants.flags & FLAG_HALF_STEP != 0
     }
 
-    /// Time in s, in which the free acceleration gives a body the approach velocity above which it may collide (docs/physics.md
+    /// Time in s, in which the free acceleration gives a body the approach velocity above which it may collide (docs/physics
     /// section 3.1).
     pub const fn free_time(&self) -> f32 {
         if self.is_half_step() { 4.0 * self.constants.dt } else { 2.0 * self.constants.dt }

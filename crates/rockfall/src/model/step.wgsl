@@ -36,7 +36,7 @@ const HALF_STEP: bool = true;
 // Whether springs, tethers, external forces or forces of a program act, so that there is a table `free_at`.
 const FREE_TABLE: bool = true;
 const DOUBLE: bool = true;
-// Whether velocities have residues (docs/physics.md section 5.10).
+// Whether velocities have residues (docs/physics section 5.10).
 const RESIDUES: bool = true;
 // Regions of a state. Each is a vec4f per sphere.
 const STATE_REGIONS: u32 = 4u;
@@ -58,7 +58,7 @@ const ENTRY_ID_MASK: u32 = (1u << ENTRY_ID_BITS) - 1u;
 // "No object", in place of an id or an index.
 const NONE: u32 = 0xffffffffu;
 
-// A squared length up to this counts as 0 (docs/physics.md section 2.3).
+// A squared length up to this counts as 0 (docs/physics section 2.3).
 const TINY: f32 = 1e-30;
 
 // Whether lists hold only the pairs that may touch at the present positions, see `Step::lookahead`.

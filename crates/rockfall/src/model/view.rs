@@ -22,7 +22,7 @@ mod walls;
 pub(crate) use rigid::RigidRecord;
 pub(crate) use walls::Wall;
 
-/// A squared distance up to this counts as zero (docs/physics.md section 2.3).
+/// A squared distance up to this counts as zero (docs/physics section 2.3).
 pub(crate) const TINY: f32 = 1e-30;
 
 /// The kind of an object, with its index within that kind.
@@ -134,7 +134,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The view of the phase of collisions, with velocities at the time of the positions (docs/physics.md section 5.2).
+    /// The view of the phase of collisions, with velocities at the time of the positions (docs/physics section 5.2).
     pub(crate) fn in_collisions(self) -> Self {
         let [positions, velocities, spins] = self.rows;
         let velocities = if self.synchronised.is_empty() { velocities } else { self.synchronised };
@@ -281,7 +281,7 @@ impl<'a> View<'a> {
         if self.step.is_double() { self.fine(to).minus(self.fine(from)) } else { self.position(to) - self.position(from) }
     }
 
-    /// The vector from the centre of one sphere to the nearest image of that of another (docs/physics.md section 2.14).
+    /// The vector from the centre of one sphere to the nearest image of that of another (docs/physics section 2.14).
     pub(crate) fn between(&self, from: u32, to: u32) -> Vec3 {
         match Periods::of(self.step) {
             None => self.apart(from, to),
@@ -450,7 +450,7 @@ impl<'a> View<'a> {
         id < self.step.layout.spheres && self.rods_of(id).next().is_none()
     }
 
-    /// The rod of the rigid capsule that has this sphere as an end, if there is one (docs/physics.md section 1.4).
+    /// The rod of the rigid capsule that has this sphere as an end, if there is one (docs/physics section 1.4).
     pub(crate) fn capsule_of(&self, sphere: u32) -> Option<u32> {
         let mut rods = self.rods_of(sphere);
         let rod = rods.next()?;

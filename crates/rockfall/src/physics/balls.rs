@@ -159,7 +159,7 @@ impl Meeting {
         a.min(b)
     }
 
-    /// Which contacts are pressed (docs/physics.md section 3.1).
+    /// Which contacts are pressed (docs/physics section 3.1).
     #[inline]
     pub(crate) fn are_pressed(&self) -> BVec4A {
         let can_move = (self.a.inverse_mass + self.b.inverse_mass).cmpgt(Vec4::ZERO);

@@ -1,4 +1,4 @@
-//! Which contacts of spheres and rods other parts of their chains cover (docs/physics.md section 2.13).
+//! Which contacts of spheres and rods other parts of their chains cover (docs/physics section 2.13).
 
 use glam::Vec3;
 

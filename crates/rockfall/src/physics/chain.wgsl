@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl
 
-// Which contacts of spheres and rods other parts of their chains cover (docs/physics.md section 2.13).
+// Which contacts of spheres and rods other parts of their chains cover (docs/physics section 2.13).
 
 // Up to this part of its length from a sphere, a rod covers the contact of the sphere with another rod only if the rods touch.
 const NEAR_END: f32 = 1e-4;
@@ -28,7 +28,7 @@ fn to_part(sphere: u32, part: ChainPart) -> vec3f {
     return between(sphere, ends.x) + part.at * between(ends.x, ends.y);
 }
 
-// Whether two spheres or rods may touch (docs/physics.md section 1.3).
+// Whether two spheres or rods may touch (docs/physics section 1.3).
 fn may_touch(part: u32, other: u32) -> bool {
     let tags = topology[step.tags_at + part] ^ topology[step.tags_at + other];
     if ((tags & GROUP_MASK) != 0u) | (inverse_mass_at(part, 0.5) + inverse_mass_at(other, 0.5) <= 0.0) {

@@ -1,4 +1,4 @@
-//! The collision phase: which contacts collide, and what their impulses do to the bodies (docs/physics.md section 3).
+//! The collision phase: which contacts collide, and what their impulses do to the bodies (docs/physics section 3).
 //!
 //! [`Collision`] is a contact together with the effects of its impulse on the bodies of both sides. [`lone`] handles lone
 //! collisions at their time of contact. [`cluster`] solves collisions that share bodies, by sweeps. [`all`] finds both

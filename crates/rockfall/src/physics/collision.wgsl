@@ -3,7 +3,7 @@
 // requires physics/walls.wgsl step/collisions/rows.wgsl
 
 // The two sides of a contact in the collision phase: their kind, velocity along the normal and inverse mass
-// (docs/physics.md sections 3.2 and 3.3).
+// (docs/physics sections 3.2 and 3.3).
 
 // Kinds of sides: a box or polygon; a sphere; a rod of free length or of a network; a rigid capsule; a sphere or rod of a rigid body.
 const STATIC: u32 = 0u;
@@ -156,7 +156,7 @@ fn torque_at(capsule: Capsule, at: f32, n: vec3f) -> vec3f {
     return (at - capsule.centre) * cross(capsule.d, n);
 }
 
-// How an impulse along n acts on the rigid body of a side (docs/physics.md section 3.11).
+// How an impulse along n acts on the rigid body of a side (docs/physics section 3.11).
 struct Hold {
     record: u32,
     // Torque of a unit impulse about the centre of mass, and the angular velocity that it causes.

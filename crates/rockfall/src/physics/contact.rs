@@ -1,4 +1,4 @@
-//! The contact law: repulsion, damping, friction and torque of overlapping pairs, four at a time (docs/physics.md sections 4.3
+//! The contact law: repulsion, damping, friction and torque of overlapping pairs, four at a time (docs/physics sections 4.3
 //! to 4.6).
 
 use glam::{Vec3, Vec4};
@@ -81,7 +81,7 @@ pub(crate) fn contact_force(view: &View, lists: &Lists, [id_a, id_b]: [u32; 2], 
     let sides = sides(view, [id_a, id_b], touch);
     if view.step.constants.flags & FLAG_CONTINUOUS != 0 {
         let threshold = collision_velocity(view.step, &sides[0], &sides[1]);
-        // A contact that began within the step exerts no force (docs/physics.md section 3.10).
+        // A contact that began within the step exerts no force (docs/physics section 3.10).
         if time_of_visible_beginning(view, lists, [id_a, id_b], threshold).is_some() {
             return ContactForce::default();
         }
@@ -123,7 +123,7 @@ impl Approach {
 /// Returns the normal forces of four contacts, (Cc o + Cd u) m*. Positive forces push the objects apart. Forces are not
 /// negative, unless the settings allow contact damping to pull.
 ///
-/// While collisions are switched on, the force is 0 in two cases (docs/physics.md section 4.4):
+/// While collisions are switched on, the force is 0 in two cases (docs/physics section 4.4):
 /// - The pair separates fast. An impulse has already made it rebound, and a force would add energy (E22).
 /// - The overlap began within this step. The collision phase has not seen it yet. The impulse follows in the next step.
 #[inline]
@@ -215,7 +215,7 @@ pub(crate) fn contact_forces(
 
 /// Returns the friction force of the thesis's third method, strength t / sqrt(|t|), but at most t / divisor.
 ///
-/// The bound keeps the integration stable (E25, docs/physics.md section 4.6). With divisor = 2 w_t dt, where w_t is the inverse
+/// The bound keeps the integration stable (E25, docs/physics section 4.6). With divisor = 2 w_t dt, where w_t is the inverse
 /// mass of the slip, a force at the bound removes half of the slip within a step. Near rest, the square-root law alone would
 /// change the slip by many times its value. The smaller of the two quotients is strength t / max(sqrt(|t|), strength divisor).
 #[inline]

@@ -2,7 +2,7 @@
 // requires physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/period.wgsl
 // requires physics/walls.wgsl physics/rigid_parts.wgsl
 
-// The contact law (docs/physics.md section 4), and functions that search the pair lists.
+// The contact law (docs/physics section 4), and functions that search the pair lists.
 
 // Number of entries that are tested before any of them is evaluated: one per bit of a mask.
 const ENTRIES_PER_MASK: u32 = 32u;
@@ -305,7 +305,7 @@ fn slip_of(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32) -> 
     return select(t, vec3f(0.0), dot(t, t) <= max(TINY, rounded));
 }
 
-// Whether a pair has a contact force (docs/physics.md section 4.4). While collisions are switched on, there is none when the
+// Whether a pair has a contact force (docs/physics section 4.4). While collisions are switched on, there is none when the
 // pair separates fast, which is its rebound, or when the overlap began within this step, because the next collision phase will
 // handle it.
 fn has_force(overlap: f32, approach: f32, radius: f32, a: u32, b: u32) -> bool {

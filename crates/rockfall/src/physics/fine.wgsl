@@ -1,6 +1,6 @@
 // requires model/step.wgsl physics/period.wgsl
 
-// Positions as the sum of a high and a low part (docs/physics.md section 5.8). Each component of `low` is at most half of the distance
+// Positions as the sum of a high and a low part (docs/physics section 5.8). Each component of `low` is at most half of the distance
 // of neighbouring f32 numbers at that of `high`.
 struct Fine {
     high: vec3f,

@@ -1,4 +1,4 @@
-//! Distances of static objects from positions that have a low part (docs/physics.md section 5.8). Differences of large numbers are
+//! Distances of static objects from positions that have a low part (docs/physics section 5.8). Differences of large numbers are
 //! computed in `f64`, and the distances are rounded to `f32`.
 
 use glam::{DVec3, Vec3};

@@ -1,4 +1,4 @@
-//! The first contact of two objects within the last step (docs/physics.md section 3.10).
+//! The first contact of two objects within the last step (docs/physics section 3.10).
 //!
 //! The motion is taken as straight. Times are in seconds before the present.
 
@@ -31,7 +31,7 @@ pub(crate) fn time_of_beginning(view: &View, one: u32, other: u32, threshold: f3
     (inverse_mass > 0.0 && towards(a) - towards(b) > threshold).then_some(time)
 }
 
-/// The same, unless another shape of the same surface hid a box or polygon then (docs/physics.md section 2.11).
+/// The same, unless another shape of the same surface hid a box or polygon then (docs/physics section 2.11).
 pub(crate) fn time_of_visible_beginning(view: &View, lists: &Lists, [a, b]: [u32; 2], threshold: f32) -> Option<f32> {
     let time = time_of_beginning(view, a, b, threshold)?;
     let is_static = |id: u32| id >= view.step.movers();

@@ -1,6 +1,6 @@
 // requires model/step.wgsl physics/quaternion.wgsl physics/sine.wgsl
 
-// Free rotation of rigid bodies (docs/physics.md section 5.9).
+// Free rotation of rigid bodies (docs/physics section 5.9).
 
 struct Moments {
     // kappa.

@@ -1,4 +1,4 @@
-//! Friction impulses of pressed contacts (docs/physics.md section 3.9). Each acts along the slip. It is as large
+//! Friction impulses of pressed contacts (docs/physics section 3.9). Each acts along the slip. It is as large
 //! as needed to stop the slip, up to a limit that follows from the normal impulse and the normal force.
 //!
 //! All friction impulses are applied at once. The tangential inverse mass Gt of a contact counts every body as if it were split

@@ -4,7 +4,7 @@
 // requires physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl
 
-// Friction impulses of pressed contacts (docs/physics.md section 3.9). The impulse of a contact counts every body as if it were
+// Friction impulses of pressed contacts (docs/physics section 3.9). The impulse of a contact counts every body as if it were
 // split evenly among the pressed contacts that touch it. Joining the parts again never adds energy.
 
 // The friction impulse of a contact.
@@ -176,7 +176,7 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
     let p = t / speed;
     friction.lever_a = friction_lever(a);
     friction.lever_b = friction_lever(b);
-    // Gt of docs/physics.md section 3.9.
+    // Gt of docs/physics section 3.9.
     let gt = slip_inverse_mass_of(a, friction.lever_a, found.n, p, friction.arms.x, true)
         + slip_inverse_mass_of(b, friction.lever_b, found.n, p, friction.arms.y, false);
     friction.impulse = min(limit, speed / gt) * p;

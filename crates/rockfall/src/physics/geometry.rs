@@ -1,4 +1,4 @@
-//! Closest points (docs/physics.md sections 2.3 to 2.9; equations (2.1) to (2.5) of the thesis).
+//! Closest points (docs/physics sections 2.3 to 2.9; equations (2.1) to (2.5) of the thesis).
 
 use glam::Vec3;
 
@@ -91,7 +91,7 @@ pub(crate) fn box_parameters(cuboid: &BoxRecord, p: Vec3) -> Vec3 {
     Vec3::from_array(cuboid.edges.map(|edge| t.dot(edge) / edge.length_squared()))
 }
 
-/// Whether a point lies in a box or on its surface, up to rounding errors (docs/physics.md section 2.9). `distance` is its
+/// Whether a point lies in a box or on its surface, up to rounding errors (docs/physics section 2.9). `distance` is its
 /// distance from an edge or vertex of the box.
 pub(crate) fn box_contains(cuboid: &BoxRecord, p: Vec3, distance: f32) -> bool {
     let t = box_parameters(cuboid, p);
@@ -138,7 +138,7 @@ pub(super) fn nearest_face(cuboid: &BoxRecord, t: Vec3) -> (Vec3, f32) {
     (nearest.0, -nearest.1)
 }
 
-/// Returns a power of two near 1 / |v| (docs/physics.md section 2.3). Products of vectors that are multiplied by it neither overflow nor underflow, and are
+/// Returns a power of two near 1 / |v| (docs/physics section 2.3). Products of vectors that are multiplied by it neither overflow nor underflow, and are
 /// rounded as without it. 0 for a vector that is not finite.
 pub(crate) fn scale(v: Vec3) -> f32 {
     f32::from_bits(254_u32.saturating_sub(v.abs().max_element().to_bits() >> 23) << 23)

@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/fine.wgsl physics/scale.wgsl physics/smooth.wgsl physics/rod_polygon.wgsl physics/round_pair.wgsl
 
-// Where two objects touch (docs/physics.md section 2). A is the object that was added first. n points from A to B.
+// Where two objects touch (docs/physics section 2). A is the object that was added first. n points from A to B.
 
 // A rod: the ids of its end spheres, and its axis as seen from a sphere (see `place_from`): end 1 unless another one is named.
 struct Bar {
@@ -210,7 +210,7 @@ fn in_unit_cube(t: vec3f) -> bool {
     return all(t >= vec3f(0.0)) & all(t <= vec3f(1.0));
 }
 
-// Whether a point is in a box or on its surface, up to rounding errors (docs/physics.md section 2.9). `distance` is its
+// Whether a point is in a box or on its surface, up to rounding errors (docs/physics section 2.9). `distance` is its
 // distance from an edge or vertex of the box.
 fn in_box(point: vec3f, box: Cuboid, distance: f32) -> bool {
     let rounded = min(ROUNDED * length(point - box.corner), SMALL * distance) / sqrt(squared_edges(box));

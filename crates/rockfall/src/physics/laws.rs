@@ -1,4 +1,4 @@
-//! Contact laws with a history (docs/physics.md section 4.11).
+//! Contact laws with a history (docs/physics section 4.11).
 //!
 //! A law consists of a line in the table below and two files in `laws/`: `NAME.rs` with `fn stiffness`, and `NAME.wgsl` with
 //! `fn NAME_stiffness`. Everything else is common to all laws: damping, the tangential spring, Coulomb's limit ([`contact`]),

@@ -1,4 +1,4 @@
-//! Corrections of rods of fixed length: sweeps over the coloured rods of a batch (docs/physics.md section 5.4).
+//! Corrections of rods of fixed length: sweeps over the coloured rods of a batch (docs/physics section 5.4).
 
 use glam::{Vec3, Vec4};
 

@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl physics/fine.wgsl
 
-// Corrections of batches of fixed-length rods (docs/physics.md section 5.4). A workgroup sweeps one batch, colour by colour.
+// Corrections of batches of fixed-length rods (docs/physics section 5.4). A workgroup sweeps one batch, colour by colour.
 // The rods of one colour share no moving sphere, so no two threads write to the same sphere.
 
 // Largest relative error, and maximum number of sweeps, at which the sweeps end.

@@ -1,5 +1,5 @@
 //! Where spheres are and how they move, in the present state or in another one, and the contacts of spheres with each other and with boxes and
-//! polygons (docs/physics.md sections 2.6 to 2.8).
+//! polygons (docs/physics sections 2.6 to 2.8).
 
 use glam::{DVec3, Vec3};
 

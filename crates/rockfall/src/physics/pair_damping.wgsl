@@ -1,7 +1,7 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/quaternion.wgsl physics/rigid.wgsl
 // requires physics/rigid_form.wgsl physics/rigid_parts.wgsl
 
-// Damping of the contacts of the spheres of two bodies, at least one of which is a rigid body (docs/physics.md section 4.16).
+// Damping of the contacts of the spheres of two bodies, at least one of which is a rigid body (docs/physics section 4.16).
 //
 // The places of the other spheres follow from those of the two that touch, the orientations and the forms of the bodies: forms are few, so
 // reading them is much faster than reading the spheres.

@@ -1,4 +1,4 @@
-//! Properties of the contacts of two objects, which follow from their materials (docs/physics.md section 4.10).
+//! Properties of the contacts of two objects, which follow from their materials (docs/physics section 4.10).
 
 use glam::Vec4;
 

@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl
 
-// Properties of the contacts of two objects, which follow from their materials (docs/physics.md section 4.10).
+// Properties of the contacts of two objects, which follow from their materials (docs/physics section 4.10).
 
 // First word of the properties of the pair of objects a and b.
 fn pair_at(a: u32, b: u32) -> u32 {

@@ -1,4 +1,4 @@
-//! Passages: spheres whose centre passes a wall within a step (docs/physics.md section 2.20).
+//! Passages: spheres whose centre passes a wall within a step (docs/physics section 2.20).
 
 use glam::Vec3;
 

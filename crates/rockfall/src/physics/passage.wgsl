@@ -1,6 +1,6 @@
 // requires model/step.wgsl
 
-// Which spheres may pass a wall with their centre within a step (docs/physics.md section 2.20).
+// Which spheres may pass a wall with their centre within a step (docs/physics section 2.20).
 
 // Whether a moving sphere moves so far in a step that it may pass a wall before a deep contact was seen.
 fn is_fast(radius: f32, velocity: vec4f) -> bool {

@@ -1,6 +1,6 @@
 // requires model/step.wgsl physics/product.wgsl
 
-// Periodic boundaries, and the shear of their images (docs/physics.md section 2.14).
+// Periodic boundaries, and the shear of their images (docs/physics section 2.14).
 
 // Period along each axis, 0 where the scene is not periodic.
 fn periods() -> vec3f {

@@ -1,6 +1,6 @@
 // requires model/step.wgsl physics/fine.wgsl
 
-// Residues: what rounding leaves of the velocity and the angular momentum of a body (docs/physics.md section 5.10).
+// Residues: what rounding leaves of the velocity and the angular momentum of a body (docs/physics section 5.10).
 
 // 2^-41: a residue is a multiple of this times the greatest power of 2 that its number reaches.
 const RESIDUE_DIGITS: f32 = 4.547473508864641e-13;

@@ -1,4 +1,4 @@
-//! The sides of rigid bodies in contacts (docs/physics.md section 4.16).
+//! The sides of rigid bodies in contacts (docs/physics section 4.16).
 
 use glam::Vec3;
 

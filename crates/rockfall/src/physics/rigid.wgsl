@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl physics/rigid_parts.wgsl
 
-// Rigid bodies and their sides of contacts (docs/physics.md sections 1.5 and 4.16).
+// Rigid bodies and their sides of contacts (docs/physics sections 1.5 and 4.16).
 
 fn rigid_record(body: u32) -> u32 {
     return step.rigid_at + RIGID_WORDS * body;

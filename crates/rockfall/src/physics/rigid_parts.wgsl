@@ -1,6 +1,6 @@
 // requires model/order.wgsl model/step.wgsl
 
-// Which rigid body an object is a part of, and which pairs never touch because of that (docs/physics.md section 1.5). Lists
+// Which rigid body an object is a part of, and which pairs never touch because of that (docs/physics section 1.5). Lists
 // leave such pairs out.
 
 // The rigid body of a sphere, or NO_RIGID.
@@ -34,7 +34,7 @@ fn is_forced(id: u32) -> bool {
     return false;
 }
 
-// Whether the contact of two objects exerts forces and gets no impulses (docs/physics.md section 4.16).
+// Whether the contact of two objects exerts forces and gets no impulses (docs/physics section 4.16).
 fn has_forces_alone(a: u32, b: u32) -> bool {
     if !RIGID_BODIES {
         return false;

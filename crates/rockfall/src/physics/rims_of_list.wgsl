@@ -1,7 +1,7 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/rod_polygon.wgsl
 // requires physics/smooth.wgsl physics/walls.wgsl
 
-// The edges and vertices of polygons in the list of a rod that are no edges of the surface, or count elsewhere (docs/physics.md section 2.19).
+// The edges and vertices of polygons in the list of a rod that are no edges of the surface, or count elsewhere (docs/physics section 2.19).
 
 // Distance, as a part of the radius of the rod, at which the surface beside an edge is looked for, and up to which places are one.
 const BESIDE_RIM: f32 = 1e-3;

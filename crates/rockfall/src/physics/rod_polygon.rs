@@ -1,5 +1,5 @@
 //! The contact of the axis of a rod with an edge or vertex of a polygon, or with a cone or ball from outside, and which of them are no edges
-//! of the surface (docs/physics.md section 2.19).
+//! of the surface (docs/physics section 2.19).
 
 use glam::Vec3;
 

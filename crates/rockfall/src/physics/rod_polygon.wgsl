@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl physics/fine.wgsl physics/round_pair.wgsl physics/scale.wgsl physics/smooth.wgsl
 
-// The contact of the axis of a rod with an edge or vertex of a polygon, or with a cone or ball from outside (docs/physics.md section 2.19).
+// The contact of the axis of a rod with an edge or vertex of a polygon, or with a cone or ball from outside (docs/physics section 2.19).
 
 // The edge of a polygon that a feature stands for.
 struct Rim {

@@ -1,6 +1,6 @@
 // requires model/step.wgsl
 
-// Contacts of round objects, and the rules for rounding (docs/physics.md sections 2.3 and 2.6). A is the object that was added first. n points
+// Contacts of round objects, and the rules for rounding (docs/physics sections 2.3 and 2.6). A is the object that was added first. n points
 // from A to B.
 
 struct Touch {
@@ -27,7 +27,7 @@ fn no_touch() -> Touch {
     return Touch(vec3f(0.0, 1.0, 0.0), NO_CONTACT_LINE, 0.0, 0.0);
 }
 
-// Relative size of a rounding error: a difference of vectors counts as 0 up to this times their length (docs/physics.md section
+// Relative size of a rounding error: a difference of vectors counts as 0 up to this times their length (docs/physics section
 // 2.3).
 const ROUNDED: f32 = 5e-7;
 // A distance above this part of the distance at which a pair begins to touch never counts as a rounding error.

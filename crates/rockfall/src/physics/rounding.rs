@@ -1,8 +1,8 @@
-//! Differences that are only rounding errors (docs/physics.md section 2.3).
+//! Differences that are only rounding errors (docs/physics section 2.3).
 
 use glam::Vec3;
 
-/// Relative size of a rounding error: a difference of vectors counts as 0 up to this times their length (docs/physics.md
+/// Relative size of a rounding error: a difference of vectors counts as 0 up to this times their length (docs/physics
 /// section 2.3).
 pub(crate) const ROUNDED: f32 = 5e-7;
 /// A distance above this part of the distance at which a pair begins to touch never counts as a rounding error.

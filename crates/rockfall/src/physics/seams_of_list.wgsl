@@ -1,7 +1,7 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/rims_of_list.wgsl physics/round_pair.wgsl
 // requires physics/surface.wgsl physics/surfaces_of_list.wgsl physics/walls.wgsl
 
-// The edges and vertices of boxes in the list of a rod at which another box continues a face (docs/physics.md section 2.11).
+// The edges and vertices of boxes in the list of a rod at which another box continues a face (docs/physics section 2.11).
 
 // Distance, as a part of the radius of the rod, at which another box is looked for beside an edge.
 const BESIDE: f32 = 1e-3;

@@ -1,4 +1,4 @@
-//! What a contact contributes to the force and to the stiffness of a servo (docs/physics.md section 2.18).
+//! What a contact contributes to the force and to the stiffness of a servo (docs/physics section 2.18).
 
 use glam::{Vec2, Vec3};
 

@@ -1,4 +1,4 @@
-//! Both sides of a contact, with the motion of a wall at the contact point (docs/physics.md section 2.12).
+//! Both sides of a contact, with the motion of a wall at the contact point (docs/physics section 2.12).
 
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ use crate::physics::side::{Side, side};
 use crate::physics::touch::{Motions, Touch};
 
 /// Returns both sides of a contact of objects A and B. A moving wall, which is always B, has the velocity of the contact point. The free
-/// acceleration of its side is the sum of both, because it may accelerate against A (docs/physics.md section 2.12). In a sheared scene B has
+/// acceleration of its side is the sum of both, because it may accelerate against A (docs/physics section 2.12). In a sheared scene B has
 /// the velocity of its nearest image (section 2.14).
 pub(crate) fn sides(view: &View, [a, b]: [u32; 2], touch: &Touch) -> [Side; 2] {
     let of_a = side_in_body(view, view.object(a), touch.a, touch);

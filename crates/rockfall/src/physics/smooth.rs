@@ -1,4 +1,4 @@
-//! Cones, cylinders and balls that bodies touch (docs/physics.md section 2.17), in f64. A plane is a polygon without edges.
+//! Cones, cylinders and balls that bodies touch (docs/physics section 2.17), in f64. A plane is a polygon without edges.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -75,7 +75,7 @@ pub(super) fn point_round(wall: &PolygonRecord, t: DVec3, radius: f32) -> Option
     Some((to_rim.normalize().as_vec3(), to_rim.length()))
 }
 
-/// Returns the parameter of the point of a line that is nearest to a cone or ball from outside, `None` where there is none (docs/physics.md section
+/// Returns the parameter of the point of a line that is nearest to a cone or ball from outside, `None` where there is none (docs/physics section
 /// 2.19). `start` leads from the corner to the start of the line.
 pub(super) fn lowest_point(wall: &PolygonRecord, start: DVec3, line: DVec3) -> Option<f64> {
     let squared = line.length_squared();
@@ -119,7 +119,7 @@ pub(crate) fn distance(wall: &PolygonRecord, t: DVec3) -> f64 {
     }
 }
 
-/// The least product of a unit vector with the vector from a place to a point of a smooth wall (docs/physics.md section 2.11).
+/// The least product of a unit vector with the vector from a place to a point of a smooth wall (docs/physics section 2.11).
 pub(super) fn front(wall: &PolygonRecord, place: Vec3, n: Vec3, one_normal: f32) -> f32 {
     let from_place = wall.corner - place;
     match wall.surface {

@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl physics/fine.wgsl physics/round_pair.wgsl
 
-// Planes, cones, cylinders and balls that bodies touch (docs/physics.md section 2.17).
+// Planes, cones, cylinders and balls that bodies touch (docs/physics section 2.17).
 
 fn is_plane(face: Polygon) -> bool {
     return SMOOTH && (face.surface == SURFACE_PLANE);
@@ -138,7 +138,7 @@ fn touch_round(radius: f32, face: Polygon, t: Fine) -> Touch {
     return touch_at(to_rim, radius, 0.0, 0.0, n);
 }
 
-// The least product of a unit vector with the vector from a place to a point of a smooth wall, -3e38 if there is none (docs/physics.md
+// The least product of a unit vector with the vector from a place to a point of a smooth wall, -3e38 if there is none (docs/physics
 // section 2.11).
 fn front_of_smooth(face: Polygon, place: vec3f, n: vec3f, one_normal: f32) -> f32 {
     let to_corner = face.corner - place;

@@ -1,4 +1,4 @@
-//! Which of the boxes and polygons that a sphere or a rod overlaps touch it (docs/physics.md section 2.11).
+//! Which of the boxes and polygons that a sphere or a rod overlaps touch it (docs/physics section 2.11).
 
 use std::cmp::Ordering;
 

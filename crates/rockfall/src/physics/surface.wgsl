@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/smooth.wgsl physics/walls.wgsl
 
-// Which of the boxes and polygons that a sphere overlaps touch it (docs/physics.md section 2.11). In each round, the nearest candidate
+// Which of the boxes and polygons that a sphere overlaps touch it (docs/physics section 2.11). In each round, the nearest candidate
 // that none of the chosen ones hides is chosen.
 
 // A candidate counts as hidden if its nearest point is less than this times the radius in front of a tangent plane.

@@ -1,4 +1,4 @@
-//! The narrow phase: where two objects overlap (docs/physics.md sections 2.6 to 2.9), or how far they are apart (signed
+//! The narrow phase: where two objects overlap (docs/physics sections 2.6 to 2.9), or how far they are apart (signed
 //! geometry, section 2.10).
 
 use glam::Vec3;
@@ -13,7 +13,7 @@ pub(crate) use crate::physics::motions::{Motions, Touch, box_from, ends, origin_
 use crate::physics::rod_polygon;
 use crate::physics::side::side;
 
-/// In the collision phase, overlaps up to this times the smaller radius count as rounding errors (docs/physics.md section 3.1).
+/// In the collision phase, overlaps up to this times the smaller radius count as rounding errors (docs/physics section 3.1).
 pub(crate) const ROUNDING: f32 = 1e-5;
 
 /// Returns the contact of two objects, or `None` when they do not overlap or never interact, whether or not their chains cover it. In the order sphere, rod, box,
@@ -59,7 +59,7 @@ pub(crate) fn touch_apart(view: &View, id_a: u32, id_b: u32, feature: u32) -> Op
     (inverse_mass > 0.0 && touch.overlap <= 0.0).then_some(touch)
 }
 
-/// Whether a pair never interacts because of the rods that the objects share or because neither can move (docs/physics.md
+/// Whether a pair never interacts because of the rods that the objects share or because neither can move (docs/physics
 /// section 1.3). Lists leave out the parts of rigid bodies that never touch.
 pub(crate) fn ignore(view: &View, a: Object, b: Object) -> bool {
     if immovable(view, a) && immovable(view, b) {
@@ -114,7 +114,7 @@ pub(crate) enum Feature {
 }
 
 impl Feature {
-    /// Returns the part of a box or polygon that a rod touches in the present state (docs/physics.md section 2.10). `None` for other pairs.
+    /// Returns the part of a box or polygon that a rod touches in the present state (docs/physics section 2.10). `None` for other pairs.
     /// `feature` is that of the list entry.
     pub(crate) fn of(view: &View, a: Object, b: Object, feature: u32) -> Option<Self> {
         match (a, b) {
@@ -140,7 +140,7 @@ impl Feature {
 }
 
 /// Returns the signed geometry of two objects at the positions in `at`, or `None` when they have no contact line
-/// (docs/physics.md section 2.10). `feature` is the part that a contact keeps.
+/// (docs/physics section 2.10). `feature` is the part that a contact keeps.
 pub(crate) fn line(view: &View, at: &impl Motions, a: Object, b: Object, feature: Option<Feature>) -> Option<Touch> {
     match (a, b, feature) {
         (Object::Sphere(a), Object::Sphere(b), _) => Some(at.spheres([a, b], [view.radius(a), view.radius(b)])),

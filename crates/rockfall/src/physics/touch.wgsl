@@ -1,7 +1,7 @@
 // requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/geometry.wgsl physics/rod_polygon.wgsl physics/round_pair.wgsl
 
 // Signed geometry: the contact line of two objects at any position. The overlap is negative when they are apart
-// (docs/physics.md section 2.10).
+// (docs/physics section 2.10).
 
 fn centre_of(half: ContactSide, poise: SideMotion) -> vec4f {
     let is_second = RODS & (half.kind == CAPSULE) & (half.at > 0.5);
@@ -49,7 +49,7 @@ fn signed_touch(a: ContactSide, b: ContactSide, a_poise: SideMotion, b_poise: Si
     return touch_rod_edge(bar.axis, box_from(origin_of(a), cuboid(b.id - boxes)), feature);
 }
 
-// Whether a contact is that of a sphere with the face of a box or polygon, which it keeps at other positions (docs/physics.md section
+// Whether a contact is that of a sphere with the face of a box or polygon, which it keeps at other positions (docs/physics section
 // 2.10). The centre is neither beside the face nor inside the box.
 fn is_over_face(a: ContactSide, b: ContactSide, poise: SideMotion) -> bool {
     let boxes = step.spheres + step.rods;
@@ -64,7 +64,7 @@ fn is_over_face(a: ContactSide, b: ContactSide, poise: SideMotion) -> bool {
 }
 
 // Whether a rod meets vertex `feature` of a box instead of edge `feature`. If it does not overlap the edge, the nearer of the
-// two counts (docs/physics.md section 2.10).
+// two counts (docs/physics section 2.10).
 fn meets_by_vertex(a: ContactSide, b: ContactSide, poise: SideMotion, feature: u32) -> bool {
     let boxes = step.spheres + step.rods;
     if !RODS | (a.id < step.spheres) | (b.id < boxes) | (feature >= 8u) {

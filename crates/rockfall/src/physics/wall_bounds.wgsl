@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl physics/period.wgsl physics/smooth.wgsl physics/walls.wgsl
 
-// Bounds for the motion of walls within some steps (docs/physics.md section 2.12).
+// Bounds for the motion of walls within some steps (docs/physics section 2.12).
 
 // A moving box or polygon: its bounds, and the greatest speed and acceleration of its vertices.
 struct Reach {

@@ -1,6 +1,6 @@
 // requires physics/pair_damping.wgsl model/order.wgsl model/step.wgsl physics/rigid_parts.wgsl
 
-// Factor of the damping of a contact of a and b (docs/physics.md section 4.16), which damps as one with the other contacts of the same two
+// Factor of the damping of a contact of a and b (docs/physics section 4.16), which damps as one with the other contacts of the same two
 // bodies. `w` holds the inverse masses of a and b.
 fn shared_damping(a: u32, b: u32, o: f32, n: vec3f, w: vec2f) -> f32 {
     if !RIGID_BODIES {

@@ -1,4 +1,4 @@
-//! Bounds for the motion of walls within some steps (docs/physics.md section 2.12).
+//! Bounds for the motion of walls within some steps (docs/physics section 2.12).
 
 use glam::Vec3;
 

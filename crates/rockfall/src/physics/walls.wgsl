@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/period.wgsl
 
-// Boxes and polygons that move on a prescribed path (docs/physics.md section 2.12).
+// Boxes and polygons that move on a prescribed path (docs/physics section 2.12).
 
 // First word of the motion of a box or polygon: `wall` counts boxes and then polygons.
 fn wall_record(wall: u32) -> u32 {

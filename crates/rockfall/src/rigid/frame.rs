@@ -1,4 +1,4 @@
-//! A frame of the law `rigid` (docs/physics.md section 11).
+//! A frame of the law `rigid` (docs/physics section 11).
 //!
 //! | room | what it knows |
 //! |---|---|

@@ -1,4 +1,4 @@
-//! A frame of the law `rigid` on a device (docs/physics.md chapter 11).
+//! A frame of the law `rigid` on a device (docs/physics chapter 11).
 //!
 //! | room | what it knows |
 //! |---|---|

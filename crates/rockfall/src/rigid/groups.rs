@@ -1,6 +1,6 @@
-//! Groups of colliders (docs/physics.md section 11.3).
+//! Groups of colliders (docs/physics section 11.3).
 
-/// A group for the search of pairs: two words, so that it needs no list. docs/physics.md section 11.3 has the rule.
+/// A group for the search of pairs: two words, so that it needs no list. docs/physics section 11.3 has the rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct GroupWords {
     /// The group, and from bit 16 on its place among the groups that lists name, 31 for none.

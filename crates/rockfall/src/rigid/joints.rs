@@ -1,4 +1,4 @@
-//! Joints between bodies (docs/physics.md section 11.14).
+//! Joints between bodies (docs/physics section 11.14).
 
 use std::collections::HashSet;
 

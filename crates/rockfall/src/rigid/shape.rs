@@ -101,7 +101,7 @@ impl Shape {
         Self { core: Core::Box { half }, radius: 0.0 }
     }
 
-    /// Whether contacts with it are computed anew at every refresh (docs/physics.md section 11): balls and capsules.
+    /// Whether contacts with it are computed anew at every refresh (docs/physics section 11): balls and capsules.
     pub(crate) fn is_round(&self) -> bool {
         matches!(self.core, Core::Point | Core::Segment { .. })
     }

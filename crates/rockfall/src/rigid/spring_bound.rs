@@ -1,4 +1,4 @@
-//! The substep that springs bound (docs/physics.md section 11.10).
+//! The substep that springs bound (docs/physics section 11.10).
 
 use glam::{DMat3, DVec3, Vec3};
 

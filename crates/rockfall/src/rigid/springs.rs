@@ -1,4 +1,4 @@
-//! Springs, tethers and muscles between bodies (docs/physics.md section 11.9).
+//! Springs, tethers and muscles between bodies (docs/physics section 11.9).
 
 use std::f64::consts::TAU;
 

@@ -48,7 +48,7 @@ pub(crate) struct Body {
     /// External force and torque about the centre, constant in a frame. Those of springs come on top.
     pub(crate) force: Vec3,
     pub(crate) torque: Vec3,
-    /// Factor of the margin (docs/physics.md section 11), 1 at the start.
+    /// Factor of the margin (docs/physics section 11), 1 at the start.
     pub(crate) margin_scale: f32,
 }
 

@@ -1,4 +1,4 @@
-//! Constants of the contact laws with history, from materials and pairs (docs/physics.md section 4.11).
+//! Constants of the contact laws with history, from materials and pairs (docs/physics section 4.11).
 
 use crate::error::{Error, Result, quoted};
 use crate::scene::restitution::damping_for;
@@ -161,7 +161,7 @@ impl Scene {
     }
 
     /// k with k³ = pi gamma / (4 E*), in units^(1/3), of two materials with JKR cohesion. Contacts tear at the distance
-    /// 3 k² R*^(1/3) (docs/physics.md section 4.13).
+    /// 3 k² R*^(1/3) (docs/physics section 4.13).
     pub(crate) fn neck_constant(&self, one: u16, other: u16) -> Option<f64> {
         let [young, _] = self.moduli(one, other).filter(|_| self.sticks_by_necks(one, other))?;
         let gamma = f64::from(self.pair_of_numbers(one, other).surface_energy?);

@@ -1,4 +1,4 @@
-//! Implied bodies: capsules, and under the law `rigid` frames of rods, that move as rigid bodies (docs/physics.md section 1.6).
+//! Implied bodies: capsules, and under the law `rigid` frames of rods, that move as rigid bodies (docs/physics section 1.6).
 
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};

@@ -1,4 +1,4 @@
-//! Inlets, which insert spheres or rigid bodies while a simulation runs, and outlets, which remove them (docs/physics.md section 2.15).
+//! Inlets, which insert spheres or rigid bodies while a simulation runs, and outlets, which remove them (docs/physics section 2.15).
 
 use std::fmt;
 use std::str::FromStr;

@@ -1,4 +1,4 @@
-//! Materials of objects, and the properties of pairs of materials (docs/physics.md section 4.10).
+//! Materials of objects, and the properties of pairs of materials (docs/physics section 4.10).
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -108,13 +108,13 @@ pub struct Pair {
     /// Coefficient of twisting friction of the laws with history, without a unit, not negative.
     pub twisting_friction: Option<f32>,
     /// Surface energy gamma of the laws with history, in mass/s² (J/m²), not negative: objects in contact attract each other
-    /// (docs/physics.md section 4.13).
+    /// (docs/physics section 4.13).
     pub surface_energy: Option<f32>,
     /// Model of the attraction; [`CohesionModel::Dmt`] where it is `None`.
     pub cohesion: Option<CohesionModel>,
 }
 
-/// Model of the resistance to rolling (docs/physics.md section 4.12).
+/// Model of the resistance to rolling (docs/physics section 4.12).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum RollingModel {
@@ -146,7 +146,7 @@ impl FromStr for RollingModel {
     }
 }
 
-/// Model of the attraction in contacts (docs/physics.md section 4.13).
+/// Model of the attraction in contacts (docs/physics section 4.13).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum CohesionModel {

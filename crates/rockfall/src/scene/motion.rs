@@ -1,4 +1,4 @@
-//! Motions of walls, as closed formulas of time (docs/physics.md section 2.12).
+//! Motions of walls, as closed formulas of time (docs/physics section 2.12).
 
 use std::f64::consts::TAU;
 

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::scene::checks::{invalid, not_negative};
 
 /// Makes the rest length of a [`Spring`](crate::Spring) oscillate about its constant `l`: l (1 + A sin(2 pi (F t + P))), where t is the time since
-/// the start of the simulation (docs/physics.md section 4.9).
+/// the start of the simulation (docs/physics section 4.9).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Muscle {

@@ -1,4 +1,4 @@
-//! Where motions put boxes and polygons (docs/physics.md section 2.12).
+//! Where motions put boxes and polygons (docs/physics section 2.12).
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 

@@ -1,4 +1,4 @@
-//! The damping that gives a coefficient of restitution (docs/physics.md section 4.11).
+//! The damping that gives a coefficient of restitution (docs/physics section 4.11).
 
 use crate::settings::ContactLaw;
 

@@ -1,4 +1,4 @@
-//! Servos: motions that seek a force or a torque (docs/physics.md section 2.18).
+//! Servos: motions that seek a force or a torque (docs/physics section 2.18).
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Shear of periodic boundaries: images that slide along the box (docs/physics.md section 2.14).
+//! Shear of periodic boundaries: images that slide along the box (docs/physics section 2.14).
 
 use crate::phase::{phase, turns};
 

@@ -1,4 +1,4 @@
-//! Smooth walls: polygons that stand for a plane, or for a surface of revolution (docs/physics.md section 2.17).
+//! Smooth walls: polygons that stand for a plane, or for a surface of revolution (docs/physics section 2.17).
 
 use glam::{DVec3, Vec3};
 
@@ -11,7 +11,7 @@ use crate::scene::surface::{ConeAxis, Surface};
 const ROUNDED: f64 = 1e-4;
 
 impl Polygon {
-    /// Creates a plane through a point, which is touched on the side of its normal (docs/physics.md section 2.17). The normal may have any
+    /// Creates a plane through a point, which is touched on the side of its normal (docs/physics section 2.17). The normal may have any
     /// length but 0.
     pub fn plane(at: impl Into<Vec3>, normal: impl Into<Vec3>) -> Self {
         let normal = normal.into().as_dvec3().normalize();

@@ -1,8 +1,8 @@
-//! What surface a polygon stands for (docs/physics.md sections 2.7 and 2.17).
+//! What surface a polygon stands for (docs/physics sections 2.7 and 2.17).
 
 use glam::{DVec3, Vec3};
 
-/// The surface that the corner P and the edges L and R of a [`Polygon`](crate::Polygon) stand for (docs/physics.md sections 2.7 and 2.17).
+/// The surface that the corner P and the edges L and R of a [`Polygon`](crate::Polygon) stand for (docs/physics sections 2.7 and 2.17).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Surface {

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::simulation::{Contact, ContactAction};
 
-/// The springs of a contact of a law with history (docs/physics.md sections 4.11 and 4.12), as they are when the contact exerts its
+/// The springs of a contact of a law with history (docs/physics sections 4.11 and 4.12), as they are when the contact exerts its
 /// force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]

@@ -1,4 +1,4 @@
-//! Spheres and rigid bodies that come in through inlets and leave through outlets, between two steps (docs/physics.md section 2.15).
+//! Spheres and rigid bodies that come in through inlets and leave through outlets, between two steps (docs/physics section 2.15).
 
 use glam::{DVec3, Vec3};
 

@@ -1,5 +1,5 @@
 //! What a world keeps beside the scene when it is packed again: springs of contacts, rates of velocity Verlet, and residues of
-//! velocities (docs/physics.md section 5.10).
+//! velocities (docs/physics section 5.10).
 
 use std::collections::HashMap;
 

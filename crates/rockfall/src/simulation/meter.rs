@@ -1,4 +1,4 @@
-//! Means of loads, and the work of walls and muscles (docs/physics.md section 2.12) and of a shear.
+//! Means of loads, and the work of walls and muscles (docs/physics section 2.12) and of a shear.
 
 use std::f64::consts::TAU;
 

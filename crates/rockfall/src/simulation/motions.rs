@@ -1,4 +1,4 @@
-//! Where motions have brought their walls (docs/physics.md section 2.12).
+//! Where motions have brought their walls (docs/physics section 2.12).
 
 use glam::{DQuat, DVec3};
 

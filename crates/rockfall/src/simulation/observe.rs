@@ -104,7 +104,7 @@ impl Simulation {
     }
 
     /// Like [`Simulation::max_overlap`], over the contacts of bodies at rest: both are slower than the velocity above which they
-    /// would collide (docs/physics.md section 3.1), or with the law `rigid` than what the field gives in a frame, and the contact exerts a
+    /// would collide (docs/physics section 3.1), or with the law `rigid` than what the field gives in a frame, and the contact exerts a
     /// force. A fast body may overlap another one for a step or two, as deep as it moves within a step.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Carries the rates of velocity Verlet over checkpoints (docs/physics.md section 5.7).
+//! Carries the rates of velocity Verlet over checkpoints (docs/physics section 5.7).
 
 use bytemuck::{cast_slice, cast_slice_mut};
 

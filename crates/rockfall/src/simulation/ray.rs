@@ -201,7 +201,7 @@ impl Ray {
         (enter.0 >= 0.0 && enter.0 <= leave).then_some((enter.0, turn * enter.1))
     }
 
-    /// Intersects the plane, then computes the oblique parameters along both edges (physics.md section 2).
+    /// Intersects the plane, then computes the oblique parameters along both edges (docs/physics section 2).
     fn polygon(&self, polygon: &Polygon) -> Option<Entry> {
         if polygon.surface.is_round() {
             return self.round(polygon);
@@ -222,7 +222,7 @@ impl Ray {
         (t >= 0.0 && inside).then(|| (t, -rate.signum() * normal.normalize()))
     }
 
-    /// Solves |o + t d - c|² = r² for a ball, and |across|² = (r + slope z)² with the way z along the axis for a cone (physics.md section 2.17).
+    /// Solves |o + t d - c|² = r² for a ball, and |across|² = (r + slope z)² with the way z along the axis for a cone (docs/physics section 2.17).
     fn round(&self, wall: &Polygon) -> Option<Entry> {
         let from_corner = self.origin - wall.corner.as_dvec3();
         let Some(axis) = wall.cone_axis() else {

@@ -109,7 +109,7 @@ impl Simulation {
 
     /// Reads the state back, and returns a scene from which another simulation goes on where this one is: the phases of its
     /// muscles are the present ones, and so are the poses of its moving walls and the sequence of spheres of its inlets. A
-    /// scene has no springs of contacts (docs/physics.md section 4.11), so with a contact law that keeps
+    /// scene has no springs of contacts (docs/physics section 4.11), so with a contact law that keeps
     /// them the contacts begin anew; a [`Checkpoint`](crate::Checkpoint) keeps them.
     ///
     /// # Errors
@@ -130,7 +130,7 @@ impl Simulation {
     }
 
     /// Energies and momenta of the current state. The energy of a spring is that at its present rest length. With symplectic Euler
-    /// and collisions, the kinetic energy is that of the velocities at the time of the positions (docs/physics.md section 5.2).
+    /// and collisions, the kinetic energy is that of the velocities at the time of the positions (docs/physics section 5.2).
     /// They depend on the time step: before the first step, [`Simulation::set_time_step`] gives it.
     ///
     /// # Errors

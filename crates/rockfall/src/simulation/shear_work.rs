@@ -1,4 +1,4 @@
-//! The work that the shear of a periodic scene does (docs/physics.md section 2.14).
+//! The work that the shear of a periodic scene does (docs/physics section 2.14).
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Carries the springs of contacts over edits and checkpoints (docs/physics.md section 4.11).
+//! Carries the springs of contacts over edits and checkpoints (docs/physics section 4.11).
 
 use crate::checkpoint::KeptSpring;
 use crate::error::{Error, Result};

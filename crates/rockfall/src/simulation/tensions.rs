@@ -1,4 +1,4 @@
-//! The forces of springs, muscles and tethers (docs/physics.md sections 4.2 and 4.9).
+//! The forces of springs, muscles and tethers (docs/physics sections 4.2 and 4.9).
 
 use glam::DVec3;
 
@@ -64,7 +64,7 @@ impl Tension {
 impl Simulation {
     /// The lengths and tensions of all springs and then of all tethers, each in order of addition, in the current state. Muscles
     /// have their present rest length. The model has no force in a rod: rods of fixed length are kept by corrections of positions
-    /// and velocities (docs/physics.md section 5.4).
+    /// and velocities (docs/physics section 5.4).
     ///
     /// # Errors
     /// As for [`Simulation::sync`].

@@ -1,7 +1,7 @@
 //! The largest time steps that the integrators allow, for one oscillator and for a pile.
 //!
 //! Velocity Verlet has the bounds of symplectic Euler. Its velocities in the middle of the steps, with the positions, are the states of
-//! symplectic Euler (docs/physics.md section 5.7).
+//! symplectic Euler (docs/physics section 5.7).
 
 use crate::settings::Integrator;
 

@@ -19,7 +19,7 @@ pub(super) fn chain_steps(stiffness: f64) -> Steps {
 
 impl Scene {
     /// The sphere of a chain that its two rods of fixed length hold most stiffly, and this stiffness per mass in 1/s²
-    /// (docs/physics.md section 6.2). `None` if no fixed sphere holds a chain against gravity.
+    /// (docs/physics section 6.2). `None` if no fixed sphere holds a chain against gravity.
     pub(super) fn stiffest_link(&self) -> Option<(usize, f64)> {
         let gravity = f64::from(self.settings.gravity.abs());
         let links: Vec<([usize; 2], f64)> = self.fixed_lengths().collect();

@@ -7,7 +7,7 @@ use crate::scene::{Inlet, Rate, Scene};
 const SOLID: f64 = 0.3;
 
 impl Scene {
-    /// Warnings about inlets whose rate does not fit into their box (docs/physics.md section 2.15). An inlet that lets in no more
+    /// Warnings about inlets whose rate does not fit into their box (docs/physics section 2.15). An inlet that lets in no more
     /// spheres than have room in its box at once needs no rate that fits.
     pub fn inlet_concerns(&self) -> Vec<String> {
         self.inlets.iter().enumerate().filter_map(|(number, inlet)| self.too_fast(number, inlet)).collect()

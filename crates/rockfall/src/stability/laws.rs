@@ -1,4 +1,4 @@
-//! The time within which the contact laws with history react, which bounds the time step (docs/physics.md section 4.11).
+//! The time within which the contact laws with history react, which bounds the time step (docs/physics section 4.11).
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Necks of JKR cohesion that are too long, or too short-lived for the time step (docs/physics.md section 4.13).
+//! Necks of JKR cohesion that are too long, or too short-lived for the time step (docs/physics section 4.13).
 
 use std::f64::consts::PI;
 

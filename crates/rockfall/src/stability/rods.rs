@@ -72,7 +72,7 @@ impl Scene {
     }
 
     /// A message about the rod of fixed length along which springs and tethers pull or push hardest at the start, if RK4 loses too
-    /// much of its angular momentum with a time step of `dt` seconds (docs/physics.md section 5.4, (6)).
+    /// much of its angular momentum with a time step of `dt` seconds (docs/physics section 5.4, (6)).
     pub(super) fn strained_rod(&self, dt: f32, integrator: Integrator) -> Option<String> {
         let attached = self.springs().len() + self.tethers().len();
         if integrator != Integrator::Rk4 || attached == 0 || self.rods().iter().all(|rod| rod.length.is_none()) {

@@ -1,4 +1,4 @@
-//! Servos that no wall follows, that seek nothing, or that are too fast for the force that they seek (docs/physics.md section 2.18).
+//! Servos that no wall follows, that seek nothing, or that are too fast for the force that they seek (docs/physics section 2.18).
 
 use glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! The collision phase (docs/physics.md section 3).
+//! The collision phase (docs/physics section 3).
 
 pub(crate) mod apply_collisions;
 pub(crate) mod apply_friction_impulses;

@@ -1,4 +1,4 @@
-//! Integration of the state, and constraints (docs/physics.md section 5).
+//! Integration of the state, and constraints (docs/physics section 5).
 
 pub(crate) mod advance;
 pub(crate) mod constrain;

@@ -1,4 +1,4 @@
-//! A contact law that a program gives (docs/physics.md section 4.15).
+//! A contact law that a program gives (docs/physics section 4.15).
 
 use std::fmt;
 use std::sync::Arc;

@@ -22,7 +22,7 @@ pub(crate) struct Ball {
     pub(crate) acceleration: DVec3,
 }
 
-/// A body: spheres that an impulse moves together (docs/physics.md section 1.4).
+/// A body: spheres that an impulse moves together (docs/physics section 1.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Body {
     /// A single sphere.
@@ -55,7 +55,7 @@ pub(crate) struct Face {
     pub(crate) surface: u32,
 }
 
-/// A cone or a ball, with the unit vectors and lengths of docs/physics.md section 2.17.
+/// A cone or a ball, with the unit vectors and lengths of docs/physics section 2.17.
 pub(crate) struct Round {
     /// 1 if it is touched from outside, -1 from inside.
     pub(crate) side: f64,
@@ -123,7 +123,7 @@ fn vector(row: Vec4) -> DVec3 {
     row.truncate().as_dvec3()
 }
 
-/// Factor of a spring's rest length at the start of the step (docs/physics.md section 4.9).
+/// Factor of a spring's rest length at the start of the step (docs/physics section 4.9).
 fn muscle(world: &World, spring: u32) -> f64 {
     if world.step.layout.muscles_at == 0 {
         return 1.0;
@@ -203,7 +203,7 @@ impl Bodies {
         bodies
     }
 
-    /// Computes the accelerations that do not come from contacts (docs/physics.md sections 4.1 and 4.2).
+    /// Computes the accelerations that do not come from contacts (docs/physics sections 4.1 and 4.2).
     fn set_accelerations(&mut self, world: &World) {
         let step = &world.step;
         let triple = |at: usize| DVec3::from_array([0, 1, 2].map(|k| f64::from(f32::from_bits(world.topology[at + k]))));
@@ -305,7 +305,7 @@ impl Bodies {
         radius(a).min(radius(b))
     }
 
-    /// Returns the threshold velocity of a pair (docs/physics.md section 3.1).
+    /// Returns the threshold velocity of a pair (docs/physics section 3.1).
     pub(crate) fn threshold(&self, a: usize, b: usize) -> f64 {
         (self.threshold * self.smaller_radius(a, b)).max(2.0 * self.gravity * self.dt)
     }

@@ -477,7 +477,7 @@ static MISTAKES: &[Mistake] = &[
         Buffer::Start,
     ),
     // Never using ONLY would make no difference: the last two sweeps have factor 1, and for a collision that is the only one
-    // on its bodies they correct everything that the other sweeps left (docs/physics.md section 3.8: p(1) = 0).
+    // on its bodies they correct everything that the other sweeps left (docs/physics section 3.8: p(1) = 0).
     Mistake("weigh_collisions", 0, "couplings.wgsl", "select(0u, ONLY, is_only)", "ONLY", Buffer::Start),
     Mistake("sweep_collisions", 0, "sweep_collisions.wgsl", "(sweeps != 0u)", "(sweeps > 1u)", Buffer::Start),
     Mistake(
@@ -711,7 +711,7 @@ fn plans() -> [Plan; 17] {
         settings.linear_damping = 3.0;
         settings.angular_damping = 4.0;
     });
-    // Gravity so strong that it sets the threshold velocity (docs/physics.md section 3.1).
+    // Gravity so strong that it sets the threshold velocity (docs/physics section 3.1).
     let heavy = rough.with(|settings| settings.gravity = 100.0);
     let both = Settings::default().with(|settings| {
         settings.coulomb_friction = 0.3;

@@ -1,4 +1,4 @@
-//! The collisions of a state in f64, from docs/physics.md section 3: which of them are lone, and the effects of lone collisions
+//! The collisions of a state in f64, from docs/physics section 3: which of them are lone, and the effects of lone collisions
 //! and of clusters.
 
 use std::collections::BTreeMap;
@@ -148,7 +148,7 @@ pub(crate) fn is_lone(bodies: &Bodies, k: &Contact, pressed: &[Contact], finding
                 findings.decide("at a right angle", k.a, along - RIGHT_ANGLE);
                 is_lone &= along <= RIGHT_ANGLE;
                 if l.collides && (1e-6..=RIGHT_ANGLE).contains(&along) {
-                    // In clusters, only the GPU counts the impulses of such lone collisions (docs/physics.md section 8).
+                    // In clusters, only the GPU counts the impulses of such lone collisions (docs/physics section 3.5).
                     findings.decide("at nearly a right angle", k.a, 0.0);
                 }
                 if along <= RIGHT_ANGLE {

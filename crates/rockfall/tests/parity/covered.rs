@@ -1,4 +1,4 @@
-//! Chains of rods in f64: which contacts of spheres and rods other parts of their chains cover (docs/physics.md section 2.13).
+//! Chains of rods in f64: which contacts of spheres and rods other parts of their chains cover (docs/physics section 2.13).
 
 use glam::DVec3;
 

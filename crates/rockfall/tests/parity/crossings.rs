@@ -1,4 +1,4 @@
-//! Contacts that begin and end within a step (docs/physics.md section 3.10): random pairs after a long step, in groups of their own.
+//! Contacts that begin and end within a step (docs/physics section 3.10): random pairs after a long step, in groups of their own.
 
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};

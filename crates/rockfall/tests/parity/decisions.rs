@@ -1,4 +1,4 @@
-//! Evaluates every decision of a step in f64, from docs/physics.md and without the library, with its slack: the distance from
+//! Evaluates every decision of a step in f64, from docs/physics and without the library, with its slack: the distance from
 //! the value at which the decision changes.
 //!
 //! A decision is ambiguous when its slack is less than [`LIMIT`], because rounding may then decide either way. A state with an
@@ -129,7 +129,7 @@ pub(crate) fn collisions(world: &World, findings: &mut Findings) -> Collisions {
     outcome
 }
 
-/// Returns the velocity of the contact point on an object. A fixed end of a rod is at rest there (docs/physics.md section 2.2).
+/// Returns the velocity of the contact point on an object. A fixed end of a rod is at rest there (docs/physics section 2.2).
 fn velocity(bodies: &Bodies, id: usize, parameter: f64) -> DVec3 {
     match bodies.kind(id) {
         Kind::Ball(ball) => bodies.balls[ball].v,
@@ -153,7 +153,7 @@ pub(crate) fn forces(world: &World, state: usize, findings: &mut Findings) {
     }
 }
 
-/// Evaluates the decisions of the force of one contact, and returns the case (docs/physics.md sections 4.3 and 4.4).
+/// Evaluates the decisions of the force of one contact, and returns the case (docs/physics sections 4.3 and 4.4).
 fn force(bodies: &Bodies, a: usize, b: usize, touch: &Touch, findings: &mut Findings) -> &'static str {
     let u = (velocity(bodies, a, touch.a) - velocity(bodies, b, touch.b)).dot(touch.n);
     let threshold = bodies.threshold(a, b);
@@ -173,7 +173,7 @@ fn force(bodies: &Bodies, a: usize, b: usize, touch: &Touch, findings: &mut Find
     }
 }
 
-/// Evaluates the decisions of `apply_friction_impulses` in the state after the collisions (docs/physics.md section 3.9).
+/// Evaluates the decisions of `apply_friction_impulses` in the state after the collisions (docs/physics section 3.9).
 pub(crate) fn friction_impulses(world: &World, findings: &mut Findings) {
     let bodies = &Bodies::new(world, 0);
     let pressed = entries(world).into_iter().filter(|entry| entry.word & ENTRY_OVERLAPS != 0 && entry.mover < entry.other);

@@ -1,4 +1,4 @@
-//! Low parts of positions and double precision (docs/physics.md section 5.8), stage by stage on both backends.
+//! Low parts of positions and double precision (docs/physics section 5.8), stage by stage on both backends.
 //!
 //! The scene is thousands of units from the origin, where the low part of a position is as large as 0.0005. A kernel that leaves it out,
 //! or that takes it for something else, gives results that differ by much more than the rounding of other numbers.

@@ -1,4 +1,4 @@
-//! Compares the collisions of the CPU with the formulas of docs/physics.md section 3 in f64: lists, flags and outcome.
+//! Compares the collisions of the CPU with the formulas of docs/physics section 3 in f64: lists, flags and outcome.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! The narrow phase in f64, from docs/physics.md section 2, with the slack of every decision.
+//! The narrow phase in f64, from docs/physics section 2, with the slack of every decision.
 //!
 //! A condition is a number that is positive when the condition holds. The minimum of several conditions is their `and`, and the
 //! maximum their `or`. The absolute value is the slack: the distance from the value at which the decision changes.
@@ -20,7 +20,7 @@ pub(crate) struct Touch {
     pub(crate) b: f64,
     /// Whether the objects overlap, as a condition.
     pub(crate) holds: f64,
-    /// Whether there is a contact line, as a condition. The objects may be apart (docs/physics.md section 2.10).
+    /// Whether there is a contact line, as a condition. The objects may be apart (docs/physics section 2.10).
     pub(crate) line: f64,
     /// Slack of the decisions on which the normal and the overlap depend.
     pub(crate) sure: f64,
@@ -75,7 +75,7 @@ fn segments([a1, a2]: [DVec3; 2], [b1, b2]: [DVec3; 2]) -> Closest {
     Closest { a, b, d, holds, parallel, sure: parallel_slack(sine) }
 }
 
-/// Returns the signed geometry of the pair of `found`, in the state of `bodies` (docs/physics.md section 2.10). For a rod and a
+/// Returns the signed geometry of the pair of `found`, in the state of `bodies` (docs/physics section 2.10). For a rod and a
 /// box it refers to the same edge or vertex as `found`.
 pub(crate) fn signed(bodies: &Bodies, a: usize, b: usize, found: &Touch) -> Touch {
     let mut all = touches(bodies, a, b);
@@ -234,7 +234,7 @@ fn sphere_polygon(bodies: &Bodies, ball: usize, face: usize) -> Touch {
     Touch { line: height, sure: over.abs().min(side), ..touch }
 }
 
-/// Whether a contact is that of a ball over a face, whose plane it keeps when it is moved back (docs/physics.md section 2.10).
+/// Whether a contact is that of a ball over a face, whose plane it keeps when it is moved back (docs/physics section 2.10).
 pub(crate) fn is_on_face(touch: &Touch) -> bool {
     ["sphere-box face", FACE].contains(&touch.kind)
 }

@@ -1,4 +1,4 @@
-//! Spheres whose centre passes a polygon within a step (docs/physics.md section 2.20): random ways near random polygons, in groups of
+//! Spheres whose centre passes a polygon within a step (docs/physics section 2.20): random ways near random polygons, in groups of
 //! their own.
 
 use glam::Vec3;

@@ -77,7 +77,7 @@ impl Draw<'_> {
             ball.radius *= 0.5;
             if self.chance(0.1) { ball.fixed() } else { ball }
         });
-        // After a step, the ends of a rod of fixed length have the same velocity along its axis. docs/physics.md section 3.6
+        // After a step, the ends of a rod of fixed length have the same velocity along its axis. docs/physics section 3.6
         // relies on this, because it moves the ends on a circle.
         let along = (end2 - end1).normalize();
         let parting = (ends[1].velocity - ends[0].velocity).dot(along);

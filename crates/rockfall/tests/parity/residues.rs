@@ -1,4 +1,4 @@
-//! Residues of velocities (docs/physics.md section 5.10), stage by stage on both backends.
+//! Residues of velocities (docs/physics section 5.10), stage by stage on both backends.
 //!
 //! Steps are so short that they change velocities by less than the last place, so that residues are what is compared. The residues are
 //! decoded here once more from the specification.

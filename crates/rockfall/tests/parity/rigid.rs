@@ -1,4 +1,4 @@
-//! Rigid bodies (docs/physics.md sections 1.5, 4.16 and 5.9): random clumps that touch floors, balls and each other, in groups of their own.
+//! Rigid bodies (docs/physics sections 1.5, 4.16 and 5.9): random clumps that touch floors, balls and each other, in groups of their own.
 
 use glam::{DVec3, Quat, Vec3};
 use rand::{RngExt, SeedableRng};

@@ -1,4 +1,4 @@
-//! Rods whose axes touch edges of polygons and smooth walls (docs/physics.md section 2.19): random rods at random walls, in groups of
+//! Rods whose axes touch edges of polygons and smooth walls (docs/physics section 2.19): random rods at random walls, in groups of
 //! their own.
 
 use glam::{Quat, Vec3};

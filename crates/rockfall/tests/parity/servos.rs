@@ -1,4 +1,4 @@
-//! Servos (docs/physics.md section 2.18): random bodies at random walls that follow servos, in groups of their own.
+//! Servos (docs/physics section 2.18): random bodies at random walls that follow servos, in groups of their own.
 
 use glam::{DVec3, Quat, Vec3};
 use rand::{RngExt, SeedableRng};

@@ -1,4 +1,4 @@
-//! Sheared periodic boundaries (docs/physics.md section 2.14): spheres that touch images of each other, some boxes away.
+//! Sheared periodic boundaries (docs/physics section 2.14): spheres that touch images of each other, some boxes away.
 
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};

@@ -1,4 +1,4 @@
-//! Boxes and polygons as one surface, in f64: which contacts of a sphere another shape hides (docs/physics.md section 2.11).
+//! Boxes and polygons as one surface, in f64: which contacts of a sphere another shape hides (docs/physics section 2.11).
 
 use std::cmp::Ordering;
 

@@ -1,4 +1,4 @@
-//! The decisions of the constraint solver (docs/physics.md section 5.4): when the sweeps over a batch end, and whether a rod
+//! The decisions of the constraint solver (docs/physics section 5.4): when the sweeps over a batch end, and whether a rod
 //! has turned too far within the step. The sweeps are repeated here in f64.
 
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! Clusters of boxes and polygons that form one surface (docs/physics.md section 2.11).
+//! Clusters of boxes and polygons that form one surface (docs/physics section 2.11).
 
 use glam::Vec3;
 use rockfall::{Cuboid, Polygon};

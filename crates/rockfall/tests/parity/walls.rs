@@ -1,4 +1,4 @@
-//! Walls that move, conveyors and triangles (docs/physics.md sections 2.7 and 2.12): random bodies at random walls, in groups of their own,
+//! Walls that move, conveyors and triangles (docs/physics sections 2.7 and 2.12): random bodies at random walls, in groups of their own,
 //! with poses that no motion has to give.
 
 use glam::{Mat3, Quat, Vec3};

@@ -1,4 +1,4 @@
-//! Rigid bodies (docs/physics.md sections 1.5, 4.16 and 5.9).
+//! Rigid bodies (docs/physics sections 1.5, 4.16 and 5.9).
 
 use rockfall::glam::{DVec3, Quat, Vec3};
 use rockfall::{
@@ -105,7 +105,7 @@ fn a_free_body_keeps_its_momentum_and_flips(backend: Backend) {
     }
 }
 
-/// One contact rebounds with the coefficient that the pair has, whatever the direction of the impact (docs/physics.md section 4.16): the
+/// One contact rebounds with the coefficient that the pair has, whatever the direction of the impact (docs/physics section 4.16): the
 /// speed of the contact point along the normal.
 fn one_contact_has_the_restitution_of_its_pair(backend: Backend) {
     let shorter = on(backend, 1_u8, 4);

@@ -1,4 +1,4 @@
-//! Friction impulses of rigid bodies (docs/physics.md section 3.9).
+//! Friction impulses of rigid bodies (docs/physics section 3.9).
 
 use rockfall::glam::{DVec3, Quat, Vec3};
 use rockfall::{

@@ -1,4 +1,4 @@
-//! Collisions of rigid bodies as impulses (docs/physics.md section 3.11).
+//! Collisions of rigid bodies as impulses (docs/physics section 3.11).
 
 use rockfall::glam::{DVec3, Quat, Vec3};
 use rockfall::{
@@ -167,7 +167,7 @@ fn an_elastic_clump_on_springs_keeps_its_energy(backend: Backend) {
     assert!((last / first - 1.0).abs() < 0.05, "{backend}: {first} -> {last}");
 }
 
-/// A rigid capsule (docs/physics.md section 3.3) responds to collisions as the rigid body with its mass and inertia: its end falls on a
+/// A rigid capsule (docs/physics section 3.3) responds to collisions as the rigid body with its mass and inertia: its end falls on a
 /// floor, and a ball hits its rod.
 fn a_rigid_capsule_is_a_case_of_a_rigid_body(backend: Backend) {
     let (places, masses, radius) = ([Vec3::new(-0.5, 0.6, 0.0), Vec3::new(0.3, 1.0, 0.1)], [1.0, 2.5], 0.2);

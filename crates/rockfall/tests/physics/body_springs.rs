@@ -1,4 +1,4 @@
-//! Tangential springs that overlapping spheres of rigid bodies share (docs/physics.md section 4.11).
+//! Tangential springs that overlapping spheres of rigid bodies share (docs/physics section 4.11).
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{Backend, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Placement, Scene, Shape, Sphere};

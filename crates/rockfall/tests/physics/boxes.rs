@@ -1,4 +1,4 @@
-//! Mass and rays of boxes of rigid bodies (docs/physics.md section 1.5).
+//! Mass and rays of boxes of rigid bodies (docs/physics section 1.5).
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{Backend, Body, Cuboid, Options, Placement, Scene, Shape, Simulation};

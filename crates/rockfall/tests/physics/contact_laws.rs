@@ -1,4 +1,4 @@
-//! Contact laws that a program gives (docs/physics.md section 4.15).
+//! Contact laws that a program gives (docs/physics section 4.15).
 
 use crate::common::bits_of;
 

@@ -1,4 +1,4 @@
-//! Contacts that begin and end within a step (docs/physics.md section 3.10), against closed forms.
+//! Contacts that begin and end within a step (docs/physics section 3.10), against closed forms.
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{Backend, BroadPhase, Cuboid, Integrator, Options, Polygon, Scene, Simulation, Sphere, SphereState};

@@ -1,4 +1,4 @@
-//! One test for each of the errata E1 to E18 of `docs/physics.md`. The expected value holds with the corrected formula
+//! One test for each of the errata E1 to E18 of `docs/physics`. The expected value holds with the corrected formula
 //! and differs clearly from the result of the thesis's formula, which the comment gives.
 
 use rockfall::glam::{DVec3, Vec3};

@@ -1,7 +1,7 @@
 //! Faults of the thesis's collision and contact model that this model corrects. Every test has its own scene, and its
 //! expected values are derived by hand.
 //!
-//! This file tests the errata E19 to E30 of `docs/physics.md`, together with `faults/surfaces.rs` (E27), `faults/edges.rs` (E28),
+//! This file tests the errata E19 to E30 of `docs/physics`, together with `faults/surfaces.rs` (E27), `faults/edges.rs` (E28),
 //! `faults/chains.rs` (E29) and `faults/frames.rs` (E30). Each test's name begins with the number of its erratum. The other files in `faults/` test corrections that are not errata.
 
 use rockfall::{Backend, Cuboid, Integrator, Scene, Simulation, Sphere, SphereState};

@@ -1,4 +1,4 @@
-//! Forces that a program defines (docs/physics.md section 4.14), as WGSL and as functions of Rust, on both backends.
+//! Forces that a program defines (docs/physics section 4.14), as WGSL and as functions of Rust, on both backends.
 
 mod kept;
 mod messages;

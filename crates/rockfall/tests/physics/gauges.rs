@@ -1,4 +1,4 @@
-//! Gauges, and the work of walls and muscles (docs/physics.md section 2.12), against closed forms and balances.
+//! Gauges, and the work of walls and muscles (docs/physics section 2.12), against closed forms and balances.
 
 use rockfall::glam::DVec3;
 use rockfall::{

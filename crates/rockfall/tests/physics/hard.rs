@@ -1,4 +1,4 @@
-//! The contact law `rigid` through the doors of the library (docs/physics.md section 11): scene text, frames, substeps, observations,
+//! The contact law `rigid` through the doors of the library (docs/physics section 11): scene text, frames, substeps, observations,
 //! checkpoints and refusals. The problems of the solver itself are tested beside it.
 
 use std::path::Path;

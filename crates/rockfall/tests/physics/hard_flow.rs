@@ -57,7 +57,7 @@ fn a_gauge_shows_the_weight_of_a_body_whose_overlap_is_rounding() {
     }
 }
 
-/// Substeps suit what comes in: a diameter of 0.1 m takes 13 at 9.81 m/s² (docs/physics.md section 11.10), a cube of 0.3 m takes 8.
+/// Substeps suit what comes in: a diameter of 0.1 m takes 13 at 9.81 m/s² (docs/physics section 11.10), a cube of 0.3 m takes 8.
 #[test]
 fn substeps_suit_what_inlets_bring() {
     let cube =

@@ -1,4 +1,4 @@
-//! Joints under the contact law `rigid` (docs/physics.md section 11.14) through the interface of a program.
+//! Joints under the contact law `rigid` (docs/physics section 11.14) through the interface of a program.
 
 use std::path::Path;
 

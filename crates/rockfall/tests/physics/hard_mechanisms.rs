@@ -1,4 +1,4 @@
-//! Mechanisms of joints under the contact law `rigid` (docs/physics.md section 11.14) against closed forms and
+//! Mechanisms of joints under the contact law `rigid` (docs/physics section 11.14) against closed forms and
 //! published solutions. Those of
 //! IFToMM's library of computational benchmark problems (www.iftomm-multibody.org/benchmark) are named so.
 

@@ -1,4 +1,4 @@
-//! Walls that follow motions under the contact law `rigid` (docs/physics.md section 11.1), against closed forms.
+//! Walls that follow motions under the contact law `rigid` (docs/physics section 11.1), against closed forms.
 
 use std::f32::consts::TAU;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Springs, tethers and muscles under the contact law `rigid` (docs/physics.md sections 11.9 and 11.10).
+//! Springs, tethers and muscles under the contact law `rigid` (docs/physics sections 11.9 and 11.10).
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{

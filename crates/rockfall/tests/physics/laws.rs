@@ -1,4 +1,4 @@
-//! The contact laws with history, `linear` and `hertz-mindlin` (docs/physics.md section 4.11), against closed forms and an
+//! The contact laws with history, `linear` and `hertz-mindlin` (docs/physics section 4.11), against closed forms and an
 //! independent computation in f64.
 
 mod chains;

@@ -1,4 +1,4 @@
-//! The model of docs/physics.md on both backends, against results derived by hand.
+//! The model of docs/physics on both backends, against results derived by hand.
 
 #[path = "../common/mod.rs"]
 #[macro_use]

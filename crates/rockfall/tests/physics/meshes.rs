@@ -1,4 +1,4 @@
-//! Triangles and meshes as walls (docs/physics.md sections 2.7 and 2.11), against closed forms and smooth shapes.
+//! Triangles and meshes as walls (docs/physics sections 2.7 and 2.11), against closed forms and smooth shapes.
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{

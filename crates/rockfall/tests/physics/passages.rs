@@ -1,4 +1,4 @@
-//! Spheres whose centre passes a wall within a step are counted (docs/physics.md section 2.20).
+//! Spheres whose centre passes a wall within a step are counted (docs/physics section 2.20).
 
 use rockfall::glam::Vec3;
 use rockfall::{

@@ -1,4 +1,4 @@
-//! Periodic boundaries (docs/physics.md section 2.14).
+//! Periodic boundaries (docs/physics section 2.14).
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -1,4 +1,4 @@
-//! Rods that touch edges of polygons and smooth walls between their ends (docs/physics.md section 2.19), against closed forms.
+//! Rods that touch edges of polygons and smooth walls between their ends (docs/physics section 2.19), against closed forms.
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{
@@ -113,7 +113,7 @@ fn the_nearest_point_of_an_axis_counts() {
     assert!(touched > 3, "{touched} capsules touch the cone");
 }
 
-/// A capsule at rest over a wall: one contact carries its weight, with the overlap G / C_c (docs/physics.md section 4.3).
+/// A capsule at rest over a wall: one contact carries its weight, with the overlap G / C_c (docs/physics section 4.3).
 fn a_balanced_capsule_is_carried(backend: Backend) {
     for (name, walls) in walls() {
         let mut scene = with(|settings| settings.gravity = 10.0);
@@ -147,7 +147,7 @@ fn a_dropped_capsule_keeps_its_energy(backend: Backend) {
 }
 
 /// A free capsule that hits a wall at the distance d from its middle turns with omega = j d / I, where
-/// j = 2 u / (1 / M + d^2 / I) (docs/physics.md section 3.3).
+/// j = 2 u / (1 / M + d^2 / I) (docs/physics section 3.3).
 fn an_eccentric_hit_turns_a_capsule(backend: Backend) {
     for (name, walls) in walls() {
         let (place, speed) = (0.2, 2.0);

@@ -1,4 +1,4 @@
-//! Walls that seek a force or a torque (docs/physics.md section 2.18).
+//! Walls that seek a force or a torque (docs/physics section 2.18).
 
 use rockfall::glam::DVec3;
 use rockfall::{

@@ -1,4 +1,4 @@
-//! Sheared periodic boundaries (docs/physics.md section 2.14).
+//! Sheared periodic boundaries (docs/physics section 2.14).
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

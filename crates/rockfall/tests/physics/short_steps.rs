@@ -1,4 +1,4 @@
-//! Steps so short that an increment of a velocity is a small part of its last place (docs/physics.md section 5.10).
+//! Steps so short that an increment of a velocity is a small part of its last place (docs/physics section 5.10).
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{

@@ -1,4 +1,4 @@
-//! Smooth walls (docs/physics.md section 2.17): planes, cones, cylinders and balls, against closed forms and other shapes.
+//! Smooth walls (docs/physics section 2.17): planes, cones, cylinders and balls, against closed forms and other shapes.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

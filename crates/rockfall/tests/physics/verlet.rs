@@ -1,4 +1,4 @@
-//! Velocity Verlet (docs/physics.md section 5.7) against closed forms.
+//! Velocity Verlet (docs/physics section 5.7) against closed forms.
 
 mod edits;
 mod order;

@@ -1,4 +1,4 @@
-//! Walls that move on prescribed paths (docs/physics.md section 2.12), against closed forms.
+//! Walls that move on prescribed paths (docs/physics section 2.12), against closed forms.
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{

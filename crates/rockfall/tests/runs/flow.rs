@@ -1,4 +1,4 @@
-//! Inlets and outlets (docs/physics.md section 2.15).
+//! Inlets and outlets (docs/physics section 2.15).
 
 use rockfall::glam::Vec3;
 use rockfall::{

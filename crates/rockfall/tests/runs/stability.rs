@@ -6,7 +6,7 @@ use rockfall::stability::{Effect, Stiff, Warning};
 use rockfall::{Backend, Cuboid, Integrator, Options, Polygon, Scene, Simulation, Sphere};
 
 // Velocity Verlet has the bounds of symplectic Euler. Whether a pile with impulses comes to rest up to them with velocity Verlet is an
-// open question of docs/physics.md.
+// open question of docs/physics.
 const INTEGRATORS: [Integrator; 2] = [Integrator::Rk4, Integrator::SymplecticEuler];
 
 /// Spheres that fall into a box, with a damping ratio. With this gravity they rest with an overlap of 4.7 % of the
@@ -71,7 +71,7 @@ fn a_pile_comes_to_rest_up_to_the_bound() {
             let bound = least_dt(&scene, integrator, false);
             for share in [0.5, 0.99] {
                 let outcome = run(scene.clone(), integrator, share * bound);
-                // Kinetic energy is that of v + a h/2, where a leaves out contacts (docs/physics.md section 5.2).
+                // Kinetic energy is that of v + a h/2, where a leaves out contacts (docs/physics section 5.2).
                 let at_rest = if integrator == Integrator::SymplecticEuler { 0.25 } else { 0.0 };
                 let shaking = outcome.shaking - at_rest;
                 assert!(shaking.abs() < 0.1, "{integrator}, damping {damping}, {share} of the bound: {outcome:?}");

@@ -1,4 +1,4 @@
-//! Sections and errata of `docs/physics.md` that code and documents cite exist there. Its errata name existing tests,
+//! Sections and errata of `docs/physics` that code and documents cite exist there. Its errata name existing tests,
 //! and its table of constants holds every setting with its default.
 
 use std::collections::BTreeSet;
@@ -9,7 +9,9 @@ use rockfall::Settings;
 
 /// Folders and files that cite the specification, relative to the root of the repository.
 const CITING: [&str; 5] = ["crates", "docs", "scenes", "README.md", "ARCHITECTURE.md"];
-const SPECIFICATION: &str = "docs/physics.md";
+const SPECIFICATION: &str = "docs/physics";
+/// The files of the specification.
+const PARTS: [&str; 7] = ["README.md", "thesis.md", "grains.md", "walls.md", "rigid.md", "constants.md", "errata.md"];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -17,6 +19,15 @@ fn root() -> PathBuf {
 
 fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The text of the specification.
+fn specification() -> String {
+    let folder = root().join(SPECIFICATION);
+    let mut found = Vec::new();
+    files(&folder, &mut found);
+    assert_eq!(found.len(), PARTS.len(), "files of the specification: {found:?}");
+    PARTS.map(|name| read(&folder.join(name))).join("\n")
 }
 
 /// All files below a path that may hold citations.
@@ -88,7 +99,7 @@ fn section_numbers(text: &str) -> Vec<&str> {
 
 /// The cited sections with their offsets. In the specification itself every section is its own.
 fn cited_sections(prose: &str, own: bool) -> Vec<(usize, &str)> {
-    let key = if own { "section" } else { "physics.md" };
+    let key = if own { "section" } else { "docs/physics" };
     let cited = prose.match_indices(key).flat_map(|(at, _)| {
         let after = if own { &prose[at..] } else { prose[at + key.len()..].trim_start_matches(['`', ')', ']', ',', ':', ' ']) };
         section_numbers(after).into_iter().map(move |number| (at, number))
@@ -120,7 +131,7 @@ fn errata(specification: &str) -> Vec<Vec<&str>> {
 
 #[test]
 fn citations_are_found() {
-    let text = "a\n//! Forces (physics.md\n//! sections 4.1, 5 and 6.2, E5).\nlet x = 0xE7; // not 1E5, not E0\n/// `docs/physics.md` section 3.\n";
+    let text = "a\n//! Forces (docs/physics\n//! sections 4.1, 5 and 6.2, E5).\nlet x = 0xE7; // not 1E5, not E0\n/// `docs/physics` section 3.\n";
     let (prose, lines) = prose(text, "rs");
     let sections: Vec<_> = cited_sections(&prose, false).into_iter().map(|(at, number)| (lines[at], number)).collect();
     assert_eq!(sections, [(2, "4.1"), (2, "5"), (2, "6.2"), (5, "3")]);
@@ -131,7 +142,7 @@ fn citations_are_found() {
 
 #[test]
 fn cited_sections_and_errata_exist() {
-    let specification = read(&root().join(SPECIFICATION));
+    let specification = specification();
     let headings = specification.lines().filter_map(|line| line.strip_prefix('#'));
     let sections: BTreeSet<&str> =
         headings.filter_map(|heading| Some(section_number(heading.trim_start_matches('#').trim())?.0)).collect();
@@ -145,7 +156,7 @@ fn cited_sections_and_errata_exist() {
     paths.retain(|path| !path.ends_with("tests/sources/citations.rs"));
     let (mut bad, mut found) = (Vec::new(), [0, 0]);
     for path in paths {
-        let own = path.ends_with(SPECIFICATION);
+        let own = path.parent().is_some_and(|folder| folder.ends_with(SPECIFICATION));
         let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
         let (prose, lines) = prose(&read(&path), extension);
         let name = path.strip_prefix(root()).unwrap_or(&path).display();
@@ -168,7 +179,7 @@ fn cited_sections_and_errata_exist() {
 
 #[test]
 fn errata_name_their_tests() {
-    let specification = read(&root().join(SPECIFICATION));
+    let specification = specification();
     let tests = |name: &str| {
         let path = root().join("crates/rockfall/tests/physics").join(name);
         path.exists().then(|| read(&path))
@@ -193,7 +204,7 @@ fn errata_name_their_tests() {
 
 #[test]
 fn the_table_of_constants_holds_every_setting() {
-    let specification = read(&root().join(SPECIFICATION));
+    let specification = specification();
     let table = specification.split("### 6.1 ").nth(1).and_then(|rest| rest.split("\n#").next()).expect("section 6.1");
     let rows: Vec<_> = table.lines().filter(|line| line.starts_with("| `")).map(cells).collect();
     let defaults = Settings::default();

@@ -1,4 +1,4 @@
-//! One step: collisions, integration, and the corrections after it (docs/physics.md sections 2 and 5).
+//! One step: collisions, integration, and the corrections after it (docs/physics sections 2 and 5).
 
 use rockfall::Integrator;
 use rockfall::glam::DVec3;
@@ -26,7 +26,7 @@ impl World {
     /// Phase 3: impulses of collisions, if `impulses` is set, and friction impulses.
     pub(crate) fn handle_collisions(&mut self, impulses: bool) -> Vec<Pressed> {
         let accelerations = self.note_pulled();
-        // With symplectic Euler, velocities are half a step behind positions (docs/physics.md section 5.2).
+        // With symplectic Euler, velocities are half a step behind positions (docs/physics section 5.2).
         let late = if self.set.integrator == Integrator::SymplecticEuler { 0.5 * self.dt } else { 0.0 };
         let kick =
             |world: &mut Self, time: f64| world.balls.iter_mut().zip(&accelerations).for_each(|(ball, a)| ball.v += time * *a);

@@ -1,4 +1,4 @@
-//! Chains of rods as one surface: which contacts their parts cover (docs/physics.md section 2.13).
+//! Chains of rods as one surface: which contacts their parts cover (docs/physics section 2.13).
 
 use rockfall::glam::DVec3;
 

@@ -1,5 +1,5 @@
 //! Tests of the witness alone against results derived by hand: scenes that an older model computed wrongly
-//! (docs/physics.md section 3), and conservation laws of collisions.
+//! (docs/physics section 3), and conservation laws of collisions.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -135,7 +135,7 @@ fn a_double_pendulum_keeps_its_energy() {
     close(kinetic(&world) + 10.0 * (world.balls[1].x.y + world.balls[2].x.y), 0.0, 0.05);
 }
 
-/// A ball on a rod to a roller stays in place (docs/physics.md section 2.2).
+/// A ball on a rod to a roller stays in place (docs/physics section 2.2).
 #[test]
 fn a_roller_does_not_move_its_rod() {
     let mut world = world(known::ROLLER, 0.02);
@@ -237,7 +237,7 @@ fn impulses_obey_the_conservation_laws() {
         let what = format!("seed {seed} kind {}", seed as usize % scenes::KINDS);
         let rigid = before.balls.iter().enumerate().all(|(at, _)| is_rigid(&before, at));
         if rigid {
-            // Truncated sweeps may leave a small excess where an impulse was reset to 0 (docs/physics.md section 8).
+            // Truncated sweeps may leave a small excess where an impulse was reset to 0 (docs/physics section 3.8).
             gained += usize::from(k > k0 * (1.0 + 1e-5) + 10.0 * slack);
             assert!(k <= k0 * (1.0 + 3e-4) + 10.0 * slack, "{what}: {k0} -> {k}\n{}", describe(&before, &pressed));
         }

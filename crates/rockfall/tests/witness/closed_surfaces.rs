@@ -1,4 +1,4 @@
-//! The witness itself against closed forms: surfaces of several shapes (docs/physics.md section 2.11).
+//! The witness itself against closed forms: surfaces of several shapes (docs/physics section 2.11).
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -1,4 +1,4 @@
-//! Collisions: which contacts collide, lone collisions, and clusters (docs/physics.md section 3).
+//! Collisions: which contacts collide, lone collisions, and clusters (docs/physics section 3).
 
 use rockfall::Integrator;
 use rockfall::glam::DVec3;
@@ -53,7 +53,7 @@ impl World {
         (self.set.threshold * self.least_radius(pair)).max(steps * pulled * self.dt)
     }
 
-    /// Finds the pressed contacts, and which of them collide (docs/physics.md section 3.1) and are lone (section 3.5).
+    /// Finds the pressed contacts, and which of them collide (docs/physics section 3.1) and are lone (section 3.5).
     pub(crate) fn find(&self) -> Vec<Pressed> {
         let mut pressed = Vec::new();
         for (pair, line) in self.touches() {
@@ -101,7 +101,7 @@ impl World {
         pressed
     }
 
-    /// A lone collision at its time of contact (docs/physics.md section 3.6).
+    /// A lone collision at its time of contact (docs/physics section 3.6).
     fn lone(&self, contact: &mut Pressed, accelerations: &[DVec3], change: &mut Motion, moved: &mut [DVec3]) {
         let pair = contact.pair;
         let bodies = self.touched(&pair, &contact.line);
@@ -243,7 +243,7 @@ impl World {
         }
     }
 
-    /// Solves all other collisions (docs/physics.md section 3.7).
+    /// Solves all other collisions (docs/physics section 3.7).
     fn cluster(&self, pressed: &mut [Pressed], change: &mut Motion) {
         let colliding: Vec<(Pair, Line)> =
             pressed.iter().filter(|contact| contact.collides).map(|contact| (contact.pair, contact.line)).collect();

@@ -17,7 +17,7 @@ fn assert_agreement_on(text: &str, dt: f32) {
     assert!(tally.compared == 2 && tally.failures.is_empty(), "{tally}\n{}", tally.failures.concat());
 }
 
-/// Friction after a lone collision with edge 1 (docs/physics.md sections 2.10 and 3.9). After the collision the rod is
+/// Friction after a lone collision with edge 1 (docs/physics sections 2.10 and 3.9). After the collision the rod is
 /// 0.044 away from the edge. The point of its axis that is nearest to vertex 1 is inside the box, but the rod did not
 /// collide with vertex 1.
 #[test]
@@ -31,7 +31,7 @@ set gravity 0";
     assert_agreement_on(scene, 0.0233);
 }
 
-/// A light ball touches a fixed ball and one of two heavy balls that collide (docs/physics.md section 3.7). The impulse
+/// A light ball touches a fixed ball and one of two heavy balls that collide (docs/physics section 3.7). The impulse
 /// on the light ball is 9, that between the heavy balls 50,000. The impulse on the light ball changes by a relative
 /// 3e-4 when the sweeps end after 12 instead of 16.
 #[test]
@@ -47,7 +47,7 @@ set friction 0";
 }
 
 /// The ends of a capsule may move apart at 0.3 at the start of a scene. At the time of contact the capsule was then
-/// shorter (docs/physics.md sections 3.3 and 3.6).
+/// shorter (docs/physics sections 3.3 and 3.6).
 #[test]
 fn a_capsule_whose_ends_move_apart_was_shorter_at_the_time_of_contact() {
     let scene = "S 1 -0.3 0.18 -0.24 -0.5508 -1.26752 -0.05064 0.013824 0.0036 -0.02208 0.75 0.2

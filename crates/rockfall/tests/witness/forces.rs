@@ -1,4 +1,4 @@
-//! Forces: gravity, springs, contacts (docs/physics.md section 4).
+//! Forces: gravity, springs, contacts (docs/physics section 4).
 
 use rockfall::glam::DVec3;
 
@@ -55,7 +55,7 @@ impl World {
         Slip { t: if t.length() <= ROUNDED * operands { DVec3::ZERO } else { t }, arms }
     }
 
-    /// Reduced mass and normal force of a contact (docs/physics.md section 4.3); `None` where there is no force.
+    /// Reduced mass and normal force of a contact (docs/physics section 4.3); `None` where there is no force.
     pub(crate) fn normal_force(&self, pair: &Pair, line: &Line, motion: &Motion, pull: bool) -> Option<(f64, f64)> {
         let [a, b] = sides(pair, line);
         let [va, vb] = self.surface_velocities(pair, line, motion);
@@ -118,7 +118,7 @@ impl World {
         forces
     }
 
-    /// Second derivative of the energy of springs and tethers for displacements of all spheres (docs/physics.md section
+    /// Second derivative of the energy of springs and tethers for displacements of all spheres (docs/physics section
     /// 3.6).
     pub(crate) fn curvature(&self, displacements: &[DVec3]) -> f64 {
         let of_pull = |pull: &Pull| {
@@ -144,7 +144,7 @@ impl World {
         self.balls.iter().zip(forces).map(of).collect()
     }
 
-    /// Accelerations by everything except contacts. Both ends of a capsule have that of its centre (docs/physics.md
+    /// Accelerations by everything except contacts. Both ends of a capsule have that of its centre (docs/physics
     /// section 3.6).
     pub(crate) fn free_accelerations(&self) -> Vec<DVec3> {
         let forces = self.pull_forces();

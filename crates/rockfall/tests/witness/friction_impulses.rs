@@ -1,4 +1,4 @@
-//! Friction impulses (docs/physics.md section 3.9).
+//! Friction impulses (docs/physics section 3.9).
 
 use rockfall::glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Closest points and signed overlaps (docs/physics.md section 2).
+//! Closest points and signed overlaps (docs/physics section 2).
 
 use rockfall::glam::DVec3;
 
@@ -269,7 +269,7 @@ impl World {
         self.bars[bar].ends.map(|end| self.balls[end].x)
     }
 
-    /// Contact line of a pair, whether or not it overlaps. `None` beyond the ends of rods (docs/physics.md section
+    /// Contact line of a pair, whether or not it overlaps. `None` beyond the ends of rods (docs/physics section
     /// 2.10).
     pub(crate) fn line(&self, pair: &Pair) -> Option<Line> {
         match (pair.a, pair.b) {
@@ -290,14 +290,14 @@ impl World {
     }
 
     /// The ball of a contact with a face, over which its centre is. Such a contact keeps the plane of the face when it is moved back
-    /// (docs/physics.md section 2.10).
+    /// (docs/physics section 2.10).
     pub(crate) fn on_face(&self, pair: &Pair) -> Option<usize> {
         let Thing::Ball(ball) = pair.a else { return None };
         is_on_face(self, &self.balls[ball], pair.b).then_some(ball)
     }
 
     /// Contact line of a pair after a collision. For a rod that has moved away from a box it is that of the edge or the
-    /// vertex with this number, whichever is nearer (docs/physics.md section 2.10).
+    /// vertex with this number, whichever is nearer (docs/physics section 2.10).
     pub(crate) fn nearer_line(&self, pair: &Pair) -> Option<Line> {
         let has_both = |pair: &Pair| matches!((pair.a, pair.b), (Thing::Bar(_), Thing::Block(_)));
         let number = match pair.feature {

@@ -1,4 +1,4 @@
-//! Lengths of rods, and the orientations and spins of capsules at the end of a step (docs/physics.md section 5).
+//! Lengths of rods, and the orientations and spins of capsules at the end of a step (docs/physics section 5).
 
 use rockfall::Integrator;
 use rockfall::glam::{DQuat, DVec3};
@@ -10,7 +10,7 @@ use rand_pcg::Pcg64Mcg;
 use crate::advance::Course;
 use crate::world::{Mistake, Sweeps, World};
 
-/// Relative error at which an implementation may end its sweeps (docs/physics.md section 5.4).
+/// Relative error at which an implementation may end its sweeps (docs/physics section 5.4).
 const TOLERANCE: f64 = 1e-5;
 /// Relative error at which the witness ends its sweeps.
 const EXACT: f64 = 1e-13;
@@ -112,7 +112,7 @@ impl World {
         }
     }
 
-    /// Turns a capsule as a rigid body (E18, docs/physics.md section 5.5).
+    /// Turns a capsule as a rigid body (E18, docs/physics section 5.5).
     fn turn_capsule(&mut self, bar: usize, old: &[DVec3]) {
         let [one, two] = self.bars[bar].ends;
         let (first, second) = (self.balls[one].clone(), self.balls[two].clone());

@@ -1,5 +1,5 @@
 //! Contacts of the axis of a rod with the edges and vertices of polygons, and which of them are no edges of the surface
-//! (docs/physics.md section 2.19).
+//! (docs/physics section 2.19).
 
 use rockfall::glam::DVec3;
 

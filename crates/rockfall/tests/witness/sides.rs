@@ -1,4 +1,4 @@
-//! The two sides of a contact: their motion, and the effect of an impulse on them (docs/physics.md section 3).
+//! The two sides of a contact: their motion, and the effect of an impulse on them (docs/physics section 3).
 
 use rockfall::glam::DVec3;
 
@@ -30,7 +30,7 @@ impl Motion {
     }
 }
 
-/// A rigid capsule at the present positions of its ends (docs/physics.md section 3.3).
+/// A rigid capsule at the present positions of its ends (docs/physics section 3.3).
 pub(crate) struct Rigid {
     pub(crate) ends: [usize; 2],
     pub(crate) d: DVec3,
@@ -123,7 +123,7 @@ impl World {
     }
 
     /// Whether the motion of a sphere counts. That of a fixed sphere counts as the surface of the sphere itself, but
-    /// not as the end of a rod (docs/physics.md section 2.2).
+    /// not as the end of a rod (docs/physics section 2.2).
     fn counts(&self, side: Side, ball: usize) -> bool {
         !self.balls[ball].fixed || matches!(side.thing, Thing::Ball(_)) || self.made(Mistake::FixedEnds)
     }
@@ -140,7 +140,7 @@ impl World {
         counting.map(|(ball, share)| share * motion.l[ball] / self.balls[ball].inertia()).sum()
     }
 
-    /// Approach velocity as in docs/physics.md section 3.2: capsules move as rigid bodies.
+    /// Approach velocity as in docs/physics section 3.2: capsules move as rigid bodies.
     pub(crate) fn approach(&self, pair: &Pair, line: &Line, motion: &Motion) -> f64 {
         let along = |side: Side| match self.capsule_of(side) {
             Some((rigid, at)) if !self.made(Mistake::CapsuleTorque) => {
@@ -225,7 +225,7 @@ impl World {
         found
     }
 
-    /// Projects the velocity changes of all networks (docs/physics.md section 3.4).
+    /// Projects the velocity changes of all networks (docs/physics section 3.4).
     pub(crate) fn project(&self, change: &mut Motion) {
         if self.made(Mistake::NoProjection) {
             return;

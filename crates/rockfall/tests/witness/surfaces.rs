@@ -1,4 +1,4 @@
-//! All boxes and polygons as one surface: which contacts of a sphere are hidden (docs/physics.md section 2.11).
+//! All boxes and polygons as one surface: which contacts of a sphere are hidden (docs/physics section 2.11).
 
 use std::cmp::Ordering;
 

@@ -1,4 +1,4 @@
-//! More kinds of clusters: surfaces of several boxes and polygons, on which shapes hide each other (docs/physics.md section
+//! More kinds of clusters: surfaces of several boxes and polygons, on which shapes hide each other (docs/physics section
 //! 2.11).
 
 use rand::RngExt;

@@ -1,4 +1,4 @@
-//! Moving walls: where they are at a time, and their velocity and acceleration (docs/physics.md section 2.12).
+//! Moving walls: where they are at a time, and their velocity and acceleration (docs/physics section 2.12).
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! State of a scene in f64, and the bodies that its spheres form (docs/physics.md sections 1 and 3).
+//! State of a scene in f64, and the bodies that its spheres form (docs/physics sections 1 and 3).
 
 use rockfall::glam::{DQuat, DVec3, Vec3};
 use rockfall::{Integrator, Scene, Settings, SphereState};
@@ -110,7 +110,7 @@ pub(crate) enum Body {
     Network(usize),
 }
 
-/// The constants of docs/physics.md section 6.
+/// The constants of docs/physics section 6.
 #[derive(Clone, Debug)]
 pub(crate) struct Constants {
     pub(crate) threshold: f64,
@@ -262,7 +262,7 @@ impl World {
         self.body[self.bars[bar].ends[0]] == Some(Body::Capsule(bar))
     }
 
-    /// Finds capsules and networks (docs/physics.md section 1.4).
+    /// Finds capsules and networks (docs/physics section 1.4).
     fn find_bodies(&mut self) {
         let mut rods_at = vec![0; self.balls.len()];
         for end in self.bars.iter().flat_map(|bar| bar.ends) {

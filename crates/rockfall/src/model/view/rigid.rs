@@ -70,7 +70,7 @@ impl View<'_> {
         }
     }
 
-    /// Whether the contact of two objects exerts forces and gets no impulses (docs/physics.md section 4.16).
+    /// Whether the contact of two objects exerts forces and gets no impulses (docs/physics section 4.16).
     pub(crate) fn has_forces_alone(&self, objects: [Object; 2]) -> bool {
         self.step.layout.rigid_bodies > 0 && objects.into_iter().any(|object| self.is_forced(object))
     }

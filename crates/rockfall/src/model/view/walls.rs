@@ -67,7 +67,7 @@ impl PolygonRecord {
         Self { corner, left, right, surface }
     }
 
-    /// The middle of the parallelogram, also for a triangle (docs/physics.md section 2.14); of the axis of a cone; the corner of a plane or a ball
+    /// The middle of the parallelogram, also for a triangle (docs/physics section 2.14); of the axis of a cone; the corner of a plane or a ball
     /// (section 2.17).
     pub(crate) fn middle(&self) -> Vec3 {
         match self.surface {

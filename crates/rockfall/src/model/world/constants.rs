@@ -70,7 +70,7 @@ impl World {
         self.status.forces_due = 1;
     }
 
-    /// Sets whether velocities have residues (docs/physics.md section 5.10), which are 0 at first.
+    /// Sets whether velocities have residues (docs/physics section 5.10), which are 0 at first.
     pub fn set_residues(&mut self, has_residues: bool) {
         self.set_flags(FLAG_RESIDUES, if has_residues { FLAG_RESIDUES } else { 0 });
         self.resize_states();

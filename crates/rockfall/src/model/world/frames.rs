@@ -18,7 +18,7 @@ pub(crate) fn batches(fixed: &[bool], rods: &[(u32, [u32; 2])]) -> Vec<Vec<Vec<u
     batches
 }
 
-/// Returns the networks: connected sets of fixed-length rods (docs/physics.md section 1.4). Rods of rigid capsules and rods
+/// Returns the networks: connected sets of fixed-length rods (docs/physics section 1.4). Rods of rigid capsules and rods
 /// between two fixed spheres belong to none. `rods` are (index, ends). `is_capsule` tests for the rods of rigid capsules.
 pub(crate) fn networks(fixed: &[bool], rods: &[(u32, [u32; 2])], is_capsule: impl Fn(u32) -> bool) -> Vec<Vec<u32>> {
     let rods: Vec<_> = rods.iter().copied().filter(|(number, _)| !is_capsule(*number)).collect();

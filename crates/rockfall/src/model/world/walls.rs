@@ -1,4 +1,4 @@
-//! Writes the poses of moving walls (docs/physics.md section 2.12).
+//! Writes the poses of moving walls (docs/physics section 2.12).
 
 use glam::Vec2;
 

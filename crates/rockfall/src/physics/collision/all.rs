@@ -1,4 +1,4 @@
-//! All collisions of a step: which of them are lone, which share bodies, and their combined effects (docs/physics.md
+//! All collisions of a step: which of them are lone, which share bodies, and their combined effects (docs/physics
 //! sections 3.5 and 3.7).
 //!
 //! Every sum runs in insertion order, so the result depends neither on the order in memory nor on the number of threads.

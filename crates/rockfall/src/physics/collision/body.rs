@@ -1,4 +1,4 @@
-//! The bodies of the collision phase, and what an impulse does to them (docs/physics.md sections 1.4 and 3.3).
+//! The bodies of the collision phase, and what an impulse does to them (docs/physics sections 1.4 and 3.3).
 
 use glam::Vec3;
 

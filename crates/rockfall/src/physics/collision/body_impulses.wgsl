@@ -2,7 +2,7 @@
 // requires physics/rigid_lever.wgsl
 // requires step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
-// The impulses on rigid bodies by the collisions in the records (docs/physics.md section 3.11). Those of lone collisions act at another place.
+// The impulses on rigid bodies by the collisions in the records (docs/physics section 3.11). Those of lone collisions act at another place.
 
 // The sum of the impulses on a rigid body, and that of their torques about its centre of mass.
 struct BodyKick {

@@ -2,7 +2,7 @@
 // requires physics/collision/impulses.wgsl physics/collision/lone.wgsl physics/contact.wgsl physics/motion.wgsl
 // requires step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
-// The state of an end of a rigid capsule after the collisions of the capsule (docs/physics.md sections 3.3, 3.6 and 3.7).
+// The state of an end of a rigid capsule after the collisions of the capsule (docs/physics sections 3.3, 3.6 and 3.7).
 
 // Returns the row and the record of the lone collision of a capsule, or NONE. It is enough to look at the first collision,
 // because no other pressed contact touches a capsule that has a lone collision.

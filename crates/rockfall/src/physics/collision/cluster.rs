@@ -1,4 +1,4 @@
-//! Solves the collisions that share bodies, and those on networks, by sweeps (docs/physics.md sections 3.7 and 3.8). A cluster
+//! Solves the collisions that share bodies, and those on networks, by sweeps (docs/physics sections 3.7 and 3.8). A cluster
 //! of two collisions has a closed form.
 //!
 //! A sweep computes all impulses from those of the sweep before, so the order of the collisions does not matter:

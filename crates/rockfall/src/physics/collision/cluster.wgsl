@@ -1,6 +1,6 @@
 // requires model/step.wgsl step/collisions/records.wgsl
 
-// A sweep, for one collision that shares bodies (docs/physics.md section 3.7).
+// A sweep, for one collision that shares bodies (docs/physics section 3.7).
 
 fn is_shared(r: u32) -> bool {
     return impulse_at(r).tau == SHARED;

@@ -3,7 +3,7 @@
 // requires step/collisions/report_clusters.wgsl
 
 // Finds the neighbours of a collision, which are other collisions that share a body with it, and the couplings
-// (docs/physics.md section 3.7). A coupling is the change of the approach velocity of the collision per unit of the
+// (docs/physics section 3.7). A coupling is the change of the approach velocity of the collision per unit of the
 // neighbour's impulse. They are collected in the order of the lists: on rigid bodies first, and those of side A first.
 
 // Record numbers and couplings of the neighbours.

@@ -1,4 +1,4 @@
-//! Contacts that begin and end within a step (docs/physics.md section 3.10).
+//! Contacts that begin and end within a step (docs/physics section 3.10).
 //!
 //! Such a contact is a crossing. It leaves no overlap, so it is found from the paths of the last step (`physics/first_contact.rs`).
 //! The time of a crossing is that of its first contact, in seconds before the present.

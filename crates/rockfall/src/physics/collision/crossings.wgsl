@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/smooth.wgsl physics/walls.wgsl
 
-// Contacts that began and ended within the last step, called crossings (docs/physics.md section 3.10). The motion of the step is
+// Contacts that began and ended within the last step, called crossings (docs/physics section 3.10). The motion of the step is
 // taken as straight. Times are in s before the present.
 
 // Overlaps up to this fraction of the smaller radius are rounding errors.

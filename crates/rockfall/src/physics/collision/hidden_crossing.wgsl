@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl physics/collision/crossings.wgsl physics/surface.wgsl
 
-// Whether another shape of the same surface hides a crossing with a box or polygon at its time of contact (docs/physics.md section 2.11).
+// Whether another shape of the same surface hides a crossing with a box or polygon at its time of contact (docs/physics section 2.11).
 fn is_hidden_crossing(i: u32, id: u32, time: f32) -> bool {
     if !is_static(id) {
         return false;

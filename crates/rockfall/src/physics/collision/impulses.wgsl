@@ -1,7 +1,7 @@
 // requires model/lists.wgsl model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/contact.wgsl
 // requires step/collisions/record_of.wgsl step/collisions/records.wgsl step/collisions/rows.wgsl
 
-// The changes of the velocities of bodies by the impulses in the records (docs/physics.md section 3.7).
+// The changes of the velocities of bodies by the impulses in the records (docs/physics section 3.7).
 
 // Adds the impulses on a sphere by the collisions of a row. If the row is a rod, the sphere gets the share of its end.
 fn add_impulses(sphere: u32, row: u32, sweeps: u32, sum: ptr<function, vec3f>) {

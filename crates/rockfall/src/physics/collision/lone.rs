@@ -1,4 +1,4 @@
-//! Solves lone collisions at their time of contact (docs/physics.md section 3.6).
+//! Solves lone collisions at their time of contact (docs/physics section 3.6).
 //!
 //! The overlap began within the last step. At that moment the bodies were elsewhere, and the contact line between them was
 //! a different one. With the present contact line, an oblique pair would change its angular momentum, and a body under
@@ -163,7 +163,7 @@ fn displaced(view: &View, place: Fine, by: Vec3) -> Fine {
     if view.step.is_double() { place.moved(by) } else { Fine { high: place.high + by, low: Vec3::ZERO } }
 }
 
-/// An earlier state as seen from a moving wall, in coordinates in which the wall is where it is now (docs/physics.md section 2.12).
+/// An earlier state as seen from a moving wall, in coordinates in which the wall is where it is now (docs/physics section 2.12).
 struct SeenFromWall<'a> {
     before: &'a EarlierState<'a>,
     wall: Wall,
@@ -216,7 +216,7 @@ impl Motions for SeenFromWall<'_> {
     }
 }
 
-/// Moves the difference d of two ends and its rate of change q along a circle for a time (docs/physics.md section 3.6,
+/// Moves the difference d of two ends and its rate of change q along a circle for a time (docs/physics section 3.6,
 /// equation 3).
 fn turned(d: Vec3, q: Vec3, time: f32) -> (Vec3, Vec3) {
     let rate = q.length() / d.length();
@@ -236,7 +236,7 @@ pub(super) fn solve(view: &View, k: &Collision) -> Outcome {
     solved(view, &hit, movers, tau)
 }
 
-/// Solves a crossing, a contact that began at about the time `tau` and has ended (docs/physics.md section 3.10). `None` when the
+/// Solves a crossing, a contact that began at about the time `tau` and has ended (docs/physics section 3.10). `None` when the
 /// objects do not approach each other at the time of contact.
 pub(super) fn solve_crossing(view: &View, k: &Collision, tau: f32) -> Option<Outcome> {
     let movers = movers_of(view, k);
@@ -246,7 +246,7 @@ pub(super) fn solve_crossing(view: &View, k: &Collision, tau: f32) -> Option<Out
 }
 
 /// The time that the iteration begins with: where contacts within a step are handled, the time of the first contact on straight
-/// paths, if it is within the step (docs/physics.md section 3.10).
+/// paths, if it is within the step (docs/physics section 3.10).
 fn start_of(view: &View, k: &Collision) -> f32 {
     let is_continuous = view.step.constants.flags & FLAG_CONTINUOUS != 0;
     let began = || time_of_beginning(view, k.a, k.b, k.threshold(view));
@@ -290,7 +290,7 @@ fn solved(view: &View, hit: &Collision, movers: &[(MovingBody, Vec3)], tau: f32)
     outcome
 }
 
-/// The denominator of the impulse (docs/physics.md section 3.6, equation 2.10): the inverse mass plus tau^2 K, but at least
+/// The denominator of the impulse (docs/physics section 3.6, equation 2.10): the inverse mass plus tau^2 K, but at least
 /// half the inverse mass. Half of tau^2 K, times the square of the impulse, is the energy that the displacements tau dv add
 /// to the springs. This term takes that energy from the rebound, so that the collision adds no energy (E21).
 fn effective_inverse_mass(view: &View, hit: &Collision, movers: &[(MovingBody, Vec3)], tau: f32) -> f32 {
@@ -319,7 +319,7 @@ fn effective_inverse_mass(view: &View, hit: &Collision, movers: &[(MovingBody, V
     (inverse_mass + tau * tau * curvature).max(0.5 * inverse_mass)
 }
 
-/// What a lone collision keeps when it is moved back in time (docs/physics.md section 2.10).
+/// What a lone collision keeps when it is moved back in time (docs/physics section 2.10).
 #[derive(Clone, Copy)]
 enum Kept {
     /// The part of a static object.

@@ -2,7 +2,7 @@
 // requires physics/contact.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_form.wgsl physics/rigid_parts.wgsl
 // requires physics/forces/free.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl physics/walls.wgsl
 
-// Solves lone collisions at their time of contact (docs/physics.md section 3.6). The pair is moved back to the time at
+// Solves lone collisions at their time of contact (docs/physics section 3.6). The pair is moved back to the time at
 // which it first touched.
 
 // Number of iterations for the time of contact.
@@ -75,7 +75,7 @@ struct Turned {
     q: vec3f,
 }
 
-// Moves d and q along a circle for a time (docs/physics.md section 3.6, equation 3).
+// Moves d and q along a circle for a time (docs/physics section 3.6, equation 3).
 fn turned(d: vec3f, q: vec3f, time: f32) -> Turned {
     let dd = dot(d, d);
     let qq = dot(q, q);
@@ -130,7 +130,7 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
     return back;
 }
 
-// The motion of a side on a rigid body at an earlier time (docs/physics.md section 3.11).
+// The motion of a side on a rigid body at an earlier time (docs/physics section 3.11).
 fn body_before(half: ContactSide, poise: SideMotion, pull: vec3f, tau: f32, square: f32) -> SideMotion {
     let record = rigid_record(rigid_body_of(half.id));
     let orientation = orientation_in(record);
@@ -162,7 +162,7 @@ fn closes(at: Placed) -> bool {
 
 // Solves the lone collision of two objects, a before b in insertion order. `found` is their contact in the present state. Where
 // contacts within a step are handled, the iteration begins with the time of the first contact on straight paths, if it is within
-// the step (docs/physics.md section 3.10).
+// the step (docs/physics section 3.10).
 fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
     var start = 0.0;
     if CONTINUOUS {
@@ -179,7 +179,7 @@ fn solve_lone(a_id: u32, b_id: u32, feature: u32, found: Touch) -> Solved {
 }
 
 // Does what `solve_lone` does, with an iteration that begins with the time `start`. The impulse of a crossing is 0 if its objects
-// do not approach each other at the time of contact (docs/physics.md section 3.10).
+// do not approach each other at the time of contact (docs/physics section 3.10).
 fn solve_from(a_id: u32, b_id: u32, feature: u32, found: Touch, start: f32, is_crossing: bool) -> Solved {
     var a = contact_side(a_id, found.a);
     var b = contact_side(b_id, found.b);
@@ -248,7 +248,7 @@ fn in_scene(a: ContactSide, place: vec3f) -> vec3f {
     return place;
 }
 
-// How far a wall has taken a point of it, which was at `place` at the time `tau` earlier (docs/physics.md section 2.12).
+// How far a wall has taken a point of it, which was at `place` at the time `tau` earlier (docs/physics section 2.12).
 fn taken_along(wall: Wall, place: vec3f, tau: f32, with_acceleration: bool) -> vec3f {
     let around = cross(wall.spin, lever_on_wall(wall, place) + tau * wall.velocity);
     let slowed = select(vec3f(0.0), wall.acceleration, with_acceleration);

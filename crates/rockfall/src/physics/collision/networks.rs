@@ -1,5 +1,5 @@
 //! Networks of fixed-length rods: the changes of velocity by impulses on their spheres, with all rod lengths kept
-//! (docs/physics.md section 3.4).
+//! (docs/physics section 3.4).
 //!
 //! dv = W (p - J' lambda) with (J W J') lambda = J W p. Here p are the impulses, dv the changes of velocity, W the inverse
 //! masses, and lambda the tensions of the rods. J holds the directions of the rods, and J' is its transpose.

@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl step/collisions/rows.wgsl
 
-// Networks of fixed-length rods: impulses on their spheres are projected so that no rod changes its length (docs/physics.md
+// Networks of fixed-length rods: impulses on their spheres are projected so that no rod changes its length (docs/physics
 // section 3.4). A workgroup solves (J W J^T) lambda = J W p by conjugate gradients. J holds the directions of the rods, W
 // the inverse masses, p the impulses, lambda the tensions of the rods.
 //

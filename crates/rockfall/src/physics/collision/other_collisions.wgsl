@@ -1,7 +1,7 @@
 // requires physics/collision/lone.wgsl physics/collision/plain.wgsl physics/round_pair.wgsl physics/pairs.wgsl
 
 // The other pressed contacts of the bodies of a collision. They decide whether it is lone, and how large its weight is,
-// which is its scale in the sweeps (docs/physics.md sections 3.5 and 3.7).
+// which is its scale in the sweeps (docs/physics sections 3.5 and 3.7).
 
 // Normals are perpendicular when the absolute cosine of their angle is at most this. Contacts of a sphere with static
 // objects do not influence a collision whose normal is perpendicular to theirs.

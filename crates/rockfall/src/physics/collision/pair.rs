@@ -1,4 +1,4 @@
-//! The impulses of two collisions that no other collision influences, in closed form (docs/physics.md section 3.7).
+//! The impulses of two collisions that no other collision influences, in closed form (docs/physics section 3.7).
 
 /// Two collisions are at one place, for the sweeps, if `1 - G_kl^2 / (G_kk G_ll)` is at most this. The closed form would divide
 /// by it.

@@ -1,7 +1,7 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl physics/forces/attached.wgsl physics/forces/muscle.wgsl
 // requires physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl
 
-// What a unit impulse of a lone collision does to springs and tethers (docs/physics.md section 3.6).
+// What a unit impulse of a lone collision does to springs and tethers (docs/physics section 3.6).
 
 // The spheres that a unit impulse of a collision moves, and their changes of velocity. Each side has two places.
 struct Pushed {
@@ -46,7 +46,7 @@ fn push_side(half: ContactSide, poise: SideMotion, n: vec3f, place: u32, pushed:
     (*pushed).velocities[place + 1u] = capsule.inverse_mass * n + cross(spin, (1.0 - capsule.centre) * capsule.d);
 }
 
-// K of docs/physics.md section 3.6: the second derivative of the energy of springs and tethers, when every sphere is
+// K of docs/physics section 3.6: the second derivative of the energy of springs and tethers, when every sphere is
 // displaced along its change of velocity by a unit impulse. A spring between two of these spheres is visited from both, so
 // each visit counts half. The term with K takes the energy that the displacements add to the springs from the rebound,
 // so that the collision adds no energy.

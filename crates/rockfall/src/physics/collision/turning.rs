@@ -1,4 +1,4 @@
-//! Rigid bodies that are moved back to the time of a lone collision and forward again (docs/physics.md section 3.11).
+//! Rigid bodies that are moved back to the time of a lone collision and forward again (docs/physics section 3.11).
 
 use glam::{Quat, Vec3};
 

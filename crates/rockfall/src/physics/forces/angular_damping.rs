@@ -1,4 +1,4 @@
-//! Angular damping: L' = -C L (docs/physics.md section 4.8).
+//! Angular damping: L' = -C L (docs/physics section 4.8).
 
 use crate::model::view::View;
 use crate::physics::forces::rates::Rates;

@@ -1,4 +1,4 @@
-//! The forces of what is attached to a sphere: rods, springs, tethers and an external force (docs/physics.md sections 4.1 and 4.2).
+//! The forces of what is attached to a sphere: rods, springs, tethers and an external force (docs/physics sections 4.1 and 4.2).
 
 use glam::{Vec3, Vec4};
 

@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl physics/fine.wgsl physics/forces/muscle.wgsl
 
-// Forces of springs and tethers, and external forces (docs/physics.md sections 4.1 and 4.2).
+// Forces of springs and tethers, and external forces (docs/physics sections 4.1 and 4.2).
 
 // Force of a spring on the end at `position`. `constants` are stiffness, rest length and damping.
 fn spring_force(position: vec3f, velocity: vec3f, other: vec3f, other_velocity: vec3f, constants: vec3f) -> vec3f {

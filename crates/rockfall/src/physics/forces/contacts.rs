@@ -1,4 +1,4 @@
-//! The contact forces on a sphere and on the ends of a rod, for all contact laws (docs/physics.md section 4).
+//! The contact forces on a sphere and on the ends of a rod, for all contact laws (docs/physics section 4).
 
 use glam::{Vec3, Vec4};
 

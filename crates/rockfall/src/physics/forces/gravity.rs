@@ -1,4 +1,4 @@
-//! Gravity (docs/physics.md section 4.1).
+//! Gravity (docs/physics section 4.1).
 
 use glam::Vec3;
 

@@ -1,6 +1,6 @@
 // requires model/step.wgsl physics/forces/rates.wgsl
 
-// Gravity (docs/physics.md section 4.1).
+// Gravity (docs/physics section 4.1).
 fn add_gravity(i: u32, rates: ptr<function, Rates>) {
     (*rates).acceleration += step.gravity;
 }

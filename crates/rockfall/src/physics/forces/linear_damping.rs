@@ -1,4 +1,4 @@
-//! Linear damping: v' = -C v (docs/physics.md section 4.8).
+//! Linear damping: v' = -C v (docs/physics section 4.8).
 
 use crate::model::view::View;
 use crate::physics::forces::rates::Rates;

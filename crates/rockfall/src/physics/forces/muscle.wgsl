@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl physics/product.wgsl
 
-// Rest lengths of muscles (docs/physics.md section 4.9). Phases are in units of 2^-64 turns.
+// Rest lengths of muscles (docs/physics section 4.9). Phases are in units of 2^-64 turns.
 
 // Half steps from the base of the clock to the present force evaluation.
 fn half_steps() -> u32 {

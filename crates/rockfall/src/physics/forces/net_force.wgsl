@@ -1,7 +1,7 @@
 // requires model/counters.wgsl model/entries.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires
 
-// Net force and torque on a sphere (docs/physics.md section 4), and the counts of its contacts.
+// Net force and torque on a sphere (docs/physics section 4), and the counts of its contacts.
 
 struct Net {
     // Forces of contacts and attachments, without body forces.

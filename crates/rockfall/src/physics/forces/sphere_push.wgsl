@@ -4,7 +4,7 @@
 // A contact of a sphere by the law of the thesis.
 
 // Whether the contact of a sphere began within the step. Then the next collision phase handles it, and it exerts no force
-// (docs/physics.md section 3.10).
+// (docs/physics section 3.10).
 fn began_within_step(i: u32, own: vec4f, id: u32, their_radius: f32) -> bool {
     let pair = ordered(i, id);
     let radius = smaller_radius(own.w, their_radius, id < step.spheres + step.rods);

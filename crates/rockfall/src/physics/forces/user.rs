@@ -1,4 +1,4 @@
-//! Forces of the laws that the program gave (docs/physics.md section 4.14).
+//! Forces of the laws that the program gave (docs/physics section 4.14).
 
 use crate::model::view::View;
 use crate::physics::forces::rates::Rates;

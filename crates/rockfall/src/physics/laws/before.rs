@@ -1,4 +1,4 @@
-//! What a contact of a law with history begins with in a step (docs/physics.md section 4.11).
+//! What a contact of a law with history begins with in a step (docs/physics section 4.11).
 
 use crate::model::view::{Object, View};
 use crate::physics::geometry::point_over_polygon;

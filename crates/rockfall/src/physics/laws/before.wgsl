@@ -1,7 +1,7 @@
 // requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl
 // requires physics/laws/history.wgsl physics/laws/shared.wgsl physics/smooth.wgsl physics/surface.wgsl
 
-// What a contact of a law with history begins with in a step (docs/physics.md section 4.11).
+// What a contact of a law with history begins with in a step (docs/physics section 4.11).
 
 // The overlap in the record of a contact with a polygon that a sphere passes from behind. It has no force.
 const PASSAGE: f32 = -1.0;

@@ -1,4 +1,4 @@
-//! Force and torques of a contact by a law with history, and its tangential spring (docs/physics.md section 4.11).
+//! Force and torques of a contact by a law with history, and its tangential spring (docs/physics section 4.11).
 
 use glam::Vec3;
 
@@ -104,7 +104,7 @@ pub(crate) fn law_force(
         return LawForce { spring: Spring::PASSAGE, ..LawForce::default() };
     }
     if step.constants.flags & FLAG_COLLISIONS != 0 {
-        // As in docs/physics.md section 4.4.
+        // As in docs/physics section 4.4.
         let threshold = collision_velocity(step, &a, &b);
         if approach < -threshold || (approach > threshold && overlap < 2.0 * approach * step.constants.dt) {
             return LawForce { spring: Spring { overlap, ..Spring::default() }, ..LawForce::default() };
@@ -209,7 +209,7 @@ pub(crate) struct Pliancy {
     pub(crate) damping: [f32; 2],
 }
 
-/// Stiffness and damping of a contact by a law with history (docs/physics.md section 2.18).
+/// Stiffness and damping of a contact by a law with history (docs/physics section 2.18).
 pub(crate) fn pliancy(view: &View, ids: [u32; 2], touch: &Touch) -> Pliancy {
     let (constants, bodies, approach) = of_touch(view, ids, touch);
     let depth = Bond::of(&constants, bodies.radius, touch.overlap).depth;

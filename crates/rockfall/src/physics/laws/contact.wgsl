@@ -2,7 +2,7 @@
 // requires physics/laws/history.wgsl physics/laws/jkr.wgsl physics/laws/linear.wgsl physics/laws/resistance.wgsl
 // requires physics/laws/stiffness.wgsl physics/laws/user.wgsl physics/pairs.wgsl physics/wall_damping.wgsl physics/walls.wgsl
 
-// Forces of a contact by a law with history, and its tangential spring (docs/physics.md section 4.11).
+// Forces of a contact by a law with history, and its tangential spring (docs/physics section 4.11).
 
 fn law_stiffness(constants: vec4f, radius: f32, mass: f32, overlap: f32, old_overlap: f32) -> Stiffness {
     if LAW == LAW_HERTZ_MINDLIN {

@@ -1,4 +1,4 @@
-//! The law `hertz-mindlin`: the stiffness of elastic bodies with curved surfaces (docs/physics.md section 4.11).
+//! The law `hertz-mindlin`: the stiffness of elastic bodies with curved surfaces (docs/physics section 4.11).
 
 use super::{Constants, Stiffness};
 

@@ -1,4 +1,4 @@
-//! Where the springs of contacts are kept from step to step (docs/physics.md section 4.11).
+//! Where the springs of contacts are kept from step to step (docs/physics section 4.11).
 //!
 //! The record of a contact belongs to one of the two objects, its owner. The record names the other object by a key that does not
 //! depend on the order of memory. So records do not depend on pair lists at all.

@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl
 
-// Where the springs of contacts are kept (docs/physics.md section 4.11). A block of `histories` has HISTORY_BLOCK records of
+// Where the springs of contacts are kept (docs/physics section 4.11). A block of `histories` has HISTORY_BLOCK records of
 // two vectors: displacement and overlap; moment and the key of the other object. Each mover has a block, by insertion index. A
 // mover that owns more contacts has a chain of blocks, which continues in blocks of the pool. The last record of a block that
 // does not end the chain is a link: the bit LINK_KEY and the number of the next block. A record without a key ends the chain,

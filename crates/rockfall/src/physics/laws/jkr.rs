@@ -1,4 +1,4 @@
-//! Cohesion by Johnson, Kendall and Roberts (docs/physics.md section 4.13).
+//! Cohesion by Johnson, Kendall and Roberts (docs/physics section 4.13).
 //!
 //! The contact radius is a = a_t u², with the contact radius a_t at which the contact tears. Then the overlap is h (u⁴ - 4 u)
 //! with h = a_t² / R*, and the force is the elastic one of Hertz at the contact radius a, times 1 - 6 / u³.

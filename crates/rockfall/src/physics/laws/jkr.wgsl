@@ -1,6 +1,6 @@
 // requires model/objects.wgsl model/step.wgsl physics/geometry.wgsl physics/rod_polygon.wgsl physics/round_pair.wgsl physics/laws/history.wgsl physics/pairs.wgsl
 
-// Cohesion by Johnson, Kendall and Roberts (docs/physics.md section 4.13). The contact radius is u^2 times the one at which the
+// Cohesion by Johnson, Kendall and Roberts (docs/physics section 4.13). The contact radius is u^2 times the one at which the
 // contact tears. The overlap is `unit` times u^4 - 4 u.
 
 // The attraction in a contact.

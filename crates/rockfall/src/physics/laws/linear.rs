@@ -1,4 +1,4 @@
-//! The law `linear`: springs of constant stiffness (docs/physics.md section 4.11).
+//! The law `linear`: springs of constant stiffness (docs/physics section 4.11).
 
 use super::{Constants, Stiffness};
 use crate::scene::TANGENTIAL_RATIO;

@@ -1,4 +1,4 @@
-//! Which pairs are in contact: with JKR cohesion, also some that are apart (docs/physics.md section 4.13).
+//! Which pairs are in contact: with JKR cohesion, also some that are apart (docs/physics section 4.13).
 
 use crate::model::view::View;
 use crate::physics::chain::touch;
@@ -7,7 +7,7 @@ use crate::physics::laws::{Constants, jkr};
 use crate::physics::side::side;
 use crate::physics::touch::{Touch, touch_apart};
 
-/// The contact of two objects that overlap, or that a neck connects although they are apart (docs/physics.md section 4.13): the
+/// The contact of two objects that overlap, or that a neck connects although they are apart (docs/physics section 4.13): the
 /// contact has a spring, and its distance is less than that at which it tears. The order of the objects is that of [`touch`].
 pub(crate) fn contact(view: &View, histories: &Histories, a: u32, b: u32, feature: u32) -> Option<Touch> {
     touch(view, a, b, feature).or_else(|| neck(view, histories, a, b, feature))

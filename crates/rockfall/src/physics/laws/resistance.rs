@@ -1,4 +1,4 @@
-//! Resistance to rolling and twisting of a contact (docs/physics.md section 4.12).
+//! Resistance to rolling and twisting of a contact (docs/physics section 4.12).
 
 use glam::Vec3;
 

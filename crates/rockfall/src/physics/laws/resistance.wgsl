@@ -1,6 +1,6 @@
 // requires model/step.wgsl physics/contact.wgsl physics/laws/history.wgsl physics/laws/stiffness.wgsl
 
-// Resistance to rolling and twisting of a contact (docs/physics.md section 4.12).
+// Resistance to rolling and twisting of a contact (docs/physics section 4.12).
 
 // A torque on A, with the part that the contact keeps for the next step.
 struct Moment {

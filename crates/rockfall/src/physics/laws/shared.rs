@@ -1,4 +1,4 @@
-//! Tangential springs that overlapping spheres of a rigid body share (docs/physics.md section 4.11).
+//! Tangential springs that overlapping spheres of a rigid body share (docs/physics section 4.11).
 
 use glam::Vec3;
 

@@ -1,7 +1,7 @@
 // requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/chain.wgsl physics/laws/history.wgsl physics/pairs.wgsl physics/rigid.wgsl
 // requires physics/rigid_parts.wgsl
 
-// Tangential springs that overlapping spheres of a rigid body share (docs/physics.md section 4.11).
+// Tangential springs that overlapping spheres of a rigid body share (docs/physics section 4.11).
 
 // Two spheres of a rigid body are neighbours if their centres are nearer than this part of the sum of their radii.
 const NEIGHBOURS_WITHIN: f32 = 0.99;

@@ -1,4 +1,4 @@
-// Stiffness of a contact at its present overlap (docs/physics.md section 4.11).
+// Stiffness of a contact at its present overlap (docs/physics section 4.11).
 struct Stiffness {
     // Derivative of the elastic normal force by the overlap.
     normal: f32,

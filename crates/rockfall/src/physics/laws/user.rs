@@ -1,4 +1,4 @@
-//! The law that the program defines (docs/physics.md section 4.15).
+//! The law that the program defines (docs/physics section 4.15).
 
 use super::{Answer, Constants, Stiffness};
 use crate::error::Error;

@@ -1,6 +1,6 @@
 // requires model/step.wgsl physics/laws/stiffness.wgsl
 
-// The law that the program defines (docs/physics.md section 4.15).
+// The law that the program defines (docs/physics section 4.15).
 
 // Overlap, speed of approach, R*, m*, E* and G*.
 struct UserContact {

@@ -1,6 +1,6 @@
 // requires
 
-// Bodies that joints keep apart (docs/physics.md section 11.14). `rigid/gpu/joints.rs` makes the words: 0 without such pairs; otherwise the
+// Bodies that joints keep apart (docs/physics section 11.14). `rigid/gpu/joints.rs` makes the words: 0 without such pairs; otherwise the
 // number of bodies; the first entry of each body, and the end; then the partners of each body in ascending order.
 @group(0) @binding(45) var<storage, read> apart: array<u32>;
 

@@ -1,6 +1,6 @@
 // requires rigid/broad/search.wgsl rigid/frame/colliders.wgsl rigid/frame/rows.wgsl rigid/collide/solid.wgsl physics/quaternion.wgsl
 
-// AABBs and cells of the colliders (docs/physics.md section 11.3). `rigid/shape/bounds.rs` is the twin.
+// AABBs and cells of the colliders (docs/physics section 11.3). `rigid/shape/bounds.rs` is the twin.
 
 struct Box {
     least: vec3f,

@@ -1,7 +1,7 @@
 // requires rigid/broad/search.wgsl rigid/frame/colliders.wgsl rigid/frame/rows.wgsl rigid/collide/manifold.wgsl rigid/collide/exchange.wgsl
 // requires physics/quaternion.wgsl
 
-// The manifolds of the candidates (docs/physics.md section 11.3). A kernel takes the candidates for which its `is_own_pair` is true.
+// The manifolds of the candidates (docs/physics section 11.3). A kernel takes the candidates for which its `is_own_pair` is true.
 
 // Contacts of a pair with a reach of both margins, in coordinates of collider a.
 fn manifold_of(a: u32, b: u32) -> Manifold {

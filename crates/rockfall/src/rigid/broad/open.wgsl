@@ -1,6 +1,6 @@
 // requires rigid/broad/search.wgsl rigid/frame/rows.wgsl rigid/frame/turn.wgsl
 
-// The start of a frame: margins (docs/physics.md section 11.2), and what counts from 0. `Bodies::load` is the twin. The
+// The start of a frame: margins (docs/physics section 11.2), and what counts from 0. `Bodies::load` is the twin. The
 // inertia is formed anew, so that it is the same after loading.
 
 fn margin_of(body: u32, motion: Motion) -> f32 {

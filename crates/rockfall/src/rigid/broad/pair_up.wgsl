@@ -1,6 +1,6 @@
 // requires rigid/broad/search.wgsl rigid/broad/apart.wgsl rigid/frame/colliders.wgsl rigid/frame/rows.wgsl
 
-// Pairs of colliders whose AABBs overlap and that may touch (docs/physics.md section 11.3). A collider looks for others in the cells of its
+// Pairs of colliders whose AABBs overlap and that may touch (docs/physics section 11.3). A collider looks for others in the cells of its
 // own level and of all coarser ones, and at the large ones.
 //
 // The pairs of a thread are written together: it keeps up to MOST_KEPT and takes room for all of them.

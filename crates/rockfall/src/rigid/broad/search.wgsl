@@ -1,6 +1,6 @@
 // requires
 
-// The arrays of the search for contacts, and the grids (docs/physics.md section 11.3). `rigid/gpu/search.rs` makes them.
+// The arrays of the search for contacts, and the grids (docs/physics section 11.3). `rigid/gpu/search.rs` makes them.
 //
 // | array | what it has |
 // |---|---|

@@ -1,6 +1,6 @@
 // requires rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
 
-// A ball against everything (docs/physics.md section 11.13).
+// A ball against everything (docs/physics section 11.13).
 
 // The place of a core nearest to a point, and the unit vector from there to the point, or outwards.
 struct CorePlace {

@@ -1,6 +1,6 @@
 // requires rigid/collide/manifold.wgsl rigid/collide/reduce.wgsl rigid/collide/solid.wgsl
 
-// Two boxes without radii (docs/physics.md section 11.13).
+// Two boxes without radii (docs/physics section 11.13).
 //
 // An axis i is chosen by turning the coordinates in a ring (`cycled`), so that it is x and the axes i + 1 and i + 2 are y and z: no
 // vector is indexed by a variable.

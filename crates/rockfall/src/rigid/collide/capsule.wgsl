@@ -1,6 +1,6 @@
 // requires rigid/collide/ball.wgsl rigid/collide/closest.wgsl rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
 
-// A segment with a radius against segments, faces, boxes and hulls (docs/physics.md section 11.13).
+// A segment with a radius against segments, faces, boxes and hulls (docs/physics section 11.13).
 
 struct Segment {
     start: vec3f,

@@ -1,6 +1,6 @@
 // requires rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
 
-// Closest points of two sets of vertices: the method of Gilbert, Johnson and Keerthi (docs/physics.md section 11.13).
+// Closest points of two sets of vertices: the method of Gilbert, Johnson and Keerthi (docs/physics section 11.13).
 
 struct ClosestPoints {
     on_a: vec3f,

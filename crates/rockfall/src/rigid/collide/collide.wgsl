@@ -1,7 +1,7 @@
 // requires physics/quaternion.wgsl rigid/collide/box_box.wgsl rigid/collide/half_space.wgsl rigid/collide/manifold.wgsl
 // requires rigid/collide/polyhedra.wgsl rigid/collide/round.wgsl rigid/collide/solid.wgsl
 
-// Contacts of two shapes in a relative pose: which pair of cores is solved where (docs/physics.md section 11.13). A shape is two rows of
+// Contacts of two shapes in a relative pose: which pair of cores is solved where (docs/physics section 11.13). A shape is two rows of
 // four words in memory (`Shape`).
 
 fn axes_of(turn: vec4f) -> mat3x3f {

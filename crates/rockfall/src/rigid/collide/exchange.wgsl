@@ -1,6 +1,6 @@
 // requires physics/quaternion.wgsl rigid/collide/manifold.wgsl
 
-// The order of two shapes (docs/physics.md section 11.13), for kernels that solve a part of the pairs of cores. Such a kernel has a function
+// The order of two shapes (docs/physics section 11.13), for kernels that solve a part of the pairs of cores. Such a kernel has a function
 // `collide_in_order` for pairs whose cores are in the order of the table.
 
 fn axes_of_turn(turn: vec4f) -> mat3x3f {

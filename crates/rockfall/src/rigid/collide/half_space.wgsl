@@ -1,6 +1,6 @@
 // requires rigid/collide/manifold.wgsl rigid/collide/reduce.wgsl rigid/collide/solid.wgsl
 
-// A half-space against what has vertices (docs/physics.md section 11.13).
+// A half-space against what has vertices (docs/physics section 11.13).
 
 fn collide_half_space(a: Shape, b: Solid, reach: f32) -> Manifold {
     let most = reach + a.radius + b.shape.radius;

@@ -1,6 +1,6 @@
 // requires
 
-// Shapes and contact points (docs/physics.md section 11.13).
+// Shapes and contact points (docs/physics section 11.13).
 
 // Cores, in the order of the table. A pair is solved with the earlier core first.
 const CORE_SMOOTH: u32 = 0u;

@@ -1,6 +1,6 @@
 // requires rigid/collide/closest.wgsl rigid/collide/manifold.wgsl rigid/collide/reduce.wgsl rigid/collide/solid.wgsl
 
-// Any two of face, box and hull, with radii (docs/physics.md section 11.13).
+// Any two of face, box and hull, with radii (docs/physics section 11.13).
 
 struct SolidPair {
     a: Solid,

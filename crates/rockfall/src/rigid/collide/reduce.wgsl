@@ -1,6 +1,6 @@
 // requires rigid/collide/manifold.wgsl
 
-// The choice of four contact points (docs/physics.md section 11.13).
+// The choice of four contact points (docs/physics section 11.13).
 
 // Corners of two quadrilaterals; a kernel for hulls has 64.
 const MOST_CANDIDATES: u32 = 8u;

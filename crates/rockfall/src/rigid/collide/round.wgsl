@@ -1,6 +1,6 @@
 // requires rigid/collide/ball.wgsl rigid/collide/capsule.wgsl rigid/collide/manifold.wgsl rigid/collide/solid.wgsl
 
-// Round pairs: a ball or a capsule against everything (docs/physics.md section 11.13).
+// Round pairs: a ball or a capsule against everything (docs/physics section 11.13).
 
 // A pair whose cores are in the order of the table. There the second shape has this position and these axes.
 struct OrderedPair {

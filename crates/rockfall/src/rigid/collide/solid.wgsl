@@ -1,6 +1,6 @@
 // requires rigid/collide/manifold.wgsl
 
-// Vertices, faces and edges of cores (docs/physics.md section 11.13).
+// Vertices, faces and edges of cores (docs/physics section 11.13).
 //
 // A hull has its lists in `hulls`, from row `more` of its shape on, four words a row: (numbers of vertices, faces and edges, width);
 // vertices (x, y, z, 0); faces (unit normal, first corner | number of corners << 16); edges of 4 bytes (two vertices, the two faces beside

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/times.wgsl rigid/frame/reflect.wgsl rigid/frame/warm_start.wgsl physics/quaternion.wgsl
 
-// Impacts of a block; blocks that wait; rows of clocked blocks (docs/physics.md section 11.7).
+// Impacts of a block; blocks that wait; rows of clocked blocks (docs/physics section 11.7).
 
 // Reflects a block that is hit. Returns whether it was reflected.
 fn strike_block(k: u32) -> bool {

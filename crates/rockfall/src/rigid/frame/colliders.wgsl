@@ -1,6 +1,6 @@
 // requires rigid/collide/manifold.wgsl
 
-// Colliders (docs/physics.md section 11.1): a place in coordinates of a body, and a shape. `rigid/gpu/shapes.rs` has the same rows.
+// Colliders (docs/physics section 11.1): a place in coordinates of a body, and a shape. `rigid/gpu/shapes.rs` has the same rows.
 //
 // Rows of a collider: place, body; turn; group, material, 1 if its surface has a velocity, the groups that it meets; the two rows of its
 // shape.

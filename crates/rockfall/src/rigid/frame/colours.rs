@@ -1,4 +1,4 @@
-//! Colours: blocks of one colour share no body with mass (docs/physics.md section 11.6).
+//! Colours: blocks of one colour share no body with mass (docs/physics section 11.6).
 
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::contacts::{Block, COLOURS, Contacts, LEFT_OVER, Pair};

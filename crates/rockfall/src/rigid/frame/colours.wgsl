@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl
 
-// Colours of the blocks (docs/physics.md section 11.6).
+// Colours of the blocks (docs/physics section 11.6).
 //
 // | array | entry |
 // |---|---|

@@ -1,4 +1,4 @@
-//! Broad and narrow phase of a frame: margins, pairs and manifolds, in blocks (docs/physics.md sections 11.3 and 11.4).
+//! Broad and narrow phase of a frame: margins, pairs and manifolds, in blocks (docs/physics sections 11.3 and 11.4).
 
 use rayon::prelude::*;
 

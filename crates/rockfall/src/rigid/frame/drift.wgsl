@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/halt.wgsl rigid/frame/turn.wgsl physics/quaternion.wgsl
 
-// The drift of a substep (docs/physics.md section 11.9).
+// The drift of a substep (docs/physics section 11.9).
 
 fn drift_body(body: u32) {
     let at = BODY_ROWS * body;

@@ -1,4 +1,4 @@
-//! Energy and momenta of all bodies, and the number of substeps that a scene needs (docs/physics.md sections 11.2 and 11.10).
+//! Energy and momenta of all bodies, and the number of substeps that a scene needs (docs/physics sections 11.2 and 11.10).
 
 use glam::DVec3;
 

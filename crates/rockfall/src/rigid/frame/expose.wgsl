@@ -1,7 +1,7 @@
 // requires physics/quaternion.wgsl rigid/collide/ball.wgsl rigid/frame/colliders.wgsl rigid/frame/rows.wgsl
 
 // Points of flat pairs on a static shape that another static shape of the same body covers: the sides of tiles in a floor
-// (docs/physics.md section 11.4). A pair may lose all points. If all pairs would, the one nearest to its surface keeps them.
+// (docs/physics section 11.4). A pair may lose all points. If all pairs would, the one nearest to its surface keeps them.
 
 // Thickness of the skin of static shapes, as a share of the width of the moving body.
 const SKIN: f32 = 0.5e-3;

@@ -1,6 +1,6 @@
 // requires rigid/frame/places.wgsl rigid/frame/rows.wgsl rigid/frame/scratch.wgsl rigid/frame/search.wgsl rigid/frame/states.wgsl
 
-// The impacts of blocks that may have round pairs (docs/physics.md section 11.7): whether and when they are hit, and the geometry then.
+// The impacts of blocks that may have round pairs (docs/physics section 11.7): whether and when they are hit, and the geometry then.
 
 fn hit_along_path(block: Block) -> Hit {
     var hit = Hit(false, 0.0, 0.0, true);

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/turn.wgsl
 
-// The momentum of a body after rows (docs/physics.md section 11.9): L = I omega where omega differs by a bit from the one that belongs
+// The momentum of a body after rows (docs/physics section 11.9): L = I omega where omega differs by a bit from the one that belongs
 // to L. That one is omega_0: the kick and the drift set both.
 fn follow(body: u32) {
     let at = BODY_ROWS * body;

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl
 
-// The manifolds of a frame in order (docs/physics.md section 11.5): by the body that owns them, its partner, and the colliders. Of two
+// The manifolds of a frame in order (docs/physics section 11.5): by the body that owns them, its partner, and the colliders. Of two
 // bodies a < b with mass, b owns; with one, that one. So the world, on which thousands rest, owns nothing.
 //
 // | array | entry |

@@ -1,7 +1,7 @@
 // requires rigid/frame/rows.wgsl rigid/frame/found.wgsl
 
 // The blocks of a frame by owner and partner, and the list of each body with mass: its own blocks, then those of bodies with greater
-// numbers (docs/physics.md section 11.5).
+// numbers (docs/physics section 11.5).
 //
 // | array | entry |
 // |---|---|

@@ -1,4 +1,4 @@
-//! Impacts: blocks that close are reflected at their time of contact (docs/physics.md section 11.7).
+//! Impacts: blocks that close are reflected at their time of contact (docs/physics section 11.7).
 
 use glam::{Quat, Vec2, Vec3, Vec3A};
 use rayon::prelude::*;

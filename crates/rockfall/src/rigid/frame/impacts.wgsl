@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/carry.wgsl rigid/frame/left_over_impacts.wgsl rigid/frame/report.wgsl
 
-// The impacts of a substep (docs/physics.md section 11.7), a dispatch for each colour and round.
+// The impacts of a substep (docs/physics section 11.7), a dispatch for each colour and round.
 
 // Momenta after the last relax pass, before impacts use them.
 @compute @workgroup_size(THREADS)

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/arc.wgsl physics/quaternion.wgsl
 
-// A joint in the present pose, and how its impulses act (docs/physics.md section 11.14). `rigid/gpu/joints.rs` makes the arrays.
+// A joint in the present pose, and how its impulses act (docs/physics section 11.14). `rigid/gpu/joints.rs` makes the arrays.
 //
 // | array | rows of a joint |
 // |---|---|

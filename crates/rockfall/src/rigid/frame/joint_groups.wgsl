@@ -1,7 +1,7 @@
 // requires rigid/frame/joints.wgsl
 
 // Passes over joints of mechanisms that are not connected to each other. A workgroup has the joints of some mechanisms, and no other one
-// has their bodies. So all colours and both visits are one dispatch (docs/physics.md section 11.14).
+// has their bodies. So all colours and both visits are one dispatch (docs/physics section 11.14).
 //
 // `joint_order` begins with a table here: of each group the first entry of each colour, and the end. `call.colour` is the number of groups,
 // and `call.biased` that of the colours.

@@ -1,4 +1,4 @@
-//! Joints: the warm start, and a visit of all joints in a pass (docs/physics.md section 11.14).
+//! Joints: the warm start, and a visit of all joints in a pass (docs/physics section 11.14).
 
 use glam::{Mat3A, Vec3, Vec3A};
 

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/joint.wgsl rigid/frame/halt.wgsl rigid/frame/report.wgsl
 
-// The rows of joints (docs/physics.md section 11.14). A thread has a joint, and for this dispatch both of its bodies. In these stages the
+// The rows of joints (docs/physics section 11.14). A thread has a joint, and for this dispatch both of its bodies. In these stages the
 // two words of `call` are the first entry of a colour in `joint_order` and the end.
 
 // m_s, r and i_s of the rows of a joint.

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/warm_start.wgsl
 
-// The kick of a substep (docs/physics.md section 11.9) and the warm start of the body.
+// The kick of a substep (docs/physics section 11.9) and the warm start of the body.
 
 fn kick_body(body: u32) {
     if !has_mass(body) {

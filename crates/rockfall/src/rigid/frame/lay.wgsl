@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/found.wgsl rigid/frame/colliders.wgsl physics/quaternion.wgsl
 
-// Pairs and points of a frame in order (docs/physics.md sections 11.4 and 11.5). A pair has room for four points.
+// Pairs and points of a frame in order (docs/physics sections 11.4 and 11.5). A pair has room for four points.
 
 // The number of materials, 0; then friction and restitution of each two materials.
 @group(0) @binding(37) var<storage, read_write> surfaces: array<vec2f>;

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/sweeps.wgsl rigid/frame/warm_start.wgsl
 
-// Left-over blocks (docs/physics.md section 11.6): each solves copies of its bodies, and each body takes the mean of its copies.
+// Left-over blocks (docs/physics section 11.6): each solves copies of its bodies, and each body takes the mean of its copies.
 
 fn copied(mass: Mass, share: f32) -> Mass {
     return Mass(share * mass.inverse, share * mass.diagonal, share * mass.beside);

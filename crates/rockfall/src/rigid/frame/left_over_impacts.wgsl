@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/turn.wgsl rigid/frame/times.wgsl rigid/frame/reflect.wgsl physics/quaternion.wgsl
 
-// Impacts of left-over blocks (docs/physics.md section 11.7): all are found, then reflected with copies of their bodies, and each body
+// Impacts of left-over blocks (docs/physics section 11.7): all are found, then reflected with copies of their bodies, and each body
 // takes the mean of its copies. Rows of a copy: of a and of b each changes of x, v, L, and the rotation; beside them whether the block is
 // hit, tau and delta, and whether it was reflected.
 

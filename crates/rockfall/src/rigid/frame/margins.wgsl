@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl
 
-// The factors of the margins (docs/physics.md section 11.2): after a frame that holds, and after one that does not; the second word of
+// The factors of the margins (docs/physics section 11.2): after a frame that holds, and after one that does not; the second word of
 // the call is 1 after several repeats.
 
 @group(0) @binding(22) var<storage, read_write> scales: array<f32>;

@@ -1,4 +1,4 @@
-//! What is kept from frame to frame: impulses of points and colours of blocks (docs/physics.md section 11.5).
+//! What is kept from frame to frame: impulses of points and colours of blocks (docs/physics section 11.5).
 
 use glam::{Vec2, Vec3A};
 

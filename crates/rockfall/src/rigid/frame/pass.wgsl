@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/sweeps.wgsl rigid/frame/warm_start.wgsl
 
-// A pass over the blocks of a colour (docs/physics.md section 11.6). Each thread has a block, and for this dispatch both of its bodies.
+// A pass over the blocks of a colour (docs/physics section 11.6). Each thread has a block, and for this dispatch both of its bodies.
 
 fn solve_block(k: u32, biased: bool) {
     let block = block_at(k);

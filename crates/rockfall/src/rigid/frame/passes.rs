@@ -1,4 +1,4 @@
-//! Passes over all blocks, colour by colour, and the warm start (docs/physics.md sections 11.6 to 11.8).
+//! Passes over all blocks, colour by colour, and the warm start (docs/physics sections 11.6 to 11.8).
 
 use glam::Vec3A;
 use rayon::prelude::*;

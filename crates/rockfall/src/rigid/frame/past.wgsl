@@ -1,6 +1,6 @@
 // requires
 
-// What is kept from frame to frame (docs/physics.md section 11.5).
+// What is kept from frame to frame (docs/physics section 11.5).
 //
 // | array | entry |
 // |---|---|

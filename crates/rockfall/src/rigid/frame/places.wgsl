@@ -1,7 +1,7 @@
 // requires physics/quaternion.wgsl rigid/collide/round.wgsl rigid/frame/colliders.wgsl rigid/frame/rows.wgsl rigid/frame/scratch.wgsl
 // requires rigid/frame/states.wgsl
 
-// The geometry of pairs in a pose of their bodies, with the closest points of round pairs found anew (docs/physics.md section 11.4).
+// The geometry of pairs in a pose of their bodies, with the closest points of round pairs found anew (docs/physics section 11.4).
 
 // Balls of a block may touch several static shapes.
 // Pairs of a block that may hide each other: the first ones.

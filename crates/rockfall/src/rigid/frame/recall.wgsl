@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/found.wgsl rigid/frame/past.wgsl
 
-// Points take over the impulses that they had in the last frame (docs/physics.md section 11.5): from the point with their id, else from
+// Points take over the impulses that they had in the last frame (docs/physics section 11.5): from the point with their id, else from
 // the nearest one that is free and near enough. The w of the first softness has the factor for another substep.
 
 const NOBODY: u32 = 0xffffffffu;

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/halt.wgsl rigid/frame/turn.wgsl rigid/frame/sweeps.wgsl rigid/frame/times.wgsl physics/quaternion.wgsl
 
-// The reflection of a block at its time of contact (docs/physics.md section 11.7).
+// The reflection of a block at its time of contact (docs/physics section 11.7).
 
 // Points of a block that take part in an impact at most.
 const MOST_POINTS: u32 = 64u;

@@ -1,4 +1,4 @@
-//! Geometry of contacts in a pose of their bodies, and the rows that follow from it (docs/physics.md sections 11.4 and 11.8).
+//! Geometry of contacts in a pose of their bodies, and the rows that follow from it (docs/physics sections 11.4 and 11.8).
 
 use glam::{Mat3A, Vec2, Vec3, Vec3A};
 

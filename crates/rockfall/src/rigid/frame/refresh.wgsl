@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl physics/quaternion.wgsl
 
-// The geometry of the blocks in the present pose (docs/physics.md section 11.4). Round pairs turn with body a like all others.
+// The geometry of the blocks in the present pose (docs/physics section 11.4). Round pairs turn with body a like all others.
 
 fn refresh_block(k: u32) {
     let block = block_at(k);

@@ -1,7 +1,7 @@
 // requires rigid/frame/places.wgsl rigid/frame/rows.wgsl rigid/frame/scratch.wgsl rigid/frame/states.wgsl
 
 // The geometry of the blocks in the present pose, and after impacts at the clocks of their bodies, with round pairs found anew
-// (docs/physics.md sections 11.4 and 11.7).
+// (docs/physics sections 11.4 and 11.7).
 
 // A round pair stores its points. Their impulses follow the ids; the only point of a pair is the same.
 fn renew_points(pair: u32, sight: Sight, place: Place, count: u32) {

@@ -1,4 +1,4 @@
-//! Rows of a block: normal impulses and the friction cone (docs/physics.md section 11.8).
+//! Rows of a block: normal impulses and the friction cone (docs/physics section 11.8).
 
 use glam::{Vec2, Vec3A};
 

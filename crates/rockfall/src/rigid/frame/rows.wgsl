@@ -1,6 +1,6 @@
 // requires
 
-// Rows of the flat arrays of a frame of the law `rigid` (docs/physics.md chapter 11). `rigid/gpu/rows.rs` has the same rows for the host.
+// Rows of the flat arrays of a frame of the law `rigid` (docs/physics chapter 11). `rigid/gpu/rows.rs` has the same rows for the host.
 //
 // | array | rows of an entry |
 // |---|---|

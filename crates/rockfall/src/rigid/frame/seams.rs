@@ -1,4 +1,4 @@
-//! Static surfaces of several shapes, without bumps at their seams (docs/physics.md section 11.4).
+//! Static surfaces of several shapes, without bumps at their seams (docs/physics section 11.4).
 
 use glam::{Quat, Vec3};
 

@@ -1,6 +1,6 @@
 // requires physics/quaternion.wgsl rigid/frame/places.wgsl rigid/frame/rows.wgsl rigid/frame/states.wgsl rigid/frame/turn.wgsl
 
-// The search for the touch of a round pair along the paths of its bodies (docs/physics.md section 11.7).
+// The search for the touch of a round pair along the paths of its bodies (docs/physics section 11.7).
 
 const SEARCH_STEPS: u32 = 8u;
 struct Search {

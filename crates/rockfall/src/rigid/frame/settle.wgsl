@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/follow.wgsl rigid/frame/halt.wgsl rigid/frame/report.wgsl
 
-// The end of a frame (docs/physics.md sections 11.2 and 11.9): momenta after the last relax pass, and the test of margins.
+// The end of a frame (docs/physics sections 11.2 and 11.9): momenta after the last relax pass, and the test of margins.
 
 @compute @workgroup_size(THREADS)
 fn settle(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {

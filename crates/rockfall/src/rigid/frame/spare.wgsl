@@ -1,6 +1,6 @@
 // requires rigid/frame/places.wgsl rigid/frame/rows.wgsl rigid/frame/search.wgsl rigid/frame/states.wgsl
 
-// The spare gaps of round pairs before the biased pass (docs/physics.md section 11.7): a body that passes is not deflected.
+// The spare gaps of round pairs before the biased pass (docs/physics section 11.7): a body that passes is not deflected.
 
 @compute @workgroup_size(THREADS)
 fn spare_round(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {

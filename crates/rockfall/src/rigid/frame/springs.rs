@@ -1,4 +1,4 @@
-//! Forces of springs, tethers and muscles (docs/physics.md section 11.9).
+//! Forces of springs, tethers and muscles (docs/physics section 11.9).
 
 use glam::Vec3A;
 

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl physics/quaternion.wgsl physics/sine.wgsl physics/product.wgsl
 
-// Forces of springs, tethers and muscles (docs/physics.md section 11.9). `rigid/gpu/springs.rs` makes the arrays.
+// Forces of springs, tethers and muscles (docs/physics section 11.9). `rigid/gpu/springs.rs` makes the arrays.
 //
 // | array | rows or words |
 // |---|---|

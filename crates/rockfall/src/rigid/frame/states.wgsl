@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/turn.wgsl physics/quaternion.wgsl
 
-// States of bodies within a substep (docs/physics.md section 11.7), and what the times of contact of all pairs need.
+// States of bodies within a substep (docs/physics section 11.7), and what the times of contact of all pairs need.
 
 
 struct State {

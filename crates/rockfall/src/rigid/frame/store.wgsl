@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/found.wgsl rigid/frame/past.wgsl rigid/frame/report.wgsl
 
-// The end of a frame: what its contacts come to, and what is kept of them (docs/physics.md section 11.5).
+// The end of a frame: what its contacts come to, and what is kept of them (docs/physics section 11.5).
 
 fn is_number(v: vec4f) -> bool {
     return all((bitcast<vec4u>(v) & vec4u(0x7f800000u)) != vec4u(0x7f800000u));

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl
 
-// The rows of a block (docs/physics.md section 11.8).
+// The rows of a block (docs/physics section 11.8).
 
 const SWEEPS: u32 = 2u;
 const LAST_CHANGE: f32 = 1e-3;

@@ -1,4 +1,4 @@
-//! Problems with answers from nature: closed forms and conservation. Their numbers are those of docs/physics.md section 11.11.
+//! Problems with answers from nature: closed forms and conservation. Their numbers are those of docs/physics section 11.11.
 
 mod changes;
 mod colours;

@@ -1,4 +1,4 @@
-//! When the bodies of a block touch (docs/physics.md section 11.7).
+//! When the bodies of a block touch (docs/physics section 11.7).
 
 use glam::{Vec3, Vec3A};
 

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl rigid/frame/states.wgsl rigid/frame/turn.wgsl physics/quaternion.wgsl
 
-// The times of contact of blocks without round pairs, and the geometry at them (docs/physics.md section 11.7). `known.wgsl` has the same
+// The times of contact of blocks without round pairs, and the geometry at them (docs/physics section 11.7). `known.wgsl` has the same
 // functions for blocks with round pairs.
 
 fn hit_of(k: u32, block: Block) -> Hit {

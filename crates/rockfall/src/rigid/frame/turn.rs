@@ -1,4 +1,4 @@
-//! Inertia and the free rotation (docs/physics.md sections 5.9 and 11.1).
+//! Inertia and the free rotation (docs/physics sections 5.9 and 11.1).
 
 use glam::{Mat3A, Quat, Vec3, Vec3A};
 

@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl physics/quaternion.wgsl physics/sine.wgsl
 
-// Inertia and the free rotation (docs/physics.md sections 5.9 and 11.1).
+// Inertia and the free rotation (docs/physics sections 5.9 and 11.1).
 
 struct Top {
     moments: vec3f,

@@ -1,6 +1,6 @@
 // requires rigid/frame/report.wgsl rigid/frame/rows.wgsl rigid/frame/scratch.wgsl
 
-// After the rounds of impacts of blocks that may have round pairs: whether a block waits (docs/physics.md section 11.7).
+// After the rounds of impacts of blocks that may have round pairs: whether a block waits (docs/physics section 11.7).
 
 @compute @workgroup_size(THREADS)
 fn wait_round(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {

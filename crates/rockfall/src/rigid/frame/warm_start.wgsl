@@ -1,6 +1,6 @@
 // requires rigid/frame/rows.wgsl
 
-// The warm start (docs/physics.md section 11.8): what each block adds, and the sum of it for a body.
+// The warm start (docs/physics section 11.8): what each block adds, and the sum of it for a body.
 
 fn put_load(k: u32, block: Block) {
     let apart = place_of(block.b) - place_of(block.a);

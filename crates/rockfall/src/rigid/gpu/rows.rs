@@ -179,7 +179,7 @@ impl FrameRow {
         [FREQUENCY, 2.0 * FREQUENCY].map(|frequency| Self::softness(frequency, h))
     }
 
-    /// `m_s`, r and `i_s` for a frequency times the substep (docs/physics.md section 11.8).
+    /// `m_s`, r and `i_s` for a frequency times the substep (docs/physics section 11.8).
     fn softness(frequency_h: f32, h: f32) -> [f32; 4] {
         const DAMPING: f32 = 10.0;
         let wh = 2.0 * std::f32::consts::PI * frequency_h;

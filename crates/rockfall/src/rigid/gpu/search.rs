@@ -1,4 +1,4 @@
-//! The search for the contacts of a frame on a device (docs/physics.md sections 11.2 and 11.3): from the bodies to manifolds, in no
+//! The search for the contacts of a frame on a device (docs/physics sections 11.2 and 11.3): from the bodies to manifolds, in no
 //! order. `rigid/broad/search.wgsl` tells what its arrays have.
 
 use std::mem::size_of;

@@ -1,5 +1,5 @@
 //! The sequence of spheres of an inlet: their radii, masses and places follow from the seed, the number of the inlet and the serial
-//! number of the sphere alone (docs/physics.md section 2.15).
+//! number of the sphere alone (docs/physics section 2.15).
 
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};

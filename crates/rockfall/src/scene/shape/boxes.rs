@@ -1,4 +1,4 @@
-//! Boxes of shapes, and the spheres and rods that they are made of (docs/physics.md section 1.5).
+//! Boxes of shapes, and the spheres and rods that they are made of (docs/physics section 1.5).
 //!
 //! A box is rounded inward: it is its core, a smaller box, and everything within the rounding radius of it. It becomes a sphere around
 //! all of it, which stands for the solid, a sphere at each vertex of the core, and a rod along each edge of the core.

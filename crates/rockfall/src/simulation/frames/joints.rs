@@ -1,4 +1,4 @@
-//! Joints of a scene as those of the law `rigid` (docs/physics.md section 11.14), and what a run reads of them.
+//! Joints of a scene as those of the law `rigid` (docs/physics section 11.14), and what a run reads of them.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;

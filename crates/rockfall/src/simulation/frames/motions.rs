@@ -1,4 +1,4 @@
-//! Walls that follow motions under the law `rigid`: each motion is a kinematic body (docs/physics.md section 11.1).
+//! Walls that follow motions under the law `rigid`: each motion is a kinematic body (docs/physics section 11.1).
 
 use glam::{DQuat, DVec3};
 

@@ -12,7 +12,7 @@ use crate::settings::DEFAULT_TIME_STEP;
 use crate::simulation::observe::{Contact, ContactAction};
 use crate::simulation::{MaxOverlap, Simulation, SphereDiagnostics};
 
-/// Points are found up to this share of the radii of the bodies, as those of frames at rest are (docs/physics.md section 11.2).
+/// Points are found up to this share of the radii of the bodies, as those of frames at rest are (docs/physics section 11.2).
 const NEAR: f32 = 0.02;
 
 /// A contact point.

@@ -14,7 +14,7 @@ use crate::rigid::joints::Joint;
 use crate::rigid::spring_bound::SpringBound;
 use crate::scene::{Body, RunDefaults, Scene};
 
-/// How the solver of the contact law `rigid` takes a scene (docs/physics.md section 11).
+/// How the solver of the contact law `rigid` takes a scene (docs/physics section 11).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct HardContacts {

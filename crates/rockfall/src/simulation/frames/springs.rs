@@ -1,4 +1,4 @@
-//! Springs, tethers and muscles of a scene as those of the law `rigid` (docs/physics.md section 11.9).
+//! Springs, tethers and muscles of a scene as those of the law `rigid` (docs/physics section 11.9).
 
 use std::collections::HashMap;
 

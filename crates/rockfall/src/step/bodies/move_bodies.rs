@@ -1,4 +1,4 @@
-//! Integrates rigid bodies and places their spheres (docs/physics.md sections 1.5, 4.16 and 5.9).
+//! Integrates rigid bodies and places their spheres (docs/physics sections 1.5, 4.16 and 5.9).
 //!
 //! The thread of its first sphere sums the loads of its member spheres, moves the body as the integrator moves a sphere, and writes the member spheres to
 //! the state that the integrator has just written. The integrator leaves them out. The passes are
@@ -87,7 +87,7 @@ struct Passing<'a> {
 }
 
 impl Passing<'_> {
-    /// The rates of change in a state with this orientation, from the loads of the members (docs/physics.md section 4.16).
+    /// The rates of change in a state with this orientation, from the loads of the members (docs/physics section 4.16).
     fn rates(&self, pose: &Pose) -> Rates {
         let Step { constants, layout, .. } = self.view.step;
         let mut sum = Load::default();

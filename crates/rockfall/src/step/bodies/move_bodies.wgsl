@@ -34,7 +34,7 @@ fn put_stage(body: u32, pose: Pose) {
     put_pose_row(body, STAGE_ROW + 4u, vec4f(pose.position.low, 0.0));
 }
 
-// The rates of change from the loads of the members, which were evaluated in the state `pose` (docs/physics.md section 4.16).
+// The rates of change from the loads of the members, which were evaluated in the state `pose` (docs/physics section 4.16).
 fn rates_of(form: Form, pose: Pose) -> Rates {
     var force = vec3f(0.0);
     var torque = vec3f(0.0);

@@ -1,4 +1,4 @@
-//! Applies impulses to rigid bodies (docs/physics.md sections 3.9 and 3.11). They change the velocity and the angular momentum of a body. A lone
+//! Applies impulses to rigid bodies (docs/physics sections 3.9 and 3.11). They change the velocity and the angular momentum of a body. A lone
 //! collision also displaces and turns it, as it has moved since its time of contact.
 //!
 //! Pass 0 follows `commit_collisions`. The thread of the first sphere of a body reads the records of its collisions, and of the state only

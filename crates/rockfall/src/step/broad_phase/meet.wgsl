@@ -12,7 +12,7 @@ fn aabbs_meet(a: Aabb, b: Aabb) -> bool {
     return all(a.min <= b.max - way) & all(b.min - way <= a.max) & (((a.tag ^ b.tag) & 0xffffu) == 0u);
 }
 
-// Returns the number of entries that a polygon makes in the list of a rod (docs/physics.md section 2.19).
+// Returns the number of entries that a polygon makes in the list of a rod (docs/physics section 2.19).
 fn entries_of_polygon(index: u32) -> u32 {
     let surface = topology[step.polygons_at + index * POLYGON_WORDS + 9u];
     if surface <= SURFACE_TRIANGLE {

@@ -1,4 +1,4 @@
-//! Applies the impulses of all collisions to the bodies (docs/physics.md sections 3.5 to 3.7). A lone collision is handled
+//! Applies the impulses of all collisions to the bodies (docs/physics sections 3.5 to 3.7). A lone collision is handled
 //! at its time of contact. Collisions that share bodies, and those on networks of rods, are solved by sweeps.
 //!
 //! On the CPU, this stage also computes the impulses.

@@ -1,4 +1,4 @@
-//! Applies friction impulses to all pressed contacts, once per step, in scenes that have them (docs/physics.md section
+//! Applies friction impulses to all pressed contacts, once per step, in scenes that have them (docs/physics section
 //! 3.9).
 //!
 //! The limit of a friction impulse is `collision_friction` times the normal impulse of the contact in this step, plus

@@ -2,7 +2,7 @@
 // requires model/step.wgsl physics/chain.wgsl physics/collision.wgsl physics/collision/plain.wgsl physics/contact.wgsl physics/geometry.wgsl
 // requires physics/escape.wgsl physics/seams_of_list.wgsl physics/rigid_parts.wgsl
 
-// Decides which contacts are pressed, and which of them collide (docs/physics.md section 3.1).
+// Decides which contacts are pressed, and which of them collide (docs/physics section 3.1).
 
 // Overlaps up to this fraction of the smaller radius are rounding errors.
 const ROUNDING: f32 = 1e-5;

@@ -1,7 +1,7 @@
 //! Copies `Y2` to the state of the spheres whose bodies collided. Sets `collided` and `forces_due`. Does nothing in a rejected
 //! step, or when an earlier attempt at the step has done its collisions.
 //!
-//! With `continuous_collisions` it also applies the crossings that are handled (docs/physics.md section 3.10). Their spheres take part
+//! With `continuous_collisions` it also applies the crossings that are handled (docs/physics section 3.10). Their spheres take part
 //! in no other collision of the step, so the changes that `find_crossings` computed still hold. Requests new lists if a sphere may
 //! then leave its AABB.
 

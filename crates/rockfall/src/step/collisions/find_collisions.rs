@@ -1,4 +1,4 @@
-//! Decides which contacts are pressed and which of them collide (docs/physics.md section 3.1).
+//! Decides which contacts are pressed and which of them collide (docs/physics section 3.1).
 //!
 //! An overlap of at most 1e-5 of the smaller radius is a rounding error of objects that just touch, so it does not make a
 //! contact pressed. Otherwise the first impact on a Newton's cradle whose balls touch would count as a collision in a
@@ -9,9 +9,9 @@
 //! has a colliding entry. Each collision is counted once, at the mover with the lower insertion index.
 //!
 //! On the GPU the stage also creates a record for every collision, and stores the number of the record with the list entries of both
-//! sides (docs/physics.md sections 3.5 to 3.7). The CPU needs no records: `apply_collisions` solves all collisions there.
+//! sides (docs/physics sections 3.5 to 3.7). The CPU needs no records: `apply_collisions` solves all collisions there.
 //!
-//! The contacts of a sphere whose crossing is handled do not collide (docs/physics.md section 3.10).
+//! The contacts of a sphere whose crossing is handled do not collide (docs/physics section 3.10).
 //!
 //! The step is rejected when a sphere is outside its AABB (`REJECTED_ESCAPED`). Like the other stages of the phase, this
 //! stage does nothing when the step is rejected or its collisions are done.

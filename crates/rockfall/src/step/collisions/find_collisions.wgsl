@@ -14,7 +14,7 @@
 // Whether an entry of the workgroup's large sphere collides.
 var<workgroup> any_collides: atomic<u32>;
 
-// The contacts of a sphere whose crossing is handled do not collide (docs/physics.md section 3.10).
+// The contacts of a sphere whose crossing is handled do not collide (docs/physics section 3.10).
 fn is_put_off(a: u32, b: u32) -> bool {
     if !CONTINUOUS {
         return false;

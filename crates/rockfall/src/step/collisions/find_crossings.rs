@@ -1,4 +1,4 @@
-//! Finds crossings: contacts that began within the last step and do not collide at its end (docs/physics.md section 3.10).
+//! Finds crossings: contacts that began within the last step and do not collide at its end (docs/physics section 3.10).
 //!
 //! For every sphere, regions 0 and 2 of `Y3` receive the crossing that counts for it, with the changes of position and
 //! velocity, or a mark that it has none. `find_collisions` and `commit_collisions` read them. Where no step has led to the

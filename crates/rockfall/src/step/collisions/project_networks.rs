@@ -1,4 +1,4 @@
-//! Computes the changes of velocity of networks of fixed-length rods by the impulses on them (docs/physics.md section 3.4).
+//! Computes the changes of velocity of networks of fixed-length rods by the impulses on them (docs/physics section 3.4).
 //! Pass m takes the impulses after m sweeps. There is one workgroup per network.
 
 use crate::model::buffer::Buffer;

@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/step.wgsl
 
-// The records of the collisions of a step (docs/physics.md sections 3.5 to 3.7). A record has ROWS rows of four words. Floats are stored by their bits, because the rows also hold ids. The weight of a collision is
+// The records of the collisions of a step (docs/physics sections 3.5 to 3.7). A record has ROWS rows of four words. Floats are stored by their bits, because the rows also hold ids. The weight of a collision is
 // its scale in the sweeps. Neighbours are other collisions that share a body with it. A coupling is the change of the
 // approach velocity of this collision per unit of the other's impulse.
 //
@@ -77,7 +77,7 @@ fn impulse_normal(r: u32) -> vec3f {
     return bitcast<vec4f>(select(collisions[row_at(r, 0u)], collisions[row_at(r, 2u)], is_lone)).xyz;
 }
 
-// The impulse after this number of sweeps. That of a lone collision is not part of a cluster (docs/physics.md section 3.7), so it is 0 here.
+// The impulse after this number of sweeps. That of a lone collision is not part of a cluster (docs/physics section 3.7), so it is 0 here.
 // `weigh_collisions` may write the parameters of such a collision while another thread reads them for a coupling, which therefore must have no effect.
 fn impulse_after(r: u32, sweeps: u32) -> f32 {
     let row = bitcast<vec4f>(collisions[row_at(r, 3u)]);

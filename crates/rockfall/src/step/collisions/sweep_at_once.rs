@@ -1,4 +1,4 @@
-//! Makes all sweeps over the impulses of collisions that share bodies, in one workgroup (docs/physics.md section 3.7). It
+//! Makes all sweeps over the impulses of collisions that share bodies, in one workgroup (docs/physics section 3.7). It
 //! is used where collisions are few: one dispatch per sweep would take longer.
 
 use crate::model::buffer::Buffer;

@@ -1,4 +1,4 @@
-//! Makes one sweep over the impulses of collisions that share bodies (docs/physics.md section 3.7). Pass m
+//! Makes one sweep over the impulses of collisions that share bodies (docs/physics section 3.7). Pass m
 //! makes sweep m + 1 of [`SWEEPS`]. A record has room for two impulses: the pass reads the one after m sweeps and writes the
 //! one after m + 1 sweeps.
 //!

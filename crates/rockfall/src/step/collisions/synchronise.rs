@@ -1,5 +1,5 @@
 //! Computes the acceleration a of every sphere before the collisions. It includes everything but contacts and damping
-//! (docs/physics.md sections 3.1 and 5.2). The size of a goes to the table
+//! (docs/physics sections 3.1 and 5.2). The size of a goes to the table
 //! [`Layout::free_at`](crate::model::step::Layout::free_at), which thresholds use. With symplectic Euler, v + dt/2 a goes to the
 //! fifth region of `Start`: it is the velocity at the time of the positions. Does nothing when an earlier attempt at the step
 //! has done its collisions: thresholds are those of the start of phase 3.

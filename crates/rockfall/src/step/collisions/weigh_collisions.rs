@@ -1,4 +1,4 @@
-//! Prepares the listed collisions for the sweeps (docs/physics.md sections 3.5 to 3.7).
+//! Prepares the listed collisions for the sweeps (docs/physics sections 3.5 to 3.7).
 //!
 //! The stage finds out which collisions are lone. For every other collision it computes the weight, which is the scale of its
 //! impulse in the sweeps, and finds the collisions that share a body with it. A collision that shares no body with another one

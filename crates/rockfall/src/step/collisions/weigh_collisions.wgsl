@@ -64,7 +64,7 @@ fn add_row(k: Record, sphere: u32, row: u32, is_single: bool, company: ptr<funct
 // What the bodies of a collision add to its weight. `weigh_bodies` calls `weight_of_end` in one place, for both ends of both sides:
 // software drivers compile a copy of a function for each call, and the contacts of a sphere take long to compile.
 struct Weight {
-    // The scale of the impulse in the sweeps (docs/physics.md section 3.7).
+    // The scale of the impulse in the sweeps (docs/physics section 3.7).
     weight: f32,
     // Projected, on networks.
     inverse_mass: f32,
@@ -255,7 +255,7 @@ fn weigh(r: u32) {
         put_solved(r, solved, solved.tau);
         return;
     }
-    // A contact that rods keep from moving along n gets no impulse (docs/physics.md section 3.4).
+    // A contact that rods keep from moving along n gets no impulse (docs/physics section 3.4).
     let a = side_of_record(k, 0u);
     let b = side_of_record(k, 1u);
     let unprojected = approach_of(a, b, side_motion(a), side_motion(b), k.n).inverse_mass;

@@ -1,5 +1,5 @@
 //! Computes what a network of fixed-length rods adds to the weight of each collision on it: the sum of its absolute couplings
-//! with all collisions on the network (docs/physics.md sections 3.4 and 3.7), and the projected inverse mass. There is one
+//! with all collisions on the network (docs/physics sections 3.4 and 3.7), and the projected inverse mass. There is one
 //! workgroup per network. It handles one collision after the other.
 
 use crate::model::buffer::Buffer;

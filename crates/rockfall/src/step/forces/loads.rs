@@ -1,4 +1,4 @@
-//! Computes the load of every sphere: force and torque of its contacts, then of what is attached to it (docs/physics.md section 4).
+//! Computes the load of every sphere: force and torque of its contacts, then of what is attached to it (docs/physics section 4).
 //! The integrators read it from `Wrenches`.
 //!
 //! Pass p evaluates the state that pass p of the integrator reads. The stage rejects the step if a moving sphere is outside its AABB

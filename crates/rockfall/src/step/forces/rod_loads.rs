@@ -1,4 +1,4 @@
-//! Computes the loads of the contacts of every rod, on both its ends (docs/physics.md section 4). `loads` adds them to those of the
+//! Computes the loads of the contacts of every rod, on both its ends (docs/physics section 4). `loads` adds them to those of the
 //! spheres at the ends, in the same pass. Counts and springs are handled as in `loads`.
 
 use crate::model::buffer::Buffer;

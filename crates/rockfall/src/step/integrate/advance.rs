@@ -1,4 +1,4 @@
-//! RK4, passes 0 to 2: computes the next stage state of every sphere from its load (docs/physics.md section 5.1).
+//! RK4, passes 0 to 2: computes the next stage state of every sphere from its load (docs/physics section 5.1).
 //!
 //! Pass p takes the rates f at stage state Y(p+1) and writes Y(p+2) = y + c f, where c is dt/2, dt/2 and dt in passes 0, 1
 //! and 2. A sphere whose next stage state is not finite gets its starting position, no velocity and no spin in that state, and
@@ -80,7 +80,7 @@ fn advance(world: &mut World, pass: u32) {
 }
 
 /// Writes what the evaluations up to this pass add to velocity and angular momentum of every sphere in the step. Stage states alone
-/// would lose it by rounding (docs/physics.md section 5.10).
+/// would lose it by rounding (docs/physics section 5.10).
 fn put_increments(world: &mut World, pass: u32) {
     let (done, todo) = world.states.split_at_mut(pass as usize + 1);
     let view = View::new(&world.step, &world.topology, &done[pass as usize])

@@ -1,4 +1,4 @@
-//! Corrects the lengths of fixed-length rods (docs/physics.md section 5.4). After the integration: SHAKE along the old directions, then
+//! Corrects the lengths of fixed-length rods (docs/physics section 5.4). After the integration: SHAKE along the old directions, then
 //! RATTLE. Pass 0 corrects the state. Velocity Verlet also corrects `Y4`, the state after the drift, in pass 3.
 //!
 //! Pass [`RESTORING`] removes errors of lengths from the scene or from an edit, before the integration and in positions only. It

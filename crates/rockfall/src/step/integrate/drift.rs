@@ -1,5 +1,5 @@
 //! Velocity Verlet: half a kick with the rates of the last force evaluation, then the drift: v += dt/2 a, L += dt/2 T, x += dt v
-//! (docs/physics.md section 5.7). The result goes to `Y4`, where the forces are evaluated next. If `forces_due` is set, the rates
+//! (docs/physics section 5.7). The result goes to `Y4`, where the forces are evaluated next. If `forces_due` is set, the rates
 //! follow from the loads at the start of the step instead.
 //!
 //! In scenes with rods or rigid bodies the stage leaves the old position in region 0 of `Y3` and the spin in region 2. It reports spheres whose

@@ -1,4 +1,4 @@
-//! Counts the spheres whose centre has passed a wall in the step (docs/physics.md section 2.20).
+//! Counts the spheres whose centre has passed a wall in the step (docs/physics section 2.20).
 //!
 //! A sphere is tested if its way in the step is longer than a quarter of its radius, or if the deepest overlap at the step before was
 //! at least half of its radius. In most steps there is none, and every thread returns after two words of the status. `loads` notes

@@ -1,9 +1,9 @@
-//! RK4, pass 3: the new state (docs/physics.md section 5.1), and without rods and rigid bodies the new orientations.
+//! RK4, pass 3: the new state (docs/physics section 5.1), and without rods and rigid bodies the new orientations.
 //!
 //! `y' = y + [(Y2 - y) + 2 (Y3 - y) + (Y4 - y)] / 3 + dt/6 f(Y4)`. The stage states contain the earlier rates, so no running
 //! sum of them is needed. With residues the last of them holds that sum, because stage states are rounded. Positions get the same mean of the velocities of the stage states, so that their low parts are kept.
 //!
-//! The mean spin is (w1 + 2 w2 + 2 w3 + w4) / 6. In scenes without rods and rigid bodies it rotates the sphere (exponential map, docs/physics.md
+//! The mean spin is (w1 + 2 w2 + 2 w3 + w4) / 6. In scenes without rods and rigid bodies it rotates the sphere (exponential map, docs/physics
 //! section 5.3). In others the stage leaves it in region 2 of `Y3`, and the old position in region 0, for `constrain` and `turn`.
 
 use glam::Vec3;

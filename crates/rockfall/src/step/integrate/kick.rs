@@ -1,6 +1,6 @@
-//! Velocity Verlet: completes the kick with the loads after the drift: v += dt/2 a, L += dt/2 T (docs/physics.md section 5.7).
+//! Velocity Verlet: completes the kick with the loads after the drift: v += dt/2 a, L += dt/2 T (docs/physics section 5.7).
 //! Keeps the rates for the next step and clears `forces_due`. Reports spheres whose state is not finite. In scenes without rods and rigid bodies it
-//! rotates every sphere by its spin in the middle of the step (exponential map, docs/physics.md section 5.3).
+//! rotates every sphere by its spin in the middle of the step (exponential map, docs/physics section 5.3).
 
 use glam::Vec3;
 use rayon::prelude::*;

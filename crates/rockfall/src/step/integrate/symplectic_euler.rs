@@ -1,5 +1,5 @@
-//! Symplectic Euler: v += dt a(x, v), L += dt T, x += dt v (docs/physics.md section 5.2), and without rods and rigid bodies the new orientations, by
-//! the new spin (exponential map, docs/physics.md section 5.3).
+//! Symplectic Euler: v += dt a(x, v), L += dt T, x += dt v (docs/physics section 5.2), and without rods and rigid bodies the new orientations, by
+//! the new spin (exponential map, docs/physics section 5.3).
 //!
 //! In scenes with rods or rigid bodies the stage leaves the old position in region 0 of `Y3` and the new spin in region 2. It requests new lists
 //! (`rebuild`) if a sphere may leave its AABB within the next step, and reports spheres whose state is not finite.

@@ -1,4 +1,4 @@
-//! Updates the orientations, and the spins of capsules (docs/physics.md sections 5.3 and 5.5, E18).
+//! Updates the orientations, and the spins of capsules (docs/physics sections 5.3 and 5.5, E18).
 //!
 //! The stage runs in scenes with rods or rigid bodies. In others the integrator updates the orientations.
 //!

@@ -44,7 +44,7 @@ fn turn_sphere(i: u32) {
     turn_by(i, rotation(y3[momentum_at(i)].xyz));
 }
 
-// Gives both ends of a capsule a common spin (docs/physics.md section 5.5, E18). Across the axis it is the angular velocity
+// Gives both ends of a capsule a common spin (docs/physics section 5.5, E18). Across the axis it is the angular velocity
 // of the rigid body. The rest of the ends' angular momentum across the axis becomes momentum of the ends. This happens
 // gradually during the step, so the axis moves by half the time step times the change of velocity. With symplectic Euler it
 // moves by the whole time step times the part of that change that is due to forces and torques. The spin refers to the moved

@@ -1,4 +1,4 @@
-//! Moves the servos (docs/physics.md section 2.18).
+//! Moves the servos (docs/physics section 2.18).
 //!
 //! Pass 0, at the start of a step, writes the poses of the step to the table `poses`, from which `move_walls` puts walls where they are.
 //! Pass [`SERVO_END`], at the end of an accepted step, adds up the loads of each servo, moves it on, and finds its rate for the next step.

@@ -1,4 +1,4 @@
-//! Moves boxes and polygons to where their motions put them (docs/physics.md section 2.12).
+//! Moves boxes and polygons to where their motions put them (docs/physics section 2.12).
 //!
 //! Pass 0 puts them to the start of the step, passes 1 and 2 to its middle, pass 3 to its end. A shape is computed from its geometry as
 //! it is written and from the pose of its body in the table `poses`, so it depends on the time alone. The stage also writes the velocity

@@ -1,4 +1,4 @@
-//! Computes what the contacts of every sphere and rod contribute to the force and to the stiffness of every servo (docs/physics.md section
+//! Computes what the contacts of every sphere and rod contribute to the force and to the stiffness of every servo (docs/physics section
 //! 2.18). `drive_servos` adds them up.
 //!
 //! It evaluates the contacts of `loads` again, but only those of movers whose list has a wall that follows a servo. So `loads` has no code

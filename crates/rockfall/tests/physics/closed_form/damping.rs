@@ -1,4 +1,4 @@
-//! Linear and angular damping: v' = -C v and L' = -C L (docs/physics.md section 4.8).
+//! Linear and angular damping: v' = -C v and L' = -C L (docs/physics section 4.8).
 
 use rockfall::model::world::World;
 use rockfall::stability::Stiff;

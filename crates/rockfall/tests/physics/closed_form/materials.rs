@@ -1,4 +1,4 @@
-//! Properties of pairs of materials: restitution and friction (docs/physics.md section 4.10).
+//! Properties of pairs of materials: restitution and friction (docs/physics section 4.10).
 
 use rockfall::{Backend, Capsule, Cuboid, Material, MaterialId, Pair, Rod, Scene, Simulation, Sphere};
 

@@ -1,4 +1,4 @@
-//! Muscles: springs whose rest length oscillates (docs/physics.md section 4.9).
+//! Muscles: springs whose rest length oscillates (docs/physics section 4.9).
 
 use std::f64::consts::TAU;
 

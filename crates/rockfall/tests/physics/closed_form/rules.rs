@@ -1,5 +1,5 @@
 //! Contacts whose distance is 0 except for rounding. They have no normal of their own, so a rule gives it
-//! (`docs/physics.md` section 2). Also contacts that have a small but real distance, and slips that are only rounding
+//! (`docs/physics` section 2). Also contacts that have a small but real distance, and slips that are only rounding
 //! errors.
 
 use rockfall::glam::{EulerRot, Quat, Vec3};

@@ -1,4 +1,4 @@
-//! A chain of rods is touched at its nearest point (E29, docs/physics.md section 2.13).
+//! A chain of rods is touched at its nearest point (E29, docs/physics section 2.13).
 
 use std::fmt::Write as _;
 

@@ -1,4 +1,4 @@
-//! Edges and corners of polygons (E28, docs/physics.md section 2.7).
+//! Edges and corners of polygons (E28, docs/physics section 2.7).
 
 use std::fmt::Write as _;
 

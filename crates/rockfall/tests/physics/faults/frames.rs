@@ -1,4 +1,4 @@
-//! Capsules are rigid bodies under laws with history (E30, docs/physics.md section 1.6).
+//! Capsules are rigid bodies under laws with history (E30, docs/physics section 1.6).
 
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{Backend, Integrator, Simulation};

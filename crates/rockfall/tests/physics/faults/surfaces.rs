@@ -1,4 +1,4 @@
-//! Several boxes and polygons that form one surface (E27, docs/physics.md section 2.11): a ball on a floor of flush tiles.
+//! Several boxes and polygons that form one surface (E27, docs/physics section 2.11): a ball on a floor of flush tiles.
 
 use std::fmt::Write as _;
 

@@ -13,7 +13,7 @@ const RADIUS: f32 = 0.2;
 const ANGLES: [f32; 14] = [0.0, 0.5, -0.5, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3, 0.4, -0.4, 0.6, -0.6, 0.05];
 
 /// A strip of a trough along x: a box whose face touches the circle of this radius about the axis of the trough, which begins at `begin`.
-/// Of strips in one plane, a ball would touch one (docs/physics.md section 2.11).
+/// Of strips in one plane, a ball would touch one (docs/physics section 2.11).
 fn strip(begin: Vec3, end: f32, radius: f32, angle: f32) -> Cuboid {
     let (sin, cos) = angle.sin_cos();
     let (down, across) = (Vec3::new(0.0, -cos, sin), Vec3::new(0.0, sin, cos));

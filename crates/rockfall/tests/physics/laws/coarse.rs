@@ -1,4 +1,4 @@
-//! The warning of positions that are too coarse for the overlaps at rest (docs/physics.md section 6.2), and what happens there.
+//! The warning of positions that are too coarse for the overlaps at rest (docs/physics section 6.2), and what happens there.
 
 use rockfall::{Backend, ContactLaw, Cuboid, Integrator, Material, Pair, Precision, Scene, Simulation, Sphere};
 

@@ -1,4 +1,4 @@
-//! Cohesion (docs/physics.md section 4.13): pull-off force, sticking speed, and bound bodies.
+//! Cohesion (docs/physics section 4.13): pull-off force, sticking speed, and bound bodies.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! JKR cohesion (docs/physics.md section 4.13): force over overlap, pull-off force, sticking speed, energy lost in a contact.
+//! JKR cohesion (docs/physics section 4.13): force over overlap, pull-off force, sticking speed, energy lost in a contact.
 
 use std::f64::consts::PI;
 
@@ -197,7 +197,7 @@ fn the_work_of_a_contact_is_that_of_the_literature() {
     let mass = 4.0 / 3.0 * PI * jkr.radius.powi(3) * density;
     let speed = 1.84 * ((2.0 * jkr.gamma / jkr.radius).powi(5) / (density.powi(3) * YOUNG.powi(2))).powf(1.0 / 6.0);
     assert_close((2.0 * jkr.loss() / mass).sqrt(), speed, 1e-3, "sticking speed");
-    // The closed form of docs/physics.md: E* R*^(1/2) h^(5/2) (16/5 + 24/5 4^(4/3)).
+    // The closed form of docs/physics: E* R*^(1/2) h^(5/2) (16/5 + 24/5 4^(4/3)).
     let unit = jkr.tearing() / 3.0;
     let closed = YOUNG * jkr.radius.sqrt() * unit.powf(2.5) * (3.2 + 4.8 * 4.0_f64.powf(4.0 / 3.0));
     assert_close(jkr.loss(), closed, 1e-4, "closed form");

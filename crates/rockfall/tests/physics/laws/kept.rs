@@ -127,7 +127,7 @@ fn edits_keep_springs(backend: Backend) {
     simulation.add_sphere(Sphere::new([70.0, 0.0, 0.0], 0.5).fixed().material(material)).expect("added");
     simulation.run(steps / 4, dt).expect("steps");
     let moved = (x(&mut simulation) - before).abs();
-    // g sin / (2 S_t / m) is the length of the springs: about 2e-4. The capsule creeps at 1e-4 units/s (docs/physics.md section 8).
+    // g sin / (2 S_t / m) is the length of the springs: about 2e-4. The capsule creeps at 1e-4 units/s.
     let allowed = 5e-5;
     assert!(moved < allowed, "moved by {moved}");
 }

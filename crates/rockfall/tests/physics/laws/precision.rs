@@ -1,4 +1,4 @@
-//! Double precision of positions (docs/physics.md section 5.8): small bodies far from the origin move as at the origin.
+//! Double precision of positions (docs/physics section 5.8): small bodies far from the origin move as at the origin.
 
 use rockfall::{
     Backend, BroadPhase, Checkpoint, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Polygon, Precision, Scene,

@@ -55,7 +55,7 @@ fn stacked_balls_rest_by_hertz_mindlin_law(backend: Backend) {
 }
 
 /// A capsule whose axis points down an incline cannot roll. Gravity is tilted by a slope of 0.4: with mu = 0.5 it stays where it
-/// is, and creeps by less than 2e-4 units/s (docs/physics.md section 8); with mu = 0.3 it slides with g (sin - mu cos).
+/// is, and creeps by less than 2e-4 units/s; with mu = 0.3 it slides with g (sin - mu cos).
 fn a_capsule_stays_on_an_incline_up_to_its_friction(law: ContactLaw, backend: Backend) {
     let slope = 0.4_f32;
     let cos = 1.0 / (1.0 + slope * slope).sqrt();

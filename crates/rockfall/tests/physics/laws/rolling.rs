@@ -1,4 +1,4 @@
-//! Resistance to rolling and twisting (docs/physics.md section 4.12), against closed forms of one ball on a plane.
+//! Resistance to rolling and twisting (docs/physics section 4.12), against closed forms of one ball on a plane.
 
 use rockfall::glam::Vec3;
 use rockfall::{Backend, ContactLaw, Cuboid, Pair, RollingModel, Simulation, Sphere};

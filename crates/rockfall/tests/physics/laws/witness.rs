@@ -1,4 +1,4 @@
-//! Oblique impacts of two spheres, computed in f64 from docs/physics.md section 4.11 alone, against both backends.
+//! Oblique impacts of two spheres, computed in f64 from docs/physics section 4.11 alone, against both backends.
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{Backend, CohesionModel, ContactLaw, Pair, RollingModel, Scene, Sphere};
@@ -42,7 +42,7 @@ pub(crate) fn damping(law: ContactLaw, e: f64) -> f64 {
 /// Rolling and twisting resistance: mu_r, whether it is model A, mu_q. The damping ratio is 0.3.
 type Resistance = (f64, bool, f64);
 
-/// Moment on A of docs/physics.md section 4.12, and the elastic part that is kept.
+/// Moment on A of docs/physics section 4.12, and the elastic part that is kept.
 struct Turning {
     n: DVec3,
     /// R*, overlap, overlap before, N, time step.

@@ -1,4 +1,4 @@
-//! Contact forces between two bodies and against static objects (docs/physics.md section 4), springs, free capsules,
+//! Contact forces between two bodies and against static objects (docs/physics section 4), springs, free capsules,
 //! and one-sided polygons.
 
 use std::cell::Cell;
@@ -166,7 +166,7 @@ fn spring_forces_are_internal() {
     });
 }
 
-/// A free capsule with any spin keeps its angular momentum within 0.1 % (docs/physics.md section 5.5) and gains no
+/// A free capsule with any spin keeps its angular momentum within 0.1 % (docs/physics section 5.5) and gains no
 /// energy. A capsule that rolls about its axis while it tumbles loses a little, in proportion to the cube of the time
 /// step.
 #[test]

@@ -1,4 +1,4 @@
-//! `handle_collisions` on random crowds (docs/physics.md section 3).
+//! `handle_collisions` on random crowds (docs/physics section 3).
 
 use std::cell::Cell;
 

@@ -1,4 +1,4 @@
-//! Random scenes of hard contacts (docs/physics.md section 11) keep what the law promises.
+//! Random scenes of hard contacts (docs/physics section 11) keep what the law promises.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Pairs, blocks, matching and colours (docs/physics.md sections 11.3 to 11.6).
+//! Pairs, blocks, matching and colours (docs/physics sections 11.3 to 11.6).
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! Manifolds of two sharp boxes (docs/physics.md section 11.13, "Box with box").
+//! Manifolds of two sharp boxes (docs/physics section 11.13, "Box with box").
 
 use rockfall::glam::{DMat3, DVec3};
 

@@ -1,4 +1,4 @@
-//! The witness's world of a scene (docs/physics.md sections 11.1 and 11.13).
+//! The witness's world of a scene (docs/physics sections 11.1 and 11.13).
 
 use std::collections::HashMap;
 

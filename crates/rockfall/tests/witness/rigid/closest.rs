@@ -1,4 +1,4 @@
-//! Closest points (docs/physics.md section 11.13, "Lines" and "Closest points").
+//! Closest points (docs/physics section 11.13, "Lines" and "Closest points").
 
 use rockfall::glam::{DMat3, DVec3};
 

@@ -1,4 +1,4 @@
-//! Motors, friction, springs and damping of joints (docs/physics.md section 11.14).
+//! Motors, friction, springs and damping of joints (docs/physics section 11.14).
 
 use std::f64::consts::TAU;
 

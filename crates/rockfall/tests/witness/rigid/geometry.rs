@@ -1,4 +1,4 @@
-//! The geometry of blocks in a pose, and their refresh (docs/physics.md section 11.4).
+//! The geometry of blocks in a pose, and their refresh (docs/physics section 11.4).
 
 use rockfall::glam::DVec3;
 

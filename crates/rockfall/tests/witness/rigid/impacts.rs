@@ -1,4 +1,4 @@
-//! Impacts (docs/physics.md section 11.7).
+//! Impacts (docs/physics section 11.7).
 
 use rockfall::glam::DVec3;
 

@@ -1,4 +1,4 @@
-//! Joints (docs/physics.md section 11.14).
+//! Joints (docs/physics section 11.14).
 
 use std::f64::consts::{PI, TAU};
 

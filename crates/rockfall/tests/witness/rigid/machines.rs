@@ -1,4 +1,4 @@
-//! Random bodies with joints (docs/physics.md section 11.14).
+//! Random bodies with joints (docs/physics section 11.14).
 
 use rockfall::glam::{DVec3, Vec3};
 use rockfall::{Anchor, Joint, JointKind};

@@ -1,7 +1,7 @@
 //! A reference implementation ("witness") of a frame of the contact law `rigid` in f64, and comparisons of the CPU backend
 //! with it.
 //!
-//! It follows chapter 11 of docs/physics.md alone. Left out: capsules and hulls, motions of walls, springs, left-over blocks.
+//! It follows chapter 11 of docs/physics alone. Left out: capsules and hulls, motions of walls, springs, left-over blocks.
 
 mod blocks;
 mod boxes;

@@ -1,4 +1,4 @@
-//! Polyhedra: their lists, the reduction to four places, and the general pair (docs/physics.md section 11.13). Radii are 0.
+//! Polyhedra: their lists, the reduction to four places, and the general pair (docs/physics section 11.13). Radii are 0.
 
 use rockfall::glam::{DMat3, DVec3};
 

@@ -1,4 +1,4 @@
-//! Rows of contacts: warm start, passes, spare gaps (docs/physics.md sections 11.7 and 11.8).
+//! Rows of contacts: warm start, passes, spare gaps (docs/physics sections 11.7 and 11.8).
 
 use rockfall::glam::{DMat3, DQuat, DVec3};
 

@@ -1,4 +1,4 @@
-//! Shapes and manifolds (docs/physics.md section 11.13). Everything is in coordinates of the first shape of a pair, in units.
+//! Shapes and manifolds (docs/physics section 11.13). Everything is in coordinates of the first shape of a pair, in units.
 
 use rockfall::glam::{DMat3, DQuat, DVec3};
 

@@ -1,4 +1,4 @@
-//! Bodies, blocks and a frame (docs/physics.md sections 11.1, 11.2 and 11.9).
+//! Bodies, blocks and a frame (docs/physics sections 11.1, 11.2 and 11.9).
 
 use std::cell::RefCell;
 use std::collections::HashMap;

@@ -1,4 +1,4 @@
-//! The geometry of a joint in one pose of its bodies, and what follows from it (docs/physics.md section 11.14).
+//! The geometry of a joint in one pose of its bodies, and what follows from it (docs/physics section 11.14).
 
 use std::f32::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Joints: closed forms and conservation (docs/physics.md sections 11.11 and 11.14).
+//! Joints: closed forms and conservation (docs/physics sections 11.11 and 11.14).
 
 use std::f32::consts::{FRAC_PI_2, PI};
 

@@ -1,4 +1,4 @@
-//! Joints on a device (docs/physics.md section 11.14): closed forms, conservation, and runs that go on.
+//! Joints on a device (docs/physics section 11.14): closed forms, conservation, and runs that go on.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;
