@@ -110,7 +110,7 @@ def test_the_example_of_the_package_runs() -> None:
     assert isinstance(sim, rf.Simulation) and sim.positions.shape == (1000, 3)
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/python.md", "docs/python-pitfalls.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/python.md"])
 def test_the_examples_of_the_documentation_run_as_a_file(page: str, tmp_path: pathlib.Path) -> None:
     text = (TESTS.parents[2] / page).read_text()
     marked = re.findall(r"(<!-- not run: [^>]*-->\n)?```python\n(.*?)```", text, re.DOTALL)

@@ -1,4 +1,4 @@
-//! Faces that stand for cylinders, cones and balls as walls under the law `rigid` (docs/physics.md section 11.1).
+//! Faces that stand for cylinders, cones and balls as walls under the law `rigid` (docs/physics section 11.1).
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
