@@ -9,20 +9,17 @@ use crate::scene::checks::invalid;
 
 impl Scene {
     /// Adds the parts of a shape at a place where they stay, or from which they follow a motion. Returns the objects that they become, in the
-    /// order spheres, rods, boxes.
+    /// order spheres, rods, boxes, hulls.
     ///
     /// Without a motion, spheres become fixed spheres, with rods between them. Parts that follow a motion are walls: a sphere becomes a
-    /// [ball](Polygon::ball), a rod a [cylinder](Polygon::cylinder). Boxes are boxes in both cases, with sharp edges.
+    /// [ball](Polygon::ball), a rod a [cylinder](Polygon::cylinder). In both cases boxes are boxes with sharp edges, and a hull becomes the
+    /// triangles of its surface.
     ///
     /// # Errors
     /// As for [`Scene::add_body`], and [`Error::Invalid`](crate::Error::Invalid) for a velocity or spin of the placement: only a motion moves
-    /// such a body, and for a shape with hulls. [`Error::StaleHandle`](crate::Error::StaleHandle) for a motion that is not in the scene. Nothing is added then.
+    /// such a body. [`Error::StaleHandle`](crate::Error::StaleHandle) for a motion that is not in the scene. Nothing is added then.
     pub fn add_static_body(&mut self, placement: Placement, motion: Option<MotionId>) -> Result<Vec<ObjectId>> {
         let (body, _) = self.laid(placement)?;
-        if let count @ 1.. = self.shapes.get(body.shape)?.hulls.len() {
-            let expected = "a shape without hulls: bodies with hulls cannot be fixed and do not follow motions yet";
-            return Err(invalid("placement.shape", format_args!("a shape with {count} hulls"), expected));
-        }
         if body.velocity != Vec3::ZERO || body.angular_momentum != Vec3::ZERO {
             let value = [body.velocity, body.angular_momentum];
             return Err(invalid(
@@ -54,6 +51,19 @@ impl Scene {
             let id = self.add_box(Cuboid { corner: laid.point(corner).as_vec3(), edges, motion, ..part.cuboid })?;
             added.push(id.into());
             self.put_tag(id.into(), part.tag.clone())?;
+        }
+        for part in &shape.hulls {
+            let corners = part.triangles().map(|corners| corners.map(|corner| laid.point(corner).as_vec3()));
+            for [a, b, c] in corners {
+                let wall = Polygon { group: part.group(), material: part.material(), motion, ..Polygon::triangle(a, b, c) };
+                // A face is divided into triangles, and rounding may leave one without an area.
+                if wall.validate().is_err() {
+                    continue;
+                }
+                let id = self.add_polygon(wall)?;
+                added.push(id.into());
+                self.put_tag(id.into(), part.tag.clone())?;
+            }
         }
         Ok(())
     }
@@ -158,6 +168,21 @@ mod tests {
         assert_eq!((scene.spheres().len(), scene.polygons().len(), scene.boxes().len(), added.len()), (0, 4, 1, 5));
         let moves = scene.polygons().iter().map(|wall| wall.motion).chain(scene.boxes().iter().map(|wall| wall.motion));
         assert!(moves.into_iter().all(|of| of == Some(motion)));
+    }
+
+    #[test]
+    fn a_static_hull_is_its_surface() {
+        let mut scene = Scene::new();
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0]].map(Vec3::from);
+        let shape = scene.add_shape(Shape::new().tag(Tag::new().name("wedge")).add_hull(corners).unwrap()).unwrap();
+        let added = scene.add_static_body(Placement::new(shape).at([0.0, 5.0, 0.0]), None).unwrap();
+        // Two triangles below, and the four sides of the pyramid.
+        assert_eq!((scene.polygons().len(), added.len()), (6, 6));
+        let area = |wall: &Polygon| 0.5 * wall.left.cross(wall.right).length();
+        let expected = 1.0 + 2.0 * 0.5 + 2.0 * 0.5_f32.sqrt();
+        assert!((scene.polygons().iter().map(area).sum::<f32>() - expected).abs() < 1e-5);
+        assert!(scene.polygons().iter().all(|wall| wall.is_triangle() && wall.corner.y >= 4.9));
+        assert_eq!(scene.named("wedge").unwrap().len(), 6);
     }
 
     #[test]
