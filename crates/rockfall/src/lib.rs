@@ -132,8 +132,3 @@ pub use user_laws::{ContactForceLaw, ContactInput, ContactResponse, ForceInput, 
 pub use wgpu;
 #[cfg(not(target_family = "wasm"))]
 pub use worlds::{Sample, Sleep, WorldPath, WorldReport, Worlds};
-
-/// Runs the example of the README as a test.
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;

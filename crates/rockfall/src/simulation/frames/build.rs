@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::{Owner, motions, walls};
+use super::{Owner, motions};
 use crate::error::Result;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
@@ -83,7 +83,7 @@ impl<'a> Builder<'a> {
             places[self.scene.body_number(cuboid.motion)? as usize].push(cuboid.frame().0);
         }
         for polygon in self.scene.polygons() {
-            places[self.scene.body_number(polygon.motion)? as usize].push(walls::middle_of(polygon));
+            places[self.scene.body_number(polygon.motion)? as usize].push(motions::middle_of(polygon));
         }
         for (number, places) in places.into_iter().enumerate().skip(1) {
             self.origins.push(motions::middle(places.into_iter()));

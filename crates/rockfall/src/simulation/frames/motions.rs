@@ -61,6 +61,11 @@ pub(super) fn middle(places: impl Iterator<Item = DVec3>) -> DVec3 {
     if low.is_finite() { 0.5 * (low + high) } else { DVec3::ZERO }
 }
 
+/// The place of a polygon among the walls of its motion.
+pub(super) fn middle_of(polygon: &Polygon) -> DVec3 {
+    polygon.corner.as_dvec3() + polygon.cone_axis().map_or(DVec3::ZERO, |axis| 0.5 * axis.along)
+}
+
 /// Whether some plane would turn: no margin holds for its far parts.
 pub(super) fn turns_planes(scene: &Scene) -> bool {
     let turns = |motion: &Motion| motion.terms.iter().any(|term| term.spin != 0.0);

@@ -140,11 +140,6 @@ impl Builder<'_> {
     }
 }
 
-/// Where the body of a motion lies if it carries this polygon alone.
-pub(super) fn middle_of(polygon: &Polygon) -> DVec3 {
-    polygon.corner.as_dvec3() + polygon.cone_axis().map_or(DVec3::ZERO, |axis| 0.5 * axis.along)
-}
-
 /// A smooth wall for balls, and its facets for everything else.
 fn with_facets(wall: (Core, Pose), facets: &[Facet]) -> Vec<(Core, Pose)> {
     std::iter::once(wall).chain(facets.iter().map(|facet| face(facet, true, true))).collect()
