@@ -189,12 +189,14 @@ fn a_chain_of_rods_hangs_from_a_body(backend: Backend) {
     }
     text += "@group 0\n@body crate mass=1\nB -0.1 -0.1 -0.1 0.2 0 0 0 0.2 0 0 0 0.2\n@end\n@place crate at=5,0,0\n";
     let mut simulation = open(&text, backend);
-    for _ in 0..6 {
-        simulation.run(30, FRAME).expect("frames");
+    let mut lowest = 0.0_f32;
+    for _ in 0..18 {
+        simulation.run(5, FRAME).expect("frames");
         let places = spheres(&mut simulation);
         for pair in places[..7].windows(2) {
             assert!((pair[0].distance(pair[1]) - 0.2).abs() < 4e-3, "{}", pair[0].distance(pair[1]));
         }
+        lowest = lowest.min(places[6].y);
     }
-    assert!(spheres(&mut simulation)[6].y < -0.3);
+    assert!(lowest < -1.0, "{lowest}");
 }

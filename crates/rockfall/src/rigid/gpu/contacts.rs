@@ -207,6 +207,9 @@ fn on_device(cases: &[Case]) -> Vec<ManifoldRow> {
     bytemuck::cast_slice(&bytes).to_vec()
 }
 
+/// Balls touch smooth walls, and everything else their facets.
+const NEVER: [&str; 3] = ["facet ball", "cone box", "bowl capsule"];
+
 fn agrees(twin: Option<&Manifold>, found: &ManifoldRow, size: f32) -> bool {
     let Some(twin) = twin else { return found.count == 0 };
     let near = |row: [f32; 4], point: Vec3| Vec3::new(row[0], row[1], row[2]).distance(point) < 1e-4 * size;
@@ -228,7 +231,11 @@ fn contacts_on_a_device_are_those_of_the_twin() {
         let twins: Vec<Option<Manifold>> =
             cases.iter().map(|Case { shapes: [a, b], pose, reach, .. }| collide(a, b, pose, *reach)).collect();
         let touching = twins.iter().flatten().count();
-        assert!(touching > EACH / 10, "{kind}: {touching} of {EACH} touch");
+        if NEVER.contains(&kind.as_str()) {
+            assert_eq!(touching, 0, "{kind}");
+        } else {
+            assert!(touching > EACH / 10, "{kind}: {touching} of {EACH} touch");
+        }
         let all = cases.iter().zip(&twins).zip(found);
         let others = all.filter(|((case, twin), found)| !agrees(twin.as_ref(), found, 1.0 + case.pose.position.length()));
         let others = others.count();
