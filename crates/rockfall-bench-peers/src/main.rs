@@ -105,9 +105,6 @@ fn main() -> Result<(), Failure> {
 fn hard_boxes(count: u32) -> Result<Scene, Failure> {
     let mut scene = Benchmark::Boxes.generate(count, 1)?;
     scene.run = RunDefaults::default();
-    scene.settings.resting_overlap = 0.0;
-    scene.settings.set("contact_law", "rigid")?;
-    scene.settings.set("coulomb_friction", "0.4")?;
     Ok(scene)
 }
 

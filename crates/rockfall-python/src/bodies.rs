@@ -25,7 +25,7 @@ type ShapeHull = (Vec<[f32; 3]>, u16, i64);
 /// Mass, density, and centre with inertia.
 type Mass = (Option<f32>, Option<f32>, Option<([f32; 3], [f32; 6])>);
 
-/// Adds a shape and returns its number. `rounding` is 0 for 2 % of the shortest edge of each box.
+/// Adds a shape and returns its number. `rounding` is that of all boxes.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn add_shape(
@@ -107,7 +107,7 @@ pub(crate) fn add_bodies(
     with_states(target, |doors, ids| {
         let id = handle(&ids.shapes, "shape", shape)?;
         let parts = doors.objects().shape(id).or_raise()?;
-        let parts = [parts.sphere_count(), parts.rod_count()];
+        let parts = [parts.sphere_count(), parts.rods.len()];
         let mut added = Vec::with_capacity(count);
         for k in 0..count {
             let place = Placement::new(id).at(vector(position, k)).turned(quaternion(orientation, k));

@@ -48,52 +48,35 @@ def test_a_box_has_mass_centre_and_inertia_of_the_closed_form() -> None:
     np.testing.assert_allclose(turned.inertia, [*np.diag(tensor), tensor[0, 1], 0, 0], rtol=1e-4, atol=1e-6)
 
 
-def test_a_body_has_nine_spheres_and_twelve_rods_for_each_box() -> None:
+def test_a_body_has_one_sphere_for_each_box() -> None:
     scene = rf.Scene()
     shape = rf.Shape(mass=3).sphere([2, 0, 0], 0.1).box([0, 0, 0], EDGES, group=4).sphere([3, 0, 0], 0.1).rod(0, 1, 0.05)
     number = scene.add_shape(shape.box([0, 1, 0], [0.5, 2, 0.5]))
     scene.add_sphere([0, 50, 0], 1.0)
     none = scene.add_bodies(number, np.zeros((0, 3)))
-    assert [part.shape for part in none] == [(0,), (0, 20), (0, 25)]
+    assert [part.shape for part in none] == [(0,), (0, 4), (0, 1)]
     added = scene.add_bodies(number, [[0, 0, 0], [0, 10, 0]])
-    np.testing.assert_array_equal(added.spheres, 1 + np.arange(40).reshape(2, 20))
-    np.testing.assert_array_equal(added.rods, np.arange(50).reshape(2, 25))
-    assert scene.add_sphere([0, 60, 0], 1.0) == 41
-    assert (scene.counts.spheres, scene.counts.rods, scene.counts.bodies) == (42, 50, 2)
+    np.testing.assert_array_equal(added.spheres, 1 + np.arange(8).reshape(2, 4))
+    np.testing.assert_array_equal(added.rods, np.arange(2).reshape(2, 1))
+    assert scene.add_sphere([0, 60, 0], 1.0) == 9
+    assert (scene.counts.spheres, scene.counts.rods, scene.counts.bodies) == (10, 2, 2)
 
-    # Spheres of the shape, then the solid and the vertices of each box.
+    # Spheres of the shape, then the spheres around the boxes.
     radius = scene.table("sphere")["radius"][added.spheres]
     around = [0.5 * np.linalg.norm(EDGES), 0.5 * np.linalg.norm([0.5, 1, 0.5])]
-    one = np.array([0.1, 0.1, around[0], *[0.02 * 0.2] * 8, around[1], *[0.02 * 0.5] * 8], np.float32)
-    np.testing.assert_allclose(radius, np.tile(one, (2, 1)), rtol=1e-6)
-    assert scene.table("sphere")["group"][added.spheres[1]].tolist() == [0] * 2 + [4] * 9 + [0] * 9
-    ends = scene.table("rod")[["end1", "end2"]][added.rods[1]].tolist()
-    first, second = added.spheres[1, 3:11], added.spheres[1, 12:]
-    assert ends[0] == (21, 22)
-    assert {end for rod in ends[1:13] for end in rod} == set(first) and {end for rod in ends[13:] for end in rod} == set(second)
+    np.testing.assert_allclose(radius, np.tile(np.array([0.1, 0.1, *around], np.float32), (2, 1)), rtol=1e-6)
+    assert scene.table("sphere")["group"][added.spheres[1]].tolist() == [0, 0, 4, 0]
+    assert scene.table("rod")[["end1", "end2"]][added.rods[1]].tolist() == [(5, 6)]
 
     # The same for a simulation, and after a body has gone.
     sim = rf.Simulation(scene, dt=0.001, backend="cpu")
     sim.remove_bodies(added.bodies[0])
     more = sim.add_bodies(number, [0, 20, 0])
-    np.testing.assert_array_equal(more.spheres, [42 + np.arange(20)])
-    np.testing.assert_array_equal(more.rods, [50 + np.arange(25)])
-    assert len(sim.bodies) == 2 and (sim.counts.spheres, sim.counts.rods) == (42, 50)
+    np.testing.assert_array_equal(more.spheres, [10 + np.arange(4)])
+    np.testing.assert_array_equal(more.rods, [[2]])
+    assert len(sim.bodies) == 2 and (sim.counts.spheres, sim.counts.rods) == (10, 2)
     rows = [[int(np.flatnonzero(sim.sphere_ids == sphere)[0]) for sphere in spheres] for spheres in (added.spheres[1], more.spheres[0])]
-    np.testing.assert_allclose(sim.positions[rows[1]] - sim.positions[rows[0]], np.tile([0, 10, 0], (20, 1)), atol=1e-5)
-
-
-def test_the_rounding_is_the_radius_of_edges_and_vertices() -> None:
-    for given, radius in ((0.05, 0.05), (0, 0.004), (None, 0.004)):
-        scene = rf.Scene()
-        shape = scene.add_shape(rf.Shape(rounding=given).box([0, 0, 0], EDGES))
-        sphere = scene.add_bodies(shape, [0, 0, 0]).spheres[0]
-        np.testing.assert_allclose(scene.table("sphere")["radius"][sphere[1:]], [radius] * 8, rtol=1e-6)
-        np.testing.assert_allclose(scene.table("rod")["radius"], [radius] * 12, rtol=1e-6)
-        # Faces stay where they are.
-        sim = rf.Simulation(scene, dt=0.001, backend="cpu")
-        np.testing.assert_allclose(sim.positions[1:].min(axis=0), [radius] * 3, rtol=1e-4)
-        np.testing.assert_allclose(sim.positions[1:].max(axis=0), np.array(EDGES) - radius, rtol=1e-4)
+    np.testing.assert_allclose(sim.positions[rows[1]] - sim.positions[rows[0]], np.tile([0, 10, 0], (4, 1)), atol=1e-5)
 
 
 def test_a_box_falls_on_a_floor_and_rests_at_half_its_height() -> None:

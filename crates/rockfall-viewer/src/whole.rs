@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use rockfall::glam::Vec3;
-use rockfall::{Body, RigidBody, RigidBodyId, Scene, Sphere, SphereId};
+use rockfall::{Body, Cuboid, RigidBody, RigidBodyId, Scene, SphereId};
 
 use crate::extent::Extent;
 
@@ -84,14 +84,14 @@ pub(crate) fn ball(scene: &Scene, body: Body) -> Option<(Vec3, f32)> {
         return Some((one.midpoint(two), 0.5 * one.distance(two) + rod.radius));
     }
     let (centre, _) = motion(scene, body)?;
-    Some((centre, parts(scene, body).map(|part| centre.distance(part.position) + part.radius).fold(0.0, f32::max)))
+    Some((centre, parts(scene, body).map(|(place, radius)| centre.distance(place) + radius).fold(0.0, f32::max)))
 }
 
 /// The sides of the box around a rigid body along its own axes, in units.
 pub(crate) fn size(scene: &Scene, rigid: RigidBodyId) -> Option<Vec3> {
     let (body, first) = (scene.body(rigid).ok()?, first_of(scene, rigid)?);
     let turned = body.orientation.inverse();
-    let extent = |part: &Sphere| Extent::around(turned * (part.position - body.position), part.radius);
+    let extent = |(place, radius): (Vec3, f32)| Extent::around(turned * (place - body.position), radius);
     parts(scene, Body::Sphere(first)).map(extent).reduce(Extent::with).map(|extent| extent.max - extent.min)
 }
 
@@ -115,9 +115,17 @@ pub(crate) fn counts(scene: &Scene) -> [usize; 2] {
     [spheres, all.rods.saturating_sub(all.capsules + parts(|body| body.rods().len()))]
 }
 
-/// The spheres of a body that are as large as they look: not those that stand for the solid of a box.
-fn parts(scene: &Scene, body: Body) -> impl Iterator<Item = &Sphere> {
-    spheres(scene, body).filter(|id| scene.box_at(*id).is_none()).filter_map(|id| scene.sphere(id).ok())
+/// Balls that reach as far as a body: its spheres, and the corners of its boxes.
+fn parts(scene: &Scene, body: Body) -> impl Iterator<Item = (Vec3, f32)> {
+    let corners = |Cuboid { corner, edges: [i, j, k], .. }: Cuboid| {
+        let share = |bits: u32, bit: u32| (bits >> bit & 1) as f32;
+        (0..8).map(move |bits| (corner + share(bits, 0) * i + share(bits, 1) * j + share(bits, 2) * k, 0.0))
+    };
+    spheres(scene, body).flat_map(move |id| {
+        let cuboid = scene.box_at(id);
+        let ball = scene.sphere(id).ok().filter(|_| cuboid.is_none()).map(|sphere| (sphere.position, sphere.radius));
+        ball.into_iter().chain(cuboid.into_iter().flat_map(corners))
+    })
 }
 
 fn first_of(scene: &Scene, rigid: RigidBodyId) -> Option<SphereId> {
@@ -156,6 +164,6 @@ mod tests {
         assert!((sizes[0] - 0.3).abs() < 1e-5 && sizes[1] == 0.5 && (sizes[2] - 0.2).abs() < 1e-5, "{sizes:?}");
         assert_eq!(sizes[3], 0.25);
         let (_, radius) = ball(&scene, found[0]).unwrap();
-        assert!((radius - 0.5 * (0.36_f32 + 0.64 + 1.0).sqrt()).abs() < 0.02, "{radius}");
+        assert!((radius - 0.5 * (0.36_f32 + 0.64 + 1.0).sqrt()).abs() < 1e-5, "{radius}");
     }
 }

@@ -101,7 +101,7 @@ impl Scene {
             })
         };
         let mut overlaps: Vec<Overlap> = (0..world.movers()).into_par_iter().flat_map_iter(of_mover).collect();
-        overlaps.retain(|overlap| !overlap.bodies.iter().any(|body| self.is_of_solid(*body)));
+        overlaps.retain(|overlap| !overlap.bodies.iter().any(|body| self.is_solid(*body)));
         let of_solids = overlaps_of_solids(self)?.into_iter();
         overlaps.extend(of_solids.map(|(bodies, units, radii)| Overlap { bodies, units, radii, what: Inside::Surface }));
         self.retain_unjoined(&mut overlaps);
@@ -113,12 +113,11 @@ impl Scene {
         Ok(found)
     }
 
-    /// Whether a sphere or a rod is part of a box or a hull of a rigid body.
-    pub(crate) fn is_of_solid(&self, body: Body) -> bool {
+    /// Whether a sphere stands for a box or a hull of a rigid body.
+    pub(crate) fn is_solid(&self, body: Body) -> bool {
         match body {
             Body::Sphere(id) => self.box_of_sphere(id).is_some() || self.hull_of_sphere(id).is_some(),
-            Body::Rod(id) => self.is_edge_of_box(id),
-            Body::Box(_) | Body::Polygon(_) => false,
+            Body::Rod(_) | Body::Box(_) | Body::Polygon(_) => false,
         }
     }
 

@@ -35,8 +35,8 @@ class Shape:
         Centre of mass in units, and inertia xx, yy, zz, xy, xz, yz about it in mass units². Both or none; by default they follow from
         the parts.
     rounding : float, optional
-        Radius in units by which the edges and corners of all boxes are rounded inward, so that faces stay where they are. It is less
-        than half the shortest edge. 0 or None: 2 % of the shortest edge of each box.
+        Rounding radius of all boxes in units, less than half the shortest edge. It is kept in files and has no effect:
+        edges are sharp.
     name : str, optional
         Name, which no other shape of the scene has.
 
@@ -93,15 +93,15 @@ class Shape:
     def box(self, min: npt.ArrayLike, max: npt.ArrayLike, *, group: int = 0, material: Materials = None) -> Shape:
         """Add a box with edges along the axes of the shape, between two opposite corners of shape (3,), in units.
 
-        See :meth:`cuboid` for boxes that are turned, and for the spheres and rods of a box.
+        See :meth:`cuboid` for boxes that are turned, and for the sphere of a box.
         """
         return self.cuboid(*box_between(min, max), group=group, material=material)
 
     def cuboid(self, corner: npt.ArrayLike, edges: npt.ArrayLike, *, group: int = 0, material: Materials = None) -> Shape:
         """Add a box with edges in any direction.
 
-        A body has 9 spheres and 12 rods for each box, after the spheres and rods of the shape: a sphere around the whole box, a sphere
-        at each of the 8 vertices, and a rod along each of the 12 edges. Mass, centre and inertia are those of the sharp box.
+        A body has a sphere for each box, after the spheres of the shape: the one around the whole box. Only the contact
+        law ``rigid`` takes bodies with boxes.
 
         Parameters
         ----------

@@ -1,7 +1,7 @@
 //! Properties of a scene that the renderer needs in addition to the buffers.
 
+use rockfall::Scene;
 use rockfall::glam::Vec3;
-use rockfall::{BoxPart, Scene};
 
 use crate::extent::{Extent, extent_of_spheres, extents_of_static_objects};
 
@@ -27,7 +27,7 @@ impl Default for SceneSummary {
 
 impl SceneSummary {
     pub(crate) fn of(scene: &Scene) -> Self {
-        let mut radii = radii_of_bodies(scene);
+        let mut radii: Vec<f32> = scene.spheres().iter().map(|sphere| sphere.radius).collect();
         let middle = radii.len() / 2;
         let typical_radius = match radii.len() {
             0 => 1.0,
@@ -53,12 +53,6 @@ impl SceneSummary {
         let bottoms = scene.spheres().iter().map(|sphere| sphere.position.y - sphere.radius);
         self.ground = bottoms.filter(|bottom| bottom.is_finite()).fold(self.ground, f32::min);
     }
-}
-
-/// The radii of the spheres, without the vertices of boxes.
-fn radii_of_bodies(scene: &Scene) -> Vec<f32> {
-    let is_vertex = |id| matches!(scene.box_of_sphere(id), Some(BoxPart::Rim(_)));
-    scene.sphere_ids().zip(scene.spheres()).filter(|(id, _)| !is_vertex(*id)).map(|(_, sphere)| sphere.radius).collect()
 }
 
 /// Edge of the square that stands for a plane, divided by the extent of everything else.

@@ -150,15 +150,14 @@ fn read_body(words: &mut Words, scene: &Scene) -> Result<RigidBody, Damage> {
     let [index, first_sphere, first_rod] = [words.u32()?, words.u32()?, words.u32()?].map(|index| index as usize);
     let shape =
         scene.shapes().get(index).ok_or_else(|| Damage::new(format!("a body has the shape {index}, which is missing")))?;
-    let (spheres, rods) = (first_sphere..first_sphere + shape.sphere_count(), first_rod..first_rod + shape.rod_count());
+    let (spheres, rods) = (first_sphere..first_sphere + shape.sphere_count(), first_rod..first_rod + shape.rods.len());
     if spheres.end > scene.spheres().len() || rods.end > scene.rods().len() && !rods.is_empty() {
         return Err(Damage::new(format!("the parts of a body begin at sphere {first_sphere} and rod {first_rod}")));
     }
     let spheres: Vec<_> = spheres.map(|index| scene.spheres.handle_at(index)).collect();
     let rods: Vec<_> = rods.map(|index| scene.rods.handle_at(index)).collect();
     let ends = |part: &ShapeRod| Some((*spheres.get(part.end1)?, *spheres.get(part.end2)?));
-    let fits =
-        rods.iter().zip(shape.all_rods()).all(|(id, part)| scene.rod(*id).ok().map(|rod| (rod.end1, rod.end2)) == ends(&part));
+    let fits = rods.iter().zip(&shape.rods).all(|(id, part)| scene.rod(*id).ok().map(|rod| (rod.end1, rod.end2)) == ends(part));
     if !fits || spheres.iter().any(|id| scene.body_of_sphere(*id).is_some()) {
         return Err(Damage::new("a rod of a body has other ends than in its shape, or two bodies share a part"));
     }

@@ -8,8 +8,8 @@ use glam::{IVec3, Vec3};
 use rand::SeedableRng as _;
 use rand_pcg::Pcg64Mcg;
 
-use super::boxes::{self, SPHERES};
-use super::{Random, ball_within, check_count, walled_box};
+use super::boxes;
+use super::{Kind, Random, ball_within, check_count, walled_box};
 use crate::error::{Error, Result, quoted};
 use crate::scene::{Capsule, Cuboid, Rod, Scene, Sphere, Spring};
 
@@ -33,8 +33,7 @@ pub enum Benchmark {
     Mixed,
     /// Spheres that fall into a walled box, whose radii differ by a factor of up to 50: few large ones among many small ones.
     Radii,
-    /// Boxes that fall into a walled box, as `rockfall generate boxes` places them. The number of bodies counts boxes, which have
-    /// nine spheres each.
+    /// Boxes that fall into a walled box, as `rockfall generate boxes` places them.
     Boxes,
 }
 
@@ -75,7 +74,7 @@ impl Benchmark {
             Self::Shuffled => pile(bodies, seed, shuffled(bodies, seed).into_iter()),
             Self::Mixed => mixed(bodies, seed),
             Self::Radii => radii(bodies, seed),
-            Self::Boxes => boxes::soft(bodies.saturating_mul(SPHERES), &mut Random::new(seed)),
+            Self::Boxes => boxes::hard(Kind::Boxes, bodies, &mut Random::new(seed)),
         }
     }
 }
@@ -312,7 +311,6 @@ mod tests {
                 let counts = benchmark.generate(bodies, 7).unwrap().counts();
                 let (spheres, rods) = match benchmark {
                     Benchmark::Mixed => (bodies + bodies / 2, bodies / 2),
-                    Benchmark::Boxes => (9 * bodies, 12 * bodies),
                     _ => (bodies, 0),
                 };
                 assert_eq!((counts.spheres as u32, counts.rods as u32), (spheres, rods), "{benchmark}");
@@ -348,7 +346,7 @@ mod tests {
 
     #[test]
     fn only_resting_spheres_touch_at_first() {
-        // The spheres of a box overlap each other.
+        // The spheres that stand for boxes are larger than these.
         for benchmark in Benchmark::ALL.into_iter().filter(|benchmark| *benchmark != Benchmark::Boxes) {
             for bodies in SIZES {
                 let deepest = overlap(&benchmark.generate(bodies, 11).unwrap());

@@ -3,13 +3,10 @@
 use glam::{DVec3, Quat, Vec3};
 
 use super::clumps::turn;
-use super::{Cells, Kind, Random, ball, tank};
+use super::{Cells, Kind, Random, tank};
 use crate::error::Result;
 use crate::scene::{Cuboid, Placement, Scene, Shape, ShapeId, Sphere};
-use crate::settings::Integrator;
 
-/// Spheres of a box: the solid and its vertices.
-pub(super) const SPHERES: u32 = 9;
 /// Edges of a brick.
 const BRICK: Vec3 = Vec3::new(0.5, 0.3, 0.4);
 /// Side of the cell of a brick. A brick that is turned at random stays inside.
@@ -27,33 +24,22 @@ const CLEARANCE: f32 = 1e-3;
 pub(super) const FRAME: f32 = 1.0 / 60.0;
 
 /// Boxes or dominoes with hard contacts.
-pub(super) fn hard(kind: Kind, spheres: u32, random: &mut Random) -> Result<Scene> {
-    let mut scene = if kind == Kind::Dominoes { dominoes(spheres, random) } else { boxes(spheres, random) }?;
+pub(super) fn hard(kind: Kind, bodies: u32, random: &mut Random) -> Result<Scene> {
+    let mut scene = if kind == Kind::Dominoes { dominoes(bodies, random) } else { boxes(bodies, random) }?;
     scene.settings.set("contact_law", "rigid")?;
     (scene.settings.gravity, scene.settings.coulomb_friction) = (10.0, 0.4);
     Ok(scene)
 }
 
-/// Boxes with the contact law of the thesis, with overlaps below the rounding of the boxes, and an integrator with one evaluation per step.
-pub(super) fn soft(spheres: u32, random: &mut Random) -> Result<Scene> {
-    let mut scene = boxes(spheres, random)?;
-    let settings = &mut scene.settings;
-    settings.set("resting_overlap", "0.02")?;
-    (settings.gravity, settings.coulomb_friction, settings.collision_friction) = (10.0, 0.4, 0.4);
-    scene.run.integrator = Some(Integrator::SymplecticEuler.into());
-    Ok(scene)
-}
-
-/// A box around the origin, with a rounding radius of a tenth of its shortest edge.
+/// A box around the origin.
 fn block(edges: Vec3) -> Shape {
-    Shape::new().rounding(0.1 * edges.min_element()).cuboid(Cuboid::between(-0.5 * edges, 0.5 * edges))
+    Shape::new().cuboid(Cuboid::between(-0.5 * edges, 0.5 * edges))
 }
 
-/// Boxes that fall into a walled box. Spheres that are left over are balls.
-fn boxes(spheres: u32, random: &mut Random) -> Result<Scene> {
+/// Boxes that fall into a walled box.
+fn boxes(bricks: u32, random: &mut Random) -> Result<Scene> {
     let mut scene = Scene::new();
-    let (bricks, balls) = (spheres / SPHERES, spheres % SPHERES);
-    let cells = Cells::new(bricks + balls, CELL, 0.2);
+    let cells = Cells::new(bricks, CELL, 0.2);
     if bricks > 0 {
         let shape = scene.add_shape(block(BRICK).name("brick").mass(1.0))?;
         let room = 0.5 * (0.98 * CELL - BRICK.length());
@@ -62,19 +48,16 @@ fn boxes(spheres: u32, random: &mut Random) -> Result<Scene> {
             scene.add_body(Placement::new(shape).at(place).turned(turn(random)))?;
         }
     }
-    for index in bricks..bricks + balls {
-        scene.add_sphere(ball(random, &cells, index, [0.15, 0.2]))?;
-    }
     scene.round_positions();
     let half = cells.half_width();
     tank(&mut scene, [half; 2], 0.8 * cells.top())?;
     Ok(scene)
 }
 
-/// Dominoes along a spiral, and a ball that is thrown at the outer one. Spheres that are left over are left out.
-fn dominoes(spheres: u32, random: &mut Random) -> Result<Scene> {
+/// Dominoes along a spiral, and a ball that is thrown at the outer one.
+fn dominoes(bodies: u32, random: &mut Random) -> Result<Scene> {
     let mut scene = Scene::new();
-    let dominoes = (spheres - 1) / SPHERES;
+    let dominoes = bodies - 1;
     let shape = if dominoes > 0 { Some(scene.add_shape(block(DOMINO).name("domino").mass(1.0))?) } else { None };
     // The spiral r = RADIUS + TURN angle / (2 pi), from its end inwards.
     let mut angle = angle_at(SPACING * f64::from(dominoes));

@@ -38,11 +38,9 @@ constants! {
     pub const RIGID_WORDS: u32 = 20;
     /// Place of that number.
     pub const RIGID_PRESSED: u32 = 19;
-    /// Words of a box of a shape: centre x, y, z from the centre of mass, rounding radius, half the edges of the core x, y, z, the rotation
-    /// from its edges to the coordinates of the shape x, y, z, w. No stage reads them, only the viewer.
-    pub const SHAPE_BOX_WORDS: u32 = 11;
-    /// Bit of the word of a part of a box: a vertex or an edge, and not the solid.
-    pub const BOX_RIM: u32 = 1 << 31;
+    /// Words of a box of a shape: half its edges x, y, z, the rotation from its edges to the coordinates of the shape
+    /// x, y, z, w. No stage reads them, only the viewer.
+    pub const SHAPE_BOX_WORDS: u32 = 7;
     /// Bit of the word of a sphere that stands for a hull. The other bits are the first word of its triangles: their number, then the
     /// corners x, y, z of each from the centre of the sphere. No stage reads them, only the viewer.
     pub const HULL_PART: u32 = 1 << 30;

@@ -129,9 +129,8 @@ block! {
         /// First word of the numbers of the rigid bodies of spheres, by insertion index;
         /// [`NO_RIGID`](crate::model::layout::NO_RIGID) for a sphere of its own.
         pub rigid_of_at: u32,
-        /// First word of the parts of boxes and hulls, by insertion index of spheres, then by rod; 0 if no rigid body has a box or hull. A
-        /// word is 0 for an object that belongs to none, otherwise the first word of the box, with
-        /// [`BOX_RIM`](crate::model::layout::BOX_RIM) for a vertex or an edge, or that of the hull, with
+        /// First word of the boxes and hulls that spheres stand for, by insertion index; 0 if no rigid body has one.
+        /// A word is 0 for a sphere that stands for none, otherwise the first word of the box, or that of the hull with
         /// [`HULL_PART`](crate::model::layout::HULL_PART). No stage reads them, only the viewer.
         pub rigid_parts_at: u32,
         /// First word of the tags: group (low 16 bits) and material (high 16 bits) of every object, by id.

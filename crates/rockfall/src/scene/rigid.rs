@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
-use super::shape::{BOX_SPHERES, BoxPart, Kinetics, ShapeId};
+use super::shape::{Kinetics, ShapeId};
 use super::{Body, Cuboid, Handle, ObjectId, Rod, RodId, Scene, Shape, ShapeHull, ShapeSphere, Sphere, SphereId, Tag, shared};
 use crate::error::{self, Result};
 use crate::fine::Fine;
@@ -294,7 +294,7 @@ pub(super) fn wide(orientation: Quat) -> DQuat {
 
 impl Scene {
     /// Adds a rigid body: its spheres, its rods, and the body that they follow. A sphere gets the share of the mass that its volume has
-    /// of that of all spheres, boxes and hulls. The 9 spheres of a box share its part, and one sphere stands for a hull.
+    /// of that of all spheres, boxes and hulls. One sphere stands for each box and each hull.
     ///
     /// # Errors
     /// [`Error::Invalid`](crate::Error::Invalid) for numbers that are not finite, an orientation that is not a unit quaternion, and a
@@ -303,7 +303,7 @@ impl Scene {
     pub fn add_body(&mut self, placement: Placement) -> Result<RigidBodyId> {
         let (mut body, spheres) = self.laid(placement)?;
         let shape = self.shapes.get(placement.shape)?;
-        let (parts, rods) = (shape.all_spheres(), shape.all_rods());
+        let (parts, rods) = (shape.all_spheres(), shape.rods.clone());
         for (sphere, ShapeSphere { tag, .. }) in spheres.into_iter().zip(parts) {
             let id = self.spheres.add(sphere);
             body.spheres.push(id);
@@ -431,13 +431,11 @@ impl Scene {
         (self.rods.index(id).is_ok() && self.bodies.index(owner).is_ok()).then_some(owner)
     }
 
-    /// What a sphere is of a box of a rigid body: `None` for a sphere that belongs to none.
-    pub fn box_of_sphere(&self, id: SphereId) -> Option<BoxPart> {
+    /// The number, in its shape, of the box of a rigid body that a sphere stands for: `None` for other spheres. The
+    /// sphere contains the box, and has its centre and the orientation of the body.
+    pub fn box_of_sphere(&self, id: SphereId) -> Option<usize> {
         let body = self.bodies.get(self.body_of_sphere(id)?).ok()?;
-        let shape = self.shapes.get(body.shape).ok()?;
-        if shape.boxes.is_empty() {
-            return None;
-        }
+        let shape = self.shapes.get(body.shape).ok().filter(|shape| !shape.boxes.is_empty())?;
         // The spheres of a body follow each other in the scene.
         let first = self.spheres.index(*body.spheres.first()?).ok()?;
         shape.box_of_sphere(self.spheres.index(id).ok()? - first)
@@ -461,15 +459,9 @@ impl Scene {
         Some(&shape.hulls[shape.hull_of_sphere(self.spheres.index(id).ok()? - first)?])
     }
 
-    /// Whether a rod is an edge of a box of a rigid body.
-    pub(crate) fn is_edge_of_box(&self, id: RodId) -> bool {
-        let ends = self.rod(id).map(|rod| [rod.end1, rod.end2]);
-        ends.is_ok_and(|ends| ends.iter().all(|end| matches!(self.box_of_sphere(*end), Some(BoxPart::Rim(_)))))
-    }
-
     /// A box of a rigid body, with the corner and the edges that it has now, by the sphere that stands for it. `None` for other spheres.
     pub fn box_at(&self, id: SphereId) -> Option<Cuboid> {
-        let Some(BoxPart::Solid(number)) = self.box_of_sphere(id) else { return None };
+        let number = self.box_of_sphere(id)?;
         let owner = self.body_of_sphere(id)?;
         let (body, frame) = (self.bodies.get(owner).ok()?, self.frame(owner).ok()?);
         let cuboid = self.shapes.get(body.shape).ok()?.boxes[number].cuboid;
@@ -538,7 +530,7 @@ impl Scene {
             (own, tag) => own.clone().or_else(|| tag.clone()),
         };
         let spheres = body.spheres.iter().zip(shape.all_spheres()).map(|(id, part)| (ObjectId::from(*id), both(&part.tag)));
-        let rods = body.rods.iter().zip(shape.all_rods()).map(|(id, part)| (ObjectId::from(*id), both(&part.tag)));
+        let rods = body.rods.iter().zip(&shape.rods).map(|(id, part)| (ObjectId::from(*id), both(&part.tag)));
         Ok(spheres.chain(rods).collect())
     }
 }
@@ -546,9 +538,8 @@ impl Scene {
 /// The spheres of a new body. `parts` are all spheres of its shape.
 fn members(shape: &Shape, parts: &[ShapeSphere], body: &RigidBody, kinetics: &Kinetics) -> Vec<Sphere> {
     let frame = Frame::of(&body.state(), kinetics);
-    // The spheres of a box share what it weighs.
     let volume = |(number, part): (usize, &ShapeSphere)| match shape.box_of_sphere(number) {
-        Some(BoxPart::Solid(of) | BoxPart::Rim(of)) => shape.boxes[of].volume() / BOX_SPHERES as f64,
+        Some(of) => shape.boxes[of].volume(),
         None if shape.hull_of_sphere(number).is_some() => shape.hulls[number - shape.first_hull()].volume(),
         None => 4.0 / 3.0 * std::f64::consts::PI * f64::from(part.radius).powi(3),
     };

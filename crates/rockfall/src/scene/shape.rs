@@ -14,8 +14,8 @@ mod hulls;
 mod mass;
 mod solid;
 
-pub(crate) use boxes::{BOX_SPHERES, Core};
-pub use boxes::{BoxPart, ShapeBox};
+pub(crate) use boxes::Core;
+pub use boxes::ShapeBox;
 pub use hulls::ShapeHull;
 pub use mass::MassProperties;
 use solid::{Part, Solid};
@@ -55,8 +55,7 @@ pub struct Shape {
     pub boxes: Vec<ShapeBox>,
     /// The convex hulls.
     pub hulls: Vec<ShapeHull>,
-    /// Radius of the rounding of the edges and corners of all boxes in units. It goes inward, so that faces stay where they are. 0: 2 % of
-    /// the shortest edge of each box.
+    /// Rounding radius of all boxes, in units. It is kept in files and has no effect: edges are sharp.
     pub rounding: f32,
     /// What the mass properties follow from.
     pub mass: ShapeMass,
@@ -174,15 +173,15 @@ impl Shape {
         self.sphere(end1, radius).sphere(end2, radius).rod(first, first + 1, radius)
     }
 
-    /// Adds a box. Its corner and edges are in units. Edges and corners are rounded inward, by [`Shape::rounding`]; faces stay where they
-    /// are, and the mass properties are those of the sharp box. The group and the material are those of the shape.
+    /// Adds a box. Its corner and edges are in units. Only the contact law `rigid` takes bodies with boxes. The group and
+    /// the material are those of the shape.
     pub fn cuboid(mut self, cuboid: Cuboid) -> Self {
         let cuboid = Cuboid { group: self.group, material: self.material, ..cuboid };
         self.boxes.push(ShapeBox { cuboid, tag: self.tag.clone() });
         self
     }
 
-    /// Sets the rounding radius of all boxes, in units. 0, the default, stands for 2 % of the shortest edge of each box.
+    /// Sets the rounding radius of all boxes, in units, less than half the shortest edge. It has no effect.
     pub fn rounding(mut self, radius: f32) -> Self {
         self.rounding = radius;
         self
@@ -351,8 +350,7 @@ impl Scene {
         let spheres = (0..shape.spheres.len()).map(|number| (number, shape.spheres[number].radius));
         let rods = shape.rods.iter().flat_map(|rod| [(rod.end1, rod.radius), (rod.end2, rod.radius)]);
         let reach = |(number, radius): (usize, f32)| place(number).distance(centre) + f64::from(radius);
-        let cores = shape.boxes.iter().map(|part| part.core(shape.rounding));
-        let corners = cores.flat_map(|core| core.vertices(core.sharp()));
+        let corners = shape.boxes.iter().flat_map(|part| part.core().vertices());
         let of_boxes = corners.map(|corner| corner.distance(centre));
         Ok(spheres.chain(rods).map(reach).chain(of_boxes).fold(shape.reach_of_hulls(centre), f64::max))
     }

@@ -88,16 +88,20 @@ macro_rules! on_gpu {
 /// that a GPU has finished, and pages run a few steps per picture (docs/browser.md).
 #[cfg(feature = "gpu")]
 const FEW: u32 = if cfg!(target_family = "wasm") { 128 } else { 64 };
-/// The same for the contact law `rigid`. A box of a body counts as its spheres and rods.
+/// The same for the contact law `rigid`, in the time that a sphere takes.
 #[cfg(feature = "gpu")]
 const FEW_OF_RIGID: u32 = 2000;
+/// The time that a box of a body takes, which has up to eight contacts with another one, in that of a sphere.
+#[cfg(feature = "gpu")]
+const TIME_OF_BOX: u32 = 21;
 
 impl Engine {
     #[cfg(feature = "gpu")]
     pub(super) async fn open(options: &Options, world: &World) -> Result<(Self, BackendInfo)> {
         let is_rigid = world.step.layout.law == ContactLaw::Rigid.number();
         let few = if is_rigid { FEW_OF_RIGID } else { FEW };
-        if options.backend == Backend::Auto && (1..=few).contains(&world.movers()) {
+        let load = world.movers() + (TIME_OF_BOX - 1) * world.boxes_of_bodies();
+        if options.backend == Backend::Auto && (1..=few).contains(&load) {
             return Ok((Self::Cpu(None), cpu_info(&format!("it is faster than a GPU for up to {few} spheres and rods"))));
         }
         if is_rigid && cfg!(target_family = "wasm") {

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::scene::{Body, BoxPart, Cuboid, Polygon, Rod, Scene, ShapeHull, Surface, finite};
+use crate::scene::{Body, Cuboid, Polygon, Rod, Scene, ShapeHull, Surface, finite};
 use crate::simulation::Simulation;
 
 /// The point at which a ray enters a body.
@@ -71,23 +71,14 @@ impl Ray {
         let spheres = nearest(scene.spheres(), |index, sphere| {
             let centre = sphere.position.as_dvec3();
             let way = scene.way_into_box(centre);
-            match scene.box_of_sphere(scene.spheres.handle_at(index)) {
-                None => match scene.hull_of_sphere(scene.spheres.handle_at(index)) {
-                    Some(hull) => self.hull(hull, centre + way, sphere.orientation.as_dquat().normalize()),
-                    None => self.sphere(centre + way, sphere.radius.into()),
-                },
-                // The solid stands for its vertices.
-                Some(BoxPart::Rim(_)) => None,
-                Some(BoxPart::Solid(_)) => {
-                    let cuboid = scene.box_at(scene.spheres.handle_at(index))?;
-                    self.cuboid(&Cuboid { corner: cuboid.corner + way.as_vec3(), ..cuboid })
-                }
+            let id = scene.spheres.handle_at(index);
+            match (scene.box_at(id), scene.hull_of_sphere(id)) {
+                (Some(cuboid), _) => self.cuboid(&Cuboid { corner: cuboid.corner + way.as_vec3(), ..cuboid }),
+                (None, Some(hull)) => self.hull(hull, centre + way, sphere.orientation.as_dquat().normalize()),
+                (None, None) => self.sphere(centre + way, sphere.radius.into()),
             }
         });
-        let rods = nearest(scene.rods(), |index, rod| {
-            let is_edge = scene.is_edge_of_box(scene.rods.handle_at(index));
-            self.rod(scene, rod).filter(|_| !is_edge)
-        });
+        let rods = nearest(scene.rods(), |_, rod| self.rod(scene, rod));
         let boxes = nearest(scene.boxes(), |_, cuboid| self.cuboid(&poses.of_box(cuboid)));
         let polygons = nearest(scene.polygons(), |_, polygon| self.polygon(&poses.of_polygon(polygon)));
         let found = [

@@ -248,9 +248,9 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     bad[100] ^= 4;
     assert!(assert_rejected(&bad).contains("checksum"));
     let mut newer = good;
-    for version in [0, 23, 25] {
+    for version in [0, 24, 26] {
         newer[8] = version;
-        let expected = format!("it has version {version} of the format, this rockfall reads version 24");
+        let expected = format!("it has version {version} of the format, this rockfall reads version 25");
         assert!(assert_rejected(&newer).contains(&expected));
     }
 }

@@ -49,7 +49,7 @@ fn capsule_of(corner: u32, rod: u32, of_glass: bool) -> CapsuleVertex {
     let margin = pixel_width() * (length(0.5 * (end1 + end2) - frame.eye) + length(end2 - end1));
     var vertex: CapsuleVertex;
     vertex.look = body_look(frame.spheres + rod);
-    if (vertex.look == LOOK_GLASS) != of_glass || is_edge_of_box(rod) {
+    if (vertex.look == LOOK_GLASS) != of_glass {
         vertex.place = NOWHERE;
         return vertex;
     }

@@ -142,7 +142,7 @@ fn box_corner(index: u32, number: u32) -> FlatVertex {
 /// Number of corners of the triangles of the box or hull that a sphere stands for; 0 if it stands for none.
 fn block_corners(slot: u32) -> u32 {
     let word = box_word(slot);
-    if word == 0u || (word & BOX_RIM) != 0u {
+    if word == 0u {
         return 0u;
     }
     if (word & HULL_PART) == 0u {
@@ -215,8 +215,8 @@ fn block_corner(index: u32, slot: u32) -> FlatVertex {
 
 fn solid_corner(index: u32, slot: u32) -> FlatVertex {
     let word = box_word(slot);
-    let size = 2.0 * (topology_vector(word + 4u) + topology_float(word + 3u));
-    let own = vec4f(topology_vector(word + 7u), topology_float(word + 10u));
+    let size = 2.0 * topology_vector(word);
+    let own = vec4f(topology_vector(word + 3u), topology_float(word + 6u));
     let turn = orientation(slot);
     let edges = array<vec3f, 3>(
         from_body(turn, from_body(own, vec3f(size.x, 0.0, 0.0))),

@@ -141,25 +141,15 @@ fn insertion_index(slot: u32) -> u32 {
     return topology[frame.insertion_indices_at + slot];
 }
 
-/// The bit of the word of a vertex or an edge of a box of a rigid body.
-const BOX_RIM: u32 = 0x80000000u;
 const HULL_PART: u32 = 0x40000000u;
 
-/// What a sphere is of a box or hull of a rigid body: 0 for nothing, otherwise the first word of the box, with BOX_RIM for a vertex, or that
-/// of the hull, with HULL_PART.
+/// The box or hull of a rigid body that a sphere stands for: 0 for none, otherwise the first word of the box, or that of
+/// the hull with HULL_PART.
 fn box_word(slot: u32) -> u32 {
     if frame.rigid_parts_at == 0u {
         return 0u;
     }
     return topology[frame.rigid_parts_at + insertion_index(slot)];
-}
-
-/// Whether a rod is an edge of a box of a rigid body.
-fn is_edge_of_box(rod: u32) -> bool {
-    if frame.rigid_parts_at == 0u {
-        return false;
-    }
-    return topology[frame.rigid_parts_at + frame.spheres + rod] != 0u;
 }
 
 fn is_fixed(slot: u32) -> bool {

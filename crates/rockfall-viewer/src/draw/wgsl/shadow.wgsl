@@ -69,9 +69,6 @@ fn capsule_shadow_vertex(@builtin(vertex_index) corner: u32, @builtin(instance_i
     vertex.point = capsule_corner(end1, end2, vertex.end1.w, 0.0, corner);
     vertex.place = in_map(vertex.point);
     vertex.look = body_look(frame.spheres + rod);
-    if is_edge_of_box(rod) {
-        vertex.place = NOWHERE;
-    }
     return vertex;
 }
 

@@ -3,8 +3,8 @@
 use crate::error::{Error, Result};
 use crate::model::buffer::Buffer;
 use crate::model::layout::{
-    BOX_RIM, BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, HULL_PART, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER,
-    LINE, LINK_KEY, LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_RIGID, NO_ROD,
+    BOX_WORDS, FORCE_WORDS, HISTORY_WORDS, HULL_PART, KIND_FORCE, KIND_ROD, KIND_SHIFT, KIND_SPRING, KIND_TETHER, LINE,
+    LINK_KEY, LIST_COUNT_MASK, MATERIAL_SHIFT, MAX_HISTORY_BLOCKS, MUSCLE_WORDS, NO_KEY, NO_NETWORK, NO_RIGID, NO_ROD,
     PAIR_WORDS, POLYGON_WORDS, POSE_FLOATS, RIGID_ROWS, RIGID_WORDS, ROD_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS, SLICE, SOME_RODS,
     SPRING_WORDS, TETHER_WORDS, WALL_BODY, WALL_WORDS, words_of_rows,
 };
@@ -92,7 +92,7 @@ fn check_walls(world: &World) -> Result<()> {
 }
 
 fn check_bodies(world: &World) -> Result<()> {
-    let Layout { rigid_bodies, rigid_at, rigid_of_at, rigid_parts_at, spheres, rods, .. } = world.step.layout;
+    let Layout { rigid_bodies, rigid_at, rigid_of_at, rigid_parts_at, spheres, .. } = world.step.layout;
     if rigid_bodies == 0 {
         return Ok(());
     }
@@ -101,7 +101,7 @@ fn check_bodies(world: &World) -> Result<()> {
         ensure(*body < rigid_bodies || *body == NO_RIGID, "the body of a sphere")?;
     }
     if rigid_parts_at > 0 {
-        for part in slice(world, rigid_parts_at, u64::from(spheres) + u64::from(rods), "the parts of boxes")? {
+        for part in slice(world, rigid_parts_at, spheres.into(), "boxes and hulls of bodies")? {
             check_part(world, *part)?;
         }
     }
@@ -116,14 +116,14 @@ fn check_bodies(world: &World) -> Result<()> {
     Ok(())
 }
 
-/// Checks the word of a part of a box or of a hull.
+/// Checks the word of a sphere that may stand for a box or a hull.
 fn check_part(world: &World, part: u32) -> Result<()> {
     if part & HULL_PART != 0 {
         let at = part & !HULL_PART;
         let triangles = slice(world, at, 1, "a hull of a body")?[0];
         slice(world, at, 1 + 9 * u64::from(triangles), "the triangles of a hull")?;
     } else if part != 0 {
-        slice(world, part & !BOX_RIM, SHAPE_BOX_WORDS.into(), "a box of a body")?;
+        slice(world, part, SHAPE_BOX_WORDS.into(), "a box of a body")?;
     }
     Ok(())
 }

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use glam::{DQuat, DVec3, Quat, Vec3, Vec4};
 
 use crate::error::Result;
-use crate::model::layout::{BOX_RIM, HULL_PART, NO_RIGID, RIGID_ROWS, RIGID_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS};
+use crate::model::layout::{HULL_PART, NO_RIGID, RIGID_ROWS, RIGID_WORDS, SHAPE_BOX_WORDS, SHAPE_WORDS};
 use crate::model::rigid::{Moments, Pose};
 use crate::model::step::Layout;
 use crate::model::view::View;
 use crate::model::world::World;
-use crate::scene::{AnyForm, BodyHandles, BoxPart, Core, Form, Kinetics, Scene, Shape, ShapeHull, ShapeId, WholeBody};
+use crate::scene::{AnyForm, BodyHandles, Core, Form, Kinetics, Scene, Shape, ShapeHull, ShapeId, WholeBody};
 
 /// The moments as kernels use them.
 fn moments_of(kinetics: &Kinetics) -> Moments {
@@ -45,9 +45,7 @@ fn form_words(body: &WholeBody) -> Vec<u32> {
     words.extend(places(body).into_iter().flat_map(|place| place.as_vec3().to_array()));
     if let AnyForm::Shape(_, shape) = body.form {
         for part in &shape.boxes {
-            let Core { centre, turn, half, radius } = part.core(shape.rounding);
-            words.extend((centre - body.kinetics.centre).as_vec3().to_array());
-            words.push(radius as f32);
+            let Core { turn, half, .. } = part.core();
             words.extend(half.as_vec3().to_array());
             words.extend(turn.as_quat().to_array());
         }
@@ -104,7 +102,7 @@ pub(super) fn pack_bodies(scene: &Scene, layout: &mut Layout, topology: &mut Vec
         .any(|body| scene.shape(body.shape).is_ok_and(|shape| !(shape.boxes.is_empty() && shape.hulls.is_empty())))
     {
         layout.rigid_parts_at = topology.len() as u32;
-        topology.resize(topology.len() + scene.spheres().len() + scene.rods().len(), 0);
+        topology.resize(topology.len() + scene.spheres().len(), 0);
     }
     let mut forms: HashMap<FormKey, u32> = HashMap::new();
     for (number, body) in scene.whole_bodies().enumerate() {
@@ -149,33 +147,32 @@ fn reach(scene: &Scene, body: &WholeBody, places: &[u32]) -> Result<f32> {
     Ok(reach)
 }
 
-/// Writes which spheres and rods of a body are parts of boxes and hulls. `at` is the first word of its form.
+/// Writes which spheres of a body stand for boxes and hulls. `at` is the first word of its form.
 fn put_parts(scene: &Scene, body: &WholeBody, shape: &Shape, at: u32, layout: &Layout, topology: &mut [u32]) -> Result<()> {
-    let boxes_at = at + SHAPE_WORDS + 3 * shape.sphere_count() as u32;
-    let box_at = |number: usize| boxes_at + SHAPE_BOX_WORDS * number as u32;
     let table = layout.rigid_parts_at as usize;
-    let mut hull_at = box_at(shape.boxes.len());
+    let mut box_at = at + SHAPE_WORDS + 3 * shape.sphere_count() as u32;
+    for sphere in &body.spheres[shape.spheres.len()..shape.first_hull()] {
+        topology[table + scene.spheres.index(*sphere)?] = box_at;
+        box_at += SHAPE_BOX_WORDS;
+    }
+    let mut hull_at = box_at;
     for sphere in body.spheres.iter().skip(shape.first_hull()) {
         topology[table + scene.spheres.index(*sphere)?] = hull_at | HULL_PART;
         hull_at += 1 + 9 * topology[hull_at as usize];
-    }
-    for (number, sphere) in body.spheres.iter().enumerate() {
-        let word = match shape.box_of_sphere(number) {
-            None => continue,
-            Some(BoxPart::Solid(number)) => box_at(number),
-            Some(BoxPart::Rim(number)) => box_at(number) | BOX_RIM,
-        };
-        topology[table + scene.spheres.index(*sphere)?] = word;
-    }
-    for (number, rod) in body.rods.iter().enumerate() {
-        if let Some(number) = shape.box_of_rod(number) {
-            topology[table + scene.spheres().len() + scene.rods.index(*rod)?] = box_at(number) | BOX_RIM;
-        }
     }
     Ok(())
 }
 
 impl World {
+    /// Number of boxes of rigid bodies.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn boxes_of_bodies(&self) -> u32 {
+        let layout = &self.step.layout;
+        let (at, spheres) = (layout.rigid_parts_at as usize, layout.spheres as usize);
+        let parts = if at > 0 { &self.topology[at..at + spheres] } else { &[] };
+        parts.iter().filter(|part| **part != 0 && **part & HULL_PART == 0).count() as u32
+    }
+
     /// Packs the state of the rigid bodies, and places their spheres.
     pub(super) fn set_bodies(&mut self, scene: &Scene) {
         let poses: Vec<Pose> = scene.whole_bodies().map(|body| body.state).collect();

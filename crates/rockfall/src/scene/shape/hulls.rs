@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::boxes::BOX_SPHERES;
 use super::solid::Part;
 use super::{Shape, ShapeSphere};
 use crate::error::{Error, Result};
@@ -124,7 +123,7 @@ impl Shape {
 
     /// Number of the first sphere of [`Shape::all_spheres`] that stands for a hull.
     pub(crate) fn first_hull(&self) -> usize {
-        self.spheres.len() + BOX_SPHERES * self.boxes.len()
+        self.spheres.len() + self.boxes.len()
     }
 
     /// The number of the hull that a sphere of [`Shape::all_spheres`] stands for.

@@ -23,19 +23,19 @@ fn a_hull_is_read_and_written() {
     let text = format!(
         "set contact_law rigid\n@material wood density=1\n@body stone density=2\nS 0 0 0 0 0 0 0 0 0 0 - 0.5\n\
          B 0 0 0 1 0 0 0 1 0 0 0 1\n@use wood\n@group 3\n@name tip\n{TETRAHEDRON}\n@hull 5,0,0 6,0,0 5,1,0 5,0,1\n@end\n\
-         @place stone at=1,2,3 first=7\n@force 17 0 0 1\n"
+         @place stone at=1,2,3 first=7\n@force 9 0 0 1\n"
     );
     let read = scene(&text);
-    // The sphere, 9 of the box, one per hull.
-    assert_eq!((read.spheres().len(), read.bodies().len()), (12, 1));
+    // The sphere, one of the box, one per hull.
+    assert_eq!((read.spheres().len(), read.bodies().len()), (4, 1));
     let shape = &read.shapes()[0];
     assert_eq!(shape.hulls[0].points(), [Vec3::ZERO, Vec3::new(1.5, 0.0, 0.0), Vec3::Y, Vec3::new(0.0, 0.0, 0.1)]);
     assert_eq!((shape.hulls[1].group(), shape.hulls[1].material().is_some()), (3, true));
     let ids: Vec<_> = read.sphere_ids().collect();
-    assert_eq!(read.hull_of_sphere(ids[11]), Some(&shape.hulls[1]));
-    assert!(read.hull_of_sphere(ids[9]).is_none() && read.box_of_sphere(ids[10]).is_none());
-    assert_eq!((read.spheres()[10].force, read.spheres()[10].group), (Vec3::Z, 3));
-    assert!(read.tag(ids[10]).unwrap().is_some());
+    assert_eq!(read.hull_of_sphere(ids[3]), Some(&shape.hulls[1]));
+    assert!(read.hull_of_sphere(ids[1]).is_none() && read.box_of_sphere(ids[2]).is_none());
+    assert_eq!((read.spheres()[2].force, read.spheres()[2].group), (Vec3::Z, 3));
+    assert!(read.tag(ids[2]).unwrap().is_some());
     let written = read.to_text();
     let again = scene(&written);
     assert_eq!(again.to_text(), written);

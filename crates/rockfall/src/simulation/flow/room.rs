@@ -93,7 +93,7 @@ impl Room {
 fn groups(scene: &Scene, inlet: &Inlet) -> Vec<u16> {
     let Some(Ok(shape)) = inlet.shape.map(|shape| scene.shape(shape)) else { return vec![inlet.group] };
     let spheres = shape.all_spheres().into_iter().map(|sphere| sphere.group);
-    spheres.chain(shape.all_rods().into_iter().map(|rod| rod.group)).collect()
+    spheres.chain(shape.rods.iter().map(|rod| rod.group)).collect()
 }
 
 fn corners(corner: DVec3, [i, j, k]: &[DVec3; 3]) -> [DVec3; 8] {

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
-use crate::scene::{AnyForm, BOX_SPHERES, Body as Part, Inlet, MaterialId, Scene, ShapeHull, WholeBody};
+use crate::scene::{AnyForm, Body as Part, Inlet, MaterialId, Scene, ShapeHull, WholeBody};
 
 /// A world under construction, and who its bodies are in the scene.
 pub(super) struct Builder<'a> {
@@ -50,7 +50,7 @@ impl<'a> Builder<'a> {
     fn least_to_come(&self) -> Option<f32> {
         let of_shape = |shape: &crate::scene::Shape| {
             let spheres = shape.spheres.iter().map(|part| 2.0 * part.radius);
-            let boxes = shape.boxes.iter().map(|part| 2.0 * part.core(0.0).sharp().min_element() as f32);
+            let boxes = shape.boxes.iter().map(|part| 2.0 * part.core().half.min_element() as f32);
             let hulls = shape.hulls.iter().map(|part| Shape { core: Core::Hull(Arc::clone(&part.hull)), radius: 0.0 }.width());
             spheres.chain(boxes).chain(hulls).fold(f32::INFINITY, f32::min)
         };
@@ -129,14 +129,9 @@ impl<'a> Builder<'a> {
             AnyForm::Implied(form) => (form.places.clone(), &[]),
         };
         let own = whole.spheres.iter().zip(&places);
-        let rods = match whole.form {
-            // The rods of a body are those of its shape, then the edges of its boxes.
-            AnyForm::Shape(_, shape) => &whole.rods[..shape.rods.len()],
-            AnyForm::Implied(_) => whole.rods,
-        };
         let ends = |id| whole.spheres.iter().position(|sphere| *sphere == id).unwrap_or_default();
         let mut covered = vec![false; places.len()];
-        for id in rods {
+        for id in whole.rods {
             let rod = self.scene.rod(*id)?;
             let [one, other] = [rod.end1, rod.end2].map(ends);
             for end in [one, other] {
@@ -154,18 +149,16 @@ impl<'a> Builder<'a> {
             let place = Pose::new(place.as_vec3(), glam::Quat::IDENTITY);
             self.collider(Part::Sphere(*id), number, shape, place, (sphere.group, sphere.material))?;
         }
-        // A box of a body goes by the name of the sphere that stands for its solid.
-        let solids = whole.spheres[places.len()..].iter().step_by(BOX_SPHERES);
+        // A box or a hull of a body goes by the name of the sphere that stands for it.
+        let solids = &whole.spheres[places.len()..];
         let hulls: &[ShapeHull] = if let AnyForm::Shape(_, shape) = whole.form { &shape.hulls } else { &[] };
         for (part, solid) in boxes.iter().zip(solids) {
-            let core = part.core(0.0);
-            let shape = self.shape(Core::Box { half: core.sharp().as_vec3() }, 0.0);
+            let core = part.core();
+            let shape = self.shape(Core::Box { half: core.half.as_vec3() }, 0.0);
             let place = Pose::new((core.centre - kinetics.centre).as_vec3(), core.turn.as_quat());
             self.collider(Part::Sphere(*solid), number, shape, place, (part.cuboid.group, part.cuboid.material))?;
         }
-        // So does a hull.
-        let of_hulls = &whole.spheres[whole.spheres.len() - hulls.len()..];
-        for (part, id) in hulls.iter().zip(of_hulls) {
+        for (part, id) in hulls.iter().zip(solids.iter().skip(boxes.len())) {
             let shape = self.shape(Core::Hull(Arc::clone(&part.hull)), 0.0);
             let place = Pose::new((part.centre.as_dvec3() - kinetics.centre).as_vec3(), glam::Quat::IDENTITY);
             self.collider(Part::Sphere(*id), number, shape, place, (part.group(), part.material()))?;

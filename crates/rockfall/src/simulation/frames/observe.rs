@@ -102,7 +102,7 @@ pub(crate) fn overlaps_of_solids(scene: &Scene) -> Result<Vec<([Part; 2], f32, f
     let mut found: Vec<([Part; 2], f32, f32)> = Vec::new();
     for touch in frames.touches() {
         let mut parts = touch.colliders.map(|at| frames.parts[at as usize]);
-        if !parts.iter().any(|part| scene.is_of_solid(*part)) || touch.overlap <= 0.0 {
+        if !parts.iter().any(|part| scene.is_solid(*part)) || touch.overlap <= 0.0 {
             continue;
         }
         parts.sort_by_key(|part| rank(scene, *part));

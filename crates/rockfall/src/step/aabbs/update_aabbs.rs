@@ -7,7 +7,7 @@
 //! (lookahead - lead) 1.05 |v| dt + (0.05 lookahead - 0.03) u + (margin_scale - 1) 0.02 u
 //! ```
 //!
-//! with the unit u = r; for the spheres of a box, u is half its shortest edge, because a vertex moves as its box does.
+//! with the unit u = r.
 //! In scenes with JKR cohesion, `neck` r is added, the distance at which contacts tear. So a contact keeps its list entries
 //! until it ends. A fixed sphere has no margin. For exact lists (`lookahead` is 0) the margin is 0.02 u. Where contacts that begin
 //! and end within a step are handled (`FLAG_CONTINUOUS`), the first two terms are at least 1.001 (lead + 1) |v| dt + 0.02 u, so that
