@@ -2,60 +2,88 @@
 
 // The impacts of blocks that may have round pairs (docs/physics section 11.7): whether and when they are hit, and the geometry then.
 
-fn hit_along_path(block: Block) -> Hit {
-    var hit = Hit(false, 0.0, 0.0, true);
+// What the points of a pair do along the paths of its bodies from their clock `start` on. The time is that since then. Closest
+// points are long code, which compilers copy to each call: `find_block` has two.
+fn hit_of_pair(block: Block, pair: u32, start: f32, least: f32) -> Hit {
+    var hit = Hit(false, 2.0 * frame.h, 0.0, true);
     let h = frame.h;
     let fall = length(frame.gravity) * h;
-    let least = least_speed_of(block, fall);
-    if least < 0.0 {
-        return hit;
-    }
-    let start = max(clock_of(block.a), clock_of(block.b));
     let rest = h - start;
     let sight = sight_at(block, start);
-    let field = field_of(block.b) - field_of(block.a);
-    var first = 2.0 * h;
+    let is_round = (face_at(pair).info & ROUND) != 0u;
+    let way = search(block, pair, start, false, select(1u, SEARCH_STEPS, is_round));
+    let place = way.first;
+    let pull = -dot(field_of(block.b) - field_of(block.a), place.normal);
+    for (var k = 0u; k < MOST_POINTS && k < place.count; k++) {
+        let spot = spot_in(sight, place, k);
+        let gap = gap_of(spot, place.normal);
+        let u = approach_at(sight, 0.5 * (spot.on_a + spot.on_b), place.normal);
+        if u <= least || u + max(pull, 0.0) * rest <= fall {
+            continue;
+        }
+        let late = late_of(u, rest, least_radius(block));
+        var time = 0.0;
+        var speed = u;
+        if gap <= 0.0 {
+            time = select(-1.0, 0.0, u > fall);
+        } else if !is_round {
+            time = root_of(gap, u, pull, rest, fall, late);
+        } else if gap - u * (rest + late) - 0.5 * max(pull, 0.0) * rest * rest > 0.0 {
+            time = -1.0;
+        } else {
+            speed = way.speed;
+            time = select(-1.0, way.time, way.touches && speed > fall);
+        }
+        if time < 0.0 {
+            continue;
+        }
+        hit.found = true;
+        hit.time = min(hit.time, time);
+        hit.depth = max(hit.depth, (speed + 0.5 * abs(pull) * h) * h);
+        hit.waits &= gap > -2.0 * u * h;
+    }
+    return hit;
+}
+
+// Finds which places of balls are hidden in a pose. At a hit, the geometry of all points is stored, too.
+fn look(block: Block, sight: Sight, is_hit: bool) {
+    forget_places();
     for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
-        let is_round = (face_at(pair).info & ROUND) != 0u;
+        let hides = may_hide(block, pair);
+        if !hides && !is_hit {
+            continue;
+        }
         let place = place_in(sight, pair);
-        let pull = -dot(field, place.normal);
-        for (var k = 0u; k < MOST_POINTS && k < place.count; k++) {
-            let spot = spot_in(sight, place, k);
-            let gap = gap_of(spot, place.normal);
-            let u = approach_at(sight, 0.5 * (spot.on_a + spot.on_b), place.normal);
-            if u <= least || u + max(pull, 0.0) * rest <= fall {
-                continue;
-            }
-            var time = 0.0;
-            var speed = u;
-            if gap <= 0.0 {
-                time = select(-1.0, 0.0, u > fall);
-            } else if !is_round {
-                time = root_of(gap, u, pull, rest, fall, late_of(u, rest, least_radius(block)));
-            } else if gap - u * (rest + late_of(u, rest, least_radius(block))) - 0.5 * max(pull, 0.0) * rest * rest > 0.0 {
-                time = -1.0;
-            } else {
-                let found = search(block, pair, start, false);
-                speed = found.speed;
-                time = select(-1.0, found.time, found.touches && speed > fall);
-            }
-            if time < 0.0 {
-                continue;
-            }
-            if (block.info & SEAMS) != 0u {
-                find_hidden(block, sight_at(block, start + time));
-                if is_hidden(block, pair) {
-                    continue;
-                }
-            }
-            hit.found = true;
-            first = min(first, time);
-            hit.depth = max(hit.depth, (speed + 0.5 * abs(pull) * h) * h);
-            hit.waits &= gap > -2.0 * u * h;
+        if hides {
+            see_place(block, pair, sight, place);
+        }
+        if is_hit {
+            store_met(pair, sight, place);
         }
     }
-    hit.time = min(start + first, LAST * h);
-    return hit;
+    hide_places(block);
+}
+
+// Points that are not there are far.
+fn store_met(pair: u32, sight: Sight, place: Place) {
+    for (var k = 0u; k < MOST_POINTS && k < room_of(face_at(pair)); k++) {
+        var row = vec4f(0.0, 0.0, 0.0, 3e38);
+        if k < place.count {
+            let spot = spot_in(sight, place, k);
+            row = vec4f(0.5 * (spot.on_a + spot.on_b), gap_of(spot, place.normal));
+        }
+        loads[met_row(place.first + k)] = row;
+        loads[met_row(place.first + k) + 1u] = vec4f(place.normal, 0.0);
+    }
+}
+
+fn store_hidden(block: Block) {
+    for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
+        let face = face_at(pair);
+        for (var k = 0u; k < MOST_POINTS && k < room_of(face) && is_hidden(block, pair); k++) {
+            loads[met_row(face.first + k)] = vec4f(0.0, 0.0, 0.0, 3e38);
+        }
+    }
 }
 
 // Reflections of both bodies in the substep; -1 if a body has left-over blocks, whose copies change it, too.
@@ -73,26 +101,33 @@ fn find_block(k: u32) {
     if call.biased == 1u && strikes >= 0.0 && floor(0.5 * loads[hit_row(k)].w) == strikes {
         return;
     }
-    let hit = hit_along_path(block);
-    loads[hit_row(k)] = vec4f(f32(hit.found), hit.time, hit.depth, f32(hit.waits) + 2.0 * max(strikes, 0.0));
-    if !hit.found {
-        return;
-    }
-    let sight = sight_at(block, hit.time);
-    find_hidden(block, sight);
-    for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
-        let place = place_in(sight, pair);
-        let count = select(place.count, 0u, is_hidden(block, pair));
-        for (var k = 0u; k < MOST_POINTS && k < room_of(face_at(pair)); k++) {
-            // Those that are not there are far.
-            var row = vec4f(0.0, 0.0, 0.0, 3e38);
-            if k < count {
-                let spot = spot_in(sight, place, k);
-                row = vec4f(0.5 * (spot.on_a + spot.on_b), gap_of(spot, place.normal));
-            }
-            loads[met_row(place.first + k)] = row;
-            loads[met_row(place.first + k) + 1u] = vec4f(place.normal, 0.0);
+    let least = least_speed_of(block, length(frame.gravity) * frame.h);
+    let start = max(clock_of(block.a), clock_of(block.b));
+    let end = block.first_pair + block.pairs;
+    var hit = Hit(false, 2.0 * frame.h, 0.0, true);
+    // After the pairs comes the pose at the hit.
+    for (var pair = select(block.first_pair, end, least < 0.0); pair <= end; pair++) {
+        var own = hit;
+        var time = min(start + hit.time, LAST * frame.h);
+        if pair < end {
+            own = hit_of_pair(block, pair, start, least);
+            time = start + own.time;
         }
+        if !own.found {
+            continue;
+        }
+        let has_rivals = pair < end && may_hide(block, pair);
+        if pair == end || has_rivals {
+            look(block, sight_at(block, time), pair == end);
+        }
+        if pair < end && !(has_rivals && is_hidden(block, pair)) {
+            hit = Hit(true, min(hit.time, own.time), max(hit.depth, own.depth), hit.waits && own.waits);
+        }
+    }
+    hit.time = min(start + hit.time, LAST * frame.h);
+    loads[hit_row(k)] = vec4f(f32(hit.found), hit.time, hit.depth, f32(hit.waits) + 2.0 * max(strikes, 0.0));
+    if hit.found {
+        store_hidden(block);
     }
 }
 

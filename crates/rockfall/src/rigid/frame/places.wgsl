@@ -93,30 +93,42 @@ fn ball_radius(ball: u32) -> f32 {
     return shape_of_collider(ball).radius;
 }
 
-// Which places of balls are hidden by nearer places of the same ball.
-fn find_hidden(block: Block, sight: Sight) {
+// Pairs whose places of balls are in `seen_places`, as bits.
+var<private> seen_pairs: u32;
+
+fn forget_places() {
+    seen_pairs = 0u;
     hidden_pairs = 0u;
-    if (block.info & SEAMS) == 0u {
+}
+
+// Whether a pair of a ball may be hidden: one of the first pairs of a block with several static shapes.
+fn may_hide(block: Block, pair: u32) -> bool {
+    if (block.info & SEAMS) == 0u || pair - block.first_pair >= MOST_HIDDEN {
+        return false;
+    }
+    let sides = pairs[PAIR_ROWS * pair + 3u].xy;
+    return shape_of_collider(sides.x).core == CORE_POINT || shape_of_collider(sides.y).core == CORE_POINT;
+}
+
+// Takes note of the place of a pair that may be hidden.
+fn see_place(block: Block, pair: u32, sight: Sight, place: Place) {
+    if place.count != 1u {
         return;
     }
+    let k = pair - block.first_pair;
+    let sides = pairs[PAIR_ROWS * pair + 3u].xy;
+    let a_is_ball = shape_of_collider(sides.x).core == CORE_POINT;
+    let ball = select(sides.y, sides.x, a_is_ball);
+    let distance = gap_of(spot_in(sight, place, 0u), place.normal) + ball_radius(ball);
+    seen_places[k] = vec4f(select(-place.normal, place.normal, a_is_ball), distance);
+    seen_balls[k] = ball;
+    seen_pairs |= 1u << k;
+}
+
+// Which of the places that were seen are hidden by nearer places of the same ball.
+fn hide_places(block: Block) {
     let count = min(block.pairs, MOST_HIDDEN);
-    var waiting = 0u;
-    for (var k = 0u; k < MOST_HIDDEN && k < count; k++) {
-        let pair = block.first_pair + k;
-        let sides = pairs[PAIR_ROWS * pair + 3u].xy;
-        let a_is_ball = shape_of_collider(sides.x).core == CORE_POINT;
-        if !a_is_ball && shape_of_collider(sides.y).core != CORE_POINT {
-            continue;
-        }
-        let place = place_in(sight, pair);
-        if place.count == 1u {
-            let ball = select(sides.y, sides.x, a_is_ball);
-            let distance = gap_of(spot_in(sight, place, 0u), place.normal) + ball_radius(ball);
-            seen_places[k] = vec4f(select(-place.normal, place.normal, a_is_ball), distance);
-            seen_balls[k] = ball;
-            waiting |= 1u << k;
-        }
-    }
+    var waiting = seen_pairs;
     let all = waiting;
     for (var rank = 0u; rank < MOST_HIDDEN && waiting != 0u; rank++) {
         var next = MOST_HIDDEN;

@@ -38,11 +38,10 @@ fn renew_points(pair: u32, sight: Sight, place: Place, count: u32) {
     pairs[PAIR_ROWS * pair + 2u] = vec4u(bitcast<vec3u>(inner), pairs[PAIR_ROWS * pair + 2u].w);
 }
 
-fn renew_pair(block: Block, pair: u32, sight: Sight, start: f32) {
+fn renew_pair(block: Block, pair: u32, sight: Sight, place: Place, start: f32) {
     let old = face_at(pair);
     let old_one = tangent_one(old.normal);
     let old_two = tangent_two(old.normal);
-    let place = place_in(sight, pair);
     if is_hidden(block, pair) {
         // It keeps its impulse for the one that hides it, in the room of its row.
         let kept = contacts[2u * old.first + 1u];
@@ -81,9 +80,23 @@ fn renew_pair(block: Block, pair: u32, sight: Sight, start: f32) {
 fn renew_block(k: u32, start: f32) {
     let block = block_at(k);
     let sight = sight_at(block, start);
-    find_hidden(block, sight);
-    for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
-        renew_pair(block, pair, sight, start);
+    forget_places();
+    // First it is found which places are hidden. Both rounds share the long code of closest points.
+    for (var round = select(1u, 0u, (block.info & SEAMS) != 0u); round < 2u; round++) {
+        if round == 1u {
+            hide_places(block);
+        }
+        for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
+            if round == 0u && !may_hide(block, pair) {
+                continue;
+            }
+            let place = place_in(sight, pair);
+            if round == 0u {
+                see_place(block, pair, sight, place);
+            } else {
+                renew_pair(block, pair, sight, place, start);
+            }
+        }
     }
     for (var k = 0u; k < MOST_HIDDEN && k < block.pairs && hidden_pairs != 0u; k++) {
         let own = face_at(block.first_pair + k).first;

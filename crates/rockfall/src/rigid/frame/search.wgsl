@@ -4,6 +4,8 @@
 
 const SEARCH_STEPS: u32 = 8u;
 struct Search {
+    // The geometry at the start.
+    first: Place,
     touches: bool,
     // Of the touch.
     time: f32,
@@ -34,15 +36,18 @@ fn path_at(block: Block, time: f32, is_kicked: bool) -> Sight {
     return Sight(a, b, b.place - a.place);
 }
 
-// The gap of a convex pair is convex along straight paths, so the steps come from below.
-fn search(block: Block, pair: u32, start: f32, is_kicked: bool) -> Search {
+// The gap of a convex pair is convex along straight paths, so the steps come from below. A search of one step is the geometry at the start.
+fn search(block: Block, pair: u32, start: f32, is_kicked: bool, steps: u32) -> Search {
     let rest = frame.h - start;
     let radius = least_radius(block);
-    var found = Search(false, 0.0, 0.0, 3e38);
+    var found = Search(Place(), false, 0.0, 0.0, 3e38);
     var time = 0.0;
-    for (var step = 0u; step < SEARCH_STEPS; step++) {
+    for (var step = 0u; step < SEARCH_STEPS && step < steps; step++) {
         let sight = path_at(block, start + time, is_kicked);
         let place = place_in(sight, pair);
+        if step == 0u {
+            found.first = place;
+        }
         var gap = 3e38;
         var speed = 0.0;
         for (var k = 0u; k < MOST_POINTS && k < place.count; k++) {

@@ -19,7 +19,7 @@ fn spare_round(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) gro
         if (face.info & ROUND) == 0u {
             continue;
         }
-        var found = Search(false, 0.0, 0.0, 3e38);
+        var found = Search(Place(), false, 0.0, 0.0, 3e38);
         var is_searched = false;
         for (var point = face.first; point < face.first + count_of(face); point++) {
             let row = contacts[2u * point];
@@ -28,7 +28,7 @@ fn spare_round(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) gro
             if row.w > 0.0 && u * rest > row.w {
                 if !is_searched {
                     is_searched = true;
-                    found = search(block, pair, start, true);
+                    found = search(block, pair, start, true, SEARCH_STEPS);
                 }
                 spare = select(max(found.least - row.w + u * rest, 0.0), 0.0, found.touches);
             }
