@@ -45,73 +45,41 @@ const DEFAULT_STEPS: u64 = 1000;
 
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --gauges, --bodies, --joints, --save, \
---checkpoint) and exits with code 130. A step that takes longer than 0.8 s and 20 times longer than all steps before it, or longer than 20 s, is abandoned: the last checkpoint and the .part files \
-stay as they are. A second Ctrl-C ends the run at once if it comes at least 1 s \
-after the first. If a step fails, --out and --trace are written up to that step if the \
-device can still be read, and the last checkpoint is left unchanged.
+Examples:
+  rockfall run scenes/wall.txt
+  rockfall run scenes/wall.txt --steps 600 --bodies poses.csv --every 10
+  rockfall run pile.txt --out pile.npz --every 100 --trace energies.csv
+  rockfall run pile.txt --checkpoint pile.ckpt
+  rockfall run --resume pile.ckpt --steps 20000
 
---resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
-everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --trace-every, --contacts, --tensions, \
---gauges, --bodies, --joints, --save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
-reported. Outputs below the folder of the checkpoint are used where the folder is now. Others need to be named again, or \
---outputs-as-recorded: a checkpoint of somebody else could name any file. With the \
-same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
-those of a run that was never stopped. A checkpoint of a program that uses the library or of Python has no number of steps, so \
-it needs --steps. Until a run ends, its trace and trajectory are next to their final path as .NAME.part. \
-A run that is killed leaves these files; --resume continues them, and a new run that writes to the same path replaces them.
+The line @run of a scene says how it is meant to be run. Options override its values.
 
-A line `@run dt=S integrator=NAME steps=N every=K substeps=N` of the scene says how it is meant to be run; each option overrides \
-its value.
+Files have the final state, with --every K the state at the start and after every K-th step.
+The extension chooses the format: .csv, .npz (NumPy), .vtp and .pvd (ParaView), .txt, .ckpt.
+  --out       spheres: place, velocity, orientation, angular momentum, reference
+  --contacts  both objects, point, normal, overlap, force or impulse on the second one. Friction
+              impulses of coulomb_friction are left out
+  --tensions  step,time,kind,index,a,b,length,tension: kind is spring, muscle or tether; a and b are
+              spheres; the tension is in mass units/s\u{b2} with the damping, negative where it pushes
+  --gauges    step,time,gauge,fx,fy,fz,tx,ty,tz,mass,count: for walls the force of the bodies and its
+              torque about the origin, with --every means over the steps; for planes what passed
+  --bodies    body,name,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz: centre of mass, velocity, orientation,
+              angular momentum about the centre. Motions of walls follow, with angular velocities
+  --joints    step,time,joint,position,speed,fx,fy,fz,tx,ty,tz,error: angle in rad or length, its rate,
+              force and torque on the second body (means over the step), error of the anchors
+  --trace     energies, momenta, contacts and collisions of every step. work is that of walls and
+              muscles; dissipated is empty where the law does not know it
+  --save      the final state as a scene. It lacks impulses and springs of contacts, so loaded
+              machines jolt for some steps; --checkpoint keeps them
 
---substeps N divides every step into N equal parts, with the contact law rigid every frame into N substeps of its solver; auto chooses the smallest N for which the springs and the contact force \
-are stable (rockfall check reports it). Everywhere else, steps and the time step are whole steps.
+--resume takes everything from the checkpoint, also outputs; options override it. N of --steps counts
+from the start of the first run. On the same device all files have the bits of one uninterrupted run.
 
---trace writes a line for step 0 and then for every step, with --trace-every K for every K-th step. A line counts the collisions \
-since the line before it; its contacts and overlap are those at its step, with --substeps those of the last part. work is \
-what moving walls, conveyors and muscles have done on the bodies since the first line. In scenes with them, every step is read \
-back for it. dissipated is work minus the growth of all energies in the line, with the contact laws linear and hertz-mindlin in \
-scenes without external forces; elsewhere it is empty. It includes what the tangential springs of contacts store.
+Ctrl-C or SIGTERM finishes the step, writes all files and exits with code 130. A second Ctrl-C after
+1 s ends the run at once. Exit codes: 0 done, 1 the run failed, 2 wrong usage or a bad scene.
 
-The extension of a file chooses its format, in upper or lower case; an unknown one is an error. Devices such as /dev/stdout get \
-CSV. Without --every, --out writes the final state: .csv, .npz for NumPy, .vtp for ParaView. With --every K, it writes the state \
-at the start and after every K-th step: .npz holds arrays [frames, spheres, ...], or where spheres come and go the spheres of all \
-frames one after the other; .vtp or .pvd writes NAME.pvd and a folder NAME \
-with the frames, .csv has the columns step,time in front.
-
---contacts writes the contacts of the same states: both bodies, point, normal, overlap, and the force or the impulse on the \
-second body. Friction impulses (--set coulomb_friction=...) are not included: only the friction of contact forces is. .vtp and .pvd have a line from body to body for each contact, which shows force chains in ParaView.
-
---tensions writes the lengths and tensions of all springs, muscles and tethers in the same states, in the columns \
-step,time,kind,index,a,b,length,tension: kind is spring, muscle or tether; index counts springs with muscles, or tethers, from 0; a \
-and b are the indices of the spheres, with an empty b for a tether; length is in units, and tension in mass units/s², with the \
-damping, negative where the spring pushes. Rods are not in it: the model keeps their lengths without a force.
-
---gauges writes what the @gauge lines of the scene measure, in the columns step,time,gauge,fx,fy,fz,tx,ty,tz,mass,count: for walls \
-the force of the bodies on them and its torque about the origin, for planes the mass and the number of spheres that have passed \
-since the start, along the normal minus against it. With --every K there is a line for each gauge at step 0 and then every K \
-steps, where forces and torques are means over the states after the K steps; every step is read back for them.
-
---bodies writes the rigid bodies of the final state in the columns body,name,x,y,z,vx,vy,vz,qw,qx,qy,qz,lx,ly,lz, with --every K \
-those of every K-th state with the columns step,time in front: centre of mass, its velocity, the orientation, which turns coordinates \
-of the shape into those of the world, and the angular momentum about the centre. The motions of walls (@motion, @servo) follow, with \
-indices that count on: a point of the wall (for a turn one of its axis, else the origin of the scene at rest), its velocity, the turn \
-since the start, and the angular velocity in rad/s in place of the angular momentum.
-
---joints writes the joints of the final state in the columns step,time,joint,position,speed,fx,fy,fz,tx,ty,tz,error, with --every K \
-those of every K-th state: the name of the joint (its number from 0 where it has none), the angle in rad, or the way or distance in units, \
-and its rate, the force and the torque that the joint exerts on its second body at the anchor, which are means over the \
-step, and by how much the anchors miss what the joint wants. A broken joint has no numbers.
-
---save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
-beginning of the scene, up to the first empty line, but no other comments. Its line @run has the time step and the integrator of \
-the run, so `rockfall run FILE.txt` goes on from there, except that a text leaves out the springs of contacts (contact laws linear, \
-hertz-mindlin and user): their friction and cohesion begin anew, and bodies at rest move. Under the law rigid it leaves out the impulses of \
-contacts and joints, which jolt a loaded machine for some steps. --checkpoint keeps all of them.
-
-`mpirun -n N rockfall run SCENE` gives one scene to N processes with the same results, if rockfall was built with the cargo feature mpi. \
-They run on the CPU. The first process prints and writes all files. Scenes with other things than spheres among walls, and \
-with collisions on, are refused (docs/cluster.md).";
+`mpirun -n N rockfall run SCENE` gives a scene of spheres among walls to N processes (docs/cluster.md).
+More: docs/guide.md";
 
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
@@ -130,58 +98,58 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     engine: Engine,
     /// Write the final state of every sphere: .csv, .npz or .vtp
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Files", long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Write the state to --out, the contacts to --contacts, the tensions to --tensions, the gauges to --gauges, the rigid bodies to --bodies, and the joints to --joints, every K steps instead: .csv, .npz or .pvd [default: that of the scene]
-    #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
+    /// Write the files below every K steps instead, but --trace and --save: .csv, .npz or .pvd [default: that of the scene]
+    #[arg(help_heading = "Files", long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     every: Option<u64>,
     /// In periodic scenes, write to --out where spheres have got to, with all periods that they have passed, not where they are in the box
-    #[arg(long)]
+    #[arg(help_heading = "Files", long)]
     unwrapped: bool,
     /// Write the energies and momenta of every step: .csv
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Files", long, value_name = "FILE")]
     trace: Option<PathBuf>,
     /// Write a line of --trace every K steps instead
-    #[arg(long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
+    #[arg(help_heading = "Files", long, value_name = "K", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     trace_every: Option<u64>,
     /// Write every contact of the final state, with both bodies, point, normal, overlap and force: .csv, .npz or .vtp
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Files", long, value_name = "FILE")]
     contacts: Option<PathBuf>,
     /// Write the length and tension of every spring, muscle and tether of the final state: .csv
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Files", long, value_name = "FILE")]
     tensions: Option<PathBuf>,
     /// Write what the gauges of the scene measure in the final state, or their means over K steps every K steps: .csv
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Files", long, value_name = "FILE")]
     gauges: Option<PathBuf>,
     /// Write the pose and the motion of every rigid body in the final state, or every K steps: .csv
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Files", long, value_name = "FILE")]
     bodies: Option<PathBuf>,
     /// Write the position, the speed and the load of every joint in the final state, or every K steps: .csv
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Files", long, value_name = "FILE")]
     joints: Option<PathBuf>,
     /// Write the final state as a scene file, with its settings: .txt
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Files", long, value_name = "FILE")]
     save: Option<PathBuf>,
     /// Write a checkpoint for --resume when the run ends or is interrupted: .ckpt
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Checkpoints", long, value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// Also write the checkpoint every N steps, replacing the previous one
-    #[arg(long, value_name = "N", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
+    #[arg(help_heading = "Checkpoints", long, value_name = "N", value_parser = whole(1, u64::MAX), allow_negative_numbers = true)]
     checkpoint_every: Option<u64>,
     /// Continue the run from a checkpoint
-    #[arg(long, value_name = "FILE", conflicts_with = "scene")]
+    #[arg(help_heading = "Checkpoints", long, value_name = "FILE", conflicts_with = "scene")]
     resume: Option<PathBuf>,
     /// With --resume, also write to outputs of the checkpoint that are not below its folder
-    #[arg(long, requires = "resume", conflicts_with = "scene")]
+    #[arg(help_heading = "Checkpoints", long, requires = "resume", conflicts_with = "scene")]
     outputs_as_recorded: bool,
     /// Print one JSON object instead of the summary
-    #[arg(long)]
+    #[arg(help_heading = "Report and failures", long)]
     json: bool,
     /// Fail with exit code 1 when the energy grows without a cause in the scene, as after an explosion
-    #[arg(long)]
+    #[arg(help_heading = "Report and failures", long)]
     strict: bool,
     /// Continue when the state of a body is no longer finite: the body is stopped and counted
-    #[arg(long)]
+    #[arg(help_heading = "Report and failures", long)]
     keep_going: bool,
     /// Initial capacity of the pair lists, in words
     #[arg(long, value_name = "N", hide = true)]

@@ -26,6 +26,7 @@ mod creature;
 mod grains;
 mod hopper;
 mod machines;
+mod masonry;
 
 pub use benchmark::{Benchmark, LAYERS};
 pub use creature::{creature, creature_without_pairs};
@@ -47,6 +48,12 @@ pub enum Kind {
     Boxes,
     /// Dominoes along a spiral, and a ball that is thrown at the first one: a domino counts as a sphere.
     Dominoes,
+    /// A wall of bricks and a heavy ball that flies at it, with hard contacts.
+    Bricks,
+    /// An arch of stones and a ball that falls on it, with hard contacts.
+    Arch,
+    /// Convex hulls that fall into a walled box, with hard contacts.
+    Hulls,
     /// Soft blobs, lattices of spheres, springs and rods, that fall onto boxes.
     Soft,
     /// Chains of spheres and fixed-length rods that hang from a beam and start pulled aside.
@@ -69,12 +76,15 @@ pub enum Kind {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 17] = [
         Self::Pile,
         Self::Mixed,
         Self::Clumps,
         Self::Boxes,
         Self::Dominoes,
+        Self::Bricks,
+        Self::Arch,
+        Self::Hulls,
         Self::Soft,
         Self::Chain,
         Self::Hopper,
@@ -94,6 +104,9 @@ impl Kind {
             Self::Clumps => "clumps",
             Self::Boxes => "boxes",
             Self::Dominoes => "dominoes",
+            Self::Bricks => "bricks",
+            Self::Arch => "arch",
+            Self::Hulls => "hulls",
             Self::Soft => "soft",
             Self::Chain => "chain",
             Self::Hopper => "hopper",
@@ -107,7 +120,7 @@ impl Kind {
     }
 
     /// Generates a scene with exactly `spheres` spheres, including those of rods, capsules and rigid bodies, of which
-    /// a box has one. The scene has its time step and its numbers of steps, scenes of grains have their integrator
+    /// a box and a hull have one. The scene has its time step and its numbers of steps, scenes of grains have their integrator
     /// ([`Scene::run`]), and bodies have colours in bands.
     ///
     /// # Errors
@@ -120,6 +133,9 @@ impl Kind {
             Self::Mixed => bodies::mixed(spheres, &mut random),
             Self::Clumps => clumps::clumps(spheres, &mut random),
             Self::Boxes | Self::Dominoes => boxes::hard(self, spheres, &mut random),
+            Self::Bricks => masonry::bricks(spheres, &mut random),
+            Self::Arch => masonry::arch(spheres, &mut random),
+            Self::Hulls => masonry::hulls(spheres, &mut random),
             Self::Soft => bodies::soft(spheres, &mut random),
             Self::Chain => bodies::chain(spheres, &mut random),
             Self::Hopper => hopper::hopper(spheres, &mut random),
@@ -150,7 +166,7 @@ impl Kind {
             Self::Drum => Drum::STEP,
             Self::Column => grains::COLUMN_STEP,
             Self::Vibrated | Self::ShearCell | Self::Mixer | Self::Screw => machines::MACHINE_STEP,
-            Self::Boxes | Self::Dominoes => boxes::FRAME,
+            Self::Boxes | Self::Dominoes | Self::Bricks | Self::Arch | Self::Hulls => boxes::FRAME,
             _ => 0.02,
         }
     }
@@ -162,7 +178,7 @@ impl Kind {
         let seconds = match self {
             Self::Drum | Self::Vibrated | Self::ShearCell => 0.5,
             Self::Column | Self::Mixer | Self::Screw => 1.0,
-            Self::Boxes => 5.0,
+            Self::Boxes | Self::Bricks | Self::Arch | Self::Hulls => 5.0,
             Self::Chain => 10.0,
             // Bodies come to rest.
             _ => 20.0,
@@ -202,7 +218,7 @@ impl FromStr for Kind {
         Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| Error::Invalid {
             field: "kind",
             value: quoted(text),
-            expected: "pile, mixed, clumps, boxes, dominoes, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw",
+            expected: "pile, mixed, clumps, boxes, dominoes, bricks, arch, hulls, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw",
         })
     }
 }
@@ -476,8 +492,8 @@ mod tests {
                 let scene = kind.generate(spheres, 11).unwrap();
                 let balls = scene.spheres();
                 let owners: Vec<_> = scene.sphere_ids().map(|id| scene.body_of_sphere(id)).collect();
-                // The sphere that stands for a box is larger than the box.
-                let is_solid = |place: usize| scene.box_of_sphere(scene.spheres.handle_at(place)).is_some();
+                // The sphere that stands for a box or a hull is larger than that.
+                let is_solid = |place: usize| scene.is_solid(crate::scene::Body::Sphere(scene.spheres.handle_at(place)));
                 for (index, one) in balls.iter().enumerate().filter(|(index, _)| !is_solid(*index)) {
                     // The spheres of a rigid body may overlap.
                     let is_other =

@@ -254,7 +254,7 @@ fn wrong_arguments_exit_with_code_2() {
         ("generate", "Usage"),
         (
             "generate heap --spheres 10",
-            "pile, mixed, clumps, boxes, dominoes, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw",
+            "pile, mixed, clumps, boxes, dominoes, bricks, arch, hulls, soft, chain, hopper, drum, column, vibrated, shear-cell, mixer or screw",
         ),
         ("generate pile", "--spheres"),
         ("generate pile --spheres -5", "-5"),

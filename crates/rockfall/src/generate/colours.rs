@@ -41,7 +41,8 @@ fn value(kind: Kind, number: usize, place: Vec3) -> f32 {
     match kind {
         Kind::Drum | Kind::Mixer | Kind::ShearCell | Kind::Screw => place.x,
         Kind::Chain => (number / bodies::CHAIN as usize % PALETTE.len()) as f32,
-        Kind::Dominoes => number as f32,
+        Kind::Dominoes | Kind::Hulls => number as f32,
+        Kind::Arch => place.x,
         Kind::Soft => (number / bodies::BLOB as usize % PALETTE.len()) as f32,
         _ => place.y,
     }
