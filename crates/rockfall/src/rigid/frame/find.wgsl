@@ -11,7 +11,7 @@ fn hit_of_pair(block: Block, pair: u32, start: f32, least: f32) -> Hit {
     let rest = h - start;
     let sight = sight_at(block, start);
     let is_round = (face_at(pair).info & ROUND) != 0u;
-    let way = search(block, pair, start, false, select(1u, SEARCH_STEPS, is_round));
+    let way = search(block, pair, start, false, least);
     let place = way.first;
     let pull = -dot(field_of(block.b) - field_of(block.a), place.normal);
     for (var k = 0u; k < MOST_POINTS && k < place.count; k++) {

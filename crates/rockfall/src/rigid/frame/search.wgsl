@@ -36,17 +36,41 @@ fn path_at(block: Block, time: f32, is_kicked: bool) -> Sight {
     return Sight(a, b, b.place - a.place);
 }
 
-// The gap of a convex pair is convex along straight paths, so the steps come from below. A search of one step is the geometry at the start.
-fn search(block: Block, pair: u32, start: f32, is_kicked: bool, steps: u32) -> Search {
+// Whether a point of a round pair may touch on the way, faster than `least`.
+fn may_touch(block: Block, pair: u32, sight: Sight, place: Place, start: f32, least: f32) -> bool {
+    if (face_at(pair).info & ROUND) == 0u {
+        return false;
+    }
+    let rest = frame.h - start;
+    let pull = max(-dot(field_of(block.b) - field_of(block.a), place.normal), 0.0);
+    for (var k = 0u; k < MOST_POINTS && k < place.count; k++) {
+        let spot = spot_in(sight, place, k);
+        let gap = gap_of(spot, place.normal);
+        let u = approach_at(sight, 0.5 * (spot.on_a + spot.on_b), place.normal);
+        let late = late_of(u, rest, least_radius(block));
+        let is_fast = u > least && u + pull * rest > length(frame.gravity) * frame.h;
+        if gap > 0.0 && is_fast && gap - u * (rest + late) - 0.5 * pull * rest * rest <= 0.0 {
+            return true;
+        }
+    }
+    return false;
+}
+
+// The gap of a convex pair is convex along straight paths, so the steps come from below. On the path without the kick it ends at once where
+// nothing touches that is faster than `least`.
+fn search(block: Block, pair: u32, start: f32, is_kicked: bool, least: f32) -> Search {
     let rest = frame.h - start;
     let radius = least_radius(block);
     var found = Search(Place(), false, 0.0, 0.0, 3e38);
     var time = 0.0;
-    for (var step = 0u; step < SEARCH_STEPS && step < steps; step++) {
+    for (var step = 0u; step < SEARCH_STEPS; step++) {
         let sight = path_at(block, start + time, is_kicked);
         let place = place_in(sight, pair);
         if step == 0u {
             found.first = place;
+            if !is_kicked && !may_touch(block, pair, sight, place, start, least) {
+                return found;
+            }
         }
         var gap = 3e38;
         var speed = 0.0;

@@ -28,7 +28,7 @@ fn spare_round(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) gro
             if row.w > 0.0 && u * rest > row.w {
                 if !is_searched {
                     is_searched = true;
-                    found = search(block, pair, start, true, SEARCH_STEPS);
+                    found = search(block, pair, start, true, 0.0);
                 }
                 spare = select(max(found.least - row.w + u * rest, 0.0), 0.0, found.touches);
             }
