@@ -21,6 +21,7 @@ mod bodies;
 mod checkpoints;
 mod contacts;
 mod errors;
+mod events;
 mod gauges;
 mod joints;
 mod outputs;
@@ -45,7 +46,7 @@ const DEFAULT_STEPS: u64 = 1000;
 
 /// Details that do not fit into the one-line descriptions of the options.
 const AFTER_HELP: &str = "\
-Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --gauges, --bodies, --joints, --save, \
+Ctrl-C or SIGTERM stops a run cleanly: it finishes the step under way, writes its results (--out, --trace, --contacts, --tensions, --gauges, --bodies, --joints, --events, --save, \
 --checkpoint) and exits with code 130. A step that takes longer than 0.8 s and 20 times longer than all steps before it, or longer than 20 s, is abandoned: the last checkpoint and the .part files \
 stay as they are. A second Ctrl-C ends the run at once if it comes at least 1 s \
 after the first. If a step fails, --out and --trace are written up to that step if the \
@@ -53,7 +54,7 @@ device can still be read, and the last checkpoint is left unchanged.
 
 --resume FILE continues a run from its checkpoint up to step N, counted from the start of the first run (--steps N). It takes \
 everything from the checkpoint: constants, time step, integrator, backend, --out, --every, --trace, --trace-every, --contacts, --tensions, \
---gauges, --bodies, --joints, --save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
+--gauges, --bodies, --joints, --events, --save and --checkpoint-every, and writes further checkpoints to FILE. Options on the command line override the checkpoint; a change that affects the motion is \
 reported. Outputs below the folder of the checkpoint are used where the folder is now. Others need to be named again, or \
 --outputs-as-recorded: a checkpoint of somebody else could name any file. With the \
 same options on the same device, the final state, the trace and the trajectory are bitwise identical to \
@@ -102,6 +103,12 @@ since the start, and the angular velocity in rad/s in place of the angular momen
 those of every K-th state: the name of the joint (its number from 0 where it has none), the angle in rad, or the way or distance in units, \
 and its rate, the force and the torque that the joint exerts on its second body at the anchor, which are means over the \
 step, and by how much the anchors miss what the joint wants. A broken joint has no numbers.
+
+--events writes a line for every contact that begins or ends, and for all that enters or leaves a sensor (a line @sensor of the scene), \
+in the columns step,time,event,a,b,x,y,z,nx,ny,nz,fx,fy,fz: event is begin, end, enter or leave; a and b are the kind and the index of \
+the object, as in `body 2` or `box 0`, and b of a sensor is its name; then the point, the normal from a to b, and the force on b in the \
+state in which the contact began, 0 at its end. A rigid body or a capsule is one object with all its parts. For a sensor the point is the \
+centre, and the others are empty. What touches or is inside at the start has no line. Every step is read back for it.
 
 --save FILE.txt writes the final state as a scene file with all settings, also those of --set. It keeps the comment at the \
 beginning of the scene, up to the first empty line, but no other comments. Its line @run has the time step and the integrator of \
@@ -159,6 +166,9 @@ pub(crate) struct Arguments {
     /// Write the position, the speed and the load of every joint in the final state, or every K steps: .csv
     #[arg(long, value_name = "FILE")]
     joints: Option<PathBuf>,
+    /// Write a line for every contact that begins or ends, and for all that enters or leaves a sensor: .csv
+    #[arg(long, value_name = "FILE")]
+    events: Option<PathBuf>,
     /// Write the final state as a scene file, with its settings: .txt
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
@@ -266,8 +276,8 @@ fn begin(arguments: &Arguments, starting: &Starting) -> Result<Run, Failure> {
     }
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
     let wanted = arguments.wanted(loaded.scene.run.every)?;
-    let Arguments { out, trace, contacts, tensions, gauges, bodies, joints, save, checkpoint, .. } = arguments;
-    for file in [out, trace, contacts, tensions, gauges, bodies, joints, save, checkpoint].into_iter().flatten() {
+    let Arguments { out, trace, contacts, tensions, gauges, bodies, joints, events, save, checkpoint, .. } = arguments;
+    for file in [out, trace, contacts, tensions, gauges, bodies, joints, events, save, checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
     let (comments, title) = (loaded.comments, loaded.title.clone());
@@ -324,6 +334,7 @@ impl Arguments {
             ("--gauges", &self.gauges, files::GAUGES),
             ("--bodies", &self.bodies, files::BODIES),
             ("--joints", &self.joints, files::JOINTS),
+            ("--events", &self.events, files::EVENTS),
             ("--trace", &self.trace, files::TRACE),
             ("--save", &self.save, files::SCENE),
             ("--checkpoint", &self.checkpoint, files::CHECKPOINT),
@@ -341,6 +352,7 @@ impl Arguments {
             gauges: self.gauges.clone(),
             bodies: self.bodies.clone(),
             joints: self.joints.clone(),
+            events: self.events.clone(),
             save: self.save.clone(),
             checkpoint: self.checkpoint.clone(),
             checkpoint_every: self.checkpoint_every,
@@ -371,6 +383,9 @@ fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
         let steps = (chunk.saturating_mul(parts), run.past.part());
         let moved = run.team.advance(&mut run.simulation, &mut run.outputs, steps, is_due);
         result = moved.map_err(|error| Failure::of(run.past.in_steps(error), run.simulation.scene()));
+        // Also those of the steps before one that fails.
+        let noted = run.outputs.add_events(&mut run.simulation, &run.past);
+        result = result.and(noted);
         run.past.seconds = seconds + start.elapsed().as_secs_f64();
         if is_due {
             result = result.and_then(|()| run.outputs.after_step(&mut run.simulation, &mut run.past));
