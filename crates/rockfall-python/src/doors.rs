@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use rockfall::glam::Vec3;
 use rockfall::{
     BoxId, Capsule, CapsuleId, Cuboid, Facets, Gauge, Inlet, Joint, JointId, Material, MaterialId, Mesh, Motion, MotionId,
-    ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Result, RigidBody, RigidBodyId, Rod, RodId, Sensor, Settings,
-    Shape, ShapeId, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
+    ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Result, RigidBody, RigidBodyId, Rod, RodId, Sensor, Settings, Shape,
+    ShapeId, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
 
 use crate::errors::Raise;

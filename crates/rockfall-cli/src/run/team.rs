@@ -117,7 +117,8 @@ impl Starting {
     /// Checks that processes can share what the output files need.
     pub(super) fn check(&self, outputs: &Outputs) -> Result<(), Failure> {
         if self.is_shared() && outputs.are_watched() {
-            let message = "MPI: --events looks at the state of every step, which processes do not share: expected a run without mpirun";
+            let message =
+                "MPI: --events looks at the state of every step, which processes do not share: expected a run without mpirun";
             return Err(Failure::usage(message));
         }
         if self.is_shared() && outputs.are_metered() {

@@ -1,5 +1,5 @@
-//! Sensors in a checkpoint: the length of what follows in bytes, 0 if there are none; the number of sensors, each with its name and the
-//! corners of its box. What is inside follows from the state.
+//! Sensors in a checkpoint: the length of what follows in bytes, 0 if there are none; the number of sensors, each with
+//! its name and the corners of its box. What is inside follows from the state.
 
 use super::flow::{put_corners, read_corners};
 use super::words::{Damage, Head, Words};

@@ -11,7 +11,8 @@ use crate::error::{Result, quoted};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Sensor {
-    /// Name, which no other sensor of the scene has. It is one word without `=`, `,` and `#`, and begins with a letter or `_`.
+    /// Name, which no other sensor of the scene has. It is one word without `=`, `,` and `#`, and begins with a letter
+    /// or `_`.
     pub name: String,
     /// Two opposite corners of the box, in units. It does not move.
     pub corners: [DVec3; 2],
@@ -38,8 +39,8 @@ impl Scene {
     /// Adds a sensor. [`Simulation::sensor_events`](crate::Simulation::sensor_events) tells what enters and leaves it.
     ///
     /// # Errors
-    /// [`Error::Invalid`](crate::Error::Invalid) for a name that another sensor has or that is not one word, and for a box without
-    /// volume.
+    /// [`Error::Invalid`](crate::Error::Invalid) for a name that another sensor has or that is not one word, and for a
+    /// box without volume.
     pub fn add_sensor(&mut self, sensor: Sensor) -> Result<()> {
         sensor.validate()?;
         let is_known = self.sensors.iter().any(|known| known.name == sensor.name);

@@ -8,8 +8,8 @@ use crate::mesh::Mesh;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
     BodyHandles, BoxId, Capsule, CapsuleId, Cuboid, Facets, Inlet, Material, MaterialId, Motion, MotionId, MotionTerm,
-    ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, RigidBody, RigidBodyId, Rod, RodId, Scene, Sensor, Shape, ShapeId, Sphere,
-    SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
+    ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, RigidBody, RigidBodyId, Rod, RodId, Scene, Sensor, Shape, ShapeId,
+    Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
 };
 use crate::simulation::kept::{Kept, put_residues};
 use crate::simulation::order::Disorder;

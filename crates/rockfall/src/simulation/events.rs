@@ -1,7 +1,7 @@
 //! Events: contacts that begin and end, and what enters and leaves sensors.
 //!
-//! Both are differences of two states: the pairs that touch, and what is in the boxes of sensors. So a simulation keeps nothing that
-//! changes steps, and one that is resumed goes on from what its first state has.
+//! Both are differences of two states: the pairs that touch, and what is in the boxes of sensors. So a simulation
+//! keeps nothing that changes steps, and one that is resumed goes on from what its first state has.
 
 use std::collections::HashMap;
 
@@ -18,15 +18,31 @@ mod sensors;
 use contacts::Touching;
 use sensors::Inside;
 
-/// An object that takes part in an event. What moves as a whole is one object: a rigid body, a capsule, and a frame of rods of the law
-/// `rigid`, which goes by its first sphere.
+/// An object that takes part in an event. What moves as a whole is one object: a rigid body, a capsule, and a frame of
+/// rods of the law `rigid`, which goes by its first sphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub struct Party {
     /// Its handle: of a sphere, rod, capsule, rigid body, box or polygon. It is stale if the object has been removed.
     pub id: ObjectId,
-    /// Its index among those of its kind, in order of addition, when the event was noted; that before its removal if it is gone.
+    /// Its index among those of its kind, in order of addition, when the event was noted; that before its removal if
+    /// it is gone.
     pub index: usize,
+}
+
+impl Party {
+    /// Name of the kind: `sphere`, `rod`, `capsule`, `body`, `box` or `polygon`.
+    pub fn kind(&self) -> &'static str {
+        match self.id {
+            ObjectId::Sphere(_) => "sphere",
+            ObjectId::Rod(_) => "rod",
+            ObjectId::Capsule(_) => "capsule",
+            ObjectId::Body(_) => "body",
+            ObjectId::Box(_) => "box",
+            ObjectId::Polygon(_) => "polygon",
+            ObjectId::Spring(_) => "spring",
+        }
+    }
 }
 
 /// Whether a contact begins or ends.
@@ -53,12 +69,14 @@ pub struct ContactEvent {
     pub a: Party,
     /// The other object.
     pub b: Party,
-    /// The point with the deepest overlap, in units, in the state in which the contact began, or the last one in which it was there.
+    /// The point with the deepest overlap, in units, in the state in which the contact began, or the last one in which
+    /// it was there.
     pub point: Vec3,
     /// Unit normal at that point, from A to B.
     pub normal: Vec3,
-    /// Force of all points on B in the state in which the contact began, in mass units/s². A collision counts with its impulse divided by
-    /// the time step, and an impact within a frame with the change of momentum divided by the time step. 0 at the end.
+    /// Force of all points on B in the state in which the contact began, in mass units/s². A collision counts with its
+    /// impulse divided by the time step, and an impact within a frame with its normal impulse divided by the frame. 0
+    /// at the end.
     pub force: Vec3,
 }
 
@@ -111,12 +129,13 @@ impl<State, Event> Noted<State, Event> {
 }
 
 impl Simulation {
-    /// Begins or stops to note where contacts begin and end, for [`Simulation::contact_events`]. Pairs that touch in the present state
-    /// have begun already. Nothing changes if contacts are watched already. To stop drops the events that were not asked for.
+    /// Begins or stops to note where contacts begin and end, for [`Simulation::contact_events`]. Pairs that touch in
+    /// the present state have begun already. Nothing changes if contacts are watched already. To stop drops the events
+    /// that were not asked for.
     ///
-    /// It changes no result, but the state is read back and its contacts are found after every step, so that a plain run is faster. A
-    /// checkpoint does not have it: a resumed simulation begins with the pairs that touch in its first state, which are those of the
-    /// simulation that goes on.
+    /// It changes no result, but the state is read back and its contacts are found after every step, so that a plain
+    /// run is faster. A checkpoint does not have it: a resumed simulation begins with the pairs that touch in its
+    /// first state, which are those of the simulation that goes on.
     ///
     /// # Errors
     /// As for [`Simulation::contacts`].
@@ -127,13 +146,15 @@ impl Simulation {
         Ok(())
     }
 
-    /// The contacts that began and ended since the last call, or since they are watched. They are in the order of steps; within a step
-    /// those that end come first, and then both are in the order in which [`Simulation::contacts`] has the first point of each pair.
+    /// The contacts that began and ended since the last call, or since they are watched. They are in the order of
+    /// steps; within a step those that end come first, and then both are in the order in which
+    /// [`Simulation::contacts`] has the first point of each pair.
     ///
-    /// Two objects touch while [`Simulation::contacts`] has a point of theirs with an overlap of at least 0 or with a force. Under the law
-    /// `rigid` they also touch while they are apart by at most 0.001 radii of the smaller body, so that what rocks does not part for a frame,
-    /// and an impact within a frame begins in that frame and ends in the next one. Under other laws, what touches and parts within one step
-    /// has no event. Phases that run alone are seen when [`Simulation::update_positions`] has run.
+    /// Two objects touch while [`Simulation::contacts`] has a point of theirs with an overlap of at least 0 or with a
+    /// force. Under the law `rigid` they also touch while they are apart by at most 0.001 radii of the smaller body,
+    /// so that what rocks does not part for a frame, and an impact within a frame begins in that frame and ends in the
+    /// next one. Under other laws, what touches and parts within one step has no event. Phases that run alone are seen
+    /// when [`Simulation::update_positions`] has run.
     ///
     /// # Errors
     /// [`Error::Invalid`] unless contacts are watched ([`Simulation::watch_contacts`]).
@@ -145,11 +166,12 @@ impl Simulation {
         }
     }
 
-    /// Begins or stops to note what enters and leaves the sensors of the scene, for [`Simulation::sensor_events`]. What is inside in the
-    /// present state has entered already. Nothing changes if they are watched already. To stop drops the events that were not asked for.
+    /// Begins or stops to note what enters and leaves the sensors of the scene, for [`Simulation::sensor_events`].
+    /// What is inside in the present state has entered already. Nothing changes if they are watched already. To stop
+    /// drops the events that were not asked for.
     ///
-    /// It changes no result, but the state is read back after every step. As for [`Simulation::watch_contacts`], a resumed simulation
-    /// begins with what is inside in its first state.
+    /// It changes no result, but the state is read back after every step. As for [`Simulation::watch_contacts`], a
+    /// resumed simulation begins with what is inside in its first state.
     ///
     /// # Errors
     /// As for [`Simulation::sync`].
@@ -160,9 +182,10 @@ impl Simulation {
         Ok(())
     }
 
-    /// What entered and left sensors since the last call, or since they are watched: rigid bodies, capsules, frames of rods of the law
-    /// `rigid` and all other spheres that are not fixed, by their centres. They are in the order of steps, within a step in that of
-    /// sensors, and for each of them what leaves comes first. What passes a sensor within one step has no event.
+    /// What entered and left sensors since the last call, or since they are watched: rigid bodies, capsules, frames of
+    /// rods of the law `rigid` and all other spheres that are not fixed, by their centres. They are in the order of
+    /// steps, within a step in that of sensors, and for each of them what leaves comes first. What passes a sensor
+    /// within one step has no event.
     ///
     /// # Errors
     /// [`Error::Invalid`] unless sensors are watched ([`Simulation::watch_sensors`]).

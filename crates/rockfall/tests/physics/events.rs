@@ -110,8 +110,7 @@ fn a_box_slides_from_tile_to_tile(backend: Backend) {
     simulation.run(80, FRAME).expect("frames");
     let events = events(&mut simulation);
     let of = |change, tile| {
-        let found: Vec<&ContactEvent> =
-            events.iter().filter(|event| event.change == change && event.b.index == tile).collect();
+        let found: Vec<&ContactEvent> = events.iter().filter(|event| event.change == change && event.b.index == tile).collect();
         assert!(found.len() <= 1, "{found:#?}");
         found.first().map(|event| event.time)
     };
@@ -128,7 +127,7 @@ fn a_box_slides_from_tile_to_tile(backend: Backend) {
 fn a_box_that_rocks_has_one_contact(backend: Backend) {
     let text = format!(
         "{RIGID}set coulomb_friction 0.8\n{FLOOR}{CUBE}@place cube at=0,0.59,0 axis=0,0,1 turn=10\n\
-         @body rod mass=1\nC -0.5 0 0 0.5 0 0 0 0 0 1 0.2\n@end\n@place rod at=3,0.2,0 axis=0,0,1 turn=3\n"
+         @body rod mass=1\nC -0.5 0 0 0.5 0 0 0 0 0 1 0.2\n@end\n@place rod at=3,0.25,0 axis=0,0,1 turn=3\n"
     );
     let mut simulation = open(&text, backend);
     simulation.run(120, FRAME).expect("frames");

@@ -45,8 +45,8 @@ impl Touching {
 }
 
 impl Simulation {
-    /// The pairs of objects that touch in the present state, in the order of their first contacts, then those that struck within the last
-    /// frame and are apart.
+    /// The pairs of objects that touch in the present state, in the order of their first contacts, then those that
+    /// struck within the last frame and are apart.
     pub(super) fn touching(&mut self) -> Result<Vec<Touching>> {
         let contacts = if self.has_frames() { self.rigid_meetings()? } else { self.contacts()? };
         let parties = Parties::of(&self.scene);

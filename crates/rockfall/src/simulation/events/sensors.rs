@@ -40,7 +40,8 @@ impl Simulation {
     }
 }
 
-/// The centres of all objects that move: spheres, capsules and rigid bodies. In periodic scenes they are those in the box.
+/// The centres of all objects that move: spheres, capsules and rigid bodies. In periodic scenes they are those in the
+/// box.
 fn centres(scene: &Scene) -> Result<Vec<(Party, DVec3)>> {
     let parties = Parties::of(scene);
     let in_box = |centre: DVec3| centre + scene.image_in_box(centre).0;
