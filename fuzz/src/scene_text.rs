@@ -91,7 +91,7 @@ fn all(scene: &Scene) -> String {
     let others = (tags(scene, scene.spring_ids()), tags(scene, scene.box_ids()), tags(scene, scene.polygon_ids()));
     let tags = (movers, others);
     format!(
-        "{:?} {:?} {:?} {spheres:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {tags:?}",
+        "{:?} {:?} {:?} {spheres:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {:?} {tags:?}",
         scene.settings,
         scene.run,
         scene.materials(),
@@ -101,7 +101,8 @@ fn all(scene: &Scene) -> String {
         scene.boxes(),
         scene.polygons(),
         scene.inlets(),
-        scene.outlets()
+        scene.outlets(),
+        scene.sensors()
     )
 }
 

@@ -12,6 +12,7 @@ pub(crate) const TENSIONS: &[&str] = &["csv"];
 pub(crate) const GAUGES: &[&str] = &["csv"];
 pub(crate) const BODIES: &[&str] = &["csv"];
 pub(crate) const JOINTS: &[&str] = &["csv"];
+pub(crate) const EVENTS: &[&str] = &["csv"];
 pub(crate) const SCENE: &[&str] = &["txt"];
 pub(crate) const CHECKPOINT: &[&str] = &["ckpt"];
 pub(crate) const EVOLUTION: &[&str] = &["json"];

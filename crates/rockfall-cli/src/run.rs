@@ -21,6 +21,7 @@ mod bodies;
 mod checkpoints;
 mod contacts;
 mod errors;
+mod events;
 mod gauges;
 mod joints;
 mod outputs;
@@ -67,6 +68,8 @@ The extension chooses the format: .csv, .npz (NumPy), .vtp and .pvd (ParaView), 
               angular momentum about the centre. Motions of walls follow, with angular velocities
   --joints    step,time,joint,position,speed,fx,fy,fz,tx,ty,tz,error: angle in rad or length, its rate,
               force and torque on the second body (means over the step), error of the anchors
+  --events    step,time,event,a,b,x,y,z,nx,ny,nz,fx,fy,fz: contacts that begin and end, what enters and
+              leaves a @sensor. Every step is read back for it
   --trace     energies, momenta, contacts and collisions of every step. work is that of walls and
               muscles; dissipated is empty where the law does not know it
   --save      the final state as a scene. It lacks impulses and springs of contacts, so loaded
@@ -127,6 +130,9 @@ pub(crate) struct Arguments {
     /// Write the position, the speed and the load of every joint in the final state, or every K steps: .csv
     #[arg(help_heading = "Files", long, value_name = "FILE")]
     joints: Option<PathBuf>,
+    /// Write a line for every contact that begins or ends, and for all that enters or leaves a sensor: .csv
+    #[arg(help_heading = "Files", long, value_name = "FILE")]
+    events: Option<PathBuf>,
     /// Write the final state as a scene file, with its settings: .txt
     #[arg(help_heading = "Files", long, value_name = "FILE")]
     save: Option<PathBuf>,
@@ -234,8 +240,8 @@ fn begin(arguments: &Arguments, starting: &Starting) -> Result<Run, Failure> {
     }
     let Source { name, loaded } = Source::read(arguments.scene.as_deref())?;
     let wanted = arguments.wanted(loaded.scene.run.every)?;
-    let Arguments { out, trace, contacts, tensions, gauges, bodies, joints, save, checkpoint, .. } = arguments;
-    for file in [out, trace, contacts, tensions, gauges, bodies, joints, save, checkpoint].into_iter().flatten() {
+    let Arguments { out, trace, contacts, tensions, gauges, bodies, joints, events, save, checkpoint, .. } = arguments;
+    for file in [out, trace, contacts, tensions, gauges, bodies, joints, events, save, checkpoint].into_iter().flatten() {
         Source::is_not(arguments.scene.as_deref(), file)?;
     }
     let (comments, title) = (loaded.comments, loaded.title.clone());
@@ -292,6 +298,7 @@ impl Arguments {
             ("--gauges", &self.gauges, files::GAUGES),
             ("--bodies", &self.bodies, files::BODIES),
             ("--joints", &self.joints, files::JOINTS),
+            ("--events", &self.events, files::EVENTS),
             ("--trace", &self.trace, files::TRACE),
             ("--save", &self.save, files::SCENE),
             ("--checkpoint", &self.checkpoint, files::CHECKPOINT),
@@ -309,6 +316,7 @@ impl Arguments {
             gauges: self.gauges.clone(),
             bodies: self.bodies.clone(),
             joints: self.joints.clone(),
+            events: self.events.clone(),
             save: self.save.clone(),
             checkpoint: self.checkpoint.clone(),
             checkpoint_every: self.checkpoint_every,
@@ -339,6 +347,9 @@ fn steps(run: &mut Run, interrupt: &Interrupt) -> Result<(), Failure> {
         let steps = (chunk.saturating_mul(parts), run.past.part());
         let moved = run.team.advance(&mut run.simulation, &mut run.outputs, steps, is_due);
         result = moved.map_err(|error| Failure::of(run.past.in_steps(error), run.simulation.scene()));
+        // Also those of the steps before one that fails.
+        let noted = run.outputs.add_events(&mut run.simulation, &run.past);
+        result = result.and(noted);
         run.past.seconds = seconds + start.elapsed().as_secs_f64();
         if is_due {
             result = result.and_then(|()| run.outputs.after_step(&mut run.simulation, &mut run.past));

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use rockfall::glam::Vec3;
 use rockfall::{
     BoxId, Capsule, CapsuleId, Cuboid, Facets, Gauge, Inlet, Joint, JointId, Material, MaterialId, Mesh, Motion, MotionId,
-    ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Result, RigidBody, RigidBodyId, Rod, RodId, Settings, Shape,
+    ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Result, RigidBody, RigidBodyId, Rod, RodId, Sensor, Settings, Shape,
     ShapeId, Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId,
 };
 
@@ -100,6 +100,7 @@ doors! {
     set_surface_velocity(id: ObjectId, velocity: Vec3) -> ();
     add_inlet(inlet: Inlet) -> ();
     add_outlet(outlet: Outlet) -> ();
+    add_sensor(sensor: Sensor) -> ();
 }
 
 /// Calls a function with the objects of a native scene or simulation, without the GIL.

@@ -7,6 +7,7 @@ mod arguments;
 mod bodies;
 mod doors;
 mod errors;
+mod events;
 mod evolve;
 mod fields;
 mod film;
@@ -51,6 +52,8 @@ mod _rockfall {
     use crate::doors::{get_setting, set_setting};
     #[pymodule_export]
     use crate::errors::SimulationError;
+    #[pymodule_export]
+    use crate::events::{add_sensor, contact_events, sensor_events, watch_contacts, watch_sensors};
     #[pymodule_export]
     use crate::evolve::Evolution;
     #[pymodule_export]

@@ -16,12 +16,12 @@ use crate::simulation::Simulation;
 use crate::tables::Energy;
 
 type Column<'py, T> = Bound<'py, PyArray1<T>>;
-type Matrix<'py, T> = Bound<'py, PyArray2<T>>;
+pub(crate) type Matrix<'py, T> = Bound<'py, PyArray2<T>>;
 /// Whole numbers and others, a row for each contact, spring or tether.
 pub(crate) type ContactArrays<'py> = (Matrix<'py, i64>, Matrix<'py, f32>);
 
 /// An array with `columns` numbers per row.
-fn matrix<T: numpy::Element>(py: Python<'_>, numbers: Vec<T>, columns: usize) -> PyResult<Matrix<'_, T>> {
+pub(crate) fn matrix<T: numpy::Element>(py: Python<'_>, numbers: Vec<T>, columns: usize) -> PyResult<Matrix<'_, T>> {
     let rows = numbers.len() / columns;
     PyArray1::from_vec(py, numbers).reshape([rows, columns])
 }

@@ -11,7 +11,7 @@
 //! | 8 | `\x89RKF\r\n\x1a\n`; a transfer as text changes these bytes, so it is detected |
 //! | 4 | version of the format |
 //! | 8 | length of the whole file in bytes |
-//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; gauges; how the scene is meant to be run; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres and bodies with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres and bodies with residues, 0 or all, with 4 words for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels; inlets and outlets, and what they have done; shapes and rigid bodies; implied bodies; joints; groups |
+//! | ... | the head: program, device, note, constants, options, time step, counters, the time of muscles and motions, numbers of objects, materials, pairs, motions, periods; gauges; how the scene is meant to be run; names, parameters and hashes of force laws; the contact law of the program; the springs of contacts; the number of spheres and bodies with an acceleration and a torque, 0 or all, with 6 floats for each; the number of spheres and bodies with residues, 0 or all, with 4 words for each; the number of spheres whose position has a low part, 0 or all, with 3 floats for each; names, colours, looks and labels; inlets and outlets, and what they have done; shapes and rigid bodies; implied bodies; joints; groups; sensors |
 //! | ... | spheres, rods, capsules, springs, tethers, boxes, polygons, each in order of addition, as 32-bit words |
 //! | ... | the reference of every sphere as a 64-bit number, -1 for none; left out if no sphere has one |
 //! | 4 | CRC-32 of all bytes before |
@@ -43,6 +43,7 @@ mod motions;
 mod objects;
 mod periods;
 mod run;
+mod sensors;
 mod springs;
 mod tags;
 pub(crate) mod words;
@@ -191,13 +192,14 @@ impl Checkpoint {
             checkpoint.frames = read_frames(&mut words)?;
             let lows = read_lows(&mut words, counts.spheres)?;
             let [tags, flow, bodies, implied] = [words.block()?, words.block()?, words.block()?, words.block()?];
-            let (joints, groups) = (words.block()?, words.block()?);
+            let [joints, groups, sensors] = [words.block()?, words.block()?, words.block()?];
             objects::read(&mut words, &counts, &mut checkpoint.scene)?;
             put_lows(&mut checkpoint.scene, &lows);
             bodies::put(bodies, &mut checkpoint.scene)?;
             implied::put(implied, &mut checkpoint.scene)?;
             joints::put(joints, &mut checkpoint.scene)?;
             groups::put(groups, &mut checkpoint.scene)?;
+            sensors::put(sensors, &mut checkpoint.scene)?;
             check_rates(&checkpoint)?;
             checkpoint.flow = flow::put(flow, &mut checkpoint.scene)?;
             tags::put(tags, &mut checkpoint.scene)?;
@@ -221,6 +223,7 @@ impl Checkpoint {
         head.extend(implied::bytes(&self.scene));
         head.extend(joints::bytes(&self.scene));
         head.extend(groups::bytes(&self.scene));
+        head.extend(sensors::bytes(&self.scene));
         let length = PREFIX + head.len() + objects::length(&self.scene) + SUFFIX;
         let mut out = Hashed { out, crc32: crc32fast::Hasher::new() };
         out.write_all(&MAGIC)?;

@@ -118,14 +118,15 @@ pub use scene::{
     Anchor, Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, ConeAxis, Counts, Cuboid, Facets, Gauge,
     Gauged, GrainMass, Inlet, Joint, JointFrame, JointId, JointKind, LineWarning, Loaded, Look, MassProperties, Material,
     MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Radii, Rate,
-    RigidBody, RigidBodyId, Rod, RodId, RollingModel, RunDefaults, Scene, Servo, Shape, ShapeBox, ShapeHull, ShapeId,
+    RigidBody, RigidBodyId, Rod, RodId, RollingModel, RunDefaults, Scene, Sensor, Servo, Shape, ShapeBox, ShapeHull, ShapeId,
     ShapeMass, ShapeRod, ShapeSphere, Shear, SizedBy, Sought, Sphere, SphereId, Spring, SpringId, Surface, Tag, Tether,
     TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{
-    Contact, ContactAction, ContactSprings, Flow, GaugeReading, HardContacts, Inflow, JointReading, Link, MaxOverlap, Meter,
-    MotionState, Outflow, RayHit, Simulation, SphereDiagnostics, Tension, WallLoad,
+    Contact, ContactAction, ContactChange, ContactEvent, ContactSprings, Flow, GaugeReading, HardContacts, Inflow,
+    JointReading, Link, MaxOverlap, Meter, MotionState, Outflow, Party, RayHit, SensorChange, SensorEvent, Simulation,
+    SphereDiagnostics, Tension, WallLoad,
 };
 pub use user_laws::{ContactForceLaw, ContactInput, ContactResponse, ForceInput, ForceLaw, ForceLoad, Impact, PairParameter};
 #[cfg(feature = "gpu")]

@@ -30,6 +30,7 @@ mod remove;
 mod restitution;
 mod rigid;
 mod run;
+mod sensor;
 mod servo;
 mod shape;
 mod shear;
@@ -71,6 +72,7 @@ use registry::new_scene_number;
 pub(crate) use rigid::{BodyState, Frame};
 pub use rigid::{Placement, RigidBody, RigidBodyId};
 pub use run::RunDefaults;
+pub use sensor::Sensor;
 pub use servo::{Servo, Sought};
 pub(crate) use shape::Core;
 pub(crate) use shape::Kinetics;
@@ -111,6 +113,7 @@ pub struct Scene {
     pub(crate) gauges: Vec<Gauge>,
     pub(crate) inlets: Vec<Inlet>,
     pub(crate) outlets: Vec<Outlet>,
+    pub(crate) sensors: Vec<Sensor>,
     pub(crate) materials: Registry<Material>,
     pub(crate) pairs: Pairs,
     pub(crate) periodic: [Option<[f32; 2]>; 3],
@@ -177,6 +180,7 @@ impl Scene {
             gauges: Vec::new(),
             inlets: Vec::new(),
             outlets: Vec::new(),
+            sensors: Vec::new(),
             materials: Registry::new(number, "material"),
             pairs: Pairs::new(),
             periodic: [None; 3],

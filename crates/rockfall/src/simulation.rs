@@ -25,6 +25,7 @@ mod contact_springs;
 mod drive;
 mod edit;
 mod engine;
+mod events;
 #[cfg(feature = "gpu")]
 mod exchange;
 mod flight;
@@ -60,6 +61,8 @@ mod watch;
 pub use contact_springs::ContactSprings;
 use edit::Dirty;
 use engine::Engine;
+use events::Watched;
+pub use events::{ContactChange, ContactEvent, Party, SensorChange, SensorEvent};
 use flight::Portioning;
 pub use flow::{Flow, Inflow, Outflow};
 use frames::Frames;
@@ -134,6 +137,8 @@ pub struct Simulation {
     frames_due: bool,
     /// Drives of joints have changed since the last step.
     drives_due: bool,
+    /// Events that are noted after every step.
+    watched: Watched,
 }
 
 impl Simulation {
@@ -239,6 +244,7 @@ impl Simulation {
             frames: None,
             frames_due: true,
             drives_due: false,
+            watched: Watched::default(),
             calm_steps: 0,
             few_steps: 0,
         }

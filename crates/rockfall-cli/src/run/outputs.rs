@@ -11,6 +11,7 @@ use super::bodies::BodiesFile;
 use super::checkpoints::CheckpointFile;
 use super::contacts::ContactsFile;
 use super::errors::{lost, written};
+use super::events::EventsFile;
 use super::gauges::GaugesFile;
 use super::joints::JointsFile;
 use super::past::{Metered, Past, PastFile};
@@ -41,6 +42,7 @@ pub(crate) struct Outputs {
     gauges: Option<GaugesFile>,
     bodies: Option<BodiesFile>,
     joints: Option<JointsFile>,
+    events: Option<EventsFile>,
     save: Option<(PathBuf, AtomicFile)>,
     unwrapped: bool,
     checkpoint: Option<CheckpointFile>,
@@ -65,6 +67,7 @@ impl Outputs {
             gauges,
             bodies,
             joints,
+            events,
             save,
             checkpoint: _,
             checkpoint_every: _,
@@ -78,6 +81,7 @@ impl Outputs {
         let gauges_mark = gauges.as_deref().and_then(|path| marked(path, past.and_then(|past| past.gauges.as_ref())));
         let bodies_mark = bodies.as_deref().and_then(|path| marked(path, past.and_then(|past| past.bodies.as_ref())));
         let joints_mark = joints.as_deref().and_then(|path| marked(path, past.and_then(|past| past.joints.as_ref())));
+        let events_mark = events.as_deref().and_then(|path| marked(path, past.and_then(|past| past.events.as_ref())));
         let continues =
             [out_mark, contacts_mark, tensions_mark, gauges_mark, bodies_mark, joints_mark].iter().any(Option::is_some);
         if let Some(begun) = past.and_then(|past| past.every).filter(|begun| continues && every != Some(*begun)) {
@@ -100,6 +104,7 @@ impl Outputs {
             gauges: gauges.map(|path| GaugesFile::open(path, every, gauges_mark)).transpose()?,
             bodies: bodies.map(|path| BodiesFile::open(path, every, bodies_mark)).transpose()?,
             joints: joints.map(|path| JointsFile::open(path, every, joints_mark)).transpose()?,
+            events: events.map(|path| EventsFile::open(path, events_mark)).transpose()?,
             save: save.map(|path| save::open(&path).map(|file| (path, file))).transpose()?,
             unwrapped,
             checkpoint,
@@ -111,6 +116,9 @@ impl Outputs {
     /// Writes the header of a new trace, and the state before the first step to a new trace and trajectory.
     pub(crate) fn begin(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
         self.begin_meter(simulation, past);
+        if self.events.is_some() {
+            EventsFile::begin(simulation)?;
+        }
         let [frames, contacts, tensions] = self.is_new;
         if let Some(trace) = &mut self.trace {
             trace.begin(simulation, past, &self.meter)?;
@@ -158,6 +166,16 @@ impl Outputs {
     /// Runs steps of the simulation, and adds them to the sums that the files need.
     pub(crate) fn advance(&mut self, simulation: &mut Simulation, steps: u64, dt: f32) -> rockfall::Result<()> {
         simulation.run_metered(steps, dt, &mut self.meter)
+    }
+
+    /// Whether the states of all steps are looked at for events.
+    pub(crate) fn are_watched(&self) -> bool {
+        self.events.is_some()
+    }
+
+    /// Adds the events of the steps since the last call.
+    pub(crate) fn add_events(&mut self, simulation: &mut Simulation, past: &Past) -> Result<(), Failure> {
+        self.events.as_mut().map_or(Ok(()), |events| events.add(simulation, past))
     }
 
     /// Number of steps from `step` until an output is due, at most `most`.
@@ -248,6 +266,7 @@ impl Outputs {
         past.every = past.every.or_else(|| self.bodies.as_ref()?.0.every());
         past.joints = self.joints.as_mut().map(|joints| joints.0.as_past()).transpose()?;
         past.every = past.every.or_else(|| self.joints.as_ref()?.0.every());
+        past.events = self.events.as_mut().map(EventsFile::as_past).transpose()?;
         past.save = self.save.as_ref().map(|(path, _)| Place(path.clone()));
         past.checkpoint_every = file.every();
         past.unwrapped = self.unwrapped;
@@ -297,6 +316,9 @@ impl Outputs {
         }
         if let Some(file) = self.joints {
             note(file.0.path().to_owned(), file.finish(simulation, past));
+        }
+        if let Some(file) = self.events {
+            note(file.0.path().to_owned(), file.0.commit());
         }
         if let Some((path, file)) = self.save {
             let result = save::write(&path, file, simulation, past);

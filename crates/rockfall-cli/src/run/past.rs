@@ -43,6 +43,7 @@ pub(crate) struct Past {
     pub(crate) gauges: Option<PastFile>,
     pub(crate) bodies: Option<PastFile>,
     pub(crate) joints: Option<PastFile>,
+    pub(crate) events: Option<PastFile>,
     /// Bits of the total energy at the first line of `trace`.
     pub(crate) traced_energy: Option<u64>,
     pub(crate) metered: Option<Metered>,
@@ -135,8 +136,8 @@ impl Past {
 
     /// The paths of all output files.
     fn places(&mut self) -> impl Iterator<Item = &mut Place> {
-        let Self { out, trace, contacts, tensions, gauges, bodies, joints, save, .. } = self;
-        let files = [out, trace, contacts, tensions, gauges, bodies, joints].into_iter().flatten();
+        let Self { out, trace, contacts, tensions, gauges, bodies, joints, events, save, .. } = self;
+        let files = [out, trace, contacts, tensions, gauges, bodies, joints, events].into_iter().flatten();
         files.map(|file| &mut file.path).chain(save)
     }
 

@@ -143,6 +143,7 @@ fn wanted(arguments: &Arguments, past: &Past, path: &Path) -> Result<Wanted, Fai
         ("--gauges", files::GAUGES, &mut wanted.gauges, &past.gauges),
         ("--bodies", files::BODIES, &mut wanted.bodies, &past.bodies),
         ("--joints", files::JOINTS, &mut wanted.joints, &past.joints),
+        ("--events", files::EVENTS, &mut wanted.events, &past.events),
     ] {
         recorded.take(option, known, file, before.as_ref())?;
     }

@@ -116,6 +116,11 @@ impl Starting {
 impl Starting {
     /// Checks that processes can share what the output files need.
     pub(super) fn check(&self, outputs: &Outputs) -> Result<(), Failure> {
+        if self.is_shared() && outputs.are_watched() {
+            let message =
+                "MPI: --events looks at the state of every step, which processes do not share: expected a run without mpirun";
+            return Err(Failure::usage(message));
+        }
         if self.is_shared() && outputs.are_metered() {
             let message = "MPI: --trace adds up the work of moving surfaces and of a shear in every step, and --gauges with --every the \
                            loads on walls, which processes cannot share yet: expected neither of them, or a run without mpirun";

@@ -21,6 +21,7 @@ pub(crate) struct Wanted {
     pub(crate) gauges: Option<PathBuf>,
     pub(crate) bodies: Option<PathBuf>,
     pub(crate) joints: Option<PathBuf>,
+    pub(crate) events: Option<PathBuf>,
     pub(crate) save: Option<PathBuf>,
     pub(crate) checkpoint: Option<PathBuf>,
     pub(crate) checkpoint_every: Option<u64>,
@@ -29,8 +30,8 @@ pub(crate) struct Wanted {
 impl Wanted {
     /// The files other than the checkpoint.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
-        let Self { out, trace, contacts, tensions, gauges, bodies, joints, save, .. } = self;
-        [out, trace, contacts, tensions, gauges, bodies, joints, save].into_iter().flatten().map(PathBuf::as_path)
+        let Self { out, trace, contacts, tensions, gauges, bodies, joints, events, save, .. } = self;
+        [out, trace, contacts, tensions, gauges, bodies, joints, events, save].into_iter().flatten().map(PathBuf::as_path)
     }
 
     /// Returns an error if the options contradict each other.
@@ -47,6 +48,7 @@ impl Wanted {
             ("--gauges", &self.gauges),
             ("--bodies", &self.bodies),
             ("--joints", &self.joints),
+            ("--events", &self.events),
             ("--trace", &self.trace),
             ("--save", &self.save),
             ("--checkpoint", &self.checkpoint),

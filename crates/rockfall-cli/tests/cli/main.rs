@@ -4,6 +4,7 @@ mod bench;
 mod bodies;
 mod commands;
 mod common;
+mod events;
 mod evolve;
 mod flow;
 mod full_disk;

@@ -1,4 +1,4 @@
-"""Inlets and outlets: grains and rigid bodies that come and go."""
+"""Inlets, outlets and sensors: grains and rigid bodies that come and go."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def _radius(radius: float | tuple[float, float] | str) -> str:
 
 
 class Flows(Bodies):
-    """Adds inlets and outlets. A base of :class:`Objects`."""
+    """Adds inlets, outlets and sensors. A base of :class:`Objects`."""
 
     def add_inlet(
         self,
@@ -196,3 +196,24 @@ class Flows(Bodies):
         corners = _corners(low, high)
         self._edited()
         _rockfall.add_outlet(self._native, name, corners, every)
+
+    def add_sensor(self, name: str, low: npt.ArrayLike, high: npt.ArrayLike) -> None:
+        """Add a box that reports which bodies, capsules and spheres enter and leave it by their centres, and pushes nothing.
+
+        See :meth:`Simulation.watch_sensors` and :meth:`Simulation.sensor_events`.
+
+        Parameters
+        ----------
+        name : str
+            One word that no other sensor has as its name.
+        low, high : array_like, shape (3,)
+            Two opposite corners of the box, in units.
+
+        Raises
+        ------
+        ValueError
+            For a box without volume, and a name that is in use.
+        """
+        corners = _corners(low, high)
+        self._edited()
+        _rockfall.add_sensor(self._native, name, corners)

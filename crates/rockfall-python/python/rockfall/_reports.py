@@ -29,6 +29,39 @@ CONTACT = np.dtype(
     ]
 )
 
+#: Rows of :meth:`Simulation.contact_events`.
+CONTACT_EVENT = np.dtype(
+    [
+        ("step", np.int64),
+        ("time", np.float64),
+        ("change", "U5"),
+        ("a_kind", "U7"),
+        ("a", np.int64),
+        ("b_kind", "U7"),
+        ("b", np.int64),
+        ("point", np.float32, (3,)),
+        ("normal", np.float32, (3,)),
+        ("force", np.float32, (3,)),
+    ]
+)
+
+
+def sensor_event(names: list[str]) -> np.dtype:
+    """Rows of :meth:`Simulation.sensor_events`, with room for the longest name."""
+    longest = max((len(name) for name in names), default=1)
+    return np.dtype(
+        [
+            ("step", np.int64),
+            ("time", np.float64),
+            ("change", "U5"),
+            ("sensor", f"U{longest}"),
+            ("kind", "U7"),
+            ("index", np.int64),
+            ("centre", np.float64, (3,)),
+        ]
+    )
+
+
 #: Rows of :attr:`Simulation.tensions`.
 TENSION = np.dtype(
     [
@@ -89,6 +122,9 @@ ENERGIES = np.dtype(
 
 #: Kinds of bodies in contacts and ray hits.
 BODY_KINDS = np.array(["sphere", "rod", "box", "polygon", ""])
+
+#: Kinds of objects in events.
+PARTY_KINDS = np.array(["sphere", "rod", "capsule", "body", "box", "polygon"])
 
 #: Kinds in tensions.
 LINK_KINDS = np.array(["spring", "muscle", "tether"])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 from rockfall import _rockfall
 from rockfall._contact_law import ContactLaw, native_contact_law
 from rockfall._laws import ForceLaw, native_laws
-from rockfall._observe import Observed
+from rockfall._events import Watched
 from rockfall._team import on_first
 from rockfall._trajectory import Recording
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _Self = TypeVar("_Self", bound="Stored")
 
 
-class Stored(Observed):
+class Stored(Watched):
     """A state that can be copied and written to files. A base of :class:`Simulation`."""
 
     _dt: float

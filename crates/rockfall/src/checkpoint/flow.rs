@@ -174,11 +174,11 @@ fn read_shape(words: &mut Words, scene: &Scene) -> Result<Option<ShapeId>, Damag
     scene.shape_ids().nth(index).map(Some).ok_or_else(missing)
 }
 
-fn put_corners(head: &mut Head, corners: &[DVec3; 2]) {
+pub(super) fn put_corners(head: &mut Head, corners: &[DVec3; 2]) {
     corners.iter().flat_map(|corner| corner.to_array()).for_each(|number| head.f64(number));
 }
 
-fn read_corners(words: &mut Words) -> Result<[DVec3; 2], Damage> {
+pub(super) fn read_corners(words: &mut Words) -> Result<[DVec3; 2], Damage> {
     let mut corner = || -> Result<DVec3, Damage> { Ok(DVec3::new(words.f64()?, words.f64()?, words.f64()?)) };
     Ok([corner()?, corner()?])
 }

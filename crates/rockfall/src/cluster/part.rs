@@ -229,6 +229,7 @@ fn local_checkpoint(whole: &Checkpoint, present: &[u32]) -> Result<Checkpoint> {
     local.scene.gauges.clear();
     local.scene.inlets.clear();
     local.scene.outlets.clear();
+    local.scene.sensors.clear();
     if !whole.rates.is_empty() {
         local.rates = present.iter().map(|index| whole.rates[*index as usize]).collect();
     }

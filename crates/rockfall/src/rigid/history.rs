@@ -23,6 +23,8 @@ pub(in crate::rigid) struct OldPair {
     pub(in crate::rigid) colliders: [u32; 2],
     pub(in crate::rigid) first: u32,
     pub(in crate::rigid) count: u32,
+    /// The normal impulse of all impacts of the pair in the frame.
+    pub(in crate::rigid) struck: f32,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,8 +40,8 @@ impl History {
     /// Everything as words, which [`History::from_words`] reads back to the same bits.
     pub(crate) fn to_words(&self) -> Vec<u32> {
         let mut words = vec![self.frames, self.substep.to_bits(), self.pairs.len() as u32];
-        for OldPair { colliders, first, count } in &self.pairs {
-            words.extend([colliders[0], colliders[1], *count]);
+        for OldPair { colliders, first, count, struck } in &self.pairs {
+            words.extend([colliders[0], colliders[1], *count, struck.to_bits()]);
             for point in &self.points[*first as usize..(first + count) as usize] {
                 words.push(point.id);
                 words.extend(point.on_a.to_array().map(f32::to_bits));
@@ -57,12 +59,12 @@ impl History {
         let mut words = words.iter().copied();
         let mut history = Self { frames: words.next()?, substep: number(words.next()?)?, ..Self::default() };
         for _ in 0..words.next()? {
-            let (colliders, count) = ([words.next()?, words.next()?], words.next()?);
+            let (colliders, count, struck) = ([words.next()?, words.next()?], words.next()?, number(words.next()?)?);
             let is_in_order = history.pairs.last().is_none_or(|last| last.colliders < colliders);
             if !is_in_order || count as usize > MOST_POINTS {
                 return None;
             }
-            history.pairs.push(OldPair { colliders, first: history.points.len() as u32, count });
+            history.pairs.push(OldPair { colliders, first: history.points.len() as u32, count, struck });
             for _ in 0..count {
                 let id = words.next()?;
                 let mut vector = || Some(Vec3::new(number(words.next()?)?, number(words.next()?)?, number(words.next()?)?));
@@ -91,8 +93,8 @@ impl History {
         let mut new = Self { frames: self.frames, substep: self.substep, ..Self::default() };
         let mut pairs: Vec<_> = self.pairs.iter().filter_map(|old| Some((both(colliders, old.colliders)?, old))).collect();
         pairs.sort_unstable_by_key(|(numbers, _)| *numbers);
-        for (colliders, OldPair { first, count, .. }) in pairs {
-            new.pairs.push(OldPair { colliders, first: new.points.len() as u32, count: *count });
+        for (colliders, OldPair { first, count, struck, .. }) in pairs {
+            new.pairs.push(OldPair { colliders, first: new.points.len() as u32, count: *count, struck: *struck });
             new.points.extend_from_slice(&self.points[*first as usize..(first + count) as usize]);
         }
         let colours = self.colours.iter().filter_map(|(old, colour)| Some((both(bodies, *old)?, *colour)));
@@ -115,6 +117,11 @@ impl History {
         *next += 1;
         let OldPair { first, count, .. } = self.pairs[place];
         Some(&self.points[first as usize..(first + count) as usize])
+    }
+
+    /// The pairs of colliders that struck each other in the last frame, in their order, with the normal impulse of all their impacts.
+    pub(crate) fn strikes(&self) -> impl Iterator<Item = ([u32; 2], f32)> {
+        self.pairs.iter().filter(|pair| pair.struck > 0.0).map(|pair| (pair.colliders, pair.struck))
     }
 
     /// The force of each point of a pair at the end of the last frame: its id, and the force on body b along the axes of the world,

@@ -291,7 +291,7 @@ impl Radii {
     }
 }
 
-fn demand(holds: bool, field: &'static str, value: impl fmt::Display, expected: &'static str) -> Result<()> {
+pub(super) fn demand(holds: bool, field: &'static str, value: impl fmt::Display, expected: &'static str) -> Result<()> {
     if holds { Ok(()) } else { Err(Error::Invalid { field, value: value.to_string(), expected }) }
 }
 
@@ -303,7 +303,7 @@ fn check_every(field: &'static str, every: Option<u64>) -> Result<()> {
     demand(every != Some(0), field, 0, "a number of steps, at least 1")
 }
 
-fn check_box(field: &'static str, [low, high]: &[DVec3; 2]) -> Result<()> {
+pub(super) fn check_box(field: &'static str, [low, high]: &[DVec3; 2]) -> Result<()> {
     let is_box = low.is_finite() && high.is_finite() && low.cmplt(*high).all();
     demand(is_box, field, format!("{low} to {high}"), "six finite numbers x0,y0,z0,x1,y1,z1 with x0 < x1, y0 < y1 and z0 < z1")
 }

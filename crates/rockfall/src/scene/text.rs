@@ -37,6 +37,7 @@
 //! | `@gauge name=N plane=x,y,z,nx,ny,nz` | nothing: counts the spheres that pass the plane through that point, across that normal |
 //! | `@inlet name=N box=x0,y0,z0,x1,y1,z1 rate=PER_S radius=r by=number density=D velocity=x,y,z from=S to=S limit=COUNT seed=N` | nothing: spheres of the material in use come in while a simulation runs ([`Inlet`](crate::Inlet)). `mass_rate=` or `volume_rate=` may replace `rate=`, `mass=` may replace `density=`, `radius=` also takes `a..b` and `lognormal:median,sigma`, `by=mass` weights radii by mass |
 //! | `@outlet name=N box=x0,y0,z0,x1,y1,z1` | nothing: spheres that enter the box are removed ([`Outlet`](crate::Outlet)) |
+//! | `@sensor name=N box=x0,y0,z0,x1,y1,z1` | nothing: reports what enters and leaves the box ([`Sensor`](crate::Sensor)) |
 //! | `@body NAME mass=M centre=x,y,z inertia=xx,yy,zz,xy,xz,yz` ... `@end` | nothing: the `S`, `R` and `C` lines between are the parts of a shape in coordinates of its own ([`Shape`](crate::Shape)), with velocities of 0 and any mass. `density=D` may replace `mass=`. References, `@group`, `@use`, `@name`, `@colour`, `@look` and `@label` in a block hold up to its `@end` |
 //! | `@hull x,y,z x,y,z ...` | within `@body`: the convex hull of the points |
 //! | `@hull FILE scale=s at=x,y,z axis=x,y,z turn=degrees` | within `@body`: the convex hull of the vertices of a mesh file |
@@ -44,7 +45,7 @@
 //! | `@joint KIND A B at=x,y,z to=x,y,z axis=x,y,z limits=a..b cone=a twist=a..b speed=v force=F torque=T target=p stiffness=k damping=c friction=f break_force=F break_torque=T collide=yes name=N` | a joint of two bodies ([`Joint`](crate::Joint)): a `ball`, `hinge`, `slider`, `fixed` or `distance`. `A` and `B` are the name of a body that a line above places, the reference of a sphere, or `world`. Angles are in degrees, rates in rad/s. `to=` is for distance joints, `cone=` and `twist=` are for balls, `torque=` is for hinges and balls and `force=` for the others. `frame_a=x,y,z,w,i,j,k` and `frame_b=`, places and turns in coordinates of the bodies, may replace `at=`, `to=` and `axis=`, and `length=` the distance |
 //! | `@repeat N dx dy dz` ... `@end` | N copies of the lines between; copy k, from 0, is moved by k times (dx, dy, dz), and the references that the lines define count on |
 //!
-//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last thirty-three kinds above are
+//! The whole first word of a line decides its kind. A line with any other first word is a comment. The last thirty-four kinds above are
 //! comments to the reader of the thesis. `#` at the beginning of a line or after white space begins a comment up to the end of
 //! the line. `#` with six hexadecimal digits after `@colour` is a colour.
 //!
@@ -181,7 +182,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 33] = [
+const AT_WORDS: [&str; 34] = [
     "@group",
     "@orientation",
     "@force",
@@ -209,6 +210,7 @@ const AT_WORDS: [&str; 33] = [
     "@gauge",
     "@inlet",
     "@outlet",
+    "@sensor",
     "@body",
     "@hull",
     "@place",
@@ -334,6 +336,7 @@ impl<'a> Reader<'a> {
             "@gauge" => self.gauge(line, number),
             "@inlet" => self.inlet(line, number),
             "@outlet" => self.outlet(line, number),
+            "@sensor" => self.sensor(line, number),
             "@body" => self.begin_body(line, number),
             "@place" => self.place(line, number),
             "@joint" => self.joint(line, number),

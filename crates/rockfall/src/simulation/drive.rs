@@ -59,6 +59,18 @@ impl Simulation {
 
     /// Runs `phases` in order, `times` times. With a recorder every stage is timed.
     pub(super) async fn drive(&mut self, phases: &[Phase], times: u64, mut recorder: Option<&mut Recorder>) -> Result<()> {
+        if !self.is_watched() || !phases.contains(&Phase::UpdatePositions) {
+            return self.drive_on(phases, times, recorder).await;
+        }
+        for _ in 0..times {
+            self.drive_on(phases, 1, recorder.as_deref_mut()).await?;
+            self.note_events().await?;
+        }
+        Ok(())
+    }
+
+    /// [`Simulation::drive`] without a look at the states in between.
+    async fn drive_on(&mut self, phases: &[Phase], times: u64, mut recorder: Option<&mut Recorder>) -> Result<()> {
         self.flush_async().await?;
         if self.has_frames() {
             return self.drive_frames(phases, times).await;

@@ -8,8 +8,8 @@ use crate::mesh::Mesh;
 use crate::model::layout::FLAG_CONTINUE;
 use crate::scene::{
     BodyHandles, BoxId, Capsule, CapsuleId, Cuboid, Facets, Inlet, Material, MaterialId, Motion, MotionId, MotionTerm,
-    ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, RigidBody, RigidBodyId, Rod, RodId, Scene, Shape, ShapeId, Sphere,
-    SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
+    ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, RigidBody, RigidBodyId, Rod, RodId, Scene, Sensor, Shape, ShapeId,
+    Sphere, SphereId, Spring, SpringId, Tag, Tether, TetherId, finite,
 };
 use crate::simulation::kept::{Kept, put_residues};
 use crate::simulation::order::Disorder;
@@ -154,6 +154,8 @@ edits! {
         add_inlet(inlet: Inlet) -> ();
     Clean: /// Adds an outlet.
         add_outlet(outlet: Outlet) -> ();
+    Clean: /// Adds a sensor.
+        add_sensor(sensor: Sensor) -> ();
     Topology: /// Adds a material.
         add_material(material: Material) -> MaterialId;
     Topology: /// Changes the constants of a material.

@@ -177,7 +177,7 @@ impl Simulation {
         self.put_frames(frames);
         self.rebuild(&kept(checkpoint))?;
         self.status.collided = 0;
-        Ok(())
+        self.watch_anew()
     }
 
     /// Continues with what a checkpoint has beside its scene, its options and its springs.

@@ -13,6 +13,7 @@ mod closed_form;
 mod contact_laws;
 mod continuous;
 mod errata;
+mod events;
 mod faults;
 mod force_laws;
 mod gauges;

@@ -114,6 +114,8 @@ pub(super) struct Pair {
     pub(super) tangents: [Vec3A; 2],
     /// Velocity of the surface of b less that of a, along the tangents.
     pub(super) belt: Vec2,
+    /// The normal impulse of its impacts in the frame.
+    pub(super) struck: f32,
 }
 
 /// All contacts of two bodies. One thread owns it.

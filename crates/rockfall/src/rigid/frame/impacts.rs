@@ -26,8 +26,9 @@ pub(super) fn impacts(world: &RigidWorld, contacts: &mut Contacts, bodies: &mut 
     for _ in 0..ROUNDS {
         for colour in 0..COLOURS {
             for (k, hit) in hits(&scope, contacts, bodies, contacts.colour(colour)) {
-                let Some(ends) = reflect(&scope, contacts, bodies, k, &hit, [1.0; 2]) else { continue };
+                let Some(Reflected { ends, strikes }) = reflect(&scope, contacts, bodies, k, &hit, [1.0; 2]) else { continue };
                 any = true;
+                note(contacts, &strikes);
                 for (side, i) in contacts.blocks[k].sides().into_iter().enumerate() {
                     put(bodies, i, &ends[side], hit.time);
                 }
@@ -53,6 +54,20 @@ fn hits(scope: &Scope<'_>, contacts: &Contacts, bodies: &Bodies, range: std::ops
     }
 }
 
+/// Adds the impulses of impacts to their pairs.
+fn note(contacts: &mut Contacts, strikes: &[(usize, f32)]) {
+    for (pair, normal) in strikes {
+        contacts.pairs[*pair].struck += normal;
+    }
+}
+
+/// A block after its impact.
+struct Reflected {
+    ends: [After; 2],
+    /// Of each point its pair and the normal impulse.
+    strikes: Vec<(usize, f32)>,
+}
+
 /// A body after an impact, at the start of the substep, on the path that leads through the impact.
 #[derive(Clone, Copy, Debug)]
 struct After {
@@ -75,7 +90,7 @@ fn put(bodies: &mut Bodies, i: usize, after: &After, time: f32) {
 }
 
 /// All left-over blocks that are hit, at once: bodies are split among them, and take the mean. Whether any is reflected.
-fn left_over(scope: &Scope<'_>, contacts: &Contacts, bodies: &mut Bodies) -> bool {
+fn left_over(scope: &Scope<'_>, contacts: &mut Contacts, bodies: &mut Bodies) -> bool {
     let hits = hits(scope, contacts, bodies, contacts.colour(COLOURS));
     if hits.is_empty() {
         return false;
@@ -84,13 +99,11 @@ fn left_over(scope: &Scope<'_>, contacts: &Contacts, bodies: &mut Bodies) -> boo
     hits.iter().flat_map(|(k, _)| contacts.blocks[*k].sides()).for_each(|i| counts[i] += 1);
     let before: &Bodies = &bodies.clone();
     let mut any = false;
-    let ends = hits.iter().map(|(k, hit)| {
+    for (k, hit) in &hits {
         let shares = contacts.blocks[*k].sides().map(|i| if before.constants[i].dynamic { counts[i] as f32 } else { 1.0 });
-        reflect(scope, contacts, before, *k, hit, shares)
-    });
-    for ((k, hit), ends) in hits.iter().zip(ends) {
-        let Some(ends) = ends else { continue };
+        let Some(Reflected { ends, strikes }) = reflect(scope, contacts, before, *k, hit, shares) else { continue };
         any = true;
+        note(contacts, &strikes);
         for (side, i) in contacts.blocks[*k].sides().into_iter().enumerate() {
             let share = 1.0 / counts[i] as f32;
             let after = mean(bodies, before, i, &ends[side], share);
@@ -115,6 +128,8 @@ fn mean(bodies: &Bodies, before: &Bodies, i: usize, copy: &After, share: f32) ->
 
 /// A point that takes part in an impact.
 struct Joined {
+    /// Its pair, by its place and as it is at the time of contact.
+    place: usize,
     pair: Pair,
     row: Row,
     lever: Lever,
@@ -132,7 +147,7 @@ fn reflect(
     k: usize,
     hit: &Hit,
     shares: [f32; 2],
-) -> Option<[After; 2]> {
+) -> Option<Reflected> {
     let block = &contacts.blocks[k];
     let state = scope.state(bodies, block, hit.time);
     let masses = [0, 1].map(|s| mass_at(bodies, block.sides()[s], state.0[s].turn).split(shares[s]));
@@ -141,7 +156,8 @@ fn reflect(
     let mut points = joined(scope, contacts, block, &state, &sides, hit.depth);
     let scale = inelastic(&mut points, sides)?;
     restitute(&mut points, &mut sides, scale);
-    Some([0, 1].map(|s| {
+    let strikes = points.iter().map(|point| (point.place, point.normal)).collect();
+    let ends = [0, 1].map(|s| {
         let moment = points.iter().fold(Vec3A::ZERO, |sum, point| {
             let [t1, t2] = point.pair.tangents;
             let push = point.normal * point.pair.normal + (point.tangent.x * t1 + point.tangent.y * t2);
@@ -150,7 +166,8 @@ fn reflect(
         let i = block.sides()[s];
         let momentum = bodies.momenta[i] + shares[s] * moment;
         back(scope, bodies, i, &state.0[s], [sides.a, sides.b][s].velocity, momentum, hit.time)
-    }))
+    });
+    Some(Reflected { ends, strikes })
 }
 
 fn mass_at(bodies: &Bodies, i: usize, turn: Quat) -> Mass {
@@ -167,7 +184,8 @@ fn joined(scope: &Scope<'_>, contacts: &Contacts, block: &Block, state: &State, 
     let apart = apart(poses);
     let mut points = Vec::with_capacity(block.points as usize);
     let pairs = &contacts.pairs[block.pair_range()];
-    for (pair, now) in pairs.iter().zip(places(scope.world, block, pairs, &contacts.points, 0, poses)) {
+    let nows = places(scope.world, block, pairs, &contacts.points, 0, poses);
+    for ((place, pair), now) in block.pair_range().zip(pairs).zip(nows) {
         let mut turned = Pair { normal: now.normal, tangents: tangents(now.normal), ..*pair };
         turned.belt = belt(scope.world, &turned, poses);
         for k in (0..now.count).filter(|k| now.gap(*k) <= depth) {
@@ -176,7 +194,7 @@ fn joined(scope: &Scope<'_>, contacts: &Contacts, block: &Block, state: &State, 
             let mut lever = Lever::default();
             sides.form(&turned, &row, &mut lever);
             let speed = -sides.normal_speed(&turned, &lever);
-            points.push(Joined { pair: turned, row, lever, normal: 0.0, tangent: Vec2::ZERO, speed });
+            points.push(Joined { place, pair: turned, row, lever, normal: 0.0, tangent: Vec2::ZERO, speed });
         }
     }
     points

@@ -17,7 +17,8 @@ impl History {
         order.sort_by_key(|pair| pair.colliders);
         for pair in order {
             let (first, count) = (history.points.len() as u32, u32::from(pair.count));
-            history.pairs.push(OldPair { colliders: pair.colliders, first, count });
+            let struck = if pair.struck.is_finite() { pair.struck } else { 0.0 };
+            history.pairs.push(OldPair { colliders: pair.colliders, first, count, struck });
             for k in pair.first as usize..(pair.first + count) as usize {
                 let (point, Impulse { normal, tangent }) = (&contacts.points[k], contacts.impulses[k]);
                 let tangent = tangent.x * pair.tangents[0] + tangent.y * pair.tangents[1];

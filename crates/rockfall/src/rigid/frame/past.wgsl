@@ -5,7 +5,7 @@
 // | array | entry |
 // |---|---|
 // | `old_starts` | of each body the first pair that it owned, and the end |
-// | `old_pairs` | 2 rows: colliders (2), a, b; points, colour of its block, 0, 0 |
+// | `old_pairs` | 2 rows: colliders (2), a, b; points, colour of its block, normal impulse of its impacts, 0 |
 // | `old_points` | 2 rows: l_A, id; T along the axes of the world, N. Four points for each pair |
 
 @group(0) @binding(34) var<storage, read_write> old_starts: array<u32>;

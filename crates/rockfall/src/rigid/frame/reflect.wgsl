@@ -118,12 +118,14 @@ fn reflect(block: Block, hit: Hit, share_a: f32, share_b: f32) -> Reflected {
             let face = face_at(pair);
             let normal = normal_met(sight, pair, face.first);
             let axes = Axes(normal, tangent_one(normal), tangent_two(normal), face.friction, belt_in(sight, pair, normal));
+            var struck = 0.0;
             for (var point = face.first; point < face.first + count_met(face) && k < MOST_POINTS; point++) {
                 let at = met(sight, normal, point);
                 if at.w <= hit.depth {
                     let own = kept[k];
                     let tangent = friction_row(&sides, grip_of(&sides, at.xyz, axes), axes, scale * own.x, own.yz);
                     kept[k] = vec4f(own.x, tangent, own.w);
+                    struck += scale * own.x;
                     if sweep == FRICTION_SWEEPS - 1u {
                         let impulse = (scale * own.x) * normal + tangent.x * axes.one + tangent.y * axes.two;
                         moment_a -= cross(at.xyz, impulse);
@@ -131,6 +133,11 @@ fn reflect(block: Block, hit: Hit, share_a: f32, share_b: f32) -> Reflected {
                     }
                 }
                 k++;
+            }
+            if sweep == 0u {
+                // Where the first point of a pair has room, and no other block looks.
+                let row = POINT_ROWS * face.first + 1u;
+                points[row].w = bitcast<u32>(bitcast<f32>(points[row].w) + struck);
             }
         }
     }

@@ -29,7 +29,8 @@ fn renew_points(pair: u32, sight: Sight, place: Place, count: u32) {
                 kept = two;
             }
             points[POINT_ROWS * (first + k)] = vec4u(bitcast<vec3u>(turned_vector(back_a, spot.on_a)), spot.id);
-            points[POINT_ROWS * (first + k) + 1u] = vec4u(bitcast<vec3u>(turned_vector(back_b, spot.on_b - sight.apart)), 0u);
+            let struck = points[POINT_ROWS * (first + k) + 1u].w;
+            points[POINT_ROWS * (first + k) + 1u] = vec4u(bitcast<vec3u>(turned_vector(back_b, spot.on_b - sight.apart)), struck);
         }
         contacts[2u * (first + k) + 1u] = kept;
     }

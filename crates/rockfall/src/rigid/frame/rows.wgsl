@@ -8,7 +8,7 @@
 // | `constants` | principal axes; J, width; g + (F + F_s)/m, 1 with springs or joints; torque. After all bodies: the velocities of the surfaces of the colliders, a row each |
 // | `blocks` | a, b, first pair, pairs; first point, info, time, 0 |
 // | `pairs` | n, mu; belt (2), first point, info; n in coordinates of a, e; colliders (2), a, b |
-// | `points` | l_A, id; l_B, 0 |
+// | `points` | l_A, id; l_B, for the first one of a pair the normal impulse of its impacts in the frame |
 // | `contacts` | r_A, s; N, T_1, T_2, kappa. An entry for each point |
 // | `loads` | of each block: impulse; moment on a; moment on b. After all blocks, of each left-over block 8 rows: changes of v_a, omega_a, v_b, omega_b; in impacts others |
 // | `lists` | of each body and one more: its first entry; then the entries: block * 2, + 1 if the body is b |

@@ -38,7 +38,9 @@ fn store(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: v
     }
     let face = face_at(p);
     old_pairs[2u * p] = pairs[PAIR_ROWS * p + 3u];
-    old_pairs[2u * p + 1u] = vec4u(count_of(face), face.info >> 24u, 0u, 0u);
+    let struck = points[POINT_ROWS * face.first + 1u].w;
+    let is_finite = (struck & 0x7f800000u) != 0x7f800000u;
+    old_pairs[2u * p + 1u] = vec4u(count_of(face), face.info >> 24u, select(0u, struck, is_finite), 0u);
     let one = tangent_one(face.normal);
     let two = tangent_two(face.normal);
     for (var k = 0u; k < count_of(face); k++) {

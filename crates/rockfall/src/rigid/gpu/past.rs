@@ -12,7 +12,7 @@ use crate::rigid::world::RigidWorld;
 pub(super) struct Past {
     /// First pair of each body, and the end.
     pub(super) starts: Vec<u32>,
-    /// Colliders, bodies; points, colour, 0, 0.
+    /// Colliders, bodies; points, colour, normal impulse of impacts, 0.
     pub(super) pairs: Vec<[u32; 8]>,
     /// Place, id; tangential impulse, normal impulse. Four for each pair.
     pub(super) points: Vec<[u32; 8]>,
@@ -39,7 +39,7 @@ impl Past {
             let bodies = old.colliders.map(body);
             let colour = history.colour(bodies).filter(|_| !clash).unwrap_or(LEFT_OVER);
             let [a, b] = old.colliders;
-            past.pairs.push([a, b, bodies[0], bodies[1], old.count, colour.into(), 0, 0]);
+            past.pairs.push([a, b, bodies[0], bodies[1], old.count, colour.into(), old.struck.to_bits(), 0]);
             let points = &history.points[old.first as usize..(old.first + old.count) as usize];
             past.points.extend((0..MOST_POINTS).map(|k| points.get(k).map_or([0; 8], row)));
         }
@@ -56,7 +56,8 @@ impl Past {
         order.sort_unstable_by_key(|(_, pair)| [pair[0], pair[1]]);
         for (p, pair) in order {
             let (first, count) = (history.points.len() as u32, pair[4].min(MOST_POINTS as u32));
-            history.pairs.push(OldPair { colliders: [pair[0], pair[1]], first, count });
+            let struck = f32::from_bits(pair[6]);
+            history.pairs.push(OldPair { colliders: [pair[0], pair[1]], first, count, struck });
             history.points.extend(self.points[MOST_POINTS * p..][..count as usize].iter().map(point));
         }
         history.colours = self.pairs.iter().map(|pair| ([pair[2], pair[3]], pair[5] as u8)).collect();

@@ -1,13 +1,13 @@
-//! Lines of inlets and outlets: `@inlet` and `@outlet`.
+//! Lines of boxes that let spheres in and out or report them: `@inlet`, `@outlet` and `@sensor`.
 
 use glam::DVec3;
 
 use super::Reader;
-use super::line::{INLET, Line, OUTLET};
+use super::line::{INLET, Line, OUTLET, SENSOR};
 use super::motion::{number, vector};
 use super::values::Values;
 use crate::error::quoted;
-use crate::scene::{GrainMass, Inlet, Outlet, Rate, ShapeId};
+use crate::scene::{GrainMass, Inlet, Outlet, Rate, Sensor, ShapeId};
 
 const INLET_KEYS: [&str; 17] = [
     "name",
@@ -29,6 +29,7 @@ const INLET_KEYS: [&str; 17] = [
     "after",
 ];
 const OUTLET_KEYS: [&str; 3] = ["name", "box", "every"];
+const SENSOR_KEYS: [&str; 2] = ["name", "box"];
 
 impl Reader<'_> {
     pub(super) fn inlet(&mut self, line: &str, number: usize) -> Line<()> {
@@ -76,6 +77,17 @@ impl Reader<'_> {
         outlet.every = values.parsed("every", WHOLE)?;
         outlet.name = values.name("outlet", |name| self.scene.outlets().iter().any(|known| known.name == name));
         self.scene.add_outlet(outlet).map_err(|error| OUTLET.refused(&error))
+    }
+
+    pub(super) fn sensor(&mut self, line: &str, number: usize) -> Line<()> {
+        if !line.contains('=') {
+            return self.not_understood(number, SENSOR.wrong("box", format!("missing, expected {}", SENSOR.form())));
+        }
+        let values = Values::read(&SENSOR, &SENSOR_KEYS, line.split_ascii_whitespace().skip(1))?;
+        let mut sensor = Sensor::new("", [[0.0; 3]; 2]);
+        sensor.corners = values.corners(self.offset())?;
+        sensor.name = values.name("sensor", |name| self.scene.sensors().iter().any(|known| known.name == name));
+        self.scene.add_sensor(sensor).map_err(|error| SENSOR.refused(&error))
     }
 }
 

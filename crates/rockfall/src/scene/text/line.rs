@@ -180,6 +180,8 @@ pub(super) const OUTLET: Kind = Kind {
     numbers: &["name=N", "box=x0,y0,z0,x1,y1,z1", "every=STEPS"],
     last_is_optional: false,
 };
+pub(super) const SENSOR: Kind =
+    Kind { word: "@sensor", references: &[], numbers: &["name=N", "box=x0,y0,z0,x1,y1,z1"], last_is_optional: false };
 pub(super) const BODY: Kind = Kind {
     word: "@body",
     references: &["NAME"],

@@ -1,4 +1,4 @@
-//! Lines of inlets and outlets.
+//! Lines of inlets, outlets and sensors.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -19,6 +19,9 @@ impl Writer<'_> {
         for outlet in self.scene.outlets() {
             let every = outlet.every.map_or(String::new(), |steps| format!(" every={steps}"));
             let _ = writeln!(self.text, "@outlet name={} box={}{every}", outlet.name, numbers(&outlet.corners));
+        }
+        for sensor in self.scene.sensors() {
+            let _ = writeln!(self.text, "@sensor name={} box={}", sensor.name, numbers(&sensor.corners));
         }
     }
 

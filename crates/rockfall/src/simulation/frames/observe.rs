@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::Frames;
 use crate::error::Result;
 use crate::rigid::broad::{Aabb, pairs};
-use crate::rigid::collide::collide;
+use crate::rigid::collide::{Point, collide};
 use crate::rigid::pose::Pose;
 use crate::scene::{Body as Part, Scene, Sphere};
 use crate::settings::DEFAULT_TIME_STEP;
@@ -14,6 +14,9 @@ use crate::simulation::{MaxOverlap, Simulation, SphereDiagnostics};
 
 /// Points are found up to this share of the radii of the bodies, as those of frames at rest are (docs/physics section 11.2).
 const NEAR: f32 = 0.02;
+/// Bodies meet, for events, while they are apart by at most this share of the radius of the smaller one: so what rocks or rattles does not
+/// part for a frame.
+const MEETS: f32 = 0.001;
 
 /// A contact point.
 struct Touch {
@@ -33,9 +36,9 @@ impl Frames {
         self.world.bodies[collider.body as usize].pose.compose(&collider.place)
     }
 
-    /// All contact points that overlap or have a force, in the order of their colliders. The overlap of a point at rest may be less than the
-    /// rounding of its place.
-    fn touches(&self) -> Vec<Touch> {
+    /// All contact points that overlap or have a force, in the order of their colliders, and those that are apart by at most a share of the
+    /// radius of the smaller body. The overlap of a point at rest may be less than the rounding of its place.
+    fn touches(&self, share: f32) -> Vec<Touch> {
         let world = &self.world;
         let shape = |collider: u32| &world.shapes[world.colliders[collider as usize].shape as usize];
         let reach = |at: u32| {
@@ -63,17 +66,63 @@ impl Frames {
                 continue;
             };
             let normal = place.turn * manifold.normal;
+            let radii = [a, b].map(|at| if reach(at) > 0.0 { reach(at) / NEAR } else { f32::INFINITY });
+            let gap = if share > 0.0 { share * radii[0].min(radii[1]) } else { 0.0 };
             for point in &manifold.points[..manifold.count] {
                 let overlap = -(point.on_b - point.on_a).dot(manifold.normal);
                 let force = world.history.forces([a, b], normal).find(|(id, _)| *id == point.id);
                 let middle = place.point(0.5 * (point.on_a + point.on_b));
                 let force = force.map_or(Vec3::ZERO, |(_, force)| force);
-                if overlap >= 0.0 || force != Vec3::ZERO {
+                if overlap >= -gap || force != Vec3::ZERO {
                     found.push(Touch { colliders: [a, b], point: middle, normal, overlap: overlap.max(0.0), force });
                 }
             }
         }
         found
+    }
+
+    /// The pairs of colliders that struck each other in the last frame: where they are nearest now, and the mean force of their impacts over
+    /// the frame. They may be apart.
+    fn strikes(&self, dt: f32) -> Vec<Touch> {
+        let world = &self.world;
+        let speed = |at: u32| {
+            let body = &world.bodies[world.colliders[at as usize].body as usize];
+            let rate = body.spin.length();
+            body.velocity.length() + if rate > 0.0 { rate * body.radius } else { 0.0 }
+        };
+        let strike = |([a, b], impulse): ([u32; 2], f32)| {
+            let shape = |collider: u32| &world.shapes[world.colliders[collider as usize].shape as usize];
+            let (place, other) = (self.place(a), self.place(b));
+            let reach = 2.0 * dt * (speed(a) + speed(b));
+            let found = collide(shape(a), shape(b), &place.relative(&other), reach);
+            let nearest = found.and_then(|manifold| {
+                let gap = |point: &Point| (point.on_b - point.on_a).dot(manifold.normal);
+                let points = manifold.points[..manifold.count].iter();
+                let point = points.min_by(|one, two| gap(one).total_cmp(&gap(two)))?;
+                Some((place.turn * manifold.normal, place.point(0.5 * (point.on_a + point.on_b))))
+            });
+            let (normal, point) = nearest.unwrap_or_else(|| {
+                let normal = (other.position - place.position).try_normalize().unwrap_or(Vec3::Y);
+                (normal, other.position)
+            });
+            Touch { colliders: [a, b], point, normal, overlap: 0.0, force: (impulse / dt) * normal }
+        };
+        world.history.strikes().map(strike).collect()
+    }
+
+    /// Contact points in the order of the objects of the scene.
+    fn as_contacts(&self, touches: Vec<Touch>, scene: &Scene) -> Vec<Contact> {
+        let contact = |touch: Touch| {
+            let Touch { colliders, point, normal, overlap, force } = touch;
+            let [a, b] = colliders.map(|at| self.parts[at as usize]);
+            // The order spheres, rods, boxes, polygons, and by number.
+            let is_turned = rank(scene, a) > rank(scene, b);
+            let (a, b, sign) = if is_turned { (b, a, -1.0) } else { (a, b, 1.0) };
+            Contact { a, b, point, normal: sign * normal, overlap, action: ContactAction::Force(sign * force), springs: None }
+        };
+        let mut contacts: Vec<Contact> = touches.into_iter().map(contact).collect();
+        contacts.sort_by_key(|contact| (rank(scene, contact.a), rank(scene, contact.b)));
+        contacts
     }
 
     /// An overlap in half the least edge or diameter of the smaller body.
@@ -100,7 +149,7 @@ pub(crate) fn overlaps_of_solids(scene: &Scene) -> Result<Vec<([Part; 2], f32, f
     let mut frames = Frames::of(&implied)?;
     frames.place_motions(&implied, 0.0, DEFAULT_TIME_STEP);
     let mut found: Vec<([Part; 2], f32, f32)> = Vec::new();
-    for touch in frames.touches() {
+    for touch in frames.touches(0.0) {
         let mut parts = touch.colliders.map(|at| frames.parts[at as usize]);
         if !parts.iter().any(|part| scene.is_solid(*part)) || touch.overlap <= 0.0 {
             continue;
@@ -130,16 +179,16 @@ impl Simulation {
 
     pub(in crate::simulation) fn rigid_contacts(&mut self) -> Result<Vec<Contact>> {
         let (frames, scene) = self.present_frames()?;
-        let contact = |touch: Touch| {
-            let Touch { colliders, point, normal, overlap, force } = touch;
-            let [a, b] = colliders.map(|at| frames.parts[at as usize]);
-            // The order spheres, rods, boxes, polygons, and by number.
-            let is_turned = rank(scene, a) > rank(scene, b);
-            let (a, b, sign) = if is_turned { (b, a, -1.0) } else { (a, b, 1.0) };
-            Contact { a, b, point, normal: sign * normal, overlap, action: ContactAction::Force(sign * force), springs: None }
-        };
-        let mut contacts: Vec<Contact> = frames.touches().into_iter().map(contact).collect();
-        contacts.sort_by_key(|contact| (rank(scene, contact.a), rank(scene, contact.b)));
+        Ok(frames.as_contacts(frames.touches(0.0), scene))
+    }
+
+    /// What touches or nearly does so, and then what struck in the last frame, with the mean forces of the impacts over the frame. The
+    /// latter may be apart now.
+    pub(in crate::simulation) fn rigid_meetings(&mut self) -> Result<Vec<Contact>> {
+        let dt = self.time_step();
+        let (frames, scene) = self.present_frames()?;
+        let mut contacts = frames.as_contacts(frames.touches(MEETS), scene);
+        contacts.extend(frames.as_contacts(frames.strikes(dt), scene));
         Ok(contacts)
     }
 
@@ -151,7 +200,7 @@ impl Simulation {
         let is_slow =
             |at: u32| frames.world.bodies[frames.world.colliders[at as usize].body as usize].velocity.length() <= fast;
         let mut deepest = MaxOverlap::default();
-        for touch in frames.touches().into_iter().filter(|touch| touch.colliders.into_iter().all(is_slow)) {
+        for touch in frames.touches(0.0).into_iter().filter(|touch| touch.colliders.into_iter().all(is_slow)) {
             let share = frames.share(&touch);
             deepest.units = deepest.units.max(touch.overlap);
             if share > deepest.radii {
