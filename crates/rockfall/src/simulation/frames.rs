@@ -48,6 +48,8 @@ enum Owner {
 pub(in crate::simulation) struct Frames {
     world: RigidWorld,
     owners: Vec<Owner>,
+    /// Where the coordinates of the world begin in those of the scene, in units: see [`build::base_of`].
+    base: DVec3,
     /// Where the origin of the body of each motion lies before the motion, in units. Body 1 is that of the first motion.
     origins: Vec<DVec3>,
     /// What each collider is in the scene.
@@ -60,6 +62,9 @@ pub(in crate::simulation) struct Frames {
     device: Device,
 }
 
+/// Words of a body in a checkpoint.
+const BODY_WORDS: usize = 7;
+
 /// The world on a device, if frames run on one.
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 type Device = Option<Box<device::OnDevice>>;
@@ -68,18 +73,23 @@ type Device = Option<Box<device::OnDevice>>;
 type Device = Option<std::convert::Infallible>;
 
 impl Frames {
-    fn of(scene: &Scene) -> Result<Self> {
+    /// The bodies of a scene. Coordinates begin at `base`, or where the scene says.
+    fn of(scene: &Scene, base: Option<DVec3>) -> Result<Self> {
         check::check_rods(scene)?;
-        let build::Builder { world, owners, origins, parts, .. } = build::Builder::build(scene)?;
+        let base = base.unwrap_or_else(|| build::base_of(scene));
+        let build::Builder { world, owners, origins, parts, .. } = build::Builder::build(scene, base)?;
         let (handles, joints) = (BodyHandles::of(scene), scene.joint_ids().collect());
-        Ok(Self { world, owners, origins, parts, handles, joints, substeps: 0, device: None })
+        Ok(Self { world, owners, base, origins, parts, handles, joints, substeps: 0, device: None })
     }
 
-    /// What a checkpoint keeps beside the scene: the substeps, and of each body its spin and the factor of its margin, then the joints
-    /// and the contacts.
+    /// What a checkpoint keeps beside the scene: where coordinates begin, the substeps, and of each body its place, its spin and the
+    /// factor of its margin, then the joints and the contacts.
     fn words(&self) -> Vec<u32> {
-        let mut words = vec![self.substeps, self.world.bodies.len() as u32];
+        let base = self.base.to_array().map(f64::to_bits);
+        let mut words: Vec<u32> = base.into_iter().flat_map(|bits| [bits as u32, (bits >> 32) as u32]).collect();
+        words.extend([self.substeps, self.world.bodies.len() as u32]);
         for body in &self.world.bodies {
+            words.extend(body.pose.position.to_array().map(f32::to_bits));
             words.extend(body.spin.to_array().map(f32::to_bits));
             words.push(body.margin_scale.to_bits());
         }
@@ -88,19 +98,23 @@ impl Frames {
         words
     }
 
-    /// Takes over the words of a checkpoint. Returns whether they are those of such bodies.
+    /// Takes over the words of a checkpoint after those of the base. Returns whether they are those of such bodies.
     fn put_words(&mut self, words: &[u32]) -> bool {
         let Some((head, rest)) = words.split_at_checked(2).filter(|(head, _)| head[1] as usize == self.world.bodies.len())
         else {
             return false;
         };
-        let Some((bodies, rest)) = rest.split_at_checked(4 * self.world.bodies.len()) else { return false };
+        let Some((bodies, rest)) = rest.split_at_checked(BODY_WORDS * self.world.bodies.len()) else { return false };
         let Some(history) = self.world.joints.put_words(rest) else { return false };
         let Some(history) = History::from_words(history) else { return false };
-        for (body, words) in self.world.bodies.iter_mut().zip(bodies.chunks_exact(4)) {
-            let [x, y, z, scale] = [0, 1, 2, 3].map(|place| f32::from_bits(words[place]));
-            (body.spin, body.margin_scale) = (Vec3::new(x, y, z), scale);
-            if !(body.spin.is_finite() && (1.0..=MOST_MARGIN).contains(&scale)) {
+        for (body, words) in self.world.bodies.iter_mut().zip(bodies.chunks_exact(BODY_WORDS)) {
+            let [x, y, z, p, q, r, scale] = [0, 1, 2, 3, 4, 5, 6].map(|place| f32::from_bits(words[place]));
+            let place = Vec3::new(x, y, z);
+            // The scene has the place up to the rounding of its coordinates.
+            let room = 1e-6 * (self.base.abs().max_element() as f32 + place.abs().max_element());
+            let is_own = body.inverse_mass == 0.0 || body.pose.position.distance(place) <= room;
+            (body.pose.position, body.spin, body.margin_scale) = (place, Vec3::new(p, q, r), scale);
+            if !(is_own && body.spin.is_finite() && (1.0..=MOST_MARGIN).contains(&scale)) {
                 return false;
             }
         }
@@ -116,8 +130,11 @@ impl Frames {
         if words.is_empty() || !scene.is_rigid() {
             return Ok(None);
         }
-        let mut frames = Self::of(scene)?;
-        if !frames.put_words(words) {
+        let (base, rest) = words.split_at_checked(6).unwrap_or_default();
+        let base = base.chunks_exact(2).map(|half| f64::from_bits(u64::from(half[0]) | u64::from(half[1]) << 32));
+        let base: [f64; 3] = base.collect::<Vec<_>>().try_into().unwrap_or_default();
+        let mut frames = Self::of(scene, Some(base.into()))?;
+        if !(frames.base.is_finite() && frames.put_words(rest)) {
             let value = format!("{} words of hard contacts", words.len());
             return Err(Error::Invalid { field: "checkpoint", value, expected: "the contacts of the bodies of its scene" });
         }
@@ -156,7 +173,7 @@ impl Frames {
         let BodyHandles { declared, implied } = &self.handles;
         for (body, owner) in self.world.bodies.iter().zip(&self.owners) {
             let state = BodyState {
-                position: Fine { high: body.pose.position, low: Vec3::ZERO },
+                position: self.in_scene_finely(body.pose.position),
                 velocity: body.velocity,
                 momentum: body.momentum,
                 orientation: body.pose.turn,
@@ -173,6 +190,14 @@ impl Frames {
             }
         }
         Ok(())
+    }
+
+    /// A point of the world in coordinates of the scene, with what single precision leaves over.
+    fn in_scene_finely(&self, point: Vec3) -> Fine {
+        if self.base == DVec3::ZERO {
+            return Fine { high: point, low: Vec3::ZERO };
+        }
+        Fine::at((self.base + point.as_dvec3()).to_array())
     }
 
     /// The first sphere of a body, by its index.
@@ -270,9 +295,9 @@ impl Simulation {
         Ok(true)
     }
 
-    /// The bodies of the scene at the present time.
-    fn frames_of_scene(&self) -> Result<Frames> {
-        let mut frames = Frames::of(&self.scene)?;
+    /// The bodies of the scene at the present time. Coordinates begin where those of earlier bodies do.
+    fn frames_of_scene(&self, before: Option<&Frames>) -> Result<Frames> {
+        let mut frames = Frames::of(&self.scene, before.map(|before| before.base))?;
         frames.place_motions(&self.scene, self.muscle_clock.written_time(), self.time_step);
         Ok(frames)
     }
@@ -280,7 +305,7 @@ impl Simulation {
     /// Makes the bodies anew from the scene. What is known of their contacts stays if the colliders are the same.
     fn renew_frames(&mut self) -> Result<()> {
         self.synced = self.synced || self.pull_frames()?;
-        let mut frames = self.frames_of_scene()?;
+        let mut frames = self.frames_of_scene(self.frames.as_deref())?;
         if let Some(mut before) = self.frames.take() {
             before.fetch_history()?;
             frames.keep(&before);
@@ -310,7 +335,7 @@ impl Simulation {
             return Ok(frames.words());
         }
         // Edits may have changed the bodies.
-        let mut edited = self.frames_of_scene()?;
+        let mut edited = self.frames_of_scene(Some(frames))?;
         edited.keep(frames);
         edited.suit_springs(&self.scene, self.time_step);
         Ok(edited.words())

@@ -17,7 +17,9 @@ pub(super) struct Builder<'a> {
     pub(super) scene: &'a Scene,
     pub(super) world: RigidWorld,
     pub(super) owners: Vec<Owner>,
-    /// Where the origin of the body of each motion lies before the motion, in units.
+    /// Where the coordinates of the world begin in those of the scene, in units.
+    pub(super) base: DVec3,
+    /// Where the origin of the body of each motion lies before the motion, in coordinates of the scene, in units.
     pub(super) origins: Vec<DVec3>,
     /// What each collider is in the scene.
     pub(super) parts: Vec<Part>,
@@ -28,10 +30,10 @@ pub(super) struct Builder<'a> {
 impl<'a> Builder<'a> {
     /// All bodies of a scene that [`check`](super::check::check) accepts: the world, the motions with their walls, then the loose spheres
     /// and the bodies that move as a whole, each in order of addition.
-    pub(super) fn build(scene: &'a Scene) -> Result<Self> {
+    pub(super) fn build(scene: &'a Scene, base: DVec3) -> Result<Self> {
         let world = RigidWorld { bodies: vec![Body::fixed(Kind::World, Pose::IDENTITY)], ..RigidWorld::default() };
         let owners = vec![Owner::World];
-        let mut builder = Self { scene, world, owners, origins: Vec::new(), parts: Vec::new(), shapes: HashMap::new() };
+        let mut builder = Self { scene, world, owners, base, origins: Vec::new(), parts: Vec::new(), shapes: HashMap::new() };
         builder.world.gravity = scene.settings.gravity * scene.settings.gravity_direction;
         builder.world.least_to_come = builder.least_to_come();
         builder.surfaces();
@@ -98,7 +100,7 @@ impl<'a> Builder<'a> {
             if sphere.fixed || self.scene.moves_with_body(id) {
                 continue;
             }
-            let pose = Pose::new(sphere.position, sphere.orientation);
+            let pose = Pose::new(self.local(sphere.centre().into()), sphere.orientation);
             let moments = Vec3::splat(sphere.inertia());
             let mut body = Body::loose(pose, sphere.mass, moments, glam::Quat::IDENTITY);
             (body.velocity, body.momentum, body.force) = (sphere.velocity, sphere.angular_momentum, sphere.force);
@@ -115,7 +117,7 @@ impl<'a> Builder<'a> {
     fn body(&mut self, number: usize, whole: &WholeBody<'_>) -> Result<()> {
         let kinetics = whole.kinetics;
         let state = whole.state;
-        let pose = Pose::new(state.position.high, state.orientation);
+        let pose = Pose::new(self.local(state.position.wide()), state.orientation);
         let mut body = Body::loose(pose, kinetics.mass as f32, kinetics.moments.as_vec3(), kinetics.axes.as_quat());
         (body.velocity, body.momentum) = (state.velocity, state.momentum);
         body.spin = body.inverse_inertia * body.momentum;
@@ -174,6 +176,11 @@ impl<'a> Builder<'a> {
         spheres.fold((Vec3::ZERO, Vec3::ZERO), |(force, torque), sphere| {
             (force + sphere.force, torque + (sphere.position - centre).cross(sphere.force))
         })
+    }
+
+    /// A point of the scene in coordinates of the world.
+    pub(super) fn local(&self, point: DVec3) -> Vec3 {
+        (point - self.base).as_vec3()
     }
 
     fn add(&mut self, body: Body, owner: Owner) -> u32 {
@@ -250,4 +257,15 @@ pub(super) fn segment(from: DVec3, to: DVec3) -> (f32, Pose) {
     let along = to - from;
     let turn = DQuat::from_rotation_arc(DVec3::Y, along.try_normalize().unwrap_or(DVec3::Y));
     ((0.5 * along.length()) as f32, Pose::new((0.5 * (from + to)).as_vec3(), turn.as_quat()))
+}
+
+/// Distances between the points at which worlds may begin, in units. Near the origin of the scene its coordinates are those of the world.
+const GRID: f64 = 1024.0;
+
+/// Where the coordinates of a world begin: a point of a coarse grid, next to the middle of all that moves. Places are in single precision,
+/// so a body far from the origin would move in steps of the rounding of its place.
+pub(super) fn base_of(scene: &Scene) -> DVec3 {
+    let places = scene.spheres().iter().filter(|sphere| !sphere.fixed).map(|sphere| sphere.position.as_dvec3());
+    let base = (motions::middle(places) / GRID).round() * GRID;
+    if base.is_finite() { base } else { DVec3::ZERO }
 }

@@ -63,7 +63,7 @@ impl Builder<'_> {
         let rods: Vec<_> = scene.rod_ids().filter(|id| keeps_distance(scene, *id)).collect();
         let ends = if rods.is_empty() { HashMap::new() } else { ends_of_spheres(scene, &self.owners) };
         let end = |id: SphereId| -> Result<End> {
-            let fixed = (0, scene.sphere(id)?.position);
+            let fixed = (0, self.local(scene.sphere(id)?.centre().into()));
             let (body, place) = ends.get(&id).map_or(fixed, |end| (end.body, end.place));
             Ok(End { body, place, turn: glam::Quat::IDENTITY })
         };
@@ -98,12 +98,17 @@ impl Builder<'_> {
         let body = bodies.get(&anchor).copied().unwrap_or_default();
         let is_part = matches!(anchor, Anchor::Sphere(_)) && matches!(self.owners[body as usize], Owner::Body(_));
         if !is_part {
-            return End { body, place: frame.place, turn: frame.turn };
+            let place = if body == 0 { self.local(frame.place.as_dvec3()) } else { frame.place };
+            return End { body, place, turn: frame.turn };
         }
         // The sphere of a capsule: its coordinates are not those of the body.
         let Pose { position, turn: own } = self.world.bodies[body as usize].pose;
         let back = own.as_dquat().normalize().inverse();
-        End { body, place: (back * (point - position.as_dvec3())).as_vec3(), turn: (back * turn).as_quat().normalize() }
+        End {
+            body,
+            place: (back * (point - self.base - position.as_dvec3())).as_vec3(),
+            turn: (back * turn).as_quat().normalize(),
+        }
     }
 }
 

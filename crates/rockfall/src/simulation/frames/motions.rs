@@ -24,12 +24,13 @@ fn spin_between(from: DQuat, to: DQuat, dt: f64) -> DVec3 {
     if sin == 0.0 { DVec3::ZERO } else { 2.0 * libm::atan2(sin, cos) / (sin * dt) * axis }
 }
 
-/// Puts a kinematic body where its motion is, with the velocities that take it to where the motion will be after `dt` seconds.
-fn drive(body: &mut Body, motion: &Motion, origin: DVec3, time: f64, dt: f64) {
+/// Puts a kinematic body where its motion is, with the velocities that take it to where the motion will be after `dt` seconds. `base` is
+/// where the coordinates of the world begin.
+fn drive(body: &mut Body, motion: &Motion, [base, origin]: [DVec3; 2], time: f64, dt: f64) {
     let ((from, turn), (to, next)) = (pose(motion, origin, time), pose(motion, origin, time + dt));
     let middle = motion.pose(time + 0.5 * dt).spin();
     let spin = if middle.length() * dt < LONG_TURN { spin_between(turn, next, dt) } else { middle };
-    body.pose = Pose::new(from.as_vec3(), turn.as_quat());
+    body.pose = Pose::new((from - base).as_vec3(), turn.as_quat());
     (body.velocity, body.spin) = (((to - from) / dt).as_vec3(), spin.as_vec3());
 }
 
@@ -38,7 +39,7 @@ impl Frames {
     pub(super) fn place_motions(&mut self, scene: &Scene, time: f64, dt: f32) {
         let bodies = &mut self.world.bodies[1..];
         for ((body, motion), origin) in bodies.iter_mut().zip(scene.motions()).zip(&self.origins) {
-            drive(body, motion, *origin, time, dt.into());
+            drive(body, motion, [self.base, *origin], time, dt.into());
         }
     }
 

@@ -1,6 +1,6 @@
 //! Contacts of the present state under the law `rigid`.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::Frames;
 use crate::error::Result;
@@ -34,6 +34,11 @@ impl Frames {
     fn place(&self, collider: u32) -> Pose {
         let collider = &self.world.colliders[collider as usize];
         self.world.bodies[collider.body as usize].pose.compose(&collider.place)
+    }
+
+    /// A point of the world in coordinates of the scene.
+    fn in_scene(&self, point: Vec3) -> Vec3 {
+        if self.base == DVec3::ZERO { point } else { (self.base + point.as_dvec3()).as_vec3() }
     }
 
     /// All contact points that overlap or have a force, in the order of their colliders, and those that are apart by at most a share of the
@@ -71,7 +76,7 @@ impl Frames {
             for point in &manifold.points[..manifold.count] {
                 let overlap = -(point.on_b - point.on_a).dot(manifold.normal);
                 let force = world.history.forces([a, b], normal).find(|(id, _)| *id == point.id);
-                let middle = place.point(0.5 * (point.on_a + point.on_b));
+                let middle = self.in_scene(place.point(0.5 * (point.on_a + point.on_b)));
                 let force = force.map_or(Vec3::ZERO, |(_, force)| force);
                 if overlap >= -gap || force != Vec3::ZERO {
                     found.push(Touch { colliders: [a, b], point: middle, normal, overlap: overlap.max(0.0), force });
@@ -99,11 +104,11 @@ impl Frames {
                 let gap = |point: &Point| (point.on_b - point.on_a).dot(manifold.normal);
                 let points = manifold.points[..manifold.count].iter();
                 let point = points.min_by(|one, two| gap(one).total_cmp(&gap(two)))?;
-                Some((place.turn * manifold.normal, place.point(0.5 * (point.on_a + point.on_b))))
+                Some((place.turn * manifold.normal, self.in_scene(place.point(0.5 * (point.on_a + point.on_b)))))
             });
             let (normal, point) = nearest.unwrap_or_else(|| {
                 let normal = (other.position - place.position).try_normalize().unwrap_or(Vec3::Y);
-                (normal, other.position)
+                (normal, self.in_scene(other.position))
             });
             Touch { colliders: [a, b], point, normal, overlap: 0.0, force: (impulse / dt) * normal }
         };
@@ -146,7 +151,7 @@ pub(crate) fn overlaps_of_solids(scene: &Scene) -> Result<Vec<([Part; 2], f32, f
     }
     let mut implied = scene.clone();
     implied.imply_bodies();
-    let mut frames = Frames::of(&implied)?;
+    let mut frames = Frames::of(&implied, None)?;
     frames.place_motions(&implied, 0.0, DEFAULT_TIME_STEP);
     let mut found: Vec<([Part; 2], f32, f32)> = Vec::new();
     for touch in frames.touches(0.0) {

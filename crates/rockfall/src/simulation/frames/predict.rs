@@ -80,7 +80,7 @@ impl Scene {
     fn concern_of_joints(&self, substeps: u32) -> Option<String> {
         let mut scene = self.clone();
         scene.imply_bodies();
-        let world = Frames::of(&scene).ok()?.world;
+        let world = Frames::of(&scene, None).ok()?.world;
         let rods: Vec<_> = scene.rod_ids().filter(|id| keeps_distance(&scene, *id)).collect();
         let name = |number: usize| match self.joints().get(number) {
             Some(joint) => format!("the joint {}", joint.name.clone().unwrap_or_else(|| format!("number {number}"))),
@@ -125,7 +125,7 @@ impl Scene {
         let mut scene = self.clone();
         scene.imply_bodies();
         check(&scene, &Options::default())?;
-        let world = Frames::of(&scene)?.world;
+        let world = Frames::of(&scene, None)?.world;
         let width = least_width(&world);
         let auto_substeps = auto_substeps(&world, dt);
         let substeps = self.run.substeps.unwrap_or(auto_substeps);

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::build::Builder;
 use super::{Frames, Owner};
@@ -59,10 +59,12 @@ impl Builder<'_> {
             return Ok(());
         }
         let ends = ends_of_spheres(scene, &self.owners);
+        let base = self.base;
+        let local = |point: DVec3| (point - base).as_vec3();
         let end = |id: SphereId| -> Result<End> {
             let sphere = scene.sphere(id)?;
             // A fixed sphere never moves, but its surface may.
-            let fixed = End { body: 0, place: sphere.position, belt: sphere.velocity };
+            let fixed = End { body: 0, place: local(sphere.centre().into()), belt: sphere.velocity };
             Ok(ends.get(&id).copied().unwrap_or(fixed))
         };
         for spring in scene.springs() {
@@ -74,7 +76,7 @@ impl Builder<'_> {
             self.spring(ends, [spring.stiffness, spring.damping, spring.length], muscle);
         }
         for Tether { sphere, point, stiffness, length, damping } in scene.tethers() {
-            let point = End { body: 0, place: *point, belt: Vec3::ZERO };
+            let point = End { body: 0, place: local(point.as_dvec3()), belt: Vec3::ZERO };
             self.spring([end(*sphere)?, point], [*stiffness, *damping, *length], None);
         }
         Ok(())

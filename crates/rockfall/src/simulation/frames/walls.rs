@@ -31,7 +31,7 @@ impl Builder<'_> {
         for (id, sphere) in self.scene.sphere_ids().zip(self.scene.spheres()) {
             if sphere.fixed && !ends.contains(&id) {
                 let shape = self.shape(Core::Point, sphere.radius);
-                let place = Pose::new(sphere.position, sphere.orientation);
+                let place = Pose::new(self.local(sphere.centre().into()), sphere.orientation);
                 self.collider(Part::Sphere(id), 0, shape, place, (sphere.group, sphere.material))?;
             }
         }
@@ -111,7 +111,7 @@ impl Builder<'_> {
             if !(one.fixed && other.fixed) {
                 continue;
             }
-            let (half, place) = segment(one.position.as_dvec3(), other.position.as_dvec3());
+            let (half, place) = segment(one.position.as_dvec3() - self.base, other.position.as_dvec3() - self.base);
             let shape = self.shape(Core::Segment { half }, rod.radius);
             self.collider(Part::Rod(id), 0, shape, place, (rod.group, rod.material))?;
             for (id, sphere) in [(rod.end1, one), (rod.end2, other)] {
@@ -126,7 +126,7 @@ impl Builder<'_> {
     /// The body that carries a wall, and where its origin lies before any motion.
     fn carrier(&self, motion: Option<MotionId>) -> Result<(u32, DVec3)> {
         let number = self.scene.body_number(motion)?;
-        Ok((number, number.checked_sub(1).map_or(DVec3::ZERO, |motion| self.origins[motion as usize])))
+        Ok((number, number.checked_sub(1).map_or(self.base, |motion| self.origins[motion as usize])))
     }
 
     /// Lets the radius of a body that carries walls reach the last collider. Planes have no end, and do not turn.
