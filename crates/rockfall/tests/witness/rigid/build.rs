@@ -142,6 +142,7 @@ impl Link {
             kind: joint.kind,
             bodies,
             ends,
+            errors: [(DVec3::ZERO, DQuat::IDENTITY); 2],
             limits: joint.limits.map(|limits| limits.map(f64::from)),
             cone: joint.cone.map(f64::from),
             speed: joint.speed.map(f64::from),

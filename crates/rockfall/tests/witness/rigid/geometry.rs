@@ -115,7 +115,9 @@ impl Solver {
                 pair.local = states[0].q.inverse() * sight.n;
             }
             if let Some(by) = sight.hidden_by {
-                points.drain(..).for_each(|point| given.push((by, point)));
+                // As they were: nothing is projected on the tangents of a place without points.
+                pair.points.drain(..).for_each(|point| given.push((by, point)));
+                points.clear();
             }
             (pair.n, pair.points) = (sight.n, points);
         }
@@ -130,6 +132,7 @@ impl Solver {
 
     pub(crate) fn refresh_all(&mut self) {
         (0..self.blocks.len()).for_each(|k| self.refresh(k));
+        self.refresh_links();
     }
 }
 

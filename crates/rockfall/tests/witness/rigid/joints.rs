@@ -30,6 +30,8 @@ pub(crate) struct Link {
     pub(crate) bodies: [usize; 2],
     /// Anchors and joint frames in coordinates of the bodies.
     pub(crate) ends: [(DVec3, DQuat); 2],
+    /// Errors of both in the present poses, along the axes of the world.
+    pub(crate) errors: [(DVec3, DQuat); 2],
     pub(crate) limits: Option<[f64; 2]>,
     pub(crate) cone: Option<f64>,
     pub(crate) speed: Option<f64>,
@@ -164,8 +166,9 @@ impl Link {
 
     fn pose(&self, [a, b]: [State; 2]) -> Pose {
         let d = b.x - a.x;
-        let (on_a, on_b) = (a.q * self.ends[0].0, d + b.q * self.ends[1].0);
-        let (qa, qb) = (a.q * self.ends[0].1, b.q * self.ends[1].1);
+        let [(off_a, turn_a), (off_b, turn_b)] = self.errors;
+        let (on_a, on_b) = (a.q * self.ends[0].0 + off_a, d + b.q * self.ends[1].0 + off_b);
+        let (qa, qb) = (turn_a * a.q * self.ends[0].1, turn_b * b.q * self.ends[1].1);
         let e = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| qa * axis);
         let (f1, gap) = (qb * DVec3::X, on_b - on_a);
         let turn = qa.inverse() * qb;
@@ -314,6 +317,19 @@ impl Solver {
             let angle = if most > 3 { 1.5 * PI / most as f64 } else { 0.5 * PI };
             (self.links[at].colour, self.links[at].angle) = (colour, angle);
             heavy.into_iter().for_each(|k| self.bodies[k].jointed = true);
+        }
+    }
+
+    /// Draws the errors of the places and the frames of joints, whose deviations are differences of coordinates of the world.
+    pub(crate) fn refresh_links(&mut self) {
+        for at in 0..self.links.len() {
+            let link = &self.links[at];
+            let sizes = [0, 1].map(|end| self.bodies[link.bodies[end]].state.x.abs().max_element() + link.ends[end].0.length());
+            let size = sizes[0].max(sizes[1]);
+            self.links[at].errors = [0, 1].map(|_| {
+                let (off, turn) = (self.errors(size), self.errors(1.0));
+                (off, DQuat::from_xyzw(turn.x, turn.y, turn.z, 1.0).normalize())
+            });
         }
     }
 
