@@ -105,7 +105,9 @@ fn find_hidden(block: Block, sight: Sight) {
         let pair = block.first_pair + k;
         let sides = pairs[PAIR_ROWS * pair + 3u].xy;
         let a_is_ball = shape_of_collider(sides.x).core == CORE_POINT;
-        if !a_is_ball && shape_of_collider(sides.y).core != CORE_POINT {
+        let b_is_ball = shape_of_collider(sides.y).core == CORE_POINT;
+        // The ball is the one with mass. Static balls are no part of a surface.
+        if a_is_ball == b_is_ball || !has_mass(select(block.b, block.a, a_is_ball)) {
             continue;
         }
         let place = place_in(sight, pair);
