@@ -109,8 +109,8 @@ fn is_round(world: &RigidWorld, found: &Found) -> bool {
     found.colliders.iter().any(|k| world.shapes[world.colliders[*k as usize].shape as usize].is_round())
 }
 
-/// On which side of a pair a ball with mass is, if the other side is no ball. Static balls are no part of a surface: they neither hide
-/// nor are hidden.
+/// On which side of a pair a ball with mass is, if the other side is no ball. Static balls are no part of a surface:
+/// they neither hide nor are hidden.
 pub(super) fn ball_side(world: &RigidWorld, pair: &Pair) -> Option<usize> {
     let colliders = pair.colliders.map(|k| &world.colliders[k as usize]);
     let is_ball = colliders.map(|collider| matches!(world.shapes[collider.shape as usize].core, Core::Point));

@@ -41,8 +41,9 @@ fn balls_of_a_body_on_one_static_ball_do_not_hide_each_other() {
     }
 }
 
-/// A ball goes from one tile to the next. The friction impulse stays as it is in the plane of the floor: it is not projected on the
-/// tangents of the place that becomes hidden. It goes over even where the normal impulse has become 0 in the biased pass.
+/// A ball goes from one tile to the next. The friction impulse stays as it is in the plane of the floor: it is not
+/// projected on the tangents of the place that becomes hidden. It goes over even where the normal impulse has become 0 in
+/// the biased pass.
 #[test]
 fn a_hidden_place_hands_its_impulse_over_as_it_is() {
     for normal in [1.0, 0.0] {
