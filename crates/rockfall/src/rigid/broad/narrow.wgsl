@@ -22,12 +22,15 @@ fn manifold_of(a: u32, b: u32) -> Manifold {
 // The number of points, the room for points, and flags.
 fn info_of(a: u32, b: u32, count: u32) -> u32 {
     let cores = vec2u(shape_of_collider(a).core, shape_of_collider(b).core);
+    let balls = cores == vec2u(CORE_POINT);
     let is_round = any(cores >= vec2u(CORE_SEGMENT));
     // A capsule may come to lie with its second end.
-    let room = select(count, max(count, 2u), is_round && all(cores != vec2u(CORE_POINT)));
+    let room = select(count, max(count, 2u), is_round && !any(balls));
+    // A ball with mass that touches something else.
+    let may_be_hidden = balls.x != balls.y && has_mass(body_of_collider(select(b, a, balls.x)));
     let moves = (marks_of_collider(a).z | marks_of_collider(b).z) != 0u;
     return count | (room << 8u) | select(0u, ROUND, is_round) | select(0u, BELT, moves)
-        | select(0u, BALL, any(cores == vec2u(CORE_POINT)));
+        | select(0u, BALL, may_be_hidden);
 }
 
 // Writes a manifold with its places in coordinates of the bodies.

@@ -37,7 +37,7 @@ fn bodies_of(pair: u32) -> vec2u {
 }
 
 // Gathers the pairs of a block and marks where its chunks begin. Returns the number of pairs, whether it is elastic and near, and the
-// number of pairs with a ball.
+// number of pairs in which a ball may be hidden.
 fn gather_pairs(first: u32, end: u32, both: vec2u) -> vec4u {
     var gathered = vec4u(0u);
     var filled = 0u;

@@ -101,13 +101,16 @@ fn forget_places() {
     hidden_pairs = 0u;
 }
 
-// Whether a pair of a ball may be hidden: one of the first pairs of a block with several static shapes.
+// Whether a pair of a ball with mass may be hidden: one of the first pairs of a block with several static shapes. Static balls are no part
+// of a surface.
 fn may_hide(block: Block, pair: u32) -> bool {
     if (block.info & SEAMS) == 0u || pair - block.first_pair >= MOST_HIDDEN {
         return false;
     }
     let sides = pairs[PAIR_ROWS * pair + 3u].xy;
-    return shape_of_collider(sides.x).core == CORE_POINT || shape_of_collider(sides.y).core == CORE_POINT;
+    let a_is_ball = shape_of_collider(sides.x).core == CORE_POINT;
+    let b_is_ball = shape_of_collider(sides.y).core == CORE_POINT;
+    return a_is_ball != b_is_ball && has_mass(select(block.b, block.a, a_is_ball));
 }
 
 // Takes note of the place of a pair that may be hidden.

@@ -151,7 +151,8 @@ fn renew_seams(world: &RigidWorld, view: &mut View<'_>, poses: &[Pose; 2], row: 
         let Some(by) = by else { continue };
         all[k].count = 0;
         let (pair, impulse) = (&view.pairs[k], view.impulses[(view.pairs[k].first - first) as usize]);
-        if impulse.normal > 0.0 {
+        // The biased pass may have left it friction alone.
+        if impulse != Impulse::default() {
             let outer = impulse.tangent.x * pair.tangents[0] + impulse.tangent.y * pair.tangents[1];
             gifts.push((by, impulse.normal, outer));
         }

@@ -46,7 +46,8 @@ fn renew_pair(block: Block, pair: u32, sight: Sight, place: Place, start: f32) {
     if is_hidden(block, pair) {
         // It keeps its impulse for the one that hides it, in the room of its row.
         let kept = contacts[2u * old.first + 1u];
-        contacts[2u * old.first] = vec4f(kept.y * old_one + kept.z * old_two, select(0.0, kept.x, count_of(old) > 0u));
+        let whole = vec4f(kept.y * old_one + kept.z * old_two, kept.x);
+        contacts[2u * old.first] = select(vec4f(0.0), whole, count_of(old) > 0u);
         renew_points(pair, sight, place, 0u);
     } else if (old.info & ROUND) != 0u {
         renew_points(pair, sight, place, place.count);
@@ -102,7 +103,8 @@ fn renew_block(k: u32, start: f32) {
     for (var k = 0u; k < MOST_HIDDEN && k < block.pairs && hidden_pairs != 0u; k++) {
         let own = face_at(block.first_pair + k).first;
         let gift = contacts[2u * own];
-        if is_hidden(block, block.first_pair + k) && gift.w > 0.0 {
+        // The biased pass may have left it friction alone.
+        if is_hidden(block, block.first_pair + k) && any(gift != vec4f(0.0)) {
             let to = face_at(block.first_pair + hidden_by[k]);
             let along = vec2f(dot(gift.xyz, tangent_one(to.normal)), dot(gift.xyz, tangent_two(to.normal)));
             contacts[2u * to.first + 1u] += vec4f(gift.w, along, 0.0);

@@ -109,10 +109,13 @@ fn is_round(world: &RigidWorld, found: &Found) -> bool {
     found.colliders.iter().any(|k| world.shapes[world.colliders[*k as usize].shape as usize].is_round())
 }
 
-/// Whether a pair is of a ball, and on which side the ball is.
+/// On which side of a pair a ball with mass is, if the other side is no ball. Static balls are no part of a surface:
+/// they neither hide nor are hidden.
 pub(super) fn ball_side(world: &RigidWorld, pair: &Pair) -> Option<usize> {
-    let is_ball = |k: &u32| matches!(world.shapes[world.colliders[*k as usize].shape as usize].core, Core::Point);
-    pair.colliders.iter().position(is_ball)
+    let colliders = pair.colliders.map(|k| &world.colliders[k as usize]);
+    let is_ball = colliders.map(|collider| matches!(world.shapes[collider.shape as usize].core, Core::Point));
+    let has_mass = colliders.map(|collider| world.bodies[collider.body as usize].inverse_mass > 0.0);
+    (0..2).find(|side| is_ball[*side] && has_mass[*side] && !is_ball[1 - *side])
 }
 
 /// For each place of a ball on static shapes the nearer place that hides it, if there is one.

@@ -14,4 +14,5 @@ mod joints;
 mod pile;
 mod rest;
 mod scene;
+mod seams;
 mod stack;

@@ -1,8 +1,9 @@
 //! Comparison of the engine with the witness over some frames.
 //!
 //! Both begin in the same state and run on their own. The tolerance follows from the rounding of f32: copies of the witness
-//! run with random errors of up to three roundings (6e-8 each) in places, velocities, momenta, points of contact and ends of
-//! joints of every substep. What these errors change, the rounding of the engine may change, too. A gap with an error of one rounding of a
+//! run with random errors of up to three roundings (6e-8 each) in places, velocities, momenta, points of contact and ends
+//! of joints of every substep. What these errors change, the rounding of the engine may change, too. A gap with an error
+//! of one rounding of a
 //! coordinate, divided by a substep, is an error of a velocity, so tolerances of velocities are far above the rounding of a
 //! velocity. Where the copies differ much, a decision (a hit, a sweep more, another point) lies within rounding. Such frames
 //! are counted and not compared, and end the comparison of the scene.

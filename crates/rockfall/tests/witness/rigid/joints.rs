@@ -320,7 +320,7 @@ impl Solver {
         }
     }
 
-    /// Draws the errors of the places and the frames of joints, whose deviations are differences of coordinates of the world.
+    /// Draws the errors of the places and the frames of joints: their deviations are differences of coordinates.
     pub(crate) fn refresh_links(&mut self) {
         for at in 0..self.links.len() {
             let link = &self.links[at];

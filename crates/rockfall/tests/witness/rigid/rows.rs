@@ -150,7 +150,8 @@ impl Solver {
             if closing <= 0.0 {
                 break;
             }
-            if t + spot.s / closing > left {
+            let late = (0.01 * left).min(1e-4 * rho / closing);
+            if t + spot.s / closing > left + late {
                 lowest = lowest.min(spot.s - closing * (left - t));
                 break;
             }

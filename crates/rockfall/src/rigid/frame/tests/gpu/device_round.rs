@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 
 use super::super::scene::{DT, Random, Scene, close};
+use super::super::seams::clump_on_a_ball;
 use super::device::{apart, open, run, stage};
 use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::frame::{Frame, bodies_alone, detect, energy};
@@ -190,6 +191,7 @@ pub(super) fn scenes() -> Vec<(&'static str, Scene, f32)> {
         ("rods", rods(), 0.0),
         ("tiles", tiles(0.0), 0.4),
         ("elastic tiles", tiles(0.5), 0.0),
+        ("clump on a ball", clump_on_a_ball(0.5), 0.1),
         ("passing", passing(0.0, 3), 0.0),
         ("elastic passing", passing(1.0, 7), 0.0),
         ("hub", hub(0.0), 0.2),
