@@ -49,7 +49,7 @@ fn stop(scene: &str, backend: &str, substeps: &str) {
     rockfall.run("run --resume a.ckpt --steps 80", 0);
     let whole = rockfall.read("whole.csv");
     assert_eq!(whole, rockfall.read("a.csv"));
-    assert!(whole.lines().count() > 5 && whole.contains(",enter,"), "{whole}");
+    assert!(whole.lines().count() >= 5 && whole.contains(",enter,"), "{whole}");
 }
 
 #[test]

@@ -46,7 +46,7 @@ CONTACT_EVENT = np.dtype(
 )
 
 
-def sensor_event(names: list[str]) -> np.dtype:
+def sensor_event(names: list[str]) -> np.dtype[np.void]:
     """Rows of :meth:`Simulation.sensor_events`, with room for the longest name."""
     longest = max((len(name) for name in names), default=1)
     return np.dtype(

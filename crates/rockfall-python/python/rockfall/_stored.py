@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from rockfall import _rockfall
 from rockfall._contact_law import ContactLaw, native_contact_law
-from rockfall._laws import ForceLaw, native_laws
 from rockfall._events import Watched
+from rockfall._laws import ForceLaw, native_laws
 from rockfall._team import on_first
 from rockfall._trajectory import Recording
 
