@@ -18,6 +18,7 @@ mod faults;
 mod force_laws;
 mod gauges;
 mod hard;
+mod hard_far;
 mod hard_flow;
 mod hard_joints;
 mod hard_mechanisms;
