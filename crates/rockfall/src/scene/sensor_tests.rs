@@ -43,7 +43,7 @@ fn wrong_lines_name_the_field_and_what_was_expected() {
 
 #[test]
 fn a_checkpoint_keeps_sensors() {
-    let scene = parse("# Gates\n@sensor name=gate box=-1,2,-1,1,2.5,1\nS 0 0 0 0 1 1 0 0 0 0 0 0\n").unwrap();
+    let scene = parse("# Gates\n@sensor name=gate box=-1,2,-1,1,2.5,1\nS 1 0 0 0 0 0 0 0 0 0 1 0.5\n").unwrap();
     let checkpoint = crate::Simulation::with_options(scene, crate::Options::new().backend(crate::Backend::Cpu))
         .and_then(|mut simulation| simulation.checkpoint())
         .unwrap();
