@@ -23,6 +23,27 @@ struct ClippedFace {
     labels: array<u32, 8>,
 }
 
+// The coordinates in a ring, from number i on.
+fn cycled(v: vec3f, i: u32) -> vec3f {
+    return select(select(v.zxy, v.yzx, i == 1u), v, i == 0u);
+}
+
+// Takes `cycled` back.
+fn uncycled(v: vec3f, i: u32) -> vec3f {
+    return select(select(v.yzx, v.zxy, i == 1u), v, i == 0u);
+}
+
+// The columns in a ring, from number j on.
+fn cycled_columns(m: mat3x3f, j: u32) -> mat3x3f {
+    if j == 0u {
+        return m;
+    }
+    if j == 1u {
+        return mat3x3f(m[1], m[2], m[0]);
+    }
+    return mat3x3f(m[2], m[0], m[1]);
+}
+
 fn absolute_columns(m: mat3x3f) -> mat3x3f {
     return mat3x3f(abs(m[0]), abs(m[1]), abs(m[2]));
 }

@@ -32,6 +32,15 @@ struct FacePolygon {
     labels: array<u32, MOST_CANDIDATES>,
 }
 
+// The least of its vertices along an axis.
+fn lowest_of(solid: Solid, axis: vec3f) -> f32 {
+    var least = 3e38;
+    for (var k = 0u; k < 64u && k < vertices_of_core(solid.shape); k++) {
+        least = min(least, dot(vertex_of(solid, k), axis));
+    }
+    return least;
+}
+
 fn width_of_shape(shape: Shape) -> f32 {
     var width = 2.0 * least_of(shape.size.xyz);
     if HULLS & (shape.core == CORE_HULL) {

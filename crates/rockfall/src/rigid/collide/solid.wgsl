@@ -158,15 +158,6 @@ fn extent_of_solid(solid: Solid) -> f32 {
     return scale;
 }
 
-// The least of its vertices along an axis.
-fn lowest_of(solid: Solid, axis: vec3f) -> f32 {
-    var least = 3e38;
-    for (var k = 0u; k < 64u && k < vertices_of_core(solid.shape); k++) {
-        least = min(least, dot(vertex_of(solid, k), axis));
-    }
-    return least;
-}
-
 // A unit vector, or 0 for 0.
 fn unit_or_zero(v: vec3f) -> vec3f {
     let square = dot(v, v);

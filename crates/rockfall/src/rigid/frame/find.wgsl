@@ -1,46 +1,60 @@
-// requires rigid/frame/places.wgsl rigid/frame/rows.wgsl rigid/frame/scratch.wgsl rigid/frame/search.wgsl rigid/frame/states.wgsl
+// requires rigid/frame/places.wgsl rigid/frame/rows.wgsl rigid/frame/scratch.wgsl rigid/frame/states.wgsl
 
 // The impacts of blocks that may have round pairs (docs/physics section 11.7): whether and when they are hit, and the geometry then.
 
-// What the points of a pair do along the paths of its bodies from their clock `start` on. The time is that since then. Closest
-// points are long code, which compilers copy to each call: `find_block` has two.
+// What the points of a pair do along the paths of its bodies from their clock `start` on. The time is that since then. A touch of a round
+// pair is searched for: the gap of a convex pair is convex along straight paths, so the steps come from below. Closest points are long
+// code, which compilers copy to each call, so `find_block` has two.
 fn hit_of_pair(block: Block, pair: u32, start: f32, least: f32) -> Hit {
     var hit = Hit(false, 2.0 * frame.h, 0.0, true);
     let h = frame.h;
     let fall = length(frame.gravity) * h;
     let rest = h - start;
-    let sight = sight_at(block, start);
+    let radius = least_radius(block);
     let is_round = (face_at(pair).info & ROUND) != 0u;
-    let way = search(block, pair, start, false, least);
-    let place = way.first;
-    let pull = -dot(field_of(block.b) - field_of(block.a), place.normal);
-    for (var k = 0u; k < MOST_POINTS && k < place.count; k++) {
-        let spot = spot_in(sight, place, k);
-        let gap = gap_of(spot, place.normal);
-        let u = approach_at(sight, 0.5 * (spot.on_a + spot.on_b), place.normal);
-        if u <= least || u + max(pull, 0.0) * rest <= fall {
-            continue;
+    var is_searched = false;
+    var time = 0.0;
+    var pull = 0.0;
+    for (var step = 0u; step < SEARCH_STEPS; step++) {
+        let sight = sight_at(block, start + time);
+        let place = place_in(sight, pair);
+        if step == 0u {
+            pull = -dot(field_of(block.b) - field_of(block.a), place.normal);
         }
-        let late = late_of(u, rest, least_radius(block));
-        var time = 0.0;
-        var speed = u;
-        if gap <= 0.0 {
-            time = select(-1.0, 0.0, u > fall);
-        } else if !is_round {
-            time = root_of(gap, u, pull, rest, fall, late);
-        } else if gap - u * (rest + late) - 0.5 * max(pull, 0.0) * rest * rest > 0.0 {
-            time = -1.0;
-        } else {
-            speed = way.speed;
-            time = select(-1.0, way.time, way.touches && speed > fall);
+        var gap = 3e38;
+        var speed = 0.0;
+        for (var k = 0u; k < MOST_POINTS && k < place.count; k++) {
+            let spot = spot_in(sight, place, k);
+            let own = gap_of(spot, place.normal);
+            let u = approach_at(sight, 0.5 * (spot.on_a + spot.on_b), place.normal);
+            if own < gap {
+                gap = own;
+                speed = u;
+            }
+            if step > 0u || u <= least || u + max(pull, 0.0) * rest <= fall {
+                continue;
+            }
+            let late = late_of(u, rest, radius);
+            if own > 0.0 && is_round {
+                is_searched |= own - u * (rest + late) - 0.5 * max(pull, 0.0) * rest * rest <= 0.0;
+                continue;
+            }
+            var when = select(-1.0, 0.0, u > fall);
+            if own > 0.0 {
+                when = root_of(own, u, pull, rest, fall, late);
+            }
+            if when >= 0.0 {
+                hit = Hit(true, min(hit.time, when), max(hit.depth, (u + 0.5 * abs(pull) * h) * h), hit.waits && own > -2.0 * u * h);
+            }
         }
-        if time < 0.0 {
-            continue;
+        let touches = gap < TOUCH * radius;
+        if is_searched && touches && speed > fall {
+            hit = Hit(true, min(hit.time, time), max(hit.depth, (speed + 0.5 * abs(pull) * h) * h), hit.waits);
         }
-        hit.found = true;
-        hit.time = min(hit.time, time);
-        hit.depth = max(hit.depth, (speed + 0.5 * abs(pull) * h) * h);
-        hit.waits &= gap > -2.0 * u * h;
+        if !is_searched || touches || speed <= 0.0 || time + gap / speed > rest + late_of(speed, rest, radius) {
+            break;
+        }
+        time = min(time + gap / speed, rest);
     }
     return hit;
 }

@@ -1,6 +1,71 @@
-// requires rigid/frame/places.wgsl rigid/frame/rows.wgsl rigid/frame/search.wgsl rigid/frame/states.wgsl
+// requires physics/quaternion.wgsl rigid/frame/places.wgsl rigid/frame/rows.wgsl rigid/frame/states.wgsl rigid/frame/turn.wgsl
 
 // The spare gaps of round pairs before the biased pass (docs/physics section 11.7): a body that passes is not deflected.
+
+struct Search {
+    touches: bool,
+    // Of the touch.
+    time: f32,
+    speed: f32,
+    // The least gap on the way.
+    least: f32,
+}
+
+// A body with its motion after the kick, on the parabola whose kick is in its velocity.
+fn kicked_state_at(body: u32, time: f32) -> State {
+    var state = State(place_of(body), turn_of(body), motion_of(body));
+    let field = field_of(body);
+    state.motion.velocity -= (frame.h - time) * field;
+    state.place += time * state.motion.velocity - (0.5 * time * time) * field;
+    let turn = time * state.motion.spin;
+    if any(turn != vec3f(0.0)) {
+        state.turn = unit_turn(multiply(rotation_by(turn), state.turn));
+    }
+    return state;
+}
+
+fn kicked_sight_at(block: Block, time: f32) -> Sight {
+    let a = kicked_state_at(block.a, time);
+    let b = kicked_state_at(block.b, time);
+    return Sight(a, b, b.place - a.place);
+}
+
+// The touch of a pair, as `find.wgsl` searches for it, along the paths after the kick.
+fn search(block: Block, pair: u32, start: f32) -> Search {
+    let rest = frame.h - start;
+    let radius = least_radius(block);
+    var found = Search(false, 0.0, 0.0, 3e38);
+    var time = 0.0;
+    for (var step = 0u; step < SEARCH_STEPS; step++) {
+        let sight = kicked_sight_at(block, start + time);
+        let place = place_in(sight, pair);
+        var gap = 3e38;
+        var speed = 0.0;
+        for (var k = 0u; k < MOST_POINTS && k < place.count; k++) {
+            let spot = spot_in(sight, place, k);
+            if gap_of(spot, place.normal) < gap {
+                gap = gap_of(spot, place.normal);
+                speed = approach_at(sight, 0.5 * (spot.on_a + spot.on_b), place.normal);
+            }
+        }
+        found.least = min(found.least, gap);
+        if gap < TOUCH * radius {
+            found.touches = true;
+            found.time = time;
+            found.speed = speed;
+            return found;
+        }
+        if speed <= 0.0 {
+            break;
+        }
+        if time + gap / speed > rest + late_of(speed, rest, radius) {
+            found.least = min(found.least, gap - speed * (rest - time));
+            break;
+        }
+        time = min(time + gap / speed, rest);
+    }
+    return found;
+}
 
 @compute @workgroup_size(THREADS)
 fn spare_round(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32) {
@@ -19,7 +84,7 @@ fn spare_round(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) gro
         if (face.info & ROUND) == 0u {
             continue;
         }
-        var found = Search(Place(), false, 0.0, 0.0, 3e38);
+        var found = Search(false, 0.0, 0.0, 3e38);
         var is_searched = false;
         for (var point = face.first; point < face.first + count_of(face); point++) {
             let row = contacts[2u * point];
@@ -28,7 +93,7 @@ fn spare_round(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) gro
             if row.w > 0.0 && u * rest > row.w {
                 if !is_searched {
                     is_searched = true;
-                    found = search(block, pair, start, true, 0.0);
+                    found = search(block, pair, start);
                 }
                 spare = select(max(found.least - row.w + u * rest, 0.0), 0.0, found.touches);
             }

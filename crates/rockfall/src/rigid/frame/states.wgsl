@@ -17,6 +17,9 @@ struct Sight {
     apart: vec3f,
 }
 
+// Steps of the search for a touch.
+const SEARCH_STEPS: u32 = 8u;
+
 struct Hit {
     found: bool,
     time: f32,

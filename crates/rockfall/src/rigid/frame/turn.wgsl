@@ -38,14 +38,6 @@ fn mass_in(top: Top, q: vec4f, inverse_mass: f32) -> Mass {
     return mass;
 }
 
-// L = I omega.
-fn momentum_in(top: Top, q: vec4f, spin: vec3f) -> vec3f {
-    let one = axis_of(top, q, 0u);
-    let two = axis_of(top, q, 1u);
-    let three = axis_of(top, q, 2u);
-    return top.moments.x * dot(one, spin) * one + top.moments.y * dot(two, spin) * two + top.moments.z * dot(three, spin) * three;
-}
-
 // The rotation by a vector.
 fn rotation_by(turn: vec3f) -> vec4f {
     let squared = dot(turn, turn);

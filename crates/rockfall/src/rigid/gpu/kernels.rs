@@ -74,7 +74,6 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/scratch.wgsl"
     "rigid/frame/places.wgsl"
     "rigid/frame/renew.wgsl"
-    "rigid/frame/search.wgsl"
     "rigid/frame/find.wgsl"
     "rigid/frame/known.wgsl"
     "rigid/frame/impacts_round.wgsl"
