@@ -112,10 +112,16 @@ impl Frames {
             let place = Vec3::new(x, y, z);
             // The scene has the place up to the rounding of its coordinates.
             let room = 1e-6 * (self.base.abs().max_element() as f32 + place.abs().max_element());
-            let is_own = body.inverse_mass == 0.0 || body.pose.position.distance(place) <= room;
-            (body.pose.position, body.spin, body.margin_scale) = (place, Vec3::new(p, q, r), scale);
-            if !(is_own && body.spin.is_finite() && (1.0..=MOST_MARGIN).contains(&scale)) {
+            (body.spin, body.margin_scale) = (Vec3::new(p, q, r), scale);
+            if !(place.is_finite() && body.spin.is_finite() && (1.0..=MOST_MARGIN).contains(&scale)) {
                 return false;
+            }
+            // What has no mass is put where its motion is.
+            if body.inverse_mass > 0.0 {
+                if body.pose.position.distance(place) > room {
+                    return false;
+                }
+                body.pose.position = place;
             }
         }
         (self.substeps, self.world.history) = (head[0], history);

@@ -182,7 +182,7 @@ fn contacts_of_another_scene_in_a_checkpoint_are_refused(backend: Backend) {
     // Substeps, then the number of bodies: the world and two cubes.
     let pattern: Vec<u8> = [4_u32, 3].iter().flat_map(|word| word.to_le_bytes()).collect();
     let place = good.windows(8).position(|window| window == pattern).expect("the words of the law");
-    for (at, word) in [(place, 0), (place + 4, 2), (place + 8, f32::NAN.to_bits()), (place + 20, 0)] {
+    for (at, word) in [(place, 0), (place + 4, 2), (place + 8, f32::NAN.to_bits()), (place + 32, 0)] {
         let mut bytes = good.clone();
         bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
         let end = bytes.len() - 4;
