@@ -144,10 +144,8 @@ mod tests {
         let names = Names::of(text);
         assert!(names.fits(&scene));
         let found: Vec<_> = scene.sphere_ids().map(|id| names.name(&scene, Body::Sphere(id))).collect();
-        let expected = |name: &str, line| (name.to_owned(), Some(line));
-        assert!(found[..9].iter().all(|name| *name == expected("boss", 5)), "{found:?}");
-        assert!(found[9..18].iter().all(|name| *name == expected("rigid body 1", 7)), "{found:?}");
-        assert_eq!(found[18], expected("sphere 4", 8));
+        let expected = [("boss", 5), ("rigid body 1", 7), ("sphere 4", 8)];
+        assert_eq!(found, expected.map(|(name, line)| (name.to_owned(), Some(line))));
     }
 
     #[test]
