@@ -96,10 +96,10 @@ pub(super) fn hulls(bodies: u32, random: &mut Random) -> Result<Scene> {
     let mut scene = hard();
     let cells = Cells::new(bodies, CELL, 0.2);
     let mut shapes = Vec::new();
-    for _ in 0..HULLS.min(bodies) {
+    for number in 0..HULLS.min(bodies) {
         let axes = Vec3::new(random.between(0.16, 0.22), random.between(0.16, 0.22), random.between(0.16, 0.22));
         let points: Vec<Vec3> = (0..POINTS).map(|_| axes * random.direction()).collect();
-        shapes.push(scene.add_shape(Shape::new().name("rock").mass(1.0).add_hull(points)?)?);
+        shapes.push(scene.add_shape(Shape::new().name(format!("rock {number}")).mass(1.0).add_hull(points)?)?);
     }
     for index in 0..bodies {
         let place = cells.centre(index) + random.offset(0.02);
