@@ -99,7 +99,7 @@ pub(super) fn hulls(bodies: u32, random: &mut Random) -> Result<Scene> {
     for number in 0..HULLS.min(bodies) {
         let axes = Vec3::new(random.between(0.16, 0.22), random.between(0.16, 0.22), random.between(0.16, 0.22));
         let points: Vec<Vec3> = (0..POINTS).map(|_| axes * random.direction()).collect();
-        shapes.push(scene.add_shape(Shape::new().name(format!("rock {number}")).mass(1.0).add_hull(points)?)?);
+        shapes.push(scene.add_shape(Shape::new().name(format!("rock{number}")).mass(1.0).add_hull(points)?)?);
     }
     for index in 0..bodies {
         let place = cells.centre(index) + random.offset(0.02);
