@@ -28,7 +28,7 @@ fn events(simulation: &mut Simulation) -> Vec<ContactEvent> {
 }
 
 /// All that is the same in two simulations, whose handles differ.
-fn facts(events: &[ContactEvent]) -> Vec<(u64, u64, ContactChange, [usize; 2], Vec<u32>)> {
+fn facts(events: &[ContactEvent]) -> Vec<impl PartialEq + std::fmt::Debug + use<>> {
     let of = |event: &ContactEvent| {
         let vectors = [event.point, event.normal, event.force].map(|vector| vector.to_array().map(f32::to_bits));
         (event.step, event.time.to_bits(), event.change, [event.a.index, event.b.index], vectors.concat())

@@ -121,7 +121,8 @@ fn damaged_rates_in_a_checkpoint_are_refused() {
     // The numbers of residues and of words of hard contacts, the low parts of 5 positions and their number, the length of the
     // tags, the words of 5 spheres, a rod, a capsule, a spring and a box follow, the motion and the surface velocity of the box, 8 bytes of inlets and outlets, 8 of shapes and bodies, 8 of
     // implied bodies, 8 of joints, 8 of groups, 8 of sensors, and the checksum.
-    let first = good.len() - 4 - 8 - 8 - 8 - 8 - 8 - 8 - 4 - 4 * (5 * 19 + 5 + 3 + 9 + 13 + 3) - 5 * 12 - 8 - 8 - 8 - 8 - 5 * 24;
+    let first =
+        good.len() - 4 - 8 - 8 - 8 - 8 - 8 - 8 - 4 - 4 * (5 * 19 + 5 + 3 + 9 + 13 + 3) - 5 * 12 - 8 - 8 - 8 - 8 - 5 * 24;
     // With another number of them, what follows them is not understood: the fifth is read as residues.
     assert!(changed(first - 8, 4).contains("residue"), "{}", changed(first - 8, 4));
     assert!(changed(first, f32::NAN.to_bits()).contains("not finite"), "{}", changed(first, f32::NAN.to_bits()));
