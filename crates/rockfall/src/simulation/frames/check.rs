@@ -21,7 +21,7 @@ pub(in crate::simulation) fn check_rods(scene: &Scene) -> Result<()> {
 }
 
 /// Whether a rod is part of a body, or lies between fixed spheres.
-fn is_fixed_or_part(scene: &Scene, id: RodId) -> bool {
+pub(super) fn is_fixed_or_part(scene: &Scene, id: RodId) -> bool {
     let is_fixed = |sphere| scene.sphere(sphere).is_ok_and(|sphere| sphere.fixed);
     let is_part = scene.body_of_rod(id).is_some() || scene.implied_of_rod(id).is_some();
     is_part || scene.rod(id).is_ok_and(|rod| is_fixed(rod.end1) && is_fixed(rod.end2))

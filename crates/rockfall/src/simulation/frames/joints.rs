@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3, Vec3};
 
 use super::build::Builder;
+use super::check::is_fixed_or_part;
 use super::springs::ends_of_spheres;
 use super::{Frames, Owner};
 use crate::error::Result;
@@ -114,9 +115,7 @@ impl Builder<'_> {
 
 /// Whether a rod only keeps the distance of its ends: it has a fixed length, is not part of a body, and an end is loose.
 pub(crate) fn keeps_distance(scene: &Scene, id: RodId) -> bool {
-    let is_loose = scene.body_of_rod(id).is_none() && scene.implied_of_rod(id).is_none();
-    let is_fixed = |sphere: SphereId| scene.sphere(sphere).is_ok_and(|sphere| sphere.fixed);
-    is_loose && scene.rod(id).is_ok_and(|rod| rod.length.is_some() && !(is_fixed(rod.end1) && is_fixed(rod.end2)))
+    scene.rod(id).is_ok_and(|rod| rod.length.is_some()) && !is_fixed_or_part(scene, id)
 }
 
 fn kind_of(kind: JointKind) -> Kind {
